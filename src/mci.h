@@ -1,0 +1,13 @@
+/* Reader of .mci files: original MCML's grammar plus the lines b, m and beam, bare or behind "#@ ".
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_MCI_H
+#define CML_MCI_H
+
+#include "scene.h"
+
+/* Reads all runs of `path` ("-" is standard input) and the files they name. Every scene has passed all checks
+ * but cml_scene_check_overlap, which costs time and is the caller's. CML_E_INPUT names file, line, field,
+ * value and what was expected. On failure *list is cleared. */
+CML_NODISCARD cml_status cml_mci_read(const char *path, struct cml_scene_list *list, struct cml_error *err);
+
+#endif

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+#include "text.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char blanks[] = " \t\v\f\r";
+
+static cml_status read_stream(FILE *stream, struct cml_text *text, struct cml_error *err)
+{
+    size_t capacity = 1 << 16;
+    text->data = malloc(capacity);
+    while (text->data) {
+        text->size += fread(text->data + text->size, 1, capacity - 1 - text->size, stream);
+        if (text->size < capacity - 1) break;
+        capacity *= 2;
+        char *larger = realloc(text->data, capacity);
+        if (!larger) free(text->data);
+        text->data = larger;
+    }
+    if (!text->data) return cml_fail_memory(err, (double)capacity, "the input file");
+    if (ferror(stream))
+        return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", text->path, strerror(errno));
+    text->data[text->size] = '\0';
+    if (strlen(text->data) != text->size)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s: cannot be read (it holds a NUL byte, so it is not a text file)", text->path);
+    return CML_OK;
+}
+
+cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err)
+{
+    const bool standard = strcmp(path, "-") == 0;
+    *text = (struct cml_text){0};
+    CML_TRY(cml_text_copy(standard ? "standard input" : path, &text->path, err));
+    FILE *stream = standard ? stdin : fopen(path, "rb");
+    cml_status status = CML_OK;
+    if (!stream)
+        status = cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", text->path, strerror(errno));
+    else
+        status = read_stream(stream, text, err);
+    if (stream && !standard) fclose(stream);
+    if (status != CML_OK) cml_text_clear(text);
+    return status;
+}
+
+void cml_text_clear(struct cml_text *text)
+{
+    free(text->path);
+    free(text->data);
+    *text = (struct cml_text){0};
+}
+
+char *cml_text_next(struct cml_text *text)
+{
+    if (text->cursor >= text->size) return NULL;
+    char *line = text->data + text->cursor;
+    char *end = strchr(line, '\n');
+    if (!end) end = text->data + text->size;
+    text->cursor = (size_t)(end - text->data) + 1;
+    *end = '\0';
+    if (end > line && end[-1] == '\r') end[-1] = '\0';
+    text->line++;
+    return line;
+}
+
+char *cml_text_word(char **cursor)
+{
+    char *word = *cursor + strspn(*cursor, blanks);
+    if (!*word) {
+        *cursor = word;
+        return NULL;
+    }
+    char *close = *word == '"' ? strchr(word + 1, '"') : NULL;
+    char *end = close ? close : word + strcspn(word, blanks);
+    *cursor = *end ? end + 1 : end;
+    *end = '\0';
+    return close ? word + 1 : word;
+}
+
+bool cml_parse_double(const char *word, double *value)
+{
+    if (word[strspn(word, "+-.0123456789eE")] != '\0') return false;
+    char *end = NULL;
+    const double number = strtod(word, &end);
+    if (end == word || *end || !isfinite(number)) return false;
+    *value = number;
+    return true;
+}
+
+bool cml_parse_count(const char *word, uint64_t *value)
+{
+    double number = 0;
+    if (!cml_parse_double(word, &number)) return false;
+    if (number < 0 || number > 9007199254740992.0 || number != floor(number)) return false;
+    *value = (uint64_t)number;
+    return true;
+}
+
+bool cml_parse_int(const char *word, int *value)
+{
+    if (word[strspn(word, "+-0123456789")] != '\0') return false;
+    char *end = NULL;
+    errno = 0;
+    const long number = strtol(word, &end, 10);
+    if (end == word || *end || errno || number < INT_MIN || number > INT_MAX) return false;
+    *value = (int)number;
+    return true;
+}
+
+cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err)
+{
+    *copy = strdup(text);
+    return *copy ? CML_OK : cml_fail_memory(err, (double)strlen(text), "a name");
+}
+
+cml_status cml_path_beside(const char *beside, const char *name, char **path, struct cml_error *err)
+{
+    const char *slash = strrchr(beside, '/');
+    if (!slash || name[0] == '/') return cml_text_copy(name, path, err);
+    const size_t directory = (size_t)(slash - beside) + 1;
+    *path = malloc(directory + strlen(name) + 1);
+    if (!*path) return cml_fail_memory(err, (double)directory, "a path");
+    memcpy(*path, beside, directory);
+    strcpy(*path + directory, name);
+    return CML_OK;
+}
+
+cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err)
+{
+    *file = (struct cml_file){0};
+    CML_TRY(cml_text_copy(path, &file->path, err));
+    file->temporary = malloc(strlen(path) + sizeof ".tmp");
+    if (file->temporary) {
+        strcpy(file->temporary, path);
+        strcat(file->temporary, ".tmp");
+        file->stream = fopen(file->temporary, "wb");
+    }
+    if (file->stream) return CML_OK;
+    const int reason = errno;
+    cml_file_abort(file);
+    return cml_fail(err, CML_E_IO, "%s: cannot be written (%s)", path, strerror(reason));
+}
+
+cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
+{
+    bool good = !ferror(file->stream) && fflush(file->stream) == 0 && fsync(fileno(file->stream)) == 0;
+    int reason = errno;
+    if (fclose(file->stream) != 0 && good) {
+        good = false;
+        reason = errno;
+    }
+    file->stream = NULL;
+    if (good && rename(file->temporary, file->path) != 0) {
+        good = false;
+        reason = errno;
+    }
+    cml_status status = CML_OK;
+    if (!good) status = cml_fail(err, CML_E_IO, "%s: cannot be written (%s)", file->path, strerror(reason));
+    if (good) file->temporary[0] = '\0';
+    cml_file_abort(file);
+    return status;
+}
+
+void cml_file_abort(struct cml_file *file)
+{
+    if (file->stream) fclose(file->stream);
+    if (file->temporary && file->temporary[0]) remove(file->temporary);
+    free(file->path);
+    free(file->temporary);
+    *file = (struct cml_file){0};
+}

@@ -1,0 +1,72 @@
+/* Text in and files out: the line reader, strict numbers, and the writer that never leaves half a file.
+ * Knows nothing of any format. Numbers are read in the "C" locale (the program never calls setlocale).
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TEXT_H
+#define CML_TEXT_H
+
+#include "status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/* A whole file in memory, handed out line by line. Owned by the caller; free with cml_text_clear. */
+struct cml_text {
+    char *path;    /* as given; "standard input" for "-" */
+    char *data;    /* size bytes and a final NUL */
+    size_t size;   /* bytes read */
+    size_t cursor; /* first byte that cml_text_next has not handed out */
+    int line;      /* number of the line handed out last, from 1 */
+};
+
+/* Reads `path` ("-" is standard input). CML_E_INPUT when it cannot be opened or read, holds a NUL byte, or is
+ * a directory: "PATH: cannot be read (REASON)". On failure *text is cleared. */
+CML_NODISCARD cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err);
+
+void cml_text_clear(struct cml_text *text);
+
+/* The next line without its line end (LF or CRLF; the last line needs none); NULL at the end of the file.
+ * The line is NUL-terminated in place and may be changed by the caller until cml_text_clear. */
+char *cml_text_next(struct cml_text *text);
+
+/* Cuts the next word (a run of non-blanks) out of *cursor: NUL-terminates it in place and moves *cursor
+ * behind it. Returns NULL when only blanks are left. A word that begins with '"' runs to the closing '"' and
+ * loses both; when the closing one is missing the word is returned with its opening '"', so that the caller's
+ * check refuses it. */
+char *cml_text_word(char **cursor);
+
+/* Whole-word conversions: true, and *value set, only when the entire word is one number.
+ * cml_parse_double takes decimal and exponent forms only: no hexadecimal, no nan, no inf, nothing that
+ * overflows. cml_parse_count takes 0 <= n <= 2^53, also written like 1e7 or 2.5e3 (must be whole).
+ * cml_parse_int takes decimal digits with an optional sign in the range of int. */
+bool cml_parse_double(const char *word, double *value);
+bool cml_parse_count(const char *word, uint64_t *value);
+bool cml_parse_int(const char *word, int *value);
+
+/* strdup that reports through err. */
+CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err);
+
+/* Joins the directory of `beside` with `name`, unless name is absolute: how a file named inside another is
+ * found. */
+CML_NODISCARD cml_status cml_path_beside(const char *beside, const char *name, char **path,
+                                         struct cml_error *err);
+
+/* A file that appears under its name only when it is complete: written to "PATH.tmp", synced, then renamed.
+ * What stood under PATH stays until the rename. */
+struct cml_file {
+    FILE *stream;    /* write here; check nothing, cml_file_commit sees every error */
+    char *path;      /* final name */
+    char *temporary; /* name until the commit */
+};
+
+CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
+
+/* Flush, fsync, close, rename. On failure (CML_E_IO) the temporary file is removed and PATH is what it was.
+ */
+CML_NODISCARD cml_status cml_file_commit(struct cml_file *file, struct cml_error *err);
+
+/* Drops the temporary file. Does nothing after a commit. */
+void cml_file_abort(struct cml_file *file);
+
+#endif

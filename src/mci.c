@@ -51,7 +51,7 @@ static cml_status seek(struct cml_mci_reader *reader, enum stage stage, struct c
         CML_TRY(cml_mci_next(reader, stage != STAGE_NAME, &kind));
         if (kind == CML_MCI_DATA) return CML_OK;
         if (kind == CML_MCI_END)
-            return cml_mci_fail(reader, field, NULL, "a line before the end of the file");
+            return cml_mci_fail(reader, field, NULL, "a line for it, but the file ends here");
         if (kind == CML_MCI_BEAM && stage == STAGE_RUN)
             CML_TRY(cml_mci_beam(reader, &scene->beam));
         else if ((kind == CML_MCI_B || kind == CML_MCI_M) && stage == STAGE_LAYERS)

@@ -18,6 +18,7 @@ struct samples {
     char owner[32];
     double *values; /* h0 s0 h1 s1 ... as far as read */
     size_t num_values, capacity;
+    double radius; /* of the sample read last */
 };
 
 static cml_status fail_sample(const struct samples *samples, const char *field, const char *value,
@@ -57,8 +58,17 @@ static cml_status append(struct samples *samples, double value)
     return CML_OK;
 }
 
-/* Reads number i of 2n: h for even i, s for odd i. */
-static cml_status read_sample(struct samples *samples, size_t i, int n)
+/* Refuses number i of 2n: h for even i, s for odd i. */
+static cml_status fail_number(const struct samples *samples, size_t i, int n, const char *word,
+                              const char *expected)
+{
+    char name[32], total[96];
+    snprintf(name, sizeof name, "%c%zu", i % 2 == 0 ? 'h' : 's', i / 2);
+    snprintf(total, sizeof total, "2*n = %zu numbers after n, found %zu", 2 * (size_t)n, i);
+    return fail_sample(samples, name, word, word ? expected : total);
+}
+
+static cml_status read_number(struct samples *samples, size_t i, int n)
 {
     static const struct cml_mci_field height = {"h", -CML_MCI_HUGE, CML_MCI_HUGE, false,
                                                 "a height of -1e30..1e30 cm"};
@@ -66,17 +76,18 @@ static cml_status read_sample(struct samples *samples, size_t i, int n)
                                                  "a spacing of 1e-30..1e30 cm"};
     static const struct cml_mci_field last_spacing = {"s", -HUGE_VAL, HUGE_VAL, false,
                                                       "a number, although the last spacing has no effect"};
-    const struct cml_mci_field *field = i % 2 == 0              ? &height
-                                        : i + 1 < 2 * (size_t)n ? &spacing
-                                                                : &last_spacing;
-    char name[32], expected[96];
+    const struct cml_mci_field *field = i % 2 == 0 ? &height : &spacing;
+    if (i + 1 == 2 * (size_t)n) field = &last_spacing;
     double value = 0;
-    snprintf(name, sizeof name, "%s%zu", field->name, i / 2);
     const char *word = next_word(samples);
-    if (word && cml_mci_parse(field, word, &value)) return append(samples, value);
-    if (word) return fail_sample(samples, name, word, field->expected);
-    snprintf(expected, sizeof expected, "2*n = %zu numbers after n, found %zu", 2 * (size_t)n, i);
-    return fail_sample(samples, name, NULL, expected);
+    if (!word || !cml_mci_parse(field, word, &value))
+        return fail_number(samples, i, n, word, field->expected);
+    CML_TRY(append(samples, value));
+    if (field != &spacing) return CML_OK;
+    const double before = samples->radius;
+    samples->radius += value;
+    if (samples->radius > before && samples->radius <= CML_MCI_HUGE) return CML_OK;
+    return fail_number(samples, i, n, word, "a spacing that takes the radius further, up to 1e30 cm");
 }
 
 static cml_status read_samples(struct samples *samples, int *n)
@@ -90,7 +101,7 @@ static cml_status read_samples(struct samples *samples, int *n)
     if (!word || !cml_mci_parse(&field, word, &number))
         return fail_sample(samples, field.name, word, field.expected);
     *n = (int)number;
-    for (size_t i = 0; i < 2 * (size_t)*n; i++) CML_TRY(read_sample(samples, i, *n));
+    for (size_t i = 0; i < 2 * (size_t)*n; i++) CML_TRY(read_number(samples, i, *n));
     word = next_word(samples);
     if (!word || (!in_file && !cml_parse_double(word, &surplus))) return CML_OK;
     char expected[80];
@@ -105,21 +116,13 @@ static cml_status sum_radii(const struct samples *samples, struct cml_radial *ra
     radial->h = malloc(n * sizeof *radial->h);
     if (!radial->r || !radial->h)
         return cml_fail_memory(samples->reader->err, (double)(2 * n * sizeof(double)), "a heightfield");
+    radial->n = (int)n;
     double r = 0;
     for (size_t i = 0; i < n; i++) {
-        const double s = samples->values[2 * i + 1];
         radial->r[i] = r;
         radial->h[i] = samples->values[2 * i];
-        if (i + 1 < n && (r + s <= r || r + s > CML_MCI_HUGE)) {
-            char name[32], value[32];
-            snprintf(name, sizeof name, "s%zu", i);
-            snprintf(value, sizeof value, "%.17g", s);
-            return fail_sample(samples, name, value,
-                               "a spacing that takes the radius further, up to 1e30 cm");
-        }
-        r += s;
+        r += samples->values[2 * i + 1];
     }
-    radial->n = (int)n;
     return CML_OK;
 }
 

@@ -60,7 +60,7 @@ struct cml_scene {
     struct cml_medium_def *media;    /* [L+2] */
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_beam beam;
-    char *text; /* the run's lines as written, without comments and blank lines: provenance */
+    char *text; /* the data lines of the run as written, joined with line feeds: provenance */
 };
 
 struct cml_scene_list {

@@ -142,12 +142,14 @@ cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_e
     }
     if (file->stream) return CML_OK;
     const int reason = errno;
+    if (file->temporary) file->temporary[0] = '\0'; /* not ours to remove */
     cml_file_abort(file);
     return cml_fail(err, CML_E_IO, "%s: cannot be written (%s)", path, strerror(reason));
 }
 
 cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
 {
+    errno = EIO; /* for an error that happened before and left no reason */
     bool good = !ferror(file->stream) && fflush(file->stream) == 0 && fsync(fileno(file->stream)) == 0;
     int reason = errno;
     if (fclose(file->stream) != 0 && good) {

@@ -1,0 +1,208 @@
+/* A ray against a revolved heightfield: rings of cones, marched in the order in which the ray's r(t) visits
+ * them.
+ *
+ * The cylinders r = r_i cut the ray into spans. In a span the height of the ray above the surface,
+ *   f(t) = z(t) - (z_i + m_i (r(t) - r_i)),   r(t) = sqrt(a t^2 + 2 b t + c),
+ * is convex or concave, so it has at most two roots. f at a shared radius is evaluated once, from that radius
+ * itself, and serves both neighbours: no ray slips between two rings. The side on which the packet is at the
+ * start is state, never computed; a packet that stands on a ring has the root t = 0, which is divided out. No
+ * epsilon anywhere.
+ *
+ * Quadratic: (w + uz t)^2 = m^2 r(t)^2 with w = z - z_i + m r_i, i.e. A t^2 + 2 B t + C = 0,
+ *   A = uz^2 - m^2 a,  B = w uz - m^2 b,  C = (w - m r)(w + m r),
+ *   B^2 - A C = m^2 (|w u_xy - uz p_xy|^2 - m^2 k^2),  k = x uy - y ux,
+ * the last form without the cancellation that loses the axial ray.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_CONE_H
+#define CML_CONE_H
+
+#include "optics.h"
+#include "port.h"
+
+struct cml_rings {
+    CML_GLOBAL const real *r, *z, *slope; /* [n], see struct cml_world */
+    int n;
+};
+
+/* A ray relative to the field's axis, with what all rings need of it. side: +1 the packet is below the
+ * surface (f > 0) and can only leave upwards, -1 above. */
+struct cml_cone_ray {
+    struct cml_vec p, u;
+    real side;
+    real a, b, c, r, k; /* r^2(t) = a t^2 + 2 b t + c; r = r(0); k = x uy - y ux */
+};
+
+CML_FN struct cml_cone_ray cml_cone_ray_make(struct cml_vec p, struct cml_vec u, real side)
+{
+    struct cml_cone_ray ray;
+    ray.p = p;
+    ray.u = u;
+    ray.side = side;
+    ray.a = u.x * u.x + u.y * u.y;
+    ray.b = p.x * u.x + p.y * u.y;
+    ray.c = p.x * p.x + p.y * p.y;
+    ray.r = CML_SQRT(ray.c);
+    ray.k = p.x * u.y - p.y * u.x;
+    return ray;
+}
+
+/* The ring whose span holds r: largest i with r_i <= r. */
+CML_FN int cml_ring_of(struct cml_rings rings, real r)
+{
+    int low = 0, high = rings.n;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (rings.r[middle] <= r)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Where the ray leaves ring i: *next is i - 1 (inwards), i + 1 (outwards) or -1 (never, t is infinite). While
+ * the ray moves inwards it crosses r_i only if its least radius |k|/sqrt(a) lies inside. */
+CML_FN real cml_ring_exit(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int inwards,
+                          int *next)
+{
+    if (inwards && i > 0) {
+        const real ri = rings.r[i];
+        const real square = ray->a * ri * ri - ray->k * ray->k;
+        if (square > 0) {
+            *next = i - 1;
+            return (ray->r - ri) * (ray->r + ri) / (CML_SQRT(square) - ray->b);
+        }
+    }
+    *next = i + 1 < rings.n && ray->a > 0 ? i + 1 : -1;
+    if (*next < 0) return CML_INFINITY;
+    const real ro = rings.r[i + 1];
+    const real square = ray->a * ro * ro - ray->k * ray->k;
+    const real root = square > 0 ? CML_SQRT(square) : (real)0;
+    return ray->b > 0 ? (ro - ray->r) * (ro + ray->r) / (root + ray->b) : (root - ray->b) / ray->a;
+}
+
+/* side * f at the end t of a span of ring i; next says which ring's radius it is, -1: none, r(t) is computed.
+ */
+CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next, real t)
+{
+    const real z = ray->p.z + t * ray->u.z;
+    if (next >= 0) return ray->side * (z - rings.z[next > i ? next : i]);
+    const real r = CML_SQRT(ray->c + t * ((real)2 * ray->b + t * ray->a));
+    return ray->side * (z - rings.z[i] - rings.slope[i] * (r - rings.r[i]));
+}
+
+/* The only root of ring i's cone at which the ray leaves its side: of the two roots the one where side * f
+ * falls. standing: t = 0 is a root and is divided out. Returns 0 when there is none; *t may lie outside the
+ * span. With dip, the root counts only on the real nappe (elsewhere a change of sign at the span's end has
+ * shown that it is real). */
+CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, int dip,
+                         real *t)
+{
+    const real m = rings.slope[i];
+    if (m == 0) {
+        if (!(ray->side * ray->u.z < 0)) return 0;
+        *t = standing ? (real)0 : (rings.z[i] - ray->p.z) / ray->u.z;
+        return 1;
+    }
+    const real w = ray->p.z - rings.z[i] + m * rings.r[i];
+    const real mm = m * m;
+    const real A = ray->u.z * ray->u.z - mm * ray->a;
+    const real B = w * ray->u.z - mm * ray->b;
+    const real across_x = w * ray->u.x - ray->u.z * ray->p.x, across_y = w * ray->u.y - ray->u.z * ray->p.y;
+    const real D = mm * (across_x * across_x + across_y * across_y - mm * ray->k * ray->k);
+    if (!standing && !(D >= 0)) return 0;
+    const real C = standing ? (real)0 : (w - m * ray->r) * (w + m * ray->r);
+    const real root = standing ? (B < 0 ? -B : B) : CML_SQRT(D);
+    const real q = ray->side * m > 0 ? -B - root : -B + root;
+    const real q_other = ray->side * m > 0 ? -B + root : -B - root;
+    *t = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other) ? q / A : C / q_other;
+    return !dip || m * (w + *t * ray->u.z) > 0;
+}
+
+/* One span [t0, t1] of ring i. Crossed when side * f is negative at its end, or dips below 0 in between,
+ * which only a convex side * f can. Returns 1 and *t in [t0, t1] when the surface is crossed. */
+CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next,
+                         int standing, real t0, real t1, real *t)
+{
+    const int crossed = cml_ring_height(rings, ray, i, next, t1) < 0;
+    if (!crossed && (standing || !(ray->side * rings.slope[i] < 0))) return 0;
+    real root;
+    if (!cml_ring_root(rings, ray, i, standing, !crossed, &root)) return 0;
+    if (!crossed && !(root > t0 && root < t1)) return 0;
+    if (standing && !(root <= t1))
+        return 0; /* the sign at t1 was rounding: the packet has just left the ring */
+    *t = root > t0 ? (root < t1 ? root : t1) : t0;
+    return 1;
+}
+
+/* A ray parallel to the axis stays at one radius: its height is linear in t. */
+CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing,
+                                 real t_max, real *t)
+{
+    if (!(ray->side * ray->u.z < 0) || standing) return 0;
+    const real z = rings.z[i] + rings.slope[i] * (ray->r - rings.r[i]);
+    const real root = (z - ray->p.z) / ray->u.z;
+    *t = root > 0 ? root : (real)0;
+    return *t < t_max;
+}
+
+/* The first crossing of the surface with 0 <= t < t_max (infinite allowed).
+ * p is relative to the axis and to the boundary's frame; on_ring is the ring the packet stands on, -1: none.
+ * Returns 1, *t and *ring at a crossing, else 0. */
+CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec u, real side, real t_max,
+                        int on_ring, real *t, int *ring)
+{
+    const struct cml_cone_ray ray = cml_cone_ray_make(p, u, side);
+    int standing = on_ring >= 0;
+    int i = standing ? on_ring : cml_ring_of(rings, ray.r);
+    int inwards = ray.b < 0;
+    real t0 = 0;
+    *ring = i;
+    if (!(ray.a > 0)) return cml_cone_hit_vertical(rings, &ray, i, standing, t_max, t);
+    for (;;) {
+        int next;
+        real t1 = cml_ring_exit(rings, &ray, i, inwards, &next);
+        if (next > i) inwards = 0;
+        const int last = !(t1 < t_max);
+        if (last) next = -1;
+        t1 = last ? t_max : (t1 > t0 ? t1 : t0);
+        *ring = i;
+        if (next < 0 && rings.slope[i] == 0) {
+            const int plane = cml_ring_root(rings, &ray, i, standing, 0, t) && !standing && *t < t1;
+            if (plane) *t = *t > t0 ? *t : t0;
+            return plane;
+        }
+        if (cml_ring_span(rings, &ray, i, next, standing, t0, t1, t)) return *t < t_max;
+        if (next < 0) return 0;
+        standing = 0;
+        i = next;
+        t0 = t1;
+    }
+}
+
+/* Unit normal of ring i, pointing up (against z), at a point relative to the axis. On the axis, and exactly
+ * on a ridge, the mean of the normals of all faces that meet there. */
+CML_FN struct cml_vec cml_cone_normal_of_slope(real m, real x, real y, real r)
+{
+    const real k = (real)1 / CML_SQRT((real)1 + m * m);
+    const struct cml_vec up = {m * k * (x / r), m * k * (y / r), -k};
+    return up;
+}
+
+CML_FN struct cml_vec cml_cone_normal(struct cml_rings rings, int i, real x, real y)
+{
+    const struct cml_vec axis = {0, 0, -1};
+    const real r = CML_SQRT(x * x + y * y);
+    const real m = rings.slope[i];
+    if (!(r > 0)) return axis;
+    const struct cml_vec up = cml_cone_normal_of_slope(m, x, y, r);
+    const int neighbour = r == rings.r[i] ? i - 1 : (i + 1 < rings.n && r == rings.r[i + 1] ? i + 1 : i);
+    if (neighbour == i || neighbour < 0) return up;
+    const struct cml_vec other = cml_cone_normal_of_slope(rings.slope[neighbour], x, y, r);
+    const struct cml_vec sum = cml_along(up, 1, other);
+    const real k = (real)1 / CML_SQRT(cml_dot(sum, sum));
+    const struct cml_vec mean = {k * sum.x, k * sum.y, k * sum.z};
+    return mean;
+}
+
+#endif

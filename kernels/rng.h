@@ -1,0 +1,101 @@
+/* Random numbers: a photon owns its stream. Every block of four 32-bit words is a pure function of
+ * (seed, run, photon index, purpose, event): no state, no order, nothing of threads or devices.
+ * Threefry4x32 with 12 rounds, the fewest that pass BigCrush with a margin in
+ * [Salmon, Moraes, Dror, Shaw: Parallel random numbers: as easy as 1, 2, 3; SC11, table 2]. Bit-equal to
+ * Random123's threefry4x32_R(12, ...), tested. Additions, rotations and exclusive-ors only: every compiler
+ * makes vector code of it. SPDX-License-Identifier: MIT */
+#ifndef CML_RNG_H
+#define CML_RNG_H
+
+#include "port.h"
+
+/* What a block is for; part of the counter, so that adding boundary events leaves the scattering draws
+ * unchanged. */
+enum cml_purpose {
+    CML_PURPOSE_INTERACTION, /* event e: [0] optical depth to interaction e, [1] [2] its angles, [3] its
+                                roulette */
+    CML_PURPOSE_BOUNDARY,    /* event c: [0] reflection at the c-th boundary event with unequal indices */
+    CML_PURPOSE_TAIL,   /* event e: further optical depths when word [0] of interaction e fell in the lowest
+                           cell */
+    CML_PURPOSE_LAUNCH, /* event 0: where in the beam */
+};
+
+struct cml_block {
+    cml_u32 w[4];
+};
+
+struct cml_stream {
+    cml_u32 key[4]; /* seed low, seed high, run, 0 */
+};
+
+CML_FN cml_u32 cml_rotate_left(cml_u32 x, int n)
+{
+    return (x << n) | (x >> (32 - n));
+}
+
+#define CML_MIX(a, b, n)                                                                                     \
+    do {                                                                                                     \
+        (a) += (b);                                                                                          \
+        (b) = cml_rotate_left(b, n) ^ (a);                                                                   \
+    } while (0)
+
+/* Four rounds: two column rounds alternating with two diagonal ones; the rotations come in two sets of four.
+ */
+#define CML_FOUR_ROUNDS(r0, r1, r2, r3, r4, r5, r6, r7)                                                      \
+    do {                                                                                                     \
+        CML_MIX(x0, x1, r0);                                                                                 \
+        CML_MIX(x2, x3, r1);                                                                                 \
+        CML_MIX(x0, x3, r2);                                                                                 \
+        CML_MIX(x2, x1, r3);                                                                                 \
+        CML_MIX(x0, x1, r4);                                                                                 \
+        CML_MIX(x2, x3, r5);                                                                                 \
+        CML_MIX(x0, x3, r6);                                                                                 \
+        CML_MIX(x2, x1, r7);                                                                                 \
+    } while (0)
+
+#define CML_INJECT(a, b, c, d, s)                                                                            \
+    do {                                                                                                     \
+        x0 += (a);                                                                                           \
+        x1 += (b);                                                                                           \
+        x2 += (c);                                                                                           \
+        x3 += (d) + (s);                                                                                     \
+    } while (0)
+
+/* Threefry4x32-12 of the counter (c0, c1, c2, c3) under the stream's key. */
+CML_FN struct cml_block cml_threefry(struct cml_stream stream, cml_u32 c0, cml_u32 c1, cml_u32 c2, cml_u32 c3)
+{
+    const cml_u32 k0 = stream.key[0], k1 = stream.key[1], k2 = stream.key[2], k3 = stream.key[3];
+    const cml_u32 k4 = 0x1BD11BDAu ^ k0 ^ k1 ^ k2 ^ k3;
+    cml_u32 x0 = c0, x1 = c1, x2 = c2, x3 = c3;
+    CML_INJECT(k0, k1, k2, k3, 0u);
+    CML_FOUR_ROUNDS(10, 26, 11, 21, 13, 27, 23, 5);
+    CML_INJECT(k1, k2, k3, k4, 1u);
+    CML_FOUR_ROUNDS(6, 20, 17, 11, 25, 10, 18, 20);
+    CML_INJECT(k2, k3, k4, k0, 2u);
+    CML_FOUR_ROUNDS(10, 26, 11, 21, 13, 27, 23, 5);
+    CML_INJECT(k3, k4, k0, k1, 3u);
+    const struct cml_block block = {{x0, x1, x2, x3}};
+    return block;
+}
+
+CML_FN struct cml_block cml_draw(struct cml_stream stream, cml_u64 photon, enum cml_purpose purpose,
+                                 cml_u32 event)
+{
+    return cml_threefry(stream, (cml_u32)photon, (cml_u32)(photon >> 32), event, (cml_u32)purpose);
+}
+
+/* Uniform in (0, 1]: (k + 1/2) / 2^32, rounded to real; never 0. */
+CML_FN real cml_uniform(cml_u32 word)
+{
+    return (real)word * (real)2.3283064365386963e-10 + (real)1.1641532182693481e-10;
+}
+
+/* Uniform in (-1, 1), symmetric, never +-1, exact in float: the odd multiples of 2^-24 from the upper 24
+ * bits. */
+CML_FN real cml_uniform_symmetric(cml_u32 word)
+{
+    const int odd = 2 * (int)(word >> 8) + 1 - 16777216;
+    return (real)odd * (real)5.9604644775390625e-8;
+}
+
+#endif

@@ -1,0 +1,152 @@
+/* The next crossing of a packet with the boundaries of its medium, whatever their kind.
+ * A boundary can only be crossed away from the side the packet is on: below it upwards, above it downwards.
+ * That rule, not a distance, keeps a packet from meeting again the surface it has just left.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_SURFACE_HIT_H
+#define CML_SURFACE_HIT_H
+
+#include "cone.h"
+#include "types.h"
+
+struct cml_hit {
+    real t; /* distance, cm */
+    int boundary, primitive;
+    struct cml_vec point;  /* in the boundary's frame, x and y from the beam's axis */
+    struct cml_vec normal; /* unit, up: what Fresnel and Snell see */
+    struct cml_vec facet;  /* unit, up: decides on which side a direction goes */
+};
+
+#ifndef __OPENCL_VERSION__
+/* Closest crossing of a mesh (src/surface_mesh.c): p in the boundary's frame and from the beam's axis;
+ * exclude is the primitive the packet stands on or -1. Returns 1 and fills the rest when one is found with 0
+ * <= t < t_max. */
+struct cml_mesh_crossing {
+    double t, point[3], normal[3], facet[3];
+    int primitive;
+};
+int cml_mesh_surface_hit(const struct cml_mesh_surface *mesh, const double p[3], const double u[3], int below,
+                         double t_max, int exclude, double slack, struct cml_mesh_crossing *crossing);
+#endif
+
+CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary)
+{
+    const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
+    const struct cml_rings rings = {world->ring_r + surface->first_ring, world->ring_z + surface->first_ring,
+                                    world->ring_slope + surface->first_ring, surface->num_rings};
+    return rings;
+}
+
+/* A point's x and y from the field's axis instead of the beam's. */
+CML_FN struct cml_vec cml_from_scene_axis(const struct cml_world *world, struct cml_vec p)
+{
+    const struct cml_vec moved = {p.x + world->setup.x0, p.y + world->setup.y0, p.z};
+    return moved;
+}
+
+/* Plane z = 0 of its frame. A packet that rounding has put beyond it crosses at once when it heads outwards.
+ */
+CML_FN int cml_plane_hit(struct cml_vec p, struct cml_vec u, real side, real t_max, struct cml_hit *hit)
+{
+    if (!(side * u.z < 0)) return 0;
+    const real t = -p.z / u.z;
+    if (!(t < t_max)) return 0;
+    const struct cml_vec up = {0, 0, -1};
+    hit->t = t > 0 ? t : (real)0;
+    hit->point = cml_along(p, hit->t, u);
+    hit->point.z = 0;
+    hit->normal = up;
+    hit->facet = up;
+    hit->primitive = 0;
+    return 1;
+}
+
+CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
+                         real side, real t_max, int standing_on, struct cml_hit *hit)
+{
+    const struct cml_rings rings = cml_rings_of(world, boundary);
+    real t;
+    int ring;
+    if (!cml_cone_hit(rings, cml_from_scene_axis(world, p), u, side, t_max, standing_on, &t, &ring)) return 0;
+    hit->t = t;
+    hit->point = cml_along(p, t, u);
+    const struct cml_vec q = cml_from_scene_axis(world, hit->point);
+    hit->normal = cml_cone_normal(rings, ring, q.x, q.y);
+    hit->facet = hit->normal;
+    hit->primitive = ring;
+    return 1;
+}
+
+#ifndef __OPENCL_VERSION__
+CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
+                        real side, real t_max, int standing_on, struct cml_hit *hit)
+{
+    const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
+    const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]));
+    struct cml_mesh_crossing c;
+    if (!cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on, slack, &c))
+        return 0;
+    hit->t = (real)c.t;
+    hit->primitive = c.primitive;
+    const struct cml_vec point = {(real)c.point[0], (real)c.point[1], (real)c.point[2]};
+    const struct cml_vec normal = {(real)c.normal[0], (real)c.normal[1], (real)c.normal[2]};
+    const struct cml_vec facet = {(real)c.facet[0], (real)c.facet[1], (real)c.facet[2]};
+    hit->point = point;
+    hit->normal = normal;
+    hit->facet = facet;
+    return 1;
+}
+#endif
+
+/* The part of the ray before t_max that can meet a surface between two depths: returns 0 when there is none,
+ * else the distance after which there is none any more. */
+CML_FN int cml_clip_to_envelope(const CML_GLOBAL struct cml_surface *surface, real z, real uz, real side,
+                                real *t_max)
+{
+    const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
+    if (side * uz < 0) return side * (z - nearest) <= 0 || (nearest - z) / uz < *t_max;
+    if (side * (z - nearest) > 0) return 0; /* heading away from all of it */
+    if (side * uz > 0 && (nearest - z) / uz < *t_max) *t_max = (nearest - z) / uz;
+    return 1;
+}
+
+/* Crossing of one boundary; p in that boundary's frame. side: +1 the packet is below it, -1 above. */
+CML_FN int cml_surface_hit(const struct cml_world *world, const struct cml_packet *packet, int boundary,
+                           struct cml_vec p, real side, real t_max, struct cml_hit *hit)
+{
+    const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
+    const int standing_on = packet->on_boundary == boundary ? packet->on_primitive : -1;
+    hit->boundary = boundary;
+    if (surface->kind == CML_SURFACE_PLANE) return cml_plane_hit(p, packet->u, side, t_max, hit);
+    if (!cml_clip_to_envelope(surface, p.z, packet->u.z, side, &t_max)) return 0;
+    if (surface->kind == CML_SURFACE_CONE)
+        return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on, hit);
+#ifndef __OPENCL_VERSION__
+    return cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, hit);
+#else
+    return 0;
+#endif
+}
+
+/* The first boundary of the packet's medium that it crosses within t_max (infinite allowed). */
+CML_FN int cml_nearest(const struct cml_world *world, const struct cml_packet *packet, real t_max,
+                       struct cml_hit *hit)
+{
+    const int medium = packet->medium;
+    int found = 0;
+    if (medium > 0) {
+        found = cml_surface_hit(world, packet, medium - 1, packet->p, 1, t_max, hit);
+        if (found) t_max = hit->t;
+    }
+    if (medium <= world->setup.num_layers) {
+        struct cml_vec p = packet->p;
+        struct cml_hit below;
+        p.z -= world->media[medium].span;
+        if (cml_surface_hit(world, packet, medium, p, -1, t_max, &below)) {
+            *hit = below;
+            found = 1;
+        }
+    }
+    return found;
+}
+
+#endif

@@ -1,0 +1,112 @@
+/* What a walk needs to know of the scene, and what it says of a packet.
+ * Lengths in cm. Depth z of a packet is measured from the frame of the medium it is in: the frame of a medium
+ * is that of the boundary above it (of boundary 0 for the medium above), so that a thin layer deep down keeps
+ * all its digits and a plane is exactly z = 0. x and y are measured from the beam's axis.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TYPES_H
+#define CML_TYPES_H
+
+#include "port.h"
+#include "rng.h"
+
+/* Weight is an integer, so that books balance to the last bit: a whole packet is 2^31 units. */
+#define CML_WEIGHT_ONE 0x80000000u
+#define CML_ROULETTE_THRESHOLD 214748u   /* 1e-4 of a packet */
+#define CML_ROULETTE_SURVIVAL 429496730u /* 0.1 of 2^32 */
+#define CML_ROULETTE_FACTOR 10u          /* 1 / 0.1 */
+#define CML_TRAPPED_LIMIT 10000u         /* boundary events in a row without interaction, in a clear medium */
+#define CML_STUCK_LIMIT 10000000u        /* the same in any medium: a packet that never gets anywhere */
+
+enum cml_fate {
+    CML_FATE_ALIVE,
+    CML_FATE_ABSORBED,    /* ended by roulette or with weight 0 */
+    CML_FATE_REFLECTED,   /* left upwards for good after having entered */
+    CML_FATE_TRANSMITTED, /* left downwards for good */
+    CML_FATE_SPECULAR,    /* came back up without having entered */
+    CML_FATE_TRAPPED,     /* totally reflected for ever in a clear medium */
+    CML_FATE_LOST,        /* see enum cml_lost_cause */
+    CML_NUM_FATES
+};
+
+enum cml_lost_cause {
+    CML_LOST_NOT,
+    CML_LOST_NO_SURFACE, /* nothing hit where a boundary must be */
+    CML_LOST_NAN,        /* position or direction is not a number */
+    CML_LOST_STUCK,      /* CML_STUCK_LIMIT boundary events without an interaction */
+    CML_LOST_LEAKED,     /* found beyond the envelope of a boundary it never crossed */
+    CML_NUM_LOST_CAUSES
+};
+
+enum cml_surface_kind { CML_SURFACE_PLANE, CML_SURFACE_CONE, CML_SURFACE_MESH };
+
+struct cml_medium {
+    real n;      /* refractive index */
+    real mut;    /* mua + mus, 1/cm; 0: clear */
+    real absorb; /* mua / mut, 0 when clear */
+    real g;
+    real span;  /* depth of the frame of the boundary below, in this medium's frame; 0 for the outer media */
+    real depth; /* of this medium's frame in the scene */
+};
+
+/* A boundary. lowest and highest bound its depth in its own frame: lowest <= z <= highest everywhere. */
+struct cml_surface {
+    int kind;
+    int first_ring, num_rings; /* CML_SURFACE_CONE: slices of ring_r, ring_z, ring_slope */
+    real lowest, highest;
+};
+
+struct cml_setup {
+    struct cml_stream stream;
+    int num_layers;
+    int reentry;          /* follow packets outside (P6) */
+    int tally_absorption; /* A_rz is wanted */
+    int nr, nz, na;
+    real per_dr, per_dz; /* 1/dr, 1/dz */
+    real per_da;         /* na / (pi/2) */
+    real x0, y0;         /* scene position of the beam's axis at z = 0 */
+    /* launch */
+    int launch_medium; /* 0: traced to boundary 0; else the packet starts on plane 0 (or 1: glass) going down
+                        */
+    cml_u32 specular;  /* deterministic Rsp of one packet in weight units, 0 when launch_medium is 0 */
+    real launch_z;     /* in the frame of launch_medium */
+    struct cml_vec axis, e1, e2; /* beam direction and two unit vectors across it */
+    real disk, gauss;            /* radius of a uniform disk, 1/e^2 radius of a Gaussian; both 0: pencil */
+};
+
+struct cml_packet {
+    cml_u64 index;
+    struct cml_vec p, u;
+    real tau; /* optical depth left to the next interaction */
+    cml_u32 w;
+    struct cml_block draw; /* the block of the next interaction */
+    cml_u32 interactions;  /* so far: the event number of the next one */
+    cml_u32 crossings;     /* boundary events with unequal indices so far: the event number of the next one */
+    cml_u32 bounces;       /* boundary events since the last interaction */
+    cml_u32 boundary_events; /* all of them */
+    int medium;
+    int on_boundary, on_primitive; /* what the packet stands on, -1: nothing */
+    int entered;                   /* has been in the material */
+    int fate, cause;
+    real exit_x, exit_y; /* of the last crossing into an outer medium */
+    /* books of this packet, in weight units */
+    cml_u64 gained, roulette, absorbed;
+    cml_u64 overflow_r, overflow_z,
+        above;                 /* parts of absorbed that went into the last r, last z, first z bin */
+    cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
+};
+
+/* Everything a walk reads. Rings: r rising from 0, z = depth at r in the boundary's frame, slope dz/dr to the
+ * next ring (0 behind the last: the outer plane). */
+struct cml_world {
+    struct cml_setup setup;
+    CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2] */
+    CML_GLOBAL const struct cml_surface *surfaces; /* [num_layers + 1] */
+    CML_GLOBAL const real *ring_r, *ring_z, *ring_slope;
+#ifndef __OPENCL_VERSION__
+    const struct cml_mesh_surface *const *meshes; /* [num_layers + 1], NULL where the surface is no mesh */
+    void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
+    void *on_event_context;
+#endif
+};
+
+#endif

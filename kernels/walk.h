@@ -1,0 +1,316 @@
+/* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
+ * The rules P1..P10 are those of the program's documentation; a packet's books are kept here, the deposits
+ * are streamed into the arrays of the caller, everything else is returned in the packet.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_WALK_H
+#define CML_WALK_H
+
+#include "optics.h"
+#include "rng.h"
+#include "surface_hit.h"
+#include "types.h"
+
+#ifndef CML_ADD /* a device that shares its tallies among packets adds atomically */
+#define CML_ADD(cell, amount) (*(cell) += (amount))
+#endif
+
+/* Where deposits go. A_rz: [nr][nz] or NULL, A_l: [num_layers + 2] by medium; weight units. */
+struct cml_deposits {
+    CML_GLOBAL cml_u64 *A_rz, *A_l;
+};
+
+CML_FN void cml_event(const struct cml_world *world, const char *what, const struct cml_packet *packet)
+{
+#ifndef __OPENCL_VERSION__
+    if (world->on_event) world->on_event(world->on_event_context, what, packet);
+#else
+    (void)world, (void)what, (void)packet;
+#endif
+}
+
+CML_FN void cml_end(struct cml_packet *packet, enum cml_fate fate)
+{
+    packet->fate = fate;
+}
+
+CML_FN void cml_lose(struct cml_packet *packet, enum cml_lost_cause cause)
+{
+    packet->fate = CML_FATE_LOST;
+    packet->cause = cause;
+}
+
+/* P2: the block of the next interaction and the optical depth to it. */
+CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
+{
+    packet->draw =
+        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_INTERACTION, packet->interactions);
+    packet->tau =
+        cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
+}
+
+/* Distance across the beam from its axis: uniform over a disk, or a Gaussian of irradiance exp(-2 r^2 /
+ * gauss^2). */
+CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 index)
+{
+    struct cml_vec none = {0, 0, 0};
+    if (!(setup->disk > 0) && !(setup->gauss > 0)) return none;
+    const struct cml_block draw = cml_draw(setup->stream, index, CML_PURPOSE_LAUNCH, 0);
+    real c, s, r;
+    cml_circle_point(draw.w[1], &c, &s);
+    const real xi = cml_uniform(draw.w[0]);
+    if (setup->disk > 0)
+        r = setup->disk * CML_SQRT(xi);
+    else
+        r = setup->gauss * CML_SQRT((real)-0.5 * cml_log(xi));
+    return cml_along(cml_along(none, r * c, setup->e1), r * s, setup->e2);
+}
+
+/* P1. */
+CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, struct cml_packet *packet)
+{
+    const struct cml_setup *setup = &world->setup;
+    const struct cml_packet fresh = {0};
+    *packet = fresh;
+    packet->index = index;
+    packet->w = CML_WEIGHT_ONE - setup->specular;
+    packet->medium = setup->launch_medium;
+    packet->entered = setup->launch_medium > 0;
+    packet->on_boundary = -1;
+    packet->on_primitive = -1;
+    packet->u = setup->axis;
+    const struct cml_vec offset = cml_beam_offset(setup, index);
+    packet->p = cml_along(offset, (setup->launch_z - offset.z) / setup->axis.z, setup->axis);
+    packet->p.z = setup->launch_z;
+    cml_next_flight(world, packet);
+    cml_event(world, "launch", packet);
+}
+
+/* P7: radial bin of the packet's position; 1 in *overflow when it lies beyond the last one. */
+CML_FN int cml_radial_bin(const struct cml_setup *setup, real x, real y, int *overflow)
+{
+    x += setup->x0;
+    y += setup->y0;
+    const real bin = CML_SQRT(x * x + y * y) * setup->per_dr;
+    *overflow = !(bin < (real)setup->nr);
+    return *overflow ? setup->nr - 1 : (int)bin;
+}
+
+CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
+                        struct cml_packet *packet, cml_u32 dw)
+{
+    const struct cml_setup *setup = &world->setup;
+    packet->absorbed += dw;
+    CML_ADD(&to->A_l[packet->medium], dw);
+    if (!setup->tally_absorption) return;
+    const real z = (packet->p.z + world->media[packet->medium].depth) * setup->per_dz;
+    const int above = !(z >= 0), overflow_z = z >= (real)setup->nz;
+    const int iz = above ? 0 : (overflow_z ? setup->nz - 1 : (int)z);
+    int overflow_r;
+    const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y, &overflow_r);
+    CML_ADD(&to->A_rz[ir * setup->nz + iz], dw);
+    if (above) packet->above += dw;
+    if (overflow_z) packet->overflow_z += dw;
+    if (overflow_r) packet->overflow_r += dw;
+}
+
+/* w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight keeps
+ * the mean however small the albedo's complement is. */
+CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 word)
+{
+    if (absorb >= 1) return w;
+    const real part = (real)w * absorb + ((real)(word & 255u) + (real)0.5) * (real)0.00390625;
+    return part < (real)w ? (cml_u32)part : w;
+}
+
+/* P8. */
+CML_FN void cml_roulette(struct cml_packet *packet)
+{
+    if (packet->w >= CML_ROULETTE_THRESHOLD) return;
+    if (packet->w > 0 && packet->draw.w[3] < CML_ROULETTE_SURVIVAL) {
+        packet->gained += packet->w * (CML_ROULETTE_FACTOR - 1u);
+        packet->w *= CML_ROULETTE_FACTOR;
+    } else {
+        packet->roulette += packet->w;
+        packet->w = 0;
+        cml_end(packet, CML_FATE_ABSORBED);
+    }
+}
+
+/* A packet beyond the envelope of a boundary of its medium has slipped through it. The margin is rounding's.
+ */
+CML_FN int cml_leaked(const struct cml_world *world, const struct cml_packet *packet)
+{
+    const int medium = packet->medium;
+    const CML_GLOBAL struct cml_surface *top = &world->surfaces[medium - 1],
+                                        *bottom = &world->surfaces[medium];
+    const real z = packet->p.z, z_bottom = z - world->media[medium].span;
+    const real share = (real)0.0009765625;
+    if (top->kind != CML_SURFACE_PLANE && z < top->lowest - share * (top->highest - top->lowest)) return 1;
+    return bottom->kind != CML_SURFACE_PLANE &&
+           z_bottom > bottom->highest + share * (bottom->highest - bottom->lowest);
+}
+
+/* P3, P4, P8: the packet has flown t to its interaction. */
+CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposits *to,
+                         struct cml_packet *packet, real t)
+{
+    const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
+    packet->p = cml_along(packet->p, t, packet->u);
+    packet->on_boundary = -1;
+    packet->bounces = 0;
+    if (cml_leaked(world, packet)) {
+        cml_lose(packet, CML_LOST_LEAKED);
+        return;
+    }
+    const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[2]);
+    packet->w -= dw;
+    cml_deposit(world, to, packet, dw);
+    real ct, st, cp, sp;
+    cml_henyey_greenstein(medium->g, cml_uniform_symmetric(packet->draw.w[1]), &ct, &st);
+    cml_circle_point(packet->draw.w[2], &cp, &sp);
+    packet->u = cml_spin(packet->u, ct, st, cp, sp);
+    packet->interactions++;
+    cml_event(world, "interact", packet);
+    if (!(cml_dot(packet->u, packet->u) < 2))
+        cml_lose(packet, CML_LOST_NAN);
+    else
+        cml_roulette(packet);
+    if (packet->fate == CML_FATE_ALIVE) cml_next_flight(world, packet);
+}
+
+/* Direction behind a boundary, reflected (R > xi) or refracted, with the given up normal.
+ * side: +1 the packet comes from below. */
+CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up, real side, real n1, real n2,
+                                             real xi, int *transmitted)
+{
+    const struct cml_vec against = {-side * up.x, -side * up.y, -side * up.z};
+    const real cosine = -cml_dot(u, against);
+    const real ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
+    real ct;
+    const real R = cml_fresnel(n1, n2, ci, &ct);
+    *transmitted = !(xi <= R);
+    return *transmitted ? cml_refract(u, against, n1 / n2, ci, ct) : cml_reflect(u, against);
+}
+
+/* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn
+ * again, with the same random number, from the facet's own normal. */
+CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_packet *packet,
+                                  const struct cml_hit *hit, real side, real n1, real n2)
+{
+    const cml_u32 word =
+        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BOUNDARY, packet->crossings).w[0];
+    const real xi = cml_uniform(word);
+    int transmitted;
+    struct cml_vec u = cml_boundary_direction(packet->u, hit->normal, side, n1, n2, xi, &transmitted);
+    const real leaving = side * cml_dot(u, hit->facet);
+    if (transmitted ? leaving < 0 : leaving > 0) {
+        u = cml_boundary_direction(packet->u, hit->facet, side, n1, n2, xi, &transmitted);
+        packet->shading_overruled++;
+    }
+    packet->u = u;
+    packet->crossings++;
+    return transmitted;
+}
+
+/* P7: bin of the angle between the packet's direction and the outward vertical, 0..pi/2. */
+CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
+{
+    const real cosine = uz < 0 ? -uz : uz;
+    if (setup->na == 1 || cosine >= 1) return 0;
+    const int ia = (int)(CML_ACOS(cosine) * setup->per_da);
+    return ia < setup->na ? ia : setup->na - 1;
+}
+
+CML_FN void cml_score_exit(struct cml_packet *packet)
+{
+    if (!packet->entered)
+        cml_end(packet, CML_FATE_SPECULAR);
+    else
+        cml_end(packet, packet->medium == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED);
+}
+
+/* P6: behind a crossing into an outer medium, or a reflection in one: is the packet gone for good? */
+CML_FN void cml_after_boundary(const struct cml_world *world, struct cml_packet *packet, int boundary,
+                               int transmitted)
+{
+    const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
+    if (outside && transmitted) {
+        packet->exit_x = packet->p.x;
+        packet->exit_y = packet->p.y;
+    }
+    if (!outside)
+        packet->entered = 1;
+    else if (!world->setup.reentry || world->surfaces[boundary].kind == CML_SURFACE_PLANE)
+        cml_score_exit(packet);
+}
+
+/* Bounds what total reflection could repeat for ever. */
+CML_FN void cml_count_bounce(const struct cml_world *world, struct cml_packet *packet)
+{
+    packet->bounces++;
+    packet->boundary_events++;
+    if (packet->fate != CML_FATE_ALIVE) return;
+    if (packet->bounces > CML_TRAPPED_LIMIT && !(world->media[packet->medium].mut > 0))
+        cml_end(packet, CML_FATE_TRAPPED);
+    else if (packet->bounces > CML_STUCK_LIMIT)
+        cml_lose(packet, CML_LOST_STUCK);
+}
+
+/* The packet has reached a boundary: P5, then P6. */
+CML_FN void cml_cross(const struct cml_world *world, struct cml_packet *packet, const struct cml_hit *hit)
+{
+    const int from = packet->medium, boundary = hit->boundary;
+    const int below = boundary < from; /* the boundary is the medium's upper one */
+    const int other = below ? from - 1 : from + 1;
+    const real n1 = world->media[from].n, n2 = world->media[other].n;
+    const real left = packet->tau - hit->t * world->media[from].mut;
+    packet->tau = left > 0 ? left : (real)0;
+    packet->on_boundary = boundary;
+    packet->on_primitive = hit->primitive;
+    const int transmitted =
+        n1 == n2 || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);
+    if (transmitted) packet->medium = other;
+    packet->p = hit->point;
+    if (packet->medium == boundary) packet->p.z += world->media[boundary].span;
+    cml_after_boundary(world, packet, boundary, transmitted);
+    cml_count_bounce(world, packet);
+    cml_event(world, transmitted ? "transmit" : "reflect", packet);
+}
+
+/* No boundary ahead and no interaction: right only outside the material, or on a path parallel to everything.
+ */
+CML_FN void cml_leave(const struct cml_world *world, struct cml_packet *packet)
+{
+    const int last = world->setup.num_layers + 1;
+    const real away = packet->medium == 0 ? -packet->u.z : packet->u.z;
+    const int outside = packet->medium == 0 || packet->medium == last;
+    if (!(cml_dot(packet->u, packet->u) < 2) || !(cml_dot(packet->p, packet->p) >= 0))
+        cml_lose(packet, CML_LOST_NAN);
+    else if (outside && away >= 0 && packet->boundary_events > 0)
+        cml_score_exit(packet);
+    else if (packet->u.z == 0)
+        cml_end(packet, CML_FATE_TRAPPED);
+    else
+        cml_lose(packet, CML_LOST_NO_SURFACE);
+}
+
+/* The whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */
+CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
+                     struct cml_packet *packet)
+{
+    cml_launch(world, index, packet);
+    while (packet->fate == CML_FATE_ALIVE) {
+        const real mut = world->media[packet->medium].mut;
+        const real t_max = mut > 0 ? packet->tau / mut : CML_INFINITY;
+        struct cml_hit hit;
+        if (cml_nearest(world, packet, t_max, &hit))
+            cml_cross(world, packet, &hit);
+        else if (t_max < CML_INFINITY)
+            cml_interact(world, to, packet, t_max);
+        else
+            cml_leave(world, packet);
+    }
+    cml_event(world, "end", packet);
+}
+
+#endif

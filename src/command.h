@@ -1,0 +1,24 @@
+/* The commands of the program; each takes the parsed options and returns what becomes the exit code.
+ * options->operands[0] is the first word after the command's name.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_COMMAND_H
+#define CML_COMMAND_H
+
+#include "options.h"
+
+CML_NODISCARD cml_status cml_command_run(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_check(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err);
+
+/* What run, check, mesh and trace begin with: the one operand as a list of scenes, flattened when asked,
+ * checked for overlap. CML_E_INPUT when there is not exactly one operand. */
+CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
+                                         struct cml_error *err);
+
+/* The output file of a scene: its name below the output directory. *path is the caller's to free. */
+CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                                         struct cml_error *err);
+
+#endif

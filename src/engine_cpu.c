@@ -1,0 +1,101 @@
+/* The CPU engine: single precision, OpenMP threads that take chunks of a range as they become free.
+ * Every thread scores into a tally of its own; integers make the order of the final merge irrelevant.
+ * SPDX-License-Identifier: MIT */
+#include "engine_scalar.h"
+
+#include <omp.h>
+
+struct cpu_engine {
+    struct scalar_world scalar;
+    int threads;
+    uint64_t chunk;
+    int num_tallies;
+    struct cml_tally *tallies; /* [threads] */
+};
+
+static void cpu_close(void *self)
+{
+    struct cpu_engine *cpu = self;
+    if (!cpu) return;
+    for (int i = 0; i < cpu->num_tallies; i++) cml_tally_free(&cpu->tallies[i]);
+    free(cpu->tallies);
+    scalar_world_free(&cpu->scalar);
+    free(cpu);
+}
+
+static cml_status create_tallies(const struct cml_scene *scene, const struct cml_engine_options *options,
+                                 struct cpu_engine *cpu, struct cml_error *err)
+{
+    const struct cml_grid grid = {.nr = scene->nr,
+                                  .nz = scene->nz,
+                                  .na = scene->na,
+                                  .num_layers = scene->num_layers,
+                                  .absorption = options->absorption};
+    cpu->tallies = calloc((size_t)cpu->threads, sizeof *cpu->tallies);
+    if (!cpu->tallies) return cml_fail_memory(err, cpu->threads * cml_tally_bytes(&grid), "tallies");
+    for (; cpu->num_tallies < cpu->threads; cpu->num_tallies++)
+        CML_TRY(cml_tally_create(&grid, &cpu->tallies[cpu->num_tallies], err));
+    return CML_OK;
+}
+
+static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                           const struct cml_engine_options *options, void **self, struct cml_error *err)
+{
+    struct cpu_engine *cpu = calloc(1, sizeof *cpu);
+    *self = NULL;
+    if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
+    cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
+    cpu->chunk = options->chunk > 0 ? options->chunk : 256;
+    cml_status status = scalar_world_create(scene, surfaces, options, &cpu->scalar, err);
+    if (status == CML_OK) status = create_tallies(scene, options, cpu, err);
+    if (status != CML_OK)
+        cpu_close(cpu);
+    else
+        *self = cpu;
+    return status;
+}
+
+static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
+                          struct cml_error *err)
+{
+    (void)err;
+    struct cpu_engine *cpu = self;
+    const uint64_t chunk = cpu->chunk < count ? cpu->chunk : count;
+    const int64_t chunks = chunk > 0 ? (int64_t)((count + chunk - 1) / chunk) : 0;
+#pragma omp parallel num_threads(cpu->threads)
+    {
+        struct cml_tally *mine = &cpu->tallies[omp_get_thread_num()];
+        cml_tally_zero(mine);
+#pragma omp for schedule(dynamic)
+        for (int64_t c = 0; c < chunks; c++) {
+            const uint64_t begin = (uint64_t)c * chunk;
+            run_packets(&cpu->scalar.world, first + begin, count - begin < chunk ? count - begin : chunk,
+                        mine);
+        }
+#pragma omp critical
+        cml_tally_merge(tally, mine);
+    }
+    return CML_OK;
+}
+
+static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
+                            struct cml_fate_record *record, struct cml_error *err)
+{
+    const struct cpu_engine *cpu = self;
+    return trace_packet(&cpu->scalar.world, index, on_event, context, record, err);
+}
+
+static int cpu_threads(const void *self)
+{
+    return ((const struct cpu_engine *)self)->threads;
+}
+
+const struct cml_engine cml_engine_cpu = {
+    .name = "cpu",
+    .description = "single precision, OpenMP threads",
+    .open = cpu_open,
+    .run = cpu_run,
+    .trace = cpu_trace,
+    .threads = cpu_threads,
+    .close = cpu_close,
+};

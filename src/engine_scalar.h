@@ -1,0 +1,276 @@
+/* What the engines that walk one packet at a time share: the scene in `real`, and a packet's entry into a
+ * tally. Included by one .c file per precision (CML_DOUBLE or not), like the kernel headers it stands on.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_ENGINE_SCALAR_H
+#define CML_ENGINE_SCALAR_H
+
+#include "engine.h"
+#include "walk.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A world and the arrays it points into. */
+struct scalar_world {
+    struct cml_world world;
+    struct cml_medium *media;
+    struct cml_surface *surfaces;
+    real *rings; /* ring_r, ring_z, ring_slope one behind the other */
+    const struct cml_mesh_surface **meshes;
+};
+
+static void scalar_world_free(struct scalar_world *to)
+{
+    free(to->media);
+    free(to->surfaces);
+    free(to->rings);
+    free(to->meshes);
+}
+
+static size_t count_rings(const struct cml_surface_set *surfaces)
+{
+    size_t rings = 0;
+    for (int b = 0; b < surfaces->count; b++) rings += (size_t)surfaces->item[b].num_rings;
+    return rings;
+}
+
+static cml_status scalar_world_allocate(const struct cml_surface_set *surfaces, struct scalar_world *to,
+                                        struct cml_error *err)
+{
+    const size_t boundaries = (size_t)surfaces->count, rings = count_rings(surfaces);
+    to->media = calloc(boundaries + 1, sizeof *to->media);
+    to->surfaces = calloc(boundaries, sizeof *to->surfaces);
+    to->rings = calloc(3 * rings + 1, sizeof *to->rings);
+    to->meshes = calloc(boundaries, sizeof *to->meshes);
+    if (to->media && to->surfaces && to->rings && to->meshes) return CML_OK;
+    return cml_fail_memory(err, (double)(3 * rings * sizeof *to->rings), "the scene");
+}
+
+static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                       struct cml_medium *media)
+{
+    for (int m = 0; m <= scene->num_layers + 1; m++) {
+        const struct cml_medium_def *from = &scene->media[m];
+        const double mut = from->mua + from->mus;
+        const bool inside = m > 0 && m <= scene->num_layers;
+        const double depth = surfaces->item[m > 0 ? m - 1 : 0].depth;
+        media[m].n = (real)from->n;
+        media[m].mut = (real)mut;
+        media[m].absorb = (real)(mut > 0 ? from->mua / mut : 0);
+        media[m].g = (real)from->g;
+        media[m].span = (real)(inside ? surfaces->item[m].depth - depth : 0);
+        media[m].depth = (real)depth;
+    }
+}
+
+static void copy_surfaces(const struct cml_surface_set *from, struct scalar_world *to)
+{
+    static const int kind_of[] = {CML_SURFACE_PLANE, CML_SURFACE_CONE, CML_SURFACE_MESH};
+    const size_t total = count_rings(from);
+    size_t ring = 0;
+    for (int b = 0; b < from->count; b++) {
+        const struct cml_surface_def *def = &from->item[b];
+        to->surfaces[b].kind = kind_of[def->kind];
+        to->surfaces[b].first_ring = (int)ring;
+        to->surfaces[b].num_rings = def->num_rings;
+        to->surfaces[b].lowest = (real)def->lowest;
+        to->surfaces[b].highest = (real)def->highest;
+        to->meshes[b] = def->mesh;
+        for (int i = 0; i < def->num_rings; i++, ring++) {
+            to->rings[ring] = (real)def->r[i];
+            to->rings[total + ring] = (real)def->z[i];
+            to->rings[2 * total + ring] = (real)def->slope[i];
+        }
+    }
+    to->world.ring_r = to->rings;
+    to->world.ring_z = to->rings + total;
+    to->world.ring_slope = to->rings + 2 * total;
+}
+
+/* MCML's deterministic specular reflection [manual eqs 3.6, 3.7]: of the first interface, or of both faces of
+ * a clear first layer between planes. Sets where the packet then starts. */
+static double deterministic_specular(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                     int *medium)
+{
+    const struct cml_medium_def *m = scene->media;
+    const double r1 = pow((m[0].n - m[1].n) / (m[0].n + m[1].n), 2);
+    const bool glass =
+        m[1].mua == 0 && m[1].mus == 0 && scene->num_layers > 1 && surfaces->item[1].kind == CML_AS_PLANE;
+    *medium = glass ? 2 : 1;
+    if (!glass) return r1;
+    const double r2 = pow((m[1].n - m[2].n) / (m[1].n + m[2].n), 2);
+    return r1 + (1 - r1) * (1 - r1) * r2 / (1 - r1 * r2);
+}
+
+static struct cml_vec to_vec(double x, double y, double z)
+{
+    const struct cml_vec v = {(real)x, (real)y, (real)z};
+    return v;
+}
+
+/* P1. A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
+static void set_launch(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                       struct cml_setup *setup)
+{
+    const struct cml_beam *beam = &scene->beam;
+    const struct cml_surface_def *top = &surfaces->item[0];
+    const double st = sin(beam->angle), ct = cos(beam->angle), sp = sin(beam->azimuth),
+                 cp = cos(beam->azimuth);
+    setup->axis = to_vec(st * cp, st * sp, ct);
+    setup->e1 = to_vec(ct * cp, ct * sp, -st);
+    setup->e2 = to_vec(-sp, cp, 0);
+    setup->x0 = (real)beam->x;
+    setup->y0 = (real)beam->y;
+    setup->disk = (real)(beam->kind == CML_BEAM_DISK ? beam->radius : 0);
+    setup->gauss = (real)(beam->kind == CML_BEAM_GAUSSIAN ? beam->radius : 0);
+    setup->launch_z = (real)(2 * top->lowest - top->highest);
+    if (top->kind == CML_AS_PLANE && beam->angle == 0)
+        setup->specular =
+            (cml_u32)lrint(deterministic_specular(scene, surfaces, &setup->launch_medium) * CML_WEIGHT_ONE);
+}
+
+static void set_up(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                   const struct cml_engine_options *options, struct cml_setup *setup)
+{
+    *setup = (struct cml_setup){0};
+    setup->stream.key[0] = (cml_u32)options->seed;
+    setup->stream.key[1] = (cml_u32)(options->seed >> 32);
+    setup->stream.key[2] = options->run;
+    setup->num_layers = scene->num_layers;
+    setup->reentry = options->reentry;
+    setup->tally_absorption = options->absorption;
+    setup->nr = scene->nr;
+    setup->nz = scene->nz;
+    setup->na = scene->na;
+    setup->per_dr = (real)(1 / scene->dr);
+    setup->per_dz = (real)(1 / scene->dz);
+    setup->per_da = (real)(scene->na / 1.5707963267948966);
+    set_launch(scene, surfaces, setup);
+}
+
+static cml_status scalar_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                      const struct cml_engine_options *options, struct scalar_world *to,
+                                      struct cml_error *err)
+{
+    *to = (struct scalar_world){0};
+    const cml_status status = scalar_world_allocate(surfaces, to, err);
+    if (status != CML_OK) {
+        scalar_world_free(to);
+        return status;
+    }
+    copy_media(scene, surfaces, to->media);
+    copy_surfaces(surfaces, to);
+    to->world.media = to->media;
+    to->world.surfaces = to->surfaces;
+    to->world.meshes = to->meshes;
+    set_up(scene, surfaces, options, &to->world.setup);
+    return CML_OK;
+}
+
+static void tally_exit(const struct cml_setup *setup, const struct cml_packet *packet,
+                       struct cml_tally *tally)
+{
+    const bool up = packet->fate == CML_FATE_REFLECTED;
+    uint64_t *cells = up ? tally->Rd_ra : tally->Tt_ra;
+    int overflow;
+    const int ir = cml_radial_bin(setup, packet->exit_x, packet->exit_y, &overflow);
+    const int ia = cml_angle_bin(setup, packet->u.z);
+    cells[(size_t)ir * (size_t)setup->na + (size_t)ia] += packet->w;
+    if (overflow) tally->book[CML_BOOK_OVERFLOW_R] += packet->w;
+}
+
+/* A finished packet's books, counts and squares. */
+static void tally_packet(const struct cml_setup *setup, const struct cml_packet *packet,
+                         struct cml_tally *tally)
+{
+    static const enum cml_book book_of[CML_NUM_FATES] = {
+        [CML_FATE_ABSORBED] = CML_BOOK_ROULETTE,       [CML_FATE_REFLECTED] = CML_BOOK_REFLECTED,
+        [CML_FATE_TRANSMITTED] = CML_BOOK_TRANSMITTED, [CML_FATE_SPECULAR] = CML_BOOK_SPECULAR,
+        [CML_FATE_TRAPPED] = CML_BOOK_TRAPPED,         [CML_FATE_LOST] = CML_BOOK_LOST,
+    };
+    const int fate = packet->fate;
+    if (fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED) tally_exit(setup, packet, tally);
+    uint64_t total[CML_NUM_TOTALS] = {setup->specular, 0, 0, packet->absorbed};
+    if (fate == CML_FATE_SPECULAR) total[CML_TOTAL_SPECULAR] += packet->w;
+    if (fate == CML_FATE_REFLECTED) total[CML_TOTAL_REFLECTED] = packet->w;
+    if (fate == CML_FATE_TRANSMITTED) total[CML_TOTAL_TRANSMITTED] = packet->w;
+    for (int i = 0; i < CML_NUM_TOTALS; i++) tally->square[i] += (cml_u128)total[i] * total[i];
+    tally->book[book_of[fate]] += packet->w;
+    tally->book[CML_BOOK_LAUNCHED] += CML_WEIGHT_ONE;
+    tally->book[CML_BOOK_SPECULAR] += setup->specular;
+    tally->book[CML_BOOK_GAINED] += packet->gained;
+    tally->book[CML_BOOK_ROULETTE] += packet->roulette;
+    tally->book[CML_BOOK_ABSORBED] += packet->absorbed;
+    tally->book[CML_BOOK_OVERFLOW_R] += packet->overflow_r;
+    tally->book[CML_BOOK_OVERFLOW_Z] += packet->overflow_z;
+    tally->book[CML_BOOK_ABOVE] += packet->above;
+    tally->count[CML_COUNT_PHOTONS]++;
+    tally->count[CML_COUNT_INTERACTIONS] += packet->interactions;
+    tally->count[CML_COUNT_BOUNDARY_EVENTS] += packet->boundary_events;
+    tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
+    tally->count[CML_COUNT_TRAPPED] += fate == CML_FATE_TRAPPED;
+    if (fate == CML_FATE_LOST)
+        tally->count[CML_COUNT_LOST_NO_SURFACE + packet->cause - CML_LOST_NO_SURFACE]++;
+}
+
+static void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
+                        struct cml_tally *tally)
+{
+    const struct cml_deposits to = {tally->A_rz, tally->A_l};
+    for (uint64_t i = 0; i < count; i++) {
+        struct cml_packet packet;
+        cml_walk(world, &to, first + i, &packet);
+        tally_packet(&world->setup, &packet, tally);
+    }
+}
+
+struct tracing {
+    const struct cml_world *world;
+    cml_trace_function *on_event;
+    void *context;
+};
+
+static void forward_event(void *context, const char *what, const struct cml_packet *packet)
+{
+    const struct tracing *tracing = context;
+    const struct cml_setup *setup = &tracing->world->setup;
+    const struct cml_trace_event event = {
+        .what = what,
+        .medium = packet->medium,
+        .position = {packet->p.x + setup->x0, packet->p.y + setup->y0,
+                     packet->p.z + tracing->world->media[packet->medium].depth},
+        .direction = {packet->u.x, packet->u.y, packet->u.z},
+        .weight = packet->w * CML_WEIGHT_UNIT,
+    };
+    tracing->on_event(tracing->context, &event);
+}
+
+/* One packet alone; its deposits go into a tally that is thrown away. */
+static cml_status trace_packet(const struct cml_world *world, uint64_t index, cml_trace_function *on_event,
+                               void *context, struct cml_fate_record *record, struct cml_error *err)
+{
+    const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = world->setup.num_layers};
+    struct cml_tally tally;
+    CML_TRY(cml_tally_create(&grid, &tally, err));
+    struct tracing tracing = {world, on_event, context};
+    struct cml_world traced = *world;
+    traced.setup.tally_absorption = 0;
+    traced.on_event = on_event ? forward_event : NULL;
+    traced.on_event_context = &tracing;
+    const struct cml_deposits to = {tally.A_rz, tally.A_l};
+    struct cml_packet packet;
+    cml_walk(&traced, &to, index, &packet);
+    cml_tally_free(&tally);
+    *record = (struct cml_fate_record){
+        .fate = packet.fate,
+        .cause = packet.cause,
+        .weight = packet.w,
+        .interactions = packet.interactions,
+        .boundary_events = packet.boundary_events,
+        .exit = {packet.exit_x + world->setup.x0, packet.exit_y + world->setup.y0},
+        .direction = {packet.u.x, packet.u.y, packet.u.z},
+    };
+    return CML_OK;
+}
+
+#endif

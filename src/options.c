@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+#include "options.h"
+
+#include "text.h"
+
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+enum option_key {
+    KEY_PHOTONS = 256,
+    KEY_SEED,
+    KEY_THREADS,
+    KEY_CHUNK,
+    KEY_ENGINE,
+    KEY_BOUNDARIES,
+    KEY_TOLERANCE,
+    KEY_NORMALS,
+    KEY_RINGS,
+    KEY_IGNORE_ABSORPTION,
+    KEY_IGNORE_HEIGHTFIELDS,
+    KEY_NO_REENTRY,
+    KEY_QUIET,
+    KEY_JSON,
+    KEY_OUTPUT,
+    KEY_HELP,
+    KEY_VERSION,
+};
+
+static const struct option long_options[] = {
+    {"photons", required_argument, NULL, KEY_PHOTONS},
+    {"seed", required_argument, NULL, KEY_SEED},
+    {"threads", required_argument, NULL, KEY_THREADS},
+    {"chunk", required_argument, NULL, KEY_CHUNK},
+    {"engine", required_argument, NULL, KEY_ENGINE},
+    {"boundaries", required_argument, NULL, KEY_BOUNDARIES},
+    {"tolerance", required_argument, NULL, KEY_TOLERANCE},
+    {"normals", required_argument, NULL, KEY_NORMALS},
+    {"rings", required_argument, NULL, KEY_RINGS},
+    {"ignore-absorption", no_argument, NULL, KEY_IGNORE_ABSORPTION},
+    {"ignore-heightfields", no_argument, NULL, KEY_IGNORE_HEIGHTFIELDS},
+    {"no-reentry", no_argument, NULL, KEY_NO_REENTRY},
+    {"quiet", no_argument, NULL, KEY_QUIET},
+    {"json", no_argument, NULL, KEY_JSON},
+    {"output-dir", required_argument, NULL, KEY_OUTPUT},
+    {"output", required_argument, NULL, KEY_OUTPUT},
+    {"help", no_argument, NULL, KEY_HELP},
+    {"version", no_argument, NULL, KEY_VERSION},
+    {NULL, 0, NULL, 0},
+};
+
+const char *cml_options_help(void)
+{
+    return "usage: clustermcml [run] scene.mci [options]     simulate all runs of the file (- is standard "
+           "input)\n"
+           "       clustermcml check scene.mci [options]     parse, validate, show boundaries and memory; "
+           "fly nothing\n"
+           "       clustermcml mesh scene.mci -o DIR         write every boundary as OBJ at the tolerance\n"
+           "       clustermcml trace scene.mci N [options]   every event of photon N as a table\n"
+           "       clustermcml plot a.mco [b.mco ...] -o f.svg   r*Rd(r) and r*Tt(r), heightfields dotted "
+           "(svg or png)\n"
+           "\n"
+           "simulation\n"
+           "  --photons N            instead of the file's number; 1e7 reads as ten million\n"
+           "  --seed N               default 1; the same seed gives the same bits on any number of threads\n"
+           "  --ignore-absorption    tally no A_rz\n"
+           "  --ignore-heightfields  every surface is its nominal plane\n"
+           "  --no-reentry           score packets at their first exit, as the 2019 program did\n"
+           "boundaries\n"
+           "  --boundaries KIND      auto (default), plane, cone or mesh\n"
+           "  --tolerance T          of a tessellated heightfield: largest radial deviation / last radius, "
+           "default 1e-3\n"
+           "  --normals KIND         of a tessellated heightfield: analytic (default), vertex or facet\n"
+           "  --rings KIND           of a tessellated heightfield: area (area-preserving, default) or "
+           "inscribed\n"
+           "machine\n"
+           "  --engine NAME          cpu (default) or reference\n"
+           "  --threads N            default: OMP_NUM_THREADS, or all cores\n"
+           "  --chunk N              packets a thread takes at a time; never changes a result\n"
+           "output\n"
+           "  -o, --output-dir DIR   where results go, default the current directory\n"
+           "  --json                 one line with one object per run on standard output, nothing else "
+           "there\n"
+           "  --quiet                no banner, progress or summary\n"
+           "  --help, --version\n"
+           "\n"
+           "exit codes: 0 ok, 2 usage or input, 3 device, 4 numerical (lost packets, books), 5 files\n"
+           "\n"
+           "examples\n"
+           "  clustermcml samples/mcml_sample.mci\n"
+           "  clustermcml samples/shapes/hihill.mci --photons 1e7 -o results\n"
+           "  clustermcml samples/ridges.mci --engine reference --photons 1e4 --json\n";
+}
+
+static cml_status fail(struct cml_error *err, const char *option, const char *value, const char *expected)
+{
+    return cml_fail(err, CML_E_INPUT, "--%s %s (expected %s)", option, value, expected);
+}
+
+/* One of the words, whose position is *choice. */
+static cml_status choose(const char *option, const char *value, const char *const *words, int *choice,
+                         struct cml_error *err)
+{
+    char expected[128] = "one of";
+    for (int i = 0; words[i]; i++) {
+        if (strcmp(value, words[i]) == 0) {
+            *choice = i;
+            return CML_OK;
+        }
+        const size_t used = strlen(expected);
+        snprintf(expected + used, sizeof expected - used, " %s", words[i]);
+    }
+    return fail(err, option, value, expected);
+}
+
+static cml_status count(const char *option, const char *value, uint64_t least, uint64_t most,
+                        uint64_t *number, struct cml_error *err)
+{
+    char expected[96];
+    snprintf(expected, sizeof expected, "a whole number from %llu to %llu", (unsigned long long)least,
+             (unsigned long long)most);
+    uint64_t read = 0;
+    if (!cml_parse_count(value, &read) || read < least || read > most)
+        return fail(err, option, value, expected);
+    *number = read;
+    return CML_OK;
+}
+
+static cml_status parse_machine(int key, const char *value, struct cml_options *options,
+                                struct cml_error *err)
+{
+    uint64_t number = 0;
+    switch (key) {
+    case KEY_PHOTONS:
+        return count("photons", value, 1, (uint64_t)1 << 48, &options->photons, err);
+    case KEY_SEED:
+        return count("seed", value, 0, (uint64_t)1 << 53, &options->engine_options.seed, err);
+    case KEY_CHUNK:
+        return count("chunk", value, 1, CML_TALLY_MAX_PHOTONS, &options->engine_options.chunk, err);
+    case KEY_THREADS:
+        CML_TRY(count("threads", value, 1, 4096, &number, err));
+        options->engine_options.threads = (int)number;
+        return CML_OK;
+    default:
+        options->engine = cml_engine_find(value);
+        return options->engine ? CML_OK : fail(err, "engine", value, "cpu or reference");
+    }
+}
+
+static cml_status parse_surface(int key, const char *value, struct cml_options *options,
+                                struct cml_error *err)
+{
+    static const char *const kinds[] = {"plane", "cone", "mesh", "auto", NULL};
+    static const char *const normals[] = {"facet", "vertex", "analytic", NULL};
+    static const char *const rings[] = {"area", "inscribed", NULL};
+    struct cml_tessellation *tessellation = &options->surface.tessellation;
+    int choice = 0;
+    if (key == KEY_TOLERANCE) {
+        const bool number = cml_parse_double(value, &tessellation->tolerance);
+        const bool sound = number && tessellation->tolerance >= 1e-12 && tessellation->tolerance <= 0.1;
+        return sound ? CML_OK : fail(err, "tolerance", value, "a number from 1e-12 to 0.1");
+    }
+    if (key == KEY_BOUNDARIES) {
+        CML_TRY(choose("boundaries", value, kinds, &choice, err));
+        options->surface.force = (enum cml_representation)choice;
+    } else if (key == KEY_NORMALS) {
+        CML_TRY(choose("normals", value, normals, &choice, err));
+        tessellation->normals = (enum cml_normals)choice;
+    } else {
+        CML_TRY(choose("rings", value, rings, &choice, err));
+        tessellation->inscribed = choice == 1;
+    }
+    return CML_OK;
+}
+
+static void set_flag(int key, struct cml_options *options)
+{
+    if (key == KEY_IGNORE_ABSORPTION) options->engine_options.absorption = false;
+    if (key == KEY_IGNORE_HEIGHTFIELDS) options->ignore_heightfields = true;
+    if (key == KEY_NO_REENTRY) options->engine_options.reentry = false;
+    if (key == KEY_QUIET) options->quiet = true;
+    if (key == KEY_JSON) options->json = true;
+    if (key == KEY_HELP) options->help = true;
+    if (key == KEY_VERSION) options->version = true;
+}
+
+static cml_status parse_one(int key, const char *value, struct cml_options *options, struct cml_error *err)
+{
+    switch (key) {
+    case KEY_PHOTONS:
+    case KEY_SEED:
+    case KEY_THREADS:
+    case KEY_CHUNK:
+    case KEY_ENGINE:
+        return parse_machine(key, value, options, err);
+    case KEY_BOUNDARIES:
+    case KEY_TOLERANCE:
+    case KEY_NORMALS:
+    case KEY_RINGS:
+        return parse_surface(key, value, options, err);
+    case KEY_OUTPUT:
+    case 'o':
+        options->output = value;
+        return CML_OK;
+    case 'h':
+        options->help = true;
+        return CML_OK;
+    default:
+        set_flag(key, options);
+        return CML_OK;
+    }
+}
+
+static void set_defaults(struct cml_options *options)
+{
+    *options = (struct cml_options){.engine = &cml_engine_cpu};
+    options->engine_options.seed = 1;
+    options->engine_options.reentry = true;
+    options->engine_options.absorption = true;
+    options->surface.force = CML_AS_AUTO;
+    options->surface.tessellation.tolerance = 1e-3;
+    options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
+}
+
+cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
+{
+    set_defaults(options);
+    opterr = 0;
+    for (;;) {
+        const int key = getopt_long(argc, argv, ":o:h", long_options, NULL);
+        if (key == -1) break;
+        const char *word = argv[optind - 1];
+        if (key == '?') return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", word);
+        if (key == ':')
+            return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", word);
+        CML_TRY(parse_one(key, optarg, options, err));
+    }
+    options->operands = argv + optind;
+    options->num_operands = argc - optind;
+    return CML_OK;
+}

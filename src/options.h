@@ -1,0 +1,29 @@
+/* The command line: one set of options for all commands.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_OPTIONS_H
+#define CML_OPTIONS_H
+
+#include "engine.h"
+#include "surface.h"
+
+struct cml_options {
+    const struct cml_engine *engine;
+    struct cml_engine_options engine_options;
+    struct cml_surface_options surface;
+    uint64_t photons; /* 0: as the .mci says */
+    bool ignore_heightfields;
+    bool quiet, json;
+    const char *output; /* -o, --output-dir: a directory, or the picture of `plot`; NULL: not given */
+    int num_operands;
+    char **operands; /* borrowed from argv */
+    bool help, version;
+};
+
+/* Parses argv[1..]; options and operands may mix. CML_E_INPUT with one line on what is wrong. */
+CML_NODISCARD cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
+                                           struct cml_error *err);
+
+/* The grouped help text. */
+const char *cml_options_help(void);
+
+#endif

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface.h"
+
+#include "radial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+const char *cml_representation_name(enum cml_representation kind)
+{
+    static const char *const names[] = {"plane", "cone", "mesh", "auto"};
+    return names[kind];
+}
+
+static void make_plane(double depth, const char *reason, struct cml_surface_def *def)
+{
+    def->kind = CML_AS_PLANE;
+    def->depth = depth;
+    def->primitives = 1;
+    snprintf(def->reason, sizeof def->reason, "%s", reason);
+}
+
+/* Rings of cones: z = -h, dz/dr to the next ring, 0 behind the last one. */
+static cml_status make_cones(const struct cml_radial *field, int given, double depth,
+                             struct cml_surface_def *def, struct cml_error *err)
+{
+    const size_t n = (size_t)field->n;
+    def->kind = CML_AS_CONE;
+    def->depth = depth;
+    def->num_rings = field->n;
+    def->primitives = n;
+    def->r = malloc(3 * n * sizeof *def->r);
+    if (!def->r) return cml_fail_memory(err, (double)(3 * n * sizeof *def->r), "the rings of a heightfield");
+    def->z = def->r + n;
+    def->slope = def->z + n;
+    def->lowest = def->highest = -field->h[0];
+    for (size_t i = 0; i < n; i++) {
+        def->r[i] = field->r[i];
+        def->z[i] = -field->h[i];
+        def->slope[i] = i + 1 < n ? -(field->h[i + 1] - field->h[i]) / (field->r[i + 1] - field->r[i]) : 0;
+        def->lowest = fmin(def->lowest, def->z[i]);
+        def->highest = fmax(def->highest, def->z[i]);
+    }
+    if (field->n == given)
+        snprintf(def->reason, sizeof def->reason, "radial heightfield: exact cones");
+    else
+        snprintf(def->reason, sizeof def->reason,
+                 "radial heightfield: exact cones, %d collinear samples merged", given - field->n);
+    return CML_OK;
+}
+
+static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_scene *scene,
+                            const char *reason, struct cml_surface_def *def, struct cml_error *err)
+{
+    def->kind = CML_AS_MESH;
+    def->depth = depth;
+    def->lowest = fmin(mesh->lower[2], mesh->z_border);
+    def->highest = fmax(mesh->upper[2], mesh->z_border);
+    snprintf(def->reason, sizeof def->reason, "%s", reason);
+    CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, &def->mesh, err));
+    def->primitives = cml_mesh_surface_triangles(def->mesh);
+    return CML_OK;
+}
+
+static cml_status represent_field(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                  const struct cml_surface_options *options, struct cml_surface_def *def,
+                                  struct cml_error *err)
+{
+    const struct cml_radial *field = &boundary->radial;
+    const bool forced = options->force == CML_AS_CONE || options->force == CML_AS_MESH;
+    if (field->n == 1 || (!forced && cml_radial_is_flat(field))) {
+        make_plane(boundary->z - field->h[0], "flat heightfield", def);
+        return CML_OK;
+    }
+    if (options->force == CML_AS_CONE) return make_cones(field, field->n, boundary->z, def, err);
+    if (options->force == CML_AS_MESH) {
+        struct cml_mesh mesh;
+        CML_TRY(cml_tessellate(field, &options->tessellation, &mesh, err));
+        const cml_status status =
+            make_mesh(&mesh, boundary->z, scene, "radial heightfield, tessellated", def, err);
+        cml_mesh_clear(&mesh);
+        return status;
+    }
+    struct cml_radial merged;
+    CML_TRY(cml_radial_merge(field, &merged, err));
+    const cml_status status = make_cones(&merged, field->n, boundary->z, def, err);
+    cml_radial_clear(&merged);
+    return status;
+}
+
+static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                 const struct cml_surface_options *options, struct cml_surface_def *def,
+                                 struct cml_error *err)
+{
+    double z;
+    if (options->force == CML_AS_CONE)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: --boundaries cone cannot represent a mesh (expected auto or mesh)",
+                        scene->file, boundary->line);
+    if (options->force == CML_AS_AUTO && cml_mesh_is_flat(&boundary->mesh, &z)) {
+        make_plane(boundary->z + z, "flat mesh", def);
+        return CML_OK;
+    }
+    struct cml_mesh mesh;
+    CML_TRY(cml_mesh_copy(&boundary->mesh, &mesh, err));
+    const cml_status status = make_mesh(&mesh, boundary->z, scene, "mesh", def, err);
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
+static cml_status represent(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                            const struct cml_surface_options *options, struct cml_surface_def *def,
+                            struct cml_error *err)
+{
+    if (boundary->form == CML_FORM_PLANE)
+        make_plane(boundary->z, boundary->line ? "flat" : "no surface given", def);
+    else if (options->force == CML_AS_PLANE)
+        make_plane(boundary->z, "surface ignored as asked", def);
+    else if (boundary->form == CML_FORM_RADIAL)
+        return represent_field(scene, boundary, options, def, err);
+    else
+        return represent_mesh(scene, boundary, options, def, err);
+    return CML_OK;
+}
+
+cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
+                               struct cml_surface_set *set, struct cml_error *err)
+{
+    const size_t count = (size_t)scene->num_layers + 1;
+    *set = (struct cml_surface_set){.count = (int)count, .item = calloc(count, sizeof *set->item)};
+    if (!set->item) return cml_fail_memory(err, (double)(count * sizeof *set->item), "the boundaries");
+    for (size_t b = 0; b < count; b++) {
+        const cml_status status = represent(scene, &scene->boundaries[b], options, &set->item[b], err);
+        if (status == CML_OK) continue;
+        cml_surfaces_free(set);
+        return status;
+    }
+    return CML_OK;
+}
+
+void cml_surfaces_free(struct cml_surface_set *set)
+{
+    for (int b = 0; set->item && b < set->count; b++) {
+        free(set->item[b].r);
+        cml_mesh_surface_free(set->item[b].mesh);
+    }
+    free(set->item);
+    *set = (struct cml_surface_set){0};
+}
+
+/* A field of one sample or equal heights still has a mesh; a plane without any has none to show. */
+cml_status cml_boundary_mesh(const struct cml_boundary *boundary, const struct cml_tessellation *options,
+                             struct cml_mesh *mesh, struct cml_error *err)
+{
+    if (boundary->form == CML_FORM_MESH) return cml_mesh_copy(&boundary->mesh, mesh, err);
+    if (boundary->form == CML_FORM_RADIAL && boundary->radial.n > 1)
+        return cml_tessellate(&boundary->radial, options, mesh, err);
+    *mesh = (struct cml_mesh){0};
+    return CML_OK;
+}

@@ -1,0 +1,53 @@
+/* How each boundary of a scene is represented: plane, cones or mesh, and why.
+ * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
+ * marched as exact cones, other meshes go to Embree. A representation can be forced, which is how methods
+ * judge each other. SPDX-License-Identifier: MIT */
+#ifndef CML_SURFACE_H
+#define CML_SURFACE_H
+
+#include "scene.h"
+#include "surface_mesh.h"
+#include "tessellate.h"
+
+enum cml_representation { CML_AS_PLANE, CML_AS_CONE, CML_AS_MESH, CML_AS_AUTO };
+
+struct cml_surface_options {
+    enum cml_representation
+        force; /* CML_AS_AUTO: choose; CML_AS_CONE leaves meshes meshes and planes planes */
+    struct cml_tessellation tessellation;
+};
+
+/* One represented boundary, in its own frame, whose z = 0 lies at `depth` in the scene. Owns everything in
+ * it. */
+struct cml_surface_def {
+    enum cml_representation kind;
+    char reason[96];               /* why this kind, for people */
+    double depth;                  /* of the frame; for a plane that of the plane itself */
+    double lowest, highest;        /* lowest <= z <= highest everywhere */
+    uint64_t primitives;           /* rings or triangles, 1 for a plane */
+    int num_rings;                 /* CML_AS_CONE */
+    double *r, *z, *slope;         /* [num_rings] see kernels/types.h */
+    struct cml_mesh_surface *mesh; /* CML_AS_MESH */
+};
+
+struct cml_surface_set {
+    int count;                    /* num_layers + 1 */
+    struct cml_surface_def *item; /* [count] */
+};
+
+/* Represents every boundary of the scene. CML_E_INPUT when a boundary cannot take the forced kind. */
+CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
+                                             const struct cml_surface_options *options,
+                                             struct cml_surface_set *set, struct cml_error *err);
+
+void cml_surfaces_free(struct cml_surface_set *set);
+
+const char *cml_representation_name(enum cml_representation kind);
+
+/* The mesh of a boundary as cml_surfaces_create would give it to Embree, tessellated or loaded; empty (no
+ * triangles) for a plane. For `clustermcml mesh`. */
+CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_boundary *boundary,
+                                           const struct cml_tessellation *options, struct cml_mesh *mesh,
+                                           struct cml_error *err);
+
+#endif

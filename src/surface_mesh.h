@@ -1,0 +1,33 @@
+/* A boundary mesh under Embree: closest crossing of a double-precision ray.
+ * Embree's tree of boxes finds candidates in single precision; each candidate triangle is tested in double by
+ * the signs of Pluecker products, which neighbours compute alike from their shared edge, so that no ray
+ * passes between them, and boxes are inflated by what the rounding of ray and vertices can amount to
+ * ("double-down" under DAGMC). The outer plane with the footprint as its hole belongs to the surface. The
+ * only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_SURFACE_MESH_H
+#define CML_SURFACE_MESH_H
+
+#include "mesh.h"
+
+struct cml_mesh_surface; /* immutable once built; queries may run in parallel */
+
+/* Primitive number of the outer plane in a crossing. */
+#define CML_OUTER_PLANE 0x7fffffff
+
+/* Takes over *mesh (prepared; left empty). x0, y0: scene position of the origin from which queries count x
+ * and y. Vertices are centred in double before anything is rounded. CML_E_DEVICE when Embree fails,
+ * CML_E_INPUT for memory. */
+CML_NODISCARD cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0,
+                                                 struct cml_mesh_surface **surface, struct cml_error *err);
+
+void cml_mesh_surface_free(struct cml_mesh_surface *surface);
+
+uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface);
+
+/* The query itself, cml_mesh_surface_hit, is declared in kernels/surface_hit.h, where the walk reads it. */
+
+/* Embree's version, for the banner and `devices`. */
+const char *cml_mesh_surface_backend(void);
+
+#endif

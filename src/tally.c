@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static size_t cells_A(const struct cml_grid *grid)
+{
+    return grid->absorption ? (size_t)grid->nr * (size_t)grid->nz : 0;
+}
+
+static size_t cells_ra(const struct cml_grid *grid)
+{
+    return (size_t)grid->nr * (size_t)grid->na;
+}
+
+static size_t cells_batched(const struct cml_grid *grid)
+{
+    const size_t bins =
+        2 * (size_t)grid->nr + 2 * (size_t)grid->na + (grid->absorption ? (size_t)grid->nz : 0);
+    return CML_NUM_BATCHES * bins;
+}
+
+static size_t cells_all(const struct cml_grid *grid)
+{
+    return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2;
+}
+
+double cml_tally_bytes(const struct cml_grid *grid)
+{
+    return (double)cells_all(grid) * sizeof(uint64_t);
+}
+
+double cml_result_bytes(const struct cml_grid *grid)
+{
+    return (double)(cells_all(grid) + cells_batched(grid)) * sizeof(cml_u128);
+}
+
+/* All arrays of a tally lie in one block, A_l first, so that merging and clearing are one loop. */
+cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally, struct cml_error *err)
+{
+    *tally = (struct cml_tally){.grid = *grid};
+    uint64_t *block = calloc(cells_all(grid), sizeof *block);
+    if (!block) return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
+    tally->A_l = block;
+    tally->Rd_ra = tally->A_l + grid->num_layers + 2;
+    tally->Tt_ra = tally->Rd_ra + cells_ra(grid);
+    if (grid->absorption) tally->A_rz = tally->Tt_ra + cells_ra(grid);
+    return CML_OK;
+}
+
+void cml_tally_zero(struct cml_tally *tally)
+{
+    memset(tally->A_l, 0, cells_all(&tally->grid) * sizeof *tally->A_l);
+    memset(tally->book, 0, sizeof tally->book);
+    memset(tally->count, 0, sizeof tally->count);
+    memset(tally->square, 0, sizeof tally->square);
+}
+
+void cml_tally_free(struct cml_tally *tally)
+{
+    free(tally->A_l);
+    *tally = (struct cml_tally){0};
+}
+
+void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from)
+{
+    const size_t cells = cells_all(&to->grid);
+    for (size_t i = 0; i < cells; i++) to->A_l[i] += from->A_l[i];
+    for (int i = 0; i < CML_NUM_BOOKS; i++) to->book[i] += from->book[i];
+    for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
+    for (int i = 0; i < CML_NUM_TOTALS; i++) to->square[i] += from->square[i];
+}
+
+cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, struct cml_result *result,
+                             struct cml_error *err)
+{
+    *result = (struct cml_result){.grid = *grid, .photons = photons};
+    cml_u128 *block = calloc(cells_all(grid) + cells_batched(grid), sizeof *block);
+    if (!block) return cml_fail_memory(err, cml_result_bytes(grid), "the result");
+    result->A_l = block;
+    result->Rd_ra = result->A_l + grid->num_layers + 2;
+    result->Tt_ra = result->Rd_ra + cells_ra(grid);
+    if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
+    result->Rd_r = block + cells_all(grid);
+    result->Tt_r = result->Rd_r + CML_NUM_BATCHES * (size_t)grid->nr;
+    result->Rd_a = result->Tt_r + CML_NUM_BATCHES * (size_t)grid->nr;
+    result->Tt_a = result->Rd_a + CML_NUM_BATCHES * (size_t)grid->na;
+    if (grid->absorption) result->A_z = result->Tt_a + CML_NUM_BATCHES * (size_t)grid->na;
+    return CML_OK;
+}
+
+void cml_result_free(struct cml_result *result)
+{
+    free(result->A_l);
+    *result = (struct cml_result){0};
+}
+
+/* Adds the sums of cells[rows][columns] over columns to by_row, over rows to by_column; either may be NULL.
+ */
+static void add_margins(const uint64_t *cells, int rows, int columns, cml_u128 *by_row, cml_u128 *by_column)
+{
+    for (size_t i = 0; i < (size_t)rows; i++) {
+        for (size_t j = 0; j < (size_t)columns; j++) {
+            const uint64_t cell = cells[i * (size_t)columns + j];
+            if (by_row) by_row[i] += cell;
+            if (by_column) by_column[j] += cell;
+        }
+    }
+}
+
+void cml_result_add(struct cml_result *result, int batch, const struct cml_tally *tally)
+{
+    const struct cml_grid *grid = &result->grid;
+    const size_t cells = cells_all(grid), b = (size_t)batch;
+    const size_t nr = (size_t)grid->nr, na = (size_t)grid->na, nz = (size_t)grid->nz;
+    for (size_t i = 0; i < cells; i++) result->A_l[i] += tally->A_l[i];
+    add_margins(tally->Rd_ra, grid->nr, grid->na, result->Rd_r + b * nr, result->Rd_a + b * na);
+    add_margins(tally->Tt_ra, grid->nr, grid->na, result->Tt_r + b * nr, result->Tt_a + b * na);
+    if (grid->absorption) add_margins(tally->A_rz, grid->nr, grid->nz, NULL, result->A_z + b * nz);
+    for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] += tally->book[i];
+    for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] += tally->count[i];
+    for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] += tally->square[i];
+}
+
+uint64_t cml_batch_first(uint64_t photons, int batch)
+{
+    return (uint64_t)((cml_u128)photons * (cml_u128)batch / CML_NUM_BATCHES);
+}
+
+static cml_u128 sum_of(const cml_u128 *cells, size_t n)
+{
+    cml_u128 sum = 0;
+    for (size_t i = 0; i < n; i++) sum += cells[i];
+    return sum;
+}
+
+static double difference(cml_u128 a, cml_u128 b)
+{
+    return a >= b ? (double)(a - b) : -(double)(b - a);
+}
+
+double cml_result_residue(const struct cml_result *result)
+{
+    const struct cml_grid *grid = &result->grid;
+    const cml_u128 *book = result->book;
+    const cml_u128 in = book[CML_BOOK_LAUNCHED] + book[CML_BOOK_GAINED];
+    cml_u128 out = 0;
+    for (int i = CML_BOOK_SPECULAR; i <= CML_BOOK_LOST; i++) out += book[i];
+    const cml_u128 absorbed = book[CML_BOOK_ABSORBED];
+    const double residues[] = {
+        difference(in, out),
+        difference(sum_of(result->A_l, (size_t)grid->num_layers + 2), absorbed),
+        grid->absorption ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
+        difference(sum_of(result->Rd_ra, cells_ra(grid)), book[CML_BOOK_REFLECTED]),
+        difference(sum_of(result->Tt_ra, cells_ra(grid)), book[CML_BOOK_TRANSMITTED]),
+    };
+    for (size_t i = 0; i < sizeof residues / sizeof *residues; i++)
+        if (residues[i] != 0) return residues[i];
+    return 0;
+}
+
+double cml_result_share(const struct cml_result *result, enum cml_book book)
+{
+    return (double)result->book[book] / (double)result->book[CML_BOOK_LAUNCHED];
+}
+
+/* Variance of a mean over packets: (sum x^2 - (sum x)^2 / n) / (n - 1) / n, in units of a packet's weight. */
+double cml_result_error(const struct cml_result *result, enum cml_total total)
+{
+    static const enum cml_book book_of[CML_NUM_TOTALS] = {CML_BOOK_SPECULAR, CML_BOOK_REFLECTED,
+                                                          CML_BOOK_TRANSMITTED, CML_BOOK_ABSORBED};
+    const long double n = (long double)result->count[CML_COUNT_PHOTONS];
+    const long double sum = (long double)result->book[book_of[total]];
+    if (n < 2) return 0;
+    const long double variance = ((long double)result->square[total] - sum * sum / n) / (n - 1) / n;
+    return variance > 0 ? (double)(sqrtl(variance) * CML_WEIGHT_UNIT) : 0;
+}
+
+/* Batches differ by at most one packet; each mean counts by its number of packets. */
+double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i)
+{
+    double sum = 0, squares = 0, batches = 0;
+    const double photons = (double)result->photons;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += (double)profile[(size_t)b * (size_t)n + (size_t)i];
+    const double mean = sum / photons;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        const double size =
+            (double)(cml_batch_first(result->photons, b + 1) - cml_batch_first(result->photons, b));
+        if (!(size > 0)) continue;
+        const double deviation = (double)profile[(size_t)b * (size_t)n + (size_t)i] / size - mean;
+        squares += size * deviation * deviation;
+        batches += 1;
+    }
+    return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : 0;
+}
+
+uint64_t cml_result_lost(const struct cml_result *result)
+{
+    cml_u128 lost = 0;
+    for (int i = CML_COUNT_LOST_NO_SURFACE; i <= CML_COUNT_LOST_LEAKED; i++) lost += result->count[i];
+    return (uint64_t)lost;
+}

@@ -1,0 +1,130 @@
+/* Tallies: integer sums of weight and events over a range of photon indices.
+ * Integers, so that the order of summation cannot show: any number of threads, ranks and restarts gives the
+ * same bits. Weight is in units of 2^-31 of a packet. A cml_tally (64 bits a cell) serves at most
+ * CML_TALLY_MAX_PHOTONS packets; a cml_result (128 bits) collects tallies for up to 2^48, and keeps the 1D
+ * profiles of 64 fixed ranges of indices
+ * ("batches") apart, whose spread gives the standard errors.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TALLY_H
+#define CML_TALLY_H
+
+#include "status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+__extension__ typedef unsigned __int128 cml_u128;
+
+#define CML_TALLY_MAX_PHOTONS ((uint64_t)1 << 30)
+#define CML_NUM_BATCHES 64
+#define CML_WEIGHT_UNIT 4.656612873077393e-10 /* one unit of weight as a share of a packet: 2^-31 */
+
+/* launched + gained = specular + reflected + transmitted + absorbed + roulette + trapped + lost, exactly
+ * (P10). */
+enum cml_book {
+    CML_BOOK_LAUNCHED,
+    CML_BOOK_GAINED, /* by packets that survived roulette */
+    CML_BOOK_SPECULAR,
+    CML_BOOK_REFLECTED,
+    CML_BOOK_TRANSMITTED,
+    CML_BOOK_ABSORBED,
+    CML_BOOK_ROULETTE, /* lost by packets that did not survive it */
+    CML_BOOK_TRAPPED,
+    CML_BOOK_LOST,
+    /* parts of the above, not in the balance */
+    CML_BOOK_OVERFLOW_R, /* of reflected, transmitted and absorbed: scored in the last radial bin from beyond
+                            it */
+    CML_BOOK_OVERFLOW_Z, /* of absorbed: in the last depth bin from below it */
+    CML_BOOK_ABOVE,      /* of absorbed: in the first depth bin from z < 0 */
+    CML_NUM_BOOKS
+};
+
+enum cml_count {
+    CML_COUNT_PHOTONS,
+    CML_COUNT_INTERACTIONS,
+    CML_COUNT_BOUNDARY_EVENTS,
+    CML_COUNT_SHADING_OVERRULED, /* boundary events that the facet decided against the shading normal */
+    CML_COUNT_TRAPPED,
+    CML_COUNT_LOST_NO_SURFACE,
+    CML_COUNT_LOST_NAN,
+    CML_COUNT_LOST_STUCK,
+    CML_COUNT_LOST_LEAKED,
+    CML_NUM_COUNTS
+};
+
+/* Totals whose squares per packet are summed for their standard errors. */
+enum cml_total {
+    CML_TOTAL_SPECULAR,
+    CML_TOTAL_REFLECTED,
+    CML_TOTAL_TRANSMITTED,
+    CML_TOTAL_ABSORBED,
+    CML_NUM_TOTALS
+};
+
+struct cml_grid {
+    int nr, nz, na;
+    int num_layers;
+    bool absorption; /* A_rz is tallied; false: its cells do not exist */
+};
+
+struct cml_tally {
+    struct cml_grid grid;
+    uint64_t *A_rz;          /* [nr][nz] or NULL */
+    uint64_t *Rd_ra, *Tt_ra; /* [nr][na] */
+    uint64_t *A_l;           /* [num_layers + 2] by medium */
+    uint64_t book[CML_NUM_BOOKS];
+    uint64_t count[CML_NUM_COUNTS];
+    cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
+};
+
+struct cml_result {
+    struct cml_grid grid;
+    uint64_t photons; /* asked for; batch b is the range [b*photons/64, (b+1)*photons/64) */
+    cml_u128 *A_rz, *Rd_ra, *Tt_ra, *A_l; /* as in cml_tally */
+    cml_u128 *Rd_r, *Tt_r;                /* [64][nr] */
+    cml_u128 *Rd_a, *Tt_a;                /* [64][na] */
+    cml_u128 *A_z;                        /* [64][nz] or NULL */
+    cml_u128 book[CML_NUM_BOOKS];
+    cml_u128 count[CML_NUM_COUNTS];
+    cml_u128 square[CML_NUM_TOTALS];
+};
+
+/* Bytes that a tally, or a result, of this grid takes. */
+double cml_tally_bytes(const struct cml_grid *grid);
+double cml_result_bytes(const struct cml_grid *grid);
+
+CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
+                                          struct cml_error *err);
+void cml_tally_zero(struct cml_tally *tally);
+void cml_tally_free(struct cml_tally *tally);
+
+/* to += from; same grid. */
+void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from);
+
+CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons,
+                                           struct cml_result *result, struct cml_error *err);
+void cml_result_free(struct cml_result *result);
+
+/* Adds a tally whose packets all belong to one batch. */
+void cml_result_add(struct cml_result *result, int batch, const struct cml_tally *tally);
+
+/* First photon index of a batch; batch 64 gives the number of photons. */
+uint64_t cml_batch_first(uint64_t photons, int batch);
+
+/* launched + gained minus everything that came of it; 0 unless the program is wrong. Also compares the
+ * absorbed weight with the sums of A_l and A_rz, and R and T with those of Rd_ra and Tt_ra: the first
+ * difference found is returned. */
+double cml_result_residue(const struct cml_result *result);
+
+/* A book as a share of the launched weight; a total's standard error as such a share (from squares per
+ * packet). */
+double cml_result_share(const struct cml_result *result, enum cml_book book);
+double cml_result_error(const struct cml_result *result, enum cml_total total);
+
+/* Standard error, in launched packets' weight per photon, of bin i of a batched profile profile[64][n]. */
+double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
+
+uint64_t cml_result_lost(const struct cml_result *result); /* packets, all causes */
+
+#endif

@@ -226,23 +226,6 @@ static void put_all(const struct rings *rings, struct cml_mesh *mesh)
     for (int i = 1; i + 1 < rings->radial->n; i++) put_strip(rings, i, mesh);
 }
 
-/* The slopes stay out of the mesh meanwhile: they fit only as long as no triangle was dropped. */
-static cml_status prepare(struct cml_mesh *mesh, struct cml_error *err)
-{
-    const struct cml_mesh_source source = {"radial heightfield", NULL, NULL};
-    struct cml_mesh_notes notes = {0};
-    const size_t before = mesh->num_triangles;
-    double *slope = mesh->slope;
-    mesh->slope = NULL;
-    const cml_status status = cml_mesh_prepare(mesh, &source, &notes, err);
-    mesh->slope = slope;
-    CML_TRY(status);
-    if (mesh->num_triangles == before) return CML_OK;
-    return cml_fail(err, CML_E_INPUT,
-                    "radial heightfield: its rings are so close that %zu of %zu triangles have no area",
-                    notes.degenerate, before);
-}
-
 static cml_status make(struct rings *rings, struct cml_mesh *mesh, struct cml_error *err)
 {
     const size_t n = (size_t)rings->radial->n;
@@ -256,7 +239,9 @@ static cml_status make(struct rings *rings, struct cml_mesh *mesh, struct cml_er
     mesh->normals = rings->options->normals;
     CML_TRY(allocate(mesh, (size_t)triangles, err));
     put_all(rings, mesh);
-    return prepare(mesh, err);
+    const struct cml_mesh_source source = {.path = "radial heightfield"};
+    struct cml_mesh_notes notes;
+    return cml_mesh_prepare(mesh, &source, &notes, err); /* keeps the slopes with their triangles */
 }
 
 static cml_status check_options(const struct cml_radial *radial, const struct cml_tessellation *options,

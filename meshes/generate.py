@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Writes the boundary meshes of this folder: generate.py [DIRECTORY], by default beside this script.
+
+Lengths in cm, heights up, faces counter-clockwise seen from above. Only the standard library is needed; the
+numbers are rounded to 1e-6 cm, so that every machine writes the same bytes.
+SPDX-License-Identifier: MIT
+"""
+import math
+import os
+import sys
+
+
+def write(directory, name, title, vertices, faces):
+    lines = ["# %s" % title, "# written by meshes/generate.py; cm, heights up; SPDX-License-Identifier: MIT"]
+    for vertex in vertices:
+        # + 0.0 turns -0.0 into 0.0
+        lines.append("v " + " ".join("%.6f" % (round(c, 6) + 0.0) for c in vertex))
+    for face in faces:
+        lines.append("f " + " ".join(str(i + 1) for i in face))
+    with open(os.path.join(directory, name), "w", newline="\n") as stream:
+        stream.write("\n".join(lines) + "\n")
+
+
+def wedge():
+    """A ramp of slope 1/7 along x with a steep back, on a flat skirt; no symmetry."""
+    outer = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]
+    inner = [(-0.4, -0.35, 0), (0.4, -0.35, 0), (0.4, 0.4, 0), (-0.4, 0.4, 0)]
+    top = [(0.3, -0.25, 0.1), (0.3, 0.3, 0.1)]
+    faces = []
+    for i in range(4):
+        j = (i + 1) % 4
+        faces += [(i, j, 4 + j), (i, 4 + j, 4 + i)]
+    faces += [(4, 8, 9), (4, 9, 7)]  # the ramp
+    faces += [(5, 6, 9), (5, 9, 8)]  # its back
+    faces += [(4, 5, 8), (6, 7, 9)]  # its sides
+    return outer + inner + top, faces
+
+
+def ridges():
+    """Skin: two sets of oblique, skewed ridges that fade out towards the border."""
+    n = 50
+
+    def height(x, y):
+        u = (x * math.cos(0.35) + y * math.sin(0.35)) / 0.4
+        v = (y * math.cos(0.2) - x * math.sin(0.2)) / 0.7
+        fade = (1 - x ** 4) * (1 - y ** 4)
+        return 0.006 * fade * (math.sin(2 * math.pi * u) + 0.35 * math.sin(4 * math.pi * u + 0.7)
+                               + 0.4 * math.sin(2 * math.pi * v + 1.1))
+
+    vertices, faces = [], []
+    for j in range(n + 1):
+        for i in range(n + 1):
+            x, y = -1 + 2 * i / n, -1 + 2 * j / n
+            vertices.append((x, y, 0 if i in (0, n) or j in (0, n) else height(x, y)))
+    for j in range(n):
+        for i in range(n):
+            a, b = j * (n + 1) + i, (j + 1) * (n + 1) + i
+            faces += [(a, a + 1, b + 1), (a, b + 1, b)] if (i + j) % 2 else [(a, a + 1, b), (a + 1, b + 1, b)]
+    return vertices, faces
+
+
+def prism():
+    """A roof along y: two slopes of 45 degrees that meet at a right angle, upright gables."""
+    vertices = [(-0.5, -1, 0), (0.5, -1, 0), (0.5, 1, 0), (-0.5, 1, 0), (0, -1, 0.5), (0, 1, 0.5)]
+    return vertices, [(0, 4, 5), (0, 5, 3), (1, 2, 5), (1, 5, 4), (0, 1, 4), (2, 3, 5)]
+
+
+def pyramid():
+    """Four faces and a tip above the origin."""
+    vertices = [(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0), (0, 0, 0.25)]
+    return vertices, [(i, (i + 1) % 4, 4) for i in range(4)]
+
+
+def overhang():
+    """A leaning mushroom: the cap overhangs the stem, so the surface is not a function of x and y."""
+    n = 24
+    profile = [(0.5, 0, 0), (0.15, 0, 0), (0.12, 0.1, 0.01), (0.3, 0.12, 0.03), (0.32, 0.16, 0.03),
+               (0.25, 0.24, 0.03), (0.12, 0.29, 0.03)]  # radius, height, shift along x
+    vertices, faces = [], []
+    for radius, height, shift in profile:
+        for i in range(n):
+            angle = 2 * math.pi * i / n
+            vertices.append((shift + radius * math.cos(angle), radius * math.sin(angle), height))
+    tip = len(vertices)
+    vertices.append((0.03, 0, 0.3))
+    for ring in range(len(profile) - 1):
+        for i in range(n):
+            a, b = ring * n + i, ring * n + (i + 1) % n
+            faces += [(a, b, b + n), (a, b + n, a + n)]
+    last = (len(profile) - 1) * n
+    faces += [(last + i, last + (i + 1) % n, tip) for i in range(n)]
+    return vertices, faces
+
+
+def spikes():
+    """Ten by ten pyramids, 0.1 cm wide and 0.5 cm high: slope 10. The origin is on no edge."""
+    n, width, height = 10, 0.1, 0.5
+    x0, y0 = -0.47, -0.48
+    vertices = [(x0 + width * i, y0 + width * j, 0) for j in range(n + 1) for i in range(n + 1)]
+    faces = []
+    for j in range(n):
+        for i in range(n):
+            tip, a, b = len(vertices), j * (n + 1) + i, (j + 1) * (n + 1) + i
+            vertices.append((x0 + width * (i + 0.5), y0 + width * (j + 0.5), height))
+            faces += [(a, a + 1, tip), (a + 1, b + 1, tip), (b + 1, b, tip), (b, a, tip)]
+    return vertices, faces
+
+
+def main():
+    directory = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
+    for family in (wedge, ridges, prism, pyramid, overhang, spikes):
+        write(directory, family.__name__ + ".obj", family.__doc__.rstrip("."), *family())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,17 @@
+/* Polygons of an OBJ file as triangles. SPDX-License-Identifier: MIT */
+#ifndef CML_OBJ_POLYGON_H
+#define CML_OBJ_POLYGON_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#define CML_OBJ_MAX_CORNERS 1000
+
+/* Splits the polygon corner[size] of vertex[] into size - 2 triangles, all meeting in one corner, which is
+ * chosen so that the smallest triangle is as large as possible (corners on a straight side need that).
+ * size is 4 to CML_OBJ_MAX_CORNERS. Returns NULL, or why it cannot be done: the polygon must be convex and
+ * lie within 1e-9 of its size in a plane, because otherwise the way it is split would change the surface. */
+const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
+                          uint32_t (*triangle)[3]);
+
+#endif

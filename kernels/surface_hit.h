@@ -25,7 +25,8 @@ struct cml_mesh_crossing {
     int primitive;
 };
 int cml_mesh_surface_hit(const struct cml_mesh_surface *mesh, const double p[3], const double u[3], int below,
-                         double t_max, int exclude, double slack, struct cml_mesh_crossing *crossing);
+                         double t_max, int exclude, int straight, double slack,
+                         struct cml_mesh_crossing *crossing);
 #endif
 
 CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary)
@@ -78,12 +79,13 @@ CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml
 
 #ifndef __OPENCL_VERSION__
 CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
-                        real side, real t_max, int standing_on, struct cml_hit *hit)
+                        real side, real t_max, int standing_on, int straight, struct cml_hit *hit)
 {
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]));
     struct cml_mesh_crossing c;
-    if (!cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on, slack, &c))
+    if (!cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on, straight, slack,
+                              &c))
         return 0;
     hit->t = (real)c.t;
     hit->primitive = c.primitive;
@@ -121,7 +123,7 @@ CML_FN int cml_surface_hit(const struct cml_world *world, const struct cml_packe
     if (surface->kind == CML_SURFACE_CONE)
         return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on, hit);
 #ifndef __OPENCL_VERSION__
-    return cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, hit);
+    return cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, packet->straight, hit);
 #else
     return 0;
 #endif

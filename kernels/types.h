@@ -85,6 +85,7 @@ struct cml_packet {
     cml_u32 boundary_events; /* all of them */
     int medium;
     int on_boundary, on_primitive; /* what the packet stands on, -1: nothing */
+    int straight;                  /* it came there without a turn: equal indices */
     int entered;                   /* has been in the material */
     int fate, cause;
     real exit_x, exit_y; /* of the last crossing into an outer medium */

@@ -267,8 +267,9 @@ CML_FN void cml_cross(const struct cml_world *world, struct cml_packet *packet, 
     packet->tau = left > 0 ? left : (real)0;
     packet->on_boundary = boundary;
     packet->on_primitive = hit->primitive;
+    packet->straight = n1 == n2;
     const int transmitted =
-        n1 == n2 || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);
+        packet->straight || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);
     if (transmitted) packet->medium = other;
     packet->p = hit->point;
     if (packet->medium == boundary) packet->p.z += world->media[boundary].span;

@@ -23,7 +23,8 @@ struct cml_fate_record {
     int fate, cause; /* enum cml_fate, enum cml_lost_cause of kernels/types.h */
     uint32_t weight; /* left at the end, 2^-31 of a packet */
     uint32_t interactions, boundary_events;
-    double exit[2]; /* x, y of the scene, cm, where it crossed into an outer medium last */
+    double absorbed; /* share of a packet */
+    double exit[2];  /* x, y of the scene, cm, where it crossed into an outer medium last */
     double direction[3];
 };
 

@@ -267,6 +267,7 @@ static cml_status trace_packet(const struct cml_world *world, uint64_t index, cm
         .weight = packet.w,
         .interactions = packet.interactions,
         .boundary_events = packet.boundary_events,
+        .absorbed = (double)packet.absorbed * CML_WEIGHT_UNIT,
         .exit = {packet.exit_x + world->setup.x0, packet.exit_y + world->setup.y0},
         .direction = {packet.u.x, packet.u.y, packet.u.z},
     };

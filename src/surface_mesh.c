@@ -34,7 +34,8 @@ struct query {
     const struct cml_mesh_surface *surface;
     double origin[3], direction[3]; /* relative to centre */
     double base;                    /* distance of the float ray's origin from the query's */
-    double slack; /* how far behind the origin a crossing may lie: the rounding of the packet's position */
+    double slack; /* the rounding of the packet's position: how far behind the origin a crossing may lie */
+    double least; /* -slack, or where the line crosses `exclude` when the packet came straight through it */
     int below, exclude;
     double t;         /* best so far */
     double weight[3]; /* its barycentric weights */
@@ -110,7 +111,7 @@ static bool cross_triangle(const struct query *q, int primitive, double *t, doub
     *t = dot_product(to_corner, normal) / along;
     const double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
-    return *t >= -q->slack;
+    return *t >= q->least;
 }
 
 /* The best crossing so far. One at the same place, on a shared edge, adds its facet to the seam's mean
@@ -219,7 +220,7 @@ static void query_outer_plane(struct query *q)
     const double uz = q->direction[2];
     if (q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
     const double t = (q->surface->mesh.z_border - q->origin[2]) / uz;
-    if (!(t >= -q->slack) || !(t < q->t)) return;
+    if (!(t >= q->least) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
     if (cml_footprint_contains(q->surface->footprint, x, y)) return;
     q->t = t;
@@ -266,14 +267,27 @@ static void fill_normals(const struct query *q, const double point[3], struct cm
         interpolated_normal(q, crossing->normal);
 }
 
+/* Distance along the query's line to the plane of a primitive. */
+static double plane_distance(const struct query *q, int primitive)
+{
+    const struct cml_mesh *mesh = &q->surface->mesh;
+    double normal[3] = {0, 0, 1}, to_plane[3] = {0, 0, mesh->z_border - q->origin[2]};
+    if (primitive != CML_OUTER_PLANE) {
+        facet_normal(mesh, primitive, normal);
+        subtract(mesh->vertex[mesh->triangle[primitive][0]], q->origin, to_plane);
+    }
+    return dot_product(to_plane, normal) / dot_product(q->direction, normal);
+}
+
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
-                         int below, double t_max, int exclude, double slack,
+                         int below, double t_max, int exclude, int straight, double slack,
                          struct cml_mesh_crossing *crossing)
 {
     struct query q = {.surface = surface, .below = below, .exclude = exclude, .t = t_max, .slack = slack};
     q.primitive = -1;
     subtract(p, surface->centre, q.origin);
     for (int k = 0; k < 3; k++) q.direction[k] = u[k];
+    q.least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(&q, exclude), slack)) : -slack;
     query_triangles(&q);
     query_outer_plane(&q);
     if (q.primitive < 0) return 0;

@@ -1,0 +1,112 @@
+"""What the statistical tests share: running the program, reading .mco files, z-scores with Sidak limits.
+
+Every test states N, statistic and level, uses a fixed seed, and prints the offending bins when it fails.
+The program is found in the environment variable CLUSTERMCML. Standard library only.
+"""
+import json
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+
+PROGRAM = os.environ.get("CLUSTERMCML", "build/clustermcml")
+TESTS = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+REFERENCE = os.path.join(TESTS, "reference")
+SAMPLES = os.path.join(os.path.dirname(TESTS), "samples")
+
+
+def sidak_limit(tests, level=1e-4):
+    """|z| above which `tests` independent normal deviates go at most with probability `level`."""
+    each = -math.expm1(math.log1p(-level) / tests)
+    return statistics.NormalDist().inv_cdf(1 - each / 2)
+
+
+def mci(layers, name="out.mco", photons=1000, grid="0.01 0.01", bins="10 10 1", n_above=1.0, n_below=1.0, surfaces=None,
+        extra=()):
+    """An .mci file's text. layers: strings 'n mua mus g d' (slashes allowed); surfaces: {boundary: b or m line}."""
+    surfaces = surfaces or {}
+    lines = ["1.0", "1", f"{name} A", f"{photons}", *extra, grid, bins, str(len(layers)), str(n_above)]
+    for i, layer in enumerate(layers):
+        if i in surfaces:
+            lines.append(surfaces[i])
+        lines.append(layer.replace("/", " "))
+    if len(layers) in surfaces:
+        lines.append(surfaces[len(layers)])
+    return "\n".join(lines + [str(n_below)]) + "\n"
+
+
+def run(text, *options, keep=None):
+    """Runs the text of an .mci file, or a path to one; returns the list of JSON records. keep: directory for output."""
+    with tempfile.TemporaryDirectory() as scratch:
+        path = text
+        if "\n" in text:
+            path = os.path.join(keep or scratch, "scene.mci")
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+        command = [PROGRAM, "run", path, "--json", "-o", keep or scratch, *map(str, options)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise RuntimeError(f"{' '.join(command)}: exit {done.returncode}: {done.stderr.strip()}")
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def read_sections(path):
+    """The one-number-per-line sections of an .mco file: {key: [values]}."""
+    sections, key = {}, None
+    with open(path, encoding="utf-8") as file:
+        for line in file:
+            word = line.split("#")[0].split()
+            if not word:
+                key = None if not line.strip() else key
+            elif word[0][0].isalpha():
+                key = word[0]
+                sections[key] = []
+            elif key:
+                sections[key].append(float(word[0]))
+    return sections
+
+
+class Verdict:
+    """Collects z-scores, then passes or fails the test as a whole."""
+
+    def __init__(self, title, level=1e-4):
+        self.title, self.level, self.rows, self.failures = title, level, [], []
+
+    def z(self, name, value, error, truth, truth_error=0.0):
+        spread = math.hypot(error, truth_error)
+        score = (value - truth) / spread if spread > 0 else (0.0 if value == truth else math.inf)
+        self.rows.append((abs(score), f"{name}: {value:.7g} +- {error:.2g}, expected {truth:.7g}, z = {score:+.2f}"))
+
+    def check(self, name, holds, detail=""):
+        if not holds:
+            self.failures.append(f"{name} {detail}")
+
+    def finish(self, limit=None):
+        self.rows.sort(reverse=True)
+        if self.rows:
+            limit = limit or sidak_limit(len(self.rows), self.level)
+            self.failures += [text for score, text in self.rows if not score <= limit]
+            rms = math.sqrt(statistics.fmean(score * score for score, _ in self.rows))
+            print(f"{self.title}: {len(self.rows)} z-scores, limit {limit:.2f}, worst {self.rows[0][0]:.2f}, "
+                  f"rms {rms:.3f}")
+            print("  worst:", self.rows[0][1])
+        for failure in self.failures:
+            print("  FAILED", failure)
+        sys.exit(1 if self.failures else 0)
+
+
+def total_error(record, key, truth):
+    """Standard error of a total. Where few packets arrive, the measured one is no estimate; the bound
+    E[w^2] <= E[w] for weights up to 1 takes its place."""
+    photons = record["photons"]
+    if truth * photons > 1000:
+        return record[key + "_se"]
+    return math.sqrt((truth + 1 / photons) / photons)
+
+
+def books(verdict, name, record):
+    """P9, P10: nothing lost, residue exactly 0."""
+    verdict.check(name, record["lost"] == 0, f"lost {record['lost']}")
+    verdict.check(name, record["residue"] == 0, f"residue {record['residue']}")

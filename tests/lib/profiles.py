@@ -1,0 +1,58 @@
+"""Rd(r) and Tt(r) against profiles made by other programs; per bin or in groups of bins.
+
+Errors are batch means over 64 ranges of photon indices, so a z-score follows Student's t with 63 degrees of freedom; the
+limit allows for that. The last bin is overflow and is left out.
+"""
+import csv
+import math
+import os
+import tempfile
+
+import cml
+
+
+def student_limit(tests, level=1e-4, freedom=63):
+    """Sidak limit for Student deviates (Cornish-Fisher expansion of the normal quantile)."""
+    z = cml.sidak_limit(tests, level)
+    first = (z**3 + z) / (4 * freedom)
+    second = (5 * z**5 + 16 * z**3 + 3 * z) / (96 * freedom**2)
+    return z + first + second
+
+
+def reference(name):
+    """Columns of a reference profile as lists of floats, comments skipped."""
+    with open(os.path.join(cml.REFERENCE, "profiles", name), encoding="utf-8") as file:
+        table = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    return {key: [float(row[key]) for row in table] for key in table[0]}
+
+
+def simulate(scene, photons, *options):
+    """(JSON record, sections of the .mco) of a sample."""
+    with tempfile.TemporaryDirectory() as keep:
+        record = cml.run(os.path.join(cml.SAMPLES, scene), "--photons", photons, "--seed", 7, "--ignore-absorption",
+                         *options, keep=keep)[0]
+        return record, cml.read_sections(record["output"])
+
+
+def ring_sums(values, dr, group):
+    """Sums over groups of bins of value * ring area, without the last bin."""
+    weights = [value * 2 * math.pi * (i + 0.5) * dr * dr for i, value in enumerate(values[:-1])]
+    return [sum(weights[i:i + group]) for i in range(0, len(weights), group)]
+
+
+def ring_errors(errors, dr, group):
+    squares = [(error * 2 * math.pi * (i + 0.5) * dr * dr) ** 2 for i, error in enumerate(errors[:-1])]
+    return [math.sqrt(sum(squares[i:i + group])) for i in range(0, len(squares), group)]
+
+
+def compare(verdict, name, sections, truth, truth_errors, group=1, dr=0.005):
+    """truth: {'Rd_r': [...], 'Tt_r': [...]}; truth_errors: the same, or a factor on our own errors."""
+    for key in ("Rd_r", "Tt_r"):
+        ours, errors = ring_sums(sections[key], dr, group), ring_errors(sections["se_" + key], dr, group)
+        theirs = ring_sums(truth[key], dr, group)
+        if isinstance(truth_errors, float):
+            spread = [truth_errors * error for error in errors]
+        else:
+            spread = ring_errors(truth_errors[key], dr, group)
+        for i, (a, e, b, s) in enumerate(zip(ours, errors, theirs, spread)):
+            verdict.z(f"{name} {key} bins {i * group}..{i * group + group - 1}", a, e, b, s)

@@ -1,0 +1,8 @@
+"""Slabs and layer stacks against adding-doubling (see lib/slabs.py): cpu engine, 1000000 packets, every 1. row."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import slabs  # noqa: E402
+
+slabs.run_all("cpu", 1000000, 1)

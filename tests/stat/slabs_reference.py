@@ -1,0 +1,8 @@
+"""Slabs and layer stacks against adding-doubling (see lib/slabs.py): reference engine, 20000 packets, every 12. row."""
+import os
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import slabs  # noqa: E402
+
+slabs.run_all("reference", 20000, 12)

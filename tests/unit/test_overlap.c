@@ -286,6 +286,75 @@ static void test_meshes(void **state)
     expect_two(mesh(0.0, sheet(2, 0.0, 0.0, pit)), mesh(0.02, sheet(2, 0.0, 0.0, pit)), NULL);
 }
 
+/* Depth of a sheet over (x, y); NAN beside it. */
+static double depth_at(const struct cml_mesh *made, double x, double y)
+{
+    for (size_t t = 0; t < made->num_triangles; t++) {
+        const double *v[3];
+        double w[3], sum = 0.0;
+        for (int k = 0; k < 3; k++) v[k] = made->vertex[made->triangle[t][k]];
+        for (int k = 0; k < 3; k++) {
+            const double *a = v[(k + 1) % 3], *b = v[(k + 2) % 3];
+            w[k] = (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x);
+            sum += w[k];
+        }
+        if (fmin(fmin(w[0] / sum, w[1] / sum), w[2] / sum) < -1e-12) continue;
+        return (w[0] * v[0][2] + w[1] * v[1][2] + w[2] * v[2][2]) / sum;
+    }
+    return NAN;
+}
+
+static double gap_at(const struct cml_mesh *a, const struct cml_mesh *b, double x, double y)
+{
+    const double gap = depth_at(b, x, y) - depth_at(a, x, y);
+    return isnan(gap) ? INFINITY : gap;
+}
+
+/* Where two edges cross as seen from above. */
+static double gap_at_edges(const struct cml_mesh *a, const struct cml_mesh *b, size_t i, size_t j)
+{
+    const double *p = a->vertex[a->triangle[i / 3][i % 3]], *q = a->vertex[a->triangle[i / 3][(i + 1) % 3]];
+    const double *r = b->vertex[b->triangle[j / 3][j % 3]], *s = b->vertex[b->triangle[j / 3][(j + 1) % 3]];
+    const double bend = (q[0] - p[0]) * (s[1] - r[1]) - (q[1] - p[1]) * (s[0] - r[0]);
+    const double t = ((r[0] - p[0]) * (s[1] - r[1]) - (r[1] - p[1]) * (s[0] - r[0])) / bend;
+    const double u = ((r[0] - p[0]) * (q[1] - p[1]) - (r[1] - p[1]) * (q[0] - p[0])) / bend;
+    if (!(t >= 0.0 && t <= 1.0 && u >= 0.0 && u <= 1.0)) return INFINITY;
+    return gap_at(a, b, p[0] + t * (q[0] - p[0]), p[1] + t * (q[1] - p[1]));
+}
+
+/* The gap of two piecewise linear sheets is least at a vertex of either or where edges cross. */
+static double least_gap_of_meshes(const struct cml_mesh *a, const struct cml_mesh *b)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < a->num_vertices; i++)
+        least = fmin(least, gap_at(a, b, a->vertex[i][0], a->vertex[i][1]));
+    for (size_t i = 0; i < b->num_vertices; i++)
+        least = fmin(least, gap_at(a, b, b->vertex[i][0], b->vertex[i][1]));
+    for (size_t i = 0; i < 3 * a->num_triangles; i++)
+        for (size_t j = 0; j < 3 * b->num_triangles; j++) least = fmin(least, gap_at_edges(a, b, i, j));
+    return least;
+}
+
+/* Two rough sheets, moved together until they all but touch, and until they just cross. */
+static void test_meshes_against_all_pairs(void **state)
+{
+    (void)state;
+    for (int round = 0; round < 20; round++) {
+        struct cml_boundary both[] = {mesh(0.0, sheet(4, 0.0, 0.0, rough)),
+                                      mesh(0.0, sheet(round % 2 ? 4 : 5, 0.0, 0.0, rough))};
+        const double least = least_gap_of_meshes(&both[0].mesh, &both[1].mesh);
+        assert_true(least < 0.0);
+        char file[] = "a.mci";
+        struct cml_error err;
+        const struct cml_scene scene = {.file = file, .num_layers = 1, .boundaries = both};
+        both[1].z = -least + 1e-12;
+        assert_int_equal(cml_scene_check_overlap(&scene, &err), CML_OK);
+        both[1].z = -least - 1e-12;
+        assert_int_equal(cml_scene_check_overlap(&scene, &err), CML_E_INPUT);
+        for (int i = 0; i < 2; i++) cml_mesh_clear(&both[i].mesh);
+    }
+}
+
 /* Long edges that cross between vertices: two ridges at right angles. */
 static void test_edges_cross_between_vertices(void **state)
 {
@@ -395,6 +464,7 @@ int main(void)
         cmocka_unit_test(test_mesh_and_field),
         cmocka_unit_test(test_field_against_dense_sampling),
         cmocka_unit_test(test_meshes),
+        cmocka_unit_test(test_meshes_against_all_pairs),
         cmocka_unit_test(test_edges_cross_between_vertices),
         cmocka_unit_test(test_self),
         cmocka_unit_test(test_rough_sheets_do_not_cross_themselves),

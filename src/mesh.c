@@ -52,6 +52,10 @@ cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
+    const size_t length = strlen(message);
+    if (work->notes.degenerate > 0) /* a sliver that joined two faces leaves a slit behind */
+        snprintf(message + length, sizeof message - length, "; %zu faces of zero area were dropped",
+                 work->notes.degenerate);
     if (!work->source || !work->source->path) return cml_fail(err, CML_E_INPUT, "%s", message);
     if (line > 0) snprintf(where, sizeof where, ":%d", line);
     return cml_fail(err, CML_E_INPUT, "%s%s: %s", work->source->path, where, message);

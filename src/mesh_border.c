@@ -4,7 +4,6 @@
 #include "polygon.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -48,13 +47,11 @@ static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *
     uint32_t v = hole.start;
     for (size_t i = 0; i < hole.count; i++, v = cml_half_edge_to(mesh, leaving[v]))
         for (int k = 0; k < 3; k++) center[k] += mesh->vertex[v][k] / (double)hole.count;
-    char place[112], dropped[96] = "";
-    if (work->notes.degenerate)
-        snprintf(dropped, sizeof dropped, "; %zu faces of zero area were dropped", work->notes.degenerate);
+    char place[112];
     return cml_mesh_fail(work, cml_mesh_triangle_line(work, leaving[hole.start] / 3), err,
                          "the mesh has a hole of %zu border edges around %s (expected one border loop, found "
-                         "%zu%s)",
-                         hole.count, cml_mesh_place(center, place), num_loops, dropped);
+                         "%zu)",
+                         hole.count, cml_mesh_place(center, place), num_loops);
 }
 
 /* Takes the loop of the largest area for the border; any other one is a hole. */

@@ -108,9 +108,10 @@ static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *
         if (mesh->slope) mesh->slope[kept] = mesh->slope[t];
         work->origin[kept++] = (uint32_t)t;
     }
+    if (kept == 0) return cml_mesh_fail(work, 0, err, "every face of the mesh has zero area");
     work->notes.degenerate = mesh->num_triangles - kept;
     mesh->num_triangles = kept;
-    return kept ? CML_OK : cml_mesh_fail(work, 0, err, "every face of the mesh has zero area");
+    return CML_OK;
 }
 
 /* Numbers the vertices that triangles use, in their old order, and packs them. */

@@ -92,7 +92,7 @@ static void look_along_edge(const struct comparison *c, const struct edge *edge,
 static void look_at_crossings(const struct comparison *c, const struct edge *edge, double r)
 {
     if (r < edge->distance) return;
-    const double half = sqrt(r - edge->distance) * sqrt(r + edge->distance) / edge->along;
+    const double half = sqrt((r - edge->distance) * (r + edge->distance)) / edge->along;
     look_along_edge(c, edge, edge->foot - half);
     look_along_edge(c, edge, edge->foot + half);
 }
@@ -105,7 +105,7 @@ static void look_at_stationary(const struct comparison *c, const struct edge *ed
     const double k = -(radial->h[i + 1] - radial->h[i]) / (radial->r[i + 1] - radial->r[i]);
     const double s = (edge->b[2] - edge->a[2]) / edge->along;
     if (!(fabs(s) < fabs(k))) return;
-    const double way = edge->distance * s / (sqrt(fabs(k) - fabs(s)) * sqrt(fabs(k) + fabs(s)));
+    const double way = edge->distance * s / sqrt((fabs(k) - fabs(s)) * (fabs(k) + fabs(s)));
     look_along_edge(c, edge, edge->foot + copysign(1.0, k) * way / edge->along);
 }
 

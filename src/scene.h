@@ -77,9 +77,11 @@ void cml_scene_flatten(struct cml_scene *scene);
 /* Height h(r) of a radial heightfield, cm; r >= 0. */
 double cml_radial_height(const struct cml_radial *radial, double r);
 
-/* Boundaries must not cross or touch each other over an area, nor themselves; boundary b lies above b+1
- * everywhere. Planes and heightfields are compared exactly (merged radii), meshes by triangle-triangle tests
- * (overlap.c). CML_E_INPUT: "FILE: boundaries 0 and 1 cross at (x y z) by D cm". */
+/* Boundaries must not cross or touch each other, nor themselves; boundary b lies above b+1 everywhere. Planes
+ * (flat fields and meshes too) may touch: layers of no thickness. All pairs are looked at, whatever lies
+ * between. Exact for the coordinates as given (overlap.c). CML_E_INPUT:
+ * "FILE: boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1", "FILE: boundaries
+ * 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm: triangles i and j". */
 CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err);
 
 #endif

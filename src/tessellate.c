@@ -49,7 +49,7 @@ static double longest_arc(const struct cml_radial *radial, int i, double needle)
 {
     const double inner = slant(radial, i - 1);
     const double outer = i + 1 < radial->n ? slant(radial, i) : inner;
-    return fmax(needle * fmin(inner, outer), sqrt(inner) * sqrt(outer));
+    return fmax(needle * fmin(inner, outer), sqrt(inner * outer));
 }
 
 static double segments_of_ring(const struct rings *rings, int i, double needle)

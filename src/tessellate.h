@@ -1,8 +1,12 @@
 /* Radial heightfields as triangle meshes.
- * Rings as given; the azimuthal segments of a ring come from the tolerance and double from ring to ring
- * outwards, so that no triangle is a needle; one vertex at the tip. Ring vertices are placed so that the
- * polygon has the area of its circle (r sqrt(h / sin h), h = 2 pi / N), which preserves volume. bound: the
- * mesh's radius differs from the cone's by at most tolerance * r_last (pi^2 r / (3 N^2) per ring)
+ * Rings as given (cml_radial_merge drops those that the surface does not need), one vertex at the tip. Every
+ * ring is a polygon of 8 * 2^k vertices, one of them at azimuth 0, placed so that it has the area of its
+ * circle (r sqrt(a / sin a), a = 2 pi / N): area is preserved everywhere, volume exactly between rings of
+ * equal N. Strips between rings of different N fan out. Bound: the mesh's radius differs from the cone's by
+ * at most tolerance * r_last; the vertices take r (sqrt(a / sin a) - 1) = pi^2 r / (3 N^2) + O(N^-4) of it.
+ * N is the least that keeps the bound, raised so that narrow rings make no needles (no arc beyond 16 ring
+ * widths; beside a ring over 256 times wider the arc is the geometric mean of both widths, since a finer one
+ * would only move the needles there) and never fold over. Beyond 4e6 triangles the needle rule is relaxed.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_TESSELLATE_H
 #define CML_TESSELLATE_H

@@ -45,16 +45,17 @@ CML_FN real cml_optical_depth(struct cml_stream stream, cml_u64 photon, cml_u32 
 
 /* Henyey-Greenstein deflection [eq. 3.22]: cosine and sine of the polar angle.
  * s = 2 xi - 1 in (-1, 1), g in [-1, 1]. With d = 1 + g s
- *   1 - c = (1-g)^2 (1-s) (2 + g + g s) / (2 d^2),   1 + c = (1+g)^2 (1+s) (2 - g + g s) / (2 d^2):
- * products only, so nothing cancels at small angles, and g = 0 and g = +-1 need no case of their own. */
+ *   1 - c = (1-g)^2 (1-s) (1+g + d) / (2 d^2),   1 + c = (1+g)^2 (1+s) (1-g + d) / (2 d^2):
+ * products and sums of what is not negative, so nothing cancels at small angles or backwards, and g = 0 and
+ * g = +-1 need no case of their own. The cosine comes from the smaller one and never leaves [-1, 1]. */
 CML_FN void cml_henyey_greenstein(real g, real s, real *cosine, real *sine)
 {
-    const real d = (real)1 + g * s;
-    const real k = (real)0.5 / (d * d);
     const real below = (real)1 - g, above = (real)1 + g;
-    const real one_minus = k * below * below * ((real)1 - s) * ((real)1 + d + g);
-    const real one_plus = k * above * above * ((real)1 + s) * ((real)1 + d - g);
-    *cosine = (real)1 - one_minus;
+    const real d = g < 0 ? above - g * ((real)1 - s) : below + g * ((real)1 + s);
+    const real k = (real)0.5 / (d * d);
+    const real one_minus = k * below * below * ((real)1 - s) * (above + d);
+    const real one_plus = k * above * above * ((real)1 + s) * (below + d);
+    *cosine = one_minus < one_plus ? (real)1 - one_minus : one_plus - (real)1;
     *sine = CML_SQRT(one_minus * one_plus);
 }
 
@@ -77,7 +78,8 @@ CML_FN struct cml_vec cml_spin(struct cml_vec u, real ct, real st, real cp, real
 /* Fresnel reflectance of unpolarised light [eqs 3.25-3.26] in cosine form: no angle is ever computed.
  * n1, n2 > 0  indices on the near, far side; ci cosine of incidence, 0..1
  * ct          out: cosine of transmission by Snell's law, 0 at total reflection
- * returns R, 0..1; exactly 1 at total reflection. Absolute error < 1e-6 in float, 1e-14 in double. */
+ * returns R, 0..1; exactly 1 at total reflection. Absolute error < 1e-6 in float, 1e-14 in double, plus what
+ * a few roundings of ci do: that is more near the critical angle, where R has an infinite slope. */
 CML_FN real cml_fresnel(real n1, real n2, real ci, real *ct)
 {
     const real ratio = n1 / n2;

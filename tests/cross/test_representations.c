@@ -1,0 +1,122 @@
+/* The same surface as plane, cones and mesh: packet by packet where they are the same surface, in the mean
+ * where the mesh only approaches it, with the error's order measured. SPDX-License-Identifier: MIT */
+#include "flight.h"
+
+#include <math.h>
+
+/* Flat at -0.02 and 0.03 cm off the nominal depths, mismatched everywhere; oblique, so that the plane too
+ * draws its first reflection at random. */
+static const char *const flat_scene =
+    "1.0\n1\nflat A\n1000\nbeam pencil angle=20 azimuth=30\n0.01 0.01\n10 10 1\n2\n1\n"
+    "b 4 0.02 0.1 0.02 0.1 0.02 0.2 0.02 0\n1.37 0.5 20 0.8 0.2\n"
+    "b 3 -0.03 0.1 -0.03 0.1 -0.03 0\n1.5 1 10 0 0.3\n"
+    "b 2 0 0.3 0 0\n1\n";
+
+static void expect_same_fates(const char *engine, enum cml_representation kind, uint64_t photons,
+                              uint64_t allowed)
+{
+    struct flight plane, other;
+    const struct flight_options as_plane = {.engine = engine, .kind = CML_AS_AUTO};
+    const struct flight_options as_other = {.engine = engine, .kind = kind, .normals = CML_NORMALS_ANALYTIC};
+    flight_open(flat_scene, &as_plane, &plane);
+    flight_open(flat_scene, &as_other, &other);
+    assert_int_equal(plane.surfaces.item[0].kind, CML_AS_PLANE);
+    assert_int_equal(other.surfaces.item[0].kind, kind);
+    const uint64_t different = count_different(&plane, &other, photons);
+    if (different > allowed)
+        fail_msg("%s: %llu of %llu packets differ between plane and %s", engine,
+                 (unsigned long long)different, (unsigned long long)photons, cml_representation_name(kind));
+    flight_close(&plane);
+    flight_close(&other);
+}
+
+static void flat_cones_are_the_plane(void **state)
+{
+    (void)state;
+    expect_same_fates("reference", CML_AS_CONE, 20000, 2);
+    expect_same_fates("cpu", CML_AS_CONE, 40000, 4);
+}
+
+static void flat_mesh_is_the_plane(void **state)
+{
+    (void)state;
+    expect_same_fates("reference", CML_AS_MESH, 20000, 2);
+    expect_same_fates("cpu", CML_AS_MESH, 40000, 4);
+}
+
+/* Hill H = 0.1, R = 0.5 cm under a disk beam of its size: the scene of the measured bias of inscribed n-gons,
+ * -0.048 / n^2 of the absorbed fraction. */
+static const char *const hill_scene = "1.0\n1\nhill A\n1000\nbeam disk 0.5\n0.01 0.01\n10 10 1\n1\n1\n"
+                                      "b 2 0.1 0.5 0 0\n1.33 0.1 10 0.8 0.15\n1\n";
+
+struct bias {
+    double mean, error;
+};
+
+/* Mean difference of the absorbed weight, mesh minus cone, on the same random streams. */
+static struct bias absorbed_bias(const struct flight_options *mesh_options, uint64_t photons)
+{
+    struct flight cone, mesh;
+    const struct flight_options as_cone = {.engine = "reference", .kind = CML_AS_CONE};
+    double sum = 0, squares = 0;
+    flight_open(hill_scene, &as_cone, &cone);
+    flight_open(hill_scene, mesh_options, &mesh);
+    for (uint64_t i = 0; i < photons; i++) {
+        const double d = fly(&mesh, i).absorbed - fly(&cone, i).absorbed;
+        sum += d;
+        squares += d * d;
+    }
+    flight_close(&cone);
+    flight_close(&mesh);
+    const double n = (double)photons, mean = sum / n;
+    return (struct bias){mean, sqrt((squares / n - mean * mean) / n)};
+}
+
+/* Tolerance whose rings have n segments: largest radial deviation pi^2 / (2 n^2) inscribed, pi^2 / (3 n^2)
+ * with area-preserving vertices. */
+static double tolerance_of(int n, bool inscribed)
+{
+    return 1.001 * 9.869604401089358 / ((inscribed ? 2.0 : 3.0) * n * n);
+}
+
+static struct bias bias_of(int n, bool inscribed, enum cml_normals normals, uint64_t photons)
+{
+    const struct flight_options options = {.engine = "reference",
+                                           .kind = CML_AS_MESH,
+                                           .tolerance = tolerance_of(n, inscribed),
+                                           .inscribed = inscribed,
+                                           .normals = normals};
+    return absorbed_bias(&options, photons);
+}
+
+static void inscribed_rings_are_biased_in_second_order(void **state)
+{
+    (void)state;
+    const struct bias b8 = bias_of(8, true, CML_NORMALS_FACET, 400000);
+    const struct bias b16 = bias_of(16, true, CML_NORMALS_FACET, 400000);
+    const double order = log2(b8.mean / b16.mean);
+    const double order_error = hypot(b8.error / b8.mean, b16.error / b16.mean) / log(2);
+    print_message("bias of A: %.3g +- %.2g at n = 8, %.3g +- %.2g at 16: order %.2f +- %.2f\n", b8.mean,
+                  b8.error, b16.mean, b16.error, order, order_error);
+    assert_true(fabs(b8.mean + 0.048 / 64) < 5 * b8.error + 0.05 * 0.048 / 64);
+    assert_true(fabs(order - 2) < 4 * order_error);
+}
+
+static void area_preserving_rings_remove_the_bias(void **state)
+{
+    (void)state;
+    const struct bias b = bias_of(8, false, CML_NORMALS_ANALYTIC, 400000);
+    print_message("bias of A, area-preserving, n = 8: %.3g +- %.2g\n", b.mean, b.error);
+    assert_true(fabs(b.mean) < 0.048 / 64 / 8);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(flat_cones_are_the_plane),
+        cmocka_unit_test(flat_mesh_is_the_plane),
+        cmocka_unit_test(inscribed_rings_are_biased_in_second_order),
+        cmocka_unit_test(area_preserving_rings_remove_the_bias),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

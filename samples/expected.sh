@@ -1,0 +1,75 @@
+#!/bin/sh
+# Measures the table of samples/README.md: expected.sh [PROGRAM], by default build/clustermcml.
+# Runs every sample with its own number of photons and seed 1 and rewrites the table in place. Beside the
+# program's numbers stand those of tests/reference, which were made without it.
+# SPDX-License-Identifier: MIT
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(dirname "$here")
+program=${1:-$root/build/clustermcml}
+case $program in /*) ;; *) program=$PWD/$program ;; esac
+reference=$root/tests/reference
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+# Rd and Tt with their errors as the sum of a profile. Columns: bin, r, Rd_r, error, Tt_r, error; without error
+# columns the error is at most that of 1e7 packets of weight 1.
+sum_profile() { # FILE HAS_ERRORS
+    awk -F, -v errors="$2" '
+        /^[0-9]/ {
+            if (!dr) dr = 2 * $2
+            area = 6.283185307179586 * ($1 + 0.5) * dr * dr
+            R += area * $3; T += area * (errors ? $5 : $4)
+            if (errors) { r += (area * $4) ^ 2; t += (area * $6) ^ 2 }
+        }
+        END {
+            if (!errors) { r = R * (1 - R) / 1e7; t = T * (1 - T) / 1e7 }
+            printf "%.5f ± %.5f | %.5f ± %.5f\n", R, sqrt(r), T, sqrt(t)
+        }' "$reference/profiles/$1"
+}
+
+# The same from adding-doubling, whose R holds the specular part.
+adding_doubling() { # UR1 UT1 Rsp
+    awk -v R="$1" -v T="$2" -v S="$3" 'BEGIN { printf "%.5f ± 0.00000 | %.5f ± 0.00000\n", R - S, T }'
+}
+
+independent() { # SAMPLE
+    case $1 in
+    mcml_sample.mci) adding_doubling $(awk -F, '/^S4 / { print $3, $4, $5 }' "$reference/layers.csv") ;;
+    skin7.mci) adding_doubling $(awk -F, '/^S5 / { print $3, $4, $5 }' "$reference/layers.csv") ;;
+    thick.mci) adding_doubling $(awk -F, '/S6a/ { r = ($1 - 1) / ($1 + 1); print $7, $8, r * r }' \
+        "$reference/slabs.csv") ;;
+    fig5.mci) sum_profile S1.csv 1 ;;
+    fig6.mci) sum_profile S2.csv 1 ;;
+    fig7.mci) sum_profile S3fig7.csv 0 ;;
+    shapes/plane.mci | shapes/flat50.mci) sum_profile flat50.b.csv 0 ;;
+    shapes/lohill.mci | shapes/hicrater.mci | shapes/lonoise.mci | shapes/hinoise.mci)
+        sum_profile "$(basename "$1" .mci).reentry.csv" 0 ;;
+    *) echo "- | -" ;;
+    esac
+}
+
+row() { # SAMPLE OTHERS, one JSON line on standard input
+    awk -v sample="$1" -v question="$(sed -n '1s/^# //p' "$here/$1")" -v others="$2" '
+        function value(key) {
+            return match($0, "\"" key "\":[^,}]*") ? substr($0, RSTART + length(key) + 3, RLENGTH - length(key) - 3) : "?"
+        }
+        function measured(key) { return sprintf("%.5f ± %.5f", value(key), value(key "_se")) }
+        {
+            output = value("output"); gsub(/"|.*\//, "", output)
+            printf "| `%s` | `%s` | %s | %.0e | %s | %s | %s | %s | %s | %.0f |\n", sample, output, question,
+                value("photons"), measured("Rsp"), measured("Rd"), measured("A"), measured("Tt"), others,
+                value("seconds") < 1 ? 1 : value("seconds")
+        }'
+}
+
+cd "$here"
+for sample in *.mci shapes/*.mci; do
+    "$program" run "$sample" --json --output-dir "$work" >"$work/json"
+    row "$sample" "$(independent "$sample")" <"$work/json" | tee -a "$work/table" >&2
+done
+awk -v table="$work/table" '
+    /^\| `.*\.mci` \|/ { next }
+    { print }
+    /^\|---/ { while ((getline line < table) > 0) print line }' README.md >"$work/README.md"
+cat "$work/README.md" >README.md

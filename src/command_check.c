@@ -61,7 +61,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     print_media(scene);
     printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
            scene->na);
-    cml_report_boundaries(stdout, scene, &surfaces);
+    cml_report_boundaries(stdout, "  ", scene, &surfaces);
     for (int b = 0; b <= scene->num_layers; b++)
         if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
     printf("  tallies: %.3g MiB with %d thread%s\n", cml_run_bytes(&grid, threads) / 1048576, threads,

@@ -74,7 +74,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
            (unsigned long long)setup->options.seed,
            scene->format == 'B' ? " (format B is written as ASCII)" : "");
-    cml_report_boundaries(stdout, scene, setup->surfaces);
+    cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
     fflush(stdout);
 }
 

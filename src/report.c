@@ -9,13 +9,14 @@ const char *cml_version(void)
     return CML_GIT[0] ? CML_VERSION " (" CML_GIT ")" : CML_VERSION;
 }
 
-void cml_report_boundaries(FILE *stream, const struct cml_scene *scene,
+void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
                            const struct cml_surface_set *surfaces)
 {
     static const char *const unit_of[] = {"", "rings", "triangles"};
     for (int b = 0; b < surfaces->count; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];
-        fprintf(stream, "# boundary %d: %s at z = %g cm", b, cml_representation_name(def->kind), def->depth);
+        fprintf(stream, "%sboundary %d: %s at z = %g cm", prefix, b, cml_representation_name(def->kind),
+                def->depth);
         if (def->kind != CML_AS_PLANE)
             fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
         fprintf(stream, " (%s)", def->reason);

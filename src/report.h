@@ -23,8 +23,8 @@ struct cml_report {
 CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco,
                                         struct cml_error *err);
 
-/* One line per boundary: number, kind, primitives, reason. */
-void cml_report_boundaries(FILE *stream, const struct cml_scene *scene,
+/* One line per boundary, each behind the prefix: number, kind, primitives, reason. */
+void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
                            const struct cml_surface_set *surfaces);
 
 /* Rsp, Rd, A, Tt with standard errors, books, speed. */

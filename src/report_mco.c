@@ -139,6 +139,19 @@ static void write_books(FILE *out, const struct cml_result *result)
     fprintf(out, "\nlost # packets\n%.17g\n", (double)cml_result_lost(result));
 }
 
+/* The shape that was simulated, so that a plot can show it: r_0 h_0 r_1 h_1 ..., one number per line. Long
+ * fields are left out: they would outgrow the results, and the .mci has them. */
+static void write_heightfields(FILE *out, const struct cml_scene *scene)
+{
+    const int most = 10000;
+    for (int b = 0; b <= scene->num_layers; b++) {
+        const struct cml_radial *radial = &scene->boundaries[b].radial;
+        if (scene->boundaries[b].form != CML_FORM_RADIAL || radial->n > most) continue;
+        fprintf(out, "\nheightfield%d # r [cm] and h [cm] of boundary %d: r h pairs\n", b, b);
+        for (int i = 0; i < radial->n; i++) fprintf(out, "%.9g\n%.9g\n", radial->r[i], radial->h[i]);
+    }
+}
+
 static void write_extra(FILE *out, const struct cml_report *report)
 {
     const struct cml_scene *scene = report->scene;
@@ -146,7 +159,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
     fprintf(out, "\n# clustermcml %s\n# engine %s, seed %llu, run %u, %s\n", cml_version(),
             report->engine->name, (unsigned long long)report->seed, report->run_index + 1,
             report->reentry ? "packets that leave may re-enter" : "packets are scored at their first exit");
-    cml_report_boundaries(out, scene, report->surfaces);
+    cml_report_boundaries(out, "# ", scene, report->surfaces);
     fprintf(out, "\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n%.6G\n%.6G\n%.6G\n%.6G\n",
             cml_result_error(result, CML_TOTAL_SPECULAR), cml_result_error(result, CML_TOTAL_REFLECTED),
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));
@@ -156,6 +169,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
     write_errors(out, result, "se_Tt_r", "[1/cm2]", result->Tt_r, scene->nr, scene, ring_area);
     write_errors(out, result, "se_Tt_a", "[sr-1]", result->Tt_a, scene->na, scene, solid_angle);
     write_books(out, result);
+    write_heightfields(out, scene);
 }
 
 static cml_status fill_extra(const struct cml_report *report, struct cml_mco *mco, struct cml_error *err)

@@ -115,11 +115,25 @@ static cml_status run_scene(const struct cml_options *options, const struct cml_
     return status;
 }
 
+static cml_status check_memory(const struct cml_options *options, const struct cml_scene *scene,
+                               struct cml_error *err)
+{
+    const struct cml_grid grid = cml_run_grid(scene, options->engine_options.absorption);
+    const int threads = options->engine_options.threads > 0 ? options->engine_options.threads : 1;
+    const double bytes = cml_run_bytes(&grid, threads), gib = 1073741824.0;
+    const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    if (bytes < memory) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: the tallies take %.3g GiB (expected at most this machine's %.3g GiB)", scene->file,
+                    bytes / gib, memory / gib);
+}
+
 /* Found before the photons fly, not after: an output that cannot be written, a grid that does not fit. */
 static cml_status check_outputs(const struct cml_options *options, const struct cml_scene_list *list,
                                 struct cml_error *err)
 {
     for (int i = 0; i < list->count; i++) {
+        CML_TRY(check_memory(options, &list->scenes[i], err));
         char *path = NULL;
         struct cml_file file;
         CML_TRY(cml_output_path(options, list->scenes[i].output, &path, err));

@@ -114,7 +114,7 @@ static cml_status level_border(const struct cml_mesh_work *work, const uint32_t 
         sum += z - z0;
     }
     char place[112];
-    const double *top = mesh->vertex[highest];
+    const double *top = mesh->vertex[highest], top_z = top[2];
     if (low - top[2] > 1e-9 * largest_extent(mesh))
         return cml_mesh_fail(work, cml_mesh_triangle_line(work, leaving[highest] / 3), err,
                              "the border is not horizontal: its height spans %.6g cm, the highest point is "
@@ -122,6 +122,12 @@ static cml_status level_border(const struct cml_mesh_work *work, const uint32_t 
                              low - top[2], cml_mesh_place(top, place));
     mesh->z_border = z0 + sum / (double)mesh->num_border;
     for (size_t i = 0; i < mesh->num_border; i++) mesh->vertex[mesh->border[i]][2] = mesh->z_border;
+    /* Only a mesh with faces smaller than that tolerance can lose one by it. */
+    for (size_t t = 0; t < mesh->num_triangles && low > top_z; t++)
+        if (cml_mesh_is_degenerate(mesh, t))
+            return cml_mesh_fail(work, cml_mesh_triangle_line(work, t), err,
+                                 "a face has no area once the border is level (expected faces larger than "
+                                 "1e-9 of the mesh)");
     return CML_OK;
 }
 

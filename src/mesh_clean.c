@@ -84,8 +84,9 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
     return good ? CML_OK : cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
 }
 
-static bool is_degenerate(const struct cml_mesh *mesh, const uint32_t corner[3])
+bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
 {
+    const uint32_t *corner = mesh->triangle[t];
     if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) return true;
     const double *a = mesh->vertex[corner[0]], *b = mesh->vertex[corner[1]], *c = mesh->vertex[corner[2]];
     double u[3], v[3];
@@ -103,7 +104,7 @@ static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *
     if (!work->origin) return cml_fail_memory(err, 4.0 * (double)mesh->num_triangles, "the faces of a mesh");
     size_t kept = 0;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
-        if (is_degenerate(mesh, mesh->triangle[t])) continue;
+        if (cml_mesh_is_degenerate(mesh, t)) continue;
         memmove(mesh->triangle[kept], mesh->triangle[t], sizeof mesh->triangle[0]);
         if (mesh->slope) mesh->slope[kept] = mesh->slope[t];
         work->origin[kept++] = (uint32_t)t;

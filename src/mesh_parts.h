@@ -19,6 +19,9 @@ struct cml_mesh_work {
 /* Refuses what is not finite or out of range; welds; drops degenerate triangles and unused vertices. */
 CML_NODISCARD cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err);
 
+/* Whether triangle t uses a vertex twice or has an area of exactly zero. */
+bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
+
 /* Finds the mates; refuses an edge with more than two triangles. */
 CML_NODISCARD cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err);
 

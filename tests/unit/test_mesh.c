@@ -270,6 +270,14 @@ static void flat_and_levelled(void **state)
     struct cml_error err;
     assert_int_equal(cml_mesh_prepare(&tilted, NULL, NULL, &err), CML_E_INPUT);
     cml_mesh_clear(&tilted);
+    /* an upright face so small that levelling the border takes its height away */
+    const double tiny[][3] = {{0, 0, 0}, {1e12, 0, 0}, {1e12, 1e12, 0}, {0, 1e12, 0}, {0, 5e11, 1}};
+    const uint32_t upright[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
+    struct cml_mesh lost = MAKE(tiny, upright);
+    assert_int_equal(cml_mesh_prepare(&lost, NULL, NULL, &err), CML_E_INPUT);
+    assert_string_equal(err.text, "a face has no area once the border is level (expected faces larger than "
+                                  "1e-9 of the mesh)");
+    cml_mesh_clear(&lost);
 }
 
 static void messages_without_a_file(void **state)

@@ -196,8 +196,8 @@ static void reads_all_forms(void **state)
         "f 1 2 5\nf 2 3 5\n" PYRAMID "f 3 4 5\nf 4 1 5\n",
         "mtllib a.mtl\no thing\ng part\nusemtl C:\\dir\\\n" PYRAMID "s off\nvp 1 2\nl 1 2\np 1\nvw 0 -1 1\n"
         "t x 1/2/3\nf 1 2 5\nusemtl b\nf 2 3 5\ng other\nf 3 4 5\no last\nf 4 1 5\n",
-        "v 0 0 0 1\nv 1 0 0 .5 .5 .5\nv 1 1 0 # corner\nv\t0\t1\t0\t\nv \\\n.5 .5 \\\r\n1\n"
-        "f 1 2 \\\n   5 \nf 2 3 5 # side\n  f\t3 4\t5\v\nf 4 1 5 \\",
+        ("v 0 0 0 1\nv 1 0 0 .5 .5 .5\nv 1 1 0 # corner\nv\t0\t1\t0\t\nv \\\n.5 .5 \\\r\n1\n"
+         "f 1 2 \\\n   5 \nf 2 3 5 # side\n  f\t3 4\t5\v\nf 4 1 5 \\"),
     };
     for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
         struct cml_mesh mesh;

@@ -25,7 +25,7 @@ struct cml_mesh {
     uint32_t (*triangle)[3]; /* [num_triangles] counter-clockwise seen from above: cross(b-a, c-a) points up
                               * (z < 0) wherever the sheet is a height function; see cml_mesh_prepare */
     uint32_t *border;        /* [num_border] vertex indices of the border loop, from the lowest one on, along
-                              * the winding of the triangles: the polygon's signed area in (x, y) is negative */
+                              * the winding of the triangles: its signed area in (x, y) is negative */
     size_t num_border;
     double z_border;           /* depth of the border's plane in the boundary's frame, cm */
     double lower[3], upper[3]; /* bounding box, cm */

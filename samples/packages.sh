@@ -1,0 +1,29 @@
+#!/bin/sh
+# The one list of what clustermcml needs on Debian 12. packages.sh installs what is missing to build, run and plot;
+# `packages.sh test` also what the tests need. Asks for sudo only when something is missing.
+# SPDX-License-Identifier: MIT
+set -eu
+packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev gnuplot-nox"
+if test "${1:-}" = test; then
+    packages="$packages libcmocka-dev librandom123-dev clang clang-format libomp-dev python3-minimal libxml2-utils file"
+fi
+
+missing=
+for package in $packages; do
+    case $(dpkg-query -W -f '${Status}' "$package" 2>/dev/null) in
+    *" installed") ;;
+    *) missing="$missing $package" ;;
+    esac
+done
+test -n "$missing" || exit 0
+
+as_root=
+if test "$(id -u)" -ne 0; then
+    command -v sudo >/dev/null || { echo "install as root:$missing" >&2; exit 1; }
+    as_root=sudo
+fi
+echo "installing$missing"
+export DEBIAN_FRONTEND=noninteractive
+# Word splitting is meant: one argument per package.
+$as_root apt-get update -q
+$as_root apt-get install -y -q --no-install-recommends $missing

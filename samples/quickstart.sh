@@ -1,0 +1,18 @@
+#!/bin/sh
+# From a bare Debian 12 to the first picture: installs what is missing, builds into build/, flies a rough surface,
+# draws it. May be run again.
+# SPDX-License-Identifier: MIT
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+sh "$root/samples/packages.sh"
+
+cmake -S "$root" -B "$root/build" -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_TESTS=OFF >/dev/null
+cmake --build "$root/build" --parallel "$(nproc)" --target clustermcml
+
+results=$root/build/quickstart
+mkdir -p "$results"
+cd "$results"
+"$root/build/clustermcml" "$root/samples/shapes/hinoise.mci"
+"$root/build/clustermcml" "$root/samples/shapes/plane.mci" --quiet
+"$root/build/clustermcml" plot hinoise.mco plane.mco -o hinoise.png --quiet
+echo "the picture: $results/hinoise.png"

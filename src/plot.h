@@ -1,0 +1,21 @@
+/* Pictures of results as scripts for gnuplot: r*Rd(r) and r*Tt(r) over r.
+ * Knows the drawing, not the process that draws.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_PLOT_H
+#define CML_PLOT_H
+
+#include "mco.h"
+
+enum cml_plot_format { CML_PLOT_SVG, CML_PLOT_PNG };
+
+struct cml_plot {
+    int count;
+    const struct cml_mco *results; /* [count], borrowed, nr >= 3 each */
+    const char *const *names;      /* [count], borrowed: paths of the files, for the legend */
+    enum cml_plot_format format;
+};
+
+/* Writes a script that holds its data and leaves the picture on gnuplot's standard output. */
+CML_NODISCARD cml_status cml_plot_script(FILE *out, const struct cml_plot *plot, struct cml_error *err);
+
+#endif

@@ -1,0 +1,54 @@
+#!/bin/sh
+# Pictures are what their names say, complete or absent.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+command -v gnuplot >/dev/null || { echo "gnuplot is missing"; exit 77; }
+for sample in fig5 shapes/hinoise shapes/plane; do
+    expect_code 0 samples/$sample.mci --photons 2e4 --quiet -o "$work"
+done
+
+starts_with() { # FILE BYTES
+    test "$(head -c 200 "$1" | tr -d '\0' | grep -c "$2")" -ge 1 || complain "$1 does not begin like $2"
+}
+
+expect_code 0 plot "$work/hinoise.mco" -o "$work/one.svg"
+test "$(cat "$work/out")" = "$work/one.svg" || complain "plot does not name its picture"
+starts_with "$work/one.svg" '<svg'
+tail -3 "$work/one.svg" | grep -q '</svg>' || complain "the svg has no end"
+grep -q 'height' "$work/one.svg" || complain "the heightfield is not drawn"
+expect_code 0 plot "$work/fig5.mco" -o "$work/flat.svg"
+grep -q 'height \[cm\]' "$work/flat.svg" && complain "a plane has an axis of heights"
+expect_code 0 plot "$work/hinoise.mco" "$work/plane.mco" "$work/fig5.mco" -o "$work/three.PNG" --quiet
+test ! -s "$work/out" || complain "--quiet was not quiet"
+starts_with "$work/three.PNG" PNG
+
+# Names are data, never commands or markup.
+odd="$work/a'b\"c\$d_{e}^f\\g\`h\`<i>&%s@~#.mco"
+cp "$work/plane.mco" "$odd"
+expect_code 0 plot "$odd" "$work/fig5.mco" -o "$work/odd'\$name.svg"
+if command -v xmllint >/dev/null; then
+    xmllint --noout "$work/odd'\$name.svg" 2>"$work/xml" || complain "the svg is not XML: $(cat "$work/xml")"
+fi
+grep -q 'd_{e}^f' "$work/odd'\$name.svg" || complain "the odd name is not in the legend"
+
+expect_error 2 "plot: --output p.pdf (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o p.pdf
+expect_error 2 "plot: --output a.svg/b (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o a.svg/b
+expect_code 2 plot "$work/missing.mco" -o "$work/none.svg"
+expect_code 2 plot samples/fig5.mci -o "$work/none.svg"
+expect_code 5 plot "$work/fig5.mco" -o "$work/missing/none.svg"
+
+# Without gnuplot, and with one that fails: one line, no picture, the old picture stays.
+mkdir "$work/bin"
+real=$program
+program=$work/elsewhere
+printf '#!/bin/sh\nPATH="%s" exec "%s" "$@"\n' "$work/bin" "$real" >"$program"
+chmod +x "$program"
+expect_error 5 "plot: gnuplot cannot be started (No such file or directory); is it installed?" \
+    plot "$work/fig5.mco" -o "$work/none.svg"
+printf '#!/bin/sh\necho first >&2\necho broken >&2\nexit 3\n' >"$work/bin/gnuplot"
+chmod +x "$work/bin/gnuplot"
+cp "$work/one.svg" "$work/kept.svg"
+expect_error 5 "plot: gnuplot failed (broken)" plot "$work/fig5.mco" -o "$work/one.svg"
+cmp -s "$work/one.svg" "$work/kept.svg" || complain "a failed plot changed the old picture"
+ls "$work" | grep -q -e none -e '\.tmp$' && complain "a failed plot left a file"
+finish

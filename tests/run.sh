@@ -1,0 +1,16 @@
+#!/bin/bash
+# Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
+# all tests but the long ones; then the unit tests again under clang with the address and undefined sanitizers.
+# SPDX-License-Identifier: MIT
+set -eu
+root=$(cd "$(dirname "$0")/.." && pwd)
+cd "$root"
+sh samples/packages.sh test
+
+cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON >/dev/null
+cmake --build build --parallel 2
+ctest --test-dir build -LE long --output-on-failure -j2
+
+CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
+cmake --build build-asan --parallel 2
+ctest --test-dir build-asan -L unit --output-on-failure -j2

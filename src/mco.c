@@ -68,15 +68,21 @@ static void free_arrays(struct cml_mco *mco)
     mco->layer = NULL;
 }
 
+/* A product of two sizes may be beyond what calloc can even be asked for. */
+static void *zeroed(size_t count, size_t size)
+{
+    return count <= PTRDIFF_MAX / size ? calloc(count, size) : NULL;
+}
+
 cml_status cml_mco_allocate(struct cml_mco *mco, struct cml_error *err)
 {
     double bytes = (double)mco->num_layers * (double)sizeof *mco->layer;
     mco->extra = NULL;
-    mco->layer = calloc((size_t)mco->num_layers, sizeof *mco->layer);
+    mco->layer = zeroed((size_t)mco->num_layers, sizeof *mco->layer);
     bool good = mco->layer != NULL;
     for (int i = 0; i < CML_MCO_SECTIONS; i++) {
         const size_t cells = cml_mco_cells(mco, &cml_mco_sections[i]);
-        double *values = good ? calloc(cells, sizeof *values) : NULL;
+        double *values = good ? zeroed(cells, sizeof *values) : NULL;
         set_values(mco, &cml_mco_sections[i], values);
         good = values != NULL;
         bytes += (double)cells * (double)sizeof *values;

@@ -31,12 +31,14 @@ struct cml_mco {
     char *extra; /* everything behind the Tt_ra block, "" when there is nothing; ends in a line feed */
 };
 
-/* Allocates the arrays (zeroed) for the sizes and layer count already set in *mco; extra becomes NULL. */
+/* Allocates the arrays (zeroed) for the sizes and layer count already set in *mco, all above 0; extra becomes
+ * NULL. On failure no array is left. */
 CML_NODISCARD cml_status cml_mco_allocate(struct cml_mco *mco, struct cml_error *err);
 
 void cml_mco_clear(struct cml_mco *mco);
 
-/* Writes to `path` atomically (text.h). CML_E_IO on failure. */
+/* Writes to `path` atomically (text.h). CML_E_IO on failure. The time is rounded to whole seconds, as in the
+ * original. */
 CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_mco *mco, struct cml_error *err);
 
 /* Reads a file written by us, by original MCML 1.x, by MSVC builds of it (3-digit exponents), by gpumcml,

@@ -64,12 +64,20 @@ row() { # SAMPLE OTHERS, one JSON line on standard input
 }
 
 cd "$here"
+status=0
+: >"$work/table"
 for sample in *.mci shapes/*.mci; do
-    "$program" run "$sample" --json --output-dir "$work" >"$work/json"
-    row "$sample" "$(independent "$sample")" <"$work/json" | tee -a "$work/table" >&2
+    if "$program" run "$sample" --json --output-dir "$work" >"$work/json"; then
+        row "$sample" "$(independent "$sample")" <"$work/json" | tee -a "$work/table" >&2
+    else
+        echo "$sample failed and keeps its old row" >&2
+        grep -F "| \`$sample\` |" README.md >>"$work/table" || true
+        status=1
+    fi
 done
 awk -v table="$work/table" '
     /^\| `.*\.mci` \|/ { next }
     { print }
     /^\|---/ { while ((getline line < table) > 0) print line }' README.md >"$work/README.md"
 cat "$work/README.md" >README.md
+exit $status

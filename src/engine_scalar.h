@@ -209,8 +209,9 @@ static void tally_packet(const struct cml_setup *setup, const struct cml_packet 
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += packet->boundary_events;
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
     tally->count[CML_COUNT_TRAPPED] += fate == CML_FATE_TRAPPED;
-    if (fate == CML_FATE_LOST)
-        tally->count[CML_COUNT_LOST_NO_SURFACE + packet->cause - CML_LOST_NO_SURFACE]++;
+    if (fate != CML_FATE_LOST) return;
+    tally->count[CML_COUNT_LOST_NO_SURFACE + packet->cause - CML_LOST_NO_SURFACE]++;
+    cml_lost_list_add(&tally->lost, packet->index);
 }
 
 static void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,

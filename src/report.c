@@ -54,6 +54,8 @@ static void print_rarities(FILE *stream, const struct cml_result *result)
     for (size_t i = 0; i < sizeof rarities / sizeof *rarities; i++)
         if (result->count[rarities[i].count] > 0)
             fprintf(stream, "  %.0f %s\n", (double)result->count[rarities[i].count], rarities[i].text);
+    for (int i = 0; i < result->lost.count; i++)
+        fprintf(stream, "  lost: clustermcml trace ... %llu\n", (unsigned long long)result->lost.index[i]);
     const double overflow = cml_result_share(result, CML_BOOK_OVERFLOW_R);
     if (overflow > 0)
         fprintf(stream, "  %.4g of the weight was scored beyond r = nr dr, in the last bin\n", overflow);

@@ -136,7 +136,11 @@ static void write_books(FILE *out, const struct cml_result *result)
         fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_book)i), names[i]);
     fprintf(out, "\nresidue # of the books, in 2^-31 packets; 0 unless the program is wrong\n%.17g\n",
             cml_result_residue(result));
-    fprintf(out, "\nlost # packets\n%.17g\n", (double)cml_result_lost(result));
+    fprintf(out,
+            "\nlost # packets; behind it the smallest of their indices, for `clustermcml trace`\n%.17g\n",
+            (double)cml_result_lost(result));
+    for (int i = 0; i < result->lost.count; i++)
+        fprintf(out, "%llu\n", (unsigned long long)result->lost.index[i]);
 }
 
 /* The shape that was simulated, so that a plot can show it: r_0 h_0 r_1 h_1 ..., one number per line. Long

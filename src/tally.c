@@ -56,12 +56,28 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->book, 0, sizeof tally->book);
     memset(tally->count, 0, sizeof tally->count);
     memset(tally->square, 0, sizeof tally->square);
+    tally->lost.count = 0;
 }
 
 void cml_tally_free(struct cml_tally *tally)
 {
     free(tally->A_l);
     *tally = (struct cml_tally){0};
+}
+
+void cml_lost_list_add(struct cml_lost_list *list, uint64_t index)
+{
+    int place = list->count;
+    while (place > 0 && list->index[place - 1] > index) place--;
+    if (place == CML_LOST_LISTED) return;
+    if (list->count < CML_LOST_LISTED) list->count++;
+    for (int i = list->count - 1; i > place; i--) list->index[i] = list->index[i - 1];
+    list->index[place] = index;
+}
+
+static void merge_lost(struct cml_lost_list *to, const struct cml_lost_list *from)
+{
+    for (int i = 0; i < from->count; i++) cml_lost_list_add(to, from->index[i]);
 }
 
 void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from)
@@ -71,6 +87,7 @@ void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from)
     for (int i = 0; i < CML_NUM_BOOKS; i++) to->book[i] += from->book[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) to->square[i] += from->square[i];
+    merge_lost(&to->lost, &from->lost);
 }
 
 cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, struct cml_result *result,
@@ -122,6 +139,7 @@ void cml_result_add(struct cml_result *result, int batch, const struct cml_tally
     for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] += tally->book[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] += tally->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] += tally->square[i];
+    merge_lost(&result->lost, &tally->lost);
 }
 
 uint64_t cml_batch_first(uint64_t photons, int batch)

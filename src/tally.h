@@ -68,6 +68,14 @@ struct cml_grid {
     bool absorption; /* A_rz is tallied; false: its cells do not exist */
 };
 
+/* The packets lost with the smallest indices, in order: each can be flown again alone (`clustermcml trace`).
+ */
+#define CML_LOST_LISTED 8
+struct cml_lost_list {
+    int count;
+    uint64_t index[CML_LOST_LISTED];
+};
+
 struct cml_tally {
     struct cml_grid grid;
     uint64_t *A_rz;          /* [nr][nz] or NULL */
@@ -76,6 +84,7 @@ struct cml_tally {
     uint64_t book[CML_NUM_BOOKS];
     uint64_t count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
+    struct cml_lost_list lost;
 };
 
 struct cml_result {
@@ -88,6 +97,7 @@ struct cml_result {
     cml_u128 book[CML_NUM_BOOKS];
     cml_u128 count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS];
+    struct cml_lost_list lost;
 };
 
 /* Bytes that a tally, or a result, of this grid takes. */
@@ -98,6 +108,9 @@ CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cm
                                           struct cml_error *err);
 void cml_tally_zero(struct cml_tally *tally);
 void cml_tally_free(struct cml_tally *tally);
+
+/* Keeps the list sorted and, when it is full, the smallest. */
+void cml_lost_list_add(struct cml_lost_list *list, uint64_t index);
 
 /* to += from; same grid. */
 void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from);

@@ -87,16 +87,18 @@ CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *r
 {
     const real z = ray->p.z + t * ray->u.z;
     if (next >= 0) return ray->side * (z - rings.z[next > i ? next : i]);
-    const real r = CML_SQRT(ray->c + t * ((real)2 * ray->b + t * ray->a));
+    const real x = ray->p.x + t * ray->u.x, y = ray->p.y + t * ray->u.y;
+    const real r = CML_SQRT(x * x + y * y); /* a t^2 + 2 b t + c would cancel near the axis, even below 0 */
     return ray->side * (z - rings.z[i] - rings.slope[i] * (r - rings.r[i]));
 }
 
 /* The only root of ring i's cone at which the ray leaves its side: of the two roots the one where side * f
  * falls. standing: t = 0 is a root and is divided out. Returns 0 when there is none; *t may lie outside the
- * span. With dip, the root counts only on the real nappe (elsewhere a change of sign at the span's end has
- * shown that it is real). */
+ * span. With dip, the ray must go below the real nappe and come up again, deepest in (t0, t1): A < 0 puts
+ * both roots on one nappe, the middle between them counts, because a root itself may lie on the span's end
+ * (elsewhere a change of sign at the span's end has shown that the root is real). */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, int dip,
-                         real *t)
+                         real t0, real t1, real *t)
 {
     const real m = rings.slope[i];
     if (m == 0) {
@@ -116,7 +118,9 @@ CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray,
     const real q = ray->side * m > 0 ? -B - root : -B + root;
     const real q_other = ray->side * m > 0 ? -B + root : -B - root;
     *t = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other) ? q / A : C / q_other;
-    return !dip || m * (w + *t * ray->u.z) > 0;
+    if (!dip) return 1;
+    const real middle = -B / A;
+    return A < 0 && middle > t0 && middle < t1 && m * (w + middle * ray->u.z) > 0;
 }
 
 /* One span [t0, t1] of ring i. Crossed when side * f is negative at its end, or dips below 0 in between,
@@ -127,9 +131,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     const int crossed = cml_ring_height(rings, ray, i, next, t1) < 0;
     if (!crossed && (standing || !(ray->side * rings.slope[i] < 0))) return 0;
     real root;
-    if (!cml_ring_root(rings, ray, i, standing, !crossed, &root)) return 0;
-    if (!crossed && !(root > t0 && root < t1)) return 0;
-    if (standing && !(root <= t1))
+    if (!cml_ring_root(rings, ray, i, standing, !crossed, t0, t1, &root)) return 0;
+    if (standing && !(root >= 0 && root <= t1))
         return 0; /* the sign at t1 was rounding: the packet has just left the ring */
     *t = root > t0 ? (root < t1 ? root : t1) : t0;
     return 1;
@@ -168,7 +171,7 @@ CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec
         t1 = last ? t_max : (t1 > t0 ? t1 : t0);
         *ring = i;
         if (next < 0 && rings.slope[i] == 0) {
-            const int plane = cml_ring_root(rings, &ray, i, standing, 0, t) && !standing && *t < t1;
+            const int plane = cml_ring_root(rings, &ray, i, standing, 0, t0, t1, t) && !standing && *t < t1;
             if (plane) *t = *t > t0 ? *t : t0;
             return plane;
         }
@@ -180,8 +183,7 @@ CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec
     }
 }
 
-/* Unit normal of ring i, pointing up (against z), at a point relative to the axis. On the axis, and exactly
- * on a ridge, the mean of the normals of all faces that meet there. */
+/* Unit normal of a cone of slope m at (x, y), r = sqrt(x^2 + y^2) > 0; up is against z. */
 CML_FN struct cml_vec cml_cone_normal_of_slope(real m, real x, real y, real r)
 {
     const real k = (real)1 / CML_SQRT((real)1 + m * m);
@@ -189,13 +191,21 @@ CML_FN struct cml_vec cml_cone_normal_of_slope(real m, real x, real y, real r)
     return up;
 }
 
-CML_FN struct cml_vec cml_cone_normal(struct cml_rings rings, int i, real x, real y)
+/* Unit normal of ring i alone, pointing up, at a point relative to the axis; on the axis the axis itself. It
+ * says on which side of the ring a direction goes. */
+CML_FN struct cml_vec cml_cone_facet(struct cml_rings rings, int i, real x, real y)
 {
     const struct cml_vec axis = {0, 0, -1};
     const real r = CML_SQRT(x * x + y * y);
-    const real m = rings.slope[i];
-    if (!(r > 0)) return axis;
-    const struct cml_vec up = cml_cone_normal_of_slope(m, x, y, r);
+    return r > 0 ? cml_cone_normal_of_slope(rings.slope[i], x, y, r) : axis;
+}
+
+/* Unit normal of the surface at a point of ring i: the facet's, but exactly on a ridge the mean of both
+ * rings'. */
+CML_FN struct cml_vec cml_cone_normal(struct cml_rings rings, int i, real x, real y)
+{
+    const real r = CML_SQRT(x * x + y * y);
+    const struct cml_vec up = cml_cone_facet(rings, i, x, y);
     const int neighbour = r == rings.r[i] ? i - 1 : (i + 1 < rings.n && r == rings.r[i + 1] ? i + 1 : i);
     if (neighbour == i || neighbour < 0) return up;
     const struct cml_vec other = cml_cone_normal_of_slope(rings.slope[neighbour], x, y, r);

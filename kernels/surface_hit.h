@@ -72,7 +72,7 @@ CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml
     hit->point = cml_along(p, t, u);
     const struct cml_vec q = cml_from_scene_axis(world, hit->point);
     hit->normal = cml_cone_normal(rings, ring, q.x, q.y);
-    hit->facet = hit->normal;
+    hit->facet = cml_cone_facet(rings, ring, q.x, q.y);
     hit->primitive = ring;
     return 1;
 }

@@ -1,0 +1,223 @@
+/* Random rays and walks against random heightfields, judged by the oracle of cone_oracle.h; compiled once in
+ * float and once in double. The oracle takes the very numbers that the kernel takes, so a difference is the
+ * kernel's. SPDX-License-Identifier: MIT */
+#include "cone_oracle.h"
+#include "walk.h"
+
+static const double eps = (double)CML_EPSILON;
+
+/* Distances within which rounding of the heights may put the first crossing. */
+struct verdict {
+    double exact, early, late;
+};
+
+static struct verdict judge(const struct field *field, const struct ray *ray, double t_max, double rounding)
+{
+    long double station[4 * MAX_RINGS];
+    const int n = ray_stations(field, ray, ray_end(field, ray, t_max), station);
+    const struct verdict verdict = {(double)ray_first_below(field, ray, 0, station, n),
+                                    (double)ray_first_below(field, ray, rounding, station, n),
+                                    (double)ray_first_below(field, ray, -rounding, station, n)};
+    return verdict;
+}
+
+static struct cml_vec random_direction(struct dice *dice, struct cml_vec p)
+{
+    double u[3];
+    dice_direction(dice, u);
+    const int kind = dice_below(dice, 8);
+    if (kind == 0) u[2] *= 1e-3; /* grazing */
+    if (kind == 1) u[0] = u[1] = 0;
+    if (kind == 2) u[2] = 0;
+    if (kind == 3) { /* through the axis */
+        u[0] = -(double)p.x;
+        u[1] = -(double)p.y;
+    }
+    if (kind == 4) {
+        u[0] *= 1e-5;
+        u[1] *= 1e-5;
+    }
+    const double length = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    const struct cml_vec v = {(real)(u[0] / length), (real)(u[1] / length), (real)(u[2] / length)};
+    return v;
+}
+
+static struct cml_vec random_point(struct dice *dice, const struct field *field)
+{
+    const double reach = 1.3 * (double)field->r[field->n - 1] * sqrt(dice_uniform(dice));
+    const double phi = dice_between(dice, 0, 6.283185307179586);
+    const double height = dice_below(dice, 2) ? 1 : 3 * field->deepest;
+    const struct cml_vec p = {(real)(reach * cos(phi)), (real)(reach * sin(phi)),
+                              (real)(field_depth(field, reach) + dice_between(dice, -0.5, 0.5) * height)};
+    return p;
+}
+
+struct tally_of_rays {
+    long hits, misses, differ; /* differ: hit or no hit, within rounding of the surface */
+    double worst; /* distance error relative to the distance, where the crossing is not grazing */
+};
+
+static void one_ray(struct dice *dice, const struct field *field, struct tally_of_rays *sum)
+{
+    const struct cml_vec p = random_point(dice, field), u = random_direction(dice, p);
+    struct ray ray = ray_of(p, u, 1);
+    ray.side = ray_height(field, &ray, 0) > 0 ? 1 : -1;
+    const double t_max = dice_below(dice, 3) ? dice_between(dice, 0, 8) : INFINITY;
+    real t = -1;
+    int ring = -1;
+    const int hit = cml_cone_hit(rings_of(field), p, u, (real)ray.side, (real)t_max, -1, &t, &ring);
+    const double reach = hit ? (double)t : fmin(t_max, 4 * (double)field->r[field->n - 1]);
+    const double rounding = 8 * ray_rounding(field, &ray, reach);
+    const struct verdict v = judge(field, &ray, (double)(real)t_max, rounding);
+    const double blur = 8 * eps * (reach + field->deepest);
+    const bool right = hit ? (double)t >= v.early - blur && (double)t <= v.late + blur : v.late == INFINITY;
+    if (!right)
+        fail_msg(
+            "p (%.17g %.17g %.17g) u (%.17g %.17g %.17g) side %g t_max %g, %d rings: hit %d t %.17g, oracle "
+            "%.17g in [%.17g, %.17g]",
+            (double)p.x, (double)p.y, (double)p.z, (double)u.x, (double)u.y, (double)u.z, ray.side, t_max,
+            field->n, hit, (double)t, v.exact, v.early, v.late);
+    if (hit)
+        sum->hits++;
+    else
+        sum->misses++;
+    if (hit != (v.exact < INFINITY)) {
+        sum->differ++;
+    } else if (hit && v.late - v.early < 1e4 * rounding) {
+        assert_true(ring >= 0 && ring < field->n);
+        sum->worst = fmax(sum->worst, fabs((double)t - v.exact) / fmax(v.exact, 1e-3));
+    }
+}
+
+static void random_rays_hit_where_the_oracle_says(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(51);
+    struct tally_of_rays sum = {0, 0, 0, 0};
+    for (int n = 0; n < 300; n++) {
+        const struct field field = field_random(&dice, n % 3 ? 10 : 0.5);
+        for (int k = 0; k < 100; k++) one_ray(&dice, &field, &sum);
+    }
+    printf("%ld hits, %ld misses, %ld of them differ within rounding, distance error %.2g\n", sum.hits,
+           sum.misses, sum.differ, sum.worst);
+    assert_true(sum.hits > 10000 && sum.misses > 5000);
+    assert_true(sum.differ <= (sizeof(real) == 4 ? 30 : 1));
+    assert_true(sum.worst < (sizeof(real) == 4 ? 1e-2 : 1e-9));
+}
+
+/* ---- walks ---- */
+
+struct walker {
+    const struct field *field;
+    struct cml_surface surface;
+    struct cml_world world; /* one boundary */
+    struct cml_packet packet;
+    double side;
+    long crossings, flights;
+    double worst; /* deepest on the wrong side, in roundings of the height */
+};
+
+static void place(struct dice *dice, struct walker *walker)
+{
+    struct cml_packet *packet = &walker->packet;
+    packet->p = random_point(dice, walker->field);
+    packet->u = random_direction(dice, packet->p);
+    packet->on_primitive = -1;
+    const struct ray ray = ray_of(packet->p, packet->u, 1);
+    walker->side = ray_height(walker->field, &ray, 0) > 0 ? 1 : -1;
+}
+
+static void enter(struct dice *dice, struct walker *walker, const struct field *field)
+{
+    walker->field = field;
+    walker->surface.num_rings = field->n;
+    walker->world.surfaces = &walker->surface;
+    walker->world.ring_r = field->r;
+    walker->world.ring_z = field->z;
+    walker->world.ring_slope = field->slope;
+    walker->packet.index++;
+    place(dice, walker);
+}
+
+static void look(struct walker *walker, double flown)
+{
+    const struct cml_vec p = walker->packet.p;
+    const struct ray ray = ray_of(p, walker->packet.u, walker->side);
+    const double wrong =
+        (double)-ray_height(walker->field, &ray, 0) / ray_rounding(walker->field, &ray, flown);
+    walker->worst = fmax(walker->worst, wrong);
+    if (wrong > 64)
+        fail_msg("on the wrong side by %g roundings after %ld flights, p (%.9g %.9g %.9g)", wrong,
+                 walker->flights, (double)p.x, (double)p.y, (double)p.z);
+}
+
+/* Mostly back towards the surface. */
+static void scatter(struct dice *dice, struct walker *walker)
+{
+    struct cml_vec u = random_direction(dice, walker->packet.p);
+    if (dice_below(dice, 8) && walker->side * (double)u.z > 0) u.z = -u.z;
+    walker->packet.u = u;
+}
+
+/* Equal indices, or either of two, by the rules of the walk. */
+static void cross(struct dice *dice, struct walker *walker, const struct cml_hit *hit)
+{
+    static const double index[][2] = {{1, 1}, {1, 1.4}, {1.4, 1}, {1, 3}};
+    const double *n = index[dice_below(dice, COUNT(index))];
+    const int transmitted =
+        n[0] == n[1] || cml_reflect_or_refract(&walker->world, &walker->packet, hit, (real)walker->side,
+                                               (real)n[0], (real)n[1]);
+    if (transmitted) walker->side = -walker->side;
+    walker->crossings++;
+}
+
+static void fly(struct dice *dice, struct walker *walker)
+{
+    const struct field *field = walker->field;
+    struct cml_packet *packet = &walker->packet;
+    const double free_path = -log(dice_uniform(dice)) * (dice_below(dice, 2) ? 10 : 0.2);
+    struct cml_hit hit = {.t = (real)free_path};
+    walker->flights++;
+    const int found = cml_field_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side,
+                                    (real)free_path, packet->on_primitive, &hit);
+    packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
+    packet->on_primitive = found ? hit.primitive : -1;
+    look(walker, (double)hit.t);
+    if (found)
+        cross(dice, walker, &hit);
+    else
+        scatter(dice, walker);
+    const double r = hypot((double)packet->p.x, (double)packet->p.y);
+    if (r > 1.5 * (double)field->r[field->n - 1] ||
+        fabs((double)packet->p.z - (double)field_depth(field, r)) > 2 * field->deepest)
+        place(dice, walker);
+}
+
+/* The side is only ever carried along, never looked up again: one slip would show as a wrong side of
+ * macroscopic depth. */
+#ifndef FIELDS
+#define FIELDS 25
+#endif
+static void a_walk_of_a_million_flights_never_slips_through(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(52);
+    struct walker walker = {.worst = 0};
+    for (int n = 0; n < FIELDS; n++) {
+        const struct field field = field_random(&dice, n % 3 ? 5 : 0.5);
+        enter(&dice, &walker, &field);
+        for (int k = 0; k < 40000; k++) fly(&dice, &walker);
+    }
+    printf("%ld flights, %ld crossings, wrong side by %.2g roundings\n", walker.flights, walker.crossings,
+           walker.worst);
+    assert_true(walker.crossings > 10000L * FIELDS);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(random_rays_hit_where_the_oracle_says),
+        cmocka_unit_test(a_walk_of_a_million_flights_never_slips_through),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -6,7 +6,9 @@ set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 sh "$root/samples/packages.sh"
 
-cmake -S "$root" -B "$root/build" -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_TESTS=OFF >/dev/null
+# A build folder that exists keeps its options; a new one needs no tests, whose libraries may be missing.
+test -f "$root/build/CMakeCache.txt" || options="-DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_TESTS=OFF"
+cmake -S "$root" -B "$root/build" ${options:-} >/dev/null
 cmake --build "$root/build" --parallel "$(nproc)" --target clustermcml
 
 results=$root/build/quickstart

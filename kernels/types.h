@@ -88,7 +88,7 @@ struct cml_packet {
     int straight;                  /* it came there without a turn: equal indices */
     int entered;                   /* has been in the material */
     int fate, cause;
-    real exit_x, exit_y; /* of the last crossing into an outer medium */
+    real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
     /* books of this packet, in weight units */
     cml_u64 gained, roulette, absorbed;
     cml_u64 overflow_r, overflow_z,

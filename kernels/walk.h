@@ -229,12 +229,12 @@ CML_FN void cml_score_exit(struct cml_packet *packet)
         cml_end(packet, packet->medium == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED);
 }
 
-/* P6: behind a crossing into an outer medium, or a reflection in one: is the packet gone for good? */
-CML_FN void cml_after_boundary(const struct cml_world *world, struct cml_packet *packet, int boundary,
-                               int transmitted)
+/* P6: behind a crossing into an outer medium, or a reflection in one: is the packet gone for good? Its exit
+ * is where it touched the surface last, for that is the point whose brightness an observer sees. */
+CML_FN void cml_after_boundary(const struct cml_world *world, struct cml_packet *packet, int boundary)
 {
     const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
-    if (outside && transmitted) {
+    if (outside) {
         packet->exit_x = packet->p.x;
         packet->exit_y = packet->p.y;
     }
@@ -273,7 +273,7 @@ CML_FN void cml_cross(const struct cml_world *world, struct cml_packet *packet, 
     if (transmitted) packet->medium = other;
     packet->p = hit->point;
     if (packet->medium == boundary) packet->p.z += world->media[boundary].span;
-    cml_after_boundary(world, packet, boundary, transmitted);
+    cml_after_boundary(world, packet, boundary);
     cml_count_bounce(world, packet);
     cml_event(world, transmitted ? "transmit" : "reflect", packet);
 }

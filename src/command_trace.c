@@ -27,7 +27,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     CML_TRY(options->engine->trace(engine, photon, print_event, &row, &record, err));
     printf("# %s", cml_fate_name(record.fate));
     if (record.fate == CML_FATE_LOST) printf(" (%s)", cml_lost_cause_name(record.cause));
-    printf(" after %u interactions and %u boundary events, last crossing outwards at x = %.9g, y = %.9g cm\n",
+    printf(" after %u interactions and %u boundary events, last outside contact at x = %.9g, y = %.9g cm\n",
            record.interactions, record.boundary_events, record.exit[0], record.exit[1]);
     return CML_OK;
 }

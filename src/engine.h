@@ -24,7 +24,7 @@ struct cml_fate_record {
     uint32_t weight; /* left at the end, 2^-31 of a packet */
     uint32_t interactions, boundary_events;
     double absorbed; /* share of a packet */
-    double exit[2];  /* x, y of the scene, cm, where it crossed into an outer medium last */
+    double exit[2];  /* x, y of the scene, cm, where it touched the surface last, from outside */
     double direction[3];
 };
 

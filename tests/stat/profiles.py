@@ -15,9 +15,9 @@ for name, scene, photons in CASES:
     record, sections = profiles.simulate(scene, photons)
     table = profiles.reference(name + ".csv")
     cml.books(verdict, name, record)
-    profiles.compare(verdict, name, sections, table, {"Rd_r": table["Rd_r_sem"], "Tt_r": table["Tt_r_sem"]})
+    profiles.compare(verdict, name, photons, sections, table, {"Rd_r": table["Rd_r_sem"], "Tt_r": table["Tt_r_sem"]})
 record, sections = profiles.simulate("fig7.mci", 1000000)
 table = profiles.reference("S3fig7.csv")
 truth = {"Rd_r": table["Rd_r_per_cm2"], "Tt_r": table["Tt_r_per_cm2"]}
-profiles.compare(verdict, "figure 7", sections, truth, 0.3, group=10)
+profiles.compare(verdict, "figure 7", 1000000, sections, truth, 0.3, group=10)
 verdict.finish(profiles.student_limit(len(verdict.rows)))

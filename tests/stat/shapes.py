@@ -13,6 +13,7 @@ PHOTONS = 1000000
 CASES = ["lohill", "hicrater", "lonoise", "hinoise"]
 
 verdict = cml.Verdict("shapes")
+crater_Rd = {}
 for shape in CASES:
     for reentry in ("reentry", "noreentry"):
         table = profiles.reference(f"{shape}.{reentry}.csv")
@@ -22,5 +23,9 @@ for shape in CASES:
             record, sections = profiles.simulate(f"shapes/{shape}.mci", PHOTONS, *options)
             name = f"{shape} {reentry} {kind}"
             cml.books(verdict, name, record)
-            profiles.compare(verdict, name, sections, truth, 0.32, group=20)
+            if shape == "hicrater":
+                crater_Rd[reentry] = (record["Rd"], record["Rd_se"])
+            profiles.compare(verdict, name, PHOTONS, sections, truth, 0.32, group=20)
+(inside, e1), (first, e2) = crater_Rd["reentry"], crater_Rd["noreentry"]
+verdict.check("re-entry into the crater lowers Rd", first - inside > 5 * (e1 + e2), f"{first} to {inside}")
 verdict.finish(profiles.student_limit(len(verdict.rows)))

@@ -68,27 +68,32 @@ static void free_arrays(struct cml_mco *mco)
     mco->layer = NULL;
 }
 
-/* A product of two sizes may be beyond what calloc can even be asked for. */
-static void *zeroed(size_t count, size_t size)
+static double bytes_of(const struct cml_mco *mco)
 {
-    return count <= PTRDIFF_MAX / size ? calloc(count, size) : NULL;
+    double bytes = (double)mco->num_layers * (double)sizeof *mco->layer;
+    for (int i = 0; i < CML_MCO_SECTIONS; i++)
+        bytes += (double)cml_mco_cells(mco, &cml_mco_sections[i]) * (double)sizeof(double);
+    return bytes;
+}
+
+static bool allocate_arrays(struct cml_mco *mco)
+{
+    mco->layer = calloc((size_t)mco->num_layers, sizeof *mco->layer);
+    bool good = mco->layer != NULL;
+    for (int i = 0; i < CML_MCO_SECTIONS; i++) {
+        double *values = good ? calloc(cml_mco_cells(mco, &cml_mco_sections[i]), sizeof *values) : NULL;
+        set_values(mco, &cml_mco_sections[i], values);
+        good = values != NULL;
+    }
+    if (!good) free_arrays(mco);
+    return good;
 }
 
 cml_status cml_mco_allocate(struct cml_mco *mco, struct cml_error *err)
 {
-    double bytes = (double)mco->num_layers * (double)sizeof *mco->layer;
+    const double bytes = bytes_of(mco);
     mco->extra = NULL;
-    mco->layer = zeroed((size_t)mco->num_layers, sizeof *mco->layer);
-    bool good = mco->layer != NULL;
-    for (int i = 0; i < CML_MCO_SECTIONS; i++) {
-        const size_t cells = cml_mco_cells(mco, &cml_mco_sections[i]);
-        double *values = good ? zeroed(cells, sizeof *values) : NULL;
-        set_values(mco, &cml_mco_sections[i], values);
-        good = values != NULL;
-        bytes += (double)cells * (double)sizeof *values;
-    }
-    if (good) return CML_OK;
-    free_arrays(mco);
+    if (bytes < (double)PTRDIFF_MAX && allocate_arrays(mco)) return CML_OK;
     return cml_fail_memory(err, bytes, "the results");
 }
 

@@ -33,11 +33,19 @@ static bool is_blank(const char *line)
     return *first_of(line) == '\0';
 }
 
+/* A comment begins at the start of a word: "1.#INF" is what a Windows library prints for infinity. */
+static void cut_comment(char *line)
+{
+    char *mark = strchr(line, '#');
+    while (mark && mark > line && !strchr(" \t\v\f\r", mark[-1])) mark = strchr(mark + 1, '#');
+    if (mark) *mark = '\0';
+}
+
 /* Moves to the next line that holds more than a comment, and cuts its comment off. */
 static bool next_line(struct reader *r)
 {
     while ((r->cursor = cml_text_next(&r->text)) != NULL) {
-        r->cursor[strcspn(r->cursor, "#")] = '\0';
+        cut_comment(r->cursor);
         if (!is_blank(r->cursor)) return true;
     }
     return false;
@@ -56,10 +64,11 @@ static bool begins_with(const char *line, const char *key)
 }
 
 /* Moves to the next line of parameters. In a copied .mci file, lines of boundaries and beams and pieces of
- * comments stand in between; none of them begins like a number. */
+ * comments stand in between; none of them begins like a number. A comment there may touch a number. */
 static void next_parameters(struct reader *r)
 {
     while (next_line(r)) {
+        if (r->copied) r->cursor[strcspn(r->cursor, "#")] = '\0';
         if (!r->copied || strchr("+-.0123456789", *first_of(r->cursor))) return;
         if (begins_with(r->cursor, "RAT")) break;
     }

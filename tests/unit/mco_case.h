@@ -136,7 +136,7 @@ static inline void case_write(void **state, const char *name, const char *text, 
 
 static inline void case_assert_holds(void **state, const char *name, const char *expected)
 {
-    static char bytes[1 << 16];
+    static char bytes[1 << 18];
     char path[256];
     case_path(state, name, path);
     FILE *file = fopen(path, "rb");

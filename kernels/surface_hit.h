@@ -61,8 +61,10 @@ CML_FN int cml_plane_hit(struct cml_vec p, struct cml_vec u, real side, real t_m
     return 1;
 }
 
+/* first: the beam itself strikes. It may well be aimed at a ridge, where the mean normal holds (P1); a packet
+ * later on meets one only because rounding put it there, and the ring it is on has the better normal. */
 CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
-                         real side, real t_max, int standing_on, struct cml_hit *hit)
+                         real side, real t_max, int standing_on, int first, struct cml_hit *hit)
 {
     const struct cml_rings rings = cml_rings_of(world, boundary);
     real t;
@@ -71,8 +73,8 @@ CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml
     hit->t = t;
     hit->point = cml_along(p, t, u);
     const struct cml_vec q = cml_from_scene_axis(world, hit->point);
-    hit->normal = cml_cone_normal(rings, ring, q.x, q.y);
     hit->facet = cml_cone_facet(rings, ring, q.x, q.y);
+    hit->normal = first ? cml_cone_normal(rings, ring, q.x, q.y) : hit->facet;
     hit->primitive = ring;
     return 1;
 }
@@ -121,7 +123,8 @@ CML_FN int cml_surface_hit(const struct cml_world *world, const struct cml_packe
     if (surface->kind == CML_SURFACE_PLANE) return cml_plane_hit(p, packet->u, side, t_max, hit);
     if (!cml_clip_to_envelope(surface, p.z, packet->u.z, side, &t_max)) return 0;
     if (surface->kind == CML_SURFACE_CONE)
-        return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on, hit);
+        return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
+                             packet->boundary_events == 0, hit);
 #ifndef __OPENCL_VERSION__
     return cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, packet->straight, hit);
 #else

@@ -179,7 +179,7 @@ static void fly(struct dice *dice, struct walker *walker)
     struct cml_hit hit = {.t = (real)free_path};
     walker->flights++;
     const int found = cml_field_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side,
-                                    (real)free_path, packet->on_primitive, &hit);
+                                    (real)free_path, packet->on_primitive, 0, &hit);
     packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
     packet->on_primitive = found ? hit.primitive : -1;
     look(walker, (double)hit.t);

@@ -4,6 +4,7 @@
 #include "footprint.h"
 #include "surface_hit.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,9 +34,11 @@ struct query {
     query_context context;
     const struct cml_mesh_surface *surface;
     double origin[3], direction[3]; /* relative to centre */
-    double base;                    /* distance of the float ray's origin from the query's */
-    double slack; /* the rounding of the packet's position: how far behind the origin a crossing may lie */
-    double least; /* -slack, or where the line crosses `exclude` when the packet came straight through it */
+    double base;                    /* distance at which the ray enters the mesh's box */
+    double near[3]; /* that point: triangles are tested from there, so that a far origin costs no digits */
+    double blur;    /* rounding of its coordinates */
+    double slack;   /* the rounding of the packet's position: how far behind the origin a crossing may lie */
+    double least;   /* -slack, or where the line crosses `exclude` when the packet came straight through it */
     int below, exclude;
     double t;         /* best so far */
     double weight[3]; /* its barycentric weights */
@@ -65,17 +68,25 @@ static double dot_product(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* d . ((a - o) x (b - o)) of the edge from vertex i to j. Computed from the lower index to the higher, so
- * that the two triangles of an edge get exactly opposite numbers. */
-static double edge_product(const struct query *q, uint32_t i, uint32_t j)
+/* d . ((a - p) x (b - p)) of the edge from vertex i to j, and in *rounding what its rounding can amount to.
+ * Computed from the lower index to the higher, so that the two triangles of an edge get exactly opposite
+ * numbers. */
+static double edge_product(const struct query *q, uint32_t i, uint32_t j, double *rounding)
 {
     const double(*vertex)[3] = (const double(*)[3])q->surface->mesh.vertex;
     const bool swap = i > j;
     double a[3], b[3], c[3];
-    subtract(vertex[swap ? j : i], q->origin, a);
-    subtract(vertex[swap ? i : j], q->origin, b);
+    subtract(vertex[swap ? j : i], q->near, a);
+    subtract(vertex[swap ? i : j], q->near, b);
     cross_product(a, b, c);
     const double w = dot_product(q->direction, c);
+    double sum_a = 0, sum_b = 0, edge = 0;
+    for (int k = 0; k < 3; k++) {
+        sum_a += fabs(a[k]);
+        sum_b += fabs(b[k]);
+        edge += fabs(a[k] - b[k]);
+    }
+    *rounding = 4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge;
     return swap ? -w : w;
 }
 
@@ -94,21 +105,41 @@ static void normalise(double v[3])
     for (int i = 0; i < 3; i++) v[i] *= k;
 }
 
-/* Crossing of one triangle away from the packet's side; on success *t and the barycentric weights. */
+/* Distance from the near point to the triangle's plane, but never outside the triangle: at grazing incidence
+ * the plane alone says little. */
+static double triangle_distance(const struct query *q, const uint32_t v[3], const double normal[3],
+                                double along)
+{
+    double low = INFINITY, high = -INFINITY, t = 0;
+    for (int k = 0; k < 3; k++) {
+        double to_corner[3];
+        subtract(q->surface->mesh.vertex[v[k]], q->near, to_corner);
+        const double reach = dot_product(q->direction, to_corner);
+        low = fmin(low, reach);
+        high = fmax(high, reach);
+        if (k == 0) t = dot_product(to_corner, normal) / along;
+    }
+    return fmax(low, fmin(t, high));
+}
+
+/* Crossing of one triangle away from the packet's side; on success *t and the barycentric weights. A ray
+ * within rounding of an edge meets the triangles on both sides of it: exact signs alone leave pinholes at
+ * vertices, where the signs of several edges have to agree, and along the border, beyond which the plane
+ * begins. */
 static bool cross_triangle(const struct query *q, int primitive, double *t, double weight[3])
 {
     const uint32_t *v = q->surface->mesh.triangle[primitive];
     const double sign = q->below ? 1 : -1;
-    double normal[3], to_corner[3];
+    double normal[3];
     for (int k = 0; k < 3; k++) {
-        weight[k] = sign * edge_product(q, v[(k + 1) % 3], v[(k + 2) % 3]);
-        if (!(weight[k] >= 0)) return false;
+        double rounding;
+        weight[k] = sign * edge_product(q, v[(k + 1) % 3], v[(k + 2) % 3], &rounding);
+        if (!(weight[k] >= -rounding)) return false;
     }
     facet_normal(&q->surface->mesh, primitive, normal);
     const double along = dot_product(q->direction, normal);
     if (!(sign * along > 0)) return false;
-    subtract(q->surface->mesh.vertex[v[0]], q->origin, to_corner);
-    *t = dot_product(to_corner, normal) / along;
+    *t = q->base + triangle_distance(q, v, normal, along);
     const double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
     return *t >= q->least;
@@ -191,10 +222,15 @@ static void query_triangles(struct query *q)
     double enter, leave;
     if (!clip_to_box(q, q->t, &enter, &leave)) return;
     q->base = enter;
+    q->blur = DBL_EPSILON * enter;
+    for (int k = 0; k < 3; k++) {
+        q->near[k] = q->origin[k] + enter * q->direction[k];
+        q->blur += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->near[k]));
+    }
     struct RTCRayHit rayhit = {0};
-    rayhit.ray.org_x = (float)(q->origin[0] + enter * q->direction[0]);
-    rayhit.ray.org_y = (float)(q->origin[1] + enter * q->direction[1]);
-    rayhit.ray.org_z = (float)(q->origin[2] + enter * q->direction[2]);
+    rayhit.ray.org_x = (float)q->near[0];
+    rayhit.ray.org_y = (float)q->near[1];
+    rayhit.ray.org_z = (float)q->near[2];
     rayhit.ray.dir_x = (float)q->direction[0];
     rayhit.ray.dir_y = (float)q->direction[1];
     rayhit.ray.dir_z = (float)q->direction[2];
@@ -258,6 +294,9 @@ static void fill_normals(const struct query *q, const double point[3], struct cm
     for (int k = 0; k < 3; k++)
         crossing->facet[k] =
             corner >= 0 ? mesh->vertex_normal[mesh->triangle[q->primitive][corner]][k] : q->seam[k];
+    const double sign = q->below ? 1 : -1;
+    if (!(sign * dot_product(q->direction, crossing->facet) > 0)) /* a mean may turn away from the ray */
+        facet_normal(mesh, q->primitive, crossing->facet);
     normalise(crossing->facet);
     for (int k = 0; k < 3; k++) crossing->normal[k] = crossing->facet[k];
     if (q->on_seam) return;

@@ -84,15 +84,12 @@ CML_FN real cml_fresnel(real n1, real n2, real ci, real *ct)
 {
     const real ratio = n1 / n2;
     const real square = (real)1 - ratio * ratio * ((real)1 - ci * ci);
-    if (!(square > 0)) {
-        *ct = 0;
-        return 1;
-    }
-    const real c = CML_SQRT(square);
+    const int total = !(square > 0);
+    const real c = CML_SQRT(total ? (real)0 : square);
     const real rs = (n1 * ci - n2 * c) / (n1 * ci + n2 * c);
     const real rp = (n1 * c - n2 * ci) / (n1 * c + n2 * ci);
     *ct = c;
-    return (real)0.5 * (rs * rs + rp * rp);
+    return total ? (real)1 : (real)0.5 * (rs * rs + rp * rp);
 }
 
 /* Mirror direction; normal is a unit vector, its sign is free. */

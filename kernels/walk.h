@@ -30,13 +30,13 @@ CML_FN void cml_event(const struct cml_world *world, const char *what, const str
 
 CML_FN void cml_end(struct cml_packet *packet, enum cml_fate fate)
 {
-    packet->fate = fate;
+    packet->fate = (int)fate;
 }
 
 CML_FN void cml_lose(struct cml_packet *packet, enum cml_lost_cause cause)
 {
     packet->fate = CML_FATE_LOST;
-    packet->cause = cause;
+    packet->cause = (int)cause;
 }
 
 /* P2: the block of the next interaction and the optical depth to it. */
@@ -188,8 +188,13 @@ CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up
     const real ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
     real ct;
     const real R = cml_fresnel(n1, n2, ci, &ct);
-    *transmitted = !(xi <= R);
-    return *transmitted ? cml_refract(u, against, n1 / n2, ci, ct) : cml_reflect(u, against);
+    const struct cml_vec refracted = cml_refract(u, against, n1 / n2, ci, ct),
+                         mirrored = cml_reflect(u, against);
+    const int through = !(xi <= R);
+    const struct cml_vec v = {through ? refracted.x : mirrored.x, through ? refracted.y : mirrored.y,
+                              through ? refracted.z : mirrored.z};
+    *transmitted = through;
+    return v;
 }
 
 /* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn

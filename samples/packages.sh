@@ -5,7 +5,7 @@
 set -eu
 packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev gnuplot-nox"
 if test "${1:-}" = test; then
-    packages="$packages libcmocka-dev librandom123-dev clang clang-format libomp-dev python3-minimal libxml2-utils file"
+    packages="$packages libcmocka-dev librandom123-dev clang clang-format libomp-dev libclang-rt-14-dev python3 libxml2-utils file"
 fi
 
 missing=

@@ -5,6 +5,7 @@
 #define CML_ENGINE_SCALAR_H
 
 #include "engine.h"
+#include "tally_packet.h"
 #include "walk.h"
 
 #include <math.h>
@@ -167,53 +168,6 @@ static cml_status scalar_world_create(const struct cml_scene *scene, const struc
     return CML_OK;
 }
 
-static void tally_exit(const struct cml_setup *setup, const struct cml_packet *packet,
-                       struct cml_tally *tally)
-{
-    const bool up = packet->fate == CML_FATE_REFLECTED;
-    uint64_t *cells = up ? tally->Rd_ra : tally->Tt_ra;
-    int overflow;
-    const int ir = cml_radial_bin(setup, packet->exit_x, packet->exit_y, &overflow);
-    const int ia = cml_angle_bin(setup, packet->u.z);
-    cells[(size_t)ir * (size_t)setup->na + (size_t)ia] += packet->w;
-    if (overflow) tally->book[CML_BOOK_OVERFLOW_R] += packet->w;
-}
-
-/* A finished packet's books, counts and squares. */
-static void tally_packet(const struct cml_setup *setup, const struct cml_packet *packet,
-                         struct cml_tally *tally)
-{
-    static const enum cml_book book_of[CML_NUM_FATES] = {
-        [CML_FATE_ABSORBED] = CML_BOOK_ROULETTE,       [CML_FATE_REFLECTED] = CML_BOOK_REFLECTED,
-        [CML_FATE_TRANSMITTED] = CML_BOOK_TRANSMITTED, [CML_FATE_SPECULAR] = CML_BOOK_SPECULAR,
-        [CML_FATE_TRAPPED] = CML_BOOK_TRAPPED,         [CML_FATE_LOST] = CML_BOOK_LOST,
-    };
-    const int fate = packet->fate;
-    if (fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED) tally_exit(setup, packet, tally);
-    uint64_t total[CML_NUM_TOTALS] = {setup->specular, 0, 0, packet->absorbed};
-    if (fate == CML_FATE_SPECULAR) total[CML_TOTAL_SPECULAR] += packet->w;
-    if (fate == CML_FATE_REFLECTED) total[CML_TOTAL_REFLECTED] = packet->w;
-    if (fate == CML_FATE_TRANSMITTED) total[CML_TOTAL_TRANSMITTED] = packet->w;
-    for (int i = 0; i < CML_NUM_TOTALS; i++) tally->square[i] += (cml_u128)total[i] * total[i];
-    tally->book[book_of[fate]] += packet->w;
-    tally->book[CML_BOOK_LAUNCHED] += CML_WEIGHT_ONE;
-    tally->book[CML_BOOK_SPECULAR] += setup->specular;
-    tally->book[CML_BOOK_GAINED] += packet->gained;
-    tally->book[CML_BOOK_ROULETTE] += packet->roulette;
-    tally->book[CML_BOOK_ABSORBED] += packet->absorbed;
-    tally->book[CML_BOOK_OVERFLOW_R] += packet->overflow_r;
-    tally->book[CML_BOOK_OVERFLOW_Z] += packet->overflow_z;
-    tally->book[CML_BOOK_ABOVE] += packet->above;
-    tally->count[CML_COUNT_PHOTONS]++;
-    tally->count[CML_COUNT_INTERACTIONS] += packet->interactions;
-    tally->count[CML_COUNT_BOUNDARY_EVENTS] += packet->boundary_events;
-    tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
-    tally->count[CML_COUNT_TRAPPED] += fate == CML_FATE_TRAPPED;
-    if (fate != CML_FATE_LOST) return;
-    tally->count[CML_COUNT_LOST_NO_SURFACE + packet->cause - CML_LOST_NO_SURFACE]++;
-    cml_lost_list_add(&tally->lost, packet->index);
-}
-
 static void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
                         struct cml_tally *tally)
 {
@@ -221,7 +175,7 @@ static void run_packets(const struct cml_world *world, uint64_t first, uint64_t 
     for (uint64_t i = 0; i < count; i++) {
         struct cml_packet packet;
         cml_walk(world, &to, first + i, &packet);
-        tally_packet(&world->setup, &packet, tally);
+        cml_tally_packet(&world->setup, &packet, tally);
     }
 }
 

@@ -37,6 +37,7 @@ struct query {
     double base;                    /* distance at which the ray enters the mesh's box */
     double near[3]; /* that point: triangles are tested from there, so that a far origin costs no digits */
     double blur;    /* rounding of its coordinates */
+    double coarse;  /* more than rounding can make of any edge product */
     double slack;   /* the rounding of the packet's position: how far behind the origin a crossing may lie */
     double least;   /* -slack, or where the line crosses `exclude` when the packet came straight through it */
     int below, exclude;
@@ -68,10 +69,9 @@ static double dot_product(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* d . ((a - p) x (b - p)) of the edge from vertex i to j, and in *rounding what its rounding can amount to.
- * Computed from the lower index to the higher, so that the two triangles of an edge get exactly opposite
- * numbers. */
-static double edge_product(const struct query *q, uint32_t i, uint32_t j, double *rounding)
+/* d . ((a - p) x (b - p)) of the edge from vertex i to j. Computed from the lower index to the higher, so
+ * that the two triangles of an edge get exactly opposite numbers. */
+static double edge_product(const struct query *q, uint32_t i, uint32_t j)
 {
     const double(*vertex)[3] = (const double(*)[3])q->surface->mesh.vertex;
     const bool swap = i > j;
@@ -80,14 +80,21 @@ static double edge_product(const struct query *q, uint32_t i, uint32_t j, double
     subtract(vertex[swap ? i : j], q->near, b);
     cross_product(a, b, c);
     const double w = dot_product(q->direction, c);
+    return swap ? -w : w;
+}
+
+/* Whether an edge product below 0 may be 0 but for rounding. */
+static bool is_rounding(const struct query *q, double product, uint32_t i, uint32_t j)
+{
+    if (product < -q->coarse) return false;
+    const double *a = q->surface->mesh.vertex[i], *b = q->surface->mesh.vertex[j];
     double sum_a = 0, sum_b = 0, edge = 0;
     for (int k = 0; k < 3; k++) {
-        sum_a += fabs(a[k]);
-        sum_b += fabs(b[k]);
+        sum_a += fabs(a[k] - q->near[k]);
+        sum_b += fabs(b[k] - q->near[k]);
         edge += fabs(a[k] - b[k]);
     }
-    *rounding = 4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge;
-    return swap ? -w : w;
+    return product >= -(4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge);
 }
 
 static void facet_normal(const struct cml_mesh *mesh, int primitive, double normal[3])
@@ -132,9 +139,9 @@ static bool cross_triangle(const struct query *q, int primitive, double *t, doub
     const double sign = q->below ? 1 : -1;
     double normal[3];
     for (int k = 0; k < 3; k++) {
-        double rounding;
-        weight[k] = sign * edge_product(q, v[(k + 1) % 3], v[(k + 2) % 3], &rounding);
-        if (!(weight[k] >= -rounding)) return false;
+        const uint32_t i = v[(k + 1) % 3], j = v[(k + 2) % 3];
+        weight[k] = sign * edge_product(q, i, j);
+        if (!(weight[k] >= 0 || is_rounding(q, weight[k], i, j))) return false;
     }
     facet_normal(&q->surface->mesh, primitive, normal);
     const double along = dot_product(q->direction, normal);
@@ -223,10 +230,13 @@ static void query_triangles(struct query *q)
     if (!clip_to_box(q, q->t, &enter, &leave)) return;
     q->base = enter;
     q->blur = DBL_EPSILON * enter;
+    double size = 0;
     for (int k = 0; k < 3; k++) {
         q->near[k] = q->origin[k] + enter * q->direction[k];
         q->blur += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->near[k]));
+        size += q->surface->upper[k] - q->surface->lower[k];
     }
+    q->coarse = 2 * (4 * DBL_EPSILON * size + q->blur) * size;
     struct RTCRayHit rayhit = {0};
     rayhit.ray.org_x = (float)q->near[0];
     rayhit.ray.org_y = (float)q->near[1];

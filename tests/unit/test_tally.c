@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally.h"
+#include "dice.h"
+
+#include <math.h>
+
+static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
+
+static struct cml_tally make_tally(const struct cml_grid *of)
+{
+    struct cml_tally tally;
+    struct cml_error err;
+    assert_int_equal(cml_tally_create(of, &tally, &err), CML_OK);
+    return tally;
+}
+
+static struct cml_result make_result(const struct cml_grid *of, uint64_t photons)
+{
+    struct cml_result result;
+    struct cml_error err;
+    assert_int_equal(cml_result_create(of, photons, &result, &err), CML_OK);
+    return result;
+}
+
+/* One packet of weight 2^31 that leaves in the given cell after half of it was absorbed. */
+static void score(struct cml_tally *tally, int r, int a, int z, bool up)
+{
+    const uint64_t half = (uint64_t)1 << 30;
+    (up ? tally->Rd_ra : tally->Tt_ra)[r * tally->grid.na + a] += half;
+    if (tally->A_rz) tally->A_rz[r * tally->grid.nz + z] += half;
+    tally->A_l[1] += half;
+    tally->book[CML_BOOK_LAUNCHED] += 2 * half;
+    tally->book[up ? CML_BOOK_REFLECTED : CML_BOOK_TRANSMITTED] += half;
+    tally->book[CML_BOOK_ABSORBED] += half;
+    tally->count[CML_COUNT_PHOTONS]++;
+    tally->square[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += (cml_u128)half * half;
+    tally->square[CML_TOTAL_ABSORBED] += (cml_u128)half * half;
+}
+
+static void score_at_random(struct dice *dice, struct cml_tally *tally, int packets)
+{
+    for (int n = 0; n < packets; n++)
+        score(tally, dice_below(dice, grid.nr), dice_below(dice, grid.na), dice_below(dice, grid.nz),
+              dice_below(dice, 2));
+}
+
+static void a_new_tally_is_zero_and_has_all_its_cells(void **state)
+{
+    (void)state;
+    struct cml_tally tally = make_tally(&grid);
+    for (int i = 0; i < grid.nr * grid.nz; i++) assert_int_equal(tally.A_rz[i], 0);
+    for (int i = 0; i < grid.nr * grid.na; i++) assert_int_equal(tally.Rd_ra[i] + tally.Tt_ra[i], 0);
+    for (int i = 0; i < grid.num_layers + 2; i++) assert_int_equal(tally.A_l[i], 0);
+    assert_true(cml_tally_bytes(&grid) == 8 * (3 * 4 + 2 * 3 * 2 + 4));
+    cml_tally_free(&tally);
+    struct cml_grid without = grid;
+    without.absorption = false;
+    tally = make_tally(&without);
+    assert_null(tally.A_rz);
+    assert_true(cml_tally_bytes(&without) == 8 * (2 * 3 * 2 + 4));
+    cml_tally_free(&tally);
+}
+
+/* The arrays lie side by side, so every one is filled with numbers of its own. */
+static void fill(struct cml_tally *tally, uint64_t from)
+{
+    for (int i = 0; i < grid.num_layers + 2; i++) tally->A_l[i] = from++;
+    for (int i = 0; i < grid.nr * grid.na; i++) tally->Rd_ra[i] = from++;
+    for (int i = 0; i < grid.nr * grid.na; i++) tally->Tt_ra[i] = from++;
+    for (int i = 0; i < grid.nr * grid.nz; i++) tally->A_rz[i] = from++;
+    for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] = from++;
+    for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] = from++;
+    for (int i = 0; i < CML_NUM_TOTALS; i++) tally->square[i] = from++;
+}
+
+static void merging_adds_every_cell_and_zero_clears_it(void **state)
+{
+    (void)state;
+    struct cml_tally a = make_tally(&grid), b = make_tally(&grid);
+    fill(&a, 1000);
+    fill(&b, 50000);
+    cml_tally_merge(&a, &b);
+    uint64_t wanted = 51000;
+    for (int i = 0; i < grid.num_layers + 2; i++, wanted += 2) assert_int_equal(a.A_l[i], wanted);
+    for (int i = 0; i < grid.nr * grid.na; i++, wanted += 2) assert_int_equal(a.Rd_ra[i], wanted);
+    for (int i = 0; i < grid.nr * grid.na; i++, wanted += 2) assert_int_equal(a.Tt_ra[i], wanted);
+    for (int i = 0; i < grid.nr * grid.nz; i++, wanted += 2) assert_int_equal(a.A_rz[i], wanted);
+    for (int i = 0; i < CML_NUM_BOOKS; i++, wanted += 2) assert_int_equal(a.book[i], wanted);
+    for (int i = 0; i < CML_NUM_COUNTS; i++, wanted += 2) assert_int_equal(a.count[i], wanted);
+    for (int i = 0; i < CML_NUM_TOTALS; i++, wanted += 2) assert_true(a.square[i] == wanted);
+    cml_tally_zero(&a);
+    struct cml_tally fresh = make_tally(&grid);
+    assert_memory_equal(a.A_l, fresh.A_l, (size_t)cml_tally_bytes(&grid));
+    assert_memory_equal(a.book, fresh.book, sizeof a.book);
+    assert_memory_equal(a.count, fresh.count, sizeof a.count);
+    assert_memory_equal(a.square, fresh.square, sizeof a.square);
+    cml_tally_free(&a);
+    cml_tally_free(&b);
+    cml_tally_free(&fresh);
+}
+
+static void the_list_of_lost_packets_keeps_the_smallest_in_order(void **state)
+{
+    (void)state;
+    struct cml_tally a = make_tally(&grid), b = make_tally(&grid);
+    for (uint64_t i = 0; i < 20; i++) cml_lost_list_add(i & 1 ? &a.lost : &b.lost, 7 * i % 20 + 100);
+    cml_tally_merge(&a, &b);
+    assert_int_equal(a.lost.count, CML_LOST_LISTED);
+    for (int i = 0; i < CML_LOST_LISTED; i++) assert_int_equal(a.lost.index[i], 100 + i);
+    cml_tally_zero(&a);
+    assert_int_equal(a.lost.count, 0);
+    cml_tally_free(&a);
+    cml_tally_free(&b);
+}
+
+static void every_photon_belongs_to_one_batch(void **state)
+{
+    (void)state;
+    static const uint64_t photons[] = {1, 63, 64, 65, 1000007, (uint64_t)1 << 48};
+    for (int i = 0; i < COUNT(photons); i++) {
+        assert_int_equal(cml_batch_first(photons[i], 0), 0);
+        assert_int_equal(cml_batch_first(photons[i], CML_NUM_BATCHES), photons[i]);
+        for (int b = 0; b < CML_NUM_BATCHES; b++) {
+            const uint64_t first = cml_batch_first(photons[i], b), next = cml_batch_first(photons[i], b + 1);
+            assert_true(next >= first);
+            assert_true(next - first == photons[i] / 64 || next - first == photons[i] / 64 + 1);
+        }
+    }
+}
+
+static void a_result_has_the_margins_of_its_batches(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(81);
+    struct cml_result result = make_result(&grid, 640);
+    cml_u128 wanted[3][2] = {{0}};
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        struct cml_tally tally = make_tally(&grid);
+        score_at_random(&dice, &tally, 10);
+        cml_result_add(&result, b, &tally);
+        for (int r = 0; r < 3; r++) {
+            assert_true(result.Rd_r[b * 3 + r] == (cml_u128)tally.Rd_ra[2 * r] + tally.Rd_ra[2 * r + 1]);
+            assert_true(result.Tt_r[b * 3 + r] == (cml_u128)tally.Tt_ra[2 * r] + tally.Tt_ra[2 * r + 1]);
+            for (int a = 0; a < 2; a++) wanted[r][a] += tally.Rd_ra[2 * r + a];
+        }
+        for (int a = 0; a < 2; a++)
+            assert_true(result.Rd_a[b * 2 + a] ==
+                        (cml_u128)tally.Rd_ra[a] + tally.Rd_ra[2 + a] + tally.Rd_ra[4 + a]);
+        for (int z = 0; z < 4; z++)
+            assert_true(result.A_z[b * 4 + z] ==
+                        (cml_u128)tally.A_rz[z] + tally.A_rz[4 + z] + tally.A_rz[8 + z]);
+        cml_tally_free(&tally);
+    }
+    for (int r = 0; r < 3; r++)
+        for (int a = 0; a < 2; a++) assert_true(result.Rd_ra[2 * r + a] == wanted[r][a]);
+    assert_true(cml_result_residue(&result) == 0);
+    assert_true(cml_result_share(&result, CML_BOOK_ABSORBED) == 0.5);
+    cml_result_free(&result);
+}
+
+/* One unit too many or too few anywhere shows. */
+static void a_broken_cell_leaves_a_residue(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(82);
+    struct cml_result result = make_result(&grid, 100);
+    struct cml_tally tally = make_tally(&grid);
+    score_at_random(&dice, &tally, 100);
+    cml_result_add(&result, 0, &tally);
+    assert_true(cml_result_residue(&result) == 0);
+    cml_u128 *const cells[] = {&result.A_rz[5],
+                               &result.Rd_ra[1],
+                               &result.Tt_ra[4],
+                               &result.A_l[2],
+                               &result.book[CML_BOOK_LAUNCHED],
+                               &result.book[CML_BOOK_GAINED],
+                               &result.book[CML_BOOK_SPECULAR],
+                               &result.book[CML_BOOK_REFLECTED],
+                               &result.book[CML_BOOK_ROULETTE],
+                               &result.book[CML_BOOK_TRAPPED],
+                               &result.book[CML_BOOK_LOST],
+                               &result.book[CML_BOOK_ABSORBED],
+                               &result.book[CML_BOOK_TRANSMITTED]};
+    for (int i = 0; i < COUNT(cells); i++) {
+        ++*cells[i];
+        assert_true(cml_result_residue(&result) != 0);
+        --*cells[i];
+        assert_true(cml_result_residue(&result) == 0);
+    }
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+static void the_error_of_a_total_is_that_of_its_packets(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(83);
+    struct cml_result result = make_result(&grid, 1000);
+    struct cml_tally tally = make_tally(&grid);
+    double sum = 0, squares = 0;
+    double weight[1000];
+    for (int n = 0; n < 1000; n++) {
+        const uint32_t w = dice_word(&dice) >> 1;
+        weight[n] = w * 0x1p-31;
+        sum += weight[n];
+        tally.book[CML_BOOK_REFLECTED] += w;
+        tally.square[CML_TOTAL_REFLECTED] += (cml_u128)w * w;
+        tally.count[CML_COUNT_PHOTONS]++;
+    }
+    for (int n = 0; n < 1000; n++) squares += (weight[n] - sum / 1000) * (weight[n] - sum / 1000);
+    cml_result_add(&result, 0, &tally);
+    assert_near("error", cml_result_error(&result, CML_TOTAL_REFLECTED), sqrt(squares / 999 / 1000), 1e-15);
+    assert_true(cml_result_error(&result, CML_TOTAL_TRANSMITTED) == 0);
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+/* Against the same formula written out, with batches of unequal size; and for independent packets it must
+ * agree with the binomial error. */
+static void the_error_of_a_bin_is_the_spread_of_its_batches(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(84);
+    const uint64_t photons = 10007;
+    struct cml_result result = make_result(&grid, photons);
+    double mean[CML_NUM_BATCHES], size[CML_NUM_BATCHES], all = 0, squares = 0;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        struct cml_tally tally = make_tally(&grid);
+        size[b] = (double)(cml_batch_first(photons, b + 1) - cml_batch_first(photons, b));
+        for (int n = 0; n < (int)size[b]; n++) score(&tally, dice_below(&dice, 3), 0, 0, true);
+        cml_result_add(&result, b, &tally);
+        mean[b] = (double)(tally.Rd_ra[2] + tally.Rd_ra[3]) * CML_WEIGHT_UNIT / size[b];
+        all += mean[b] * size[b] / (double)photons;
+        cml_tally_free(&tally);
+    }
+    for (int b = 0; b < CML_NUM_BATCHES; b++) squares += size[b] * (mean[b] - all) * (mean[b] - all);
+    const double error = cml_result_bin_error(&result, result.Rd_r, 3, 1);
+    assert_near("error", error, sqrt(squares / 63 / (double)photons), 1e-15);
+    assert_near("binomial error", error / (0.5 * sqrt(2.0 / 9 / (double)photons)), 1, 0.35);
+    assert_true(cml_result_bin_error(&result, result.Tt_r, 3, 1) == 0);
+    cml_result_free(&result);
+}
+
+static void one_photon_has_no_error_yet(void **state)
+{
+    (void)state;
+    struct cml_result result = make_result(&grid, 1);
+    struct cml_tally tally = make_tally(&grid);
+    score(&tally, 1, 1, 1, true);
+    cml_result_add(&result, 63, &tally);
+    assert_true(cml_result_error(&result, CML_TOTAL_REFLECTED) == 0);
+    assert_true(cml_result_bin_error(&result, result.Rd_r, 3, 1) == 0);
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+/* 2^48 packets in one cell, and tallies as full as they may get. */
+static void a_result_does_not_overflow(void **state)
+{
+    (void)state;
+    struct cml_result result = make_result(&grid, (uint64_t)1 << 48);
+    struct cml_tally tally = make_tally(&grid);
+    const uint64_t full = CML_TALLY_MAX_PHOTONS * ((uint64_t)1 << 31);
+    tally.Rd_ra[0] = full;
+    tally.book[CML_BOOK_LAUNCHED] = full;
+    tally.book[CML_BOOK_REFLECTED] = full;
+    tally.count[CML_COUNT_PHOTONS] = CML_TALLY_MAX_PHOTONS;
+    tally.square[CML_TOTAL_REFLECTED] = (cml_u128)full << 31;
+    for (int n = 0; n < 1 << 18; n++) cml_result_add(&result, n >> 12, &tally);
+    assert_true(result.Rd_ra[0] == (cml_u128)1 << 79);
+    assert_true(result.Rd_r[5 * 3] == (cml_u128)1 << 73);
+    assert_true(result.count[CML_COUNT_PHOTONS] == (cml_u128)1 << 48);
+    assert_true(cml_result_residue(&result) == 0);
+    assert_true(cml_result_share(&result, CML_BOOK_REFLECTED) == 1);
+    assert_true(cml_result_error(&result, CML_TOTAL_REFLECTED) == 0);
+    assert_true(cml_result_bin_error(&result, result.Rd_r, 3, 0) == 0);
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_new_tally_is_zero_and_has_all_its_cells),
+        cmocka_unit_test(merging_adds_every_cell_and_zero_clears_it),
+        cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
+        cmocka_unit_test(every_photon_belongs_to_one_batch),
+        cmocka_unit_test(a_result_has_the_margins_of_its_batches),
+        cmocka_unit_test(a_broken_cell_leaves_a_residue),
+        cmocka_unit_test(the_error_of_a_total_is_that_of_its_packets),
+        cmocka_unit_test(the_error_of_a_bin_is_the_spread_of_its_batches),
+        cmocka_unit_test(one_photon_has_no_error_yet),
+        cmocka_unit_test(a_result_does_not_overflow),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

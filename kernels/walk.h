@@ -65,8 +65,8 @@ CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 ind
     return cml_along(cml_along(none, r * c, setup->e1), r * s, setup->e2);
 }
 
-/* P1. */
-CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, struct cml_packet *packet)
+/* P1: the packet where the beam puts it; its draws are not made yet. */
+CML_FN void cml_place(const struct cml_world *world, cml_u64 index, struct cml_packet *packet)
 {
     const struct cml_setup *setup = &world->setup;
     const struct cml_packet fresh = {0};
@@ -81,6 +81,11 @@ CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, struct cml_
     const struct cml_vec offset = cml_beam_offset(setup, index);
     packet->p = cml_along(offset, (setup->launch_z - offset.z) / setup->axis.z, setup->axis);
     packet->p.z = setup->launch_z;
+}
+
+CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, struct cml_packet *packet)
+{
+    cml_place(world, index, packet);
     cml_next_flight(world, packet);
     cml_event(world, "launch", packet);
 }

@@ -1,6 +1,7 @@
-/* The CPU engine: single precision, OpenMP threads that take chunks of a range as they become free.
+/* The CPU engine: single precision, OpenMP threads that take chunks of a range as their bundles run dry.
  * Every thread scores into a tally of its own; integers make the order of the final merge irrelevant.
  * SPDX-License-Identifier: MIT */
+#include "bundle_walk.h"
 #include "engine_scalar.h"
 
 #include <omp.h>
@@ -45,7 +46,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     *self = NULL;
     if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
     cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
-    cpu->chunk = options->chunk > 0 ? options->chunk : 256;
+    cpu->chunk = options->chunk > 0 ? options->chunk : 128;
     cml_status status = scalar_world_create(scene, surfaces, options, &cpu->scalar, err);
     if (status == CML_OK) status = create_tallies(scene, options, cpu, err);
     if (status != CML_OK)
@@ -55,23 +56,40 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     return status;
 }
 
+/* Photon indices that no thread has taken yet. */
+struct pool {
+    uint64_t first, count, chunk;
+    uint64_t taken; /* shared by all threads */
+};
+
+static int take_chunk(void *context, uint64_t *first, uint64_t *count)
+{
+    struct pool *pool = context;
+    uint64_t begin;
+#pragma omp atomic capture
+    {
+        begin = pool->taken;
+        pool->taken += pool->chunk;
+    }
+    if (begin >= pool->count) return 0;
+    *first = pool->first + begin;
+    *count = pool->count - begin < pool->chunk ? pool->count - begin : pool->chunk;
+    return 1;
+}
+
 static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
                           struct cml_error *err)
 {
     (void)err;
     struct cpu_engine *cpu = self;
-    const uint64_t chunk = cpu->chunk < count ? cpu->chunk : count;
-    const int64_t chunks = chunk > 0 ? (int64_t)((count + chunk - 1) / chunk) : 0;
+    struct pool pool = {.first = first, .count = count, .chunk = cpu->chunk};
+    const struct cml_range_source source = {take_chunk, &pool};
 #pragma omp parallel num_threads(cpu->threads)
     {
         struct cml_tally *mine = &cpu->tallies[omp_get_thread_num()];
+        struct cml_bundle bundle;
         cml_tally_zero(mine);
-#pragma omp for schedule(dynamic)
-        for (int64_t c = 0; c < chunks; c++) {
-            const uint64_t begin = (uint64_t)c * chunk;
-            run_packets(&cpu->scalar.world, first + begin, count - begin < chunk ? count - begin : chunk,
-                        mine);
-        }
+        cml_bundle_walk(&cpu->scalar.world, &bundle, &source, mine);
 #pragma omp critical
         cml_tally_merge(tally, mine);
     }
@@ -92,7 +110,7 @@ static int cpu_threads(const void *self)
 
 const struct cml_engine cml_engine_cpu = {
     .name = "cpu",
-    .description = "single precision, OpenMP threads",
+    .description = "single precision, bundles of packets in vector loops, OpenMP threads",
     .open = cpu_open,
     .run = cpu_run,
     .trace = cpu_trace,

@@ -168,8 +168,8 @@ static cml_status scalar_world_create(const struct cml_scene *scene, const struc
     return CML_OK;
 }
 
-static void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
-                        struct cml_tally *tally)
+static inline void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
+                               struct cml_tally *tally)
 {
     const struct cml_deposits to = {tally->A_rz, tally->A_l};
     for (uint64_t i = 0; i < count; i++) {

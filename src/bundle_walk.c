@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: MIT */
+#include "bundle_walk.h"
+
+#include "tally_packet.h"
+#include "walk.h"
+
+struct flight {
+    const struct cml_world *world;
+    struct cml_bundle *b;
+    struct cml_tally *tally;
+    const struct cml_range_source *source;
+    uint64_t next, left;          /* indices handed out and not launched yet */
+    int lanes;                    /* lanes 0..lanes-1 hold packets */
+    cml_u32 ended;                /* mask of lanes whose packet is finished in this pass */
+    uint64_t absorbed[CML_LANES]; /* of the lane's packet, without what is still in `deposited` */
+};
+
+static int lowest_lane(cml_u32 mask)
+{
+    return __builtin_ctz(mask);
+}
+
+/* What the vector loops must know of the medium a lane is in. */
+static void load_medium(const struct flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const int m = b->medium[i], layers = f->world->setup.num_layers;
+    const struct cml_medium *medium = &f->world->media[m];
+    const struct cml_surface *top = m > 0 ? &f->world->surfaces[m - 1] : NULL;
+    const struct cml_surface *bottom = m <= layers ? &f->world->surfaces[m] : NULL;
+    const int top_plane = top && top->kind == CML_SURFACE_PLANE, top_field = top && !top_plane;
+    const int bottom_plane = bottom && bottom->kind == CML_SURFACE_PLANE,
+              bottom_field = bottom && !bottom_plane;
+    const real share = (real)0.0009765625;
+    b->mut[i] = medium->mut;
+    b->absorb[i] = medium->absorb;
+    b->g[i] = medium->g;
+    b->depth[i] = medium->depth;
+    b->n[i] = medium->n;
+    b->n_above[i] = m > 0 ? medium[-1].n : medium->n;
+    b->n_below[i] = m <= layers ? medium[1].n : medium->n;
+    b->plane_above[i] = top_plane ? (real)0 : -CML_INFINITY;
+    b->plane_below[i] = bottom_plane ? medium->span : CML_INFINITY;
+    b->field_above[i] = top_field ? top->highest : -CML_INFINITY;
+    b->field_below[i] = bottom_field ? medium->span + bottom->lowest : CML_INFINITY;
+    b->leak_above[i] = top_field ? top->lowest - share * (top->highest - top->lowest) : -CML_INFINITY;
+    b->leak_below[i] = CML_INFINITY;
+    if (bottom_field)
+        b->leak_below[i] = medium->span + bottom->highest + share * (bottom->highest - bottom->lowest);
+}
+
+/* Deposits belong to the medium they were made in: to be called before it changes. */
+static void flush_deposits(struct flight *f, int i)
+{
+    f->tally->A_l[f->b->medium[i]] += f->b->deposited[i];
+    f->absorbed[i] += f->b->deposited[i];
+    f->b->deposited[i] = 0;
+}
+
+static struct cml_packet packet_of(const struct flight *f, int i)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_packet packet = {
+        .index = (cml_u64)b->index_high[i] << 32 | b->index_low[i],
+        .p = {b->x[i], b->y[i], b->z[i]},
+        .u = {b->ux[i], b->uy[i], b->uz[i]},
+        .tau = b->tau[i],
+        .w = b->w[i],
+        .interactions = b->interactions[i],
+        .crossings = b->crossings[i],
+        .bounces = b->bounces[i],
+        .boundary_events = b->boundary_events[i],
+        .medium = b->medium[i],
+        .on_boundary = b->on_boundary[i],
+        .on_primitive = b->on_primitive[i],
+        .straight = b->straight[i],
+        .entered = b->entered[i],
+        .exit_x = b->x[i],
+        .exit_y = b->y[i],
+    };
+    return packet;
+}
+
+/* Back into the lane what a scalar event can change. */
+static void store_packet(struct flight *f, int i, const struct cml_packet *packet)
+{
+    struct cml_bundle *b = f->b;
+    b->x[i] = packet->p.x;
+    b->y[i] = packet->p.y;
+    b->z[i] = packet->p.z;
+    b->ux[i] = packet->u.x;
+    b->uy[i] = packet->u.y;
+    b->uz[i] = packet->u.z;
+    b->tau[i] = packet->tau;
+    b->crossings[i] = packet->crossings;
+    b->bounces[i] = packet->bounces;
+    b->boundary_events[i] = packet->boundary_events;
+    b->on_boundary[i] = packet->on_boundary;
+    b->on_primitive[i] = packet->on_primitive;
+    b->straight[i] = packet->straight;
+    b->entered[i] = packet->entered;
+    if (packet->medium == b->medium[i]) return;
+    flush_deposits(f, i);
+    b->medium[i] = packet->medium;
+    load_medium(f, i);
+}
+
+static void finish_packet(struct flight *f, int i, struct cml_packet *packet)
+{
+    flush_deposits(f, i);
+    packet->absorbed = f->absorbed[i];
+    cml_tally_packet(&f->world->setup, packet, f->tally);
+    f->b->task[i] = CML_LANE_DONE;
+    f->ended |= (cml_u32)1 << i;
+}
+
+static void finish_lane(struct flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
+{
+    struct cml_packet packet = packet_of(f, i);
+    packet.fate = (int)fate;
+    packet.cause = (int)cause;
+    finish_packet(f, i, &packet);
+}
+
+/* A lane that may meet a curved surface, or has nothing ahead: one boundary event by kernels/walk.h, and as
+ * many more as it takes to come back into the material. Without one the lane interacts in this pass like the
+ * others. */
+static void handle_exception(struct flight *f, int i)
+{
+    const struct cml_world *world = f->world;
+    struct cml_packet packet = packet_of(f, i);
+    for (;;) {
+        const real mut = world->media[packet.medium].mut;
+        const real t_max = mut > 0 ? packet.tau / mut : CML_INFINITY;
+        struct cml_hit hit;
+        f->b->task[i] = CML_LANE_DONE;
+        if (cml_nearest(world, &packet, t_max, &hit)) {
+            cml_cross(world, &packet, &hit);
+        } else if (t_max < CML_INFINITY) {
+            f->b->s[i] = t_max;
+            f->b->task[i] = CML_LANE_INTERACT;
+        } else {
+            cml_leave(world, &packet);
+        }
+        const int outside = packet.medium == 0 || packet.medium > world->setup.num_layers;
+        if (packet.fate != CML_FATE_ALIVE || !outside) break;
+    }
+    f->tally->count[CML_COUNT_SHADING_OVERRULED] += packet.shading_overruled;
+    packet.shading_overruled = 0;
+    if (packet.fate != CML_FATE_ALIVE)
+        finish_packet(f, i, &packet);
+    else if (f->b->task[i] == CML_LANE_DONE)
+        store_packet(f, i, &packet);
+}
+
+/* P6 and the bounds on repetition, behind a plane. */
+static void after_plane(struct flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_setup *setup = &f->world->setup;
+    b->on_boundary[i] = -1;
+    if (b->task[i] == CML_LANE_TRANSMITTED) {
+        flush_deposits(f, i);
+        b->medium[i] += b->uz[i] < 0 ? -1 : 1;
+        b->z[i] = b->uz[i] < 0 ? f->world->media[b->medium[i]].span : (real)0;
+        load_medium(f, i);
+    }
+    const int outside = b->medium[i] == 0 || b->medium[i] > setup->num_layers;
+    if (!outside) b->entered[i] = 1;
+    if (outside && !b->entered[i])
+        finish_lane(f, i, CML_FATE_SPECULAR, CML_LOST_NOT);
+    else if (outside)
+        finish_lane(f, i, b->medium[i] == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED, CML_LOST_NOT);
+    else if (b->bounces[i] > CML_TRAPPED_LIMIT && !(b->mut[i] > 0))
+        finish_lane(f, i, CML_FATE_TRAPPED, CML_LOST_NOT);
+    else if (b->bounces[i] > CML_STUCK_LIMIT)
+        finish_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
+}
+
+static void roulette(struct flight *f, int i)
+{
+    struct cml_packet packet = packet_of(f, i);
+    packet.draw.w[3] = f->b->draw[3][i];
+    cml_roulette(&packet);
+    f->tally->book[CML_BOOK_GAINED] += packet.gained;
+    packet.gained = 0;
+    if (packet.fate != CML_FATE_ALIVE) finish_packet(f, i, &packet);
+    flush_deposits(f, i);
+    f->b->w[i] = packet.w;
+}
+
+/* What an interaction asked to be looked at. */
+static void handle_flag(struct flight *f, int i)
+{
+    const int flag = f->b->flag[i];
+    const uint64_t dw = f->b->dw[i];
+    if (flag & CML_FLAG_OVERFLOW_R) f->tally->book[CML_BOOK_OVERFLOW_R] += dw;
+    if (flag & CML_FLAG_OVERFLOW_Z) f->tally->book[CML_BOOK_OVERFLOW_Z] += dw;
+    if (flag & CML_FLAG_ABOVE) f->tally->book[CML_BOOK_ABOVE] += dw;
+    if (flag & CML_FLAG_LEAKED)
+        finish_lane(f, i, CML_FATE_LOST, CML_LOST_LEAKED);
+    else if (flag & CML_FLAG_NAN)
+        finish_lane(f, i, CML_FATE_LOST, CML_LOST_NAN);
+    else if (flag & CML_FLAG_ROULETTE)
+        roulette(f, i);
+}
+
+static void scatter_deposits(struct flight *f)
+{
+    const struct cml_bundle *b = f->b;
+    uint64_t *A_rz = f->tally->A_rz;
+    for (int i = 0; i < f->lanes; i++) A_rz[b->cell[i]] += b->dw[i];
+}
+
+/* The next photon index, if there is one. */
+static int take_index(struct flight *f, uint64_t *index)
+{
+    while (f->left == 0)
+        if (!f->source->next(f->source->context, &f->next, &f->left)) return 0;
+    f->left--;
+    *index = f->next++;
+    return 1;
+}
+
+static int launch(struct flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    struct cml_packet packet;
+    uint64_t index;
+    if (!take_index(f, &index)) return 0;
+    cml_place(f->world, index, &packet);
+    b->index_low[i] = (cml_u32)index;
+    b->index_high[i] = (cml_u32)(index >> 32);
+    b->w[i] = packet.w;
+    b->interactions[i] = 0;
+    b->deposited[i] = 0;
+    f->absorbed[i] = 0;
+    b->medium[i] = packet.medium;
+    load_medium(f, i);
+    store_packet(f, i, &packet);
+    b->task[i] = CML_LANE_LAUNCHED;
+    return 1;
+}
+
+/* The packet of lane `from` moves to lane `to`. Every member of a bundle is CML_LANES values of 4 bytes. */
+static void move_lane(struct flight *f, int from, int to)
+{
+    cml_u32 *columns = (cml_u32 *)(void *)f->b;
+    for (size_t k = 0; k < sizeof *f->b / sizeof(cml_u32); k += CML_LANES)
+        columns[k + (size_t)to] = columns[k + (size_t)from];
+    f->absorbed[to] = f->absorbed[from];
+}
+
+/* New packets into the lanes of finished ones; without any left, the last lanes fill the holes. From the top
+ * down, so that the last lane is always one in flight. */
+static void refill(struct flight *f)
+{
+    while (f->ended) {
+        const int i = 31 - __builtin_clz(f->ended);
+        f->ended &= ~((cml_u32)1 << i);
+        if (launch(f, i)) continue;
+        f->lanes--;
+        if (i < f->lanes) move_lane(f, f->lanes, i);
+    }
+}
+
+static void for_lanes(struct flight *f, cml_u32 mask, void (*handle)(struct flight *, int))
+{
+    for (; mask; mask &= mask - 1) handle(f, lowest_lane(mask));
+}
+
+static cml_u32 flagged_lanes(const struct flight *f)
+{
+    cml_u32 mask = 0;
+    for (int i = 0; i < f->lanes; i++) mask |= (cml_u32)(f->b->flag[i] != 0) << i;
+    return mask;
+}
+
+static void draw_tail(struct flight *f, int i)
+{
+    const cml_u64 index = (cml_u64)f->b->index_high[i] << 32 | f->b->index_low[i];
+    f->b->tau[i] = cml_optical_depth(f->world->setup.stream, index, f->b->interactions[i], 0);
+}
+
+static void pass(struct flight *f)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_setup *setup = &f->world->setup;
+    const cml_u32 live = f->lanes == CML_LANES ? ~(cml_u32)0 : ((cml_u32)1 << f->lanes) - 1;
+    const cml_u64 tasks = cml_bundle_fly(b);
+    const cml_u32 planes = (cml_u32)tasks & live, exceptions = (cml_u32)(tasks >> 32) & live;
+    for (int i = f->lanes; i < CML_LANES; i++) b->task[i] = CML_LANE_DONE;
+    for_lanes(f, exceptions, handle_exception);
+    if (planes & 0xffffu) cml_bundle_cross_planes(setup, b, 0);
+    if (planes >> CML_HALF) cml_bundle_cross_planes(setup, b, CML_HALF);
+    for_lanes(f, planes, after_plane);
+    const int flags = cml_bundle_interact(setup, b);
+    if (f->tally->A_rz) scatter_deposits(f);
+    if (flags) for_lanes(f, flagged_lanes(f), handle_flag);
+    refill(f);
+    for_lanes(f, cml_bundle_draw(setup, b), draw_tail);
+}
+
+void cml_bundle_walk(const struct cml_world *world, struct cml_bundle *bundle,
+                     const struct cml_range_source *source, struct cml_tally *tally)
+{
+    struct flight f = {.world = world, .b = bundle, .tally = tally, .source = source, .lanes = CML_LANES};
+    *bundle = (struct cml_bundle){0};
+    f.ended = ~(cml_u32)0;
+    refill(&f);
+    if (f.lanes > 0) for_lanes(&f, cml_bundle_draw(&world->setup, bundle), draw_tail);
+    while (f.lanes > 0) pass(&f);
+}

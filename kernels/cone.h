@@ -96,7 +96,8 @@ CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *r
  * falls. standing: t = 0 is a root and is divided out. Returns 0 when there is none; *t may lie outside the
  * span. With dip, the ray must go below the real nappe and come up again, deepest in (t0, t1): A < 0 puts
  * both roots on one nappe, the middle between them counts, because a root itself may lie on the span's end
- * (elsewhere a change of sign at the span's end has shown that the root is real). */
+ * (elsewhere a change of sign at the span's end has shown that the root is real, and a discriminant below 0
+ * is rounding: the ray passes through the tip). */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, int dip,
                          real t0, real t1, real *t)
 {
@@ -112,9 +113,9 @@ CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray,
     const real B = w * ray->u.z - mm * ray->b;
     const real across_x = w * ray->u.x - ray->u.z * ray->p.x, across_y = w * ray->u.y - ray->u.z * ray->p.y;
     const real D = mm * (across_x * across_x + across_y * across_y - mm * ray->k * ray->k);
-    if (!standing && !(D >= 0)) return 0;
+    if (dip && !(D >= 0)) return 0;
     const real C = standing ? (real)0 : (w - m * ray->r) * (w + m * ray->r);
-    const real root = standing ? (B < 0 ? -B : B) : CML_SQRT(D);
+    const real root = standing ? (B < 0 ? -B : B) : (D > 0 ? CML_SQRT(D) : (real)0);
     const real q = ray->side * m > 0 ? -B - root : -B + root;
     const real q_other = ray->side * m > 0 ? -B + root : -B - root;
     *t = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other) ? q / A : C / q_other;

@@ -81,6 +81,25 @@ static void a_ray_through_the_axis_meets_the_far_flank(void **state)
     expect(shoot(&hill, -2, 0, -2, 1, 0, 1, ABOVE), 1.5 * sqrt(2), 0, 8 * eps);
 }
 
+/* Its discriminant is 0 but for rounding, and a sign of it that says "no root" must not let the ray into the
+ * hill.
+ */
+static void an_oblique_ray_at_the_tip_of_a_pit_comes_out_there(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(42);
+    const struct field crater = field_of(2, crater_r, crater_z), hill = field_of(2, hill_r, hill_z);
+    for (int n = 0; n < 20000; n++) {
+        const double x = dice_between(&dice, -3, 3), y = dice_between(&dice, -3, 3), r = hypot(x, y);
+        const double z = dice_between(&dice, 1.1, 3) * r;
+        const struct found out = shoot(&crater, x, y, 1 + z, -x, -y, -z, BELOW);
+        const struct found in = shoot(&hill, x, y, -1 - z, -x, -y, z, ABOVE);
+        assert_true(out.hit && in.hit);
+        assert_near("from below", out.t, hypot(r, z), 1e-4 * (sizeof(real) == 4) + 1e-9);
+        assert_near("from above", in.t, hypot(r, z), 1e-4 * (sizeof(real) == 4) + 1e-9);
+    }
+}
+
 /* r^2(t) cancels there; it once came out below 0, and the ray passed into the hill. */
 static void a_ray_that_ends_on_the_axis_under_the_tip_has_hit(void **state)
 {
@@ -312,6 +331,7 @@ int main(void)
         cmocka_unit_test(a_ray_a_hair_off_the_axis_hits_the_tip_too),
         cmocka_unit_test(a_vertical_ray_off_the_axis_hits_the_flank),
         cmocka_unit_test(a_ray_through_the_axis_meets_the_far_flank),
+        cmocka_unit_test(an_oblique_ray_at_the_tip_of_a_pit_comes_out_there),
         cmocka_unit_test(a_ray_that_ends_on_the_axis_under_the_tip_has_hit),
         cmocka_unit_test(a_horizontal_ray_enters_and_leaves_a_hill),
         cmocka_unit_test(a_ray_dips_into_a_flank_misses_it_or_touches_it),

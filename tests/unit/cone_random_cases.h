@@ -57,9 +57,22 @@ struct tally_of_rays {
     double worst; /* distance error relative to the distance, where the crossing is not grazing */
 };
 
+/* At a point of a ring's edge, where two cones meet. */
+static struct cml_vec towards_an_edge(struct dice *dice, const struct field *field, struct cml_vec p)
+{
+    const int i = dice_below(dice, field->n);
+    const double phi = dice_between(dice, 0, 6.283185307179586), r = (double)field->r[i];
+    const double x = r * cos(phi) - (double)p.x, y = r * sin(phi) - (double)p.y,
+                 z = (double)field->z[i] - (double)p.z, length = sqrt(x * x + y * y + z * z);
+    const struct cml_vec u = {(real)(x / length), (real)(y / length), (real)(z / length)};
+    return u;
+}
+
 static void one_ray(struct dice *dice, const struct field *field, struct tally_of_rays *sum)
 {
-    const struct cml_vec p = random_point(dice, field), u = random_direction(dice, p);
+    const struct cml_vec p = random_point(dice, field);
+    const struct cml_vec u =
+        dice_below(dice, 3) ? random_direction(dice, p) : towards_an_edge(dice, field, p);
     struct ray ray = ray_of(p, u, 1);
     ray.side = ray_height(field, &ray, 0) > 0 ? 1 : -1;
     const double t_max = dice_below(dice, 3) ? dice_between(dice, 0, 8) : INFINITY;
@@ -83,9 +96,9 @@ static void one_ray(struct dice *dice, const struct field *field, struct tally_o
         sum->misses++;
     if (hit != (v.exact < INFINITY)) {
         sum->differ++;
-    } else if (hit && v.late - v.early < 1e4 * rounding) {
+    } else if (hit && v.late - v.early < 64 * rounding) {
         assert_true(ring >= 0 && ring < field->n);
-        sum->worst = fmax(sum->worst, fabs((double)t - v.exact) / fmax(v.exact, 1e-3));
+        sum->worst = fmax(sum->worst, fabs((double)t - v.exact) / fmax(v.exact, 1));
     }
 }
 
@@ -98,10 +111,10 @@ static void random_rays_hit_where_the_oracle_says(void **state)
         const struct field field = field_random(&dice, n % 3 ? 10 : 0.5);
         for (int k = 0; k < 100; k++) one_ray(&dice, &field, &sum);
     }
-    printf("%ld hits, %ld misses, %ld of them differ within rounding, distance error %.2g\n", sum.hits,
+    printf("%ld hits, %ld misses, %ld that only rounding decides, distance error %.2g\n", sum.hits,
            sum.misses, sum.differ, sum.worst);
     assert_true(sum.hits > 10000 && sum.misses > 5000);
-    assert_true(sum.differ <= (sizeof(real) == 4 ? 30 : 1));
+    assert_true(sum.differ <= 100);
     assert_true(sum.worst < (sizeof(real) == 4 ? 1e-2 : 1e-9));
 }
 
@@ -151,6 +164,15 @@ static void look(struct walker *walker, double flown)
                  walker->flights, (double)p.x, (double)p.y, (double)p.z);
 }
 
+/* What the walk meets it must be about to cross: a packet that leaves a ring and meets it at once again turns
+ * this round. */
+static void look_at_hit(const struct walker *walker, const struct cml_hit *hit)
+{
+    const double ahead = walker->side * (double)cml_dot(walker->packet.u, hit->facet);
+    if (!(ahead > -1e-3))
+        fail_msg("met the surface from behind (%g) after %ld flights", ahead, walker->flights);
+}
+
 /* Mostly back towards the surface. */
 static void scatter(struct dice *dice, struct walker *walker)
 {
@@ -183,6 +205,7 @@ static void fly(struct dice *dice, struct walker *walker)
     packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
     packet->on_primitive = found ? hit.primitive : -1;
     look(walker, (double)hit.t);
+    if (found) look_at_hit(walker, &hit);
     if (found)
         cross(dice, walker, &hit);
     else

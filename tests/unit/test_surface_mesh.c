@@ -196,6 +196,49 @@ static void no_ray_at_a_vertex_or_an_edge_slips_through(void **state)
     cml_mesh_surface_free(surface);
 }
 
+/* Starts in the line of an edge, so that two facets are met in their own planes. */
+static void a_ray_along_an_edge_stays_on_its_side(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(68);
+    patch_make(&patch, 13, 0.1, 0, 0, 0);
+    struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
+    for (int n = 0; n < 100000; n++) {
+        const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
+        const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1 + dice_below(&dice, 2)]];
+        const double w = dice_between(&dice, -4, 0);
+        double p[3], u[3], length = 0;
+        for (int k = 0; k < 3; k++) length = hypot(length, b[k] - a[k]);
+        for (int k = 0; k < 3; k++) u[k] = nudge(&dice, (b[k] - a[k]) / length);
+        for (int k = 0; k < 3; k++) p[k] = nudge(&dice, a[k] + w * (b[k] - a[k]));
+        const double inside = p[2] - patch_depth(&patch, p[0], p[1]);
+        if (fabs(inside) < 1e-9) continue;
+        struct cml_mesh_crossing c = {.t = 3};
+        query(surface, p, u, inside > 0, -1, &c);
+        assert_on_its_side(p, u, inside > 0, c.t);
+    }
+    cml_mesh_surface_free(surface);
+}
+
+static void a_packet_that_rounding_put_beyond_the_surface_crosses_at_once(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(69);
+    patch_make(&patch, 14, 0.1, 0, 0, 0);
+    struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
+    for (int n = 0; n < 10000; n++) {
+        const double x = dice_between(&dice, -1.2, 1.2), y = dice_between(&dice, -1.2, 1.2);
+        const int below = dice_below(&dice, 2);
+        const double beyond = (below ? -1 : 1) * 5e-8, u[3] = {0, 0, below ? -1 : 1};
+        const double p[3] = {x, y, patch_depth(&patch, x, y) + beyond};
+        struct cml_mesh_crossing c;
+        assert_true(cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 1e-7, &c));
+        assert_true(c.t == 0);
+        assert_false(cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 1e-8, &c));
+    }
+    cml_mesh_surface_free(surface);
+}
+
 static void the_seam_of_the_outer_plane_has_no_gap(void **state)
 {
     (void)state;
@@ -308,6 +351,8 @@ int main(void)
         cmocka_unit_test(a_mesh_ten_metres_away_is_met_as_well),
         cmocka_unit_test(a_ray_from_ten_thousand_sizes_away_arrives),
         cmocka_unit_test(no_ray_at_a_vertex_or_an_edge_slips_through),
+        cmocka_unit_test(a_ray_along_an_edge_stays_on_its_side),
+        cmocka_unit_test(a_packet_that_rounding_put_beyond_the_surface_crosses_at_once),
         cmocka_unit_test(the_seam_of_the_outer_plane_has_no_gap),
         cmocka_unit_test(the_primitive_stood_on_is_not_met_again),
         cmocka_unit_test(a_vertex_has_the_mean_normal_weighted_by_angle),

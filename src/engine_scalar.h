@@ -201,8 +201,9 @@ static void forward_event(void *context, const char *what, const struct cml_pack
 }
 
 /* One packet alone; its deposits go into a tally that is thrown away. */
-static cml_status trace_packet(const struct cml_world *world, uint64_t index, cml_trace_function *on_event,
-                               void *context, struct cml_fate_record *record, struct cml_error *err)
+static inline cml_status trace_packet(const struct cml_world *world, uint64_t index,
+                                      cml_trace_function *on_event, void *context,
+                                      struct cml_fate_record *record, struct cml_error *err)
 {
     const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = world->setup.num_layers};
     struct cml_tally tally;

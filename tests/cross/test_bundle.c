@@ -1,0 +1,111 @@
+/* The vector passes of the CPU engine against the scalar walk: whole tallies, bit for bit.
+ * A tally holds every deposit, book, count and square, so one packet that goes another way shows.
+ * SPDX-License-Identifier: MIT */
+#include "flight.h"
+
+#include "engine_scalar.h"
+
+static void expect_same_tally(const struct cml_tally *a, const struct cml_tally *b, const char *name)
+{
+    const struct cml_grid *g = &a->grid;
+    const size_t cells =
+        (size_t)g->num_layers + 2 + 2 * (size_t)g->nr * (size_t)g->na + (size_t)g->nr * (size_t)g->nz;
+    for (size_t i = 0; i < cells; i++)
+        if (a->A_l[i] != b->A_l[i]) fail_msg("%s: cell %zu differs", name, i);
+    for (int i = 0; i < CML_NUM_BOOKS; i++)
+        if (a->book[i] != b->book[i]) fail_msg("%s: book %d differs", name, i);
+    for (int i = 0; i < CML_NUM_COUNTS; i++)
+        if (a->count[i] != b->count[i]) fail_msg("%s: count %d differs", name, i);
+    assert_memory_equal(a->square, b->square, sizeof a->square);
+}
+
+static void compare(const struct cml_scene *scene, enum cml_representation kind, uint64_t photons,
+                    bool reentry)
+{
+    struct cml_error err;
+    struct cml_surface_set surfaces;
+    const struct cml_surface_options surface = {.force = kind,
+                                                .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
+    const struct cml_engine_options options = {
+        .seed = 5, .threads = 2, .chunk = 37, .reentry = reentry, .absorption = true};
+    const struct cml_grid grid = {scene->nr, scene->nz, scene->na, scene->num_layers, true};
+    struct cml_tally scalar, bundle;
+    struct scalar_world world;
+    void *cpu = NULL;
+    require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
+    require_ok(cml_tally_create(&grid, &scalar, &err), &err);
+    require_ok(cml_tally_create(&grid, &bundle, &err), &err);
+    require_ok(scalar_world_create(scene, &surfaces, &options, &world, &err), &err);
+    run_packets(&world.world, 1000, photons, &scalar);
+    require_ok(cml_engine_cpu.open(scene, &surfaces, &options, &cpu, &err), &err);
+    require_ok(cml_engine_cpu.run(cpu, 1000, photons, &bundle, &err), &err);
+    expect_same_tally(&scalar, &bundle, scene->output);
+    assert_int_equal(bundle.count[CML_COUNT_PHOTONS], photons);
+    cml_engine_cpu.close(cpu);
+    scalar_world_free(&world);
+    cml_tally_free(&scalar);
+    cml_tally_free(&bundle);
+    cml_surfaces_free(&surfaces);
+}
+
+static void compare_file(const char *path, enum cml_representation kind, uint64_t photons)
+{
+    struct cml_error err;
+    struct cml_scene_list list;
+    char full[4096];
+    snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, path);
+    require_ok(cml_mci_read(full, &list, &err), &err);
+    for (int i = 0; i < list.count; i++) {
+        compare(&list.scenes[i], kind, photons, true);
+        compare(&list.scenes[i], kind, photons / 4, false);
+    }
+    cml_scene_list_clear(&list);
+}
+
+static void every_sample_has_the_same_tally(void **state)
+{
+    (void)state;
+    static const char *const samples[] = {
+        "fig5.mci",  "fig6.mci",  "fig7.mci",     "mcml_sample.mci",    "ridges.mci",
+        "wedge.mci", "mixed.mci", "two_runs.mci", "shapes/hinoise.mci", "shapes/plane.mci"};
+    for (size_t i = 0; i < sizeof samples / sizeof *samples; i++) compare_file(samples[i], CML_AS_AUTO, 4000);
+    compare_file("skin7.mci", CML_AS_AUTO, 500);
+    compare_file("thick.mci", CML_AS_AUTO, 1000);
+    compare_file("shapes/hinoise.mci", CML_AS_MESH, 4000);
+    compare_file("shapes/flat50.mci", CML_AS_CONE, 4000);
+}
+
+static void compare_text(const char *text, uint64_t photons)
+{
+    struct cml_scene_list list;
+    read_scenes(text, &list);
+    compare(&list.scenes[0], CML_AS_AUTO, photons, true);
+    cml_scene_list_clear(&list);
+}
+
+/* Glass, pure absorbers, guided light, oblique and wide beams, g = +-1, semi-infinite, 1 photon. */
+static void odd_scenes_have_the_same_tally(void **state)
+{
+    (void)state;
+#define HEAD "1.0\n1\nodd A\n1\n"
+#define GRID "0.01 0.01\n20 20 7\n"
+    compare_text(HEAD GRID "3\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1.5 0 0 0 0.1\n1\n", 3000);
+    compare_text(HEAD "beam pencil angle=60\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.3 1 0 0 0.3\n1\n", 3000);
+    compare_text(HEAD "beam disk 0.1\n" GRID "1\n1.4\n1.4 1 10 1 0.5\n1.4\n", 2000);
+    compare_text(HEAD "beam gaussian 0.2 at=0.3,-0.1\n" GRID "1\n1\n1.4 1 10 -1 0.5\n1.6\n", 2000);
+    compare_text(HEAD GRID "1\n1\n1.4 1 9 0 1e8\n1\n", 1000);
+    compare_text(HEAD GRID "1\n1\n1.4 1e-7 50 0.5 0.1\n1\n", 1000);
+    compare_text(HEAD "beam disk 0.2\n" GRID
+                      "2\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.5 0 0 0 0.5\nb 2 0.2 0.3 0 0\n1.3 0 5 0 0.2\n1\n",
+                 2000);
+    compare_text(HEAD GRID "1\n1\n1.4 1 9 0.5 0.2\n1\n", 1);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_sample_has_the_same_tally),
+        cmocka_unit_test(odd_scenes_have_the_same_tally),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -42,6 +42,7 @@ enum cml_surface_kind { CML_SURFACE_PLANE, CML_SURFACE_CONE, CML_SURFACE_MESH };
 struct cml_medium {
     real n;      /* refractive index */
     real mut;    /* mua + mus, 1/cm; 0: clear */
+    real mfp;    /* 1 / mut, cm; infinite when clear */
     real absorb; /* mua / mut, 0 when clear */
     real g;
     real span;  /* depth of the frame of the boundary below, in this medium's frame; 0 for the outer media */

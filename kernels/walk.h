@@ -48,6 +48,13 @@ CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *pa
         cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
 }
 
+/* Distance to the next interaction if no boundary comes first. */
+CML_FN real cml_free_path(const struct cml_world *world, const struct cml_packet *packet)
+{
+    const real mfp = world->media[packet->medium].mfp;
+    return mfp < CML_INFINITY ? packet->tau * mfp : CML_INFINITY;
+}
+
 /* Distance across the beam from its axis: uniform over a disk, or a Gaussian of irradiance exp(-2 r^2 /
  * gauss^2). */
 CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 index)
@@ -311,8 +318,7 @@ CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *t
 {
     cml_launch(world, index, packet);
     while (packet->fate == CML_FATE_ALIVE) {
-        const real mut = world->media[packet->medium].mut;
-        const real t_max = mut > 0 ? packet->tau / mut : CML_INFINITY;
+        const real t_max = cml_free_path(world, packet);
         struct cml_hit hit;
         if (cml_nearest(world, packet, t_max, &hit))
             cml_cross(world, packet, &hit);

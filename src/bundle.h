@@ -13,13 +13,12 @@
 
 /* What a lane does in this pass. */
 enum cml_lane_task {
-    CML_LANE_INTERACT,
-    CML_LANE_PLANE_ABOVE, /* crosses the plane above it */
-    CML_LANE_PLANE_BELOW,
-    CML_LANE_EXCEPTION, /* may meet a boundary that is no plane, or nothing at all */
+    CML_LANE_INTERACT,  /* flies s to its interaction */
+    CML_LANE_NEAR,      /* may meet a boundary first */
     CML_LANE_REFLECTED, /* done: at a plane */
     CML_LANE_TRANSMITTED,
-    CML_LANE_LAUNCHED, /* a new packet, or one back from an exception, that needs its draws */
+    CML_LANE_NOWHERE,  /* meets no plane and never interacts */
+    CML_LANE_LAUNCHED, /* a new packet that needs its draws */
     CML_LANE_DONE,     /* had its event elsewhere */
 };
 
@@ -27,54 +26,50 @@ enum cml_lane_task {
 enum cml_lane_flag {
     CML_FLAG_ROULETTE = 1,
     CML_FLAG_NAN = 2,
-    CML_FLAG_LEAKED = 4,
-    CML_FLAG_OVERFLOW_R = 8,
-    CML_FLAG_OVERFLOW_Z = 16,
-    CML_FLAG_ABOVE = 32,
+    CML_FLAG_EDGE = 4, /* deposited in the first or last bin from beyond it */
+    CML_FLAG_TAIL = 8, /* the optical depth lies in the tail: to be drawn by cml_optical_depth */
 };
 
 /* Every member is 4 bytes wide in every lane: a packet is moved to another lane as a column. */
 struct cml_bundle {
     _Alignas(64) real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
-    real tau[CML_LANES];                 /* optical depth left to the next interaction */
-    real s[CML_LANES];                   /* distance to the event of this pass, cm */
+    real tau[CML_LANES]; /* optical depth left to the next interaction */
+    real s[CML_LANES];   /* distance still to fly in this pass, cm; 0 in lanes that do not interact */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass */
     cml_u32 deposited[CML_LANES]; /* since the last flush: at most the weight then, so it cannot overflow */
-    cml_u32 draw[4][CML_LANES];   /* the block of the next interaction */
+    cml_u32 draw1[CML_LANES], draw2[CML_LANES], draw3[CML_LANES]; /* words of the next interaction's block */
+    cml_u32 lot[CML_LANES]; /* roulette word of this pass's interaction */
     cml_u32 index_low[CML_LANES], index_high[CML_LANES];
     cml_u32 interactions[CML_LANES], crossings[CML_LANES], bounces[CML_LANES], boundary_events[CML_LANES];
     int cell[CML_LANES]; /* of A_rz, of this pass */
     int task[CML_LANES], flag[CML_LANES];
     int medium[CML_LANES], entered[CML_LANES];
     int on_boundary[CML_LANES], on_primitive[CML_LANES], straight[CML_LANES];
-    /* copies of what the medium is; see cml_bundle_load_medium */
-    real mut[CML_LANES], absorb[CML_LANES], g[CML_LANES], depth[CML_LANES];
+    /* copies of what the medium is */
+    real mut[CML_LANES], mfp[CML_LANES], absorb[CML_LANES], g[CML_LANES], depth[CML_LANES];
     real n[CML_LANES], n_above[CML_LANES], n_below[CML_LANES];
     real plane_above[CML_LANES],
         plane_below[CML_LANES]; /* z of the bounding planes, -+infinity for other kinds */
-    real field_above[CML_LANES],
-        field_below[CML_LANES]; /* z where another kind may begin, -+infinity for planes */
-    real leak_above[CML_LANES],
-        leak_below[CML_LANES]; /* beyond these the packet has slipped through a field */
+    real stop_above[CML_LANES], stop_below[CML_LANES]; /* z between which there is no boundary of any kind */
 };
 
 /* The vector passes, in order. Lanes whose task is another are left alone; lanes without a packet may hold
  * anything. Each picks the widest instruction set of the machine at load time. */
 
-/* Task and distance of every lane's next event. Returns a mask of lanes that cross a plane in the lower, of
- * those with an exception in the upper 32 bits. */
-cml_u64 cml_bundle_fly(struct cml_bundle *bundle);
+/* Sets task (INTERACT or NEAR) and s of every lane; returns the mask of those that are near. Conservative: a
+ * lane that is not near cannot meet a boundary before its interaction, rounding included. */
+cml_u32 cml_bundle_fly(struct cml_bundle *bundle);
 
-/* Lanes first..first+15 that cross a plane: reflected or transmitted; medium, books and ends are the
- * caller's. */
+/* Lanes first..first+15 that are NEAR, for which all boundaries around must be planes: reflected,
+ * transmitted, nowhere, or back to INTERACT. Medium, books and ends are the caller's. */
 void cml_bundle_cross_planes(const struct cml_setup *setup, struct cml_bundle *bundle, int first);
 
-/* Lanes with CML_LANE_INTERACT: hop, drop, spin. Fills dw (0 in other lanes), cell, flag. Returns the union
- * of flags. */
+/* Lanes with INTERACT: hop, drop, spin, draw. Fills dw (0 in other lanes), cell, flag. Returns the union of
+ * flags. */
 int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *bundle);
 
-/* Lanes that interacted or were launched: the block of their next interaction and its optical depth. Returns
- * a mask of lanes whose first word is 0, whose depth the caller must draw (cml_optical_depth). */
-cml_u32 cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *bundle);
+/* Lanes with LAUNCHED: the block of their first interaction and its optical depth; flag is CML_FLAG_TAIL or
+ * 0, which is also returned as a union. */
+int cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *bundle);
 
 #endif

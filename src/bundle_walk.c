@@ -11,6 +11,8 @@ struct flight {
     const struct cml_range_source *source;
     uint64_t next, left;          /* indices handed out and not launched yet */
     int lanes;                    /* lanes 0..lanes-1 hold packets */
+    cml_u32 launched;             /* mask of lanes with a new packet */
+    cml_u32 curved;               /* mask of lanes whose medium has a boundary that is no plane */
     cml_u32 ended;                /* mask of lanes whose packet is finished in this pass */
     uint64_t absorbed[CML_LANES]; /* of the lane's packet, without what is still in `deposited` */
 };
@@ -21,32 +23,29 @@ static int lowest_lane(cml_u32 mask)
 }
 
 /* What the vector loops must know of the medium a lane is in. */
-static void load_medium(const struct flight *f, int i)
+static void load_medium(struct flight *f, int i)
 {
     struct cml_bundle *b = f->b;
     const int m = b->medium[i], layers = f->world->setup.num_layers;
     const struct cml_medium *medium = &f->world->media[m];
     const struct cml_surface *top = m > 0 ? &f->world->surfaces[m - 1] : NULL;
     const struct cml_surface *bottom = m <= layers ? &f->world->surfaces[m] : NULL;
-    const int top_plane = top && top->kind == CML_SURFACE_PLANE, top_field = top && !top_plane;
-    const int bottom_plane = bottom && bottom->kind == CML_SURFACE_PLANE,
-              bottom_field = bottom && !bottom_plane;
-    const real share = (real)0.0009765625;
+    const int curved_top = top && top->kind != CML_SURFACE_PLANE;
+    const int curved_bottom = bottom && bottom->kind != CML_SURFACE_PLANE;
     b->mut[i] = medium->mut;
+    b->mfp[i] = medium->mfp;
     b->absorb[i] = medium->absorb;
     b->g[i] = medium->g;
     b->depth[i] = medium->depth;
     b->n[i] = medium->n;
-    b->n_above[i] = m > 0 ? medium[-1].n : medium->n;
-    b->n_below[i] = m <= layers ? medium[1].n : medium->n;
-    b->plane_above[i] = top_plane ? (real)0 : -CML_INFINITY;
-    b->plane_below[i] = bottom_plane ? medium->span : CML_INFINITY;
-    b->field_above[i] = top_field ? top->highest : -CML_INFINITY;
-    b->field_below[i] = bottom_field ? medium->span + bottom->lowest : CML_INFINITY;
-    b->leak_above[i] = top_field ? top->lowest - share * (top->highest - top->lowest) : -CML_INFINITY;
-    b->leak_below[i] = CML_INFINITY;
-    if (bottom_field)
-        b->leak_below[i] = medium->span + bottom->highest + share * (bottom->highest - bottom->lowest);
+    b->n_above[i] = top ? medium[-1].n : medium->n;
+    b->n_below[i] = bottom ? medium[1].n : medium->n;
+    b->plane_above[i] = top && !curved_top ? (real)0 : -CML_INFINITY;
+    b->plane_below[i] = bottom && !curved_bottom ? medium->span : CML_INFINITY;
+    b->stop_above[i] = curved_top ? top->highest : b->plane_above[i];
+    b->stop_below[i] = curved_bottom ? medium->span + bottom->lowest : b->plane_below[i];
+    const cml_u32 bit = (cml_u32)1 << i;
+    f->curved = curved_top || curved_bottom ? f->curved | bit : f->curved & ~bit;
 }
 
 /* Deposits belong to the medium they were made in: to be called before it changes. */
@@ -122,6 +121,20 @@ static void finish_lane(struct flight *f, int i, enum cml_fate fate, enum cml_lo
     finish_packet(f, i, &packet);
 }
 
+/* A lane whose packet interacts after all, t further on; unless that lies beyond an envelope (as in
+ * cml_interact). */
+static void interact_later(struct flight *f, int i, real t, struct cml_packet *packet)
+{
+    const struct cml_vec p = packet->p;
+    f->b->s[i] = t;
+    f->b->task[i] = CML_LANE_INTERACT;
+    packet->p = cml_along(p, t, packet->u);
+    if (!cml_leaked(f->world, packet)) return;
+    packet->bounces = 0;
+    cml_lose(packet, CML_LOST_LEAKED);
+    f->b->s[i] = 0;
+}
+
 /* A lane that may meet a curved surface, or has nothing ahead: one boundary event by kernels/walk.h, and as
  * many more as it takes to come back into the material. Without one the lane interacts in this pass like the
  * others. */
@@ -129,19 +142,17 @@ static void handle_exception(struct flight *f, int i)
 {
     const struct cml_world *world = f->world;
     struct cml_packet packet = packet_of(f, i);
+    f->b->task[i] = CML_LANE_DONE;
+    f->b->s[i] = 0;
     for (;;) {
-        const real mut = world->media[packet.medium].mut;
-        const real t_max = mut > 0 ? packet.tau / mut : CML_INFINITY;
+        const real t_max = cml_free_path(world, &packet);
         struct cml_hit hit;
-        f->b->task[i] = CML_LANE_DONE;
-        if (cml_nearest(world, &packet, t_max, &hit)) {
+        if (cml_nearest(world, &packet, t_max, &hit))
             cml_cross(world, &packet, &hit);
-        } else if (t_max < CML_INFINITY) {
-            f->b->s[i] = t_max;
-            f->b->task[i] = CML_LANE_INTERACT;
-        } else {
+        else if (t_max < CML_INFINITY)
+            interact_later(f, i, t_max, &packet);
+        else
             cml_leave(world, &packet);
-        }
         const int outside = packet.medium == 0 || packet.medium > world->setup.num_layers;
         if (packet.fate != CML_FATE_ALIVE || !outside) break;
     }
@@ -158,6 +169,11 @@ static void after_plane(struct flight *f, int i)
 {
     struct cml_bundle *b = f->b;
     const struct cml_setup *setup = &f->world->setup;
+    if (b->task[i] == CML_LANE_INTERACT) return;
+    if (b->task[i] == CML_LANE_NOWHERE) {
+        handle_exception(f, i);
+        return;
+    }
     b->on_boundary[i] = -1;
     if (b->task[i] == CML_LANE_TRANSMITTED) {
         flush_deposits(f, i);
@@ -180,7 +196,7 @@ static void after_plane(struct flight *f, int i)
 static void roulette(struct flight *f, int i)
 {
     struct cml_packet packet = packet_of(f, i);
-    packet.draw.w[3] = f->b->draw[3][i];
+    packet.draw.w[3] = f->b->lot[i];
     cml_roulette(&packet);
     f->tally->book[CML_BOOK_GAINED] += packet.gained;
     packet.gained = 0;
@@ -189,17 +205,43 @@ static void roulette(struct flight *f, int i)
     f->b->w[i] = packet.w;
 }
 
+static void draw_tail(struct flight *f, int i)
+{
+    const cml_u64 index = (cml_u64)f->b->index_high[i] << 32 | f->b->index_low[i];
+    f->b->tau[i] = cml_optical_depth(f->world->setup.stream, index, f->b->interactions[i], 0);
+}
+
+static void draw_first(struct flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    struct cml_packet packet = {.index = (cml_u64)b->index_high[i] << 32 | b->index_low[i]};
+    cml_next_flight(f->world, &packet);
+    b->tau[i] = packet.tau;
+    b->draw1[i] = packet.draw.w[1];
+    b->draw2[i] = packet.draw.w[2];
+    b->draw3[i] = packet.draw.w[3];
+}
+
+/* P7: weight that was scored in a bin from beyond it. */
+static void count_edge(struct flight *f, int i)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_setup *setup = &f->world->setup;
+    const real z = (b->z[i] + b->depth[i]) * setup->per_dz;
+    int overflow;
+    cml_radial_bin(setup, b->x[i], b->y[i], &overflow);
+    if (overflow) f->tally->book[CML_BOOK_OVERFLOW_R] += b->dw[i];
+    if (!(z >= 0)) f->tally->book[CML_BOOK_ABOVE] += b->dw[i];
+    if (z >= (real)setup->nz) f->tally->book[CML_BOOK_OVERFLOW_Z] += b->dw[i];
+}
+
 /* What an interaction asked to be looked at. */
 static void handle_flag(struct flight *f, int i)
 {
     const int flag = f->b->flag[i];
-    const uint64_t dw = f->b->dw[i];
-    if (flag & CML_FLAG_OVERFLOW_R) f->tally->book[CML_BOOK_OVERFLOW_R] += dw;
-    if (flag & CML_FLAG_OVERFLOW_Z) f->tally->book[CML_BOOK_OVERFLOW_Z] += dw;
-    if (flag & CML_FLAG_ABOVE) f->tally->book[CML_BOOK_ABOVE] += dw;
-    if (flag & CML_FLAG_LEAKED)
-        finish_lane(f, i, CML_FATE_LOST, CML_LOST_LEAKED);
-    else if (flag & CML_FLAG_NAN)
+    if (flag & CML_FLAG_EDGE) count_edge(f, i);
+    if (flag & CML_FLAG_TAIL) draw_tail(f, i);
+    if (flag & CML_FLAG_NAN)
         finish_lane(f, i, CML_FATE_LOST, CML_LOST_NAN);
     else if (flag & CML_FLAG_ROULETTE)
         roulette(f, i);
@@ -239,6 +281,7 @@ static int launch(struct flight *f, int i)
     load_medium(f, i);
     store_packet(f, i, &packet);
     b->task[i] = CML_LANE_LAUNCHED;
+    f->launched |= (cml_u32)1 << i;
     return 1;
 }
 
@@ -249,6 +292,8 @@ static void move_lane(struct flight *f, int from, int to)
     for (size_t k = 0; k < sizeof *f->b / sizeof(cml_u32); k += CML_LANES)
         columns[k + (size_t)to] = columns[k + (size_t)from];
     f->absorbed[to] = f->absorbed[from];
+    f->curved = (f->curved & ~((cml_u32)1 << to)) | (f->curved >> from & 1u) << to;
+    f->launched |= (f->launched >> from & 1u) << to;
 }
 
 /* New packets into the lanes of finished ones; without any left, the last lanes fill the holes. From the top
@@ -276,10 +321,16 @@ static cml_u32 flagged_lanes(const struct flight *f)
     return mask;
 }
 
-static void draw_tail(struct flight *f, int i)
+/* The draws of new packets: a vector pass when there are many, else one by one. */
+static void draw_launched(struct flight *f)
 {
-    const cml_u64 index = (cml_u64)f->b->index_high[i] << 32 | f->b->index_low[i];
-    f->b->tau[i] = cml_optical_depth(f->world->setup.stream, index, f->b->interactions[i], 0);
+    const cml_u32 few = 2, launched = f->launched;
+    f->launched = 0;
+    if ((cml_u32)__builtin_popcount(launched) > few) {
+        if (cml_bundle_draw(&f->world->setup, f->b)) for_lanes(f, flagged_lanes(f), draw_tail);
+    } else {
+        for_lanes(f, launched, draw_first);
+    }
 }
 
 static void pass(struct flight *f)
@@ -287,18 +338,17 @@ static void pass(struct flight *f)
     struct cml_bundle *b = f->b;
     const struct cml_setup *setup = &f->world->setup;
     const cml_u32 live = f->lanes == CML_LANES ? ~(cml_u32)0 : ((cml_u32)1 << f->lanes) - 1;
-    const cml_u64 tasks = cml_bundle_fly(b);
-    const cml_u32 planes = (cml_u32)tasks & live, exceptions = (cml_u32)(tasks >> 32) & live;
+    const cml_u32 near_lanes = cml_bundle_fly(b) & live, planes = near_lanes & ~f->curved;
     for (int i = f->lanes; i < CML_LANES; i++) b->task[i] = CML_LANE_DONE;
-    for_lanes(f, exceptions, handle_exception);
+    for_lanes(f, near_lanes & f->curved, handle_exception);
     if (planes & 0xffffu) cml_bundle_cross_planes(setup, b, 0);
     if (planes >> CML_HALF) cml_bundle_cross_planes(setup, b, CML_HALF);
     for_lanes(f, planes, after_plane);
     const int flags = cml_bundle_interact(setup, b);
     if (f->tally->A_rz) scatter_deposits(f);
     if (flags) for_lanes(f, flagged_lanes(f), handle_flag);
-    refill(f);
-    for_lanes(f, cml_bundle_draw(setup, b), draw_tail);
+    if (f->ended) refill(f);
+    if (f->launched) draw_launched(f);
 }
 
 void cml_bundle_walk(const struct cml_world *world, struct cml_bundle *bundle,
@@ -308,6 +358,6 @@ void cml_bundle_walk(const struct cml_world *world, struct cml_bundle *bundle,
     *bundle = (struct cml_bundle){0};
     f.ended = ~(cml_u32)0;
     refill(&f);
-    if (f.lanes > 0) for_lanes(&f, cml_bundle_draw(&world->setup, bundle), draw_tail);
+    draw_launched(&f);
     while (f.lanes > 0) pass(&f);
 }

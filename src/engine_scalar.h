@@ -57,6 +57,7 @@ static void copy_media(const struct cml_scene *scene, const struct cml_surface_s
         const double depth = surfaces->item[m > 0 ? m - 1 : 0].depth;
         media[m].n = (real)from->n;
         media[m].mut = (real)mut;
+        media[m].mfp = mut > 0 ? (real)(1 / mut) : CML_INFINITY;
         media[m].absorb = (real)(mut > 0 ? from->mua / mut : 0);
         media[m].g = (real)from->g;
         media[m].span = (real)(inside ? surfaces->item[m].depth - depth : 0);

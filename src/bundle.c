@@ -75,12 +75,31 @@ CML_CLONES void cml_bundle_cross_planes(const struct cml_setup *setup, struct cm
     }
 }
 
-CML_CLONES int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
+/* What the interaction of one lane deposits: as cml_absorbed_part. */
+CML_FN cml_u32 cml_lane_deposit(cml_u32 w, real absorb, cml_u32 word)
 {
-    const struct cml_stream stream = setup->stream;
-    const int nz = setup->nz, tally = setup->tally_absorption;
-    const real x0 = setup->x0, y0 = setup->y0, per_dr = setup->per_dr, per_dz = setup->per_dz;
-    const real bins_r = (real)setup->nr, bins_z = (real)nz, last_r = bins_r - 1, last_z = bins_z - 1;
+    const real weight = (real)w;
+    const real part = weight * absorb + ((real)(word & 255u) + (real)0.5) * (real)0.00390625;
+    const int partly = (absorb < 1) & (part < weight);
+    const cml_u32 some = (cml_u32)(partly ? part : (real)0);
+    return partly ? some : w;
+}
+
+/* Cell of A_rz at a position from the scene's axis: as cml_deposit. *edge: it lies beyond the grid and was
+ * clamped. */
+CML_FN int cml_lane_cell(const struct cml_setup *setup, real x, real y, real depth, int *edge)
+{
+    const real bins_r = (real)setup->nr, bins_z = (real)setup->nz;
+    const real r = CML_SQRT(x * x + y * y) * setup->per_dr, z = depth * setup->per_dz;
+    const real r_in = r < bins_r ? r : bins_r - 1, z_low = z >= 0 ? z : (real)0,
+               z_in = z_low < bins_z ? z_low : bins_z - 1;
+    *edge = !((r < bins_r) & (z >= 0) & (z < bins_z));
+    return (int)r_in * setup->nz + (int)z_in;
+}
+
+CML_CLONES int cml_bundle_interact(const struct cml_setup *shared, struct cml_bundle *b)
+{
+    const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
     int flags = 0;
 #pragma omp simd reduction(| : flags)
     for (int i = 0; i < CML_LANES; i++) {
@@ -90,24 +109,14 @@ CML_CLONES int cml_bundle_interact(const struct cml_setup *setup, struct cml_bun
         b->x[i] = p.x;
         b->y[i] = p.y;
         b->z[i] = p.z;
-        /* drop: as cml_absorbed_part */
-        const cml_u32 w = b->w[i], word = b->draw2[i];
-        const real weight = (real)w;
-        const real part = weight * b->absorb[i] + ((real)(word & 255u) + (real)0.5) * (real)0.00390625;
-        const int partly = (b->absorb[i] < 1) & (part < weight);
-        const cml_u32 some = (cml_u32)(partly ? part : (real)0);
-        const cml_u32 dw = mine ? (partly ? some : w) : 0u;
+        const cml_u32 w = b->w[i], word = b->draw2[i], part = cml_lane_deposit(w, b->absorb[i], word);
+        const cml_u32 dw = mine ? part : 0u;
+        int edge;
+        const int cell = cml_lane_cell(&setup, p.x + setup.x0, p.y + setup.y0, p.z + b->depth[i], &edge);
         b->dw[i] = dw;
         b->w[i] = w - dw;
         b->deposited[i] += dw;
-        /* its bin: as cml_deposit */
-        const real x = p.x + x0, y = p.y + y0;
-        const real r = CML_SQRT(x * x + y * y) * per_dr, z = (p.z + b->depth[i]) * per_dz;
-        const real r_in = r < bins_r ? r : last_r, z_low = z >= 0 ? z : (real)0,
-                   z_in = z_low < bins_z ? z_low : last_z;
-        b->cell[i] = tally ? (int)r_in * nz + (int)z_in : 0;
-        const int edge = tally & !((r < bins_r) & (z >= 0) & (z < bins_z));
-        /* spin */
+        b->cell[i] = setup.tally_absorption ? cell : 0;
         real ct, st, cp, sp;
         cml_henyey_greenstein(b->g[i], cml_uniform_symmetric(b->draw1[i]), &ct, &st);
         cml_circle_point(word, &cp, &sp);
@@ -117,23 +126,19 @@ CML_CLONES int cml_bundle_interact(const struct cml_setup *setup, struct cml_bun
         b->uz[i] = mine ? v.z : u.z;
         b->bounces[i] = mine ? 0u : b->bounces[i];
         b->on_boundary[i] = mine ? -1 : b->on_boundary[i];
-        /* why somebody has to look */
-        const int number = cml_dot(v, v) < 2;
-        const int flag = mine ? (edge ? CML_FLAG_EDGE : 0) | (number ? 0 : CML_FLAG_NAN) |
-                                    (w - dw < CML_ROULETTE_THRESHOLD ? CML_FLAG_ROULETTE : 0)
-                              : 0;
-        /* draw: the block of the next interaction */
-        const cml_u32 event = b->interactions[i] + (cml_u32)mine;
-        const struct cml_block draw =
-            cml_threefry(stream, b->index_low[i], b->index_high[i], event, CML_PURPOSE_INTERACTION);
-        const real tau = -cml_log(cml_uniform(draw.w[0]));
         b->lot[i] = b->draw3[i];
-        b->interactions[i] = event;
+        b->interactions[i] += (cml_u32)mine;
+        const struct cml_block draw = cml_threefry(setup.stream, b->index_low[i], b->index_high[i],
+                                                   b->interactions[i], CML_PURPOSE_INTERACTION);
+        const real tau = -cml_log(cml_uniform(draw.w[0]));
         b->tau[i] = mine ? tau : b->tau[i];
-        b->draw1[i] = draw.w[1];
+        b->draw1[i] = draw.w[1]; /* a lane that did not interact gets the same block again */
         b->draw2[i] = draw.w[2];
         b->draw3[i] = draw.w[3];
-        b->flag[i] = flag | (mine & (draw.w[0] == 0u) ? CML_FLAG_TAIL : 0);
+        const int look =
+            (edge & setup.tally_absorption ? CML_FLAG_EDGE : 0) | (cml_dot(v, v) < 2 ? 0 : CML_FLAG_NAN) |
+            (w - dw < CML_ROULETTE_THRESHOLD ? CML_FLAG_ROULETTE : 0) | (draw.w[0] == 0u ? CML_FLAG_TAIL : 0);
+        b->flag[i] = mine ? look : 0;
         flags |= b->flag[i];
     }
     return flags;

@@ -136,7 +136,7 @@ CML_CLONES int cml_bundle_interact(const struct cml_setup *shared, struct cml_bu
         b->draw2[i] = draw.w[2];
         b->draw3[i] = draw.w[3];
         const int look =
-            (edge & setup.tally_absorption ? CML_FLAG_EDGE : 0) | (cml_dot(v, v) < 2 ? 0 : CML_FLAG_NAN) |
+            ((edge & setup.tally_absorption) ? CML_FLAG_EDGE : 0) | (cml_dot(v, v) < 2 ? 0 : CML_FLAG_NAN) |
             (w - dw < CML_ROULETTE_THRESHOLD ? CML_FLAG_ROULETTE : 0) | (draw.w[0] == 0u ? CML_FLAG_TAIL : 0);
         b->flag[i] = mine ? look : 0;
         flags |= b->flag[i];
@@ -158,7 +158,7 @@ CML_CLONES int cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle 
         b->draw1[i] = draw.w[1];
         b->draw2[i] = draw.w[2];
         b->draw3[i] = draw.w[3];
-        b->flag[i] = mine & (draw.w[0] == 0u) ? CML_FLAG_TAIL : 0;
+        b->flag[i] = (mine & (draw.w[0] == 0u)) ? CML_FLAG_TAIL : 0;
         flags |= b->flag[i];
     }
     return flags;

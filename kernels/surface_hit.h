@@ -5,6 +5,7 @@
 #ifndef CML_SURFACE_HIT_H
 #define CML_SURFACE_HIT_H
 
+#include "clearance.h"
 #include "cone.h"
 #include "types.h"
 
@@ -122,6 +123,8 @@ CML_FN int cml_surface_hit(const struct cml_world *world, const struct cml_packe
     hit->boundary = boundary;
     if (surface->kind == CML_SURFACE_PLANE) return cml_plane_hit(p, packet->u, side, t_max, hit);
     if (!cml_clip_to_envelope(surface, p.z, packet->u.z, side, &t_max)) return 0;
+    const struct cml_vec step = {t_max * packet->u.x, t_max * packet->u.y, t_max * packet->u.z};
+    if (cml_is_clear(world, surface, cml_from_scene_axis(world, p), step, side)) return 0;
     if (surface->kind == CML_SURFACE_CONE)
         return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
                              packet->boundary_events == 0, hit);

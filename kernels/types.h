@@ -49,11 +49,22 @@ struct cml_medium {
     real depth; /* of this medium's frame in the scene */
 };
 
+#define CML_CLEARANCE_LEVELS 11
+
+/* See clearance.h. levels 0: there is none. */
+struct cml_clearance {
+    int levels, size; /* size = 2^(levels - 1) */
+    int first;        /* of level 0 in world.deepest and world.highest */
+    int level_offset[CML_CLEARANCE_LEVELS];
+    real corner_x, corner_y, per_cell; /* cm from the scene's axis, cells per cm */
+};
+
 /* A boundary. lowest and highest bound its depth in its own frame: lowest <= z <= highest everywhere. */
 struct cml_surface {
     int kind;
     int first_ring, num_rings; /* CML_SURFACE_CONE: slices of ring_r, ring_z, ring_slope */
     real lowest, highest;
+    struct cml_clearance clearance;
 };
 
 struct cml_setup {
@@ -104,6 +115,8 @@ struct cml_world {
     CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2] */
     CML_GLOBAL const struct cml_surface *surfaces; /* [num_layers + 1] */
     CML_GLOBAL const real *ring_r, *ring_z, *ring_slope;
+    CML_GLOBAL const real *deepest,
+        *highest; /* pyramids of all surfaces: greatest and least z of each cell */
 #ifndef __OPENCL_VERSION__
     const struct cml_mesh_surface *const *meshes; /* [num_layers + 1], NULL where the surface is no mesh */
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */

@@ -135,12 +135,36 @@ static void interact_later(struct flight *f, int i, real t, struct cml_packet *p
     f->b->s[i] = 0;
 }
 
+/* Whether a near lane's step stays clear of both its boundaries, planes and curved ones. */
+static int is_clear(const struct flight *f, int i)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_world *world = f->world;
+    const int m = b->medium[i];
+    const real s = b->s[i], step = s * b->uz[i], end = b->z[i] + step;
+    const struct cml_vec d = {s * b->ux[i], s * b->uy[i], step}, q = {b->x[i], b->y[i], b->z[i]};
+    struct cml_vec p = cml_from_scene_axis(world, q);
+    if (m == 0 || m > world->setup.num_layers) return 0;
+    const struct cml_surface *top = &world->surfaces[m - 1], *bottom = &world->surfaces[m];
+    const real slack = 4 * CML_EPSILON * (fabsf(p.z) + fabsf(step));
+    if (!(fminf(p.z, end) - slack > b->stop_above[i]) &&
+        (top->kind == CML_SURFACE_PLANE || !cml_is_clear(world, top, p, d, 1)))
+        return 0;
+    if (fmaxf(p.z, end) + slack < b->stop_below[i]) return 1;
+    p.z -= world->media[m].span;
+    return bottom->kind != CML_SURFACE_PLANE && cml_is_clear(world, bottom, p, d, -1);
+}
+
 /* A lane that may meet a curved surface, or has nothing ahead: one boundary event by kernels/walk.h, and as
  * many more as it takes to come back into the material. Without one the lane interacts in this pass like the
  * others. */
 static void handle_exception(struct flight *f, int i)
 {
     const struct cml_world *world = f->world;
+    if (is_clear(f, i)) {
+        f->b->task[i] = CML_LANE_INTERACT;
+        return;
+    }
     struct cml_packet packet = packet_of(f, i);
     f->b->task[i] = CML_LANE_DONE;
     f->b->s[i] = 0;

@@ -16,7 +16,8 @@ struct scalar_world {
     struct cml_world world;
     struct cml_medium *media;
     struct cml_surface *surfaces;
-    real *rings; /* ring_r, ring_z, ring_slope one behind the other */
+    real *rings;     /* ring_r, ring_z, ring_slope one behind the other */
+    real *clearance; /* deepest, highest one behind the other */
     const struct cml_mesh_surface **meshes;
 };
 
@@ -25,6 +26,7 @@ static void scalar_world_free(struct scalar_world *to)
     free(to->media);
     free(to->surfaces);
     free(to->rings);
+    free(to->clearance);
     free(to->meshes);
 }
 
@@ -35,16 +37,25 @@ static size_t count_rings(const struct cml_surface_set *surfaces)
     return rings;
 }
 
+static size_t count_clearance_cells(const struct cml_surface_set *surfaces)
+{
+    size_t cells = 0;
+    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].clearance.cells;
+    return cells;
+}
+
 static cml_status scalar_world_allocate(const struct cml_surface_set *surfaces, struct scalar_world *to,
                                         struct cml_error *err)
 {
     const size_t boundaries = (size_t)surfaces->count, rings = count_rings(surfaces);
+    const size_t cells = count_clearance_cells(surfaces);
     to->media = calloc(boundaries + 1, sizeof *to->media);
     to->surfaces = calloc(boundaries, sizeof *to->surfaces);
     to->rings = calloc(3 * rings + 1, sizeof *to->rings);
     to->meshes = calloc(boundaries, sizeof *to->meshes);
-    if (to->media && to->surfaces && to->rings && to->meshes) return CML_OK;
-    return cml_fail_memory(err, (double)(3 * rings * sizeof *to->rings), "the scene");
+    to->clearance = calloc(2 * cells + 1, sizeof *to->clearance);
+    if (to->media && to->surfaces && to->rings && to->meshes && to->clearance) return CML_OK;
+    return cml_fail_memory(err, (double)((3 * rings + 2 * cells) * sizeof(real)), "the scene");
 }
 
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -87,6 +98,34 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
     to->world.ring_r = to->rings;
     to->world.ring_z = to->rings + total;
     to->world.ring_slope = to->rings + 2 * total;
+}
+
+static void copy_clearance(const struct cml_surface_set *from, struct scalar_world *to)
+{
+    const size_t total = count_clearance_cells(from);
+    size_t first = 0;
+    for (int b = 0; b < from->count; b++) {
+        const struct cml_clearance_map *map = &from->item[b].clearance;
+        struct cml_clearance *grid = &to->surfaces[b].clearance;
+        int offset = 0;
+        grid->levels = map->levels;
+        grid->size = map->size;
+        grid->first = (int)first;
+        grid->corner_x = (real)map->corner[0];
+        grid->corner_y = (real)map->corner[1];
+        grid->per_cell = (real)(map->cell > 0 ? 1 / map->cell : 0);
+        for (int l = 0; l < map->levels; l++) {
+            grid->level_offset[l] = offset;
+            offset += (map->size >> l) * (map->size >> l);
+        }
+        for (size_t i = 0; i < map->cells; i++) {
+            to->clearance[first + i] = map->deepest[i];
+            to->clearance[total + first + i] = map->highest[i];
+        }
+        first += map->cells;
+    }
+    to->world.deepest = to->clearance;
+    to->world.highest = to->clearance + total;
 }
 
 /* MCML's deterministic specular reflection [manual eqs 3.6, 3.7]: of the first interface, or of both faces of
@@ -162,6 +201,7 @@ static cml_status scalar_world_create(const struct cml_scene *scene, const struc
     }
     copy_media(scene, surfaces, to->media);
     copy_surfaces(surfaces, to);
+    copy_clearance(surfaces, to);
     to->world.media = to->media;
     to->world.surfaces = to->surfaces;
     to->world.meshes = to->meshes;

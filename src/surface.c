@@ -47,7 +47,7 @@ static cml_status make_cones(const struct cml_radial *field, int given, double d
     else
         snprintf(def->reason, sizeof def->reason,
                  "radial heightfield: exact cones, %d collinear samples merged", given - field->n);
-    return CML_OK;
+    return cml_clearance_of_rings(def->r, def->z, def->num_rings, &def->clearance, err);
 }
 
 static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_scene *scene,
@@ -58,6 +58,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     def->lowest = fmin(mesh->lower[2], mesh->z_border);
     def->highest = fmax(mesh->upper[2], mesh->z_border);
     snprintf(def->reason, sizeof def->reason, "%s", reason);
+    CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
     CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, &def->mesh, err));
     def->primitives = cml_mesh_surface_triangles(def->mesh);
     return CML_OK;
@@ -144,6 +145,7 @@ void cml_surfaces_free(struct cml_surface_set *set)
     for (int b = 0; set->item && b < set->count; b++) {
         free(set->item[b].r);
         cml_mesh_surface_free(set->item[b].mesh);
+        cml_clearance_clear(&set->item[b].clearance);
     }
     free(set->item);
     *set = (struct cml_surface_set){0};

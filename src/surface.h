@@ -5,6 +5,7 @@
 #ifndef CML_SURFACE_H
 #define CML_SURFACE_H
 
+#include "clearance.h"
 #include "scene.h"
 #include "surface_mesh.h"
 #include "tessellate.h"
@@ -21,13 +22,14 @@ struct cml_surface_options {
  * it. */
 struct cml_surface_def {
     enum cml_representation kind;
-    char reason[96];               /* why this kind, for people */
-    double depth;                  /* of the frame; for a plane that of the plane itself */
-    double lowest, highest;        /* lowest <= z <= highest everywhere */
-    uint64_t primitives;           /* rings or triangles, 1 for a plane */
-    int num_rings;                 /* CML_AS_CONE */
-    double *r, *z, *slope;         /* [num_rings] see kernels/types.h */
-    struct cml_mesh_surface *mesh; /* CML_AS_MESH */
+    char reason[96];                    /* why this kind, for people */
+    double depth;                       /* of the frame; for a plane that of the plane itself */
+    double lowest, highest;             /* lowest <= z <= highest everywhere */
+    uint64_t primitives;                /* rings or triangles, 1 for a plane */
+    int num_rings;                      /* CML_AS_CONE */
+    double *r, *z, *slope;              /* [num_rings] see kernels/types.h */
+    struct cml_mesh_surface *mesh;      /* CML_AS_MESH */
+    struct cml_clearance_map clearance; /* of cones and meshes */
 };
 
 struct cml_surface_set {

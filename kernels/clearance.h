@@ -1,0 +1,49 @@
+/* Which steps cannot meet a curved surface: a pyramid of depth bounds over the x-y plane.
+ * Level 0 divides a square into size x size cells, each with the least and the greatest depth that the
+ * surface has above it; every further level joins 2 x 2 cells. The cells at the rim also stand for everything
+ * outside. A step looks at the at most four cells that cover its box on the level where four are enough.
+ * Bounds are widened by rounding's share when they are built (src/clearance.c), so a step found clear cannot
+ * cross. SPDX-License-Identifier: MIT */
+#ifndef CML_CLEARANCE_H
+#define CML_CLEARANCE_H
+
+#include "types.h"
+
+/* Cell index along one axis, clamped to the rim; NaN gives 0. */
+CML_FN int cml_clearance_index(const CML_GLOBAL struct cml_clearance *grid, real x, real corner)
+{
+    const real cell = (x - corner) * grid->per_cell, last = (real)(grid->size - 1);
+    return cell > 0 ? (cell < last ? (int)cell : grid->size - 1) : 0;
+}
+
+/* Number of bits of n: the level whose cells are longer than n cells of level 0. */
+CML_FN int cml_clearance_level(int n)
+{
+    int level = 0;
+    while (n >> level) level++;
+    return level;
+}
+
+/* 1 when a packet on the given side (+1 below, -1 above) cannot cross the surface on its way from p to p + d.
+ * p is in the boundary's frame, x and y from the scene's axis; d must be finite, or the answer is 0. */
+CML_FN int cml_is_clear(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                        struct cml_vec p, struct cml_vec d, real side)
+{
+    const CML_GLOBAL struct cml_clearance *grid = &surface->clearance;
+    const real far_z = p.z + d.z;
+    if (grid->levels == 0 || !(d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY)) return 0;
+    const int x0 = cml_clearance_index(grid, d.x < 0 ? p.x + d.x : p.x, grid->corner_x);
+    const int x1 = cml_clearance_index(grid, d.x < 0 ? p.x : p.x + d.x, grid->corner_x);
+    const int y0 = cml_clearance_index(grid, d.y < 0 ? p.y + d.y : p.y, grid->corner_y);
+    const int y1 = cml_clearance_index(grid, d.y < 0 ? p.y : p.y + d.y, grid->corner_y);
+    const int level = cml_clearance_level(x1 - x0 > y1 - y0 ? x1 - x0 : y1 - y0);
+    const int size = grid->size >> level, offset = grid->first + grid->level_offset[level];
+    const CML_GLOBAL real *bounds = side > 0 ? world->deepest + offset : world->highest + offset;
+    const real z = side > 0 ? (far_z < p.z ? far_z : p.z) : (far_z > p.z ? far_z : p.z);
+    for (int y = y0 >> level; y <= y1 >> level; y++)
+        for (int x = x0 >> level; x <= x1 >> level; x++)
+            if (!(side * (z - bounds[y * size + x]) > 0)) return 0;
+    return 1;
+}
+
+#endif

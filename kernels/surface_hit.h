@@ -115,7 +115,7 @@ CML_FN int cml_clip_to_envelope(const CML_GLOBAL struct cml_surface *surface, re
 }
 
 /* Crossing of one boundary; p in that boundary's frame. side: +1 the packet is below it, -1 above. */
-CML_FN int cml_surface_hit(const struct cml_world *world, const struct cml_packet *packet, int boundary,
+CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *packet, int boundary,
                            struct cml_vec p, real side, real t_max, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
@@ -125,6 +125,7 @@ CML_FN int cml_surface_hit(const struct cml_world *world, const struct cml_packe
     if (!cml_clip_to_envelope(surface, p.z, packet->u.z, side, &t_max)) return 0;
     const struct cml_vec step = {t_max * packet->u.x, t_max * packet->u.y, t_max * packet->u.z};
     if (cml_is_clear(world, surface, cml_from_scene_axis(world, p), step, side)) return 0;
+    packet->queries++;
     if (surface->kind == CML_SURFACE_CONE)
         return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
                              packet->boundary_events == 0, hit);
@@ -136,7 +137,7 @@ CML_FN int cml_surface_hit(const struct cml_world *world, const struct cml_packe
 }
 
 /* The first boundary of the packet's medium that it crosses within t_max (infinite allowed). */
-CML_FN int cml_nearest(const struct cml_world *world, const struct cml_packet *packet, real t_max,
+CML_FN int cml_nearest(const struct cml_world *world, struct cml_packet *packet, real t_max,
                        struct cml_hit *hit)
 {
     const int medium = packet->medium;

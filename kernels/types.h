@@ -105,6 +105,7 @@ struct cml_packet {
     cml_u64 gained, roulette, absorbed;
     cml_u64 overflow_r, overflow_z,
         above;                 /* parts of absorbed that went into the last r, last z, first z bin */
+    cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */
     cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
 };
 

@@ -181,7 +181,8 @@ static void handle_exception(struct flight *f, int i)
         if (packet.fate != CML_FATE_ALIVE || !outside) break;
     }
     f->tally->count[CML_COUNT_SHADING_OVERRULED] += packet.shading_overruled;
-    packet.shading_overruled = 0;
+    f->tally->count[CML_COUNT_QUERIES] += packet.queries;
+    packet.shading_overruled = packet.queries = 0;
     if (packet.fate != CML_FATE_ALIVE)
         finish_packet(f, i, &packet);
     else if (f->b->task[i] == CML_LANE_DONE)

@@ -63,6 +63,10 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
            scene->na);
     cml_report_boundaries(stdout, "  ", scene, &surfaces);
     for (int b = 0; b <= scene->num_layers; b++)
+        if (surfaces.item[b].kind != CML_AS_PLANE)
+            printf("  boundary %d: built in %.3g s, %.3g MiB with its clearance map\n", b,
+                   surfaces.item[b].build_seconds, surfaces.item[b].bytes / 1048576);
+    for (int b = 0; b <= scene->num_layers; b++)
         if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
     printf("  tallies: %.3g MiB with %d thread%s\n", cml_run_bytes(&grid, threads) / 1048576, threads,
            threads == 1 ? "" : "s");

@@ -89,9 +89,10 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
     json_t *list = json_array();
     for (int b = 0; b < surfaces->count; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];
-        json_array_append_new(list,
-                              json_pack("{s:s, s:s, s:I}", "kind", cml_representation_name(def->kind),
-                                        "reason", def->reason, "primitives", (json_int_t)def->primitives));
+        json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:f, s:f}", "kind",
+                                              cml_representation_name(def->kind), "reason", def->reason,
+                                              "primitives", (json_int_t)def->primitives, "build_s",
+                                              def->build_seconds, "MiB", def->bytes / 1048576));
     }
     return list;
 }
@@ -130,6 +131,7 @@ static void set_speed(json_t *object, const struct cml_report *report)
     const double steps = steps_of(&run->result);
     set_real(object, "seconds", run->seconds);
     set_real(object, "steps", steps);
+    set_real(object, "queries", (double)run->result.count[CML_COUNT_QUERIES]);
     set_real(object, "ns_per_step", steps > 0 ? 1e9 * run->seconds / steps : 0);
     set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);
     set_integer(object, "threads", (uint64_t)run->threads);

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 const char *cml_representation_name(enum cml_representation kind)
 {
@@ -125,6 +126,26 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
     return CML_OK;
 }
 
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static cml_status represent_timed(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                  const struct cml_surface_options *options, struct cml_surface_def *def,
+                                  struct cml_error *err)
+{
+    const double begin = now();
+    CML_TRY(represent(scene, boundary, options, def, err));
+    def->build_seconds = now() - begin;
+    def->bytes =
+        3 * (double)def->num_rings * sizeof *def->r + 2 * (double)def->clearance.cells * sizeof(float);
+    if (def->mesh) def->bytes += cml_mesh_surface_bytes(def->mesh);
+    return CML_OK;
+}
+
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {
@@ -132,7 +153,7 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     *set = (struct cml_surface_set){.count = (int)count, .item = calloc(count, sizeof *set->item)};
     if (!set->item) return cml_fail_memory(err, (double)(count * sizeof *set->item), "the boundaries");
     for (size_t b = 0; b < count; b++) {
-        const cml_status status = represent(scene, &scene->boundaries[b], options, &set->item[b], err);
+        const cml_status status = represent_timed(scene, &scene->boundaries[b], options, &set->item[b], err);
         if (status == CML_OK) continue;
         cml_surfaces_free(set);
         return status;

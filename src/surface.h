@@ -30,6 +30,7 @@ struct cml_surface_def {
     double *r, *z, *slope;              /* [num_rings] see kernels/types.h */
     struct cml_mesh_surface *mesh;      /* CML_AS_MESH */
     struct cml_clearance_map clearance; /* of cones and meshes */
+    double build_seconds, bytes;        /* what representing it took: tree, rings, clearance map */
 };
 
 struct cml_surface_set {

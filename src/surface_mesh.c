@@ -26,6 +26,7 @@ struct cml_mesh_surface {
     double inflation;          /* how much every box grows: more than the rounding of ray and box to float */
     struct cml_footprint *footprint;
     RTCDevice device;
+    _Atomic ssize_t embree_bytes; /* kept by Embree's threads */
     RTCScene scene;
 };
 
@@ -381,11 +382,20 @@ static void centre_mesh(struct cml_mesh_surface *surface, double x0, double y0)
     surface->axis[1] = -middle[1];
 }
 
+static bool count_memory(void *context, ssize_t bytes, bool post)
+{
+    (void)post;
+    struct cml_mesh_surface *surface = context;
+    surface->embree_bytes += bytes;
+    return true;
+}
+
 static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     surface->device = rtcNewDevice(NULL);
     if (!surface->device)
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
+    rtcSetDeviceMemoryMonitorFunction(surface->device, count_memory, surface);
     surface->scene = rtcNewScene(surface->device);
     rtcSetSceneFlags(surface->scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(surface->scene, surface->mesh.num_triangles > 1000000 ? RTC_BUILD_QUALITY_MEDIUM
@@ -438,6 +448,13 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
 uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface)
 {
     return surface->mesh.num_triangles;
+}
+
+double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
+{
+    const struct cml_mesh *mesh = &surface->mesh;
+    return (double)surface->embree_bytes + (double)mesh->num_triangles * sizeof *mesh->triangle +
+           (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
 }
 
 const char *cml_mesh_surface_backend(void)

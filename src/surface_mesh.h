@@ -25,6 +25,9 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface);
 
 uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface);
 
+/* Bytes that Embree and the mesh itself hold. */
+double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
+
 /* The query itself, cml_mesh_surface_hit, is declared in kernels/surface_hit.h, where the walk reads it. */
 
 /* Embree's version, for the banner and `devices`. */

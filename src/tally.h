@@ -44,6 +44,7 @@ enum cml_count {
     CML_COUNT_PHOTONS,
     CML_COUNT_INTERACTIONS,
     CML_COUNT_BOUNDARY_EVENTS,
+    CML_COUNT_QUERIES,           /* curved surfaces asked for a crossing: a figure of speed, not a result */
     CML_COUNT_SHADING_OVERRULED, /* boundary events that the facet decided against the shading normal */
     CML_COUNT_TRAPPED,
     CML_COUNT_LOST_NO_SURFACE,

@@ -53,6 +53,7 @@ static inline void cml_tally_packet(const struct cml_setup *setup, const struct 
     tally->count[CML_COUNT_PHOTONS]++;
     tally->count[CML_COUNT_INTERACTIONS] += packet->interactions;
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += packet->boundary_events;
+    tally->count[CML_COUNT_QUERIES] += packet->queries;
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
     tally->count[CML_COUNT_TRAPPED] += fate == CML_FATE_TRAPPED;
     if (fate != CML_FATE_LOST) return;

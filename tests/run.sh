@@ -13,4 +13,4 @@ ctest --test-dir build -LE long --output-on-failure -j2
 
 CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build-asan --parallel 2
-ctest --test-dir build-asan -L unit --output-on-failure -j2
+LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 ctest --test-dir build-asan -L unit --output-on-failure -j2

@@ -15,7 +15,7 @@ static void expect_same_tally(const struct cml_tally *a, const struct cml_tally 
     for (int i = 0; i < CML_NUM_BOOKS; i++)
         if (a->book[i] != b->book[i]) fail_msg("%s: book %d differs", name, i);
     for (int i = 0; i < CML_NUM_COUNTS; i++)
-        if (a->count[i] != b->count[i]) fail_msg("%s: count %d differs", name, i);
+        if (i != CML_COUNT_QUERIES && a->count[i] != b->count[i]) fail_msg("%s: count %d differs", name, i);
     assert_memory_equal(a->square, b->square, sizeof a->square);
 }
 

@@ -97,12 +97,12 @@ CML_FN int cml_lane_cell(const struct cml_setup *setup, real x, real y, real dep
     return (int)r_in * setup->nz + (int)z_in;
 }
 
-CML_CLONES int cml_bundle_interact(const struct cml_setup *shared, struct cml_bundle *b)
+CML_CLONES int cml_bundle_interact(const struct cml_setup *shared, struct cml_bundle *b, int first)
 {
     const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
     int flags = 0;
 #pragma omp simd reduction(| : flags)
-    for (int i = 0; i < CML_LANES; i++) {
+    for (int i = first; i < first + CML_HALF; i++) {
         const int mine = b->task[i] == CML_LANE_INTERACT;
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
         const struct cml_vec p = cml_along(from, b->s[i], u);

@@ -64,9 +64,9 @@ cml_u32 cml_bundle_fly(struct cml_bundle *bundle);
  * transmitted, nowhere, or back to INTERACT. Medium, books and ends are the caller's. */
 void cml_bundle_cross_planes(const struct cml_setup *setup, struct cml_bundle *bundle, int first);
 
-/* Lanes with INTERACT: hop, drop, spin, draw. Fills dw (0 in other lanes), cell, flag. Returns the union of
- * flags. */
-int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *bundle);
+/* Lanes first..first+15 with INTERACT: hop, drop, spin, draw. Fills dw (0 in other lanes), cell, flag.
+ * Returns the union of flags. */
+int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *bundle, int first);
 
 /* Lanes with LAUNCHED: the block of their first interaction and its optical depth; flag is CML_FLAG_TAIL or
  * 0, which is also returned as a union. */

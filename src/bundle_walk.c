@@ -9,8 +9,12 @@ struct flight {
     struct cml_bundle *b;
     struct cml_tally *tally;
     const struct cml_range_source *source;
-    uint64_t next, left;          /* indices handed out and not launched yet */
-    int lanes;                    /* lanes 0..lanes-1 hold packets */
+    uint64_t next, left; /* indices handed out and not launched yet */
+    int lanes;           /* lanes 0..lanes-1 hold packets */
+    cml_u32 interacting; /* mask of lanes that interact in this pass */
+    cml_u32 loaded;      /* mask of lanes whose copies of a medium are sound */
+    int pencil;
+    struct cml_packet start;      /* as the beam places packets */
     cml_u32 launched;             /* mask of lanes with a new packet */
     cml_u32 curved;               /* mask of lanes whose medium has a boundary that is no plane */
     cml_u32 ended;                /* mask of lanes whose packet is finished in this pass */
@@ -104,34 +108,61 @@ static void store_packet(struct flight *f, int i, const struct cml_packet *packe
     load_medium(f, i);
 }
 
-static void finish_packet(struct flight *f, int i, struct cml_packet *packet)
+static void end_lane(struct flight *f, int i, struct cml_end end)
 {
     flush_deposits(f, i);
-    packet->absorbed = f->absorbed[i];
-    cml_tally_packet(&f->world->setup, packet, f->tally);
+    end.absorbed = f->absorbed[i];
+    cml_tally_end(&f->world->setup, &end, f->tally);
     f->b->task[i] = CML_LANE_DONE;
     f->ended |= (cml_u32)1 << i;
 }
 
+/* The lane's packet is finished where it is. */
 static void finish_lane(struct flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
 {
-    struct cml_packet packet = packet_of(f, i);
-    packet.fate = (int)fate;
-    packet.cause = (int)cause;
-    finish_packet(f, i, &packet);
+    const struct cml_bundle *b = f->b;
+    const struct cml_end end = {
+        .index = (uint64_t)b->index_high[i] << 32 | b->index_low[i],
+        .fate = (int)fate,
+        .cause = (int)cause,
+        .w = b->w[i],
+        .interactions = b->interactions[i],
+        .boundary_events = b->boundary_events[i],
+        .exit_x = b->x[i],
+        .exit_y = b->y[i],
+        .uz = b->uz[i],
+    };
+    end_lane(f, i, end);
+}
+
+/* The lane's packet is finished as a scalar event has left it. */
+static void finish_packet(struct flight *f, int i, const struct cml_packet *packet)
+{
+    const struct cml_end end = {
+        .index = packet->index,
+        .fate = packet->fate,
+        .cause = packet->cause,
+        .w = packet->w,
+        .interactions = packet->interactions,
+        .boundary_events = packet->boundary_events,
+        .exit_x = packet->exit_x,
+        .exit_y = packet->exit_y,
+        .uz = packet->u.z,
+    };
+    end_lane(f, i, end);
 }
 
 /* A lane whose packet interacts after all, t further on; unless that lies beyond an envelope (as in
  * cml_interact). */
 static void interact_later(struct flight *f, int i, real t, struct cml_packet *packet)
 {
-    const struct cml_vec p = packet->p;
     f->b->s[i] = t;
     f->b->task[i] = CML_LANE_INTERACT;
-    packet->p = cml_along(p, t, packet->u);
+    f->interacting |= (cml_u32)1 << i;
+    packet->p = cml_along(packet->p, t, packet->u);
     if (!cml_leaked(f->world, packet)) return;
-    packet->bounces = 0;
     cml_lose(packet, CML_LOST_LEAKED);
+    f->interacting &= ~((cml_u32)1 << i);
     f->b->s[i] = 0;
 }
 
@@ -163,6 +194,7 @@ static void handle_exception(struct flight *f, int i)
     const struct cml_world *world = f->world;
     if (is_clear(f, i)) {
         f->b->task[i] = CML_LANE_INTERACT;
+        f->interacting |= (cml_u32)1 << i;
         return;
     }
     struct cml_packet packet = packet_of(f, i);
@@ -180,54 +212,69 @@ static void handle_exception(struct flight *f, int i)
         const int outside = packet.medium == 0 || packet.medium > world->setup.num_layers;
         if (packet.fate != CML_FATE_ALIVE || !outside) break;
     }
-    f->tally->count[CML_COUNT_SHADING_OVERRULED] += packet.shading_overruled;
-    f->tally->count[CML_COUNT_QUERIES] += packet.queries;
-    packet.shading_overruled = packet.queries = 0;
+    cml_tally_events(&packet, f->tally);
     if (packet.fate != CML_FATE_ALIVE)
         finish_packet(f, i, &packet);
     else if (f->b->task[i] == CML_LANE_DONE)
         store_packet(f, i, &packet);
 }
 
-/* P6 and the bounds on repetition, behind a plane. */
-static void after_plane(struct flight *f, int i)
+/* Behind a plane into another medium of the material. */
+static void enter_medium(struct flight *f, int i, int medium, int upwards)
 {
     struct cml_bundle *b = f->b;
-    const struct cml_setup *setup = &f->world->setup;
-    if (b->task[i] == CML_LANE_INTERACT) return;
-    if (b->task[i] == CML_LANE_NOWHERE) {
-        handle_exception(f, i);
-        return;
-    }
-    b->on_boundary[i] = -1;
-    if (b->task[i] == CML_LANE_TRANSMITTED) {
-        flush_deposits(f, i);
-        b->medium[i] += b->uz[i] < 0 ? -1 : 1;
-        b->z[i] = b->uz[i] < 0 ? f->world->media[b->medium[i]].span : (real)0;
-        load_medium(f, i);
-    }
-    const int outside = b->medium[i] == 0 || b->medium[i] > setup->num_layers;
-    if (!outside) b->entered[i] = 1;
-    if (outside && !b->entered[i])
-        finish_lane(f, i, CML_FATE_SPECULAR, CML_LOST_NOT);
-    else if (outside)
-        finish_lane(f, i, b->medium[i] == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED, CML_LOST_NOT);
-    else if (b->bounces[i] > CML_TRAPPED_LIMIT && !(b->mut[i] > 0))
+    flush_deposits(f, i);
+    b->medium[i] = medium;
+    b->entered[i] = 1;
+    b->z[i] = upwards ? f->world->media[medium].span : (real)0;
+    load_medium(f, i);
+}
+
+/* The bounds of cml_count_bounce. */
+static void check_bounces(struct flight *f, int i)
+{
+    const struct cml_bundle *b = f->b;
+    if (b->bounces[i] > CML_TRAPPED_LIMIT && !(b->mut[i] > 0))
         finish_lane(f, i, CML_FATE_TRAPPED, CML_LOST_NOT);
     else if (b->bounces[i] > CML_STUCK_LIMIT)
         finish_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
 }
 
+/* P6, behind a plane: a packet that leaves is not moved out of its medium any more, it ends. */
+static void after_plane(struct flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const int task = b->task[i], upwards = b->uz[i] < 0;
+    if (task == CML_LANE_INTERACT) {
+        f->interacting |= (cml_u32)1 << i;
+        return;
+    }
+    if (task == CML_LANE_NOWHERE) {
+        handle_exception(f, i);
+        return;
+    }
+    const int medium = b->medium[i] + (task == CML_LANE_TRANSMITTED ? (upwards ? -1 : 1) : 0);
+    const int above = medium == 0, outside = above || medium > f->world->setup.num_layers;
+    b->on_boundary[i] = -1;
+    if (outside && !b->entered[i])
+        finish_lane(f, i, CML_FATE_SPECULAR, CML_LOST_NOT);
+    else if (outside)
+        finish_lane(f, i, above ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED, CML_LOST_NOT);
+    else if (task == CML_LANE_TRANSMITTED)
+        enter_medium(f, i, medium, upwards);
+    if (!outside && b->bounces[i] > CML_TRAPPED_LIMIT) check_bounces(f, i);
+}
+
+/* P8, as cml_roulette. */
 static void roulette(struct flight *f, int i)
 {
-    struct cml_packet packet = packet_of(f, i);
-    packet.draw.w[3] = f->b->lot[i];
+    struct cml_bundle *b = f->b;
+    struct cml_packet packet = {.w = b->w[i], .draw.w[3] = b->lot[i]};
     cml_roulette(&packet);
-    f->tally->book[CML_BOOK_GAINED] += packet.gained;
-    packet.gained = 0;
-    if (packet.fate != CML_FATE_ALIVE) finish_packet(f, i, &packet);
+    cml_tally_events(&packet, f->tally);
+    b->w[i] = packet.w;
     flush_deposits(f, i);
-    f->b->w[i] = packet.w;
+    if (packet.fate != CML_FATE_ALIVE) finish_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
 }
 
 static void draw_tail(struct flight *f, int i)
@@ -272,11 +319,11 @@ static void handle_flag(struct flight *f, int i)
         roulette(f, i);
 }
 
-static void scatter_deposits(struct flight *f)
+static void scatter_deposits(struct flight *f, int first)
 {
     const struct cml_bundle *b = f->b;
     uint64_t *A_rz = f->tally->A_rz;
-    for (int i = 0; i < f->lanes; i++) A_rz[b->cell[i]] += b->dw[i];
+    for (int i = first; i < first + CML_HALF; i++) A_rz[b->cell[i]] += b->dw[i];
 }
 
 /* The next photon index, if there is one. */
@@ -289,24 +336,39 @@ static int take_index(struct flight *f, uint64_t *index)
     return 1;
 }
 
-static int launch(struct flight *f, int i)
+/* A placed packet into a lane, whatever was there before. */
+static void start_lane(struct flight *f, int i, const struct cml_packet *packet, uint64_t index)
 {
     struct cml_bundle *b = f->b;
-    struct cml_packet packet;
-    uint64_t index;
-    if (!take_index(f, &index)) return 0;
-    cml_place(f->world, index, &packet);
+    const cml_u32 bit = (cml_u32)1 << i;
+    b->x[i] = packet->p.x;
+    b->y[i] = packet->p.y;
+    b->z[i] = packet->p.z;
+    b->ux[i] = packet->u.x;
+    b->uy[i] = packet->u.y;
+    b->uz[i] = packet->u.z;
+    b->w[i] = packet->w;
     b->index_low[i] = (cml_u32)index;
     b->index_high[i] = (cml_u32)(index >> 32);
-    b->w[i] = packet.w;
-    b->interactions[i] = 0;
-    b->deposited[i] = 0;
-    f->absorbed[i] = 0;
-    b->medium[i] = packet.medium;
-    load_medium(f, i);
-    store_packet(f, i, &packet);
+    b->deposited[i] = b->interactions[i] = b->crossings[i] = b->bounces[i] = b->boundary_events[i] = 0;
+    b->on_boundary[i] = b->on_primitive[i] = -1;
+    b->entered[i] = packet->entered;
     b->task[i] = CML_LANE_LAUNCHED;
-    f->launched |= (cml_u32)1 << i;
+    f->absorbed[i] = 0;
+    f->launched |= bit;
+    if (f->loaded & bit && b->medium[i] == packet->medium) return;
+    f->loaded |= bit;
+    b->medium[i] = packet->medium;
+    load_medium(f, i);
+}
+
+/* All packets of a pencil beam are placed alike. */
+static int launch(struct flight *f, int i)
+{
+    uint64_t index;
+    if (!take_index(f, &index)) return 0;
+    if (!f->pencil) cml_place(f->world, index, &f->start);
+    start_lane(f, i, &f->start, index);
     return 1;
 }
 
@@ -339,10 +401,10 @@ static void for_lanes(struct flight *f, cml_u32 mask, void (*handle)(struct flig
     for (; mask; mask &= mask - 1) handle(f, lowest_lane(mask));
 }
 
-static cml_u32 flagged_lanes(const struct flight *f)
+static cml_u32 flagged_lanes(const struct flight *f, int first, int lanes)
 {
     cml_u32 mask = 0;
-    for (int i = 0; i < f->lanes; i++) mask |= (cml_u32)(f->b->flag[i] != 0) << i;
+    for (int i = first; i < first + lanes; i++) mask |= (cml_u32)(f->b->flag[i] != 0) << i;
     return mask;
 }
 
@@ -352,10 +414,18 @@ static void draw_launched(struct flight *f)
     const cml_u32 few = 2, launched = f->launched;
     f->launched = 0;
     if ((cml_u32)__builtin_popcount(launched) > few) {
-        if (cml_bundle_draw(&f->world->setup, f->b)) for_lanes(f, flagged_lanes(f), draw_tail);
+        if (cml_bundle_draw(&f->world->setup, f->b)) for_lanes(f, flagged_lanes(f, 0, CML_LANES), draw_tail);
     } else {
         for_lanes(f, launched, draw_first);
     }
+}
+
+/* Sixteen lanes, some of which interact. */
+static void interact_half(struct flight *f, int first)
+{
+    const int flags = cml_bundle_interact(&f->world->setup, f->b, first);
+    if (f->tally->A_rz) scatter_deposits(f, first);
+    if (flags) for_lanes(f, flagged_lanes(f, first, CML_HALF), handle_flag);
 }
 
 static void pass(struct flight *f)
@@ -365,13 +435,13 @@ static void pass(struct flight *f)
     const cml_u32 live = f->lanes == CML_LANES ? ~(cml_u32)0 : ((cml_u32)1 << f->lanes) - 1;
     const cml_u32 near_lanes = cml_bundle_fly(b) & live, planes = near_lanes & ~f->curved;
     for (int i = f->lanes; i < CML_LANES; i++) b->task[i] = CML_LANE_DONE;
+    f->interacting = live & ~near_lanes;
     for_lanes(f, near_lanes & f->curved, handle_exception);
     if (planes & 0xffffu) cml_bundle_cross_planes(setup, b, 0);
     if (planes >> CML_HALF) cml_bundle_cross_planes(setup, b, CML_HALF);
     for_lanes(f, planes, after_plane);
-    const int flags = cml_bundle_interact(setup, b);
-    if (f->tally->A_rz) scatter_deposits(f);
-    if (flags) for_lanes(f, flagged_lanes(f), handle_flag);
+    if (f->interacting & 0xffffu) interact_half(f, 0);
+    if (f->interacting >> CML_HALF) interact_half(f, CML_HALF);
     if (f->ended) refill(f);
     if (f->launched) draw_launched(f);
 }
@@ -381,6 +451,8 @@ void cml_bundle_walk(const struct cml_world *world, struct cml_bundle *bundle,
 {
     struct flight f = {.world = world, .b = bundle, .tally = tally, .source = source, .lanes = CML_LANES};
     *bundle = (struct cml_bundle){0};
+    f.pencil = !(world->setup.disk > 0) && !(world->setup.gauss > 0);
+    cml_place(world, 0, &f.start);
     f.ended = ~(cml_u32)0;
     refill(&f);
     draw_launched(&f);

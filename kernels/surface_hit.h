@@ -102,6 +102,13 @@ CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_
 }
 #endif
 
+/* Whether a direction cannot cross the surface anywhere: it rises or falls more steeply than any part of it.
+ */
+CML_FN int cml_heads_away(const CML_GLOBAL struct cml_surface *surface, struct cml_vec u, real side)
+{
+    return side * u.z > 0 && side * u.z >= surface->steepest * CML_SQRT(u.x * u.x + u.y * u.y);
+}
+
 /* The part of the ray before t_max that can meet a surface between two depths: returns 0 when there is none,
  * else the distance after which there is none any more. */
 CML_FN int cml_clip_to_envelope(const CML_GLOBAL struct cml_surface *surface, real z, real uz, real side,
@@ -122,6 +129,7 @@ CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *pac
     const int standing_on = packet->on_boundary == boundary ? packet->on_primitive : -1;
     hit->boundary = boundary;
     if (surface->kind == CML_SURFACE_PLANE) return cml_plane_hit(p, packet->u, side, t_max, hit);
+    if (cml_heads_away(surface, packet->u, side)) return 0;
     if (!cml_clip_to_envelope(surface, p.z, packet->u.z, side, &t_max)) return 0;
     const struct cml_vec step = {t_max * packet->u.x, t_max * packet->u.y, t_max * packet->u.z};
     if (cml_is_clear(world, surface, cml_from_scene_axis(world, p), step, side)) return 0;

@@ -64,6 +64,7 @@ struct cml_surface {
     int kind;
     int first_ring, num_rings; /* CML_SURFACE_CONE: slices of ring_r, ring_z, ring_slope */
     real lowest, highest;
+    real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
     struct cml_clearance clearance;
 };
 

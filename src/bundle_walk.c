@@ -166,6 +166,13 @@ static void interact_later(struct flight *f, int i, real t, struct cml_packet *p
     f->b->s[i] = 0;
 }
 
+static int misses(const struct cml_world *world, const struct cml_surface *surface, struct cml_vec p,
+                  struct cml_vec d, struct cml_vec u, real side)
+{
+    if (surface->kind == CML_SURFACE_PLANE) return 0;
+    return cml_heads_away(surface, u, side) || cml_is_clear(world, surface, p, d, side);
+}
+
 /* Whether a near lane's step stays clear of both its boundaries, planes and curved ones. */
 static int is_clear(const struct flight *f, int i)
 {
@@ -177,13 +184,12 @@ static int is_clear(const struct flight *f, int i)
     struct cml_vec p = cml_from_scene_axis(world, q);
     if (m == 0 || m > world->setup.num_layers) return 0;
     const struct cml_surface *top = &world->surfaces[m - 1], *bottom = &world->surfaces[m];
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
     const real slack = 4 * CML_EPSILON * (fabsf(p.z) + fabsf(step));
-    if (!(fminf(p.z, end) - slack > b->stop_above[i]) &&
-        (top->kind == CML_SURFACE_PLANE || !cml_is_clear(world, top, p, d, 1)))
-        return 0;
+    if (!(fminf(p.z, end) - slack > b->stop_above[i]) && !misses(world, top, p, d, u, 1)) return 0;
     if (fmaxf(p.z, end) + slack < b->stop_below[i]) return 1;
     p.z -= world->media[m].span;
-    return bottom->kind != CML_SURFACE_PLANE && cml_is_clear(world, bottom, p, d, -1);
+    return misses(world, bottom, p, d, u, -1);
 }
 
 /* A lane that may meet a curved surface, or has nothing ahead: one boundary event by kernels/walk.h, and as

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST_LEVELS = 5, MOST_LEVELS = 11 }; /* 16 x 16 to 1024 x 1024 cells */
+enum { LEAST_LEVELS = 5, MOST_LEVELS = 10 }; /* 16 x 16 to 512 x 512 cells */
 
 /* Share of a cell by which shapes are widened before their cells are found: the rounding of cell numbers. */
 static const double widening = 1e-3;

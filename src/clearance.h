@@ -16,7 +16,7 @@ struct cml_clearance_map {
 };
 
 /* Of a mesh in its boundary's frame, x and y from the scene's axis; of a field of n rings (z = depth at r).
- * The size follows from the number of triangles or rings, at most 1024 x 1024. CML_E_INPUT when memory runs
+ * The size follows from the number of triangles or rings, at most 512 x 512. CML_E_INPUT when memory runs
  * out. */
 CML_NODISCARD cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
                                                struct cml_error *err);

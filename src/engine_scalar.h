@@ -88,6 +88,7 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
         to->surfaces[b].num_rings = def->num_rings;
         to->surfaces[b].lowest = (real)def->lowest;
         to->surfaces[b].highest = (real)def->highest;
+        to->surfaces[b].steepest = (real)(1.00001 * def->steepest + 1e-6); /* more than rounding can turn */
         to->meshes[b] = def->mesh;
         for (int i = 0; i < def->num_rings; i++, ring++) {
             to->rings[ring] = (real)def->r[i];

@@ -42,6 +42,7 @@ static cml_status make_cones(const struct cml_radial *field, int given, double d
         def->slope[i] = i + 1 < n ? -(field->h[i + 1] - field->h[i]) / (field->r[i + 1] - field->r[i]) : 0;
         def->lowest = fmin(def->lowest, def->z[i]);
         def->highest = fmax(def->highest, def->z[i]);
+        def->steepest = fmax(def->steepest, fabs(def->slope[i]));
     }
     if (field->n == given)
         snprintf(def->reason, sizeof def->reason, "radial heightfield: exact cones");
@@ -51,11 +52,28 @@ static cml_status make_cones(const struct cml_radial *field, int given, double d
     return cml_clearance_of_rings(def->r, def->z, def->num_rings, &def->clearance, err);
 }
 
+/* Largest slope of all facets; infinite when one is upright or faces down. */
+static double steepest_facet(const struct cml_mesh *mesh)
+{
+    double steepest = 0;
+    for (size_t i = 0; i < mesh->num_triangles; i++) {
+        const double *a = mesh->vertex[mesh->triangle[i][0]], *b = mesh->vertex[mesh->triangle[i][1]],
+                     *c = mesh->vertex[mesh->triangle[i][2]];
+        const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
+        const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
+        const double up = uy * vx - ux * vy; /* against z */
+        if (!(up > 0)) return INFINITY;
+        steepest = fmax(steepest, hypot(uy * vz - uz * vy, uz * vx - ux * vz) / up);
+    }
+    return steepest;
+}
+
 static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_scene *scene,
                             const char *reason, struct cml_surface_def *def, struct cml_error *err)
 {
     def->kind = CML_AS_MESH;
     def->depth = depth;
+    def->steepest = steepest_facet(mesh);
     def->lowest = fmin(mesh->lower[2], mesh->z_border);
     def->highest = fmax(mesh->upper[2], mesh->z_border);
     snprintf(def->reason, sizeof def->reason, "%s", reason);

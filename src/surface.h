@@ -22,12 +22,13 @@ struct cml_surface_options {
  * it. */
 struct cml_surface_def {
     enum cml_representation kind;
-    char reason[96];                    /* why this kind, for people */
-    double depth;                       /* of the frame; for a plane that of the plane itself */
-    double lowest, highest;             /* lowest <= z <= highest everywhere */
-    uint64_t primitives;                /* rings or triangles, 1 for a plane */
-    int num_rings;                      /* CML_AS_CONE */
-    double *r, *z, *slope;              /* [num_rings] see kernels/types.h */
+    char reason[96];        /* why this kind, for people */
+    double depth;           /* of the frame; for a plane that of the plane itself */
+    double steepest;        /* at least the slope of every part, infinite where it is upright or overhangs */
+    double lowest, highest; /* lowest <= z <= highest everywhere */
+    uint64_t primitives;    /* rings or triangles, 1 for a plane */
+    int num_rings;          /* CML_AS_CONE */
+    double *r, *z, *slope;  /* [num_rings] see kernels/types.h */
     struct cml_mesh_surface *mesh;      /* CML_AS_MESH */
     struct cml_clearance_map clearance; /* of cones and meshes */
     double build_seconds, bytes;        /* what representing it took: tree, rings, clearance map */

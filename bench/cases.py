@@ -1,0 +1,132 @@
+"""The scenes of the bench: which there are, their .mci files, and the values that others found for them.
+
+SPDX-License-Identifier: MIT
+"""
+import csv
+import os
+import subprocess
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(HERE)
+REFERENCE = os.path.join(ROOT, "tests", "reference")
+
+SCENES = {
+    "S1": "samples/fig5.mci",
+    "S2": "samples/fig6.mci",
+    "S3": "samples/fig7text.mci",
+    "S4": "samples/mcml_sample.mci",
+    "S5": "samples/skin7.mci",
+    "S6a": "samples/thick.mci",
+    "S6b": "bench/scenes/S6b.mci",
+    "A": "bench/scenes/A.mci",
+}
+AMPLITUDE = "0.018"  # of rough tops and rings [cm]
+AMPLITUDE_A = "0.03"
+RINGS = (10, 50, 200, 1000)
+TWO_THREADS = ("S6a", "S6a-rough-1e5", "S6a-rings-50-cone")
+ABOVE = 7  # the index above, of the lines that are neither comment nor blank; the first layer follows
+
+
+class Case:
+    """One row of the result: a scene file, options for the program, and what was measured."""
+
+    def __init__(self, name, medium, surface, path, options=(), threads=1):
+        self.name, self.medium, self.surface, self.path = name, medium, surface, path
+        self.options, self.threads = list(options), threads
+        self.photons = self.mcml_photons = self.mcml_start = 0
+        self.runs, self.mcml_runs = [], []
+
+    def two(self):
+        """The same on two threads."""
+        return Case(self.name, self.medium, self.surface, self.path, self.options, 2)
+
+
+def data_lines(medium):
+    """The lines of a scene of one run, without comments: what every program reads in the same way."""
+    with open(os.path.join(ROOT, SCENES[medium])) as stream:
+        lines = [line.split("#")[0].strip() for line in stream]
+    return [line for line in lines if line]
+
+
+def write_scene(medium, path, photons=None, surface=None):
+    """A copy of a flat scene, with a surface line for its top and another number of photons."""
+    lines = data_lines(medium)
+    if photons:
+        lines[3] = str(photons)
+    if surface:
+        lines.insert(ABOVE + 1, surface)
+    with open(path, "w") as stream:
+        stream.write("\n".join(lines) + "\n")
+
+
+def make_surface(kind, number, amplitude, path):
+    subprocess.run([sys.executable, os.path.join(HERE, "rough.py"), kind, str(number), amplitude, path], check=True)
+
+
+def rough_cases(medium, numbers, amplitude, work):
+    cases = []
+    for number in numbers:
+        obj = "rough-%s-%s.obj" % (number, amplitude)
+        if not os.path.exists(os.path.join(work, obj)):
+            make_surface("mesh", number, amplitude, os.path.join(work, obj))
+        name = "%s-rough-%s" % (medium, number)
+        path = os.path.join(work, name + ".mci")
+        write_scene(medium, path, surface='m "%s"' % obj)
+        cases.append(Case(name, medium, "rough", path))
+    return cases
+
+
+def ring_cases(medium, work):
+    cases = []
+    for rings in RINGS:
+        text = "rings-%d.txt" % rings
+        make_surface("rings", rings, AMPLITUDE, os.path.join(work, text))
+        name = "%s-rings-%d" % (medium, rings)
+        path = os.path.join(work, name + ".mci")
+        write_scene(medium, path, surface='b "%s"' % text)
+        for kind in ("cone", "mesh"):
+            cases.append(Case("%s-%s" % (name, kind), medium, "rings", path, ["--boundaries", kind]))
+    return cases
+
+
+def all_cases(work, quick):
+    """Grouped by medium, the flat scene first, so that what is divided by it runs soon after."""
+    numbers = ["1e3", "1e4", "1e5", "3e5"] + ([] if quick else ["1e6"])
+    cases = []
+    for medium in SCENES:
+        flat = os.path.join(work, medium + ".mci")
+        write_scene(medium, flat)
+        cases.append(Case(medium, medium, "flat", flat))
+        if medium in ("S2", "S6a"):
+            cases += rough_cases(medium, numbers, AMPLITUDE, work) + ring_cases(medium, work)
+        if medium == "A":
+            cases += rough_cases(medium, ["1e5"], AMPLITUDE_A, work)
+    with_two = []
+    for case in cases:
+        with_two += [case, case.two()] if case.name in TWO_THREADS else [case]
+    return with_two
+
+
+def rows_of(name):
+    """The rows of a CSV file of tests/reference, without the comments above its header; {} of column to text."""
+    path = os.path.join(REFERENCE, name)
+    if not os.path.exists(path):
+        return []
+    with open(path) as stream:
+        return list(csv.DictReader(line for line in stream if not line.startswith("#")))
+
+
+def reference(medium):
+    """Rd of the flat scene from adding-doubling (error below 1e-6, without this program), or None."""
+    layers = [line.split() for line in data_lines(medium)[ABOVE + 1:-1]]
+    numbers = [[float(word) for word in layer] for layer in layers]
+    specular = ((numbers[0][0] - 1) / (numbers[0][0] + 1)) ** 2
+    for row in rows_of("layers.csv"):
+        if [[float(word) for word in layer.split("/")] for layer in row["layers"].split("|")] == numbers:
+            return float(row["UR1"]) - specular
+    for row in rows_of("slabs.csv"):
+        key = [float(row[name]) for name in ("n_slab", "mua", "mus", "g", "d")]
+        if [key] == numbers and float(row["n_outside"]) == 1 and row["specular_included"] == "yes":
+            return float(row["UR1"]) - specular
+    return None

@@ -1,0 +1,194 @@
+#!/usr/bin/env python3
+"""Medians, ratios, CSV and tables of the bench. As a program: results.py CSV README.md rewrites the table there.
+
+SPDX-License-Identifier: MIT
+"""
+import csv
+import json
+import math
+import os
+import platform
+import shlex
+import statistics
+import subprocess
+import sys
+
+import cases
+
+README_ROWS = ("S1", "S2", "S3", "S4", "S5", "S6a", "S6b", "S6a-rough-1e3", "S6a-rough-1e5", "S6a-rough-1e6",
+               "S6a-rings-50-cone", "S6a-rings-50-mesh", "S2-rough-1e5", "A-rough-1e5")
+
+
+def command_line(command):
+    """The first line that a command prints, or a question mark."""
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split("\n")[0]
+    except (OSError, subprocess.CalledProcessError):
+        return "?"
+
+
+def compiler(program):
+    """(name and version, flags) from the folder in which the program was built."""
+    try:
+        with open(os.path.join(os.path.dirname(os.path.abspath(program)), "compile_commands.json")) as stream:
+            words = [shlex.split(entry["command"]) for entry in json.load(stream)
+                     if entry["file"].endswith("bundle.c")][0]
+    except (OSError, IndexError, KeyError, ValueError):
+        return "?", "?"
+    flags = [word for word in words if word[:2] in ("-O", "-f", "-m")]
+    return command_line([words[0], "--version"]), " ".join(flags)
+
+
+def machine(program, version, rounds):
+    """What the numbers depend on, as (key, text) pairs."""
+    model = "?"
+    if os.path.exists("/proc/cpuinfo"):
+        with open("/proc/cpuinfo") as stream:
+            names = [line.split(":")[1].strip() for line in stream if line.startswith("model name")]
+        model = names[0] if names else platform.machine()
+    built_by, flags = compiler(program)
+    return [("program", "clustermcml " + version), ("machine", "%s, %d cores" % (model, os.cpu_count())),
+            ("compiler", built_by), ("flags", flags), ("rounds", str(rounds))]
+
+
+def spread(name, values):
+    """Median, minimum and maximum under three column names."""
+    if not values:
+        return {name: "", name + "_min": "", name + "_max": ""}
+    return {name: statistics.median(values), name + "_min": min(values), name + "_max": max(values)}
+
+
+def ratios(above, below):
+    return [a / b for a, b in zip(above, below)]
+
+
+def nanoseconds(case):
+    return [run["ns_per_step"] for run in case.runs]
+
+
+def surface_of(run):
+    """Kind and primitives of the first boundary, the only one that may be curved here."""
+    return run["boundaries"][0]["kind"], run["boundaries"][0]["primitives"]
+
+
+def accuracy(case):
+    """The rounds have different seeds: their mean is a better Rd than any of them."""
+    n = len(case.runs)
+    known = cases.reference(case.medium) if case.surface == "flat" else None
+    row = {"Rd": sum(run["Rd"] for run in case.runs) / n,
+           "Rd_se": math.sqrt(sum(run["Rd_se"] ** 2 for run in case.runs)) / n,
+           "Rd_reference": "" if known is None else known, "mcml_Rd": "", "mcml_Rd_se": "",
+           "lost": sum(run["lost"] for run in case.runs), "residue": max(abs(run["residue"]) for run in case.runs)}
+    if case.mcml_runs:
+        rd = statistics.mean(rd for _, rd in case.mcml_runs)
+        # an upper bound: no weight in [0, 1] spreads wider than all or nothing
+        row.update(mcml_Rd=rd, mcml_Rd_se=math.sqrt(rd * (1 - rd) / (case.mcml_photons * len(case.mcml_runs))))
+    return row
+
+
+def row_of(case, flat, single):
+    """One row; flat is the plane of the same medium and threads, single the same case on one thread."""
+    runs = case.runs
+    kind, primitives = surface_of(runs[0])
+    row = {"case": case.name, "medium": case.medium, "surface": case.surface, "kind": kind,
+           "primitives": primitives, "threads": case.threads, "photons": case.photons}
+    row.update(spread("ns_per_step", nanoseconds(case)))
+    row["photons_per_s"] = statistics.median(run["photons_per_s"] for run in runs)
+    row.update(spread("to_flat", ratios(nanoseconds(case), nanoseconds(flat)) if flat is not case else []))
+    per_photon = [1 / run["photons_per_s"] for run in runs]
+    row.update(spread("mcml_to_ours", ratios([seconds for seconds, _ in case.mcml_runs], per_photon)))
+    row.update(spread("one_to_threads", ratios(nanoseconds(single), nanoseconds(case)) if single is not case else []))
+    row["steps_per_photon"] = sum(run["steps"] for run in runs) / sum(run["photons"] for run in runs)
+    row["query_share"] = sum(run["queries"] for run in runs) / sum(run["steps"] for run in runs)
+    row["build_s"] = statistics.median(sum(b["build_s"] for b in run["boundaries"]) for run in runs)
+    row["MiB"] = sum(b["MiB"] for b in runs[0]["boundaries"])
+    row["process_MiB"] = statistics.median(run["rss"] for run in runs)
+    row.update(accuracy(case))
+    return row
+
+
+def rows(done):
+    by_name = {(case.name, case.threads): case for case in done}
+    return [row_of(case, by_name.get((case.medium, case.threads), by_name[case.medium, 1]),
+                   by_name[case.name, 1]) for case in done]
+
+
+def write_csv(path, header, table):
+    with open(path, "w", newline="") as stream:
+        for key, text_of in header:
+            stream.write("# %s: %s\n" % (key, text_of))
+        writer = csv.DictWriter(stream, table[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        for row in table:
+            writer.writerow({key: "%.6g" % value if isinstance(value, float) else value
+                             for key, value in row.items()})
+
+
+def read_csv(path):
+    with open(path) as stream:
+        lines = list(stream)
+    header = [tuple(line[2:].strip().split(": ", 1)) for line in lines if line.startswith("# ")]
+    return header, list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+def ranged(row, name, digits):
+    if row[name] == "":
+        return "-"
+    return "%.*f (%.*f-%.*f)" % (digits, float(row[name]), digits, float(row[name + "_min"]),
+                                 digits, float(row[name + "_max"]))
+
+
+def cells(row):
+    """The cells of a table for people."""
+    exact = " (%.5f)" % float(row["Rd_reference"]) if row["Rd_reference"] != "" else ""
+    return [row["case"], row["kind"], str(row["primitives"]), str(row["threads"]), ranged(row, "ns_per_step", 1),
+            ranged(row, "to_flat", 2), ranged(row, "mcml_to_ours", 1), "%.1f" % (100 * float(row["query_share"])),
+            "-" if row["kind"] == "plane" else "%.2g" % float(row["build_s"]),
+            "-" if row["kind"] == "plane" else "%.2g" % float(row["MiB"]),
+            "%.5f ± %.5f%s" % (float(row["Rd"]), float(row["Rd_se"]), exact), str(row["lost"])]
+
+
+TITLES = ["case", "boundary", "primitives", "threads", "ns/step", "x flat", "MCML / ours", "queries %", "build s",
+          "MiB", "Rd (exact)", "lost"]
+
+
+def text(header, table):
+    lines = ["%s: %s" % pair for pair in header] + [""]
+    grid = [TITLES] + [cells(row) for row in table]
+    widths = [max(len(line[i]) for line in grid) for i in range(len(TITLES))]
+    lines += ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in grid]
+    for row in table:
+        if row["one_to_threads"] != "":
+            lines.append("%s: %s threads %s times one thread" % (row["case"], row["threads"],
+                                                                ranged(row, "one_to_threads", 2)))
+    return "\n".join(lines) + "\n"
+
+
+def rewrite(readme, header, table):
+    """Puts the chosen rows into the table of the README that begins with our titles."""
+    chosen = [cells(row) for row in table if row["case"] in README_ROWS and row["threads"] == "1"]
+    drop = TITLES.index("threads")
+    begin = "| " + " | ".join(TITLES[:drop] + TITLES[drop + 1:]) + " |"
+    with open(readme) as stream:
+        lines = stream.read().split("\n")
+    if begin not in lines:
+        sys.exit("%s: no line %s" % (readme, begin))
+    first = lines.index(begin) + 2
+    last = first
+    while last < len(lines) and lines[last].startswith("|"):
+        last += 1
+    about = dict(header)
+    measured = "Measured: %s; %s; %s; median (least-most) of %s rounds." % (
+        about["program"], about["machine"], about["compiler"], about["rounds"])
+    lines = [measured if line.startswith("Measured: ") else line for line in lines]
+    fresh = ["| " + " | ".join(line[:drop] + line[drop + 1:]) + " |" for line in chosen]
+    if measured not in lines:
+        sys.exit("%s: no line that begins with Measured: " % readme)
+    with open(readme, "w") as stream:
+        stream.write("\n".join(lines[:first] + fresh + lines[last:]))
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 3:
+        sys.exit("usage: results.py CSV README.md")
+    rewrite(sys.argv[2], *read_csv(sys.argv[1]))

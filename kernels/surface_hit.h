@@ -19,14 +19,17 @@ struct cml_hit {
 
 #ifndef __OPENCL_VERSION__
 /* Closest crossing of a mesh (src/surface_mesh.c): p in the boundary's frame and from the beam's axis;
- * exclude is the primitive the packet stands on or -1. Returns 1 and fills the rest when one is found with 0
- * <= t < t_max. */
+ * exclude is the primitive the packet stands on or -1. A crossing up to slack behind p is one at p: rounding
+ * has put the packet beyond a facet that it has not crossed. straight: the packet has come through `exclude`
+ * without a turn, so what lies behind that facet on the same line has been dealt with. exact: candidates are
+ * tested in double, without gaps; else Embree's own triangles find the hit and only the hit is computed in
+ * double. Returns 1 and fills *crossing when one is found with t < t_max. */
 struct cml_mesh_crossing {
     double t, point[3], normal[3], facet[3];
     int primitive;
 };
 int cml_mesh_surface_hit(const struct cml_mesh_surface *mesh, const double p[3], const double u[3], int below,
-                         double t_max, int exclude, int straight, double slack,
+                         double t_max, int exclude, int straight, int exact, double slack,
                          struct cml_mesh_crossing *crossing);
 #endif
 
@@ -87,8 +90,8 @@ CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]));
     struct cml_mesh_crossing c;
-    if (!cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on, straight, slack,
-                              &c))
+    if (!cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on, straight,
+                              sizeof(real) == sizeof(double), slack, &c))
         return 0;
     hit->t = (real)c.t;
     hit->primitive = c.primitive;

@@ -11,8 +11,8 @@ FLOORS = [
     (6, "main options command command_*"),
     (5, "run report report_mco plot"),
     (4, "engine engine_cpu engine_reference engine_scalar tally_packet bundle bundle_*"),
-    (3, "surface surface_mesh clearance mci mci_lines mci_extra obj obj_* mco mco_*"),
-    (2, "scene mesh mesh_* radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally"),
+    (3, "surface surface_mesh mesh_query clearance mci mci_lines mci_extra obj obj_* mco mco_*"),
+    (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally"),
     (1, "status text"),
 ]
 KERNEL_FLOOR = 0  # everything in kernels/

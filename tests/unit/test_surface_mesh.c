@@ -22,7 +22,7 @@ static struct cml_mesh_surface *surface_of(const struct patch *from, double x0, 
 static int query(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
                  int exclude, struct cml_mesh_crossing *crossing)
 {
-    return cml_mesh_surface_hit(surface, p, u, below, INFINITY, exclude, 0, 1e-15, crossing);
+    return cml_mesh_surface_hit(surface, p, u, below, INFINITY, exclude, 0, 1, 1e-15, crossing);
 }
 
 /* ---- the oracle ---- */
@@ -232,9 +232,9 @@ static void a_packet_that_rounding_put_beyond_the_surface_crosses_at_once(void *
         const double beyond = (below ? -1 : 1) * 5e-8, u[3] = {0, 0, below ? -1 : 1};
         const double p[3] = {x, y, patch_depth(&patch, x, y) + beyond};
         struct cml_mesh_crossing c;
-        assert_true(cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 1e-7, &c));
+        assert_true(cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 1, 1e-7, &c));
         assert_true(c.t == 0);
-        assert_false(cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 1e-8, &c));
+        assert_false(cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 1, 1e-8, &c));
     }
     cml_mesh_surface_free(surface);
 }

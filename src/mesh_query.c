@@ -1,0 +1,335 @@
+/* SPDX-License-Identifier: MIT */
+#include "mesh_query.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* Below this share of a triangle's area a barycentric weight counts as 0: the hit lies on the opposite edge.
+ */
+static const double on_edge = 1e-12;
+
+static void subtract(const double a[3], const double b[3], double c[3])
+{
+    for (int k = 0; k < 3; k++) c[k] = a[k] - b[k];
+}
+
+static void cross_product(const double a[3], const double b[3], double c[3])
+{
+    c[0] = a[1] * b[2] - a[2] * b[1];
+    c[1] = a[2] * b[0] - a[0] * b[2];
+    c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+static double dot_product(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* d . ((a - p) x (b - p)) of the edge from vertex i to j. Computed from the lower index to the higher, so
+ * that the two triangles of an edge get exactly opposite numbers. */
+static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
+{
+    const double(*vertex)[3] = (const double(*)[3])q->body->mesh.vertex;
+    const bool swap = i > j;
+    double a[3], b[3], c[3];
+    subtract(vertex[swap ? j : i], q->near, a);
+    subtract(vertex[swap ? i : j], q->near, b);
+    cross_product(a, b, c);
+    const double w = dot_product(q->direction, c);
+    return swap ? -w : w;
+}
+
+/* Whether an edge product below 0 may be 0 but for rounding. */
+static bool is_rounding(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
+{
+    if (product < -q->coarse) return false;
+    const double *a = q->body->mesh.vertex[i], *b = q->body->mesh.vertex[j];
+    double sum_a = 0, sum_b = 0, edge = 0;
+    for (int k = 0; k < 3; k++) {
+        sum_a += fabs(a[k] - q->near[k]);
+        sum_b += fabs(b[k] - q->near[k]);
+        edge += fabs(a[k] - b[k]);
+    }
+    return product >= -(4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge);
+}
+
+static void facet_normal(const struct cml_mesh *mesh, int primitive, double normal[3])
+{
+    const uint32_t *v = mesh->triangle[primitive];
+    double ab[3], ac[3];
+    subtract(mesh->vertex[v[1]], mesh->vertex[v[0]], ab);
+    subtract(mesh->vertex[v[2]], mesh->vertex[v[0]], ac);
+    cross_product(ab, ac, normal);
+}
+
+static void normalise(double v[3])
+{
+    const double k = 1 / sqrt(dot_product(v, v));
+    for (int i = 0; i < 3; i++) v[i] *= k;
+}
+
+/* Distance from the near point to the triangle's plane, but never outside the triangle: at grazing incidence
+ * the plane alone says little. */
+static double triangle_distance(const struct cml_mesh_query *q, const uint32_t v[3], const double normal[3],
+                                double along)
+{
+    double low = INFINITY, high = -INFINITY, t = 0;
+    for (int k = 0; k < 3; k++) {
+        double to_corner[3];
+        subtract(q->body->mesh.vertex[v[k]], q->near, to_corner);
+        const double reach = dot_product(q->direction, to_corner);
+        low = fmin(low, reach);
+        high = fmax(high, reach);
+        if (k == 0) t = dot_product(to_corner, normal) / along;
+    }
+    return fmax(low, fmin(t, high));
+}
+
+/* Crossing of one triangle away from the packet's side; on success *t and the barycentric weights. A ray
+ * within rounding of an edge meets the triangles on both sides of it: exact signs alone leave pinholes at
+ * vertices, where the signs of several edges have to agree, and along the border, beyond which the plane
+ * begins. */
+bool cml_query_cross(const struct cml_mesh_query *q, int primitive, double *t, double weight[3])
+{
+    const uint32_t *v = q->body->mesh.triangle[primitive];
+    const double sign = q->below ? 1 : -1;
+    double normal[3];
+    for (int k = 0; k < 3; k++) {
+        const uint32_t i = v[(k + 1) % 3], j = v[(k + 2) % 3];
+        weight[k] = sign * edge_product(q, i, j);
+        if (!(weight[k] >= 0 || is_rounding(q, weight[k], i, j))) return false;
+    }
+    facet_normal(&q->body->mesh, primitive, normal);
+    const double along = dot_product(q->direction, normal);
+    if (!(sign * along > 0)) return false;
+    *t = q->base + triangle_distance(q, v, normal, along);
+    const double sum = weight[0] + weight[1] + weight[2];
+    for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
+    return *t >= q->least;
+}
+
+/* The best crossing so far. One at the same place, on a shared edge, adds its facet to the seam's mean
+ * normal. */
+void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
+{
+    const bool seam = weight[0] < on_edge || weight[1] < on_edge || weight[2] < on_edge;
+    double normal[3];
+    facet_normal(&q->body->mesh, primitive, normal);
+    normalise(normal);
+    if (q->on_seam && seam && fabs(t - q->t) <= q->slack) {
+        for (int k = 0; k < 3; k++) q->seam[k] += normal[k];
+        return;
+    }
+    if (t >= q->t) return;
+    q->t = t;
+    q->primitive = primitive;
+    q->on_seam = seam;
+    for (int k = 0; k < 3; k++) {
+        q->seam[k] = normal[k];
+        q->weight[k] = weight[k];
+    }
+}
+
+/* The part of the ray inside the mesh's box, so that only numbers of the mesh's own size are rounded to
+ * float. */
+bool cml_query_clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave)
+{
+    *enter = 0;
+    *leave = t_max;
+    for (int k = 0; k < 3; k++) {
+        const double lower = q->body->lower[k] - q->origin[k], upper = q->body->upper[k] - q->origin[k];
+        if (q->direction[k] == 0) {
+            if (lower > 0 || upper < 0) return false;
+            continue;
+        }
+        const double a = lower / q->direction[k], b = upper / q->direction[k];
+        *enter = fmax(*enter, fmin(a, b));
+        *leave = fmin(*leave, fmax(a, b));
+    }
+    return *enter <= *leave;
+}
+
+/* The plane outside the footprint. */
+void cml_query_outer_plane(struct cml_mesh_query *q)
+{
+    const double uz = q->direction[2];
+    if (q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
+    const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
+    if (!(t >= q->least) || !(t < q->t)) return;
+    const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
+    if (cml_footprint_contains(q->body->footprint, x, y)) return;
+    q->t = t;
+    q->primitive = CML_OUTER_PLANE;
+}
+
+/* Upward normal of the cone that the triangle stands for. */
+static void analytic_normal(const struct cml_mesh_query *q, const double point[3], double normal[3])
+{
+    const double x = point[0] - q->body->axis[0], y = point[1] - q->body->axis[1], r = hypot(x, y);
+    const double m = q->body->mesh.slope[q->primitive], k = 1 / sqrt(1 + m * m);
+    normal[0] = r > 0 ? m * k * x / r : 0;
+    normal[1] = r > 0 ? m * k * y / r : 0;
+    normal[2] = r > 0 ? -k : -1;
+}
+
+static void interpolated_normal(const struct cml_mesh_query *q, double normal[3])
+{
+    const struct cml_mesh *mesh = &q->body->mesh;
+    const uint32_t *v = mesh->triangle[q->primitive];
+    for (int k = 0; k < 3; k++)
+        normal[k] = q->weight[0] * mesh->vertex_normal[v[0]][k] +
+                    q->weight[1] * mesh->vertex_normal[v[1]][k] + q->weight[2] * mesh->vertex_normal[v[2]][k];
+    normalise(normal);
+}
+
+/* P1: at a vertex the angle-weighted mean normal, on an edge the mean of its facets; there it is the facet as
+ * well, for no single facet can decide. Elsewhere facet and normal are what their names say. */
+static void fill_normals(const struct cml_mesh_query *q, const double point[3],
+                         struct cml_mesh_crossing *crossing)
+{
+    const struct cml_mesh *mesh = &q->body->mesh;
+    int corner = -1;
+    for (int k = 0; k < 3; k++)
+        if (q->weight[k] > 1 - 2 * on_edge) corner = k;
+    for (int k = 0; k < 3; k++)
+        crossing->facet[k] =
+            corner >= 0 ? mesh->vertex_normal[mesh->triangle[q->primitive][corner]][k] : q->seam[k];
+    const double sign = q->below ? 1 : -1;
+    if (!(sign * dot_product(q->direction, crossing->facet) > 0)) /* a mean may turn away from the ray */
+        facet_normal(mesh, q->primitive, crossing->facet);
+    normalise(crossing->facet);
+    for (int k = 0; k < 3; k++) crossing->normal[k] = crossing->facet[k];
+    if (q->on_seam) return;
+    if (mesh->normals == CML_NORMALS_ANALYTIC)
+        analytic_normal(q, point, crossing->normal);
+    else if (mesh->normals == CML_NORMALS_VERTEX)
+        interpolated_normal(q, crossing->normal);
+}
+
+/* Distance along the query's line to the plane of a primitive. */
+static double plane_distance(const struct cml_mesh_query *q, int primitive)
+{
+    const struct cml_mesh *mesh = &q->body->mesh;
+    double normal[3] = {0, 0, 1}, to_plane[3] = {0, 0, mesh->z_border - q->origin[2]};
+    if (primitive != CML_OUTER_PLANE) {
+        facet_normal(mesh, primitive, normal);
+        subtract(mesh->vertex[mesh->triangle[primitive][0]], q->origin, to_plane);
+    }
+    return dot_product(to_plane, normal) / dot_product(q->direction, normal);
+}
+
+/* Distance in double along the ray from the triangle's plane alone; `along` is the product of direction and
+ * unit normal. */
+double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, double *along)
+{
+    const double *plane = q->body->plane[primitive];
+    *along = dot_product(q->direction, plane);
+    return (plane[3] - dot_product(q->origin, plane)) / *along;
+}
+
+void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
+{
+    if (!(t < q->t)) return;
+    q->t = t;
+    q->primitive = primitive;
+    q->on_seam = false;
+    for (int k = 0; k < 3; k++) {
+        q->seam[k] = q->body->plane[primitive][k];
+        q->weight[k] = weight[k];
+    }
+}
+
+void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
+                     const double u[3], int below, double t_max, int exclude, int straight, double slack)
+{
+    q->body = body;
+    q->below = below;
+    q->exclude = exclude;
+    q->t = t_max;
+    q->slack = slack;
+    q->primitive = -1;
+    q->on_seam = false;
+    subtract(p, body->centre, q->origin);
+    for (int k = 0; k < 3; k++) q->direction[k] = u[k];
+    q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
+}
+
+int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
+                     struct cml_mesh_crossing *crossing)
+{
+    double local[3];
+    if (q->primitive < 0) return 0;
+    crossing->t = q->t > 0 ? q->t : 0;
+    crossing->primitive = q->primitive;
+    for (int k = 0; k < 3; k++) {
+        local[k] = q->origin[k] + crossing->t * u[k];
+        crossing->point[k] = p[k] + crossing->t * u[k];
+        crossing->normal[k] = crossing->facet[k] = k == 2 ? -1 : 0;
+    }
+    if (q->primitive == CML_OUTER_PLANE)
+        crossing->point[2] = q->body->mesh.z_border + q->body->centre[2];
+    else
+        fill_normals(q, local, crossing);
+    return 1;
+}
+
+/* Vertices relative to the middle of the box; queries subtract it once, in double. */
+static void centre_mesh(struct cml_mesh_body *body, double x0, double y0)
+{
+    struct cml_mesh *mesh = &body->mesh;
+    double middle[3], diagonal = 0;
+    for (int k = 0; k < 3; k++) {
+        middle[k] = 0.5 * (mesh->lower[k] + mesh->upper[k]);
+        diagonal = hypot(diagonal, mesh->upper[k] - mesh->lower[k]);
+    }
+    for (size_t i = 0; i < mesh->num_vertices; i++)
+        for (int k = 0; k < 3; k++) mesh->vertex[i][k] -= middle[k];
+    mesh->z_border -= middle[2];
+    body->inflation = 1e-6 * diagonal;
+    for (int k = 0; k < 3; k++) {
+        mesh->lower[k] -= middle[k];
+        mesh->upper[k] -= middle[k];
+        body->lower[k] = mesh->lower[k] - 2 * body->inflation;
+        body->upper[k] = mesh->upper[k] + 2 * body->inflation;
+    }
+    body->centre[0] = middle[0] - x0;
+    body->centre[1] = middle[1] - y0;
+    body->centre[2] = middle[2];
+    body->axis[0] = -middle[0];
+    body->axis[1] = -middle[1];
+}
+
+/* Unit normals, up, and distances of all facets' planes: one cache line where a hit would fetch three
+ * vertices. */
+static cml_status find_planes(struct cml_mesh_body *body, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = &body->mesh;
+    body->plane = malloc((mesh->num_triangles + 1) * sizeof *body->plane);
+    if (!body->plane)
+        return cml_fail_memory(err, (double)(mesh->num_triangles * sizeof *body->plane), "facet planes");
+    for (size_t i = 0; i < mesh->num_triangles; i++) {
+        facet_normal(mesh, (int)i, body->plane[i]);
+        normalise(body->plane[i]);
+        body->plane[i][3] = dot_product(body->plane[i], mesh->vertex[mesh->triangle[i][0]]);
+    }
+    return CML_OK;
+}
+
+cml_status cml_mesh_body_create(struct cml_mesh *mesh, double x0, double y0, struct cml_mesh_body *body,
+                                struct cml_error *err)
+{
+    *body = (struct cml_mesh_body){.mesh = *mesh};
+    *mesh = (struct cml_mesh){0};
+    centre_mesh(body, x0, y0);
+    CML_TRY(find_planes(body, err));
+    return cml_footprint_create(&body->mesh, &body->footprint, err);
+}
+
+void cml_mesh_body_clear(struct cml_mesh_body *body)
+{
+    free(body->plane);
+    cml_footprint_free(body->footprint);
+    cml_mesh_clear(&body->mesh);
+    *body = (struct cml_mesh_body){0};
+}

@@ -1,0 +1,77 @@
+/* The double-precision half of a mesh query: one ray against triangles that somebody else has found, and
+ * against the outer plane. Triangles are tested by the signs of Pluecker products, which neighbours compute
+ * alike from their shared edge, so that no ray passes between them. Knows no tree and no Embree; see
+ * surface_mesh.h. SPDX-License-Identifier: MIT */
+#ifndef CML_MESH_QUERY_H
+#define CML_MESH_QUERY_H
+
+#include "footprint.h"
+#include "mesh.h"
+#include "surface_hit.h"
+#include "surface_mesh.h"
+
+/* What is queried: a mesh centred on the origin. */
+struct cml_mesh_body {
+    struct cml_mesh mesh; /* vertices relative to centre */
+    double (*plane)[4]; /* [num_triangles] unit normal, up, and its product with any point of the triangle */
+    double centre[3];   /* in query coordinates: x and y from the beam's axis, z in the boundary's frame */
+    double axis[2];     /* the scene's z axis relative to centre: where an analytic normal is centred */
+    double lower[3], upper[3]; /* box, inflated, relative to centre */
+    double inflation;          /* how much every box grows: more than the rounding of ray and box to float */
+    struct cml_footprint *footprint;
+};
+
+/* A ray on its way to its first crossing. */
+struct cml_mesh_query {
+    const struct cml_mesh_body *body;
+    double origin[3], direction[3]; /* relative to centre */
+    double base;                    /* distance at which the ray enters the mesh's box */
+    double near[3]; /* that point: triangles are tested from there, so that a far origin costs no digits */
+    double blur;    /* rounding of its coordinates */
+    double coarse;  /* more than rounding can make of any edge product */
+    double slack;   /* the rounding of the packet's position: how far behind the origin a crossing may lie */
+    double least;   /* -slack, or where the line crosses `exclude` when the packet came straight through it */
+    int below, exclude;
+    double t;         /* best so far */
+    double weight[3]; /* its barycentric weights */
+    double seam[3];   /* sum of unit facet normals when the best lies on an edge, else the facet's */
+    int primitive;    /* -1: none */
+    bool on_seam;
+};
+
+/* Takes over *mesh (prepared; left empty) and centres it. x0, y0: scene position of the queries' origin. On
+ * failure the body holds what cml_mesh_body_clear frees. */
+CML_NODISCARD cml_status cml_mesh_body_create(struct cml_mesh *mesh, double x0, double y0,
+                                              struct cml_mesh_body *body, struct cml_error *err);
+void cml_mesh_body_clear(struct cml_mesh_body *body);
+
+/* Arguments as of cml_mesh_surface_hit (kernels/surface_hit.h). */
+void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
+                     const double u[3], int below, double t_max, int exclude, int straight, double slack);
+
+/* The part [*enter, *leave] of the ray inside the box, so that only numbers of the mesh's own size are ever
+ * rounded to float; false when there is none. */
+bool cml_query_clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave);
+
+/* Whether a triangle is crossed away from the packet's side: without gaps between neighbours. *t and
+ * barycentric weights. Uses near, base, blur and coarse. */
+bool cml_query_cross(const struct cml_mesh_query *q, int primitive, double *t, double weight[3]);
+
+/* Makes a crossing the best so far if it is; one at the same place on a shared edge adds its facet to the
+ * seam. */
+void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const double weight[3]);
+
+/* Distance to the plane of a facet; *along is the product of direction and upward unit normal. */
+double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, double *along);
+
+/* As cml_query_take for a crossing that lies clearly inside its triangle. */
+void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, const double weight[3]);
+
+/* Lets the plane outside the footprint compete. */
+void cml_query_outer_plane(struct cml_mesh_query *q);
+
+/* 1 and the crossing, with its normals, if there is one. */
+int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
+                     struct cml_mesh_crossing *crossing);
+
+#endif

@@ -15,10 +15,10 @@ CML_FN real cml_magnitude(real x)
     return x < 0 ? -x : x;
 }
 
-CML_CLONES cml_u32 cml_bundle_fly(struct cml_bundle *b)
+CML_CLONES cml_u64 cml_bundle_fly(struct cml_bundle *b)
 {
-    cml_u32 near_lanes = 0;
-#pragma omp simd reduction(| : near_lanes)
+    cml_u32 near_above = 0, near_below = 0;
+#pragma omp simd reduction(| : near_above, near_below)
     for (int i = 0; i < CML_LANES; i++) {
         const real z = b->z[i], mfp = b->mfp[i], depth = b->tau[i] * mfp;
         const real s = mfp < CML_INFINITY ? depth : CML_INFINITY;
@@ -26,12 +26,13 @@ CML_CLONES cml_u32 cml_bundle_fly(struct cml_bundle *b)
         const real step = s * b->uz[i], end = z + step;
         const real slack = 4 * CML_EPSILON * (cml_magnitude(z) + cml_magnitude(step));
         const real least = (z < end ? z : end) - slack, most = (z > end ? z : end) + slack;
-        const int clear = (least > b->stop_above[i]) & (most < b->stop_below[i]);
+        const int above = !(least > b->stop_above[i]), below = !(most < b->stop_below[i]);
         b->s[i] = s;
-        b->task[i] = clear ? CML_LANE_INTERACT : CML_LANE_NEAR;
-        near_lanes |= (cml_u32)!clear << i;
+        b->task[i] = (above | below) ? CML_LANE_NEAR : CML_LANE_INTERACT;
+        near_above |= (cml_u32)above << i;
+        near_below |= (cml_u32)below << i;
     }
-    return near_lanes;
+    return (cml_u64)near_below << CML_LANES | near_above;
 }
 
 CML_CLONES void cml_bundle_cross_planes(const struct cml_setup *setup, struct cml_bundle *b, int first)

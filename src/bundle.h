@@ -56,11 +56,12 @@ struct cml_bundle {
 /* The vector passes, in order. Lanes whose task is another are left alone; lanes without a packet may hold
  * anything. Each picks the widest instruction set of the machine at load time. */
 
-/* Sets task (INTERACT or NEAR) and s of every lane; returns the mask of those that are near. Conservative: a
- * lane that is not near cannot meet a boundary before its interaction, rounding included. */
-cml_u32 cml_bundle_fly(struct cml_bundle *bundle);
+/* Sets task (INTERACT or NEAR) and s of every lane. Returns the mask of lanes that are near the boundary
+ * above, and in the upper 32 bits that of lanes near the boundary below. Conservative: a lane that is not
+ * near a boundary cannot meet it before its interaction, rounding included. */
+cml_u64 cml_bundle_fly(struct cml_bundle *bundle);
 
-/* Lanes first..first+15 that are NEAR, for which all boundaries around must be planes: reflected,
+/* Lanes first..first+15 that are NEAR, for which the boundaries they are near to must be planes: reflected,
  * transmitted, nowhere, or back to INTERACT. Medium, books and ends are the caller's. */
 void cml_bundle_cross_planes(const struct cml_setup *setup, struct cml_bundle *bundle, int first);
 

@@ -14,11 +14,11 @@ struct flight {
     cml_u32 interacting; /* mask of lanes that interact in this pass */
     cml_u32 loaded;      /* mask of lanes whose copies of a medium are sound */
     int pencil;
-    struct cml_packet start;      /* as the beam places packets */
-    cml_u32 launched;             /* mask of lanes with a new packet */
-    cml_u32 curved;               /* mask of lanes whose medium has a boundary that is no plane */
-    cml_u32 ended;                /* mask of lanes whose packet is finished in this pass */
-    uint64_t absorbed[CML_LANES]; /* of the lane's packet, without what is still in `deposited` */
+    struct cml_packet start;            /* as the beam places packets */
+    cml_u32 launched;                   /* mask of lanes with a new packet */
+    cml_u32 curved_above, curved_below; /* masks of lanes whose boundary above, below is no plane */
+    cml_u32 ended;                      /* mask of lanes whose packet is finished in this pass */
+    uint64_t absorbed[CML_LANES];       /* of the lane's packet, without what is still in `deposited` */
 };
 
 static int lowest_lane(cml_u32 mask)
@@ -49,7 +49,8 @@ static void load_medium(struct flight *f, int i)
     b->stop_above[i] = curved_top ? top->highest : b->plane_above[i];
     b->stop_below[i] = curved_bottom ? medium->span + bottom->lowest : b->plane_below[i];
     const cml_u32 bit = (cml_u32)1 << i;
-    f->curved = curved_top || curved_bottom ? f->curved | bit : f->curved & ~bit;
+    f->curved_above = curved_top ? f->curved_above | bit : f->curved_above & ~bit;
+    f->curved_below = curved_bottom ? f->curved_below | bit : f->curved_below & ~bit;
 }
 
 /* Deposits belong to the medium they were made in: to be called before it changes. */
@@ -378,6 +379,12 @@ static int launch(struct flight *f, int i)
     return 1;
 }
 
+static cml_u32 copy_bit(cml_u32 mask, int from, int to)
+{
+    const cml_u32 bit = (cml_u32)1 << to;
+    return mask >> from & 1u ? mask | bit : mask & ~bit;
+}
+
 /* The packet of lane `from` moves to lane `to`. Every member of a bundle is CML_LANES values of 4 bytes. */
 static void move_lane(struct flight *f, int from, int to)
 {
@@ -385,7 +392,8 @@ static void move_lane(struct flight *f, int from, int to)
     for (size_t k = 0; k < sizeof *f->b / sizeof(cml_u32); k += CML_LANES)
         columns[k + (size_t)to] = columns[k + (size_t)from];
     f->absorbed[to] = f->absorbed[from];
-    f->curved = (f->curved & ~((cml_u32)1 << to)) | (f->curved >> from & 1u) << to;
+    f->curved_above = copy_bit(f->curved_above, from, to);
+    f->curved_below = copy_bit(f->curved_below, from, to);
     f->launched |= (f->launched >> from & 1u) << to;
 }
 
@@ -439,10 +447,13 @@ static void pass(struct flight *f)
     struct cml_bundle *b = f->b;
     const struct cml_setup *setup = &f->world->setup;
     const cml_u32 live = f->lanes == CML_LANES ? ~(cml_u32)0 : ((cml_u32)1 << f->lanes) - 1;
-    const cml_u32 near_lanes = cml_bundle_fly(b) & live, planes = near_lanes & ~f->curved;
+    const cml_u64 near_lanes = cml_bundle_fly(b);
+    const cml_u32 above = (cml_u32)near_lanes & live, below = (cml_u32)(near_lanes >> CML_LANES) & live;
+    const cml_u32 exceptions = (above & f->curved_above) | (below & f->curved_below);
+    const cml_u32 planes = (above | below) & ~exceptions;
     for (int i = f->lanes; i < CML_LANES; i++) b->task[i] = CML_LANE_DONE;
-    f->interacting = live & ~near_lanes;
-    for_lanes(f, near_lanes & f->curved, handle_exception);
+    f->interacting = live & ~(above | below);
+    for_lanes(f, exceptions, handle_exception);
     if (planes & 0xffffu) cml_bundle_cross_planes(setup, b, 0);
     if (planes >> CML_HALF) cml_bundle_cross_planes(setup, b, CML_HALF);
     for_lanes(f, planes, after_plane);

@@ -1,0 +1,173 @@
+/* Clearance is conservative: a step it calls clear crosses nothing by the exact query.
+ * And the fast mesh query gives what the exact one gives. SPDX-License-Identifier: MIT */
+#include "flight.h"
+
+#include "engine_scalar.h"
+
+struct bench {
+    struct cml_scene_list list;
+    struct cml_surface_set surfaces;
+    struct scalar_world scalar;
+    struct cml_stream stream;
+    uint64_t draws;
+};
+
+static void bench_open(const char *line, enum cml_representation kind, struct bench *bench)
+{
+    struct cml_error err;
+    char text[4096];
+    const struct cml_surface_options surface = {.force = kind,
+                                                .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
+    const struct cml_engine_options options = {.seed = 1, .reentry = true};
+    *bench = (struct bench){.stream = {{1, 2, 3, 4}}};
+    snprintf(text, sizeof text, "1.0\n1\nbench A\n1\n1 1\n1 1 1\n1\n1\n%s\n1.4 1 10 0 2\n1\n", line);
+    read_scenes(text, &bench->list);
+    require_ok(cml_surfaces_create(&bench->list.scenes[0], &surface, &bench->surfaces, &err), &err);
+    require_ok(scalar_world_create(&bench->list.scenes[0], &bench->surfaces, &options, &bench->scalar, &err),
+               &err);
+}
+
+static void bench_close(struct bench *bench)
+{
+    scalar_world_free(&bench->scalar);
+    cml_surfaces_free(&bench->surfaces);
+    cml_scene_list_clear(&bench->list);
+}
+
+/* Uniform in (-1, 1). */
+static double dice(struct bench *bench)
+{
+    const cml_u32 word = cml_draw(bench->stream, bench->draws++, CML_PURPOSE_LAUNCH, 0).w[0];
+    return (double)word / 2147483648.0 - 1;
+}
+
+/* A step near the surface: start anywhere around it, length from far below a cell to several cm. */
+static void random_step(struct bench *bench, double reach, double height, struct cml_vec *p,
+                        struct cml_vec *u, real *length)
+{
+    const double ux = dice(bench), uy = dice(bench), uz = dice(bench) * (dice(bench) > 0 ? 1 : 0.1);
+    const double k = 1 / sqrt(ux * ux + uy * uy + uz * uz + 1e-30);
+    *p = to_vec(reach * dice(bench), reach * dice(bench), 2 * height * dice(bench));
+    *u = to_vec(k * ux, k * uy, k * uz);
+    *length = (real)pow(10, -2 + 2.5 * dice(bench));
+}
+
+/* Does the exact geometry cross [0, length] from the given side? */
+static int crosses(const struct bench *bench, struct cml_vec p, struct cml_vec u, real side, real length)
+{
+    const struct cml_world *world = &bench->scalar.world;
+    if (world->surfaces[0].kind == CML_SURFACE_CONE) {
+        real t;
+        int ring;
+        return cml_cone_hit(cml_rings_of(world, 0), p, u, side, length, -1, &t, &ring);
+    }
+    const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
+    struct cml_mesh_crossing crossing;
+    return cml_mesh_surface_hit(world->meshes[0], dp, du, side > 0, length, -1, 0, 1, 0, &crossing);
+}
+
+static void expect_conservative(const char *line, enum cml_representation kind, double reach)
+{
+    struct bench bench;
+    bench_open(line, kind, &bench);
+    const struct cml_world *world = &bench.scalar.world;
+    const struct cml_surface *surface = &world->surfaces[0];
+    const double height = fmax(fabs(surface->lowest), fabs(surface->highest)) + 1e-3;
+    long clear = 0, wrong = 0;
+    for (int i = 0; i < 300000; i++) {
+        struct cml_vec p, u;
+        real length;
+        random_step(&bench, reach, height, &p, &u, &length);
+        const struct cml_vec d = to_vec(length * u.x, length * u.y, length * u.z);
+        const real side = i & 1 ? (real)1 : (real)-1;
+        if (!cml_is_clear(world, surface, p, d, side)) continue;
+        clear++;
+        wrong += crosses(&bench, p, u, side, length);
+    }
+    print_message("%.60s: %ld of 300000 steps clear, %ld wrongly\n", line, clear, wrong);
+    assert_true(clear > 30000);
+    assert_int_equal(wrong, 0);
+    bench_close(&bench);
+}
+
+#define NOISE "b 9 0.02 0.05 -0.03 0.05 0.04 0.05 -0.05 0.05 0.01 0.05 0.06 0.05 -0.02 0.05 0.03 0.05 0 0"
+#define MESH(name) "m \"" CML_SOURCE_DIR "/meshes/" name "\""
+
+static void a_clear_step_crosses_nothing(void **state)
+{
+    (void)state;
+    expect_conservative(NOISE, CML_AS_CONE, 0.6);
+    expect_conservative(NOISE, CML_AS_MESH, 0.6);
+    expect_conservative("b 2 0.3 0.001 0 0", CML_AS_CONE, 0.01);
+    expect_conservative(MESH("ridges.obj"), CML_AS_AUTO, 1.2);
+    expect_conservative(MESH("overhang.obj"), CML_AS_AUTO, 0.8);
+    expect_conservative(MESH("wedge.obj"), CML_AS_AUTO, 0.8);
+    expect_conservative(MESH("spikes.obj") " shift=0.3,0,0", CML_AS_AUTO, 0.8);
+}
+
+/* Cones believe the side they are told, so it has to be true; triangles look at directions alone. */
+static bool is_on_side(const struct bench *bench, struct cml_vec p, real side)
+{
+    const struct cml_boundary *boundary = &bench->list.scenes[0].boundaries[0];
+    if (boundary->form != CML_FORM_RADIAL) return true;
+    return side * ((double)p.z + cml_radial_height(&boundary->radial, hypot((double)p.x, (double)p.y))) >
+           1e-6;
+}
+
+/* Directions steeper than the surface cannot cross it. */
+static void a_steep_direction_crosses_nothing(void **state)
+{
+    (void)state;
+    static const char *const lines[] = {NOISE, MESH("ridges.obj"), MESH("pyramid.obj")};
+    for (int k = 0; k < 3; k++) {
+        struct bench bench;
+        long away = 0;
+        bench_open(lines[k], CML_AS_AUTO, &bench);
+        for (int i = 0; i < 200000; i++) {
+            struct cml_vec p, u;
+            real length;
+            const real side = i & 1 ? (real)1 : (real)-1;
+            random_step(&bench, 0.6, 0.1, &p, &u, &length);
+            if (!cml_heads_away(&bench.scalar.world.surfaces[0], u, side) || !is_on_side(&bench, p, side))
+                continue;
+            away++;
+            assert_false(crosses(&bench, p, u, side, CML_INFINITY));
+        }
+        assert_true(away > 1000);
+        bench_close(&bench);
+    }
+}
+
+static void the_fast_query_is_the_exact_one(void **state)
+{
+    (void)state;
+    struct bench bench;
+    bench_open(MESH("ridges.obj"), CML_AS_AUTO, &bench);
+    long hits = 0, different = 0;
+    for (int i = 0; i < 300000; i++) {
+        struct cml_vec p, u;
+        real length;
+        struct cml_mesh_crossing fast, exact;
+        random_step(&bench, 1.1, 0.02, &p, &u, &length);
+        const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
+        const struct cml_mesh_surface *mesh = bench.scalar.world.meshes[0];
+        const int a = cml_mesh_surface_hit(mesh, dp, du, i & 1, length, -1, 0, 0, 0, &fast);
+        const int b = cml_mesh_surface_hit(mesh, dp, du, i & 1, length, -1, 0, 1, 0, &exact);
+        hits += b;
+        different += a != b || (a && (fast.primitive != exact.primitive || fabs(fast.t - exact.t) > 1e-9));
+    }
+    print_message("fast against exact: %ld hits, %ld different\n", hits, different);
+    assert_true(hits > 10000);
+    assert_true(different <= 1); /* rays within float rounding of an edge */
+    bench_close(&bench);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_clear_step_crosses_nothing),
+        cmocka_unit_test(a_steep_direction_crosses_nothing),
+        cmocka_unit_test(the_fast_query_is_the_exact_one),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -99,7 +99,7 @@ def calibrate(program, mcml, case, target):
     """Numbers of photons that take about target seconds."""
     photons = 2000
     while True:
-        seconds = fly(program, case, photons, 1)["seconds"]
+        seconds = fly_alone(program, case, photons, 1)["seconds"]
         if seconds > CALIBRATE_S or photons >= MOST_PHOTONS:
             break
         photons = min(MOST_PHOTONS, int(photons * min(20.0, 1.5 * CALIBRATE_S / max(seconds, 1e-4))) + 1)

@@ -124,6 +124,19 @@ CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray,
     return A < 0 && middle > t0 && middle < t1 && m * (w + middle * ray->u.z) > 0;
 }
 
+/* One Newton step on the height itself: the quadratic's root loses digits where a ray from far away passes
+ * close to the apex, the height at the root does not. A step that leaves [t0, t1] is not taken. */
+CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
+                            real t)
+{
+    const real m = rings.slope[i];
+    const real x = ray->p.x + t * ray->u.x, y = ray->p.y + t * ray->u.y, r = CML_SQRT(x * x + y * y);
+    const real height = ray->p.z + t * ray->u.z - rings.z[i] - m * (r - rings.r[i]);
+    const real rate = ray->u.z - m * (x * ray->u.x + y * ray->u.y) / r;
+    const real better = t - height / rate;
+    return r > 0 && ray->side * rate < 0 && better > t0 && better < t1 ? better : t;
+}
+
 /* One span [t0, t1] of ring i. Crossed when side * f is negative at its end, or dips below 0 in between,
  * which only a convex side * f can. Returns 1 and *t in [t0, t1] when the surface is crossed. */
 CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next,
@@ -136,6 +149,7 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     if (standing && !(root >= 0 && root <= t1))
         return 0; /* the sign at t1 was rounding: the packet has just left the ring */
     *t = root > t0 ? (root < t1 ? root : t1) : t0;
+    if (!standing) *t = cml_ring_polish(rings, ray, i, t0, t1, *t);
     return 1;
 }
 

@@ -144,7 +144,7 @@ def cells(row):
     return [row["case"], row["kind"], str(row["primitives"]), str(row["threads"]), ranged(row, "ns_per_step", 1),
             ranged(row, "to_flat", 2), ranged(row, "mcml_to_ours", 1), "%.1f" % (100 * float(row["query_share"])),
             "-" if row["kind"] == "plane" else "%.2g" % float(row["build_s"]),
-            "-" if row["kind"] == "plane" else "%.2g" % float(row["MiB"]),
+            "-" if row["kind"] == "plane" else "%.3g" % float(row["MiB"]),
             "%.5f ± %.5f%s" % (float(row["Rd"]), float(row["Rd_se"]), exact), str(row["lost"])]
 
 
@@ -178,8 +178,9 @@ def rewrite(readme, header, table):
     while last < len(lines) and lines[last].startswith("|"):
         last += 1
     about = dict(header)
-    measured = "Measured: %s; %s; %s; median (least-most) of %s rounds." % (
-        about["program"], about["machine"], about["compiler"], about["rounds"])
+    gains = ["%s %s" % (row["case"], ranged(row, "one_to_threads", 2)) for row in table if row["one_to_threads"] != ""]
+    measured = "Measured: %s; %s; %s; median (least-most) of %s rounds. Two threads over one: %s." % (
+        about["program"], about["machine"], about["compiler"], about["rounds"], ", ".join(gains))
     lines = [measured if line.startswith("Measured: ") else line for line in lines]
     fresh = ["| " + " | ".join(line[:drop] + line[drop + 1:]) + " |" for line in chosen]
     if measured not in lines:

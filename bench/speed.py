@@ -20,7 +20,7 @@ import results
 
 CALIBRATE_S = 0.1  # a run shorter than this says too little about the photons per second
 FOREIGN = 0.05  # of a core that others may take from a run before it is repeated
-REPEATS = 5
+REPEATS = 3
 MOST_PHOTONS = 50000000
 
 
@@ -68,11 +68,11 @@ def fly(program, case, photons, seed):
 
 def fly_alone(program, case, photons, seed):
     """Like fly, but again, a few times, when other programs took the cores that it needs."""
-    for attempt in range(REPEATS):
+    for _ in range(REPEATS):
         record = fly(program, case, photons, seed)
         if not record["disturbed"]:
             break
-        time.sleep(1 + attempt)
+        time.sleep(1)
     return record
 
 

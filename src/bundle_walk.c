@@ -139,18 +139,7 @@ static void finish_lane(struct flight *f, int i, enum cml_fate fate, enum cml_lo
 /* The lane's packet is finished as a scalar event has left it. */
 static void finish_packet(struct flight *f, int i, const struct cml_packet *packet)
 {
-    const struct cml_end end = {
-        .index = packet->index,
-        .fate = packet->fate,
-        .cause = packet->cause,
-        .w = packet->w,
-        .interactions = packet->interactions,
-        .boundary_events = packet->boundary_events,
-        .exit_x = packet->exit_x,
-        .exit_y = packet->exit_y,
-        .uz = packet->u.z,
-    };
-    end_lane(f, i, end);
+    end_lane(f, i, cml_end_of(packet));
 }
 
 /* A lane whose packet interacts after all, t further on; unless that lies beyond an envelope (as in

@@ -1,29 +1,14 @@
 /* Vertex normals and statistics of a mesh. SPDX-License-Identifier: MIT */
 #include "mesh_parts.h"
 
+#include "vec3.h"
+
 #include <math.h>
 #include <stdlib.h>
 
-static void difference(const double a[3], const double b[3], double out[3])
-{
-    for (int k = 0; k < 3; k++) out[k] = b[k] - a[k];
-}
-
-static void cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static double length(const double a[3])
 {
-    return sqrt(dot(a, a));
+    return sqrt(cml_vec3_dot(a, a));
 }
 
 static void add_scaled(double sum[3], double factor, const double a[3])
@@ -36,16 +21,16 @@ static void area_vector(const struct cml_mesh *mesh, size_t t, double out[3])
 {
     double u[3], v[3];
     const double *a = mesh->vertex[mesh->triangle[t][0]];
-    difference(a, mesh->vertex[mesh->triangle[t][1]], u);
-    difference(a, mesh->vertex[mesh->triangle[t][2]], v);
-    cross(u, v, out);
+    cml_vec3_subtract(mesh->vertex[mesh->triangle[t][1]], a, u);
+    cml_vec3_subtract(mesh->vertex[mesh->triangle[t][2]], a, v);
+    cml_vec3_cross(u, v, out);
 }
 
 static double angle_between(const double u[3], const double v[3])
 {
     double normal[3];
-    cross(u, v, normal);
-    return atan2(length(normal), dot(u, v));
+    cml_vec3_cross(u, v, normal);
+    return atan2(length(normal), cml_vec3_dot(u, v));
 }
 
 static void add_triangle(struct cml_mesh *mesh, size_t t)
@@ -56,8 +41,8 @@ static void add_triangle(struct cml_mesh *mesh, size_t t)
     const double size = length(normal);
     if (!(size > 0)) return;
     for (int k = 0; k < 3; k++) {
-        difference(mesh->vertex[corner[k]], mesh->vertex[corner[(k + 1) % 3]], u);
-        difference(mesh->vertex[corner[k]], mesh->vertex[corner[(k + 2) % 3]], v);
+        cml_vec3_subtract(mesh->vertex[corner[(k + 1) % 3]], mesh->vertex[corner[k]], u);
+        cml_vec3_subtract(mesh->vertex[corner[(k + 2) % 3]], mesh->vertex[corner[k]], v);
         add_scaled(mesh->vertex_normal[corner[k]], angle_between(u, v) / size, normal);
     }
 }
@@ -104,7 +89,7 @@ static int compare_doubles(const void *left, const void *right)
 static double edge_length(const struct cml_mesh *mesh, uint32_t a, uint32_t b)
 {
     double along[3];
-    difference(mesh->vertex[a], mesh->vertex[b], along);
+    cml_vec3_subtract(mesh->vertex[b], mesh->vertex[a], along);
     return length(along);
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "mesh_query.h"
 
+#include "vec3.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -9,23 +11,6 @@
  */
 static const double on_edge = 1e-12;
 
-static void subtract(const double a[3], const double b[3], double c[3])
-{
-    for (int k = 0; k < 3; k++) c[k] = a[k] - b[k];
-}
-
-static void cross_product(const double a[3], const double b[3], double c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot_product(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* d . ((a - p) x (b - p)) of the edge from vertex i to j. Computed from the lower index to the higher, so
  * that the two triangles of an edge get exactly opposite numbers. */
 static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
@@ -33,10 +18,10 @@ static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t 
     const double(*vertex)[3] = (const double(*)[3])q->body->mesh.vertex;
     const bool swap = i > j;
     double a[3], b[3], c[3];
-    subtract(vertex[swap ? j : i], q->near, a);
-    subtract(vertex[swap ? i : j], q->near, b);
-    cross_product(a, b, c);
-    const double w = dot_product(q->direction, c);
+    cml_vec3_subtract(vertex[swap ? j : i], q->near, a);
+    cml_vec3_subtract(vertex[swap ? i : j], q->near, b);
+    cml_vec3_cross(a, b, c);
+    const double w = cml_vec3_dot(q->direction, c);
     return swap ? -w : w;
 }
 
@@ -58,14 +43,14 @@ static void facet_normal(const struct cml_mesh *mesh, int primitive, double norm
 {
     const uint32_t *v = mesh->triangle[primitive];
     double ab[3], ac[3];
-    subtract(mesh->vertex[v[1]], mesh->vertex[v[0]], ab);
-    subtract(mesh->vertex[v[2]], mesh->vertex[v[0]], ac);
-    cross_product(ab, ac, normal);
+    cml_vec3_subtract(mesh->vertex[v[1]], mesh->vertex[v[0]], ab);
+    cml_vec3_subtract(mesh->vertex[v[2]], mesh->vertex[v[0]], ac);
+    cml_vec3_cross(ab, ac, normal);
 }
 
 static void normalise(double v[3])
 {
-    const double k = 1 / sqrt(dot_product(v, v));
+    const double k = 1 / sqrt(cml_vec3_dot(v, v));
     for (int i = 0; i < 3; i++) v[i] *= k;
 }
 
@@ -77,11 +62,11 @@ static double triangle_distance(const struct cml_mesh_query *q, const uint32_t v
     double low = INFINITY, high = -INFINITY, t = 0;
     for (int k = 0; k < 3; k++) {
         double to_corner[3];
-        subtract(q->body->mesh.vertex[v[k]], q->near, to_corner);
-        const double reach = dot_product(q->direction, to_corner);
+        cml_vec3_subtract(q->body->mesh.vertex[v[k]], q->near, to_corner);
+        const double reach = cml_vec3_dot(q->direction, to_corner);
         low = fmin(low, reach);
         high = fmax(high, reach);
-        if (k == 0) t = dot_product(to_corner, normal) / along;
+        if (k == 0) t = cml_vec3_dot(to_corner, normal) / along;
     }
     return fmax(low, fmin(t, high));
 }
@@ -101,7 +86,7 @@ bool cml_query_cross(const struct cml_mesh_query *q, int primitive, double *t, d
         if (!(weight[k] >= 0 || is_rounding(q, weight[k], i, j))) return false;
     }
     facet_normal(&q->body->mesh, primitive, normal);
-    const double along = dot_product(q->direction, normal);
+    const double along = cml_vec3_dot(q->direction, normal);
     if (!(sign * along > 0)) return false;
     *t = q->base + triangle_distance(q, v, normal, along);
     const double sum = weight[0] + weight[1] + weight[2];
@@ -196,7 +181,7 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
         crossing->facet[k] =
             corner >= 0 ? mesh->vertex_normal[mesh->triangle[q->primitive][corner]][k] : q->seam[k];
     const double sign = q->below ? 1 : -1;
-    if (!(sign * dot_product(q->direction, crossing->facet) > 0)) /* a mean may turn away from the ray */
+    if (!(sign * cml_vec3_dot(q->direction, crossing->facet) > 0)) /* a mean may turn away from the ray */
         facet_normal(mesh, q->primitive, crossing->facet);
     normalise(crossing->facet);
     for (int k = 0; k < 3; k++) crossing->normal[k] = crossing->facet[k];
@@ -214,9 +199,9 @@ static double plane_distance(const struct cml_mesh_query *q, int primitive)
     double normal[3] = {0, 0, 1}, to_plane[3] = {0, 0, mesh->z_border - q->origin[2]};
     if (primitive != CML_OUTER_PLANE) {
         facet_normal(mesh, primitive, normal);
-        subtract(mesh->vertex[mesh->triangle[primitive][0]], q->origin, to_plane);
+        cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][0]], q->origin, to_plane);
     }
-    return dot_product(to_plane, normal) / dot_product(q->direction, normal);
+    return cml_vec3_dot(to_plane, normal) / cml_vec3_dot(q->direction, normal);
 }
 
 /* Distance in double along the ray from the triangle's plane alone; `along` is the product of direction and
@@ -224,8 +209,8 @@ static double plane_distance(const struct cml_mesh_query *q, int primitive)
 double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, double *along)
 {
     const double *plane = q->body->plane[primitive];
-    *along = dot_product(q->direction, plane);
-    return (plane[3] - dot_product(q->origin, plane)) / *along;
+    *along = cml_vec3_dot(q->direction, plane);
+    return (plane[3] - cml_vec3_dot(q->origin, plane)) / *along;
 }
 
 void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
@@ -250,7 +235,7 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
     q->slack = slack;
     q->primitive = -1;
     q->on_seam = false;
-    subtract(p, body->centre, q->origin);
+    cml_vec3_subtract(p, body->centre, q->origin);
     for (int k = 0; k < 3; k++) q->direction[k] = u[k];
     q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
 }
@@ -311,7 +296,7 @@ static cml_status find_planes(struct cml_mesh_body *body, struct cml_error *err)
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         facet_normal(mesh, (int)i, body->plane[i]);
         normalise(body->plane[i]);
-        body->plane[i][3] = dot_product(body->plane[i], mesh->vertex[mesh->triangle[i][0]]);
+        body->plane[i][3] = cml_vec3_dot(body->plane[i], mesh->vertex[mesh->triangle[i][0]]);
     }
     return CML_OK;
 }

@@ -84,8 +84,7 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
 
-static inline void cml_tally_packet(const struct cml_setup *setup, const struct cml_packet *packet,
-                                    struct cml_tally *tally)
+static inline struct cml_end cml_end_of(const struct cml_packet *packet)
 {
     const struct cml_end end = {
         .index = packet->index,
@@ -99,6 +98,13 @@ static inline void cml_tally_packet(const struct cml_setup *setup, const struct 
         .exit_y = packet->exit_y,
         .uz = packet->u.z,
     };
+    return end;
+}
+
+static inline void cml_tally_packet(const struct cml_setup *setup, const struct cml_packet *packet,
+                                    struct cml_tally *tally)
+{
+    const struct cml_end end = cml_end_of(packet);
     cml_tally_events(packet, tally);
     cml_tally_end(setup, &end, tally);
 }

@@ -13,7 +13,7 @@ FLOORS = [
     (4, "engine engine_cpu engine_reference engine_scalar tally_packet bundle bundle_*"),
     (3, "surface surface_mesh mesh_query clearance mci mci_lines mci_extra obj obj_* mco mco_*"),
     (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally"),
-    (1, "status text"),
+    (1, "status text vec3"),
 ]
 KERNEL_FLOOR = 0  # everything in kernels/
 

@@ -3,8 +3,10 @@
 
 #include "walk.h"
 
-/* One binary for all machines: gcc compiles each pass for three levels of x86-64 and the loader picks one. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+/* One binary for all machines: gcc compiles each pass for three levels of x86-64 and the loader picks one.
+ * Tests define CML_ONE_LEVEL to have a level that the loader would not pick here. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&     \
+    !defined(CML_ONE_LEVEL)
 #define CML_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
 #else
 #define CML_CLONES

@@ -103,6 +103,9 @@ static void odd_scenes_have_the_same_tally(void **state)
 
 int main(void)
 {
+#ifdef CML_NEEDS_AVX2
+    if (!__builtin_cpu_supports("avx2")) return 77;
+#endif
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_sample_has_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),

@@ -8,11 +8,6 @@
 
 static const struct cml_engine *const engines[] = {&cml_engine_cpu, &cml_engine_reference, NULL};
 
-const struct cml_engine *cml_engine_at(int index)
-{
-    return engines[index];
-}
-
 const struct cml_engine *cml_engine_find(const char *name)
 {
     for (int i = 0; engines[i]; i++)

@@ -57,9 +57,8 @@ extern const struct cml_engine
     cml_engine_reference;                      /* double, one packet at a time, one thread: the oracle */
 extern const struct cml_engine cml_engine_cpu; /* float, OpenMP */
 
-/* By name; NULL when there is none. `index` runs through all of them until NULL. */
+/* By name; NULL when there is none. */
 const struct cml_engine *cml_engine_find(const char *name);
-const struct cml_engine *cml_engine_at(int index);
 
 const char *cml_fate_name(int fate);
 const char *cml_lost_cause_name(int cause);

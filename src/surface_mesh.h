@@ -1,8 +1,9 @@
-/* A boundary mesh under Embree: closest crossing of a double-precision ray.
- * Embree's tree of boxes finds candidates in single precision; each candidate triangle is tested in double by
- * the signs of Pluecker products, which neighbours compute alike from their shared edge, so that no ray
- * passes between them, and boxes are inflated by what the rounding of ray and vertices can amount to
- * ("double-down" under DAGMC). The outer plane with the footprint as its hole belongs to the surface. The
+/* A boundary mesh under Embree: closest crossing of a double-precision ray, in two ways.
+ * Exact: Embree's tree finds boxes in single precision, inflated by what the rounding of ray and vertices can
+ * amount to; every triangle in them is tested in double, without gaps between neighbours ("double-down" under
+ * DAGMC). Fast: Embree's own single-precision triangles find the hit; a filter in double decides whether it
+ * counts, and its distance and normal are computed in double. Where the hit is not clearly inside its
+ * triangle the exact way decides. The outer plane with the footprint as its hole belongs to the surface. The
  * only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_SURFACE_MESH_H
@@ -29,8 +30,5 @@ uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface);
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
 
 /* The query itself, cml_mesh_surface_hit, is declared in kernels/surface_hit.h, where the walk reads it. */
-
-/* Embree's version, for the banner and `devices`. */
-const char *cml_mesh_surface_backend(void);
 
 #endif

@@ -10,13 +10,13 @@
 
 CML_FN real cml_dot(struct cml_vec a, struct cml_vec b)
 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
+    return CML_FMA(a.x, b.x, CML_FMA(a.y, b.y, a.z * b.z));
 }
 
 /* a + s b */
 CML_FN struct cml_vec cml_along(struct cml_vec a, real s, struct cml_vec b)
 {
-    const struct cml_vec v = {a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+    const struct cml_vec v = {CML_FMA(s, b.x, a.x), CML_FMA(s, b.y, a.y), CML_FMA(s, b.z, a.z)};
     return v;
 }
 
@@ -24,7 +24,7 @@ CML_FN struct cml_vec cml_along(struct cml_vec a, real s, struct cml_vec b)
  */
 CML_FN struct cml_vec cml_renormalise(struct cml_vec u)
 {
-    const real k = (real)1.5 - (real)0.5 * cml_dot(u, u);
+    const real k = CML_FMA((real)-0.5, cml_dot(u, u), (real)1.5);
     const struct cml_vec v = {k * u.x, k * u.y, k * u.z};
     return v;
 }
@@ -43,36 +43,63 @@ CML_FN real cml_optical_depth(struct cml_stream stream, cml_u64 photon, cml_u32 
     return tau - cml_log(cml_uniform(word));
 }
 
-/* Henyey-Greenstein deflection [eq. 3.22]: cosine and sine of the polar angle.
- * s = 2 xi - 1 in (-1, 1), g in [-1, 1]. With d = 1 + g s
- *   1 - c = (1-g)^2 (1-s) (1+g + d) / (2 d^2),   1 + c = (1+g)^2 (1+s) (1-g + d) / (2 d^2):
- * products and sums of what is not negative, so nothing cancels at small angles or backwards, and g = 0 and
- * g = +-1 need no case of their own. The cosine comes from the smaller one and never leaves [-1, 1]. */
-CML_FN void cml_henyey_greenstein(real g, real s, real *cosine, real *sine)
+/* Two reciprocals for one division, each with up to three roundings; a b must not overflow. */
+CML_FN void cml_reciprocals(real a, real b, real *per_a, real *per_b)
 {
-    const real below = (real)1 - g, above = (real)1 + g;
-    const real d = g < 0 ? above - g * ((real)1 - s) : below + g * ((real)1 + s);
-    const real k = (real)0.5 / (d * d);
-    const real one_minus = k * below * below * ((real)1 - s) * (above + d);
-    const real one_plus = k * above * above * ((real)1 + s) * (below + d);
-    *cosine = one_minus < one_plus ? (real)1 - one_minus : one_plus - (real)1;
-    *sine = CML_SQRT(one_minus * one_plus);
+    const real q = (real)1 / (a * b);
+    *per_a = q * b;
+    *per_b = q * a;
+}
+
+/* Henyey-Greenstein deflection [eq. 3.22]: cosine c and sine of the polar angle. s = 2 xi - 1 in (-1, 1), g
+ * in
+ * [-1, 1]; a negative g gives the mirror image of -g. With d = 1 + |g| s
+ *   1 - c = (1-|g|)^2 (1-s) (1+|g| + d) / (2 d^2):
+ * products and sums of what is not negative, so nothing cancels near the direction that is scattered to most,
+ * and g = 0 and g = +-1 need no case of their own. d^2 comes from cml_deflection_square, its reciprocal from
+ * the caller, who may have another one to take with it. */
+CML_FN real cml_deflection_square(real g, real s)
+{
+    const real size = CML_FABS(g), d = CML_FMA(size, (real)1 + s, (real)1 - size);
+    return d * d;
+}
+
+CML_FN void cml_henyey_greenstein(real g, real s, real per_square, real *cosine, real *sine)
+{
+    const real size = CML_FABS(g), below = (real)1 - size, above = (real)1 + size;
+    const real d = CML_FMA(size, (real)1 + s, below);
+    const real part = ((real)0.5 * below) * below * ((real)1 - s) * (above + d) * per_square;
+    const real one_minus = part < 2 ? part : (real)2;
+    *cosine = CML_COPYSIGN((real)1, g) * ((real)1 - one_minus);
+    *sine = CML_SQRT(one_minus * ((real)2 - one_minus));
+}
+
+/* The frame across a unit vector [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1) 2017]: no
+ * pole needs a case of its own. Needs the reciprocal of this, which lies in 1..2 but for its sign. */
+CML_FN real cml_frame_divisor(struct cml_vec u)
+{
+    return CML_COPYSIGN((real)1, u.z) + u.z;
 }
 
 /* Turns the unit vector u by the polar angle (cosine ct, sine st) about the azimuth (cp, sp), renormalised.
- * Frame of [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1) 2017]: no pole needs a case of
- * its own. */
-CML_FN struct cml_vec cml_spin(struct cml_vec u, real ct, real st, real cp, real sp)
+ * per_divisor: 1 / cml_frame_divisor(u). */
+CML_FN struct cml_vec cml_spin(struct cml_vec u, real per_divisor, real ct, real st, real cp, real sp)
 {
-    const real sign = u.z < 0 ? (real)-1 : (real)1;
-    const real a = (real)-1 / (sign + u.z);
-    const real b = u.x * u.y * a;
-    const real p = st * cp, q = st * sp;
-    struct cml_vec v;
-    v.x = p * ((real)1 + sign * u.x * u.x * a) + q * b + ct * u.x;
-    v.y = p * (sign * b) + q * (sign + u.y * u.y * a) + ct * u.y;
-    v.z = p * (-sign * u.x) - q * u.y + ct * u.z;
+    const real sign = CML_COPYSIGN((real)1, u.z), p = st * cp, q = st * sp;
+    const real along = CML_FMA(p, u.x, q * u.y), k = CML_FMA(-along, per_divisor, ct);
+    const struct cml_vec v = {CML_FMA(u.x, k, sign * p), CML_FMA(u.y, k, sign * q), CML_FMA(ct, u.z, -along)};
     return cml_renormalise(v);
+}
+
+/* P4: the direction after a scattering; words: of the interaction's block. */
+CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, cml_u32 azimuth_word)
+{
+    const real s = cml_uniform_symmetric(polar_word);
+    real per_square, per_divisor, ct, st, cp, sp;
+    cml_reciprocals(cml_deflection_square(g, s), cml_frame_divisor(u), &per_square, &per_divisor);
+    cml_henyey_greenstein(g, s, per_square, &ct, &st);
+    cml_circle_point(azimuth_word, &cp, &sp);
+    return cml_spin(u, per_divisor, ct, st, cp, sp);
 }
 
 /* Fresnel reflectance of unpolarised light [eqs 3.25-3.26] in cosine form: no angle is ever computed.
@@ -83,13 +110,14 @@ CML_FN struct cml_vec cml_spin(struct cml_vec u, real ct, real st, real cp, real
 CML_FN real cml_fresnel(real n1, real n2, real ci, real *ct)
 {
     const real ratio = n1 / n2;
-    const real square = (real)1 - ratio * ratio * ((real)1 - ci * ci);
+    const real square = CML_FMA(ratio * ratio, CML_FMA(ci, ci, (real)-1), (real)1);
     const int total = !(square > 0);
     const real c = CML_SQRT(total ? (real)0 : square);
-    const real rs = (n1 * ci - n2 * c) / (n1 * ci + n2 * c);
-    const real rp = (n1 * c - n2 * ci) / (n1 * c + n2 * ci);
+    const real s_sum = CML_FMA(n1, ci, n2 * c), p_sum = CML_FMA(n1, c, n2 * ci);
+    const real a = CML_FMA(n1, ci, -(n2 * c)) * p_sum, b = CML_FMA(n1, c, -(n2 * ci)) * s_sum;
+    const real sums = s_sum * p_sum, R = CML_FMA(a, a, b * b) / (2 * (sums * sums));
     *ct = c;
-    return total ? (real)1 : (real)0.5 * (rs * rs + rp * rp);
+    return total || !(R < 1) ? (real)1 : R;
 }
 
 /* Mirror direction; normal is a unit vector, its sign is free. */

@@ -10,8 +10,10 @@
 typedef uint cml_u32;
 typedef ulong cml_u64;
 #define CML_GLOBAL __global
-#define CML_SQRTF sqrt
-#define CML_ACOSF acos
+#define CML_SQRT sqrt
+#define CML_FMA fma
+#define CML_FABS fabs
+#define CML_COPYSIGN copysign
 #else
 #include <math.h>
 #include <stdint.h>
@@ -19,20 +21,26 @@ typedef ulong cml_u64;
 typedef uint32_t cml_u32;
 typedef uint64_t cml_u64;
 #define CML_GLOBAL
-#define CML_SQRTF sqrtf
-#define CML_ACOSF acosf
 #endif
 
 #define CML_FN static inline
 
+/* Multiply-adds are written out as CML_FMA, one rounding each, and compilers contract nothing by themselves:
+ * that way every compiler, vector width and device gives the same bits. */
 #ifdef CML_DOUBLE
 typedef double real;
 #define CML_SQRT sqrt
-#define CML_ACOS acos
+#define CML_FMA fma
+#define CML_FABS fabs
+#define CML_COPYSIGN copysign
 #else
 typedef float real;
-#define CML_SQRT CML_SQRTF
-#define CML_ACOS CML_ACOSF
+#ifndef __OPENCL_VERSION__
+#define CML_SQRT sqrtf
+#define CML_FMA fmaf
+#define CML_FABS fabsf
+#define CML_COPYSIGN copysignf
+#endif
 #endif
 
 /* Spacing of real at 1. */

@@ -87,15 +87,14 @@ CML_FN struct cml_block cml_draw(struct cml_stream stream, cml_u64 photon, enum 
 /* Uniform in (0, 1]: (k + 1/2) / 2^32, rounded to real; never 0. */
 CML_FN real cml_uniform(cml_u32 word)
 {
-    return (real)word * (real)2.3283064365386963e-10 + (real)1.1641532182693481e-10;
+    return CML_FMA((real)word, (real)2.3283064365386963e-10, (real)1.1641532182693481e-10);
 }
 
 /* Uniform in (-1, 1), symmetric, never +-1, exact in float: the odd multiples of 2^-24 from the upper 24
  * bits. */
 CML_FN real cml_uniform_symmetric(cml_u32 word)
 {
-    const int odd = 2 * (int)(word >> 8) + 1 - 16777216;
-    return (real)odd * (real)5.9604644775390625e-8;
+    return CML_FMA((real)((int)word >> 8), (real)1.1920928955078125e-7, (real)5.9604644775390625e-8);
 }
 
 #endif

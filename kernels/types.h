@@ -43,10 +43,12 @@ struct cml_medium {
     real n;      /* refractive index */
     real mut;    /* mua + mus, 1/cm; 0: clear */
     real mfp;    /* 1 / mut, cm; infinite when clear */
-    real absorb; /* mua / mut, 0 when clear */
+    real absorb; /* mua / mut, 0 when clear; where nothing scatters a little over 1, so that no rounding of a
+                  * weight leaves a rest */
     real g;
     real span;  /* depth of the frame of the boundary below, in this medium's frame; 0 for the outer media */
     real depth; /* of this medium's frame in the scene */
+    real bins;  /* the same in bins of dz */
 };
 
 #define CML_CLEARANCE_LEVELS 11
@@ -73,10 +75,10 @@ struct cml_setup {
     int num_layers;
     int reentry;          /* follow packets outside (P6) */
     int tally_absorption; /* A_rz is wanted */
-    int nr, nz, na;
-    real per_dr, per_dz; /* 1/dr, 1/dz */
-    real per_da;         /* na / (pi/2) */
-    real x0, y0;         /* scene position of the beam's axis at z = 0 */
+    int nr, nz, na;       /* bins; a tally's A_rz is [nr + 1][nz + 2], its Rd_ra and Tt_ra are [nr + 1][na] */
+    real per_dr, per_dz;  /* 1/dr, 1/dz */
+    real per_da;          /* na / (pi/2) */
+    real x0, y0;          /* scene position of the beam's axis at z = 0 */
     /* launch */
     int launch_medium; /* 0: traced to boundary 0; else the packet starts on plane 0 (or 1: glass) going down
                         */
@@ -104,8 +106,6 @@ struct cml_packet {
     real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
     /* books of this packet, in weight units */
     cml_u64 gained, roulette, absorbed;
-    cml_u64 overflow_r, overflow_z,
-        above;                 /* parts of absorbed that went into the last r, last z, first z bin */
     cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */
     cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
 };

@@ -14,7 +14,8 @@
 #define CML_ADD(cell, amount) (*(cell) += (amount))
 #endif
 
-/* Where deposits go. A_rz: [nr][nz] or NULL, A_l: [num_layers + 2] by medium; weight units. */
+/* Where deposits go. A_rz: [nr + 1][nz + 2] or NULL (see src/tally.h), A_l: [num_layers + 2] by medium;
+ * weight units. */
 struct cml_deposits {
     CML_GLOBAL cml_u64 *A_rz, *A_l;
 };
@@ -97,14 +98,20 @@ CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, struct cml_
     cml_event(world, "launch", packet);
 }
 
-/* P7: radial bin of the packet's position; 1 in *overflow when it lies beyond the last one. */
-CML_FN int cml_radial_bin(const struct cml_setup *setup, real x, real y, int *overflow)
+/* P7: radial bin of a position; nr beyond the last one. */
+CML_FN int cml_radial_bin(const struct cml_setup *setup, real x, real y)
 {
-    x += setup->x0;
-    y += setup->y0;
-    const real bin = CML_SQRT(x * x + y * y) * setup->per_dr;
-    *overflow = !(bin < (real)setup->nr);
-    return *overflow ? setup->nr - 1 : (int)bin;
+    const real sx = x + setup->x0, sy = y + setup->y0, last = (real)setup->nr;
+    const real bin = CML_SQRT(CML_FMA(sx, sx, sy * sy)) * setup->per_dr;
+    return (int)(bin < last ? bin : last);
+}
+
+/* P7: depth bin counted from 1; 0 above the scene's z = 0, nz + 1 below the last one. bins: of the medium. */
+CML_FN int cml_depth_bin(const struct cml_setup *setup, real z, real bins)
+{
+    const real bin = CML_FMA(z, setup->per_dz, bins), last = (real)setup->nz;
+    const real below = bin >= 0 ? bin : (real)-1;
+    return (int)(below < last ? below : last) + 1;
 }
 
 CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
@@ -114,24 +121,18 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     packet->absorbed += dw;
     CML_ADD(&to->A_l[packet->medium], dw);
     if (!setup->tally_absorption) return;
-    const real z = (packet->p.z + world->media[packet->medium].depth) * setup->per_dz;
-    const int above = !(z >= 0), overflow_z = z >= (real)setup->nz;
-    const int iz = above ? 0 : (overflow_z ? setup->nz - 1 : (int)z);
-    int overflow_r;
-    const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y, &overflow_r);
-    CML_ADD(&to->A_rz[ir * setup->nz + iz], dw);
-    if (above) packet->above += dw;
-    if (overflow_z) packet->overflow_z += dw;
-    if (overflow_r) packet->overflow_r += dw;
+    const int iz = cml_depth_bin(setup, packet->p.z, world->media[packet->medium].bins);
+    const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y);
+    CML_ADD(&to->A_rz[ir * (setup->nz + 2) + iz], dw);
 }
 
 /* w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight keeps
  * the mean however small the albedo's complement is. */
 CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 word)
 {
-    if (absorb >= 1) return w;
-    const real part = (real)w * absorb + ((real)(word & 255u) + (real)0.5) * (real)0.00390625;
-    return part < (real)w ? (cml_u32)part : w;
+    const real lot = CML_FMA((real)(word & 255u), (real)0.00390625, (real)0.001953125);
+    const cml_u32 part = (cml_u32)CML_FMA((real)w, absorb, lot);
+    return part < w ? part : w;
 }
 
 /* P8. */
@@ -177,10 +178,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[2]);
     packet->w -= dw;
     cml_deposit(world, to, packet, dw);
-    real ct, st, cp, sp;
-    cml_henyey_greenstein(medium->g, cml_uniform_symmetric(packet->draw.w[1]), &ct, &st);
-    cml_circle_point(packet->draw.w[2], &cp, &sp);
-    packet->u = cml_spin(packet->u, ct, st, cp, sp);
+    packet->u = cml_scatter(packet->u, medium->g, packet->draw.w[1], packet->draw.w[2]);
     packet->interactions++;
     cml_event(world, "interact", packet);
     if (!(cml_dot(packet->u, packet->u) < 2))
@@ -209,6 +207,21 @@ CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up
     return v;
 }
 
+/* The same at a plane z = const. */
+CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, real xi, int *transmitted)
+{
+    const real size = CML_FABS(u.z), ci = size < 1 ? size : (real)1, ratio = n1 / n2;
+    real ct;
+    const real R = cml_fresnel(n1, n2, ci, &ct);
+    const struct cml_vec bent = {ratio * u.x, ratio * u.y, CML_COPYSIGN(ct, u.z)};
+    const struct cml_vec refracted = cml_renormalise(bent);
+    const int through = !(xi <= R);
+    const struct cml_vec v = {through ? refracted.x : u.x, through ? refracted.y : u.y,
+                              through ? refracted.z : -u.z};
+    *transmitted = through;
+    return v;
+}
+
 /* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn
  * again, with the same random number, from the facet's own normal. */
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_packet *packet,
@@ -218,6 +231,11 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_pack
         cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BOUNDARY, packet->crossings).w[0];
     const real xi = cml_uniform(word);
     int transmitted;
+    packet->crossings++;
+    if (world->surfaces[hit->boundary].kind == CML_SURFACE_PLANE) {
+        packet->u = cml_plane_direction(packet->u, n1, n2, xi, &transmitted);
+        return transmitted;
+    }
     struct cml_vec u = cml_boundary_direction(packet->u, hit->normal, side, n1, n2, xi, &transmitted);
     const real leaving = side * cml_dot(u, hit->facet);
     if (transmitted ? leaving < 0 : leaving > 0) {
@@ -225,16 +243,14 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_pack
         packet->shading_overruled++;
     }
     packet->u = u;
-    packet->crossings++;
     return transmitted;
 }
 
 /* P7: bin of the angle between the packet's direction and the outward vertical, 0..pi/2. */
 CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
 {
-    const real cosine = uz < 0 ? -uz : uz;
-    if (setup->na == 1 || cosine >= 1) return 0;
-    const int ia = (int)(CML_ACOS(cosine) * setup->per_da);
+    const real size = CML_FABS(uz), bin = cml_acos(size < 1 ? size : (real)1) * setup->per_da;
+    const int ia = (int)bin;
     return ia < setup->na ? ia : setup->na - 1;
 }
 
@@ -280,7 +296,7 @@ CML_FN void cml_cross(const struct cml_world *world, struct cml_packet *packet, 
     const int below = boundary < from; /* the boundary is the medium's upper one */
     const int other = below ? from - 1 : from + 1;
     const real n1 = world->media[from].n, n2 = world->media[other].n;
-    const real left = packet->tau - hit->t * world->media[from].mut;
+    const real left = CML_FMA(-hit->t, world->media[from].mut, packet->tau);
     packet->tau = left > 0 ? left : (real)0;
     packet->on_boundary = boundary;
     packet->on_primitive = hit->primitive;

@@ -55,7 +55,16 @@ struct cml_engine {
 
 extern const struct cml_engine
     cml_engine_reference;                      /* double, one packet at a time, one thread: the oracle */
-extern const struct cml_engine cml_engine_cpu; /* float, OpenMP */
+extern const struct cml_engine cml_engine_cpu; /* float, OpenMP; the best of the levels below */
+
+/* The CPU engine is compiled for several levels of the processor, which differ in speed only. Fills in those
+ * that this machine can run, the best one first, and returns their number. */
+#define CML_CPU_LEVELS 3
+struct cml_cpu_level {
+    const char *name; /* "x86-64-v4", "x86-64-v3", "baseline" */
+    const struct cml_engine *engine;
+};
+int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS]);
 
 /* By name; NULL when there is none. */
 const struct cml_engine *cml_engine_find(const char *name);

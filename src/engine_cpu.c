@@ -1,119 +1,79 @@
-/* The CPU engine: single precision, OpenMP threads that take chunks of a range as their bundles run dry.
- * Every thread scores into a tally of its own; integers make the order of the final merge irrelevant.
+/* Which of the CPU engine's levels this machine can run: the best one is `cpu`.
  * SPDX-License-Identifier: MIT */
-#include "bundle_walk.h"
-#include "engine_scalar.h"
+#include "engine.h"
 
-#include <omp.h>
+#include <stddef.h>
 
-struct cpu_engine {
-    struct scalar_world scalar;
-    int threads;
-    uint64_t chunk;
-    int num_tallies;
-    struct cml_tally *tallies; /* [threads] */
-};
+extern const struct cml_engine cml_engine_cpu_base;
+#ifdef CML_X86_LEVELS
+extern const struct cml_engine cml_engine_cpu_v3, cml_engine_cpu_v4;
 
-static void cpu_close(void *self)
+/* The levels of the x86-64 psABI, as far as our code can use them. */
+static bool has_v3(void)
 {
-    struct cpu_engine *cpu = self;
-    if (!cpu) return;
-    for (int i = 0; i < cpu->num_tallies; i++) cml_tally_free(&cpu->tallies[i]);
-    free(cpu->tallies);
-    scalar_world_free(&cpu->scalar);
-    free(cpu);
+    return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
 }
 
-static cml_status create_tallies(const struct cml_scene *scene, const struct cml_engine_options *options,
-                                 struct cpu_engine *cpu, struct cml_error *err)
+static bool has_v4(void)
 {
-    const struct cml_grid grid = {.nr = scene->nr,
-                                  .nz = scene->nz,
-                                  .na = scene->na,
-                                  .num_layers = scene->num_layers,
-                                  .absorption = options->absorption};
-    cpu->tallies = calloc((size_t)cpu->threads, sizeof *cpu->tallies);
-    if (!cpu->tallies) return cml_fail_memory(err, cpu->threads * cml_tally_bytes(&grid), "tallies");
-    for (; cpu->num_tallies < cpu->threads; cpu->num_tallies++)
-        CML_TRY(cml_tally_create(&grid, &cpu->tallies[cpu->num_tallies], err));
-    return CML_OK;
+    return has_v3() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+           __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl");
+}
+#endif
+
+int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
+{
+    int count = 0;
+#ifdef CML_X86_LEVELS
+    if (has_v4()) levels[count++] = (struct cml_cpu_level){"x86-64-v4", &cml_engine_cpu_v4};
+    if (has_v3()) levels[count++] = (struct cml_cpu_level){"x86-64-v3", &cml_engine_cpu_v3};
+#endif
+    levels[count++] = (struct cml_cpu_level){"baseline", &cml_engine_cpu_base};
+    return count;
 }
 
-static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                           const struct cml_engine_options *options, void **self, struct cml_error *err)
+static const struct cml_engine *best(void)
 {
-    struct cpu_engine *cpu = calloc(1, sizeof *cpu);
-    *self = NULL;
-    if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
-    cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
-    cpu->chunk = options->chunk > 0 ? options->chunk : 128;
-    cml_status status = scalar_world_create(scene, surfaces, options, &cpu->scalar, err);
-    if (status == CML_OK) status = create_tallies(scene, options, cpu, err);
-    if (status != CML_OK)
-        cpu_close(cpu);
-    else
-        *self = cpu;
-    return status;
+    struct cml_cpu_level levels[CML_CPU_LEVELS];
+    cml_cpu_levels(levels);
+    return levels[0].engine;
 }
 
-/* Photon indices that no thread has taken yet. */
-struct pool {
-    uint64_t first, count, chunk;
-    uint64_t taken; /* shared by all threads */
-};
-
-static int take_chunk(void *context, uint64_t *first, uint64_t *count)
+static cml_status open_best(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                            const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
-    struct pool *pool = context;
-    uint64_t begin;
-#pragma omp atomic capture
-    {
-        begin = pool->taken;
-        pool->taken += pool->chunk;
-    }
-    if (begin >= pool->count) return 0;
-    *first = pool->first + begin;
-    *count = pool->count - begin < pool->chunk ? pool->count - begin : pool->chunk;
-    return 1;
+    return best()->open(scene, surfaces, options, self, err);
 }
 
-static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
-                          struct cml_error *err)
+static cml_status run_best(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
+                           struct cml_error *err)
 {
-    (void)err;
-    struct cpu_engine *cpu = self;
-    struct pool pool = {.first = first, .count = count, .chunk = cpu->chunk};
-    const struct cml_range_source source = {take_chunk, &pool};
-#pragma omp parallel num_threads(cpu->threads)
-    {
-        struct cml_tally *mine = &cpu->tallies[omp_get_thread_num()];
-        struct cml_bundle bundle;
-        cml_tally_zero(mine);
-        cml_bundle_walk(&cpu->scalar.world, &bundle, &source, mine);
-#pragma omp critical
-        cml_tally_merge(tally, mine);
-    }
-    return CML_OK;
+    return best()->run(self, first, count, tally, err);
 }
 
-static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
-                            struct cml_fate_record *record, struct cml_error *err)
+static cml_status trace_best(void *self, uint64_t index, cml_trace_function *on_event, void *context,
+                             struct cml_fate_record *record, struct cml_error *err)
 {
-    const struct cpu_engine *cpu = self;
-    return trace_packet(&cpu->scalar.world, index, on_event, context, record, err);
+    return best()->trace(self, index, on_event, context, record, err);
 }
 
-static int cpu_threads(const void *self)
+static int threads_of_best(const void *self)
 {
-    return ((const struct cpu_engine *)self)->threads;
+    return best()->threads(self);
+}
+
+static void close_best(void *self)
+{
+    best()->close(self);
 }
 
 const struct cml_engine cml_engine_cpu = {
     .name = "cpu",
     .description = "single precision, bundles of packets in vector loops, OpenMP threads",
-    .open = cpu_open,
-    .run = cpu_run,
-    .trace = cpu_trace,
-    .threads = cpu_threads,
-    .close = cpu_close,
+    .open = open_best,
+    .run = run_best,
+    .trace = trace_best,
+    .threads = threads_of_best,
+    .close = close_best,
 };

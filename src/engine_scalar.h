@@ -5,7 +5,7 @@
 #define CML_ENGINE_SCALAR_H
 
 #include "engine.h"
-#include "tally_packet.h"
+#include "packet_ends.h"
 #include "walk.h"
 
 #include <math.h>
@@ -69,10 +69,11 @@ static void copy_media(const struct cml_scene *scene, const struct cml_surface_s
         media[m].n = (real)from->n;
         media[m].mut = (real)mut;
         media[m].mfp = mut > 0 ? (real)(1 / mut) : CML_INFINITY;
-        media[m].absorb = (real)(mut > 0 ? from->mua / mut : 0);
+        media[m].absorb = from->mus > 0 ? (real)(from->mua / mut) : (mut > 0 ? 1 + 4 * CML_EPSILON : (real)0);
         media[m].g = (real)from->g;
         media[m].span = (real)(inside ? surfaces->item[m].depth - depth : 0);
         media[m].depth = (real)depth;
+        media[m].bins = (real)(depth / scene->dz);
     }
 }
 
@@ -214,11 +215,15 @@ static inline void run_packets(const struct cml_world *world, uint64_t first, ui
                                struct cml_tally *tally)
 {
     const struct cml_deposits to = {tally->A_rz, tally->A_l};
+    struct cml_ends ends = {0};
     for (uint64_t i = 0; i < count; i++) {
         struct cml_packet packet;
         cml_walk(world, &to, first + i, &packet);
-        cml_tally_packet(&world->setup, &packet, tally);
+        cml_tally_events(&packet, tally);
+        const struct cml_end end = cml_end_of(&packet);
+        cml_ends_push(&world->setup, &ends, &end, tally);
     }
+    cml_ends_flush(&world->setup, &ends, tally);
 }
 
 struct tracing {

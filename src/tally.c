@@ -27,9 +27,21 @@ static size_t cells_all(const struct cml_grid *grid)
     return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2;
 }
 
+/* A tally's, with those beyond the grid. */
+static size_t tally_cells_ra(const struct cml_grid *grid)
+{
+    return ((size_t)grid->nr + 1) * (size_t)grid->na;
+}
+
+size_t cml_tally_cells(const struct cml_grid *grid)
+{
+    const size_t A = grid->absorption ? ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
+    return A + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2;
+}
+
 double cml_tally_bytes(const struct cml_grid *grid)
 {
-    return (double)cells_all(grid) * sizeof(uint64_t);
+    return (double)cml_tally_cells(grid) * sizeof(uint64_t);
 }
 
 double cml_result_bytes(const struct cml_grid *grid)
@@ -41,18 +53,18 @@ double cml_result_bytes(const struct cml_grid *grid)
 cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid};
-    uint64_t *block = calloc(cells_all(grid), sizeof *block);
+    uint64_t *block = calloc(cml_tally_cells(grid), sizeof *block);
     if (!block) return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     tally->A_l = block;
     tally->Rd_ra = tally->A_l + grid->num_layers + 2;
-    tally->Tt_ra = tally->Rd_ra + cells_ra(grid);
-    if (grid->absorption) tally->A_rz = tally->Tt_ra + cells_ra(grid);
+    tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
+    if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
     return CML_OK;
 }
 
 void cml_tally_zero(struct cml_tally *tally)
 {
-    memset(tally->A_l, 0, cells_all(&tally->grid) * sizeof *tally->A_l);
+    memset(tally->A_l, 0, cml_tally_cells(&tally->grid) * sizeof *tally->A_l);
     memset(tally->book, 0, sizeof tally->book);
     memset(tally->count, 0, sizeof tally->count);
     memset(tally->square, 0, sizeof tally->square);
@@ -82,7 +94,7 @@ static void merge_lost(struct cml_lost_list *to, const struct cml_lost_list *fro
 
 void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from)
 {
-    const size_t cells = cells_all(&to->grid);
+    const size_t cells = cml_tally_cells(&to->grid);
     for (size_t i = 0; i < cells; i++) to->A_l[i] += from->A_l[i];
     for (int i = 0; i < CML_NUM_BOOKS; i++) to->book[i] += from->book[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
@@ -114,15 +126,40 @@ void cml_result_free(struct cml_result *result)
     *result = (struct cml_result){0};
 }
 
-/* Adds the sums of cells[rows][columns] over columns to by_row, over rows to by_column; either may be NULL.
- */
-static void add_margins(const uint64_t *cells, int rows, int columns, cml_u128 *by_row, cml_u128 *by_column)
+/* Where the profiles of the batch under way go; by_row may be NULL. */
+struct margins {
+    cml_u128 *by_row, *by_column;
+};
+
+/* Rd_ra or Tt_ra: what left beyond the last radius goes into the last radial bin. */
+static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *from, struct margins margins)
 {
-    for (size_t i = 0; i < (size_t)rows; i++) {
-        for (size_t j = 0; j < (size_t)columns; j++) {
-            const uint64_t cell = cells[i * (size_t)columns + j];
-            if (by_row) by_row[i] += cell;
-            if (by_column) by_column[j] += cell;
+    const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na;
+    for (size_t i = 0; i <= nr; i++) {
+        const size_t ir = i < nr ? i : nr - 1;
+        for (size_t ia = 0; ia < na; ia++) {
+            const uint64_t cell = from[i * na + ia];
+            to[ir * na + ia] += cell;
+            margins.by_row[ir] += cell;
+            margins.by_column[ia] += cell;
+            if (i == nr) result->book[CML_BOOK_OVERFLOW_R] += cell;
+        }
+    }
+}
+
+static void add_absorption(struct cml_result *result, const uint64_t *A_rz, cml_u128 *A_z)
+{
+    const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
+    for (size_t i = 0; i <= nr; i++) {
+        const size_t ir = i < nr ? i : nr - 1;
+        for (size_t j = 0; j < nz + 2; j++) {
+            const uint64_t cell = A_rz[i * (nz + 2) + j];
+            const size_t iz = j == 0 ? 0 : (j <= nz ? j - 1 : nz - 1);
+            result->A_rz[ir * nz + iz] += cell;
+            A_z[iz] += cell;
+            if (i == nr) result->book[CML_BOOK_OVERFLOW_R] += cell;
+            if (j == 0) result->book[CML_BOOK_ABOVE] += cell;
+            if (j > nz) result->book[CML_BOOK_OVERFLOW_Z] += cell;
         }
     }
 }
@@ -130,12 +167,13 @@ static void add_margins(const uint64_t *cells, int rows, int columns, cml_u128 *
 void cml_result_add(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_grid *grid = &result->grid;
-    const size_t cells = cells_all(grid), b = (size_t)batch;
-    const size_t nr = (size_t)grid->nr, na = (size_t)grid->na, nz = (size_t)grid->nz;
-    for (size_t i = 0; i < cells; i++) result->A_l[i] += tally->A_l[i];
-    add_margins(tally->Rd_ra, grid->nr, grid->na, result->Rd_r + b * nr, result->Rd_a + b * na);
-    add_margins(tally->Tt_ra, grid->nr, grid->na, result->Tt_r + b * nr, result->Tt_a + b * na);
-    if (grid->absorption) add_margins(tally->A_rz, grid->nr, grid->nz, NULL, result->A_z + b * nz);
+    const size_t nr = (size_t)grid->nr, na = (size_t)grid->na, b = (size_t)batch;
+    const struct margins reflected = {result->Rd_r + b * nr, result->Rd_a + b * na};
+    const struct margins transmitted = {result->Tt_r + b * nr, result->Tt_a + b * na};
+    for (int m = 0; m < grid->num_layers + 2; m++) result->A_l[m] += tally->A_l[m];
+    add_exits(result, result->Rd_ra, tally->Rd_ra, reflected);
+    add_exits(result, result->Tt_ra, tally->Tt_ra, transmitted);
+    if (grid->absorption) add_absorption(result, tally->A_rz, result->A_z + b * (size_t)grid->nz);
     for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] += tally->book[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] += tally->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] += tally->square[i];

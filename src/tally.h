@@ -32,7 +32,7 @@ enum cml_book {
     CML_BOOK_ROULETTE, /* lost by packets that did not survive it */
     CML_BOOK_TRAPPED,
     CML_BOOK_LOST,
-    /* parts of the above, not in the balance */
+    /* parts of the above, not in the balance; a result's only, a tally has cells for them */
     CML_BOOK_OVERFLOW_R, /* of reflected, transmitted and absorbed: scored in the last radial bin from beyond
                             it */
     CML_BOOK_OVERFLOW_Z, /* of absorbed: in the last depth bin from below it */
@@ -77,10 +77,12 @@ struct cml_lost_list {
     uint64_t index[CML_LOST_LISTED];
 };
 
+/* Its grids have cells of their own for what lies beyond them (P7), which a result adds to the last and first
+ * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
 struct cml_tally {
     struct cml_grid grid;
-    uint64_t *A_rz;          /* [nr][nz] or NULL */
-    uint64_t *Rd_ra, *Tt_ra; /* [nr][na] */
+    uint64_t *A_rz;          /* [nr + 1][nz + 2] or NULL */
+    uint64_t *Rd_ra, *Tt_ra; /* [nr + 1][na] */
     uint64_t *A_l;           /* [num_layers + 2] by medium */
     uint64_t book[CML_NUM_BOOKS];
     uint64_t count[CML_NUM_COUNTS];
@@ -90,16 +92,21 @@ struct cml_tally {
 
 struct cml_result {
     struct cml_grid grid;
-    uint64_t photons; /* asked for; batch b is the range [b*photons/64, (b+1)*photons/64) */
-    cml_u128 *A_rz, *Rd_ra, *Tt_ra, *A_l; /* as in cml_tally */
-    cml_u128 *Rd_r, *Tt_r;                /* [64][nr] */
-    cml_u128 *Rd_a, *Tt_a;                /* [64][na] */
-    cml_u128 *A_z;                        /* [64][nz] or NULL */
+    uint64_t photons;        /* asked for; batch b is the range [b*photons/64, (b+1)*photons/64) */
+    cml_u128 *A_rz;          /* [nr][nz] or NULL */
+    cml_u128 *Rd_ra, *Tt_ra; /* [nr][na] */
+    cml_u128 *A_l;           /* [num_layers + 2] by medium */
+    cml_u128 *Rd_r, *Tt_r;   /* [64][nr] */
+    cml_u128 *Rd_a, *Tt_a;   /* [64][na] */
+    cml_u128 *A_z;           /* [64][nz] or NULL */
     cml_u128 book[CML_NUM_BOOKS];
     cml_u128 count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS];
     struct cml_lost_list lost;
 };
+
+/* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra and A_rz in this order, which lie in one block from A_l on. */
+size_t cml_tally_cells(const struct cml_grid *grid);
 
 /* Bytes that a tally, or a result, of this grid takes. */
 double cml_tally_bytes(const struct cml_grid *grid);

@@ -10,7 +10,7 @@ import sys
 FLOORS = [
     (6, "main options command command_*"),
     (5, "run report report_mco plot"),
-    (4, "engine engine_cpu engine_reference engine_scalar tally_packet bundle bundle_*"),
+    (4, "engine engine_cpu engine_cpu_level engine_reference engine_scalar packet_ends bundle bundle_*"),
     (3, "surface surface_mesh mesh_query clearance mci mci_lines mci_extra obj obj_* mco mco_*"),
     (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally"),
     (1, "status text vec3"),
@@ -22,7 +22,7 @@ FOREIGN = {
     "embree*": "surface_mesh",
     "tiny_obj_loader.h": "obj_tiny",
     "jansson.h": "report",
-    "omp.h": "engine_cpu",
+    "omp.h": "engine_cpu_level",
     "getopt.h": "options",
     "spawn.h": "command_plot",
     "signal.h": "command_plot",

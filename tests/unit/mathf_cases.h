@@ -59,8 +59,8 @@ static void the_logarithm_keeps_its_bound_everywhere(void **state)
 static double circle_error(uint32_t word)
 {
     const long double turn = 6.283185307179586476925286766559L;
-    /* odd multiples of 2^-25 of a turn, counted from -1/8 turn */
-    const long double angle = ((long double)(word >> 8) * 2 + 1) * 0x1p-25L * turn - turn / 8;
+    /* the lower 30 bits are a signed part of a quadrant, whose number stands above them */
+    const long double angle = (word >> 30) * turn / 4 + (long double)(int32_t)(word << 2) * 0x1p-34L * turn;
     real c, s;
     cml_circle_point(word, &c, &s);
     return (double)fmaxl(fabsl((long double)c - cosl(angle)), fabsl((long double)s - sinl(angle)));

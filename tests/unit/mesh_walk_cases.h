@@ -97,7 +97,9 @@ static void check_walk(uint32_t seed, double roughness, long flights)
     struct cml_error err;
     assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, &surface, &err), CML_OK);
     const struct cml_mesh_surface *const meshes[] = {surface};
+    const struct cml_surface surfaces[] = {{.kind = CML_SURFACE_MESH}};
     walker.world.meshes = meshes;
+    walker.world.surfaces = surfaces;
     place(&dice, &walker);
     for (long n = 0; n < flights; n++) fly(&dice, &walker);
     printf("%ld flights, %ld crossings, %ld on the wrong side, worst %.2g cm\n", walker.flights,

@@ -97,7 +97,7 @@ static void a_symmetric_uniform_is_exact_and_odd(void **state)
     for (int n = 0; n < 1000000; n++) {
         const uint32_t word = n < COUNT(edges) ? edges[n] : dice_word(&dice);
         const double s = (double)cml_uniform_symmetric(word);
-        assert_true(s == (2.0 * (word >> 8) + 1 - 0x1p24) * 0x1p-24);
+        assert_true(s == (2.0 * ((int32_t)word >> 8) + 1) * 0x1p-24);
         assert_true(s > -1 && s < 1);
         assert_true((double)cml_uniform_symmetric(~word) == -s);
     }

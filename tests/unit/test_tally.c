@@ -27,7 +27,7 @@ static void score(struct cml_tally *tally, int r, int a, int z, bool up)
 {
     const uint64_t half = (uint64_t)1 << 30;
     (up ? tally->Rd_ra : tally->Tt_ra)[r * tally->grid.na + a] += half;
-    if (tally->A_rz) tally->A_rz[r * tally->grid.nz + z] += half;
+    if (tally->A_rz) tally->A_rz[r * (tally->grid.nz + 2) + z + 1] += half;
     tally->A_l[1] += half;
     tally->book[CML_BOOK_LAUNCHED] += 2 * half;
     tally->book[up ? CML_BOOK_REFLECTED : CML_BOOK_TRANSMITTED] += half;
@@ -48,26 +48,24 @@ static void a_new_tally_is_zero_and_has_all_its_cells(void **state)
 {
     (void)state;
     struct cml_tally tally = make_tally(&grid);
-    for (int i = 0; i < grid.nr * grid.nz; i++) assert_int_equal(tally.A_rz[i], 0);
-    for (int i = 0; i < grid.nr * grid.na; i++) assert_int_equal(tally.Rd_ra[i] + tally.Tt_ra[i], 0);
-    for (int i = 0; i < grid.num_layers + 2; i++) assert_int_equal(tally.A_l[i], 0);
-    assert_true(cml_tally_bytes(&grid) == 8 * (3 * 4 + 2 * 3 * 2 + 4));
+    for (size_t i = 0; i < cml_tally_cells(&grid); i++) assert_int_equal(tally.A_l[i], 0);
+    assert_true(tally.Rd_ra == tally.A_l + 4 && tally.Tt_ra == tally.Rd_ra + 4 * 2);
+    assert_true(tally.A_rz == tally.Tt_ra + 4 * 2);
+    assert_int_equal(cml_tally_cells(&grid), 4 + 2 * 4 * 2 + 4 * 6);
+    assert_true(cml_tally_bytes(&grid) == 8 * (4 + 2 * 4 * 2 + 4 * 6));
     cml_tally_free(&tally);
     struct cml_grid without = grid;
     without.absorption = false;
     tally = make_tally(&without);
     assert_null(tally.A_rz);
-    assert_true(cml_tally_bytes(&without) == 8 * (2 * 3 * 2 + 4));
+    assert_true(cml_tally_bytes(&without) == 8 * (4 + 2 * 4 * 2));
     cml_tally_free(&tally);
 }
 
 /* The arrays lie side by side, so every one is filled with numbers of its own. */
 static void fill(struct cml_tally *tally, uint64_t from)
 {
-    for (int i = 0; i < grid.num_layers + 2; i++) tally->A_l[i] = from++;
-    for (int i = 0; i < grid.nr * grid.na; i++) tally->Rd_ra[i] = from++;
-    for (int i = 0; i < grid.nr * grid.na; i++) tally->Tt_ra[i] = from++;
-    for (int i = 0; i < grid.nr * grid.nz; i++) tally->A_rz[i] = from++;
+    for (size_t i = 0; i < cml_tally_cells(&grid); i++) tally->A_l[i] = from++;
     for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] = from++;
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] = from++;
     for (int i = 0; i < CML_NUM_TOTALS; i++) tally->square[i] = from++;
@@ -81,10 +79,7 @@ static void merging_adds_every_cell_and_zero_clears_it(void **state)
     fill(&b, 50000);
     cml_tally_merge(&a, &b);
     uint64_t wanted = 51000;
-    for (int i = 0; i < grid.num_layers + 2; i++, wanted += 2) assert_int_equal(a.A_l[i], wanted);
-    for (int i = 0; i < grid.nr * grid.na; i++, wanted += 2) assert_int_equal(a.Rd_ra[i], wanted);
-    for (int i = 0; i < grid.nr * grid.na; i++, wanted += 2) assert_int_equal(a.Tt_ra[i], wanted);
-    for (int i = 0; i < grid.nr * grid.nz; i++, wanted += 2) assert_int_equal(a.A_rz[i], wanted);
+    for (size_t i = 0; i < cml_tally_cells(&grid); i++, wanted += 2) assert_int_equal(a.A_l[i], wanted);
     for (int i = 0; i < CML_NUM_BOOKS; i++, wanted += 2) assert_int_equal(a.book[i], wanted);
     for (int i = 0; i < CML_NUM_COUNTS; i++, wanted += 2) assert_int_equal(a.count[i], wanted);
     for (int i = 0; i < CML_NUM_TOTALS; i++, wanted += 2) assert_true(a.square[i] == wanted);
@@ -148,13 +143,37 @@ static void a_result_has_the_margins_of_its_batches(void **state)
                         (cml_u128)tally.Rd_ra[a] + tally.Rd_ra[2 + a] + tally.Rd_ra[4 + a]);
         for (int z = 0; z < 4; z++)
             assert_true(result.A_z[b * 4 + z] ==
-                        (cml_u128)tally.A_rz[z] + tally.A_rz[4 + z] + tally.A_rz[8 + z]);
+                        (cml_u128)tally.A_rz[1 + z] + tally.A_rz[7 + z] + tally.A_rz[13 + z]);
         cml_tally_free(&tally);
     }
     for (int r = 0; r < 3; r++)
         for (int a = 0; a < 2; a++) assert_true(result.Rd_ra[2 * r + a] == wanted[r][a]);
     assert_true(cml_result_residue(&result) == 0);
     assert_true(cml_result_share(&result, CML_BOOK_ABSORBED) == 0.5);
+    cml_result_free(&result);
+}
+
+/* P7: what lies beyond the grid goes into the last or first bin, and is counted. */
+static void cells_beyond_the_grid_go_into_its_rim(void **state)
+{
+    (void)state;
+    struct cml_result result = make_result(&grid, 1);
+    struct cml_tally tally = make_tally(&grid);
+    tally.Rd_ra[3 * 2 + 1] = 1;
+    tally.Tt_ra[3 * 2] = 2;
+    tally.A_rz[1 * 6 + 0] = 4;  /* r bin 1, z < 0 */
+    tally.A_rz[2 * 6 + 5] = 8;  /* r bin 2, too deep */
+    tally.A_rz[3 * 6 + 2] = 16; /* too far out, z bin 1 */
+    tally.A_rz[3 * 6 + 5] = 32; /* both */
+    cml_result_add(&result, 7, &tally);
+    assert_true(result.Rd_ra[2 * 2 + 1] == 1 && result.Rd_r[7 * 3 + 2] == 1 && result.Rd_a[7 * 2 + 1] == 1);
+    assert_true(result.Tt_ra[2 * 2] == 2 && result.Tt_r[7 * 3 + 2] == 2 && result.Tt_a[7 * 2] == 2);
+    assert_true(result.A_rz[1 * 4 + 0] == 4 && result.A_rz[2 * 4 + 3] == 8 + 32 &&
+                result.A_rz[2 * 4 + 1] == 16);
+    assert_true(result.A_z[7 * 4] == 4 && result.A_z[7 * 4 + 1] == 16 && result.A_z[7 * 4 + 3] == 40);
+    assert_true(result.book[CML_BOOK_OVERFLOW_R] == 1 + 2 + 16 + 32);
+    assert_true(result.book[CML_BOOK_OVERFLOW_Z] == 8 + 32 && result.book[CML_BOOK_ABOVE] == 4);
+    cml_tally_free(&tally);
     cml_result_free(&result);
 }
 
@@ -286,6 +305,7 @@ int main(void)
         cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
         cmocka_unit_test(every_photon_belongs_to_one_batch),
         cmocka_unit_test(a_result_has_the_margins_of_its_batches),
+        cmocka_unit_test(cells_beyond_the_grid_go_into_its_rim),
         cmocka_unit_test(a_broken_cell_leaves_a_residue),
         cmocka_unit_test(the_error_of_a_total_is_that_of_its_packets),
         cmocka_unit_test(the_error_of_a_bin_is_the_spread_of_its_batches),

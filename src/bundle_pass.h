@@ -1,0 +1,207 @@
+/* The vector loops of a bundle. Lanes whose task is another are left alone; lanes without a packet may hold
+ * anything. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_PASS_H
+#define CML_BUNDLE_PASS_H
+
+#include "bundle.h"
+#include "walk.h"
+
+#include <stddef.h>
+
+/* Inlining would only mix their constants with those of their callers, and hide them from a profile. */
+#define CML_PASS static __attribute__((noinline))
+
+/* Where lane i is after its flight. Conservative: a lane that is not near a boundary cannot meet it before
+ * its interaction, rounding included; what is not a number, or infinite, is near. */
+static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, real *distance)
+{
+    const real z = b->z[i], mfp = CML_OF_MEDIUM(b, mfp)[i], depth = tau * mfp;
+    const real s = mfp < CML_INFINITY ? depth : CML_INFINITY;
+    /* the depth reached, widened by its rounding */
+    const real step = s * b->uz[i], end = z + step;
+    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
+    const real least = (z < end ? z : end) - slack, most = (z > end ? z : end) + slack;
+    *distance = s;
+    return !((least > CML_OF_MEDIUM(b, stop_above)[i]) & (most < CML_OF_MEDIUM(b, stop_below)[i]));
+}
+
+/* Lanes first..first+15 that had their event: s, and INTERACT or NEAR. */
+CML_PASS void cml_bundle_fly_again(struct cml_bundle *b, int first)
+{
+#pragma omp simd
+    for (int i = first; i < first + CML_GROUP; i++) {
+        real s;
+        const int task = b->task[i], mine = (task == CML_LANE_DONE) | (task == CML_LANE_REFLECTED);
+        const int near = cml_lane_is_near(b, i, b->tau[i], &s);
+        b->s[i] = mine ? s : b->s[i];
+        b->task[i] = mine ? (near ? CML_LANE_NEAR : CML_LANE_INTERACT) : task;
+    }
+}
+
+/* All lanes: the block of the next interaction. Those with INTERACT have just had one; the others get the
+ * block again that they have. */
+CML_PASS void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *b)
+{
+    const struct cml_stream stream = setup->stream;
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++) {
+        const cml_u32 interactions = b->interactions[i] + (cml_u32)(b->task[i] == CML_LANE_INTERACT);
+        const struct cml_block draw =
+            cml_threefry(stream, b->index_low[i], b->index_high[i], interactions, CML_PURPOSE_INTERACTION);
+        b->interactions[i] = interactions;
+        b->draw0[i] = draw.w[0];
+        b->draw1[i] = draw.w[1];
+        b->draw2[i] = draw.w[2];
+    }
+}
+
+/* All lanes: those with INTERACT get a new optical depth, then all s and INTERACT or NEAR. Returns 1 when any
+ * is near. */
+CML_PASS int cml_bundle_fly(struct cml_bundle *b)
+{
+    int any = 0;
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++) {
+        const real fresh = cml_depth_or_tail(b->draw0[i]);
+        b->tau[i] = b->task[i] == CML_LANE_INTERACT ? fresh : b->tau[i];
+    }
+#pragma omp simd reduction(| : any)
+    for (int i = 0; i < CML_LANES; i++) {
+        real s;
+        const int near = cml_lane_is_near(b, i, b->tau[i], &s);
+        b->s[i] = s;
+        b->task[i] = near ? CML_LANE_NEAR : CML_LANE_INTERACT;
+        any |= near;
+    }
+    return any;
+}
+
+/* Lanes first..first+15 that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or TURN,
+ * or back to INTERACT, or NOWHERE. Returns 1 when any is to turn. */
+CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b, int first)
+{
+    const real *restrict const muts = CML_OF_MEDIUM(b, mut), *restrict const n = CML_OF_MEDIUM(b, n);
+    const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
+                                                                        CML_OF_MEDIUM(b, n_below);
+    const real *restrict const planes_above = CML_OF_MEDIUM(b, plane_above);
+    const real *restrict const planes_below = CML_OF_MEDIUM(b, plane_below);
+    int turns = 0;
+#pragma omp simd reduction(| : turns)
+    for (int i = first; i < first + CML_GROUP; i++) {
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, p = {b->x[i], b->y[i], b->z[i]};
+        const int task = b->task[i], mine = task == CML_LANE_NEAR, above = u.z < 0;
+        const real s = b->s[i], tau = b->tau[i], below_z = planes_below[i], above_z = planes_above[i];
+        const real na = n_above[i], nb = n_below[i], n1 = n[i], n2 = above ? na : nb;
+        const real t = ((above ? above_z : below_z) - p.z) / u.z, ahead = t > 0 ? t : (real)0;
+        const int hit = mine & (u.z != 0) & (t < s), number = s * u.z == s * u.z;
+        const real left = CML_FMA(-ahead, muts[i], tau), tau_left = left > 0 ? left : (real)0;
+        const struct cml_vec q = cml_along(p, ahead, u);
+        const int matched = n1 == n2,
+                  missed = (s < CML_INFINITY) & number ? CML_LANE_INTERACT : CML_LANE_NOWHERE;
+        const int event = hit ? (matched ? CML_LANE_TRANSMITTED : CML_LANE_TURN) : missed;
+        const cml_u32 interactions = b->interactions[i], touched = b->touched[i], bounces = b->bounces[i];
+        const cml_u32 row = touched == interactions ? bounces : 0u;
+        b->x[i] = hit ? q.x : p.x;
+        b->y[i] = hit ? q.y : p.y;
+        b->z[i] = hit ? (above ? (real)0 : below_z) : p.z;
+        b->tau[i] = hit ? tau_left : tau;
+        b->task[i] = mine ? event : task;
+        b->touched[i] = hit ? interactions : touched;
+        b->bounces[i] = hit ? row + 1u : bounces;
+        b->boundary_events[i] += (cml_u32)hit;
+        b->on_boundary[i] = hit ? -1 : b->on_boundary[i];
+        turns |= hit & !matched;
+    }
+    return turns;
+}
+
+/* Lanes first..first+15 with TURN: P5. */
+CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *b, int first)
+{
+    const struct cml_stream stream = setup->stream;
+    const real *restrict const n = CML_OF_MEDIUM(b, n);
+    const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
+                                                                        CML_OF_MEDIUM(b, n_below);
+#pragma omp simd
+    for (int i = first; i < first + CML_GROUP; i++) {
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+        const int task = b->task[i], mine = task == CML_LANE_TURN;
+        const real na = n_above[i], nb = n_below[i];
+        const struct cml_block draw =
+            cml_threefry(stream, b->index_low[i], b->index_high[i], b->crossings[i], CML_PURPOSE_BOUNDARY);
+        int through;
+        const struct cml_vec v =
+            cml_plane_direction(u, n[i], u.z < 0 ? na : nb, cml_uniform(draw.w[0]), &through);
+        const int event = through ? CML_LANE_TRANSMITTED : CML_LANE_REFLECTED;
+        b->ux[i] = mine ? v.x : u.x;
+        b->uy[i] = mine ? v.y : u.y;
+        b->uz[i] = mine ? v.z : u.z;
+        b->crossings[i] += (cml_u32)mine;
+        b->task[i] = mine ? event : task;
+    }
+}
+
+/* What lies behind a plane for a lane. */
+enum cml_behind {
+    CML_BEHIND_SAME, /* its own medium, or it never was there */
+    CML_BEHIND_LAYER,
+    CML_BEHIND_EXIT, /* an outer medium */
+    CML_BEHIND_ODD,  /* NOWHERE, or has bounced too often */
+};
+
+/* Lanes first..first+15 after reach_planes and turn: their enum cml_behind, two bits each. */
+CML_PASS cml_u32 cml_bundle_look_behind(const struct cml_setup *setup, const struct cml_bundle *b, int first)
+{
+    const int layers = setup->num_layers;
+    cml_u32 codes = 0;
+#pragma omp simd reduction(| : codes)
+    for (int i = 0; i < CML_GROUP; i++) {
+        const int lane = first + i, task = b->task[lane], from = b->medium[lane],
+                  bounces = (int)b->bounces[lane];
+        const real uz = b->uz[lane];
+        const int crossed = task == CML_LANE_TRANSMITTED, event = crossed | (task == CML_LANE_REFLECTED);
+        const int medium = from + (uz < 0 ? -crossed : crossed), outside = (medium == 0) | (medium > layers);
+        const int odd = (task == CML_LANE_NOWHERE) | (event & !outside & (bounces > (int)CML_TRAPPED_LIMIT));
+        const int exit = event & outside, layer = crossed & !outside;
+        codes |= (cml_u32)(layer * CML_BEHIND_LAYER | exit * CML_BEHIND_EXIT | odd * CML_BEHIND_ODD)
+                 << (2 * i);
+    }
+    return codes;
+}
+
+/* Lanes with INTERACT (all: every one of them has it): hop, drop, spin. Fills dw (0 in other lanes) and,
+ * where absorption is tallied, cell. Returns 1 when a packet is below the roulette threshold. */
+static inline int cml_bundle_interact(const struct cml_setup *shared, struct cml_bundle *b, const int all,
+                                      const int tally)
+{
+    const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
+    const real *restrict const absorb = CML_OF_MEDIUM(b, absorb), *restrict const bins =
+                                                                      CML_OF_MEDIUM(b, bins);
+    const real *restrict const g = CML_OF_MEDIUM(b, g);
+    int low = 0;
+#pragma omp simd reduction(| : low)
+    for (int i = 0; i < CML_LANES; i++) {
+        const int mine = all ? 1 : b->task[i] == CML_LANE_INTERACT;
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
+        const struct cml_vec p = cml_along(from, b->s[i], u);
+        const cml_u32 w = b->w[i], part = cml_absorbed_part(w, absorb[i], b->draw2[i]);
+        const cml_u32 dw = mine ? part : 0u, left = w - dw;
+        if (tally) {
+            const int ir = cml_radial_bin(&setup, p.x, p.y), iz = cml_depth_bin(&setup, p.z, bins[i]);
+            b->cell[i] = ir * (setup.nz + 2) + iz;
+            b->dw[i] = dw;
+        }
+        const struct cml_vec v = cml_scatter(u, g[i], b->draw1[i], b->draw2[i]);
+        b->x[i] = mine ? p.x : from.x;
+        b->y[i] = mine ? p.y : from.y;
+        b->z[i] = mine ? p.z : from.z;
+        b->ux[i] = mine ? v.x : u.x;
+        b->uy[i] = mine ? v.y : u.y;
+        b->uz[i] = mine ? v.z : u.z;
+        b->w[i] = left;
+        low |= left < CML_ROULETTE_THRESHOLD;
+    }
+    return low;
+}
+
+#endif

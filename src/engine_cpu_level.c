@@ -1,0 +1,161 @@
+/* The CPU engine for one level of the processor: compiled once for each (CML_LEVEL, see CMakeLists.txt), so
+ * that one binary is fast on all machines. Only instructions differ; results are the same to the last bit.
+ * SPDX-License-Identifier: MIT */
+#include "bundle_walk.h"
+#include "engine_scalar.h"
+
+#include <omp.h>
+#include <stddef.h>
+#include <stdlib.h>
+
+struct cpu_engine {
+    struct scalar_world scalar;
+    struct cml_lane_medium *media; /* [num_layers + 2] */
+    struct cml_tally *tallies;     /* one for each thread */
+    int threads, num_tallies;
+    uint64_t chunk;
+};
+
+static void cpu_close(void *self)
+{
+    struct cpu_engine *cpu = self;
+    if (!cpu) return;
+    for (int i = 0; i < cpu->num_tallies; i++) cml_tally_free(&cpu->tallies[i]);
+    free(cpu->tallies);
+    free(cpu->media);
+    scalar_world_free(&cpu->scalar);
+    free(cpu);
+}
+
+static cml_status create_tallies(const struct cml_scene *scene, const struct cml_engine_options *options,
+                                 struct cpu_engine *cpu, struct cml_error *err)
+{
+    const struct cml_grid grid = {.nr = scene->nr,
+                                  .nz = scene->nz,
+                                  .na = scene->na,
+                                  .num_layers = scene->num_layers,
+                                  .absorption = options->absorption};
+    cpu->tallies = calloc((size_t)cpu->threads, sizeof *cpu->tallies);
+    if (!cpu->tallies) return cml_fail_memory(err, cpu->threads * cml_tally_bytes(&grid), "tallies");
+    for (; cpu->num_tallies < cpu->threads; cpu->num_tallies++)
+        CML_TRY(cml_tally_create(&grid, &cpu->tallies[cpu->num_tallies], err));
+    return CML_OK;
+}
+
+static struct cml_lane_medium lane_medium(const struct cml_world *world, int m)
+{
+    const struct cml_medium *medium = &world->media[m];
+    const struct cml_surface *top = m > 0 ? &world->surfaces[m - 1] : NULL;
+    const struct cml_surface *bottom = m <= world->setup.num_layers ? &world->surfaces[m] : NULL;
+    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
+    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE;
+    const struct cml_lane_medium lane = {
+        .mut = medium->mut,
+        .mfp = medium->mfp,
+        .absorb = medium->absorb,
+        .g = medium->g,
+        .bins = medium->bins,
+        .n = medium->n,
+        .n_above = top ? medium[-1].n : medium->n,
+        .n_below = bottom ? medium[1].n : medium->n,
+        .span = medium->span,
+        .plane_above = plane_top ? (real)0 : -CML_INFINITY,
+        .plane_below = plane_bottom ? medium->span : CML_INFINITY,
+        .stop_above = plane_top ? (real)0 : (top ? top->highest : -CML_INFINITY),
+        .stop_below = plane_bottom ? medium->span : (bottom ? medium->span + bottom->lowest : CML_INFINITY),
+    };
+    return lane;
+}
+
+static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
+{
+    const int count = cpu->scalar.world.setup.num_layers + 2;
+    cpu->media = calloc((size_t)count, sizeof *cpu->media);
+    if (!cpu->media) return cml_fail_memory(err, count * (double)sizeof *cpu->media, "the media");
+    for (int m = 0; m < count; m++) cpu->media[m] = lane_medium(&cpu->scalar.world, m);
+    return CML_OK;
+}
+
+static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                           const struct cml_engine_options *options, void **self, struct cml_error *err)
+{
+    struct cpu_engine *cpu = calloc(1, sizeof *cpu);
+    *self = NULL;
+    if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
+    cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
+    cpu->chunk = options->chunk > 0 ? options->chunk : 128;
+    cml_status status = scalar_world_create(scene, surfaces, options, &cpu->scalar, err);
+    if (status == CML_OK) status = create_lane_media(cpu, err);
+    if (status == CML_OK) status = create_tallies(scene, options, cpu, err);
+    if (status != CML_OK)
+        cpu_close(cpu);
+    else
+        *self = cpu;
+    return status;
+}
+
+/* Photon indices that no thread has taken yet. */
+struct pool {
+    uint64_t first, count, chunk;
+    uint64_t taken; /* shared by all threads */
+};
+
+static int take_chunk(void *context, uint64_t *first, uint64_t *count)
+{
+    struct pool *pool = context;
+    uint64_t begin;
+#pragma omp atomic capture
+    {
+        begin = pool->taken;
+        pool->taken += pool->chunk;
+    }
+    if (begin >= pool->count) return 0;
+    *first = pool->first + begin;
+    *count = pool->count - begin < pool->chunk ? pool->count - begin : pool->chunk;
+    return 1;
+}
+
+static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
+                          struct cml_error *err)
+{
+    (void)err;
+    struct cpu_engine *cpu = self;
+    struct pool pool = {.first = first, .count = count, .chunk = cpu->chunk};
+    const struct cml_range_source source = {take_chunk, &pool};
+#pragma omp parallel num_threads(cpu->threads)
+    {
+        struct cml_tally *mine = &cpu->tallies[omp_get_thread_num()];
+        cml_tally_zero(mine);
+        cml_bundle_walk(&cpu->scalar.world, cpu->media, &source, mine);
+#pragma omp critical
+        cml_tally_merge(tally, mine);
+    }
+    return CML_OK;
+}
+
+static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
+                            struct cml_fate_record *record, struct cml_error *err)
+{
+    const struct cpu_engine *cpu = self;
+    return trace_packet(&cpu->scalar.world, index, on_event, context, record, err);
+}
+
+static int cpu_threads(const void *self)
+{
+    return ((const struct cpu_engine *)self)->threads;
+}
+
+#define CML_PASTE(a, b) a##b
+#define CML_LEVELED(name, level) CML_PASTE(name, level)
+
+/* declared in engine_cpu.c only, which picks one */
+extern const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL);
+const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
+    .name = "cpu",
+    .description = "single precision, bundles of packets in vector loops, OpenMP threads",
+    .open = cpu_open,
+    .run = cpu_run,
+    .trace = cpu_trace,
+    .threads = cpu_threads,
+    .close = cpu_close,
+};

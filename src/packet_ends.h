@@ -1,0 +1,180 @@
+/* Finished packets on their way into a tally. They are collected, so that exit bins, books and squares of
+ * many packets are computed in one vector loop however rarely packets end. In the precision of the file that
+ * includes this, and static: each level of the processor has its own copy.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_PACKET_ENDS_H
+#define CML_PACKET_ENDS_H
+
+#include "tally.h"
+#include "walk.h"
+
+#define CML_ENDS 64
+
+/* Structure of arrays; entries from `count` on hold nothing of interest. */
+struct cml_ends {
+    int count;
+    uint64_t absorbed[CML_ENDS];
+    real exit_x[CML_ENDS], exit_y[CML_ENDS], uz[CML_ENDS];
+    cml_u32 w[CML_ENDS], interactions[CML_ENDS], boundary_events[CML_ENDS];
+    int fate[CML_ENDS];
+    int cell[CML_ENDS]; /* of Rd_ra or Tt_ra */
+};
+
+/* Sums over the collected packets; a square as its two halves of 32 bits. */
+struct cml_end_sums {
+    uint64_t reflected, transmitted, specular, absorbed, interactions, boundary_events;
+    uint64_t reflected_low, reflected_high, transmitted_low, transmitted_high, specular_low, specular_high,
+        absorbed_low, absorbed_high;
+    uint64_t wide; /* bits of `absorbed` beyond 32: its squares then do not fit */
+};
+
+static inline void cml_ends_find_cells(const struct cml_setup *shared, struct cml_ends *ends)
+{
+    const struct cml_setup setup = *shared;
+#pragma omp simd
+    for (int i = 0; i < CML_ENDS; i++) {
+        const int ir = cml_radial_bin(&setup, ends->exit_x[i], ends->exit_y[i]);
+        ends->cell[i] = ir * setup.na + cml_angle_bin(&setup, ends->uz[i]);
+    }
+}
+
+#define CML_SUM_SQUARE(sums, what, value)                                                                    \
+    do {                                                                                                     \
+        const uint64_t square_ = (value) * (value);                                                          \
+        (sums).what += (value);                                                                              \
+        (sums).what##_low += square_ & 0xffffffffu;                                                          \
+        (sums).what##_high += square_ >> 32;                                                                 \
+    } while (0)
+
+static inline struct cml_end_sums cml_ends_sum(const struct cml_ends *ends)
+{
+    struct cml_end_sums sums = {0};
+    for (int i = 0; i < ends->count; i++) {
+        const int fate = ends->fate[i];
+        const uint64_t w = ends->w[i], absorbed = ends->absorbed[i];
+        const uint64_t reflected = fate == CML_FATE_REFLECTED ? w : 0;
+        const uint64_t transmitted = fate == CML_FATE_TRANSMITTED ? w : 0;
+        const uint64_t specular = fate == CML_FATE_SPECULAR ? w : 0;
+        CML_SUM_SQUARE(sums, reflected, reflected);
+        CML_SUM_SQUARE(sums, transmitted, transmitted);
+        CML_SUM_SQUARE(sums, specular, specular);
+        CML_SUM_SQUARE(sums, absorbed, absorbed);
+        sums.wide |= absorbed >> 32;
+        sums.interactions += ends->interactions[i];
+        sums.boundary_events += ends->boundary_events[i];
+    }
+    return sums;
+}
+
+static inline cml_u128 cml_square_sum(uint64_t low, uint64_t high)
+{
+    return ((cml_u128)high << 32) + low;
+}
+
+static inline cml_u128 cml_ends_absorbed_squares(const struct cml_ends *ends, const struct cml_end_sums *sums)
+{
+    if (!sums->wide) return cml_square_sum(sums->absorbed_low, sums->absorbed_high);
+    cml_u128 sum = 0;
+    for (int i = 0; i < ends->count; i++) sum += (cml_u128)ends->absorbed[i] * ends->absorbed[i];
+    return sum;
+}
+
+static inline void cml_ends_add_sums(const struct cml_setup *setup, const struct cml_ends *ends,
+                                     struct cml_tally *tally)
+{
+    const struct cml_end_sums sums = cml_ends_sum(ends);
+    const uint64_t count = (uint64_t)ends->count, specular = setup->specular;
+    tally->book[CML_BOOK_LAUNCHED] += count * CML_WEIGHT_ONE;
+    tally->book[CML_BOOK_SPECULAR] += count * specular + sums.specular;
+    tally->book[CML_BOOK_REFLECTED] += sums.reflected;
+    tally->book[CML_BOOK_TRANSMITTED] += sums.transmitted;
+    tally->book[CML_BOOK_ABSORBED] += sums.absorbed;
+    tally->count[CML_COUNT_PHOTONS] += count;
+    tally->count[CML_COUNT_INTERACTIONS] += sums.interactions;
+    tally->count[CML_COUNT_BOUNDARY_EVENTS] += sums.boundary_events;
+    /* where the beam's reflection is deterministic, no packet has a random one */
+    tally->square[CML_TOTAL_SPECULAR] +=
+        (cml_u128)count * specular * specular + cml_square_sum(sums.specular_low, sums.specular_high);
+    tally->square[CML_TOTAL_REFLECTED] += cml_square_sum(sums.reflected_low, sums.reflected_high);
+    tally->square[CML_TOTAL_TRANSMITTED] += cml_square_sum(sums.transmitted_low, sums.transmitted_high);
+    tally->square[CML_TOTAL_ABSORBED] += cml_ends_absorbed_squares(ends, &sums);
+}
+
+/* Empties the collection into the tally. */
+static inline void cml_ends_flush(const struct cml_setup *setup, struct cml_ends *ends,
+                                  struct cml_tally *tally)
+{
+    cml_ends_find_cells(setup, ends);
+    for (int i = 0; i < ends->count; i++) {
+        const int fate = ends->fate[i], exits = fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED;
+        CML_ADD(&(fate == CML_FATE_REFLECTED ? tally->Rd_ra : tally->Tt_ra)[ends->cell[i]],
+                exits ? ends->w[i] : 0u);
+    }
+    cml_ends_add_sums(setup, ends, tally);
+    ends->count = 0;
+}
+
+/* How a packet ended. */
+struct cml_end {
+    uint64_t index, absorbed;
+    int fate, cause;
+    cml_u32 w, interactions, boundary_events;
+    real exit_x, exit_y, uz;
+};
+
+/* P9: what is rare goes into the tally at once. */
+static inline void cml_tally_loss(const struct cml_end *end, struct cml_tally *tally)
+{
+    if (end->fate == CML_FATE_TRAPPED) {
+        tally->book[CML_BOOK_TRAPPED] += end->w;
+        tally->count[CML_COUNT_TRAPPED]++;
+    } else if (end->fate == CML_FATE_LOST) {
+        tally->book[CML_BOOK_LOST] += end->w;
+        tally->count[CML_COUNT_LOST_NO_SURFACE + end->cause - CML_LOST_NO_SURFACE]++;
+        cml_lost_list_add(&tally->lost, end->index);
+    }
+}
+
+static inline void cml_ends_push(const struct cml_setup *setup, struct cml_ends *ends,
+                                 const struct cml_end *end, struct cml_tally *tally)
+{
+    const int i = ends->count++;
+    ends->absorbed[i] = end->absorbed;
+    ends->exit_x[i] = end->exit_x;
+    ends->exit_y[i] = end->exit_y;
+    ends->uz[i] = end->uz;
+    ends->w[i] = end->w;
+    ends->interactions[i] = end->interactions;
+    ends->boundary_events[i] = end->boundary_events;
+    ends->fate[i] = end->fate;
+    cml_tally_loss(end, tally);
+    if (ends->count == CML_ENDS) cml_ends_flush(setup, ends, tally);
+}
+
+/* What only a packet of kernels/walk.h keeps for itself. */
+static inline void cml_tally_events(const struct cml_packet *packet, struct cml_tally *tally)
+{
+    tally->book[CML_BOOK_GAINED] += packet->gained;
+    tally->book[CML_BOOK_ROULETTE] += packet->roulette;
+    tally->count[CML_COUNT_QUERIES] += packet->queries;
+    tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
+}
+
+static inline struct cml_end cml_end_of(const struct cml_packet *packet)
+{
+    const struct cml_end end = {
+        .index = packet->index,
+        .absorbed = packet->absorbed,
+        .fate = packet->fate,
+        .cause = packet->cause,
+        .w = packet->w,
+        .interactions = packet->interactions,
+        .boundary_events = packet->boundary_events,
+        .exit_x = packet->exit_x,
+        .exit_y = packet->exit_y,
+        .uz = packet->u.z,
+    };
+    return end;
+}
+
+#endif

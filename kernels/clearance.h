@@ -19,9 +19,7 @@ CML_FN int cml_clearance_index(const CML_GLOBAL struct cml_clearance *grid, real
 /* Number of bits of n: the level whose cells are longer than n cells of level 0. */
 CML_FN int cml_clearance_level(int n)
 {
-    int level = 0;
-    while (n >> level) level++;
-    return level;
+    return n > 0 ? 32 - CML_CLZ(n) : 0;
 }
 
 /* 1 when a packet on the given side (+1 below, -1 above) cannot cross the surface on its way from p to p + d.

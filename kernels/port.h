@@ -14,6 +14,7 @@ typedef ulong cml_u64;
 #define CML_FMA fma
 #define CML_FABS fabs
 #define CML_COPYSIGN copysign
+#define CML_CLZ(n) clz((uint)(n))
 #else
 #include <math.h>
 #include <stdint.h>
@@ -21,6 +22,7 @@ typedef ulong cml_u64;
 typedef uint32_t cml_u32;
 typedef uint64_t cml_u64;
 #define CML_GLOBAL
+#define CML_CLZ(n) __builtin_clz((unsigned)(n))
 #endif
 
 #define CML_FN static inline

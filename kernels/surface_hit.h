@@ -124,7 +124,37 @@ CML_FN int cml_clip_to_envelope(const CML_GLOBAL struct cml_surface *surface, re
     return 1;
 }
 
-/* Crossing of one boundary; p in that boundary's frame. side: +1 the packet is below it, -1 above. */
+/* Whether a packet can meet the surface within *t_max, which is shortened to where that ends; p in the
+ * boundary's frame. side: +1 the packet is below it, -1 above. */
+CML_FN int cml_can_meet(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                        struct cml_vec p, struct cml_vec u, real side, real *t_max)
+{
+    if (surface->kind == CML_SURFACE_PLANE) return side * u.z < 0 && -p.z / u.z < *t_max;
+    if (cml_heads_away(surface, u, side)) return 0;
+    if (!cml_clip_to_envelope(surface, p.z, u.z, side, t_max)) return 0;
+    const struct cml_vec step = {*t_max * u.x, *t_max * u.y, *t_max * u.z};
+    return !cml_is_clear(world, surface, cml_from_scene_axis(world, p), step, side);
+}
+
+/* What a packet can meet of the boundaries of its medium, and within which distances. */
+struct cml_reach {
+    int above, below;
+    real t_above, t_below;
+};
+
+CML_FN struct cml_reach cml_find_reach(const struct cml_world *world, int medium, struct cml_vec p,
+                                       struct cml_vec u, real t_max)
+{
+    struct cml_reach reach = {0, 0, t_max, t_max};
+    if (medium > 0) reach.above = cml_can_meet(world, &world->surfaces[medium - 1], p, u, 1, &reach.t_above);
+    if (medium <= world->setup.num_layers) {
+        p.z -= world->media[medium].span;
+        reach.below = cml_can_meet(world, &world->surfaces[medium], p, u, -1, &reach.t_below);
+    }
+    return reach;
+}
+
+/* Crossing of one boundary that the packet can meet; p in that boundary's frame. */
 CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *packet, int boundary,
                            struct cml_vec p, real side, real t_max, struct cml_hit *hit)
 {
@@ -132,10 +162,6 @@ CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *pac
     const int standing_on = packet->on_boundary == boundary ? packet->on_primitive : -1;
     hit->boundary = boundary;
     if (surface->kind == CML_SURFACE_PLANE) return cml_plane_hit(p, packet->u, side, t_max, hit);
-    if (cml_heads_away(surface, packet->u, side)) return 0;
-    if (!cml_clip_to_envelope(surface, p.z, packet->u.z, side, &t_max)) return 0;
-    const struct cml_vec step = {t_max * packet->u.x, t_max * packet->u.y, t_max * packet->u.z};
-    if (cml_is_clear(world, surface, cml_from_scene_axis(world, p), step, side)) return 0;
     packet->queries++;
     if (surface->kind == CML_SURFACE_CONE)
         return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
@@ -147,21 +173,21 @@ CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *pac
 #endif
 }
 
-/* The first boundary of the packet's medium that it crosses within t_max (infinite allowed). */
-CML_FN int cml_nearest(const struct cml_world *world, struct cml_packet *packet, real t_max,
+/* The first boundary of the packet's medium that it crosses within reach. */
+CML_FN int cml_nearest(const struct cml_world *world, struct cml_packet *packet, struct cml_reach reach,
                        struct cml_hit *hit)
 {
     const int medium = packet->medium;
     int found = 0;
-    if (medium > 0) {
-        found = cml_surface_hit(world, packet, medium - 1, packet->p, 1, t_max, hit);
-        if (found) t_max = hit->t;
+    if (reach.above) {
+        found = cml_surface_hit(world, packet, medium - 1, packet->p, 1, reach.t_above, hit);
+        if (found && hit->t < reach.t_below) reach.t_below = hit->t;
     }
-    if (medium <= world->setup.num_layers) {
+    if (reach.below) {
         struct cml_vec p = packet->p;
         struct cml_hit below;
         p.z -= world->media[medium].span;
-        if (cml_surface_hit(world, packet, medium, p, -1, t_max, &below)) {
+        if (cml_surface_hit(world, packet, medium, p, -1, reach.t_below, &below)) {
             *hit = below;
             found = 1;
         }

@@ -336,7 +336,8 @@ CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *t
     while (packet->fate == CML_FATE_ALIVE) {
         const real t_max = cml_free_path(world, packet);
         struct cml_hit hit;
-        if (cml_nearest(world, packet, t_max, &hit))
+        const struct cml_reach reach = cml_find_reach(world, packet->medium, packet->p, packet->u, t_max);
+        if (cml_nearest(world, packet, reach, &hit))
             cml_cross(world, packet, &hit);
         else if (t_max < CML_INFINITY)
             cml_interact(world, to, packet, t_max);

@@ -139,33 +139,6 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
     cml_push_end(f, i, end);
 }
 
-static int cml_misses(const struct cml_world *world, const struct cml_surface *surface, struct cml_vec p,
-                      struct cml_vec d, struct cml_vec u, real side)
-{
-    if (surface->kind == CML_SURFACE_PLANE) return 0;
-    return cml_heads_away(surface, u, side) || cml_is_clear(world, surface, p, d, side);
-}
-
-/* Whether a near lane's step stays clear of both its boundaries, planes and curved ones. */
-static int cml_lane_is_clear(const struct cml_flight *f, int i)
-{
-    const struct cml_bundle *b = f->b;
-    const struct cml_world *world = f->world;
-    const int m = b->medium[i];
-    const real s = b->s[i], step = s * b->uz[i], end = b->z[i] + step;
-    const struct cml_vec d = {s * b->ux[i], s * b->uy[i], step}, q = {b->x[i], b->y[i], b->z[i]};
-    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-    struct cml_vec p = cml_from_scene_axis(world, q);
-    if (m == 0 || m > world->setup.num_layers) return 0;
-    const struct cml_surface *top = &world->surfaces[m - 1], *bottom = &world->surfaces[m];
-    const real slack = 4 * CML_EPSILON * (CML_FABS(p.z) + CML_FABS(step));
-    const real least = (p.z < end ? p.z : end) - slack, most = (p.z > end ? p.z : end) + slack;
-    if (!(least > f->media[m].stop_above) && !cml_misses(world, top, p, d, u, 1)) return 0;
-    if (most < f->media[m].stop_below) return 1;
-    p.z -= world->media[m].span;
-    return cml_misses(world, bottom, p, d, u, -1);
-}
-
 static void cml_lane_interacts(struct cml_flight *f, int i, real s)
 {
     f->b->s[i] = s;
@@ -174,12 +147,13 @@ static void cml_lane_interacts(struct cml_flight *f, int i, real s)
 
 /* One boundary event by kernels/walk.h, and as many more as it takes to come back into the material. Returns
  * 0 when there was none: then the packet interacts, *t further on. */
-static int cml_meet_boundary(const struct cml_world *world, struct cml_packet *packet, real *t)
+static int cml_meet_boundary(const struct cml_world *world, struct cml_packet *packet, struct cml_reach reach,
+                             real *t)
 {
     for (;;) {
         struct cml_hit hit;
         const real t_max = cml_free_path(world, packet);
-        if (cml_nearest(world, packet, t_max, &hit)) {
+        if (cml_nearest(world, packet, reach, &hit)) {
             cml_cross(world, packet, &hit);
         } else if (t_max < CML_INFINITY) {
             *t = t_max;
@@ -189,6 +163,7 @@ static int cml_meet_boundary(const struct cml_world *world, struct cml_packet *p
         }
         const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
         if (packet->fate != CML_FATE_ALIVE || !outside) return 1;
+        reach = cml_find_reach(world, packet->medium, packet->p, packet->u, cml_free_path(world, packet));
     }
 }
 
@@ -200,22 +175,16 @@ static int cml_would_leak(const struct cml_world *world, const struct cml_packet
     return cml_leaked(world, &moved);
 }
 
-/* A lane that may meet a curved surface, or has nothing ahead. */
-static void cml_handle_exception(struct cml_flight *f, int i)
+/* The lane's packet has something ahead, or nothing and never interacts. */
+static void cml_meet_or_interact(struct cml_flight *f, int i, struct cml_reach reach)
 {
     real t;
     struct cml_bundle *b = f->b;
-    if (!(b->tau[i] < CML_INFINITY))
-        b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
-    else if (cml_lane_is_clear(f, i)) {
-        cml_lane_interacts(f, i, b->s[i]);
-        return;
-    }
     struct cml_packet packet = cml_lane_packet(b, i);
     b->task[i] = CML_LANE_DONE;
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose(&packet, CML_LOST_NAN);
-    } else if (!cml_meet_boundary(f->world, &packet, &t)) {
+    } else if (!cml_meet_boundary(f->world, &packet, reach, &t)) {
         if (cml_would_leak(f->world, &packet, t))
             cml_lose(&packet, CML_LOST_LEAKED);
         else
@@ -226,6 +195,22 @@ static void cml_handle_exception(struct cml_flight *f, int i)
         cml_push_end(f, i, cml_end_of(&packet));
     else if (b->task[i] == CML_LANE_DONE)
         cml_store_packet(f, i, &packet);
+}
+
+/* A lane that is near a curved surface, or has nothing ahead, or whose optical depth lies in the tail. */
+static void cml_handle_exception(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
+    const real mfp = CML_OF_MEDIUM(b, mfp)[i];
+    if (!(b->tau[i] < CML_INFINITY))
+        b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
+    const real s = mfp < CML_INFINITY ? b->tau[i] * mfp : CML_INFINITY;
+    const struct cml_reach reach = cml_find_reach(f->world, b->medium[i], p, u, s);
+    if (reach.above || reach.below || !(s < CML_INFINITY) || !(cml_dot(u, u) < 2))
+        cml_meet_or_interact(f, i, reach);
+    else
+        cml_lane_interacts(f, i, s);
 }
 
 /* Through a plane into another layer. */

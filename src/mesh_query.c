@@ -116,12 +116,22 @@ void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const dou
     }
 }
 
+/* Most rays are short and start close to the mesh: nothing to clip. */
+static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
+{
+    const double *lower = q->body->lower, *upper = q->body->upper, *p = q->origin;
+    const double size = upper[0];
+    return t_max < size && p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1] &&
+           p[2] > lower[2] - size && p[2] < upper[2] + size;
+}
+
 /* The part of the ray inside the mesh's box, so that only numbers of the mesh's own size are rounded to
  * float. */
 bool cml_query_clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave)
 {
     *enter = 0;
     *leave = t_max;
+    if (is_of_mesh_size(q, t_max)) return true;
     for (int k = 0; k < 3; k++) {
         const double lower = q->body->lower[k] - q->origin[k], upper = q->body->upper[k] - q->origin[k];
         if (q->direction[k] == 0) {
@@ -129,8 +139,9 @@ bool cml_query_clip(const struct cml_mesh_query *q, double t_max, double *enter,
             continue;
         }
         const double a = lower / q->direction[k], b = upper / q->direction[k];
-        *enter = fmax(*enter, fmin(a, b));
-        *leave = fmin(*leave, fmax(a, b));
+        const double first = a < b ? a : b, last = a < b ? b : a;
+        if (first > *enter) *enter = first;
+        if (last < *leave) *leave = last;
     }
     return *enter <= *leave;
 }

@@ -13,7 +13,8 @@
 CML_FN int cml_clearance_index(const CML_GLOBAL struct cml_clearance *grid, real x, real corner)
 {
     const real cell = (x - corner) * grid->per_cell, last = (real)(grid->size - 1);
-    return cell > 0 ? (cell < last ? (int)cell : grid->size - 1) : 0;
+    const real inner = cell > 0 ? cell : (real)0;
+    return (int)(inner < last ? inner : last);
 }
 
 /* Number of bits of n: the level whose cells are longer than n cells of level 0. */
@@ -28,20 +29,20 @@ CML_FN int cml_is_clear(const struct cml_world *world, const CML_GLOBAL struct c
                         struct cml_vec p, struct cml_vec d, real side)
 {
     const CML_GLOBAL struct cml_clearance *grid = &surface->clearance;
-    const real far_z = p.z + d.z;
+    const real far_x = p.x + d.x, far_y = p.y + d.y, here = side * p.z, there = side * (p.z + d.z);
     if (grid->levels == 0 || !(d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY)) return 0;
-    const int x0 = cml_clearance_index(grid, d.x < 0 ? p.x + d.x : p.x, grid->corner_x);
-    const int x1 = cml_clearance_index(grid, d.x < 0 ? p.x : p.x + d.x, grid->corner_x);
-    const int y0 = cml_clearance_index(grid, d.y < 0 ? p.y + d.y : p.y, grid->corner_y);
-    const int y1 = cml_clearance_index(grid, d.y < 0 ? p.y : p.y + d.y, grid->corner_y);
-    const int level = cml_clearance_level(x1 - x0 > y1 - y0 ? x1 - x0 : y1 - y0);
+    const int x0 = cml_clearance_index(grid, far_x < p.x ? far_x : p.x, grid->corner_x);
+    const int x1 = cml_clearance_index(grid, far_x > p.x ? far_x : p.x, grid->corner_x);
+    const int y0 = cml_clearance_index(grid, far_y < p.y ? far_y : p.y, grid->corner_y);
+    const int y1 = cml_clearance_index(grid, far_y > p.y ? far_y : p.y, grid->corner_y);
+    const int level = cml_clearance_level((x1 - x0) | (y1 - y0)); /* as many bits as the larger one */
     const int size = grid->size >> level, offset = grid->first + grid->level_offset[level];
-    const CML_GLOBAL real *bounds = side > 0 ? world->deepest + offset : world->highest + offset;
-    const real z = side > 0 ? (far_z < p.z ? far_z : p.z) : (far_z > p.z ? far_z : p.z);
-    for (int y = y0 >> level; y <= y1 >> level; y++)
-        for (int x = x0 >> level; x <= x1 >> level; x++)
-            if (!(side * (z - bounds[y * size + x]) > 0)) return 0;
-    return 1;
+    const CML_GLOBAL real *bounds = (side > 0 ? world->deepest : world->highest) + offset;
+    const CML_GLOBAL real *row0 = bounds + (y0 >> level) * size, *row1 = bounds + (y1 >> level) * size;
+    const real a = side * row0[x0 >> level], b = side * row0[x1 >> level];
+    const real c = side * row1[x0 >> level], e = side * row1[x1 >> level];
+    const real ab = a > b ? a : b, ce = c > e ? c : e;
+    return (here < there ? here : there) > (ab > ce ? ab : ce);
 }
 
 #endif

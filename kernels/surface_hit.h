@@ -130,10 +130,12 @@ CML_FN int cml_can_meet(const struct cml_world *world, const CML_GLOBAL struct c
                         struct cml_vec p, struct cml_vec u, real side, real *t_max)
 {
     if (surface->kind == CML_SURFACE_PLANE) return side * u.z < 0 && -p.z / u.z < *t_max;
-    if (cml_heads_away(surface, u, side)) return 0;
+    const struct cml_vec from = cml_from_scene_axis(world, p),
+                         all = {*t_max * u.x, *t_max * u.y, *t_max * u.z};
+    if (cml_is_clear(world, surface, from, all, side) || cml_heads_away(surface, u, side)) return 0;
     if (!cml_clip_to_envelope(surface, p.z, u.z, side, t_max)) return 0;
-    const struct cml_vec step = {*t_max * u.x, *t_max * u.y, *t_max * u.z};
-    return !cml_is_clear(world, surface, cml_from_scene_axis(world, p), step, side);
+    const struct cml_vec part = {*t_max * u.x, *t_max * u.y, *t_max * u.z};
+    return part.z == all.z || !cml_is_clear(world, surface, from, part, side);
 }
 
 /* What a packet can meet of the boundaries of its medium, and within which distances. */

@@ -1,0 +1,108 @@
+/* What each vector loop of the CPU engine costs on this machine, in ns per packet and step: alone, and what the
+ * whole pass saves when the loop is left out. Every lane holds a packet deep in a thick medium, so this is the
+ * bound that boundaries, launches and ends come on top of. Prints CSV.
+ * SPDX-License-Identifier: MIT */
+#define _POSIX_C_SOURCE 199309L
+#define CML_LEVEL stages
+#include "engine_cpu_level.c"
+
+#include <stdio.h>
+#include <time.h>
+
+enum stage { DRAW, FLY, INTERACT, SCATTER, REACH, TURN, BEHIND, STAGES };
+static const char *const names[STAGES] = {
+    "draw: the block of the next interaction",    "fly: optical depth, distance, nearness",
+    "interact: hop, drop, spin",                  "scatter: into A_rz",
+    "reach planes (every lane is at one)",        "turn: Fresnel, reflect, refract (every lane)",
+    "look behind the plane (every lane)",
+};
+enum { PASS = SCATTER + 1, CELLS = 52 * 202 };
+
+static struct cml_bundle bundle;
+static struct cml_setup setup = {.num_layers = 1, .nr = 50, .nz = 200, .na = 30, .per_dr = 100, .per_dz = 100};
+static uint64_t A_rz[CELLS];
+static volatile cml_u32 sink;
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* mua 0.1, mus 90, n 1.4, far from every boundary. */
+static void fill_bundle(void)
+{
+    const struct cml_lane_medium medium = {.mut = 90.1f,
+                                           .mfp = 1 / 90.1f,
+                                           .g = 0.9f,
+                                           .n = 1.4f,
+                                           .n_above = 1,
+                                           .n_below = 1,
+                                           .plane_above = -1e9f,
+                                           .plane_below = 1e9f,
+                                           .stop_above = -1e9f,
+                                           .stop_below = 1e9f};
+    const real *row = &medium.mut;
+    for (int i = 0; i < CML_LANES; i++) {
+        bundle.uz[i] = 1;
+        bundle.z[i] = 0.5f;
+        bundle.tau[i] = 1;
+        bundle.w[i] = bundle.marked[i] = CML_WEIGHT_ONE;
+        bundle.index_low[i] = (cml_u32)i;
+        bundle.medium[i] = bundle.entered[i] = 1;
+        for (size_t k = 0; k < CML_LANE_MEDIUM_MEMBERS; k++) bundle.of_medium[k][i] = row[k];
+    }
+}
+
+static void set_task(int task)
+{
+    for (int i = 0; i < CML_LANES; i++) bundle.task[i] = task;
+}
+
+static void run_stage(int stage)
+{
+    switch (stage) {
+    case DRAW: cml_bundle_draw(&setup, &bundle); break;
+    case FLY: sink = (cml_u32)cml_bundle_fly(&bundle); break;
+    case INTERACT: sink = (cml_u32)cml_bundle_interact(&setup, &bundle, 1, 1); break;
+    case SCATTER: cml_scatter_deposits(&bundle, A_rz); break;
+    default: break;
+    }
+    for (int first = 0; stage >= REACH && first < CML_LANES; first += CML_GROUP) {
+        if (stage == REACH) sink = (cml_u32)cml_bundle_reach_planes(&bundle, first);
+        if (stage == TURN) cml_bundle_turn(&setup, &bundle, first);
+        if (stage == BEHIND) sink = cml_bundle_look_behind(&setup, &bundle, first);
+    }
+}
+
+/* Least of several tries, ns per lane, of a pass over stages from..to-1 but one. */
+static double time_stages(int from, int to, int without)
+{
+    enum { tries = 25, repeats = 10000 };
+    double best = INFINITY;
+    for (int n = 0; n < tries; n++) {
+        const double begin = now();
+        for (int k = 0; k < repeats; k++)
+            for (int stage = from; stage < to; stage++)
+                if (stage != without) run_stage(stage);
+        const double seconds = now() - begin;
+        if (seconds < best) best = seconds;
+    }
+    return 1e9 * best / (repeats * CML_LANES);
+}
+
+int main(void)
+{
+    fill_bundle();
+    const double pass = time_stages(0, PASS, -1);
+    printf("stage,ns_alone,ns_saved_when_left_out\n\"whole pass\",%.2f,\n", pass);
+    for (int stage = 0; stage < PASS; stage++)
+        printf("\"%s\",%.2f,%.2f\n", names[stage], time_stages(stage, stage + 1, -1),
+               pass - time_stages(0, PASS, stage));
+    for (int stage = PASS; stage < STAGES; stage++) {
+        set_task(stage == TURN ? CML_LANE_TURN : CML_LANE_NEAR);
+        printf("\"%s\",%.2f,\n", names[stage], time_stages(stage, stage + 1, -1));
+    }
+    return 0;
+}

@@ -4,6 +4,7 @@
 #ifndef CML_COMMAND_H
 #define CML_COMMAND_H
 
+#include "inputs.h"
 #include "options.h"
 
 CML_NODISCARD cml_status cml_command_run(const struct cml_options *options, struct cml_error *err);
@@ -16,6 +17,12 @@ CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, str
  * checked for overlap. CML_E_INPUT when there is not exactly one operand. */
 CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
                                          struct cml_error *err);
+
+/* The same on all ranks: rank 0 reads the files and sends their bytes to the others. *inputs are the bytes,
+ * the caller's to clear. Collective. */
+CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *options,
+                                                struct cml_scene_list *list, struct cml_inputs *inputs,
+                                                struct cml_error *err);
 
 /* The output file of a scene: its name below the output directory. *path is the caller's to free. */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "command.h"
 
+#include "cluster.h"
 #include "mci.h"
 #include "text.h"
 
@@ -21,6 +22,46 @@ cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_l
     for (int i = 0; flat && i < list->count; i++) cml_scene_flatten(&list->scenes[i]);
     const cml_status status = check_all(list, err);
     if (status != CML_OK) cml_scene_list_clear(list);
+    return status;
+}
+
+static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
+{
+    char *block = NULL;
+    size_t size = 0;
+    cml_status status = CML_OK;
+    const bool first = cml_cluster_rank() == 0;
+    if (first) status = cml_inputs_pack(inputs, &block, &size, err);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = cml_cluster_share_block(&block, &size, err);
+    if (status == CML_OK && !first) status = cml_inputs_unpack(block, size, inputs, err);
+    free(block);
+    return status;
+}
+
+static cml_status load_shared(const struct cml_options *options, struct cml_scene_list *list,
+                              struct cml_inputs *inputs, struct cml_error *err)
+{
+    const bool first = cml_cluster_rank() == 0;
+    cml_status status = CML_OK;
+    cml_inputs_record(inputs);
+    if (first) status = cml_load_scenes(options, list, err);
+    CML_TRY(cml_cluster_agree(status, err));
+    if (cml_cluster_size() > 1) status = share_inputs(inputs, err);
+    cml_inputs_replay(inputs);
+    if (status == CML_OK && !first) status = cml_load_scenes(options, list, err);
+    return cml_cluster_agree(status, err);
+}
+
+cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_scene_list *list,
+                                  struct cml_inputs *inputs, struct cml_error *err)
+{
+    *list = (struct cml_scene_list){0};
+    const cml_status status = load_shared(options, list, inputs, err);
+    cml_inputs_release();
+    if (status == CML_OK) return CML_OK;
+    cml_scene_list_clear(list);
+    cml_inputs_clear(inputs);
     return status;
 }
 

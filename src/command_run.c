@@ -2,7 +2,11 @@
  * SPDX-License-Identifier: MIT */
 #include "command.h"
 
+#include "checkpoint.h"
+#include "cluster.h"
+#include "identity.h"
 #include "report.h"
+#include "stop.h"
 #include "text.h"
 
 #include <stdlib.h>
@@ -42,6 +46,13 @@ static void show_progress(void *context, const struct cml_progress *p)
     fprintf(stderr, "%d %%, %.0f s\n", 10 * tenths, p->seconds);
 }
 
+/* Rank 0 speaks for all. */
+static void show_note(void *context, const char *text)
+{
+    (void)context;
+    if (cml_cluster_rank() == 0) fprintf(stderr, "clustermcml: note: %s\n", text);
+}
+
 static cml_status write_result(const struct cml_report *report, struct cml_error *err)
 {
     struct cml_mco mco;
@@ -60,6 +71,7 @@ static cml_status publish(const struct cml_options *options, struct cml_report *
     if (status == CML_OK && options->json) status = cml_report_json(stdout, report, err);
     if (status == CML_OK && !options->quiet && !options->json) {
         cml_report_summary(stdout, report);
+        if (options->verbose) cml_report_ranks(stdout, report->run);
         printf("  -> %s\n", path);
     }
     free(path);
@@ -68,7 +80,7 @@ static cml_status publish(const struct cml_options *options, struct cml_report *
 
 static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
 {
-    if (options->quiet || options->json) return;
+    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
     const struct cml_scene *scene = setup->scene;
     printf("%s: %g photons, %d layer%s, %s engine, seed %llu%s\n", scene->output, (double)setup->photons,
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
@@ -78,49 +90,134 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     fflush(stdout);
 }
 
-static cml_status fly(const struct cml_options *options, const struct cml_scene *scene, int index,
-                      const struct cml_surface_set *surfaces, struct cml_error *err)
+/* What all runs of one call share. */
+struct session {
+    const struct cml_options *options;
+    struct cml_scene_list list;
+    char *inputs; /* lines of their identity */
+    int threads;
+};
+
+/* Options that differ between ranks would mix two runs in one result. */
+static cml_status check_same(const char *identity, struct cml_error *err)
 {
+    char *first = (char *)identity;
+    size_t size = strlen(identity) + 1;
+    CML_TRY(cml_cluster_share_block(&first, &size, err));
+    cml_status status = CML_OK;
+    if (strcmp(first, identity) != 0)
+        status = cml_fail(err, CML_E_INPUT,
+                          "rank %d has another program or other options than rank 0 (expected the same)",
+                          cml_cluster_rank());
+    if (first != identity) free(first);
+    return cml_cluster_agree(status, err);
+}
+
+static void note_old_checkpoint(const struct cml_options *options, const char *path)
+{
+    if (options->resume || access(path, F_OK) != 0) return;
+    char text[512];
+    snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew", path);
+    show_note(NULL, text);
+}
+
+static cml_status publish_run(const struct session *session, int index, const struct cml_run_setup *setup,
+                              const struct cml_run_result *run, struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    if (cml_cluster_rank() != 0) return CML_OK;
+    if (run->finished) {
+        if (!options->quiet && !options->json) printf("  finished before\n");
+        return CML_OK;
+    }
+    struct cml_report report = {.scene = setup->scene,
+                                .surfaces = setup->surfaces,
+                                .run = run,
+                                .engine = setup->engine,
+                                .seed = setup->options.seed,
+                                .run_index = setup->options.run,
+                                .reentry = setup->options.reentry};
+    CML_TRY(publish(options, &report, err));
+    if (!setup->checkpoint || index + 1 == session->list.count) return CML_OK;
+    const struct cml_run_state nothing = {.begin = 0};
+    return cml_checkpoint_write(setup->checkpoint, setup->identity, &nothing, NULL, err);
+}
+
+static cml_status fly(const struct session *session, int index, struct cml_run_setup *setup,
+                      struct cml_error *err)
+{
+    struct cml_run_result run;
+    if (setup->checkpoint && cml_cluster_rank() == 0)
+        note_old_checkpoint(session->options, setup->checkpoint);
+    announce(session->options, setup);
+    CML_TRY(check_same(setup->identity, err));
+    CML_TRY(cml_run(setup, &run, err));
+    cml_status status = publish_run(session, index, setup, &run, err);
+    cml_run_result_free(&run);
+    return cml_cluster_agree(status, err);
+}
+
+static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
+                                  char **path, struct cml_error *err)
+{
+    char *output = NULL;
+    CML_TRY(cml_output_path(options, scene->output, &output, err));
+    const cml_status status = cml_checkpoint_path(output, path, err);
+    free(output);
+    return status;
+}
+
+/* Everything that may fail on one rank alone happens before the ranks agree. */
+static cml_status prepare(const struct session *session, int index, struct cml_surface_set *surfaces,
+                          char **checkpoint, char **identity, struct cml_run_setup *setup,
+                          struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    CML_TRY(cml_surfaces_create(setup->scene, &options->surface, surfaces, err));
+    setup->surfaces = surfaces;
+    setup->options.run = (uint32_t)index;
+    setup->options.threads = session->threads;
+    CML_TRY(cml_identity_of(setup, &options->surface, options->ignore_heightfields, session->inputs, identity,
+                            err));
+    setup->identity = *identity;
+    if (options->checkpoint_interval > 0 || options->resume)
+        CML_TRY(checkpoint_path(options, setup->scene, checkpoint, err));
+    setup->checkpoint = *checkpoint;
+    return CML_OK;
+}
+
+static cml_status run_scene(const struct session *session, int index, struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    const struct cml_scene *scene = &session->list.scenes[index];
     struct display display = {.quiet = options->quiet || options->json, .terminal = isatty(STDERR_FILENO)};
     struct cml_run_setup setup = {.scene = scene,
-                                  .surfaces = surfaces,
                                   .engine = options->engine,
                                   .options = options->engine_options,
                                   .photons = options->photons ? options->photons : scene->photons,
+                                  .target_error = options->target_error,
+                                  .interval = options->checkpoint_interval,
+                                  .resume = options->resume,
                                   .on_progress = show_progress,
+                                  .on_note = show_note,
                                   .context = &display};
-    struct cml_run_result run;
-    setup.options.run = (uint32_t)index;
-    announce(options, &setup);
-    CML_TRY(cml_run(&setup, &run, err));
-    struct cml_report report = {.scene = scene,
-                                .surfaces = surfaces,
-                                .run = &run,
-                                .engine = options->engine,
-                                .seed = options->engine_options.seed,
-                                .run_index = (uint32_t)index,
-                                .reentry = options->engine_options.reentry};
-    const cml_status status = publish(options, &report, err);
-    cml_run_result_free(&run);
-    return status;
-}
-
-static cml_status run_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
-                            struct cml_error *err)
-{
-    struct cml_surface_set surfaces;
-    CML_TRY(cml_surfaces_create(scene, &options->surface, &surfaces, err));
-    const cml_status status = fly(options, scene, index, &surfaces, err);
+    struct cml_surface_set surfaces = {0};
+    char *checkpoint = NULL, *identity = NULL;
+    cml_status status = prepare(session, index, &surfaces, &checkpoint, &identity, &setup, err);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = fly(session, index, &setup, err);
     cml_surfaces_free(&surfaces);
+    free(checkpoint);
+    free(identity);
     return status;
 }
 
-static cml_status check_memory(const struct cml_options *options, const struct cml_scene *scene,
+static cml_status check_memory(const struct session *session, const struct cml_scene *scene,
                                struct cml_error *err)
 {
-    const struct cml_grid grid = cml_run_grid(scene, options->engine_options.absorption);
-    const int threads = options->engine_options.threads > 0 ? options->engine_options.threads : 1;
-    const double bytes = cml_run_bytes(&grid, threads), gib = 1073741824.0;
+    const struct cml_grid grid = cml_run_grid(scene, session->options->engine_options.absorption);
+    const int threads = session->threads > 0 ? session->threads : 1;
+    const double bytes = cml_cluster_local_size() * cml_run_bytes(&grid, threads), gib = 1073741824.0;
     const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     if (bytes < memory) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
@@ -129,30 +226,82 @@ static cml_status check_memory(const struct cml_options *options, const struct c
 }
 
 /* Found before the photons fly, not after: an output that cannot be written, a grid that does not fit. */
-static cml_status check_outputs(const struct cml_options *options, const struct cml_scene_list *list,
-                                struct cml_error *err)
+static cml_status check_output(const struct session *session, const struct cml_scene *scene,
+                               struct cml_error *err)
 {
-    for (int i = 0; i < list->count; i++) {
-        CML_TRY(check_memory(options, &list->scenes[i], err));
-        char *path = NULL;
-        struct cml_file file;
-        CML_TRY(cml_output_path(options, list->scenes[i].output, &path, err));
-        const cml_status status = cml_file_create(path, &file, err);
-        free(path);
-        CML_TRY(status);
-        cml_file_abort(&file);
+    char *path = NULL;
+    struct cml_file file;
+    CML_TRY(check_memory(session, scene, err));
+    if (cml_cluster_rank() != 0) return CML_OK;
+    CML_TRY(cml_output_path(session->options, scene->output, &path, err));
+    const cml_status status = cml_file_create(path, &file, err);
+    free(path);
+    CML_TRY(status);
+    cml_file_abort(&file);
+    return CML_OK;
+}
+
+static cml_status check_outputs(const struct session *session, struct cml_error *err)
+{
+    cml_status status = CML_OK;
+    for (int i = 0; status == CML_OK && i < session->list.count; i++)
+        status = check_output(session, &session->list.scenes[i], err);
+    return cml_cluster_agree(status, err);
+}
+
+/* Threads as asked for; 0 leaves it to OpenMP, that is OMP_NUM_THREADS or the affinity mask, but ranks that
+ * share the cores of a machine share them evenly. */
+static int choose_threads(const struct cml_options *options)
+{
+    const char *environment = getenv("OMP_NUM_THREADS");
+    int threads = options->engine_options.threads;
+    if (threads == 0 && environment && !cml_parse_int(environment, &threads)) return 0;
+    if (threads > cml_cluster_cores()) {
+        char text[160];
+        snprintf(text, sizeof text,
+                 "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)",
+                 threads, cml_cluster_cores(), cml_cluster_cores() == 1 ? "" : "s");
+        show_note(NULL, text);
     }
+    if (threads == 0 && cml_cluster_size() > 1) return cml_cluster_fair_cores();
+    return options->engine_options.threads;
+}
+
+/* A finished run needs no checkpoint. */
+static void remove_checkpoints(const struct session *session)
+{
+    struct cml_error ignored;
+    for (int i = 0; cml_cluster_rank() == 0 && i < session->list.count; i++) {
+        char *path = NULL;
+        if (checkpoint_path(session->options, &session->list.scenes[i], &path, &ignored) == CML_OK)
+            cml_checkpoint_remove(path);
+        free(path);
+    }
+}
+
+static cml_status run_all(const struct session *session, struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    CML_TRY(check_outputs(session, err));
+    if (options->checkpoint_interval > 0) cml_stop_watch();
+    if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
+        printf("clustermcml %s, %d rank%s\n", cml_version(), cml_cluster_size(),
+               cml_cluster_size() == 1 ? "" : "s");
+    for (int i = 0; i < session->list.count; i++) CML_TRY(run_scene(session, i, err));
+    if (options->checkpoint_interval > 0 || options->resume) remove_checkpoints(session);
     return CML_OK;
 }
 
 cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_scene_list list;
-    CML_TRY(cml_load_scenes(options, &list, err));
-    cml_status status = check_outputs(options, &list, err);
-    if (status == CML_OK && !options->quiet && !options->json) printf("clustermcml %s\n", cml_version());
-    for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = run_scene(options, &list.scenes[i], i, err);
-    cml_scene_list_clear(&list);
+    struct session session = {.options = options, .threads = choose_threads(options)};
+    struct cml_inputs inputs;
+    CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
+    cml_status status = cml_identity_inputs(&inputs, &session.inputs, err);
+    cml_inputs_clear(&inputs);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = run_all(&session, err);
+    free(session.inputs);
+    cml_scene_list_clear(&session.list);
     return status;
 }

@@ -1,5 +1,6 @@
 /* Finds the command, runs it, prints its error and turns its status into the exit code.
  * SPDX-License-Identifier: MIT */
+#include "cluster.h"
 #include "command.h"
 #include "report.h"
 
@@ -9,14 +10,15 @@
 static const struct command {
     const char *name;
     int least, most; /* operands */
+    bool parallel;   /* all ranks work; else rank 0 alone */
     const char *operands;
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
 } commands[] = {
-    {"run", 1, 1, "scene.mci", cml_command_run},
-    {"check", 1, 1, "scene.mci", cml_command_check},
-    {"mesh", 1, 1, "scene.mci", cml_command_mesh},
-    {"trace", 2, 2, "scene.mci N", cml_command_trace},
-    {"plot", 1, 64, "a.mco [b.mco ...]", cml_command_plot},
+    {"run", 1, 1, true, "scene.mci", cml_command_run},
+    {"check", 1, 1, false, "scene.mci", cml_command_check},
+    {"mesh", 1, 1, false, "scene.mci", cml_command_mesh},
+    {"trace", 2, 2, false, "scene.mci N", cml_command_trace},
+    {"plot", 1, 64, false, "a.mco [b.mco ...]", cml_command_plot},
 };
 
 static cml_status dispatch(struct cml_options *options, struct cml_error *err)
@@ -32,25 +34,39 @@ static cml_status dispatch(struct cml_options *options, struct cml_error *err)
     if (options->num_operands < command->least || options->num_operands > command->most)
         return cml_fail(err, CML_E_INPUT, "usage: clustermcml %s %s (try clustermcml --help)", command->name,
                         command->operands);
-    return command->run(options, err);
+    return command->parallel || cml_cluster_rank() == 0 ? command->run(options, err) : CML_OK;
+}
+
+/* On rank 0 what --help and --version ask for. */
+static bool answer_question(const struct cml_options *options)
+{
+    if (cml_cluster_rank() == 0 && options->help) fputs(cml_options_help(), stdout);
+    if (cml_cluster_rank() == 0 && options->version && !options->help)
+        printf("clustermcml %s\n", cml_version());
+    return options->help || options->version;
+}
+
+/* All ranks end with the status and the message of the one that fared worst. */
+static cml_status work(int argc, char **argv, struct cml_error *err)
+{
+    struct cml_options options;
+    CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
+    cml_cluster_set_patience(options.patience);
+    cml_status status = CML_OK;
+    if (!answer_question(&options)) status = dispatch(&options, err);
+    if (fflush(stdout) != 0 && status == CML_OK)
+        status = cml_fail(err, CML_E_IO, "standard output cannot be written");
+    return cml_cluster_agree(status, err);
 }
 
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};
-    struct cml_options options;
-    cml_status status = cml_options_parse(argc, argv, &options, &err);
-    if (status == CML_OK && options.help) {
-        fputs(cml_options_help(), stdout);
-        return 0;
-    }
-    if (status == CML_OK && options.version) {
-        printf("clustermcml %s\n", cml_version());
-        return 0;
-    }
-    if (status == CML_OK) status = dispatch(&options, &err);
-    if (fflush(stdout) != 0 && status == CML_OK)
-        status = cml_fail(&err, CML_E_IO, "standard output cannot be written");
-    if (status != CML_OK) fprintf(stderr, "clustermcml: %s\n", err.text);
+    cml_status status = cml_cluster_begin(&argc, &argv, &err);
+    const bool begun = status == CML_OK;
+    if (begun) status = work(argc, argv, &err);
+    if (status != CML_OK && (cml_cluster_rank() == 0 || cml_cluster_broken()))
+        fprintf(stderr, "clustermcml: %s\n", err.text);
+    if (begun) cml_cluster_end(status);
     return (int)status;
 }

@@ -20,7 +20,12 @@ enum option_key {
     KEY_IGNORE_ABSORPTION,
     KEY_IGNORE_HEIGHTFIELDS,
     KEY_NO_REENTRY,
+    KEY_TARGET_ERROR,
+    KEY_CHECKPOINT,
+    KEY_RESUME,
+    KEY_PATIENCE,
     KEY_QUIET,
+    KEY_VERBOSE,
     KEY_JSON,
     KEY_OUTPUT,
     KEY_HELP,
@@ -40,7 +45,12 @@ static const struct option long_options[] = {
     {"ignore-absorption", no_argument, NULL, KEY_IGNORE_ABSORPTION},
     {"ignore-heightfields", no_argument, NULL, KEY_IGNORE_HEIGHTFIELDS},
     {"no-reentry", no_argument, NULL, KEY_NO_REENTRY},
+    {"target-error", required_argument, NULL, KEY_TARGET_ERROR},
+    {"checkpoint", required_argument, NULL, KEY_CHECKPOINT},
+    {"resume", no_argument, NULL, KEY_RESUME},
+    {"patience", required_argument, NULL, KEY_PATIENCE},
     {"quiet", no_argument, NULL, KEY_QUIET},
+    {"verbose", no_argument, NULL, KEY_VERBOSE},
     {"json", no_argument, NULL, KEY_JSON},
     {"output-dir", required_argument, NULL, KEY_OUTPUT},
     {"output", required_argument, NULL, KEY_OUTPUT},
@@ -63,6 +73,9 @@ const char *cml_options_help(void)
            "simulation\n"
            "  --photons N            instead of the file's number; 1e7 reads as ten million\n"
            "  --seed N               default 1; the same seed gives the same bits on any number of threads\n"
+           "  --target-error E       fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt "
+           "is "
+           "below E\n"
            "  --ignore-absorption    tally no A_rz\n"
            "  --ignore-heightfields  every surface is its nominal plane\n"
            "  --no-reentry           score packets at their first exit, as the 2019 program did\n"
@@ -77,14 +90,21 @@ const char *cml_options_help(void)
            "  --engine NAME          cpu (default) or reference\n"
            "  --threads N            default: OMP_NUM_THREADS, or all cores\n"
            "  --chunk N              packets a thread takes at a time; never changes a result\n"
+           "  --checkpoint S|off     seconds between checkpoints of a run, default 60 (DIR/NAME.checkpoint)\n"
+           "  --resume               continue from the checkpoint, on any number of ranks and threads\n"
+           "  --patience S           under mpiexec or srun: end when a rank was silent for so long, default "
+           "60\n"
            "output\n"
            "  -o, --output-dir DIR   where results go, default the current directory\n"
            "  --json                 one line with one object per run on standard output, nothing else "
            "there\n"
+           "  --verbose              photons, idle and communication share of every rank\n"
            "  --quiet                no banner, progress or summary\n"
            "  --help, --version\n"
            "\n"
-           "exit codes: 0 ok, 2 usage or input, 3 device, 4 numerical (lost packets, books), 5 files\n"
+           "exit codes: 0 ok, 2 usage or input, 3 device, 4 numerical (lost packets, books), 5 files or "
+           "network,\n"
+           "            75 stopped by a signal, --resume continues\n"
            "\n"
            "examples\n"
            "  clustermcml samples/mcml_sample.mci\n"
@@ -173,11 +193,33 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     return CML_OK;
 }
 
+static cml_status seconds(const char *option, const char *value, double *number, struct cml_error *err)
+{
+    if (cml_parse_double(value, number) && *number > 0 && *number <= 1e9) return CML_OK;
+    return fail(err, option, value, "seconds above 0, up to 1e9");
+}
+
+static cml_status parse_stopping(int key, const char *value, struct cml_options *options,
+                                 struct cml_error *err)
+{
+    if (key == KEY_PATIENCE) return seconds("patience", value, &options->patience, err);
+    if (key == KEY_CHECKPOINT) {
+        options->checkpoint_interval = 0;
+        return strcmp(value, "off") == 0 ? CML_OK
+                                         : seconds("checkpoint", value, &options->checkpoint_interval, err);
+    }
+    double *error = &options->target_error;
+    if (cml_parse_double(value, error) && *error > 0 && *error < 1) return CML_OK;
+    return fail(err, "target-error", value, "a relative error between 0 and 1");
+}
+
 static void set_flag(int key, struct cml_options *options)
 {
     if (key == KEY_IGNORE_ABSORPTION) options->engine_options.absorption = false;
     if (key == KEY_IGNORE_HEIGHTFIELDS) options->ignore_heightfields = true;
     if (key == KEY_NO_REENTRY) options->engine_options.reentry = false;
+    if (key == KEY_RESUME) options->resume = true;
+    if (key == KEY_VERBOSE) options->verbose = true;
     if (key == KEY_QUIET) options->quiet = true;
     if (key == KEY_JSON) options->json = true;
     if (key == KEY_HELP) options->help = true;
@@ -198,6 +240,10 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     case KEY_NORMALS:
     case KEY_RINGS:
         return parse_surface(key, value, options, err);
+    case KEY_TARGET_ERROR:
+    case KEY_CHECKPOINT:
+    case KEY_PATIENCE:
+        return parse_stopping(key, value, options, err);
     case KEY_OUTPUT:
     case 'o':
         options->output = value;
@@ -217,6 +263,8 @@ static void set_defaults(struct cml_options *options)
     options->engine_options.seed = 1;
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
+    options->checkpoint_interval = 60;
+    options->patience = 60;
     options->surface.force = CML_AS_AUTO;
     options->surface.tessellation.tolerance = 1e-3;
     options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;

@@ -12,7 +12,11 @@ struct cml_options {
     struct cml_surface_options surface;
     uint64_t photons; /* 0: as the .mci says */
     bool ignore_heightfields;
-    bool quiet, json;
+    double target_error;        /* 0: none */
+    double checkpoint_interval; /* s; 0: no checkpoints */
+    bool resume;
+    double patience; /* s of a rank's silence */
+    bool quiet, json, verbose;
     const char *output; /* -o, --output-dir: a directory, or the picture of `plot`; NULL: not given */
     int num_operands;
     char **operands; /* borrowed from argv */

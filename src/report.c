@@ -84,6 +84,21 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
             report->run->threads == 1 ? "" : "s");
 }
 
+void cml_report_ranks(FILE *stream, const struct cml_run_result *run)
+{
+    fprintf(stream, "  %4s %14s %8s %8s %8s %8s\n", "rank", "photons", "flying %", "idle %", "asking %",
+            "sums %");
+    for (int i = 0; i < run->ranks; i++) {
+        const struct cml_rank_report *rank = &run->rank[i];
+        const double percent = 100 / rank->elapsed;
+        fprintf(stream, "  %4d %14llu %8.2f %8.2f %8.2f %8.2f\n", i, (unsigned long long)rank->photons,
+                percent * rank->flying, percent * rank->waiting, percent * rank->asking,
+                percent * rank->meeting);
+    }
+    fprintf(stream, "  all ranks: idle %.2f %%, communication %.2f %%\n", 100 * cml_run_idle(run),
+            100 * cml_run_communication(run));
+}
+
 static json_t *boundaries_json(const struct cml_surface_set *surfaces)
 {
     json_t *list = json_array();
@@ -135,7 +150,9 @@ static void set_speed(json_t *object, const struct cml_report *report)
     set_real(object, "ns_per_step", steps > 0 ? 1e9 * run->seconds / steps : 0);
     set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);
     set_integer(object, "threads", (uint64_t)run->threads);
-    set_integer(object, "ranks", 1);
+    set_integer(object, "ranks", (uint64_t)run->ranks);
+    set_real(object, "idle", cml_run_idle(run));
+    set_real(object, "communication", cml_run_communication(run));
 }
 
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)

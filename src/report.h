@@ -30,6 +30,9 @@ void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_sc
 /* Rsp, Rd, A, Tt with standard errors, books, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
+/* One line per rank: packets, and where its time went; and the shares of all together. */
+void cml_report_ranks(FILE *stream, const struct cml_run_result *run);
+
 /* One object on one line, keys as documented in README. */
 CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,
                                          struct cml_error *err);

@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "run.h"
 
+#include "checkpoint.h"
+#include "cluster.h"
+#include "dispatch.h"
+#include "stop.h"
+
+#include <math.h>
+#include <stdlib.h>
 #include <time.h>
 
 static double now(void)
@@ -10,74 +17,262 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Ranges that take about a quarter of a second each: the next one follows from the speed of the last. */
-static uint64_t next_range(uint64_t last, double seconds)
-{
-    const uint64_t most = CML_TALLY_MAX_PHOTONS;
-    if (seconds < 0.125 && last < most / 2) return 2 * last;
-    if (seconds > 0.5 && last > 1) return last / 2;
-    return last;
-}
+enum verdict { GO_ON, DONE, STOPPED };
 
 struct flight {
     const struct cml_run_setup *setup;
     struct cml_run_result *out;
     struct cml_tally tally;
     void *engine;
-    double begin;
-    uint64_t range;
+    struct cml_dispatch dispatch;
+    struct cml_run_state state; /* `open` is rank 0's */
+    struct cml_rank_report mine;
+    double begin; /* of this process' flight */
+    double due;   /* on rank 0: time of the next checkpoint */
 };
 
-static cml_status run_range(struct flight *flight, int batch, uint64_t first, uint64_t count,
+/* ---- flying
+ * ------------------------------------------------------------------------------------------------- */
+
+static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, uint64_t count,
                             struct cml_error *err)
 {
-    const struct cml_run_setup *setup = flight->setup;
     const double begin = now();
     cml_tally_zero(&flight->tally);
-    CML_TRY(setup->engine->run(flight->engine, first, count, &flight->tally, err));
+    CML_TRY(flight->setup->engine->run(flight->engine, first, count, &flight->tally, err));
     cml_result_add(&flight->out->result, batch, &flight->tally);
-    if (count == flight->range) flight->range = next_range(flight->range, now() - begin);
-    const struct cml_progress progress = {first + count, setup->photons, now() - flight->begin};
-    if (setup->on_progress) setup->on_progress(setup->context, &progress);
+    flight->mine.flying += now() - begin;
+    flight->mine.photons += count;
     return CML_OK;
 }
 
-static cml_status run_batches(struct flight *flight, struct cml_error *err)
+/* Piece by piece, each within one batch, until the range is flown or a meeting is called. */
+static cml_status fly_range(struct flight *flight, struct cml_range *range, struct cml_error *err)
 {
-    const uint64_t photons = flight->setup->photons;
-    for (int batch = 0; batch < CML_NUM_BATCHES; batch++) {
-        const uint64_t end = cml_batch_first(photons, batch + 1);
-        uint64_t first = cml_batch_first(photons, batch);
-        while (first < end) {
-            const uint64_t count = flight->range < end - first ? flight->range : end - first;
-            CML_TRY(run_range(flight, batch, first, count, err));
-            first += count;
-        }
+    const uint64_t round = flight->state.end - flight->state.begin;
+    while (range->count > 0 && !cml_cluster_called()) {
+        const uint64_t place = range->first - flight->state.begin;
+        const int batch = cml_batch_of(round, place);
+        const uint64_t left = cml_batch_first(round, batch + 1) - place;
+        const uint64_t count = left < range->count ? left : range->count;
+        CML_TRY(fly_piece(flight, batch, range->first, count, err));
+        range->first += count;
+        range->count -= count;
+        if ((flight->setup->checkpoint && cml_stop_requested()) || now() > flight->due) cml_cluster_call();
     }
-    flight->out->seconds = now() - flight->begin;
     return CML_OK;
 }
 
-static cml_status run_engine(struct flight *flight, struct cml_error *err)
+static void show_progress(struct flight *flight, uint64_t just_flown)
 {
     const struct cml_run_setup *setup = flight->setup;
+    const struct cml_progress progress = {cml_dispatch_flown(&flight->dispatch) + just_flown,
+                                          flight->state.end, flight->state.seconds + now() - flight->begin};
+    if (setup->on_progress && cml_cluster_rank() == 0) setup->on_progress(setup->context, &progress);
+}
+
+/* Range after range until there is a reason to meet. *left is what was not flown of the last, *flown what
+ * rank 0 has not been told of. */
+static cml_status fly(struct flight *flight, struct cml_range *left, uint64_t *flown, struct cml_error *err)
+{
+    for (;;) {
+        struct cml_range taken;
+        const double begin = now();
+        CML_TRY(cml_dispatch_take(&flight->dispatch, *flown, &taken, err));
+        const double answered = now();
+        flight->mine.asking += answered - begin;
+        *flown = 0;
+        if (taken.count == 0) return CML_OK;
+        *left = taken;
+        CML_TRY(fly_range(flight, left, err));
+        *flown = taken.count - left->count;
+        if (left->count > 0) return CML_OK;
+        cml_dispatch_timed(&flight->dispatch, taken, now() - answered);
+        show_progress(flight, *flown);
+    }
+}
+
+/* ---- meetings
+ * ----------------------------------------------------------------------------------------------- */
+
+/* A failure ends a run that was asked to stop; otherwise the photons fly on, and the next attempt may
+ * succeed. */
+static cml_status write_checkpoint(struct flight *flight, bool stop, double begin, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    struct cml_run_state state = flight->state;
+    state.seconds += now() - flight->begin;
+    cml_status status =
+        cml_checkpoint_write(setup->checkpoint, setup->identity, &state, &flight->out->result, err);
+    if (status != CML_OK && !stop) {
+        if (setup->on_note) setup->on_note(setup->context, err->text);
+        status = CML_OK;
+    }
+    flight->due = now() + fmax(setup->interval, 20 * (now() - begin));
+    return status;
+}
+
+/* The next round where one is needed. */
+static cml_status begin_round(struct flight *flight, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    struct cml_result *result = &flight->out->result;
+    struct cml_run_state *state = &flight->state;
+    const bool full = state->end > ((uint64_t)1 << 47);
+    if (setup->target_error <= 0 || full || cml_run_error(result) <= setup->target_error) return CML_OK;
+    state->begin = state->end;
+    state->end = 2 * state->end;
+    result->photons = state->end;
+    return cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err);
+}
+
+/* What rank 0 decides when it has everything. */
+static cml_status decide(struct flight *flight, bool stop, double begin, enum verdict *verdict,
+                         struct cml_error *err)
+{
+    *verdict = stop ? STOPPED : GO_ON;
+    if (flight->state.open.total == 0) CML_TRY(begin_round(flight, err));
+    if (flight->state.open.total == 0)
+        *verdict = DONE;
+    else if (flight->setup->checkpoint && (stop || now() > flight->due))
+        return write_checkpoint(flight, stop, begin, err);
+    return CML_OK;
+}
+
+/* Rank 0's round and verdict become everyone's. */
+static cml_status follow(struct flight *flight, enum verdict *verdict, struct cml_error *err)
+{
+    uint64_t word[3] = {flight->state.begin, flight->state.end, (uint64_t)*verdict};
+    CML_TRY(cml_cluster_share(word, sizeof word, err));
+    flight->state.begin = word[0];
+    flight->state.end = word[1];
+    *verdict = (enum verdict)word[2];
+    return CML_OK;
+}
+
+static cml_status meet(struct flight *flight, cml_status mine, struct cml_range left, uint64_t flown,
+                       enum verdict *verdict, struct cml_error *err)
+{
+    const double begin = now();
+    CML_TRY(cml_cluster_meet(err));
+    const double met = now();
+    flight->mine.waiting += met - begin;
+    CML_TRY(cml_cluster_agree(mine, err));
+    bool stop = flight->setup->checkpoint && cml_stop_requested();
+    CML_TRY(cml_dispatch_return(&flight->dispatch, left, flown, &stop, err));
+    CML_TRY(cml_cluster_sum(&flight->out->result, err));
+    cml_status status = CML_OK;
+    if (cml_cluster_rank() == 0) status = decide(flight, stop, met, verdict, err);
+    CML_TRY(cml_cluster_agree(status, err));
+    CML_TRY(follow(flight, verdict, err));
+    flight->mine.meeting += now() - met;
+    return CML_OK;
+}
+
+static cml_status fly_all(struct flight *flight, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    enum verdict verdict = GO_ON;
+    while (verdict == GO_ON) {
+        struct cml_range left = {0};
+        uint64_t flown = 0;
+        const cml_status status = fly(flight, &left, &flown, err);
+        if (status != CML_OK) left = (struct cml_range){0};
+        CML_TRY(meet(flight, status, left, flown, &verdict, err));
+        show_progress(flight, 0);
+    }
+    if (verdict == DONE) return CML_OK;
+    return cml_fail(err, CML_E_STOPPED,
+                    "%s: stopped with %llu of %llu packets to fly; --resume continues from %s",
+                    setup->scene->output, (unsigned long long)flight->state.open.total,
+                    (unsigned long long)flight->state.end, setup->checkpoint);
+}
+
+/* ---- beginning and end
+ * -------------------------------------------------------------------------------------- */
+
+static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    enum cml_checkpoint_kind kind = CML_CHECKPOINT_NONE;
+    struct cml_error note = {CML_OK, ""};
+    if (setup->resume)
+        CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &kind, &flight->state,
+                                    &flight->out->result, &note, err));
+    if (note.text[0] && setup->on_note) setup->on_note(setup->context, note.text);
+    flight->out->finished = kind == CML_CHECKPOINT_FINISHED;
+    flight->out->result.photons = flight->state.end;
+    *fresh = kind == CML_CHECKPOINT_NONE;
+    return CML_OK;
+}
+
+/* On rank 0: where the flight begins. */
+static cml_status begin_state(struct flight *flight, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    bool fresh = true;
+    CML_TRY(restore(flight, &fresh, err));
+    if (!fresh) return CML_OK;
+    uint64_t photons = setup->photons;
+    if (setup->target_error > 0)
+        photons = (photons + CML_NUM_BATCHES - 1) / CML_NUM_BATCHES * CML_NUM_BATCHES;
+    flight->state.end = flight->out->result.photons = photons;
+    return cml_ranges_add(&flight->state.open, (struct cml_range){0, photons}, err);
+}
+
+static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    CML_TRY(cml_result_create(grid, setup->photons, &flight->out->result, err));
+    CML_TRY(cml_tally_create(grid, &flight->tally, err));
     CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &setup->options, &flight->engine, err));
     flight->out->threads = setup->engine->threads(flight->engine);
+    return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;
+}
+
+static cml_status gather_reports(struct flight *flight, struct cml_error *err)
+{
+    struct cml_run_result *out = flight->out;
+    out->ranks = cml_cluster_size();
+    out->rank = calloc((size_t)out->ranks, sizeof *out->rank);
+    cml_status status = CML_OK;
+    if (!out->rank)
+        status = cml_fail_memory(err, out->ranks * (double)sizeof *out->rank, "the ranks' reports");
+    CML_TRY(cml_cluster_agree(status, err));
+    flight->mine.elapsed = now() - flight->begin;
+    out->seconds = flight->state.seconds + flight->mine.elapsed;
+    return cml_cluster_gather(&flight->mine, sizeof flight->mine, out->rank, err);
+}
+
+/* Between the agreement that everyone is ready and the last meeting nobody may leave. */
+static cml_status run_flight(struct flight *flight, cml_status ready, struct cml_error *err)
+{
+    enum verdict verdict = flight->out->finished ? DONE : GO_ON;
+    CML_TRY(cml_cluster_agree(ready, err));
+    CML_TRY(follow(flight, &verdict, err));
+    flight->out->finished = verdict == DONE;
+    if (verdict == DONE) return CML_OK;
+    flight->dispatch.flown = flight->state.end - flight->state.open.total;
     flight->begin = now();
-    const cml_status status = run_batches(flight, err);
-    setup->engine->close(flight->engine);
-    return status;
+    flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint
+                      ? flight->begin + flight->setup->interval
+                      : INFINITY;
+    CML_TRY(fly_all(flight, err));
+    return gather_reports(flight, err);
 }
 
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_grid grid = cml_run_grid(setup->scene, setup->options.absorption);
-    struct flight flight = {.setup = setup, .out = out, .range = 1024};
+    struct flight flight = {.setup = setup, .out = out};
     *out = (struct cml_run_result){0};
-    CML_TRY(cml_result_create(&grid, setup->photons, &out->result, err));
-    cml_status status = cml_tally_create(&grid, &flight.tally, err);
-    if (status == CML_OK) status = run_engine(&flight, err);
+    cml_dispatch_open(&flight.dispatch, &flight.state.open);
+    cml_status status = open_flight(&flight, &grid, err);
+    status = run_flight(&flight, status, err);
+    cml_dispatch_close(&flight.dispatch);
+    setup->engine->close(flight.engine);
     cml_tally_free(&flight.tally);
+    cml_ranges_clear(&flight.state.open);
     if (status != CML_OK) cml_run_result_free(out);
     return status;
 }
@@ -85,7 +280,45 @@ cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out
 void cml_run_result_free(struct cml_run_result *out)
 {
     cml_result_free(&out->result);
+    free(out->rank);
     *out = (struct cml_run_result){0};
+}
+
+double cml_run_error(const struct cml_result *result)
+{
+    static const struct {
+        enum cml_book book;
+        enum cml_total total;
+    } totals[] = {{CML_BOOK_REFLECTED, CML_TOTAL_REFLECTED},
+                  {CML_BOOK_ABSORBED, CML_TOTAL_ABSORBED},
+                  {CML_BOOK_TRANSMITTED, CML_TOTAL_TRANSMITTED}};
+    double largest = 0;
+    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
+        const double share = cml_result_share(result, totals[i].book);
+        if (share < CML_TARGET_LEAST_SHARE) continue;
+        largest = fmax(largest, cml_result_error(result, totals[i].total) / share);
+    }
+    return largest;
+}
+
+double cml_run_idle(const struct cml_run_result *run)
+{
+    double waiting = 0, elapsed = 0;
+    for (int i = 0; i < run->ranks; i++) {
+        waiting += run->rank[i].waiting;
+        elapsed += run->rank[i].elapsed;
+    }
+    return elapsed > 0 ? waiting / elapsed : 0;
+}
+
+double cml_run_communication(const struct cml_run_result *run)
+{
+    double spent = 0, elapsed = 0;
+    for (int i = 0; i < run->ranks; i++) {
+        spent += run->rank[i].asking + run->rank[i].meeting;
+        elapsed += run->rank[i].elapsed;
+    }
+    return elapsed > 0 ? spent / elapsed : 0;
 }
 
 cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,

@@ -180,6 +180,42 @@ void cml_result_add(struct cml_result *result, int batch, const struct cml_tally
     merge_lost(&result->lost, &tally->lost);
 }
 
+cml_u128 *cml_result_cells(struct cml_result *result, size_t *count)
+{
+    *count = cells_all(&result->grid) + cells_batched(&result->grid);
+    return result->A_l;
+}
+
+void cml_result_summary(const struct cml_result *result, struct cml_summary *summary)
+{
+    *summary = (struct cml_summary){.lost = result->lost};
+    cml_u128 *sum = summary->sum;
+    for (int i = 0; i < CML_NUM_BOOKS; i++) *sum++ = result->book[i];
+    for (int i = 0; i < CML_NUM_COUNTS; i++) *sum++ = result->count[i];
+    for (int i = 0; i < CML_NUM_TOTALS; i++) *sum++ = result->square[i];
+}
+
+void cml_result_set_summary(struct cml_result *result, const struct cml_summary *summary)
+{
+    const cml_u128 *sum = summary->sum;
+    for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] = *sum++;
+    for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] = *sum++;
+    for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] = *sum++;
+    result->lost = summary->lost;
+}
+
+void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
+{
+    for (size_t i = 0; i < sizeof to->sum / sizeof *to->sum; i++) to->sum[i] += from->sum[i];
+    merge_lost(&to->lost, &from->lost);
+}
+
+/* The largest batch that begins at or before the index: floor(photons b / 64) < index + 1. */
+int cml_batch_of(uint64_t photons, uint64_t index)
+{
+    return (int)((CML_NUM_BATCHES * ((cml_u128)index + 1) + photons - 1) / photons) - 1;
+}
+
 uint64_t cml_batch_first(uint64_t photons, int batch)
 {
     return (uint64_t)((cml_u128)photons * (cml_u128)batch / CML_NUM_BATCHES);

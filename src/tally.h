@@ -130,6 +130,22 @@ void cml_result_free(struct cml_result *result);
 /* Adds a tally whose packets all belong to one batch. */
 void cml_result_add(struct cml_result *result, int batch, const struct cml_tally *tally);
 
+/* All cells of a result as one block, for those who move or store it: *count of them, owned by the result. */
+cml_u128 *cml_result_cells(struct cml_result *result, size_t *count);
+
+/* The part of a result that does not grow with its grid, to be moved or stored beside the cells. */
+struct cml_summary {
+    cml_u128 sum[CML_NUM_BOOKS + CML_NUM_COUNTS + CML_NUM_TOTALS];
+    struct cml_lost_list lost;
+};
+void cml_result_summary(const struct cml_result *result, struct cml_summary *summary);
+void cml_result_set_summary(struct cml_result *result, const struct cml_summary *summary);
+/* to += from, in any order. */
+void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from);
+
+/* The batch that packet `index` < photons belongs to. */
+int cml_batch_of(uint64_t photons, uint64_t index);
+
 /* First photon index of a batch; batch 64 gives the number of photons. */
 uint64_t cml_batch_first(uint64_t photons, int batch);
 

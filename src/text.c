@@ -10,40 +10,68 @@
 
 static const char blanks[] = " \t\v\f\r";
 
-static cml_status read_stream(FILE *stream, struct cml_text *text, struct cml_error *err)
+static cml_status read_stream(FILE *stream, const char *path, char **data, size_t *size,
+                              struct cml_error *err)
 {
     size_t capacity = 1 << 16;
-    text->data = malloc(capacity);
-    while (text->data) {
-        text->size += fread(text->data + text->size, 1, capacity - 1 - text->size, stream);
-        if (text->size < capacity - 1) break;
+    *data = malloc(capacity);
+    *size = 0;
+    while (*data) {
+        *size += fread(*data + *size, 1, capacity - 1 - *size, stream);
+        if (*size < capacity - 1) break;
         capacity *= 2;
-        char *larger = realloc(text->data, capacity);
-        if (!larger) free(text->data);
-        text->data = larger;
+        char *larger = realloc(*data, capacity);
+        if (!larger) free(*data);
+        *data = larger;
     }
-    if (!text->data) return cml_fail_memory(err, (double)capacity, "the input file");
-    if (ferror(stream))
-        return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", text->path, strerror(errno));
-    text->data[text->size] = '\0';
-    if (strlen(text->data) != text->size)
-        return cml_fail(err, CML_E_INPUT,
-                        "%s: cannot be read (it holds a NUL byte, so it is not a text file)", text->path);
-    return CML_OK;
+    if (!*data) return cml_fail_memory(err, (double)capacity, "the input file");
+    (*data)[*size] = '\0';
+    if (!ferror(stream)) return CML_OK;
+    const int reason = errno;
+    free(*data);
+    *data = NULL;
+    return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", cml_text_name(path), strerror(reason));
+}
+
+const char *cml_text_name(const char *path)
+{
+    return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+cml_status cml_text_from_file(void *context, const char *path, char **data, size_t *size,
+                              struct cml_error *err)
+{
+    (void)context;
+    const bool standard = strcmp(path, "-") == 0;
+    FILE *stream = standard ? stdin : fopen(path, "rb");
+    if (!stream) return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
+    const cml_status status = read_stream(stream, path, data, size, err);
+    if (!standard) fclose(stream);
+    return status;
+}
+
+static cml_text_source *text_source = cml_text_from_file;
+static void *text_source_context;
+
+void cml_text_set_source(cml_text_source *source, void *context)
+{
+    text_source = source ? source : cml_text_from_file;
+    text_source_context = context;
+}
+
+static cml_status read_text(const char *path, struct cml_text *text, struct cml_error *err)
+{
+    CML_TRY(cml_text_copy(cml_text_name(path), &text->path, err));
+    CML_TRY(text_source(text_source_context, path, &text->data, &text->size, err));
+    if (strlen(text->data) == text->size) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: cannot be read (it holds a NUL byte, so it is not a text file)",
+                    text->path);
 }
 
 cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err)
 {
-    const bool standard = strcmp(path, "-") == 0;
     *text = (struct cml_text){0};
-    CML_TRY(cml_text_copy(standard ? "standard input" : path, &text->path, err));
-    FILE *stream = standard ? stdin : fopen(path, "rb");
-    cml_status status = CML_OK;
-    if (!stream)
-        status = cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", text->path, strerror(errno));
-    else
-        status = read_stream(stream, text, err);
-    if (stream && !standard) fclose(stream);
+    const cml_status status = read_text(path, text, err);
     if (status != CML_OK) cml_text_clear(text);
     return status;
 }
@@ -157,6 +185,10 @@ cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
         reason = errno;
     }
     file->stream = NULL;
+    if (good && file->keep && rename(file->path, file->keep) != 0 && errno != ENOENT) {
+        good = false;
+        reason = errno;
+    }
     if (good && rename(file->temporary, file->path) != 0) {
         good = false;
         reason = errno;

@@ -26,6 +26,17 @@ CML_NODISCARD cml_status cml_text_read(const char *path, struct cml_text *text, 
 
 void cml_text_clear(struct cml_text *text);
 
+/* Where cml_text_read gets its bytes: size bytes and a final NUL, owned by the caller. NULL stands for
+ * cml_text_from_file, the file system and standard input. One source serves the whole process; set it before
+ * reading, from one thread. */
+typedef cml_status cml_text_source(void *context, const char *path, char **data, size_t *size,
+                                   struct cml_error *err);
+cml_text_source cml_text_from_file;
+void cml_text_set_source(cml_text_source *source, void *context);
+
+/* A path as messages name it: "standard input" for "-". */
+const char *cml_text_name(const char *path);
+
 /* The next line without its line end (LF or CRLF; the last line needs none); NULL at the end of the file.
  * The line is NUL-terminated in place and may be changed by the caller until cml_text_clear. */
 char *cml_text_next(struct cml_text *text);
@@ -55,9 +66,10 @@ CML_NODISCARD cml_status cml_path_beside(const char *beside, const char *name, c
 /* A file that appears under its name only when it is complete: written to "PATH.tmp", synced, then renamed.
  * What stood under PATH stays until the rename. */
 struct cml_file {
-    FILE *stream;    /* write here; check nothing, cml_file_commit sees every error */
-    char *path;      /* final name */
-    char *temporary; /* name until the commit */
+    FILE *stream;     /* write here; check nothing, cml_file_commit sees every error */
+    char *path;       /* final name */
+    char *temporary;  /* name until the commit */
+    const char *keep; /* borrowed; the commit keeps under this name what stood under PATH; NULL: it goes */
 };
 
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);

@@ -9,11 +9,11 @@ import sys
 
 FLOORS = [
     (6, "main options command command_*"),
-    (5, "run report report_mco plot"),
+    (5, "run report report_mco plot cluster cluster_alone dispatch checkpoint identity"),
     (4, "engine engine_cpu engine_cpu_level engine_reference engine_scalar packet_ends bundle bundle_*"),
     (3, "surface surface_mesh mesh_query clearance mci mci_lines mci_extra obj obj_* mco mco_*"),
-    (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally"),
-    (1, "status text vec3"),
+    (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally ranges"),
+    (1, "status text vec3 inputs stop launcher"),
 ]
 KERNEL_FLOOR = 0  # everything in kernels/
 
@@ -25,7 +25,11 @@ FOREIGN = {
     "omp.h": "engine_cpu_level",
     "getopt.h": "options",
     "spawn.h": "command_plot",
-    "signal.h": "command_plot",
+    "signal.h": "command_plot stop",
+    "mpi.h": "cluster",
+    "pthread.h": "cluster dispatch",
+    "sched.h": "cluster cluster_alone",
+    "zlib.h": "checkpoint identity",
     "sys/wait.h": "command_plot",
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+#include "dispatch.h"
+
+#include "cluster.h"
+
+#include <stdlib.h>
+
+/* Seconds that a range shall take. Rank 0 answers some 2e5 questions per second; a thousand ranks ask 5e3. */
+static double target_seconds(void)
+{
+    const int size = cml_cluster_size();
+    return size > 1000 ? 2e-4 * size : 0.2;
+}
+
+/* Towards the end ranges shrink, so that all ranks finish together: never more than half of an even share,
+ * but not below an eighth of what was asked for, which would cost more in questions than it saves in waiting.
+ */
+static uint64_t fair_count(const struct cml_dispatch *dispatch, uint64_t want)
+{
+    const uint64_t size = (uint64_t)cml_cluster_size();
+    if (size == 1) return want;
+    uint64_t fair = dispatch->open->total / (2 * size);
+    if (fair < want / 8) fair = want / 8;
+    if (fair < 1) fair = 1;
+    return fair < want ? fair : want;
+}
+
+/* On rank 0, for any rank. */
+static struct cml_range take(struct cml_dispatch *dispatch, uint64_t want, uint64_t flown)
+{
+    struct cml_range range = {0};
+    pthread_mutex_lock(&dispatch->lock);
+    dispatch->flown += flown;
+    if (!cml_cluster_called()) {
+        range = cml_ranges_take(dispatch->open, fair_count(dispatch, want));
+        if (range.count == 0) cml_cluster_call();
+    }
+    pthread_mutex_unlock(&dispatch->lock);
+    return range;
+}
+
+static void answer(void *context, const struct cml_question *question, struct cml_answer *answer)
+{
+    const struct cml_range range = take(context, question->want, question->flown);
+    answer->first = range.first;
+    answer->count = range.count;
+}
+
+void cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open)
+{
+    *dispatch = (struct cml_dispatch){.open = open, .want = 1024};
+    pthread_mutex_init(&dispatch->lock, NULL);
+    if (cml_cluster_rank() == 0) cml_cluster_serve(answer, dispatch);
+}
+
+void cml_dispatch_close(struct cml_dispatch *dispatch)
+{
+    if (cml_cluster_rank() == 0) cml_cluster_serve(NULL, NULL);
+    pthread_mutex_destroy(&dispatch->lock);
+}
+
+cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown, struct cml_range *range,
+                             struct cml_error *err)
+{
+    const struct cml_question question = {dispatch->want, flown};
+    struct cml_answer answer;
+    if (cml_cluster_rank() == 0) {
+        *range = take(dispatch, question.want, flown);
+        return CML_OK;
+    }
+    CML_TRY(cml_cluster_ask(&question, &answer, err));
+    *range = (struct cml_range){answer.first, answer.count};
+    return CML_OK;
+}
+
+uint64_t cml_dispatch_flown(struct cml_dispatch *dispatch)
+{
+    pthread_mutex_lock(&dispatch->lock);
+    const uint64_t flown = dispatch->flown;
+    pthread_mutex_unlock(&dispatch->lock);
+    return flown;
+}
+
+void cml_dispatch_timed(struct cml_dispatch *dispatch, struct cml_range range, double seconds)
+{
+    const double target = target_seconds();
+    if (range.count < dispatch->want) return; /* cut short: says little of the speed */
+    if (seconds < target / 2 && dispatch->want < CML_TALLY_MAX_PHOTONS / 2) dispatch->want *= 2;
+    if (seconds > 1.5 * target && dispatch->want > 1) dispatch->want /= 2;
+}
+
+/* What a rank brings to a meeting. */
+struct returned {
+    struct cml_range left;
+    uint64_t flown;
+    uint64_t stop;
+};
+
+static cml_status collect(struct cml_dispatch *dispatch, const struct returned *all, bool *stop,
+                          struct cml_error *err)
+{
+    for (int i = 0; i < cml_cluster_size(); i++) {
+        dispatch->flown += all[i].flown;
+        *stop = *stop || all[i].stop;
+        CML_TRY(cml_ranges_add(dispatch->open, all[i].left, err));
+    }
+    return CML_OK;
+}
+
+cml_status cml_dispatch_return(struct cml_dispatch *dispatch, struct cml_range left, uint64_t flown,
+                               bool *stop, struct cml_error *err)
+{
+    const struct returned mine = {left, flown, *stop};
+    const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
+    struct returned *all = malloc(size * sizeof *all);
+    cml_status status = all ? CML_OK : cml_fail_memory(err, (double)(size * sizeof *all), "the meeting");
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = cml_cluster_gather(&mine, sizeof mine, all, err);
+    if (status == CML_OK && cml_cluster_rank() == 0) status = collect(dispatch, all, stop, err);
+    free(all);
+    return cml_cluster_agree(status, err);
+}

@@ -1,0 +1,14 @@
+/* Signals that ask the run to stop so that it can be resumed: SIGTERM, SIGINT, SIGUSR1, SIGUSR2, SIGXCPU.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_STOP_H
+#define CML_STOP_H
+
+#include <stdbool.h>
+
+/* From here on the first of the signals is remembered, the second ends the process at once. Signals that were
+ * ignored stay ignored. Call it after MPI_Init, which may set handlers of its own. */
+void cml_stop_watch(void);
+
+bool cml_stop_requested(void);
+
+#endif

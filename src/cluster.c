@@ -155,7 +155,7 @@ static void answer_questions(void)
         answer = (struct cml_answer){0};
         world.peer[from].heard = world.clock;
         pthread_mutex_lock(&world.desk);
-        if (world.clerk) world.clerk(world.clerk_context, &question, &answer);
+        if (world.clerk) world.clerk(world.clerk_context, from, &question, &answer);
         pthread_mutex_unlock(&world.desk);
         if (COMPLETE(MPI_Isend(&answer, sizeof answer, MPI_BYTE, from, TAG_ANSWER, MPI_COMM_WORLD, &request),
                      &ignored) != CML_OK)

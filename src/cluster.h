@@ -72,7 +72,8 @@ struct cml_answer {
 
 /* On rank 0: `answer` serves the others' questions from now on, in the attendant's thread. NULL: nobody does;
  * returns when no answer is under way any more. Local. */
-typedef void cml_cluster_clerk(void *context, const struct cml_question *question, struct cml_answer *answer);
+typedef void cml_cluster_clerk(void *context, int rank, const struct cml_question *question,
+                               struct cml_answer *answer);
 void cml_cluster_serve(cml_cluster_clerk *clerk, void *context);
 
 /* On other ranks: waits for rank 0's answer. Not collective. */

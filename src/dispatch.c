@@ -5,58 +5,67 @@
 
 #include <stdlib.h>
 
-/* Seconds that a range shall take. Rank 0 answers some 2e5 questions per second; a thousand ranks ask 5e3. */
+#define FIRST_WANT 1024
+#define LEAST_PIECE 4096
+
+/* Seconds that a range shall take. Rank 0 can answer some 1e5 questions per second; at this pace 1e4 ranks
+ * ask 1e4. */
 static double target_seconds(void)
 {
     const int size = cml_cluster_size();
-    return size > 1000 ? 2e-4 * size : 0.2;
+    return size > 5000 ? 1e-4 * size : 0.5;
 }
 
-/* Towards the end ranges shrink, so that all ranks finish together: never more than half of an even share,
- * but not below an eighth of what was asked for, which would cost more in questions than it saves in waiting.
- */
-static uint64_t fair_count(const struct cml_dispatch *dispatch, uint64_t want)
+/* Not below a sixteenth of what was asked for: that would cost more in questions than it saves in waiting. */
+static uint64_t fair_count(struct cml_dispatch *dispatch, int rank, uint64_t want)
 {
-    const uint64_t size = (uint64_t)cml_cluster_size();
-    if (size == 1) return want;
-    uint64_t fair = dispatch->open->total / (2 * size);
-    if (fair < want / 8) fair = want / 8;
-    if (fair < 1) fair = 1;
-    return fair < want ? fair : want;
+    if (cml_cluster_size() == 1) return want;
+    dispatch->all_wants += want - dispatch->wants[rank];
+    dispatch->wants[rank] = want;
+    const cml_u128 half = dispatch->open->total / 2;
+    const uint64_t fair = (uint64_t)(half * want / dispatch->all_wants), least = want / 16 + 1;
+    if (fair > want) return want;
+    return fair > least ? fair : least;
 }
 
 /* On rank 0, for any rank. */
-static struct cml_range take(struct cml_dispatch *dispatch, uint64_t want, uint64_t flown)
+static struct cml_range take(struct cml_dispatch *dispatch, int rank, uint64_t want, uint64_t flown)
 {
     struct cml_range range = {0};
     pthread_mutex_lock(&dispatch->lock);
     dispatch->flown += flown;
     if (!cml_cluster_called()) {
-        range = cml_ranges_take(dispatch->open, fair_count(dispatch, want));
+        range = cml_ranges_take(dispatch->open, fair_count(dispatch, rank, want));
         if (range.count == 0) cml_cluster_call();
     }
     pthread_mutex_unlock(&dispatch->lock);
     return range;
 }
 
-static void answer(void *context, const struct cml_question *question, struct cml_answer *answer)
+static void answer(void *context, int rank, const struct cml_question *question, struct cml_answer *answer)
 {
-    const struct cml_range range = take(context, question->want, question->flown);
+    const struct cml_range range = take(context, rank, question->want, question->flown);
     answer->first = range.first;
     answer->count = range.count;
 }
 
-void cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open)
+cml_status cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open, struct cml_error *err)
 {
-    *dispatch = (struct cml_dispatch){.open = open, .want = 1024};
+    const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
+    *dispatch = (struct cml_dispatch){.open = open, .want = FIRST_WANT, .all_wants = size * FIRST_WANT};
+    dispatch->wants = malloc(size * sizeof *dispatch->wants);
+    if (!dispatch->wants) return cml_fail_memory(err, (double)size * 8, "the ranks");
+    for (size_t i = 0; i < size; i++) dispatch->wants[i] = FIRST_WANT;
     pthread_mutex_init(&dispatch->lock, NULL);
     if (cml_cluster_rank() == 0) cml_cluster_serve(answer, dispatch);
+    return CML_OK;
 }
 
 void cml_dispatch_close(struct cml_dispatch *dispatch)
 {
     if (cml_cluster_rank() == 0) cml_cluster_serve(NULL, NULL);
-    pthread_mutex_destroy(&dispatch->lock);
+    if (dispatch->wants) pthread_mutex_destroy(&dispatch->lock);
+    free(dispatch->wants);
 }
 
 cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown, struct cml_range *range,
@@ -65,12 +74,17 @@ cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown, stru
     const struct cml_question question = {dispatch->want, flown};
     struct cml_answer answer;
     if (cml_cluster_rank() == 0) {
-        *range = take(dispatch, question.want, flown);
+        *range = take(dispatch, 0, question.want, flown);
         return CML_OK;
     }
     CML_TRY(cml_cluster_ask(&question, &answer, err));
     *range = (struct cml_range){answer.first, answer.count};
     return CML_OK;
+}
+
+uint64_t cml_dispatch_piece(const struct cml_dispatch *dispatch)
+{
+    return dispatch->want / 4 > LEAST_PIECE ? dispatch->want / 4 : LEAST_PIECE;
 }
 
 uint64_t cml_dispatch_flown(struct cml_dispatch *dispatch)

@@ -1,10 +1,10 @@
 /* Who flies which photons: ranges of indices from one shared counter.
  * Rank 0 keeps the indices that nobody has flown; every rank, rank 0 among them, takes the next range when it
- * has flown its last, so that ranks may be of any speed. Ranges last about a fifth of a second on the rank
- * that takes them, by the speed of its last ones, and less when little is left: a rank that is slow, or
- * becomes slow, costs the others at most that one range. When nothing is left, when a checkpoint is due, on a
- * signal or an error, all ranks meet (cluster.h); what they have not flown of their ranges goes back.
- * SPDX-License-Identifier: MIT */
+ * has flown its last, so that ranks may be of any speed. A range lasts about half a second on the rank that
+ * takes it, by the speed of its last ones. When little is left it is half of the rank's share of that, again
+ * by speed, so that all finish together: a rank that is slow, or becomes slow, costs the others at most that
+ * one range. When nothing is left, when a checkpoint is due, on a signal or an error, all ranks meet
+ * (cluster.h); what they have not flown of their ranges goes back. SPDX-License-Identifier: MIT */
 #ifndef CML_DISPATCH_H
 #define CML_DISPATCH_H
 
@@ -18,16 +18,22 @@ struct cml_dispatch {
     pthread_mutex_t lock;    /* around what the clerk's thread and the flying thread of rank 0 both use */
     uint64_t flown;          /* since the beginning, by all ranks, as far as rank 0 was told */
     uint64_t want;           /* this rank's next range, packets */
+    uint64_t *wants;         /* [ranks] on rank 0: the same of all, in proportion to their speeds */
+    uint64_t all_wants;      /* their sum */
 };
 
 /* `open` is meaningful on rank 0 and belongs to the dispatch until it is closed, except between
  * cml_dispatch_meet and the next cml_dispatch_take of any rank. */
-void cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open);
+CML_NODISCARD cml_status cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open,
+                                           struct cml_error *err);
 void cml_dispatch_close(struct cml_dispatch *dispatch);
 
 /* The next range for this rank, which flew `flown` packets since it last asked; count = 0: go and meet. */
 CML_NODISCARD cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown,
                                            struct cml_range *range, struct cml_error *err);
+
+/* Packets to fly between two looks for a reason to meet: an eighth of a second, but not few. */
+uint64_t cml_dispatch_piece(const struct cml_dispatch *dispatch);
 
 /* Packets flown by all ranks since the dispatch was opened, as far as rank 0 was told; meaningful on rank 0.
  */

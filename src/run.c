@@ -53,8 +53,10 @@ static cml_status fly_range(struct flight *flight, struct cml_range *range, stru
     while (range->count > 0 && !cml_cluster_called()) {
         const uint64_t place = range->first - flight->state.begin;
         const int batch = cml_batch_of(round, place);
-        const uint64_t left = cml_batch_first(round, batch + 1) - place;
-        const uint64_t count = left < range->count ? left : range->count;
+        const uint64_t in_batch = cml_batch_first(round, batch + 1) - place;
+        const uint64_t piece = cml_dispatch_piece(&flight->dispatch);
+        uint64_t count = in_batch < range->count ? in_batch : range->count;
+        if (count > piece) count = piece;
         CML_TRY(fly_piece(flight, batch, range->first, count, err));
         range->first += count;
         range->count -= count;
@@ -223,6 +225,7 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
+    CML_TRY(cml_dispatch_open(&flight->dispatch, &flight->state.open, err));
     CML_TRY(cml_result_create(grid, setup->photons, &flight->out->result, err));
     CML_TRY(cml_tally_create(grid, &flight->tally, err));
     CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &setup->options, &flight->engine, err));
@@ -266,7 +269,6 @@ cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out
     const struct cml_grid grid = cml_run_grid(setup->scene, setup->options.absorption);
     struct flight flight = {.setup = setup, .out = out};
     *out = (struct cml_run_result){0};
-    cml_dispatch_open(&flight.dispatch, &flight.state.open);
     cml_status status = open_flight(&flight, &grid, err);
     status = run_flight(&flight, status, err);
     cml_dispatch_close(&flight.dispatch);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE /* sched_getaffinity */
 #include "cluster.h"
 
+#include "cores.h"
 #include "launcher.h"
 
 #include <mpi.h>
@@ -29,7 +29,7 @@ struct peer {
 
 static struct {
     int rank, size, local_rank, local_size;
-    int cores, fair_cores;
+    int fair_cores;
     MPI_Datatype cell, summary;
     MPI_Op add_cells, add_summary;
     struct peer *peer; /* [size] on rank 0, [1] on others */
@@ -256,15 +256,11 @@ static void create_types(void)
 
 static void look_at_cores(MPI_Comm machine)
 {
-    cpu_set_t mine, all;
-    CPU_ZERO(&mine);
-    sched_getaffinity(0, sizeof mine, &mine);
-    all = mine;
-    if (machine != MPI_COMM_NULL) MPI_Allreduce(&mine, &all, sizeof mine, MPI_BYTE, MPI_BOR, machine);
-    world.cores = CPU_COUNT(&mine);
-    world.fair_cores = CPU_COUNT(&all) / world.local_size;
-    if (world.fair_cores > world.cores) world.fair_cores = world.cores;
-    if (world.fair_cores < 1) world.fair_cores = 1;
+    struct cml_cores mine, all;
+    cml_cores_mine(&mine);
+    MPI_Allreduce(&mine, &all, sizeof mine, MPI_BYTE, MPI_BOR, machine);
+    const int share = cml_cores_count(&all) / world.local_size, most = cml_cores_count(&mine);
+    world.fair_cores = share < 1 ? 1 : share < most ? share : most;
 }
 
 static void look_around(void)
@@ -298,10 +294,7 @@ static cml_status join_world(struct cml_error *err)
 
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
-    if (!cml_launcher_found()) {
-        look_at_cores(MPI_COMM_NULL);
-        return CML_OK;
-    }
+    if (!cml_launcher_found()) return CML_OK;
     int level = 0;
     if (MPI_Init_thread(argc, argv, MPI_THREAD_SERIALIZED, &level) != MPI_SUCCESS)
         return cml_fail(err, CML_E_DEVICE, "MPI cannot start");
@@ -310,9 +303,7 @@ cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
     cml_status status = cml_launcher_check(world.size, err);
     if (status == CML_OK && level < MPI_THREAD_SERIALIZED)
         status = cml_fail(err, CML_E_DEVICE, "this MPI library does not support MPI_THREAD_SERIALIZED");
-    if (status == CML_OK && world.size > 1) status = join_world(err);
-    if (status == CML_OK && world.size == 1) look_at_cores(MPI_COMM_NULL);
-    return status;
+    return status == CML_OK && world.size > 1 ? join_world(err) : status;
 }
 
 /* Pulses that crossed the end. */
@@ -358,11 +349,6 @@ int cml_cluster_local_rank(void)
 int cml_cluster_local_size(void)
 {
     return world.local_size;
-}
-
-int cml_cluster_cores(void)
-{
-    return world.cores;
 }
 
 int cml_cluster_fair_cores(void)

@@ -28,9 +28,8 @@ int cml_cluster_size(void);       /* 1 without a launcher */
 int cml_cluster_local_rank(void); /* among the ranks that share this machine's memory: which device to take */
 int cml_cluster_local_size(void);
 
-/* Cores in this process' affinity mask, and this rank's part of those that the masks of its machine's ranks
- * hold together: threads that disturb nobody. Local. */
-int cml_cluster_cores(void);
+/* This rank's even part of the cores that its machine's ranks may run on together; 0 without other ranks.
+ * Local. */
 int cml_cluster_fair_cores(void);
 
 /* Seconds of silence after which a rank is taken for lost; 60 until set. Local, the same on all ranks. */

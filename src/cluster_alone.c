@@ -1,11 +1,9 @@
 /* The cluster of a build without MPI: one rank, alone.
  * SPDX-License-Identifier: MIT */
-#define _GNU_SOURCE /* sched_getaffinity */
 #include "cluster.h"
 
 #include "launcher.h"
 
-#include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -43,17 +41,9 @@ int cml_cluster_local_size(void)
     return 1;
 }
 
-int cml_cluster_cores(void)
-{
-    cpu_set_t mine;
-    CPU_ZERO(&mine);
-    sched_getaffinity(0, sizeof mine, &mine);
-    return CPU_COUNT(&mine);
-}
-
 int cml_cluster_fair_cores(void)
 {
-    return cml_cluster_cores();
+    return 0;
 }
 
 void cml_cluster_set_patience(double seconds)

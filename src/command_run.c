@@ -4,6 +4,7 @@
 
 #include "checkpoint.h"
 #include "cluster.h"
+#include "cores.h"
 #include "identity.h"
 #include "report.h"
 #include "stop.h"
@@ -249,6 +250,19 @@ static cml_status check_outputs(const struct session *session, struct cml_error 
     return cml_cluster_agree(status, err);
 }
 
+static void warn_of_binding(int threads)
+{
+    struct cml_cores cores;
+    char text[160];
+    cml_cores_mine(&cores);
+    const int count = cml_cores_count(&cores);
+    if (threads <= count) return;
+    snprintf(text, sizeof text,
+             "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
+             count, count == 1 ? "" : "s");
+    show_note(NULL, text);
+}
+
 /* Threads as asked for; 0 leaves it to OpenMP, that is OMP_NUM_THREADS or the affinity mask, but ranks that
  * share the cores of a machine share them evenly. */
 static int choose_threads(const struct cml_options *options)
@@ -256,15 +270,8 @@ static int choose_threads(const struct cml_options *options)
     const char *environment = getenv("OMP_NUM_THREADS");
     int threads = options->engine_options.threads;
     if (threads == 0 && environment && !cml_parse_int(environment, &threads)) return 0;
-    if (threads > cml_cluster_cores()) {
-        char text[160];
-        snprintf(text, sizeof text,
-                 "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)",
-                 threads, cml_cluster_cores(), cml_cluster_cores() == 1 ? "" : "s");
-        show_note(NULL, text);
-    }
-    if (threads == 0 && cml_cluster_size() > 1) return cml_cluster_fair_cores();
-    return options->engine_options.threads;
+    warn_of_binding(threads);
+    return threads > 0 ? threads : cml_cluster_fair_cores();
 }
 
 /* A finished run needs no checkpoint. */

@@ -13,7 +13,7 @@ FLOORS = [
     (4, "engine engine_cpu engine_cpu_level engine_reference engine_scalar packet_ends bundle bundle_*"),
     (3, "surface surface_mesh mesh_query clearance mci mci_lines mci_extra obj obj_* mco mco_*"),
     (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally ranges"),
-    (1, "status text vec3 inputs stop launcher"),
+    (1, "status text vec3 inputs stop launcher cores"),
 ]
 KERNEL_FLOOR = 0  # everything in kernels/
 
@@ -28,7 +28,7 @@ FOREIGN = {
     "signal.h": "command_plot stop",
     "mpi.h": "cluster",
     "pthread.h": "cluster dispatch",
-    "sched.h": "cluster cluster_alone",
+    "sched.h": "cluster cores",
     "zlib.h": "checkpoint identity",
     "sys/wait.h": "command_plot",
 }

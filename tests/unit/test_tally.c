@@ -297,6 +297,59 @@ static void a_result_does_not_overflow(void **state)
     cml_tally_free(&tally);
 }
 
+static void a_photon_finds_its_batch(void **state)
+{
+    (void)state;
+    static const uint64_t numbers[] = {
+        1, 2, 63, 64, 65, 1000, 4095, ((uint64_t)1 << 48) - 1, (uint64_t)1 << 48};
+    for (int n = 0; n < COUNT(numbers); n++) {
+        for (int b = 0; b < CML_NUM_BATCHES; b++) {
+            const uint64_t first = cml_batch_first(numbers[n], b), end = cml_batch_first(numbers[n], b + 1);
+            if (first == end) continue;
+            assert_int_equal(cml_batch_of(numbers[n], first), b);
+            assert_int_equal(cml_batch_of(numbers[n], end - 1), b);
+        }
+    }
+}
+
+static struct cml_summary random_summary(struct dice *dice)
+{
+    struct cml_summary summary = {.lost = {0}};
+    for (int i = 0; i < COUNT(summary.sum); i++) summary.sum[i] = (cml_u128)dice_word(dice) << 60;
+    for (int i = 0; i < 6; i++) cml_lost_list_add(&summary.lost, dice_word(dice));
+    return summary;
+}
+
+/* Ranks are summed in whatever tree MPI likes. */
+static void summaries_merge_in_any_order(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(3);
+    const struct cml_summary a = random_summary(&dice), b = random_summary(&dice), c = random_summary(&dice);
+    struct cml_summary left = a, right = c, inner = b;
+    cml_summary_merge(&left, &b);
+    cml_summary_merge(&left, &c);
+    cml_summary_merge(&inner, &a);
+    cml_summary_merge(&right, &inner);
+    assert_memory_equal(&left, &right, sizeof left);
+    assert_int_equal(left.lost.count, CML_LOST_LISTED);
+}
+
+static void a_summary_goes_there_and_back(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(4);
+    const struct cml_summary summary = random_summary(&dice);
+    struct cml_summary back;
+    struct cml_result result = make_result(&grid, 10);
+    cml_result_set_summary(&result, &summary);
+    cml_result_summary(&result, &back);
+    assert_memory_equal(&back, &summary, sizeof back);
+    assert_true(result.book[CML_BOOK_GAINED] == summary.sum[CML_BOOK_GAINED]);
+    assert_true(result.count[0] == summary.sum[CML_NUM_BOOKS]);
+    cml_result_free(&result);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -311,6 +364,9 @@ int main(void)
         cmocka_unit_test(the_error_of_a_bin_is_the_spread_of_its_batches),
         cmocka_unit_test(one_photon_has_no_error_yet),
         cmocka_unit_test(a_result_does_not_overflow),
+        cmocka_unit_test(a_photon_finds_its_batch),
+        cmocka_unit_test(summaries_merge_in_any_order),
+        cmocka_unit_test(a_summary_goes_there_and_back),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -175,11 +175,19 @@ cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_e
     return cml_fail(err, CML_E_IO, "%s: cannot be written (%s)", path, strerror(reason));
 }
 
+/* Why an earlier write failed: the next one fails for the same reason. EIO where it does not. */
+static int reason_of_error(FILE *stream)
+{
+    clearerr(stream);
+    errno = EIO;
+    return fputc('\n', stream) == EOF || fflush(stream) != 0 ? errno : EIO;
+}
+
 cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
 {
-    errno = EIO; /* for an error that happened before and left no reason */
-    bool good = !ferror(file->stream) && fflush(file->stream) == 0 && fsync(fileno(file->stream)) == 0;
-    int reason = errno;
+    errno = EIO;
+    bool good = fflush(file->stream) == 0 && !ferror(file->stream) && fsync(fileno(file->stream)) == 0;
+    int reason = good || !ferror(file->stream) ? errno : reason_of_error(file->stream);
     if (fclose(file->stream) != 0 && good) {
         good = false;
         reason = errno;

@@ -1,0 +1,40 @@
+#!/bin/sh
+# The same bytes for any number of ranks and threads, but for the line of time.
+# SPDX-License-Identifier: MIT
+. tests/lib/cluster.sh
+
+one_shape() { # SCENE RANKS THREADS
+    rm -rf "$work/here"
+    mkdir "$work/here"
+    ranks "$2" "samples/$1.mci" --photons 20000 --threads "$3" --quiet -o "$work/here" 2>"$work/err" ||
+        complain "$1 on $2 ranks: $(cat "$work/err")"
+    for file in "$work/alone"/*.mco; do expect_bits "$1 on $2 x $3" "$work/here/${file##*/}" "$file"; done
+    test "$(ls "$work/here")" = "$(ls "$work/alone")" || complain "$1 on $2 x $3: $(ls "$work/here")"
+}
+
+for scene in shapes/hinoise mixed two_runs; do
+    rm -rf "$work/alone"
+    mkdir "$work/alone"
+    expect_code 0 "samples/$scene.mci" --photons 20000 --threads 1 --quiet -o "$work/alone"
+    one_shape $scene 1 1
+    one_shape $scene 2 1
+    one_shape $scene 1 2
+    one_shape $scene 4 1
+done
+
+# fewer photons than ranks, and standard input, which only rank 0 has
+expect_code 0 samples/fig5.mci --photons 2 --quiet -o "$work"
+mv "$work/fig5.mco" "$work/expected"
+ranks 4 - --photons 2 --quiet -o "$work" <samples/fig5.mci || complain "standard input on 4 ranks"
+expect_bits "2 photons on 4 ranks" "$work/fig5.mco" "$work/expected"
+
+# one banner, one line of JSON, one table of ranks
+ranks 3 samples/fig5.mci --photons 1e4 -o "$work" --json >"$work/out" 2>"$work/err"
+test "$(wc -l <"$work/out")" -eq 1 && grep -q '"ranks":3' "$work/out" || complain "JSON of 3 ranks: $(cat "$work/out")"
+ranks 3 samples/fig5.mci --photons 1e4 -o "$work" --verbose >"$work/out" 2>/dev/null
+flown=$(awk '/rank  *photons/ { on = 1; next } /all ranks/ { on = 0 } on { sum += $2 } END { print sum }' "$work/out")
+test "$flown" = 10000 || complain "the ranks' photons are $flown: $(cat "$work/out")"
+test "$(grep -c '^clustermcml' "$work/out")" -eq 1 || complain "more than one banner: $(cat "$work/out")"
+ranks 2 check samples/fig5.mci >"$work/out" || complain "check on 2 ranks"
+test "$(grep -c fig5.mco "$work/out")" -eq 1 || complain "check spoke twice"
+finish

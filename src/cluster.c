@@ -315,6 +315,13 @@ static void drain(void)
     for (int i = first_peer(); i < end_of_peers(); i++) MPI_Wait(&world.peer[i].pulse, MPI_STATUS_IGNORE);
 }
 
+/* mpiexec that is told to end the ranks of a lost host, before it found out itself, waits for that host's
+ * answer until TCP gives up, a quarter of an hour; so does its daemon there, when it has something to say. */
+void cml_cluster_leave_it_to_the_launcher(void)
+{
+    for (double waited = 0; waited < 2 * world.patience; waited += 0.1) nap(0.1);
+}
+
 void cml_cluster_end(cml_status status)
 {
     int begun = 0;

@@ -23,6 +23,10 @@ CML_NODISCARD cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_e
 /* Ends MPI, by MPI_Abort when contact was lost. Not for a process that failed to begin. */
 void cml_cluster_end(cml_status status);
 
+/* When contact was lost: twice the patience, within which the launcher should find the lost host itself and
+ * end this process. Local. */
+void cml_cluster_leave_it_to_the_launcher(void);
+
 int cml_cluster_rank(void);       /* 0 without a launcher */
 int cml_cluster_size(void);       /* 1 without a launcher */
 int cml_cluster_local_rank(void); /* among the ranks that share this machine's memory: which device to take */

@@ -56,6 +56,10 @@ bool cml_cluster_broken(void)
     return false;
 }
 
+void cml_cluster_leave_it_to_the_launcher(void)
+{
+}
+
 cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
 {
     (void)err;

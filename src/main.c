@@ -59,14 +59,27 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     return cml_cluster_agree(status, err);
 }
 
+static void complain(cml_status status, const struct cml_error *err)
+{
+    if (status != CML_OK) fprintf(stderr, "clustermcml: %s\n", err->text);
+}
+
+/* One message for all ranks; when contact was lost, others than rank 0 speak only if the launcher has not
+ * ended them: it may be rank 0 that is lost. */
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};
     cml_status status = cml_cluster_begin(&argc, &argv, &err);
-    const bool begun = status == CML_OK;
-    if (begun) status = work(argc, argv, &err);
-    if (status != CML_OK && (cml_cluster_rank() == 0 || cml_cluster_broken()))
-        fprintf(stderr, "clustermcml: %s\n", err.text);
-    if (begun) cml_cluster_end(status);
+    if (status != CML_OK) {
+        complain(status, &err);
+        return (int)status;
+    }
+    status = work(argc, argv, &err);
+    if (cml_cluster_rank() == 0) complain(status, &err);
+    if (cml_cluster_broken()) {
+        cml_cluster_leave_it_to_the_launcher();
+        if (cml_cluster_rank() != 0) complain(status, &err);
+    }
+    cml_cluster_end(status);
     return (int)status;
 }

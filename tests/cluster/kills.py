@@ -12,7 +12,7 @@ import time
 
 PROGRAM = os.environ.get("CLUSTERMCML", "build/clustermcml")
 SCENE = ["samples/thick.mci", "--photons", "7e5", "--seed", "7"]
-SHAPES = [(0, 1), (0, 2), (1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]  # ranks (0: no mpiexec), threads
+SHAPES = [(0, 1), (0, 2), (0, 1), (0, 2), (1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]  # ranks (0: no mpiexec), threads
 KILLS = 20
 dice = random.Random(20)
 

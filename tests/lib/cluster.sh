@@ -5,7 +5,7 @@
 command -v mpiexec >/dev/null || { echo "mpiexec is missing"; exit 77; }
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMP_WAIT_POLICY=passive
 mpi_options=
-mpiexec --version | grep -q 'Open MPI\|OpenRTE' && mpi_options="--oversubscribe --bind-to none"
+mpiexec --version | grep -q 'Open MPI\|OpenRTE' && mpi_options="--oversubscribe --bind-to none --mca odls_base_sigkill_timeout 0"
 
 ranks() { # N ARGUMENTS...
     number=$1

@@ -3,17 +3,17 @@
 
 #include "cluster.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 #define FIRST_WANT 1024
 #define LEAST_PIECE 4096
 
 /* Seconds that a range shall take. Rank 0 can answer some 1e5 questions per second; at this pace 1e4 ranks
- * ask 1e4. */
-static double target_seconds(void)
+ * ask 1e4. A piece shall take 25 times its overhead, a range two pieces at least. */
+static double target_seconds(const struct cml_dispatch *dispatch)
 {
-    const int size = cml_cluster_size();
-    return size > 5000 ? 1e-4 * size : 0.5;
+    return fmax(0.5, fmax(1e-4 * cml_cluster_size(), 50 * dispatch->overhead));
 }
 
 /* Not below a sixteenth of what was asked for: that would cost more in questions than it saves in waiting. */
@@ -49,10 +49,12 @@ static void answer(void *context, int rank, const struct cml_question *question,
     answer->count = range.count;
 }
 
-cml_status cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open, struct cml_error *err)
+cml_status cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open, double overhead,
+                             struct cml_error *err)
 {
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
-    *dispatch = (struct cml_dispatch){.open = open, .want = FIRST_WANT, .all_wants = size * FIRST_WANT};
+    *dispatch = (struct cml_dispatch){
+        .open = open, .overhead = overhead, .want = FIRST_WANT, .all_wants = size * FIRST_WANT};
     dispatch->wants = malloc(size * sizeof *dispatch->wants);
     if (!dispatch->wants) return cml_fail_memory(err, (double)size * 8, "the ranks");
     for (size_t i = 0; i < size; i++) dispatch->wants[i] = FIRST_WANT;
@@ -84,7 +86,8 @@ cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown, stru
 
 uint64_t cml_dispatch_piece(const struct cml_dispatch *dispatch)
 {
-    return dispatch->want / 4 > LEAST_PIECE ? dispatch->want / 4 : LEAST_PIECE;
+    const double pieces = fmin(4, target_seconds(dispatch) / (25 * dispatch->overhead));
+    return (uint64_t)fmax(LEAST_PIECE, (double)dispatch->want / pieces);
 }
 
 uint64_t cml_dispatch_flown(struct cml_dispatch *dispatch)
@@ -97,10 +100,11 @@ uint64_t cml_dispatch_flown(struct cml_dispatch *dispatch)
 
 void cml_dispatch_timed(struct cml_dispatch *dispatch, struct cml_range range, double seconds)
 {
-    const double target = target_seconds();
+    const double ratio = target_seconds(dispatch) / fmax(seconds, 1e-9);
     if (range.count < dispatch->want) return; /* cut short: says little of the speed */
-    if (seconds < target / 2 && dispatch->want < CML_TALLY_MAX_PHOTONS / 2) dispatch->want *= 2;
-    if (seconds > 1.5 * target && dispatch->want > 1) dispatch->want /= 2;
+    if (ratio > 0.67 && ratio < 2) return;
+    const double want = (double)dispatch->want * fmin(8, fmax(0.25, ratio));
+    dispatch->want = (uint64_t)fmin((double)CML_TALLY_MAX_PHOTONS, fmax(1, want));
 }
 
 /* What a rank brings to a meeting. */

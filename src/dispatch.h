@@ -17,6 +17,7 @@ struct cml_dispatch {
     struct cml_ranges *open; /* rank 0's; borrowed */
     pthread_mutex_t lock;    /* around what the clerk's thread and the flying thread of rank 0 both use */
     uint64_t flown;          /* since the beginning, by all ranks, as far as rank 0 was told */
+    double overhead;         /* seconds that a piece costs whatever its size: clearing and adding tallies */
     uint64_t want;           /* this rank's next range, packets */
     uint64_t *wants;         /* [ranks] on rank 0: the same of all, in proportion to their speeds */
     uint64_t all_wants;      /* their sum */
@@ -25,14 +26,15 @@ struct cml_dispatch {
 /* `open` is meaningful on rank 0 and belongs to the dispatch until it is closed, except between
  * cml_dispatch_meet and the next cml_dispatch_take of any rank. */
 CML_NODISCARD cml_status cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open,
-                                           struct cml_error *err);
+                                           double overhead, struct cml_error *err);
 void cml_dispatch_close(struct cml_dispatch *dispatch);
 
 /* The next range for this rank, which flew `flown` packets since it last asked; count = 0: go and meet. */
 CML_NODISCARD cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown,
                                            struct cml_range *range, struct cml_error *err);
 
-/* Packets to fly between two looks for a reason to meet: an eighth of a second, but not few. */
+/* Packets to fly between two looks for a reason to meet: a quarter of a range, but not few, and more where
+ * large tallies make pieces dear. */
 uint64_t cml_dispatch_piece(const struct cml_dispatch *dispatch);
 
 /* Packets flown by all ranks since the dispatch was opened, as far as rank 0 was told; meaningful on rank 0.

@@ -1,0 +1,88 @@
+#!/bin/sh
+# Signals stop a run so that it can be resumed; a second one ends it at once; --checkpoint off leaves them alone.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+scene=samples/thick.mci
+
+# Starts a run and waits until it flies.
+begin() { # LINE ARGUMENTS...: LINE is the last of its announcement
+    line=$1
+    shift
+    rm -f "$work/out"
+    "$program" "$@" --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
+    run=$!
+    until grep -qs "^$line" "$work/out" || ! kill -0 $run; do sleep 0.02; done
+}
+long="$scene --photons 1e8"
+
+for signal in TERM USR1 USR2 XCPU; do
+    rm -f "$work"/thick.mco*
+    begin "  boundary 1" $long
+    kill -$signal $run
+    code=0
+    wait $run || code=$?
+    test $code -eq 75 || complain "SIG$signal: exit $code, not 75: $(cat "$work/err")"
+    grep -q "^clustermcml: thick.mco: stopped with [0-9]* of 100000000 packets to fly; --resume continues from $work/thick.mco.checkpoint$" \
+        "$work/err" || complain "SIG$signal: $(cat "$work/err")"
+    test "$(echo "$work"/thick*)" = "$work/thick.mco.checkpoint" || complain "SIG$signal: $(ls "$work")"
+done
+# A shell's background jobs ignore SIGINT, and what was ignored stays ignored: so by way of another parent.
+python3 - "$program" "$work" <<'E2' || complain "SIGINT"
+import signal, subprocess, sys, time
+program, work = sys.argv[1:]
+run = subprocess.Popen([program, "samples/thick.mci", "--photons", "1e8", "-o", work], stdout=subprocess.PIPE,
+                       stderr=subprocess.DEVNULL, text=True)
+while not run.stdout.readline().startswith("  boundary 1"):
+    pass
+run.send_signal(signal.SIGINT)
+run.stdout.read()
+sys.exit(run.wait() != 75)
+E2
+
+# The second signal: both come before the program can look at the first.
+rm -f "$work"/thick.mco*
+begin "  boundary 1" $long --engine reference
+kill -STOP $run
+kill -TERM $run
+kill -USR1 $run
+kill -CONT $run
+code=0
+wait $run || code=$?
+test $code -eq 143 || test $code -eq 138 || complain "two signals: exit $code"
+test ! -e "$work/thick.mco.checkpoint" || complain "two signals: there is a checkpoint"
+
+begin "  boundary 1" $long --checkpoint off
+kill -TERM $run
+code=0
+wait $run || code=$?
+test $code -eq 143 || complain "--checkpoint off: exit $code"
+test ! -e "$work/thick.mco.checkpoint" || complain "--checkpoint off: there is a checkpoint"
+
+expect_error 2 "--checkpoint 0 (expected seconds above 0, up to 1e9)" $scene --checkpoint 0
+expect_error 2 "--target-error 1 (expected a relative error between 0 and 1)" $scene --target-error 1
+expect_error 2 "--patience x (expected seconds above 0, up to 1e9)" $scene --patience x
+
+# Several runs: the first stays finished while the second is stopped twice, and all checkpoints go at the end.
+sed -e 's/^1  *# number of runs/2/' -e 's/^thick.mco/first.mco/' -e 's/^200000 /1000 /' $scene >"$work/two.mci"
+sed -e '1,/# number of runs/d' -e 's/^200000 /400000 /' $scene >>"$work/two.mci"
+expect_code 0 "$work/two.mci" --checkpoint off --quiet -o "$work"
+mkdir "$work/expected"
+mv "$work/first.mco" "$work/thick.mco" "$work/expected/"
+for resume in "" --resume; do
+    begin "thick.mco: 400000" "$work/two.mci" $resume
+    kill -TERM $run
+    code=0
+    wait $run || code=$?
+    test $code -eq 75 || complain "the second run: exit $code: $(cat "$work/err")"
+    touch -d 2001-01-01 "$work/first.mco"
+done
+expect_code 0 "$work/two.mci" --resume -o "$work"
+grep -q '^  finished before$' "$work/out" || complain "the first run flew again"
+test "$(date -r "$work/first.mco" +%Y)" = 2001 || complain "the first result was written again"
+for file in first.mco thick.mco; do
+    sed '/^# User time/d' "$work/$file" >"$work/a"
+    sed '/^# User time/d' "$work/expected/$file" >"$work/b"
+    cmp -s "$work/a" "$work/b" || complain "$file: other bits after stops"
+done
+test "$(ls "$work" | grep -c checkpoint)" -eq 0 || complain "checkpoints are left: $(ls "$work")"
+finish

@@ -140,6 +140,19 @@ static void set_results(json_t *object, const struct cml_report *report)
     set_real(object, "overflow_r", cml_result_share(result, CML_BOOK_OVERFLOW_R));
 }
 
+static json_t *ranks_json(const struct cml_run_result *run)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < run->ranks; i++) {
+        const struct cml_rank_report *rank = &run->rank[i];
+        json_array_append_new(list, json_pack("{s:I, s:I, s:f, s:f, s:f, s:f}", "photons",
+                                              (json_int_t)rank->photons, "ranges", (json_int_t)rank->ranges,
+                                              "flying", rank->flying, "idle", rank->waiting, "asking",
+                                              rank->asking, "sums", rank->meeting));
+    }
+    return list;
+}
+
 static void set_speed(json_t *object, const struct cml_report *report)
 {
     const struct cml_run_result *run = report->run;
@@ -151,6 +164,7 @@ static void set_speed(json_t *object, const struct cml_report *report)
     set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);
     set_integer(object, "threads", (uint64_t)run->threads);
     set_integer(object, "ranks", (uint64_t)run->ranks);
+    json_object_set_new(object, "rank_s", ranks_json(run));
     set_real(object, "idle", cml_run_idle(run));
     set_real(object, "communication", cml_run_communication(run));
 }

@@ -85,6 +85,7 @@ static cml_status fly(struct flight *flight, struct cml_range *left, uint64_t *f
         flight->mine.asking += answered - begin;
         *flown = 0;
         if (taken.count == 0) return CML_OK;
+        flight->mine.ranges++;
         *left = taken;
         CML_TRY(fly_range(flight, left, err));
         *flown = taken.count - left->count;

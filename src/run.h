@@ -40,7 +40,7 @@ struct cml_run_setup {
 
 /* How one rank spent its time, seconds. */
 struct cml_rank_report {
-    uint64_t photons;
+    uint64_t photons, ranges;
     double flying;  /* in the engine */
     double asking;  /* for ranges */
     double waiting; /* for other ranks, at meetings */

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
-# all tests but the long ones; then the unit tests again under clang with the address and undefined sanitizers.
+# all tests but the long ones; then the program without MPI, and the unit tests again under clang with the address and undefined sanitizers.
 # SPDX-License-Identifier: MIT
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -10,6 +10,10 @@ sh samples/packages.sh test
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build --parallel 2
 ctest --test-dir build -LE long --output-on-failure -j2
+
+cmake -S . -B build-alone -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_MPI=OFF -DCLUSTERMCML_TESTS=OFF >/dev/null
+cmake --build build-alone --parallel 2
+CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-alone/clustermcml sh tests/cluster/alone.sh
 
 CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build-asan --parallel 2

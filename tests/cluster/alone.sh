@@ -1,0 +1,32 @@
+#!/bin/sh
+# A build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE): the same bits, checkpoints and resume; refused where
+# several copies were started, which would all write the same files.
+# SPDX-License-Identifier: MIT
+. tests/lib/cluster.sh
+alone=${CLUSTERMCML_ALONE:?names no program}
+scene=samples/shapes/hinoise.mci
+
+expect_code 0 $scene --photons 2e4 --quiet -o "$work"
+mv "$work/hinoise.mco" "$work/expected"
+program=$alone
+expect_code 0 $scene --photons 2e4 --quiet -o "$work" --threads 2
+sed '/^# clustermcml/d' "$work/hinoise.mco" >"$work/a"
+sed '/^# clustermcml/d' "$work/expected" >"$work/b"
+expect_bits "without MPI" "$work/a" "$work/b"
+ranks 1 $scene --photons 2e4 --quiet -o "$work" || complain "one copy under mpiexec"
+expect_ranks_error 2 2 "OMPI_COMM_WORLD_SIZE = 2 processes were started, but each sees only itself (expected this program built with MPI and the launcher of the same MPI, or srun --mpi=pmix)
+clustermcml: OMPI_COMM_WORLD_SIZE = 2 processes were started, but each sees only itself (expected this program built with MPI and the launcher of the same MPI, or srun --mpi=pmix)" $scene
+
+rm -f "$work"/thick*
+expect_code 0 samples/thick.mci --photons 4e5 --quiet -o "$work"
+mv "$work/thick.mco" "$work/expected"
+"$program" samples/thick.mci --photons 4e5 -o "$work" >"$work/out" 2>&1 &
+run=$!
+until grep -qs '^  boundary 1' "$work/out" || ! kill -0 $run; do sleep 0.02; done
+kill -TERM $run
+code=0
+wait $run || code=$?
+test $code -eq 75 || complain "stopped without MPI: exit $code"
+expect_code 0 samples/thick.mci --photons 4e5 --quiet --resume -o "$work"
+expect_bits "resumed without MPI" "$work/thick.mco" "$work/expected"
+finish

@@ -18,15 +18,15 @@ expect_ranks_error 2 2 "OMPI_COMM_WORLD_SIZE = 2 processes were started, but eac
 clustermcml: OMPI_COMM_WORLD_SIZE = 2 processes were started, but each sees only itself (expected this program built with MPI and the launcher of the same MPI, or srun --mpi=pmix)" $scene
 
 rm -f "$work"/thick*
-expect_code 0 samples/thick.mci --photons 4e5 --quiet -o "$work"
+expect_code 0 samples/thick.mci --photons 2e6 --quiet -o "$work"
 mv "$work/thick.mco" "$work/expected"
-"$program" samples/thick.mci --photons 4e5 -o "$work" >"$work/out" 2>&1 &
+"$program" samples/thick.mci --photons 2e6 -o "$work" >"$work/out" 2>&1 &
 run=$!
 until grep -qs '^  boundary 1' "$work/out" || ! kill -0 $run; do sleep 0.02; done
 kill -TERM $run
 code=0
 wait $run || code=$?
 test $code -eq 75 || complain "stopped without MPI: exit $code"
-expect_code 0 samples/thick.mci --photons 4e5 --quiet --resume -o "$work"
+expect_code 0 samples/thick.mci --photons 2e6 --quiet --resume -o "$work"
 expect_bits "resumed without MPI" "$work/thick.mco" "$work/expected"
 finish

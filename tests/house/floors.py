@@ -9,11 +9,11 @@ import sys
 
 FLOORS = [
     (6, "main options command command_*"),
-    (5, "run report report_mco plot cluster cluster_alone dispatch checkpoint identity"),
+    (5, "run report report_* plot cluster cluster_alone dispatch checkpoint identity"),
     (4, "engine engine_cpu engine_cpu_level engine_reference engine_scalar packet_ends bundle bundle_*"),
-    (3, "surface surface_mesh mesh_query clearance mci mci_lines mci_extra obj obj_* mco mco_*"),
+    (3, "surface surface_* mesh_query clearance fields vtk mci mci_* obj obj_* mco mco_*"),
     (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally ranges"),
-    (1, "status text vec3 inputs stop launcher cores"),
+    (1, "status text vec3 field inputs stop launcher cores"),
 ]
 KERNEL_FLOOR = 0  # everything in kernels/
 
@@ -24,6 +24,8 @@ FOREIGN = {
     "jansson.h": "report",
     "omp.h": "engine_cpu_level",
     "getopt.h": "options",
+    "hdf5*.h": "fields",
+    "sys/resource.h": "command_load",
     "spawn.h": "command_plot",
     "signal.h": "command_plot stop",
     "mpi.h": "cluster",

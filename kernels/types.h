@@ -6,6 +6,7 @@
 #ifndef CML_TYPES_H
 #define CML_TYPES_H
 
+#include "facet.h"
 #include "port.h"
 #include "rng.h"
 
@@ -61,6 +62,15 @@ struct cml_clearance {
     real corner_x, corner_y, per_cell; /* cm from the scene's axis, cells per cm */
 };
 
+/* The grid of maps and volume: its corner lies at x = -nx / 2 * dx, y = -ny / 2 * dy; the volume has the
+ * depth bins of A_rz, from the upper face on. */
+struct cml_map {
+    int nx, ny, na; /* na: angle bins of a pixel; nx 0: there is no map */
+    real per_dx, per_dy;
+    real half_x, half_y; /* nx / 2, ny / 2 */
+    real top_bins;       /* depth of the volume's upper face in bins of dz */
+};
+
 /* A boundary. lowest and highest bound its depth in its own frame: lowest <= z <= highest everywhere. */
 struct cml_surface {
     int kind;
@@ -68,6 +78,7 @@ struct cml_surface {
     real lowest, highest;
     real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
     struct cml_clearance clearance;
+    struct cml_facet_range facets;
 };
 
 struct cml_setup {
@@ -79,6 +90,8 @@ struct cml_setup {
     real per_dr, per_dz;  /* 1/dr, 1/dz */
     real per_da;          /* na / (pi/2) */
     real x0, y0;          /* scene position of the beam's axis at z = 0 */
+    struct cml_map map;
+    struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
     /* launch */
     int launch_medium; /* 0: traced to boundary 0; else the packet starts on plane 0 (or 1: glass) going down
                         */

@@ -14,10 +14,19 @@
 #define CML_ADD(cell, amount) (*(cell) += (amount))
 #endif
 
+#ifndef CML_ADD_SHARED /* to arrays that are too large for a copy per thread */
+#ifdef __OPENCL_VERSION__
+#define CML_ADD_SHARED CML_ADD
+#else
+#define CML_ADD_SHARED(cell, amount) __atomic_fetch_add(cell, amount, __ATOMIC_RELAXED)
+#endif
+#endif
+
 /* Where deposits go. A_rz: [nr + 1][nz + 2] or NULL (see src/tally.h), A_l: [num_layers + 2] by medium;
- * weight units. */
+ * weight units. Shared by threads: A_xyz: [nz ny nx + 1] or NULL, facets: [facets of all
+ * boundaries][CML_FACET_SCORES] or NULL. */
 struct cml_deposits {
-    CML_GLOBAL cml_u64 *A_rz, *A_l;
+    CML_GLOBAL cml_u64 *A_rz, *A_l, *A_xyz, *facets;
 };
 
 CML_FN void cml_event(const struct cml_world *world, const char *what, const struct cml_packet *packet)
@@ -114,14 +123,45 @@ CML_FN int cml_depth_bin(const struct cml_setup *setup, real z, real bins)
     return (int)(below < last ? below : last) + 1;
 }
 
+/* Whether a coordinate in units of bins lies in 0..n, NaN not. */
+CML_FN int cml_in_bins(real bin, int n)
+{
+    return (bin >= 0) & (bin < (real)n);
+}
+
+/* Pixel of the map; nx * ny outside of it. */
+CML_FN cml_u64 cml_map_pixel(const struct cml_setup *setup, real x, real y)
+{
+    const struct cml_map *map = &setup->map;
+    const real ix = CML_FMA(x + setup->x0, map->per_dx, map->half_x),
+               iy = CML_FMA(y + setup->y0, map->per_dy, map->half_y);
+    const cml_u64 pixels = (cml_u64)map->nx * (cml_u64)map->ny;
+    if (!cml_in_bins(ix, map->nx) | !cml_in_bins(iy, map->ny)) return pixels;
+    return (cml_u64)iy * (cml_u64)map->nx + (cml_u64)ix;
+}
+
+/* Into the voxel at p; nx * ny * nz outside of the volume. bins: of the medium. */
+CML_FN void cml_deposit_volume(const struct cml_setup *setup, const struct cml_deposits *to, struct cml_vec p,
+                               real bins, cml_u32 dw)
+{
+    const struct cml_map *map = &setup->map;
+    const cml_u64 pixels = (cml_u64)map->nx * (cml_u64)map->ny, pixel = cml_map_pixel(setup, p.x, p.y);
+    const real iz = CML_FMA(p.z, setup->per_dz, bins) - map->top_bins;
+    const int inside = (pixel < pixels) & cml_in_bins(iz, setup->nz);
+    const cml_u64 voxel = inside ? (cml_u64)iz * pixels + pixel : pixels * (cml_u64)setup->nz;
+    CML_ADD_SHARED(&to->A_xyz[voxel], dw);
+}
+
 CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
                         struct cml_packet *packet, cml_u32 dw)
 {
     const struct cml_setup *setup = &world->setup;
     packet->absorbed += dw;
     CML_ADD(&to->A_l[packet->medium], dw);
+    const real bins = world->media[packet->medium].bins;
+    if (to->A_xyz) cml_deposit_volume(setup, to, packet->p, bins, dw);
     if (!setup->tally_absorption) return;
-    const int iz = cml_depth_bin(setup, packet->p.z, world->media[packet->medium].bins);
+    const int iz = cml_depth_bin(setup, packet->p.z, bins);
     const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y);
     CML_ADD(&to->A_rz[ir * (setup->nz + 2) + iz], dw);
 }
@@ -311,6 +351,51 @@ CML_FN void cml_cross(const struct cml_world *world, struct cml_packet *packet, 
     cml_event(world, transmitted ? "transmit" : "reflect", packet);
 }
 
+/* Facet of a primitive that was hit. */
+CML_FN int cml_facet_index(const struct cml_facet_range *range, int primitive)
+{
+    const int outer_plane = range->count - 1;
+    return range->first + (primitive < outer_plane ? primitive : outer_plane);
+}
+
+/* Weight w came from medium `from` to a primitive of the boundary at x, y, and left it into medium `other`.
+ */
+CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_deposits *to, int boundary,
+                            int primitive, real x, real y, int from, int other, cml_u32 w)
+{
+    const struct cml_facet_range range = world->surfaces[boundary].facets;
+    if (range.count == 0) return;
+    if (world->surfaces[boundary].kind == CML_SURFACE_PLANE)
+        primitive = (int)cml_map_pixel(&world->setup, x, y);
+    CML_GLOBAL cml_u64 *score = to->facets + (cml_u64)cml_facet_index(&range, primitive) * CML_FACET_SCORES;
+    const int came_from_below = from > boundary, went_below = other > boundary;
+    CML_ADD_SHARED(score + (came_from_below ? CML_FACET_IRRADIANCE_BELOW : CML_FACET_IRRADIANCE_ABOVE), w);
+    CML_ADD_SHARED(score + (went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE), w);
+}
+
+/* A packet that starts below planes has come through them without an event (P1): what its specular part left
+ * upwards, and the rest went on. */
+CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_deposits *to,
+                             const struct cml_packet *packet)
+{
+    const real x = packet->p.x, y = packet->p.y;
+    for (int b = 0; b < packet->medium; b++) {
+        cml_score_facet(world, to, b, 0, x, y, b, b + 1, packet->w);
+        if (b == 0) cml_score_facet(world, to, 0, 0, x, y, 0, 0, world->setup.specular);
+    }
+}
+
+/* cml_cross, scored where facets are asked for. */
+CML_FN void cml_meet(const struct cml_world *world, const struct cml_deposits *to, struct cml_packet *packet,
+                     const struct cml_hit *hit)
+{
+    const int from = packet->medium;
+    cml_cross(world, packet, hit);
+    if (to->facets)
+        cml_score_facet(world, to, hit->boundary, hit->primitive, packet->p.x, packet->p.y, from,
+                        packet->medium, packet->w);
+}
+
 /* No boundary ahead and no interaction: right only outside the material, or on a path parallel to everything.
  */
 CML_FN void cml_leave(const struct cml_world *world, struct cml_packet *packet)
@@ -333,12 +418,13 @@ CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *t
                      struct cml_packet *packet)
 {
     cml_launch(world, index, packet);
+    if (to->facets) cml_score_launch(world, to, packet);
     while (packet->fate == CML_FATE_ALIVE) {
         const real t_max = cml_free_path(world, packet);
         struct cml_hit hit;
         const struct cml_reach reach = cml_find_reach(world, packet->medium, packet->p, packet->u, t_max);
         if (cml_nearest(world, packet, reach, &hit))
-            cml_cross(world, packet, &hit);
+            cml_meet(world, to, packet, &hit);
         else if (t_max < CML_INFINITY)
             cml_interact(world, to, packet, t_max);
         else

@@ -11,6 +11,7 @@ struct cml_flight {
     const struct cml_world *world;
     struct cml_bundle *b;
     struct cml_tally *tally;
+    struct cml_deposits to;              /* into the tally */
     const struct cml_lane_medium *media; /* [num_layers + 2] */
     struct cml_packet start;             /* as the beam places packets */
     int pencil;                          /* it places all of them alike */
@@ -147,14 +148,14 @@ static void cml_lane_interacts(struct cml_flight *f, int i, real s)
 
 /* One boundary event by kernels/walk.h, and as many more as it takes to come back into the material. Returns
  * 0 when there was none: then the packet interacts, *t further on. */
-static int cml_meet_boundary(const struct cml_world *world, struct cml_packet *packet, struct cml_reach reach,
-                             real *t)
+static int cml_meet_boundary(const struct cml_world *world, const struct cml_deposits *to,
+                             struct cml_packet *packet, struct cml_reach reach, real *t)
 {
     for (;;) {
         struct cml_hit hit;
         const real t_max = cml_free_path(world, packet);
         if (cml_nearest(world, packet, reach, &hit)) {
-            cml_cross(world, packet, &hit);
+            cml_meet(world, to, packet, &hit);
         } else if (t_max < CML_INFINITY) {
             *t = t_max;
             return 0;
@@ -184,7 +185,7 @@ static void cml_meet_or_interact(struct cml_flight *f, int i, struct cml_reach r
     b->task[i] = CML_LANE_DONE;
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose(&packet, CML_LOST_NAN);
-    } else if (!cml_meet_boundary(f->world, &packet, reach, &t)) {
+    } else if (!cml_meet_boundary(f->world, &f->to, &packet, reach, &t)) {
         if (cml_would_leak(f->world, &packet, t))
             cml_lose(&packet, CML_LOST_LEAKED);
         else
@@ -316,6 +317,7 @@ static void cml_refill_lane(struct cml_flight *f, int i)
     }
     if (!f->pencil) cml_place(f->world, launch.index, &f->start);
     cml_start_lane(f, i, &f->start, &launch);
+    if (f->to.facets) cml_score_launch(f->world, &f->to, &f->start);
 }
 
 static void cml_refill(struct cml_flight *f)
@@ -362,6 +364,19 @@ static void cml_for_coded(struct cml_flight *f, cml_u32 lanes, int first,
     for (; lanes; lanes &= lanes - 1) handle(f, first + __builtin_ctz(lanes) / 2);
 }
 
+/* Facets of planes: what lanes first..first+15 have met, where facets are asked for. Reflection has turned
+ * the direction already. */
+static void cml_score_planes(const struct cml_flight *f, int first)
+{
+    const struct cml_bundle *b = f->b;
+    for (int i = first; i < first + CML_GROUP; i++) {
+        const int through = b->task[i] == CML_LANE_TRANSMITTED, upwards = b->uz[i] < 0, m = b->medium[i];
+        const int boundary = through == upwards ? m - 1 : m, beyond = upwards ? m - 1 : m + 1;
+        if (!through && b->task[i] != CML_LANE_REFLECTED) continue;
+        cml_score_facet(f->world, &f->to, boundary, 0, b->x[i], b->y[i], m, through ? beyond : m, b->w[i]);
+    }
+}
+
 /* Planes met by lanes first..first+15. Many lanes are then worth flying once more, so that they may interact
  * in this pass as well. */
 static void cml_cross_group(struct cml_flight *f, int first, int lanes)
@@ -369,6 +384,7 @@ static void cml_cross_group(struct cml_flight *f, int first, int lanes)
     const struct cml_setup *setup = &f->world->setup;
     const int many = 3;
     if (cml_bundle_reach_planes(f->b, first)) cml_bundle_turn(setup, f->b, first);
+    if (f->to.facets) cml_score_planes(f, first);
     const cml_u32 codes = cml_bundle_look_behind(setup, f->b, first);
     cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_EXIT), first, cml_exit_lane);
     cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_LAYER), first, cml_enter_layer);
@@ -404,6 +420,16 @@ static void cml_scatter_deposits(const struct cml_bundle *b, uint64_t *A_rz)
     for (int i = 0; i < CML_LANES; i++) A_rz[b->cell[i]] += b->dw[i];
 }
 
+/* The same into the volume, where one is asked for. */
+static void cml_scatter_volume(const struct cml_flight *f)
+{
+    const struct cml_bundle *b = f->b;
+    for (int i = 0; i < CML_LANES; i++) {
+        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
+        if (b->dw[i]) cml_deposit_volume(&f->world->setup, &f->to, p, CML_OF_MEDIUM(b, bins)[i], b->dw[i]);
+    }
+}
+
 static void cml_interact_lanes(struct cml_flight *f, const int all)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -411,6 +437,7 @@ static void cml_interact_lanes(struct cml_flight *f, const int all)
     if (f->tally->A_rz) {
         low = cml_bundle_interact(setup, f->b, all, 1);
         cml_scatter_deposits(f->b, f->tally->A_rz);
+        if (f->to.A_xyz) cml_scatter_volume(f);
     } else {
         low = cml_bundle_interact(setup, f->b, all, 0);
     }
@@ -435,6 +462,7 @@ static void cml_bundle_walk(const struct cml_world *world, const struct cml_lane
 {
     struct cml_bundle bundle = {0};
     struct cml_flight f = {.world = world, .b = &bundle, .tally = tally, .media = media};
+    f.to = cml_deposits_of(tally);
     f.launches.source = source;
     f.pencil = !(world->setup.disk > 0) && !(world->setup.gauss > 0);
     cml_place(world, 0, &f.start);

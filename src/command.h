@@ -24,6 +24,15 @@ CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *option
                                                 struct cml_scene_list *list, struct cml_inputs *inputs,
                                                 struct cml_error *err);
 
+/* CML_E_INPUT with the figure when the run would take more memory than the machine has. surfaces NULL: they
+ * are not made yet, and facets do not count. */
+CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
+                                          const struct cml_surface_set *surfaces, struct cml_error *err);
+
+/* One line: the most memory that the run will hold. */
+void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
+                      const struct cml_surface_set *surfaces);
+
 /* The output file of a scene: its name below the output directory. *path is the caller's to free. */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                                          struct cml_error *err);

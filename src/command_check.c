@@ -50,17 +50,26 @@ static void print_mesh(const struct cml_scene *scene, int b)
                ulp);
 }
 
+static void print_map(const struct cml_scene *scene)
+{
+    const struct cml_map_def *map = &scene->map;
+    if (map->nx > 0)
+        printf("  map: nx %d x %g cm, ny %d x %g cm%s%s\n", map->nx, map->dx, map->ny, map->dy,
+               map->angles ? ", na angle bins in each pixel" : "",
+               map->volume ? ", and nz layers of voxels" : "");
+    if (scene->facets) printf("  facets: irradiance and exitance of every boundary\n");
+}
+
 static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
                               struct cml_error *err)
 {
     struct cml_surface_set surfaces;
     CML_TRY(cml_surfaces_create(scene, &options->surface, &surfaces, err));
-    const struct cml_grid grid = cml_run_grid(scene, options->engine_options.absorption);
-    const int threads = options->engine_options.threads > 0 ? options->engine_options.threads : 1;
     printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
     print_media(scene);
     printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
            scene->na);
+    print_map(scene);
     cml_report_boundaries(stdout, "  ", scene, &surfaces);
     for (int b = 0; b <= scene->num_layers; b++)
         if (surfaces.item[b].kind != CML_AS_PLANE)
@@ -68,8 +77,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
                    surfaces.item[b].build_seconds, surfaces.item[b].bytes / 1048576);
     for (int b = 0; b <= scene->num_layers; b++)
         if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
-    printf("  tallies: %.3g MiB with %d thread%s\n", cml_run_bytes(&grid, threads) / 1048576, threads,
-           threads == 1 ? "" : "s");
+    cml_print_memory(options, scene, &surfaces);
     cml_surfaces_free(&surfaces);
     return CML_OK;
 }

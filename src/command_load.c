@@ -3,10 +3,14 @@
 
 #include "cluster.h"
 #include "mci.h"
+#include "report.h"
 #include "text.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)
 {
@@ -76,4 +80,43 @@ cml_status cml_output_path(const struct cml_options *options, const char *name, 
     strcat(*path, "/");
     strcat(*path, name);
     return CML_OK;
+}
+
+struct memory {
+    double held, tallies, output; /* bytes on this machine: so far, by the photons' flight, by writing
+                                   * the results */
+};
+
+static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
+                               const struct cml_surface_set *surfaces)
+{
+    const struct cml_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
+    const int asked = options->engine_options.threads;
+    const int threads = asked > 0 ? asked : options->engine->threads(NULL);
+    const double ranks = cml_cluster_local_size();
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    const struct memory memory = {1024.0 * (double)usage.ru_maxrss * ranks,
+                                  cml_run_bytes(&grid, threads) * ranks, cml_report_bytes(&grid)};
+    return memory;
+}
+
+cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
+                            const struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    const struct memory memory = memory_of(options, scene, surfaces);
+    const double bytes = memory.held + memory.tallies + memory.output, gib = 1073741824.0;
+    const double most = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    if (bytes < most) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: %s takes %.3g GiB (expected at most this machine's %.3g GiB)",
+                    scene->file, scene->output, bytes / gib, most / gib);
+}
+
+void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
+                      const struct cml_surface_set *surfaces)
+{
+    const struct memory memory = memory_of(options, scene, surfaces);
+    const double mib = 1048576;
+    printf("  memory: at most %.0f MiB (tallies %.3g MiB, writing %.3g MiB)\n",
+           (memory.held + memory.tallies + memory.output) / mib, memory.tallies / mib, memory.output / mib);
 }

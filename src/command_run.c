@@ -54,28 +54,19 @@ static void show_note(void *context, const char *text)
     if (cml_cluster_rank() == 0) fprintf(stderr, "clustermcml: note: %s\n", text);
 }
 
-static cml_status write_result(const struct cml_report *report, struct cml_error *err)
-{
-    struct cml_mco mco;
-    CML_TRY(cml_report_mco(report, &mco, err));
-    const cml_status status = cml_mco_write(report->output, &mco, err);
-    cml_mco_clear(&mco);
-    return status;
-}
-
 static cml_status publish(const struct cml_options *options, struct cml_report *report, struct cml_error *err)
 {
     char *path = NULL;
     CML_TRY(cml_output_path(options, report->scene->output, &path, err));
-    report->output = path;
-    cml_status status = write_result(report, err);
+    cml_status status = cml_report_write(report, path, err);
+    free(path);
     if (status == CML_OK && options->json) status = cml_report_json(stdout, report, err);
     if (status == CML_OK && !options->quiet && !options->json) {
         cml_report_summary(stdout, report);
         if (options->verbose) cml_report_ranks(stdout, report->run);
-        printf("  -> %s\n", path);
+        for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
     }
-    free(path);
+    cml_report_clear(report);
     return status == CML_OK ? cml_run_verdict(report->scene, &report->run->result, err) : status;
 }
 
@@ -83,11 +74,11 @@ static void announce(const struct cml_options *options, const struct cml_run_set
 {
     if (options->quiet || options->json || cml_cluster_rank() != 0) return;
     const struct cml_scene *scene = setup->scene;
-    printf("%s: %g photons, %d layer%s, %s engine, seed %llu%s\n", scene->output, (double)setup->photons,
+    printf("%s: %g photons, %d layer%s, %s engine, seed %llu\n", scene->output, (double)setup->photons,
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
-           (unsigned long long)setup->options.seed,
-           scene->format == 'B' ? " (format B is written as ASCII)" : "");
+           (unsigned long long)setup->options.seed);
     cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
+    cml_print_memory(options, scene, setup->surfaces);
     fflush(stdout);
 }
 
@@ -96,7 +87,6 @@ struct session {
     const struct cml_options *options;
     struct cml_scene_list list;
     char *inputs; /* lines of their identity */
-    int threads;
 };
 
 /* Options that differ between ranks would mix two runs in one result. */
@@ -137,7 +127,8 @@ static cml_status publish_run(const struct session *session, int index, const st
                                 .engine = setup->engine,
                                 .seed = setup->options.seed,
                                 .run_index = setup->options.run,
-                                .reentry = setup->options.reentry};
+                                .reentry = setup->options.reentry,
+                                .command = options->command};
     CML_TRY(publish(options, &report, err));
     if (!setup->checkpoint || index + 1 == session->list.count) return CML_OK;
     const struct cml_run_state nothing = {.begin = 0};
@@ -175,9 +166,9 @@ static cml_status prepare(const struct session *session, int index, struct cml_s
 {
     const struct cml_options *options = session->options;
     CML_TRY(cml_surfaces_create(setup->scene, &options->surface, surfaces, err));
+    CML_TRY(cml_check_memory(options, setup->scene, surfaces, err));
     setup->surfaces = surfaces;
     setup->options.run = (uint32_t)index;
-    setup->options.threads = session->threads;
     CML_TRY(cml_identity_of(setup, &options->surface, options->ignore_heightfields, session->inputs, identity,
                             err));
     setup->identity = *identity;
@@ -213,40 +204,60 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
-static cml_status check_memory(const struct session *session, const struct cml_scene *scene,
-                               struct cml_error *err)
+static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
 {
-    const struct cml_grid grid = cml_run_grid(scene, session->options->engine_options.absorption);
-    const int threads = session->threads > 0 ? session->threads : 1;
-    const double bytes = cml_cluster_local_size() * cml_run_bytes(&grid, threads), gib = 1073741824.0;
-    const double memory = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
-    if (bytes < memory) return CML_OK;
-    return cml_fail(err, CML_E_INPUT,
-                    "%s: the tallies take %.3g GiB (expected at most this machine's %.3g GiB)", scene->file,
-                    bytes / gib, memory / gib);
-}
-
-/* Found before the photons fly, not after: an output that cannot be written, a grid that does not fit. */
-static cml_status check_output(const struct session *session, const struct cml_scene *scene,
-                               struct cml_error *err)
-{
-    char *path = NULL;
+    char *name = NULL;
     struct cml_file file;
-    CML_TRY(check_memory(session, scene, err));
-    if (cml_cluster_rank() != 0) return CML_OK;
-    CML_TRY(cml_output_path(session->options, scene->output, &path, err));
-    const cml_status status = cml_file_create(path, &file, err);
-    free(path);
+    CML_TRY(suffix ? cml_report_path(path, suffix, &name, err) : cml_text_copy(path, &name, err));
+    const cml_status status = cml_file_create(name, &file, err);
+    free(name);
     CML_TRY(status);
     cml_file_abort(&file);
     return CML_OK;
 }
 
+/* The files of a run; of those beside the .mco the one with the longest name. */
+static cml_status check_files(const struct cml_options *options, const struct cml_scene *scene,
+                              struct cml_error *err)
+{
+    const bool more = scene->map.nx > 0 || scene->facets;
+    char *path = NULL;
+    if (scene->format == 'B' && !cml_report_has_fields())
+        return cml_fail_field(err, scene->file, scene->line, "format", "B",
+                              "A: this program was built without HDF5");
+    CML_TRY(cml_output_path(options, scene->output, &path, err));
+    cml_status status = check_writable(path, scene->format == 'B' ? ".h5" : NULL, err);
+    if (status == CML_OK && more) status = check_writable(path, ".boundary10000.vtp", err);
+    free(path);
+    return status;
+}
+
+/* Two runs may not write the same file beside their .mco. */
+static cml_status check_stems(const struct cml_scene_list *list, int last, struct cml_error *err)
+{
+    const struct cml_scene *scene = &list->scenes[last];
+    for (int i = 0; i < last; i++) {
+        if (!cml_report_same_stem(list->scenes[i].output, scene->output)) continue;
+        if (!cml_report_wants_fields(&list->scenes[i]) || !cml_report_wants_fields(scene)) continue;
+        return cml_fail_field(err, scene->file, scene->line, "output name", scene->output,
+                              "another name: an earlier run has the same but for its ending");
+    }
+    return CML_OK;
+}
+
+/* Found before the photons fly, not after: an output that cannot be written, a grid that does not fit. */
+static cml_status check_output(const struct session *session, int index, struct cml_error *err)
+{
+    const struct cml_scene *scene = &session->list.scenes[index];
+    CML_TRY(cml_check_memory(session->options, scene, NULL, err));
+    CML_TRY(check_stems(&session->list, index, err));
+    return cml_cluster_rank() == 0 ? check_files(session->options, scene, err) : CML_OK;
+}
+
 static cml_status check_outputs(const struct session *session, struct cml_error *err)
 {
     cml_status status = CML_OK;
-    for (int i = 0; status == CML_OK && i < session->list.count; i++)
-        status = check_output(session, &session->list.scenes[i], err);
+    for (int i = 0; status == CML_OK && i < session->list.count; i++) status = check_output(session, i, err);
     return cml_cluster_agree(status, err);
 }
 
@@ -301,8 +312,10 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
 
 cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
 {
-    struct session session = {.options = options, .threads = choose_threads(options)};
+    struct cml_options mine = *options;
+    struct session session = {.options = &mine};
     struct cml_inputs inputs;
+    mine.engine_options.threads = choose_threads(options);
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
     cml_status status = cml_identity_inputs(&inputs, &session.inputs, err);
     cml_inputs_clear(&inputs);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine.h"
 
+#include "surface_facets.h"
 #include "types.h"
 
 #include <stddef.h>
@@ -13,6 +14,24 @@ const struct cml_engine *cml_engine_find(const char *name)
     for (int i = 0; engines[i]; i++)
         if (strcmp(engines[i]->name, name) == 0) return engines[i];
     return NULL;
+}
+
+struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                const struct cml_engine_options *options)
+{
+    const struct cml_map_def *map = &scene->map;
+    struct cml_grid grid = {.nr = scene->nr,
+                            .nz = scene->nz,
+                            .na = scene->na,
+                            .num_layers = scene->num_layers,
+                            .absorption = options->absorption,
+                            .nx = map->nx,
+                            .ny = map->ny,
+                            .map_na = map->angles ? scene->na : 1,
+                            .volume = map->volume && options->absorption};
+    for (int b = 0; scene->facets && surfaces && b < surfaces->count; b++)
+        grid.facets += cml_surface_facets(&surfaces->item[b], map);
+    return grid;
 }
 
 const char *cml_fate_name(int fate)

@@ -49,7 +49,7 @@ struct cml_engine {
     /* Flies packet `index` alone. on_event may be NULL. */
     cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                         struct cml_fate_record *record, struct cml_error *err);
-    int (*threads)(const void *self);
+    int (*threads)(const void *self); /* NULL: as many as it takes unless told */
     void (*close)(void *self);
 };
 
@@ -65,6 +65,10 @@ struct cml_cpu_level {
     const struct cml_engine *engine;
 };
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS]);
+
+/* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */
+struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                const struct cml_engine_options *options);
 
 /* By name; NULL when there is none. */
 const struct cml_engine *cml_engine_find(const char *name);

@@ -27,14 +27,12 @@ static void cpu_close(void *self)
     free(cpu);
 }
 
-static cml_status create_tallies(const struct cml_scene *scene, const struct cml_engine_options *options,
-                                 struct cpu_engine *cpu, struct cml_error *err)
+static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                 const struct cml_engine_options *options, struct cpu_engine *cpu,
+                                 struct cml_error *err)
 {
-    const struct cml_grid grid = {.nr = scene->nr,
-                                  .nz = scene->nz,
-                                  .na = scene->na,
-                                  .num_layers = scene->num_layers,
-                                  .absorption = options->absorption};
+    const struct cml_grid full = cml_engine_grid(scene, surfaces, options);
+    const struct cml_grid grid = cml_grid_without_maps(&full);
     cpu->tallies = calloc((size_t)cpu->threads, sizeof *cpu->tallies);
     if (!cpu->tallies) return cml_fail_memory(err, cpu->threads * cml_tally_bytes(&grid), "tallies");
     for (; cpu->num_tallies < cpu->threads; cpu->num_tallies++)
@@ -86,7 +84,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     cpu->chunk = options->chunk > 0 ? options->chunk : 128;
     cml_status status = scalar_world_create(scene, surfaces, options, &cpu->scalar, err);
     if (status == CML_OK) status = create_lane_media(cpu, err);
-    if (status == CML_OK) status = create_tallies(scene, options, cpu, err);
+    if (status == CML_OK) status = create_tallies(scene, surfaces, options, cpu, err);
     if (status != CML_OK)
         cpu_close(cpu);
     else
@@ -126,6 +124,7 @@ static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml
     {
         struct cml_tally *mine = &cpu->tallies[omp_get_thread_num()];
         cml_tally_zero(mine);
+        cml_tally_borrow_maps(mine, tally);
         cml_bundle_walk(&cpu->scalar.world, cpu->media, &source, mine);
 #pragma omp critical
         cml_tally_merge(tally, mine);
@@ -142,7 +141,7 @@ static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_e
 
 static int cpu_threads(const void *self)
 {
-    return ((const struct cpu_engine *)self)->threads;
+    return self ? ((const struct cpu_engine *)self)->threads : omp_get_max_threads();
 }
 
 #define CML_PASTE(a, b) a##b

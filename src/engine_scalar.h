@@ -6,6 +6,7 @@
 
 #include "engine.h"
 #include "packet_ends.h"
+#include "surface_facets.h"
 #include "walk.h"
 
 #include <math.h>
@@ -102,6 +103,22 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
     to->world.ring_slope = to->rings + 2 * total;
 }
 
+/* What escapes from a plane is in the map already. */
+static void set_facets(const struct cml_surface_set *from, const struct cml_map_def *map,
+                       struct scalar_world *to)
+{
+    const int last = from->count - 1;
+    int first = 0;
+    for (int b = 0; b < from->count; b++) {
+        struct cml_facet_range *range = &to->surfaces[b].facets;
+        range->first = first;
+        range->count = (int)cml_surface_facets(&from->item[b], map);
+        first += range->count;
+    }
+    if (from->item[0].kind != CML_AS_PLANE) to->world.setup.outer_facets[0] = to->surfaces[0].facets;
+    if (from->item[last].kind != CML_AS_PLANE) to->world.setup.outer_facets[1] = to->surfaces[last].facets;
+}
+
 static void copy_clearance(const struct cml_surface_set *from, struct scalar_world *to)
 {
     const size_t total = count_clearance_cells(from);
@@ -172,6 +189,20 @@ static void set_launch(const struct cml_scene *scene, const struct cml_surface_s
             (cml_u32)lrint(deterministic_specular(scene, surfaces, &setup->launch_medium) * CML_WEIGHT_ONE);
 }
 
+static void set_map(const struct cml_scene *scene, struct cml_map *map)
+{
+    const struct cml_map_def *def = &scene->map;
+    if (def->nx == 0) return;
+    map->nx = def->nx;
+    map->ny = def->ny;
+    map->na = def->angles ? scene->na : 1;
+    map->per_dx = (real)(1 / def->dx);
+    map->per_dy = (real)(1 / def->dy);
+    map->half_x = (real)(0.5 * def->nx);
+    map->half_y = (real)(0.5 * def->ny);
+    map->top_bins = (real)(def->top / scene->dz);
+}
+
 static void set_up(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_engine_options *options, struct cml_setup *setup)
 {
@@ -188,6 +219,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_surface_set *
     setup->per_dr = (real)(1 / scene->dr);
     setup->per_dz = (real)(1 / scene->dz);
     setup->per_da = (real)(scene->na / 1.5707963267948966);
+    set_map(scene, &setup->map);
     set_launch(scene, surfaces, setup);
 }
 
@@ -208,13 +240,14 @@ static cml_status scalar_world_create(const struct cml_scene *scene, const struc
     to->world.surfaces = to->surfaces;
     to->world.meshes = to->meshes;
     set_up(scene, surfaces, options, &to->world.setup);
+    if (scene->facets) set_facets(surfaces, &scene->map, to);
     return CML_OK;
 }
 
 static inline void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
                                struct cml_tally *tally)
 {
-    const struct cml_deposits to = {tally->A_rz, tally->A_l};
+    const struct cml_deposits to = cml_deposits_of(tally);
     struct cml_ends ends = {0};
     for (uint64_t i = 0; i < count; i++) {
         struct cml_packet packet;
@@ -260,7 +293,7 @@ static inline cml_status trace_packet(const struct cml_world *world, uint64_t in
     traced.setup.tally_absorption = 0;
     traced.on_event = on_event ? forward_event : NULL;
     traced.on_event_context = &tracing;
-    const struct cml_deposits to = {tally.A_rz, tally.A_l};
+    const struct cml_deposits to = cml_deposits_of(&tally);
     struct cml_packet packet;
     cml_walk(&traced, &to, index, &packet);
     cml_tally_free(&tally);

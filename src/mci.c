@@ -3,6 +3,7 @@
 
 #include "mci_extra.h"
 #include "mci_lines.h"
+#include "mci_map.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,29 +17,37 @@
 /* Where the reader stands decides which of our own lines may come before the next data line. */
 enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
-    STAGE_RUN,   /* beam */
+    STAGE_RUN,   /* beam, map, facets */
     STAGE_ABOVE, /* none */
     STAGE_LAYERS /* b and m */
 };
 
+static bool is_of_run(enum cml_mci_kind kind)
+{
+    return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS;
+}
+
 static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                  const char *instead)
 {
-    const char *rule = "";
+    const char *name = kind == CML_MCI_BEAM ? "beam" : kind == CML_MCI_MAP ? "map" : "facets";
     char expected[200];
-    if (kind == CML_MCI_MAP) {
-        rule = "no map line: maps are not supported yet";
-        instead = "";
-    } else if (kind == CML_MCI_UNKNOWN) {
-        rule = "b, m or beam behind #@";
-        instead = "";
-    } else if (kind == CML_MCI_BEAM) {
-        rule = "; a beam line stands between a run's first line and its number of layers";
-    } else {
-        rule = "; a boundary line stands before the layer, or the n below, whose top it is";
-    }
-    snprintf(expected, sizeof expected, "%s%s", instead, rule);
+    if (kind == CML_MCI_UNKNOWN)
+        snprintf(expected, sizeof expected, "b, m, beam, map or facets behind #@");
+    else if (is_of_run(kind))
+        snprintf(expected, sizeof expected,
+                 "%s; a %s line stands between a run's first line and its number of layers", instead, name);
+    else
+        snprintf(expected, sizeof expected,
+                 "%s; a boundary line stands before the layer, or the n below, whose top it is", instead);
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+}
+
+static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
+                                struct cml_scene *scene)
+{
+    if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, &scene->beam);
+    return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
 }
 
 /* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the
@@ -52,8 +61,8 @@ static cml_status seek(struct cml_mci_reader *reader, enum stage stage, struct c
         if (kind == CML_MCI_DATA) return CML_OK;
         if (kind == CML_MCI_END)
             return cml_mci_fail(reader, field, NULL, "a line for it, but the file ends here");
-        if (kind == CML_MCI_BEAM && stage == STAGE_RUN)
-            CML_TRY(cml_mci_beam(reader, &scene->beam));
+        if (is_of_run(kind) && stage == STAGE_RUN)
+            CML_TRY(read_run_line(reader, kind, scene));
         else if ((kind == CML_MCI_B || kind == CML_MCI_M) && stage == STAGE_LAYERS)
             CML_TRY(cml_mci_boundary(reader, kind, b, &scene->boundaries[b]));
         else
@@ -213,6 +222,7 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     CML_TRY(read_name(reader, list, scene));
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));
+    CML_TRY(cml_mci_check_map(reader, scene));
     scene->text = cml_mci_take_kept(reader);
     return CML_OK;
 }

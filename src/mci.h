@@ -1,5 +1,5 @@
-/* Reader of .mci files: original MCML's grammar plus the lines b, m and beam, bare or behind "#@ ".
- * SPDX-License-Identifier: MIT */
+/* Reader of .mci files: original MCML's grammar plus the lines b, m, beam, map and facets, bare or behind "#@
+ * ". SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_H
 #define CML_MCI_H
 

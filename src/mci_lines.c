@@ -76,7 +76,11 @@ static enum cml_mci_kind take_keyword(char **cursor)
     static const struct {
         const char *word;
         enum cml_mci_kind kind;
-    } keywords[] = {{"b", CML_MCI_B}, {"m", CML_MCI_M}, {"beam", CML_MCI_BEAM}, {"map", CML_MCI_MAP}};
+    } keywords[] = {{"b", CML_MCI_B},
+                    {"m", CML_MCI_M},
+                    {"beam", CML_MCI_BEAM},
+                    {"map", CML_MCI_MAP},
+                    {"facets", CML_MCI_FACETS}};
     char *word = *cursor + strspn(*cursor, blanks);
     const size_t length = strcspn(word, blanks);
     for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++) {

@@ -1,4 +1,5 @@
-/* Lines and numbers of .mci files: what mci.c (grammar) and mci_extra.c (b, m, beam) both stand on.
+/* Lines and numbers of .mci files: what mci.c (grammar), mci_extra.c (b, m, beam) and mci_map.c (map, facets)
+ * stand on.
  * Hands out data lines, tells the lines that original MCML does not know, reads the fields of a line against
  * their allowed ranges, and keeps the run's lines as written. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_LINES_H
@@ -26,6 +27,7 @@ enum cml_mci_kind {
     CML_MCI_M,
     CML_MCI_BEAM,
     CML_MCI_MAP,
+    CML_MCI_FACETS,
     CML_MCI_UNKNOWN, /* "#@ " and then none of the above */
     CML_MCI_END,     /* of the file */
 };
@@ -41,7 +43,8 @@ struct cml_mci_field {
 CML_NODISCARD cml_status cml_mci_open(const char *path, struct cml_mci_reader *reader, struct cml_error *err);
 void cml_mci_close(struct cml_mci_reader *reader);
 
-/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, beam and map also count without
+/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, beam, map and facets also count
+ * without
  * "#@ " before them (an output may be named "b"). The cursor stands behind the keyword, or at the start of a
  * data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);

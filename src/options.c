@@ -270,9 +270,19 @@ static void set_defaults(struct cml_options *options)
     options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
 }
 
+/* Before getopt moves the operands behind the options. */
+static void keep_command(int argc, char **argv, struct cml_options *options)
+{
+    size_t used = 0;
+    for (int i = 0; i < argc && used < sizeof options->command; i++)
+        used += (size_t)snprintf(options->command + used, sizeof options->command - used, "%s%s",
+                                 i > 0 ? " " : "", argv[i]);
+}
+
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
     set_defaults(options);
+    keep_command(argc, argv, options);
     opterr = 0;
     for (;;) {
         const int key = getopt_long(argc, argv, ":o:h", long_options, NULL);

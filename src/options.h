@@ -21,6 +21,7 @@ struct cml_options {
     int num_operands;
     char **operands; /* borrowed from argv */
     bool help, version;
+    char command[4096]; /* the command line as it was typed, words joined by blanks; cut when longer */
 };
 
 /* Parses argv[1..]; options and operands may mix. CML_E_INPUT with one line on what is wrong. */

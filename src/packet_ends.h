@@ -120,7 +120,37 @@ struct cml_end {
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
     real exit_x, exit_y, uz;
+    int primitive; /* touched last; 0 on planes */
 };
+
+/* A weight and its square into cells that other threads score into, too. */
+static inline void cml_tally_once(uint64_t *weight, uint64_t *square, cml_u32 w)
+{
+    const uint64_t rounded = ((uint64_t)w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
+    CML_ADD_SHARED(weight, w);
+    CML_ADD_SHARED(square, rounded * rounded);
+}
+
+/* A packet that has left, into its pixel. */
+static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_end *end,
+                                   const struct cml_tally *tally)
+{
+    const int up = end->fate == CML_FATE_REFLECTED, na = setup->map.na;
+    const size_t cell = cml_map_pixel(setup, end->exit_x, end->exit_y) * (size_t)na +
+                        (size_t)(na > 1 ? cml_angle_bin(setup, end->uz) : 0);
+    cml_tally_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, (up ? tally->Rd_xya2 : tally->Tt_xya2) + cell,
+                   end->w);
+}
+
+/* The same into the facet that it touched last. */
+static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_end *end,
+                                    const struct cml_tally *tally)
+{
+    const struct cml_facet_range *range = &setup->outer_facets[end->fate == CML_FATE_REFLECTED ? 0 : 1];
+    if (range->count == 0) return;
+    uint64_t *score = tally->facets + (size_t)cml_facet_index(range, end->primitive) * CML_FACET_SCORES;
+    cml_tally_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, end->w);
+}
 
 /* P9: what is rare goes into the tally at once. */
 static inline void cml_tally_loss(const struct cml_end *end, struct cml_tally *tally)
@@ -148,6 +178,10 @@ static inline void cml_ends_push(const struct cml_setup *setup, struct cml_ends 
     ends->boundary_events[i] = end->boundary_events;
     ends->fate[i] = end->fate;
     cml_tally_loss(end, tally);
+    if (end->fate == CML_FATE_REFLECTED || end->fate == CML_FATE_TRANSMITTED) {
+        if (tally->Rd_xya) cml_tally_pixel(setup, end, tally);
+        if (tally->facets) cml_tally_escape(setup, end, tally);
+    }
     if (ends->count == CML_ENDS) cml_ends_flush(setup, ends, tally);
 }
 
@@ -158,6 +192,13 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->book[CML_BOOK_ROULETTE] += packet->roulette;
     tally->count[CML_COUNT_QUERIES] += packet->queries;
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
+}
+
+static inline struct cml_deposits cml_deposits_of(const struct cml_tally *tally)
+{
+    const struct cml_deposits to = {
+        .A_rz = tally->A_rz, .A_l = tally->A_l, .A_xyz = tally->A_xyz, .facets = tally->facets};
+    return to;
 }
 
 static inline struct cml_end cml_end_of(const struct cml_packet *packet)
@@ -173,6 +214,7 @@ static inline struct cml_end cml_end_of(const struct cml_packet *packet)
         .exit_x = packet->exit_x,
         .exit_y = packet->exit_y,
         .uz = packet->u.z,
+        .primitive = packet->on_primitive,
     };
     return end;
 }

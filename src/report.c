@@ -112,6 +112,13 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
     return list;
 }
 
+static json_t *files_json(const struct cml_report *report)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < report->num_files; i++) json_array_append_new(list, json_string(report->files[i]));
+    return list;
+}
+
 static void set_real(json_t *object, const char *key, double value)
 {
     json_object_set_new(object, key, json_real(value));
@@ -171,12 +178,13 @@ static void set_speed(json_t *object, const struct cml_report *report)
 
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
-    json_t *object = json_pack("{s:s, s:s, s:s}", "scene", report->scene->file, "output", report->output,
+    json_t *object = json_pack("{s:s, s:s, s:s}", "scene", report->scene->file, "output", report->files[0],
                                "engine", report->engine->name);
     if (!object) return cml_fail_memory(err, 1, "the JSON record (or a name that is not UTF-8)");
     set_integer(object, "photons", report->run->result.photons);
     set_integer(object, "seed", report->seed);
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
+    json_object_set_new(object, "files", files_json(report));
     set_results(object, report);
     set_speed(object, report);
     json_object_set_new(object, "version", json_string(cml_version()));

@@ -14,8 +14,29 @@ struct cml_report {
     uint64_t seed;
     uint32_t run_index; /* from 0 */
     bool reentry;
-    const char *output; /* path of the file written */
+    const char *command; /* line, for provenance */
+    int num_files;
+    char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */
 };
+
+/* Writes all results of a run: `path` (.mco), or the stem of `path` with ".h5" when the scene's format is B;
+ * with maps or facets also STEM.h5, STEM.map.vti, STEM.volume.vti, STEM.boundary<b>.vtp. Each file is the old
+ * or the complete new one at any moment. */
+CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
+
+void cml_report_clear(struct cml_report *report);
+
+/* Bytes that cml_report_write holds at its peak besides the results. */
+double cml_report_bytes(const struct cml_grid *grid);
+
+/* Whether a scene asks for a .h5 file, this program can write one, and two outputs share their stem. */
+bool cml_report_wants_fields(const struct cml_scene *scene);
+bool cml_report_has_fields(void);
+bool cml_report_same_stem(const char *a, const char *b);
+
+/* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. */
+CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,
+                                         struct cml_error *err);
 
 /* Scales the tallies as original MCML does and adds our own sections behind Tt_ra: boundaries, seed, engine,
  * standard errors, books. Nothing in it depends on time, threads or chunks but `user_time`. *mco is the

@@ -1,6 +1,7 @@
 /* From tallies to the numbers of an .mco file.
  * SPDX-License-Identifier: MIT */
 #include "report.h"
+#include "report_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,19 +15,19 @@ struct scaling {
     double per_photon; /* weight units to weight per photon */
 };
 
-static double ring_area(const struct cml_scene *scene, int ir)
+double cml_ring_area(const struct cml_scene *scene, int ir)
 {
     return 2 * pi * (ir + 0.5) * scene->dr * scene->dr;
 }
 
 /* MCML's own midpoint values, which for na = 1 are 10 % off the true solid angle; readers expect them. */
-static double solid_angle(const struct cml_scene *scene, int ia)
+double cml_solid_angle(const struct cml_scene *scene, int ia)
 {
     const double da = pi / 2 / scene->na;
     return 2 * pi * sin((ia + 0.5) * da) * da;
 }
 
-static double projected_solid_angle(const struct cml_scene *scene, int ia)
+double cml_projected_solid_angle(const struct cml_scene *scene, int ia)
 {
     const double da = pi / 2 / scene->na;
     return 2 * pi * sin(da / 2) * sin(2 * (ia + 0.5) * da);
@@ -43,12 +44,12 @@ static void fill_profiles(const struct scaling *s, const struct cml_result *resu
 {
     const struct cml_scene *scene = s->scene;
     for (int i = 0; i < scene->nr; i++) {
-        const double k = s->per_photon / ring_area(scene, i);
+        const double k = s->per_photon / cml_ring_area(scene, i);
         mco->Rd_r[i] = batch_sum(result->Rd_r, scene->nr, i) * k;
         mco->Tt_r[i] = batch_sum(result->Tt_r, scene->nr, i) * k;
     }
     for (int i = 0; i < scene->na; i++) {
-        const double k = s->per_photon / solid_angle(scene, i);
+        const double k = s->per_photon / cml_solid_angle(scene, i);
         mco->Rd_a[i] = batch_sum(result->Rd_a, scene->na, i) * k;
         mco->Tt_a[i] = batch_sum(result->Tt_a, scene->na, i) * k;
     }
@@ -61,10 +62,10 @@ static void fill_grids(const struct scaling *s, const struct cml_result *result,
 {
     const struct cml_scene *scene = s->scene;
     for (int ir = 0; ir < scene->nr; ir++) {
-        const double area = ring_area(scene, ir);
+        const double area = cml_ring_area(scene, ir);
         for (int ia = 0; ia < scene->na; ia++) {
             const size_t cell = (size_t)ir * (size_t)scene->na + (size_t)ia;
-            const double k = s->per_photon / (area * projected_solid_angle(scene, ia));
+            const double k = s->per_photon / (area * cml_projected_solid_angle(scene, ia));
             mco->Rd_ra[cell] = (double)result->Rd_ra[cell] * k;
             mco->Tt_ra[cell] = (double)result->Tt_ra[cell] * k;
         }
@@ -99,24 +100,45 @@ static cml_status fill_input(const struct cml_report *report, struct cml_mco *mc
     return CML_OK;
 }
 
-/* A section "key #text", then one standard error per line, scaled by scale(scene, i) or by `constant`. */
-static void write_errors(FILE *out, const struct cml_result *result, const char *key, const char *text,
-                         const cml_u128 *profile, int n, const struct cml_scene *scene,
-                         double (*scale)(const struct cml_scene *, int))
-{
-    if (!profile) return;
-    fprintf(out, "\n%s # %s\n", key, text);
-    for (int i = 0; i < n; i++)
-        fprintf(out, "%12.4E\n", cml_result_bin_error(result, profile, n, i) / scale(scene, i));
-}
-
 static double depth_bin(const struct cml_scene *scene, int iz)
 {
     (void)iz;
     return scene->dz;
 }
 
-static void write_books(FILE *out, const struct cml_result *result)
+void cml_report_profiles(const struct cml_report *report, struct cml_profile profiles[CML_PROFILES])
+{
+    const struct cml_scene *scene = report->scene;
+    const struct cml_result *result = &report->run->result;
+    const struct cml_profile all[CML_PROFILES] = {
+        {"A_z", "1/cm", result->A_z, scene->nz, depth_bin},
+        {"Rd_r", "1/cm2", result->Rd_r, scene->nr, cml_ring_area},
+        {"Rd_a", "sr-1", result->Rd_a, scene->na, cml_solid_angle},
+        {"Tt_r", "1/cm2", result->Tt_r, scene->nr, cml_ring_area},
+        {"Tt_a", "sr-1", result->Tt_a, scene->na, cml_solid_angle},
+    };
+    memcpy(profiles, all, sizeof all);
+}
+
+double cml_profile_error(const struct cml_report *report, const struct cml_profile *profile, int i)
+{
+    return cml_result_bin_error(&report->run->result, profile->batches, profile->n, i) /
+           profile->scale(report->scene, i);
+}
+
+/* Sections "se_KEY # [unit]", then one standard error per line. */
+static void write_errors(FILE *out, const struct cml_report *report)
+{
+    struct cml_profile profiles[CML_PROFILES];
+    cml_report_profiles(report, profiles);
+    for (const struct cml_profile *p = profiles; p < profiles + CML_PROFILES; p++) {
+        if (!p->batches) continue;
+        fprintf(out, "\nse_%s # [%s]\n", p->name, p->units);
+        for (int i = 0; i < p->n; i++) fprintf(out, "%12.4E\n", cml_profile_error(report, p, i));
+    }
+}
+
+const char *cml_book_text(enum cml_book book)
 {
     static const char *const names[CML_NUM_BOOKS] = {"launched",
                                                      "gained in roulette",
@@ -130,10 +152,16 @@ static void write_books(FILE *out, const struct cml_result *result)
                                                      "scored in the last r bin from beyond it",
                                                      "absorbed below the last z bin",
                                                      "absorbed above z = 0"};
+    return names[book];
+}
+
+static void write_books(FILE *out, const struct cml_result *result)
+{
     fprintf(out,
             "\nbooks # weight per launched packet; launched + gained = all others up to lost, exactly\n");
     for (int i = 0; i < CML_NUM_BOOKS; i++)
-        fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_book)i), names[i]);
+        fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_book)i),
+                cml_book_text((enum cml_book)i));
     fprintf(out, "\nresidue # of the books, in 2^-31 packets; 0 unless the program is wrong\n%.17g\n",
             cml_result_residue(result));
     fprintf(out,
@@ -167,11 +195,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
     fprintf(out, "\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n%.6G\n%.6G\n%.6G\n%.6G\n",
             cml_result_error(result, CML_TOTAL_SPECULAR), cml_result_error(result, CML_TOTAL_REFLECTED),
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));
-    write_errors(out, result, "se_A_z", "[1/cm]", result->A_z, scene->nz, scene, depth_bin);
-    write_errors(out, result, "se_Rd_r", "[1/cm2]", result->Rd_r, scene->nr, scene, ring_area);
-    write_errors(out, result, "se_Rd_a", "[sr-1]", result->Rd_a, scene->na, scene, solid_angle);
-    write_errors(out, result, "se_Tt_r", "[1/cm2]", result->Tt_r, scene->nr, scene, ring_area);
-    write_errors(out, result, "se_Tt_a", "[sr-1]", result->Tt_a, scene->na, scene, solid_angle);
+    write_errors(out, report);
     write_books(out, result);
     write_heightfields(out, scene);
 }

@@ -280,7 +280,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
 
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
-    const struct cml_grid grid = cml_run_grid(setup->scene, setup->options.absorption);
+    const struct cml_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
     struct flight flight = {.setup = setup, .out = out};
     *out = (struct cml_run_result){0};
     cml_status status = open_flight(&flight, &grid, err);
@@ -354,15 +354,6 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
 
 double cml_run_bytes(const struct cml_grid *grid, int threads)
 {
-    return cml_result_bytes(grid) + (threads + 1) * cml_tally_bytes(grid);
-}
-
-struct cml_grid cml_run_grid(const struct cml_scene *scene, bool absorption)
-{
-    const struct cml_grid grid = {.nr = scene->nr,
-                                  .nz = scene->nz,
-                                  .na = scene->na,
-                                  .num_layers = scene->num_layers,
-                                  .absorption = absorption};
-    return grid;
+    const struct cml_grid of_thread = cml_grid_without_maps(grid);
+    return cml_result_bytes(grid) + cml_tally_bytes(grid) + threads * cml_tally_bytes(&of_thread);
 }

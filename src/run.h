@@ -78,6 +78,4 @@ CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const st
 /* Bytes that cml_run will hold at its peak for this grid and number of threads. */
 double cml_run_bytes(const struct cml_grid *grid, int threads);
 
-struct cml_grid cml_run_grid(const struct cml_scene *scene, bool absorption);
-
 #endif

@@ -48,6 +48,16 @@ struct cml_beam {
     bool given;            /* a `beam` line stands in the file */
 };
 
+/* What is recorded over x and y, centred on 0, 0. */
+struct cml_map_def {
+    int nx, ny;    /* pixels; 0: no map line */
+    double dx, dy; /* cm */
+    bool angles;   /* every pixel has the run's na angle bins */
+    bool volume;   /* A(x, y, z) too, nz bins of dz below `top` */
+    double top;    /* depth of the volume's upper face, cm */
+    int line;      /* of the .mci */
+};
+
 struct cml_scene {
     char *file;                      /* the .mci, for messages and names beside it */
     int line;                        /* where the run begins */
@@ -60,7 +70,9 @@ struct cml_scene {
     struct cml_medium_def *media;    /* [L+2] */
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_beam beam;
-    char *text; /* the data lines of the run as written, joined with line feeds: provenance */
+    struct cml_map_def map;
+    bool facets; /* irradiance and exitance of every facet of every boundary are wanted */
+    char *text;  /* the data lines of the run as written, joined with line feeds: provenance */
 };
 
 struct cml_scene_list {

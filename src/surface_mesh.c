@@ -263,6 +263,14 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     free(surface);
 }
 
+const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3])
+{
+    middle[0] = -surface->body.axis[0];
+    middle[1] = -surface->body.axis[1];
+    middle[2] = surface->body.centre[2];
+    return &surface->body.mesh;
+}
+
 uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface)
 {
     return surface->body.mesh.num_triangles;

@@ -29,6 +29,9 @@ uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface);
 /* Bytes that Embree and the mesh itself hold. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
 
+/* The mesh, borrowed. Its vertices are relative to *middle in the boundary's frame (x and y of the scene). */
+const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3]);
+
 /* The query itself, cml_mesh_surface_hit, is declared in kernels/surface_hit.h, where the walk reads it. */
 
 #endif

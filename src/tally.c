@@ -22,9 +22,52 @@ static size_t cells_batched(const struct cml_grid *grid)
     return CML_NUM_BATCHES * bins;
 }
 
+static size_t cells_map(const struct cml_grid *grid)
+{
+    return grid->nx > 0 ? ((size_t)grid->nx * (size_t)grid->ny + 1) * (size_t)grid->map_na : 0;
+}
+
+static size_t cells_volume(const struct cml_grid *grid)
+{
+    return grid->volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz + 1 : 0;
+}
+
+static size_t cells_facets(const struct cml_grid *grid)
+{
+    return grid->facets * CML_FACET_SCORES;
+}
+
+static size_t cells_maps(const struct cml_grid *grid)
+{
+    return 4 * cells_map(grid) + cells_volume(grid) + cells_facets(grid);
+}
+
 static size_t cells_all(const struct cml_grid *grid)
 {
-    return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2;
+    return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2 + cells_maps(grid);
+}
+
+/* The arrays of maps of a tally or a result, which begin at `block`; those that are not tallied stay NULL. */
+#define SET_MAPS(to, grid, block)                                                                            \
+    do {                                                                                                     \
+        const size_t pixels_ = cells_map(grid);                                                              \
+        if (pixels_) {                                                                                       \
+            (to)->Rd_xya = (block);                                                                          \
+            (to)->Tt_xya = (block) + pixels_;                                                                \
+            (to)->Rd_xya2 = (block) + 2 * pixels_;                                                           \
+            (to)->Tt_xya2 = (block) + 3 * pixels_;                                                           \
+        }                                                                                                    \
+        if ((grid)->volume) (to)->A_xyz = (block) + 4 * pixels_;                                             \
+        if ((grid)->facets) (to)->facets = (block) + 4 * pixels_ + cells_volume(grid);                       \
+    } while (0)
+
+struct cml_grid cml_grid_without_maps(const struct cml_grid *grid)
+{
+    struct cml_grid small = *grid;
+    small.nx = small.ny = small.map_na = 0;
+    small.volume = false;
+    small.facets = 0;
+    return small;
 }
 
 /* A tally's, with those beyond the grid. */
@@ -36,7 +79,18 @@ static size_t tally_cells_ra(const struct cml_grid *grid)
 size_t cml_tally_cells(const struct cml_grid *grid)
 {
     const size_t A = grid->absorption ? ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
-    return A + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2;
+    return A + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2 + cells_maps(grid);
+}
+
+/* The maps come last. */
+static uint64_t *tally_maps(const struct cml_tally *tally)
+{
+    return tally->A_l + cml_tally_cells(&tally->grid) - cells_maps(&tally->grid);
+}
+
+static cml_u128 *result_maps(const struct cml_result *result)
+{
+    return result->A_l + cells_all(&result->grid) - cells_maps(&result->grid);
 }
 
 double cml_tally_bytes(const struct cml_grid *grid)
@@ -59,7 +113,18 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     tally->Rd_ra = tally->A_l + grid->num_layers + 2;
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
     if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
+    SET_MAPS(tally, grid, tally_maps(tally));
     return CML_OK;
+}
+
+void cml_tally_borrow_maps(struct cml_tally *tally, const struct cml_tally *owner)
+{
+    tally->Rd_xya = owner->Rd_xya;
+    tally->Tt_xya = owner->Tt_xya;
+    tally->Rd_xya2 = owner->Rd_xya2;
+    tally->Tt_xya2 = owner->Tt_xya2;
+    tally->A_xyz = owner->A_xyz;
+    tally->facets = owner->facets;
 }
 
 void cml_tally_zero(struct cml_tally *tally)
@@ -94,7 +159,7 @@ static void merge_lost(struct cml_lost_list *to, const struct cml_lost_list *fro
 
 void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from)
 {
-    const size_t cells = cml_tally_cells(&to->grid);
+    const size_t cells = cml_tally_cells(&from->grid);
     for (size_t i = 0; i < cells; i++) to->A_l[i] += from->A_l[i];
     for (int i = 0; i < CML_NUM_BOOKS; i++) to->book[i] += from->book[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
@@ -112,6 +177,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     result->Rd_ra = result->A_l + grid->num_layers + 2;
     result->Tt_ra = result->Rd_ra + cells_ra(grid);
     if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
+    SET_MAPS(result, grid, result_maps(result));
     result->Rd_r = block + cells_all(grid);
     result->Tt_r = result->Rd_r + CML_NUM_BATCHES * (size_t)grid->nr;
     result->Rd_a = result->Tt_r + CML_NUM_BATCHES * (size_t)grid->nr;
@@ -164,6 +230,15 @@ static void add_absorption(struct cml_result *result, const uint64_t *A_rz, cml_
     }
 }
 
+/* Of a large map few cells are hit in one range. */
+static void add_maps(struct cml_result *result, const struct cml_tally *tally)
+{
+    cml_u128 *to = result_maps(result);
+    const uint64_t *from = tally_maps(tally);
+    for (size_t i = 0; i < cells_maps(&result->grid); i++)
+        if (from[i]) to[i] += from[i];
+}
+
 void cml_result_add(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const struct cml_grid *grid = &result->grid;
@@ -174,6 +249,7 @@ void cml_result_add(struct cml_result *result, int batch, const struct cml_tally
     add_exits(result, result->Rd_ra, tally->Rd_ra, reflected);
     add_exits(result, result->Tt_ra, tally->Tt_ra, transmitted);
     if (grid->absorption) add_absorption(result, tally->A_rz, result->A_z + b * (size_t)grid->nz);
+    add_maps(result, tally);
     for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] += tally->book[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] += tally->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] += tally->square[i];
@@ -233,6 +309,18 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
+/* Both sides of all facets: what arrives minus what leaves. */
+static double facet_residue(const struct cml_result *result)
+{
+    cml_u128 in = 0, out = 0;
+    for (size_t i = 0; i < result->grid.facets; i++) {
+        const cml_u128 *score = result->facets + i * CML_FACET_SCORES;
+        in += score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW];
+        out += score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW];
+    }
+    return difference(in, out);
+}
+
 double cml_result_residue(const struct cml_result *result)
 {
     const struct cml_grid *grid = &result->grid;
@@ -247,6 +335,10 @@ double cml_result_residue(const struct cml_result *result)
         grid->absorption ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
         difference(sum_of(result->Rd_ra, cells_ra(grid)), book[CML_BOOK_REFLECTED]),
         difference(sum_of(result->Tt_ra, cells_ra(grid)), book[CML_BOOK_TRANSMITTED]),
+        grid->nx ? difference(sum_of(result->Rd_xya, cells_map(grid)), book[CML_BOOK_REFLECTED]) : 0,
+        grid->nx ? difference(sum_of(result->Tt_xya, cells_map(grid)), book[CML_BOOK_TRANSMITTED]) : 0,
+        grid->volume ? difference(sum_of(result->A_xyz, cells_volume(grid)), absorbed) : 0,
+        facet_residue(result),
     };
     for (size_t i = 0; i < sizeof residues / sizeof *residues; i++)
         if (residues[i] != 0) return residues[i];
@@ -258,16 +350,29 @@ double cml_result_share(const struct cml_result *result, enum cml_book book)
     return (double)result->book[book] / (double)result->book[CML_BOOK_LAUNCHED];
 }
 
-/* Variance of a mean over packets: (sum x^2 - (sum x)^2 / n) / (n - 1) / n, in units of a packet's weight. */
+/* Standard error of a mean over n packets: sqrt((sum x^2 - (sum x)^2 / n) / (n - 1) / n), in the unit of x.
+ */
+static double error_of_mean(long double n, long double sum, long double squares)
+{
+    if (n < 2) return 0;
+    const long double variance = (squares - sum * sum / n) / (n - 1) / n;
+    return variance > 0 ? (double)sqrtl(variance) : 0;
+}
+
 double cml_result_error(const struct cml_result *result, enum cml_total total)
 {
     static const enum cml_book book_of[CML_NUM_TOTALS] = {CML_BOOK_SPECULAR, CML_BOOK_REFLECTED,
                                                           CML_BOOK_TRANSMITTED, CML_BOOK_ABSORBED};
     const long double n = (long double)result->count[CML_COUNT_PHOTONS];
     const long double sum = (long double)result->book[book_of[total]];
-    if (n < 2) return 0;
-    const long double variance = ((long double)result->square[total] - sum * sum / n) / (n - 1) / n;
-    return variance > 0 ? (double)(sqrtl(variance) * CML_WEIGHT_UNIT) : 0;
+    return error_of_mean(n, sum, (long double)result->square[total]) * CML_WEIGHT_UNIT;
+}
+
+double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
+{
+    const long double n = (long double)result->count[CML_COUNT_PHOTONS];
+    const long double per_square_unit = CML_WEIGHT_UNIT / CML_SQUARE_UNIT;
+    return error_of_mean(n, (long double)sum * per_square_unit, (long double)squares) * CML_SQUARE_UNIT;
 }
 
 /* Batches differ by at most one packet; each mean counts by its number of packets. */

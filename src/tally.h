@@ -8,6 +8,7 @@
 #ifndef CML_TALLY_H
 #define CML_TALLY_H
 
+#include "facet.h"
 #include "status.h"
 
 #include <stdbool.h>
@@ -67,7 +68,18 @@ struct cml_grid {
     int nr, nz, na;
     int num_layers;
     bool absorption; /* A_rz is tallied; false: its cells do not exist */
+    /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
+     * more for whatever lies outside, so that their sums are the totals. */
+    int nx, ny;    /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
+    int map_na;    /* angle bins of a pixel: na or 1 */
+    bool volume;   /* A_xyz, nz deep */
+    size_t facets; /* of all boundaries */
 };
+
+/* A packet escapes once, so the sum of its squared weights gives a pixel's standard error. Weights are
+ * rounded to 2^-16 of a packet before they are squared: 2^30 packets then fit into 64 bits. */
+#define CML_SQUARE_SHIFT 15
+#define CML_SQUARE_UNIT 1.52587890625e-5
 
 /* The packets lost with the smallest indices, in order: each can be flown again alone (`clustermcml trace`).
  */
@@ -81,9 +93,13 @@ struct cml_lost_list {
  * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
 struct cml_tally {
     struct cml_grid grid;
-    uint64_t *A_rz;          /* [nr + 1][nz + 2] or NULL */
-    uint64_t *Rd_ra, *Tt_ra; /* [nr + 1][na] */
-    uint64_t *A_l;           /* [num_layers + 2] by medium */
+    uint64_t *A_rz;              /* [nr + 1][nz + 2] or NULL */
+    uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
+    uint64_t *A_l;               /* [num_layers + 2] by medium */
+    uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
+    uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
+    uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
+    uint64_t *facets;            /* [facets][CML_FACET_SCORES] or NULL */
     uint64_t book[CML_NUM_BOOKS];
     uint64_t count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
@@ -99,13 +115,15 @@ struct cml_result {
     cml_u128 *Rd_r, *Tt_r;   /* [64][nr] */
     cml_u128 *Rd_a, *Tt_a;   /* [64][na] */
     cml_u128 *A_z;           /* [64][nz] or NULL */
+    cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets;
     cml_u128 book[CML_NUM_BOOKS];
     cml_u128 count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS];
     struct cml_lost_list lost;
 };
 
-/* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra and A_rz in this order, which lie in one block from A_l on. */
+/* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra, A_rz and the maps in this order, which lie in one block from
+ * A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
 /* Bytes that a tally, or a result, of this grid takes. */
@@ -114,13 +132,21 @@ double cml_result_bytes(const struct cml_grid *grid);
 
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
+/* The same grid without maps, volume and facets: those are too large for a copy per thread, so threads lend
+ * them to each other. Its cells come first in the full tally, too. */
+struct cml_grid cml_grid_without_maps(const struct cml_grid *grid);
+
+/* A tally without maps scores into those of `owner` from now on. Several may do so at a time: all their
+ * additions to maps, volume and facets must be atomic. */
+void cml_tally_borrow_maps(struct cml_tally *tally, const struct cml_tally *owner);
+
 void cml_tally_zero(struct cml_tally *tally);
 void cml_tally_free(struct cml_tally *tally);
 
 /* Keeps the list sorted and, when it is full, the smallest. */
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index);
 
-/* to += from; same grid. */
+/* to += from; same grid, or `from` has none of the maps and they stay as they are. */
 void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from);
 
 CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons,
@@ -150,8 +176,8 @@ int cml_batch_of(uint64_t photons, uint64_t index);
 uint64_t cml_batch_first(uint64_t photons, int batch);
 
 /* launched + gained minus everything that came of it; 0 unless the program is wrong. Also compares the
- * absorbed weight with the sums of A_l and A_rz, and R and T with those of Rd_ra and Tt_ra: the first
- * difference found is returned. */
+ * absorbed weight with the sums of A_l, A_rz and A_xyz, R and T with those of Rd_ra, Tt_ra, Rd_xya and
+ * Tt_xya, and what arrives at the facets with what leaves them: the first difference found is returned. */
 double cml_result_residue(const struct cml_result *result);
 
 /* A book as a share of the launched weight; a total's standard error as such a share (from squares per
@@ -161,6 +187,10 @@ double cml_result_error(const struct cml_result *result, enum cml_total total);
 
 /* Standard error, in launched packets' weight per photon, of bin i of a batched profile profile[64][n]. */
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
+
+/* Standard error, in launched packets' weight per photon, of a sum of weights that every packet adds to at
+ * most once, from the sum of its squares (Rd_xya2 and the like). */
+double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares);
 
 uint64_t cml_result_lost(const struct cml_result *result); /* packets, all causes */
 

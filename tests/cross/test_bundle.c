@@ -44,10 +44,10 @@ static void compare(const struct cml_scene *scene, enum cml_representation kind,
                                                 .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
     const struct cml_engine_options options = {
         .seed = 5, .threads = 2, .chunk = 37, .reentry = reentry, .absorption = true};
-    const struct cml_grid grid = {scene->nr, scene->nz, scene->na, scene->num_layers, true};
     struct cml_tally scalar;
     struct scalar_world world;
     require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
+    const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(scalar_world_create(scene, &surfaces, &options, &world, &err), &err);
     run_packets(&world.world, 1000, photons, &scalar);
@@ -94,6 +94,30 @@ static void compare_text(const char *text, uint64_t photons)
     cml_scene_list_clear(&list);
 }
 
+/* Maps with and without angles, smaller than the scene, and a volume that begins above it; planes, cones and
+ * meshes with facets. */
+static void maps_and_facets_have_the_same_tally(void **state)
+{
+    (void)state;
+    static const char *const samples[] = {"wedge.mci", "mixed.mci", "ridges.mci", "shapes/hihill.mci",
+                                          "mcml_sample.mci"};
+    for (size_t i = 0; i < sizeof samples / sizeof *samples; i++) {
+        struct cml_error err;
+        struct cml_scene_list list;
+        char full[4096];
+        snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, samples[i]);
+        require_ok(cml_mci_read(full, &list, &err), &err);
+        struct cml_scene *scene = &list.scenes[0];
+        scene->map = (struct cml_map_def){
+            .nx = 17, .ny = 10, .dx = 0.03, .dy = 0.05, .angles = i % 2 == 0, .volume = true, .top = -0.05};
+        scene->facets = true;
+        compare(scene, CML_AS_AUTO, 4000, true);
+        compare(scene, CML_AS_AUTO, 1000, false);
+        compare(scene, CML_AS_MESH, 1000, true);
+        cml_scene_list_clear(&list);
+    }
+}
+
 /* Glass, pure absorbers, guided light, oblique and wide beams, g = +-1, semi-infinite, 1 photon. */
 static void odd_scenes_have_the_same_tally(void **state)
 {
@@ -110,6 +134,7 @@ static void odd_scenes_have_the_same_tally(void **state)
                       "2\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.5 0 0 0 0.5\nb 2 0.2 0.3 0 0\n1.3 0 5 0 0.2\n1\n",
                  2000);
     compare_text(HEAD GRID "1\n1\n1.4 1 9 0.5 0.2\n1\n", 1);
+    compare_text(HEAD "map 5 5 0.1 0.1\nfacets\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1\n", 2000);
 }
 
 /* The same bits at every level of the processor that this machine can run. */
@@ -117,6 +142,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_sample_has_the_same_tally),
+        cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
     };
     struct cml_cpu_level levels[CML_CPU_LEVELS];

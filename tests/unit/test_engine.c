@@ -69,7 +69,7 @@ static void add_range(const struct bench *bench, const struct cml_engine *engine
 
 static struct cml_tally empty_tally(const struct bench *bench)
 {
-    const struct cml_grid grid = cml_run_grid(bench->scene, true);
+    const struct cml_grid grid = cml_engine_grid(bench->scene, &bench->surfaces, &bench->options);
     struct cml_tally tally;
     struct cml_error err;
     assert_int_equal(cml_tally_create(&grid, &tally, &err), CML_OK);

@@ -210,6 +210,29 @@ static void many_runs_of_many_layers(void **state)
     cml_scene_list_clear(&list);
 }
 
+static void maps_are_read_anywhere_before_the_layers(void **state)
+{
+    struct cml_scene_list list;
+    struct cml_error err;
+    const char *text =
+        "1.0\n3\n"
+        "a A\n#@ map 20 10 0.1 2e-3 # pixels\n1\n1 1\n2 2 2\n1\n1\n1 1 1 0 1\n1\n"
+        "b A\n1\n#@ facets\n1 1\nmap 1e3 1 1 1 volume top=-0.5 angles\n2 2 2\n1\n1\n1 1 1 0 1\n1\n"
+        "map A\n1\n1 1\n1 1 1\n1\n1\n1 1 1 0 1\n1\n";
+    assert_int_equal(case_read(state, text, &list, &err), CML_OK);
+    const struct cml_map_def *a = &list.scenes[0].map, *b = &list.scenes[1].map;
+    assert_int_equal(a->nx, 20);
+    assert_int_equal(a->ny, 10);
+    assert_true(a->dx == 0.1 && a->dy == 2e-3 && a->top == 0);
+    assert_false(a->angles || a->volume || list.scenes[0].facets);
+    assert_int_equal(b->nx, 1000);
+    assert_true(b->top == -0.5);
+    assert_true(b->angles && b->volume && list.scenes[1].facets);
+    assert_int_equal(list.scenes[2].map.nx, 0);
+    assert_string_equal(list.scenes[2].output, "map");
+    cml_scene_list_clear(&list);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -219,6 +242,7 @@ int main(void)
         cmocka_unit_test(heights_come_from_a_file_beside),
         cmocka_unit_test(mesh_options_are_applied),
         cmocka_unit_test(beams_are_read_anywhere_before_the_layers),
+        cmocka_unit_test(maps_are_read_anywhere_before_the_layers),
         cmocka_unit_test(careless_text_is_read),
         cmocka_unit_test(lines_are_kept_as_written),
         cmocka_unit_test(several_runs_are_read_and_the_rest_ignored),

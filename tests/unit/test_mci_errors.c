@@ -287,6 +287,33 @@ static void beams_that_are_none(void **state)
     CHECK_ALL(state, table);
 }
 
+static void maps_that_are_none(void **state)
+{
+    static const struct refusal table[] = {
+        {NAME "map\n", "x.mci:4: map: nx is missing (expected a whole number of 1..1e9)"},
+        {NAME "map 0 1 1 1\n", "x.mci:4: map: nx = 0 (expected a whole number of 1..1e9)"},
+        {NAME "map 2 1.5 1 1\n", "x.mci:4: map: ny = 1.5 (expected a whole number of 1..1e9)"},
+        {NAME "map 2 2 0 1\n", "x.mci:4: map: dx = 0 (expected a length of 1e-30..1e30 cm)"},
+        {NAME "map 2 2 1 # 1\n", "x.mci:4: map: dy is missing (expected a length of 1e-30..1e30 cm)"},
+        {NAME "map 2 2 1 -1\n", "x.mci:4: map: dy = -1 (expected a length of 1e-30..1e30 cm)"},
+        {NAME "map 2 2 1 1 cube\n", "x.mci:4: map: option = cube (expected angles, volume or top=)"},
+        {NAME "map 2 2 1 1 top=1\n", "x.mci:4: map: option = top=1 (expected volume before it)"},
+        {NAME "map 2 2 1 1 volume top=\n",
+         "x.mci:4: map: top is missing (expected a depth of -1e30..1e30 cm)"},
+        {NAME "map 2 2 1 1\n100\n#@ map 2 2 1 1\n",
+         "x.mci:6: line = #@ map 2 2 1 1 (expected one map line per run)"},
+        {NAME "facets 1\n", "x.mci:4: text after facets = 1 (expected the end of the line or a # comment)"},
+        {NAME "facets\nfacets\n", "x.mci:5: line = facets (expected one facets line per run)"},
+        {NAME "map 30000 30000 1 1\n1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",
+         "x.mci:4: map: nx ny = 30000 30000 (expected at most 2^31 cells in maps and volume together; these "
+         "are 3.6e+09, 80.5 GiB)"},
+        {NAME "map 20000 20000 1 1 angles volume\n1\n1 1\n10 1 10\n1\n1\n" LAYER "1\n",
+         "x.mci:4: map: nx ny = 20000 20000 (expected at most 2^31 cells in maps and volume together; these "
+         "are 2e+10, 447 GiB)"},
+    };
+    CHECK_ALL(state, table);
+}
+
 static void lines_in_the_wrong_place(void **state)
 {
     static const struct refusal table[] = {
@@ -310,12 +337,14 @@ static void lines_in_the_wrong_place(void **state)
          "x.mci:11: line = m \"a.obj\" (expected one line for boundary 1, which already has line 10)"},
         {GOOD "b 1 0 0\n", "x.mci:11: line = b 1 0 0 (expected the end of the run; a boundary line stands "
                            "before the layer, or the n below, whose top it is)"},
-        {NAME "map 10 10 0.1 0.1\n",
-         "x.mci:4: line = map 10 10 0.1 0.1 (expected no map line: maps are not supported yet)"},
-        {ONE "#@ map 10 10 0.1 0.1 volume\n",
-         "x.mci:9: line = #@ map 10 10 0.1 0.1 volume (expected no map line: maps are not supported yet)"},
-        {NAME "#@ baem disk 1\n", "x.mci:4: line = #@ baem disk 1 (expected b, m or beam behind #@)"},
-        {NAME "#@baem disk 1\n", "x.mci:4: line = #@baem disk 1 (expected b, m or beam behind #@)"},
+        {HEAD "#@ map 10 10 1 1\n", "x.mci:3: line = #@ map 10 10 1 1 (expected output name; a map line "
+                                    "stands between a run's first line and its number of layers)"},
+        {ONE "facets\n", "x.mci:9: line = facets (expected layer 1; a facets line stands between a run's "
+                         "first line and its number of layers)"},
+        {NAME "#@ baem disk 1\n",
+         "x.mci:4: line = #@ baem disk 1 (expected b, m, beam, map or facets behind #@)"},
+        {NAME "#@baem disk 1\n",
+         "x.mci:4: line = #@baem disk 1 (expected b, m, beam, map or facets behind #@)"},
     };
     CHECK_ALL(state, table);
 }
@@ -340,8 +369,8 @@ int main(void)
         cmocka_unit_test(words_where_numbers_belong),  cmocka_unit_test(numbers_out_of_range),
         cmocka_unit_test(names_that_cannot_be_files),  cmocka_unit_test(heightfields_that_are_none),
         cmocka_unit_test(height_files_that_are_wrong), cmocka_unit_test(meshes_that_cannot_be_read),
-        cmocka_unit_test(beams_that_are_none),         cmocka_unit_test(lines_in_the_wrong_place),
-        cmocka_unit_test(missing_input_file),
+        cmocka_unit_test(beams_that_are_none),         cmocka_unit_test(maps_that_are_none),
+        cmocka_unit_test(lines_in_the_wrong_place),    cmocka_unit_test(missing_input_file),
     };
     return cmocka_run_group_tests_name("mci_errors", tests, case_setup, case_teardown);
 }

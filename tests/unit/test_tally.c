@@ -6,6 +6,18 @@
 
 static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
 
+/* The same with two pixels and the one outside, eight voxels and the one outside, two facets. */
+static const struct cml_grid map_grid = {.nr = 3,
+                                         .nz = 4,
+                                         .na = 2,
+                                         .num_layers = 2,
+                                         .absorption = true,
+                                         .nx = 2,
+                                         .ny = 1,
+                                         .map_na = 2,
+                                         .volume = true,
+                                         .facets = 2};
+
 static struct cml_tally make_tally(const struct cml_grid *of)
 {
     struct cml_tally tally;
@@ -92,6 +104,102 @@ static void merging_adds_every_cell_and_zero_clears_it(void **state)
     cml_tally_free(&a);
     cml_tally_free(&b);
     cml_tally_free(&fresh);
+}
+
+/* The maps of a tally: arrays with their numbers of cells. */
+#define MAPS 6
+static int map_cells(const struct cml_tally *t, uint64_t **cells)
+{
+    uint64_t *const arrays[MAPS] = {t->Rd_xya, t->Tt_xya, t->Rd_xya2, t->Tt_xya2, t->A_xyz, t->facets};
+    const int counts[MAPS] = {6, 6, 6, 6, 9, 2 * CML_FACET_SCORES};
+    int n = 0;
+    for (int a = 0; a < MAPS; a++)
+        for (int i = 0; i < counts[a]; i++) cells[n++] = &arrays[a][i];
+    return n;
+}
+
+static void maps_have_cells_of_their_own(void **state)
+{
+    (void)state;
+    struct cml_tally a = make_tally(&map_grid);
+    struct cml_result result = make_result(&map_grid, 64);
+    uint64_t *cells[64];
+    const int n = map_cells(&a, cells);
+    assert_int_equal(cml_tally_cells(&map_grid), cml_tally_cells(&grid) + (size_t)n);
+    for (int i = 0; i < n; i++) *cells[i] = (uint64_t)i + 1;
+    for (int i = 0; i < n; i++) assert_int_equal(*cells[i], i + 1);
+    for (int i = 0; i < 24; i++) assert_int_equal(a.A_rz[i], 0); /* nor do they overlap with what is before */
+    cml_result_add(&result, 0, &a);
+    cml_result_add(&result, 1, &a);
+    for (int i = 0; i < 6; i++) {
+        assert_true(result.Rd_xya[i] == 2 * a.Rd_xya[i] && result.Tt_xya[i] == 2 * a.Tt_xya[i]);
+        assert_true(result.Rd_xya2[i] == 2 * a.Rd_xya2[i] && result.Tt_xya2[i] == 2 * a.Tt_xya2[i]);
+    }
+    for (int i = 0; i < 9; i++) assert_true(result.A_xyz[i] == 2 * a.A_xyz[i]);
+    for (int i = 0; i < 2 * CML_FACET_SCORES; i++) assert_true(result.facets[i] == 2 * a.facets[i]);
+    for (int i = 0; i < 12; i++) assert_true(result.A_rz[i] == 0);
+    for (int i = 0; i < CML_NUM_BATCHES * 3; i++)
+        assert_true(result.Rd_r[i] == 0); /* nor what comes behind */
+    cml_result_free(&result);
+    cml_tally_zero(&a);
+    for (int i = 0; i < n; i++) assert_int_equal(*cells[i], 0);
+    cml_tally_free(&a);
+}
+
+/* Threads have no maps of their own: merging them leaves the owner's as they are. */
+static void borrowed_maps_are_not_merged(void **state)
+{
+    (void)state;
+    const struct cml_grid small = cml_grid_without_maps(&map_grid);
+    struct cml_tally owner = make_tally(&map_grid), thread = make_tally(&small);
+    assert_true(cml_tally_bytes(&small) == cml_tally_bytes(&grid));
+    assert_null(thread.Rd_xya);
+    assert_null(thread.facets);
+    cml_tally_borrow_maps(&thread, &owner);
+    thread.Rd_xya[5] += 7;
+    thread.A_xyz[8] += 8;
+    thread.facets[1] += 9;
+    thread.A_rz[11] += 10;
+    thread.A_l[0] += 11;
+    cml_tally_merge(&owner, &thread);
+    cml_tally_zero(&thread);
+    assert_int_equal(owner.Rd_xya[5], 7);
+    assert_int_equal(owner.A_xyz[8], 8);
+    assert_int_equal(owner.facets[1], 9);
+    assert_int_equal(owner.A_rz[11], 10);
+    assert_int_equal(owner.A_l[0], 11);
+    cml_tally_free(&thread);
+    cml_tally_free(&owner);
+}
+
+static void a_broken_map_leaves_a_residue(void **state)
+{
+    (void)state;
+    struct cml_error err;
+    struct cml_result result;
+    assert_int_equal(cml_result_create(&map_grid, 100, &result, &err), CML_OK);
+    assert_true(cml_result_residue(&result) == 0);
+    cml_u128 *const cells[] = {&result.Rd_xya[5], &result.Tt_xya[0], &result.A_xyz[8],
+                               &result.facets[CML_FACET_IRRADIANCE_BELOW],
+                               &result.facets[CML_FACET_SCORES + CML_FACET_EXITANCE_ABOVE]};
+    for (int i = 0; i < COUNT(cells); i++) {
+        ++*cells[i];
+        assert_true(cml_result_residue(&result) != 0);
+        --*cells[i];
+        assert_true(cml_result_residue(&result) == 0);
+    }
+    cml_result_free(&result);
+}
+
+/* Of 1000 packets, 250 end in a pixel with half their weight: mean 1/8, mean square 1/16. */
+static void the_error_of_what_a_packet_adds_once(void **state)
+{
+    (void)state;
+    struct cml_result result = {.count[CML_COUNT_PHOTONS] = 1000};
+    const cml_u128 sum = (cml_u128)250 << 30, square = (cml_u128)1 << 2 * (30 - CML_SQUARE_SHIFT);
+    const double expected = sqrt((1.0 / 16 - 1.0 / 64) / 999);
+    assert_true(fabs(cml_result_once_error(&result, sum, 250 * square) / expected - 1) < 1e-12);
+    assert_true(cml_result_once_error(&result, 0, 0) == 0);
 }
 
 static void the_list_of_lost_packets_keeps_the_smallest_in_order(void **state)
@@ -355,6 +463,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_new_tally_is_zero_and_has_all_its_cells),
         cmocka_unit_test(merging_adds_every_cell_and_zero_clears_it),
+        cmocka_unit_test(maps_have_cells_of_their_own),
+        cmocka_unit_test(borrowed_maps_are_not_merged),
+        cmocka_unit_test(a_broken_map_leaves_a_residue),
+        cmocka_unit_test(the_error_of_what_a_packet_adds_once),
         cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
         cmocka_unit_test(every_photon_belongs_to_one_batch),
         cmocka_unit_test(a_result_has_the_margins_of_its_batches),

@@ -1,0 +1,222 @@
+/* Maps and facets against the totals, exactly, and against radial bins and paper, on every engine and kind of
+ * boundary. SPDX-License-Identifier: MIT */
+#include "flight.h"
+
+#include "surface_facets.h"
+
+#include <math.h>
+
+#define COUNT(array) (int)(sizeof(array) / sizeof *(array))
+
+/* A scene flown into one tally. */
+struct shot {
+    struct flight flight;
+    struct cml_tally tally;
+};
+
+static void shoot(const char *text, const char *engine, enum cml_representation kind, uint64_t photons,
+                  struct shot *shot)
+{
+    struct cml_error err;
+    const struct flight_options with = {.engine = engine, .kind = kind, .normals = CML_NORMALS_ANALYTIC};
+    const struct cml_engine_options options = {.absorption = false};
+    flight_open(text, &with, &shot->flight);
+    const struct cml_grid grid =
+        cml_engine_grid(&shot->flight.list.scenes[0], &shot->flight.surfaces, &options);
+    require_ok(cml_tally_create(&grid, &shot->tally, &err), &err);
+    require_ok(shot->flight.engine->run(shot->flight.self, 0, photons, &shot->tally, &err), &err);
+}
+
+static void clear(struct shot *shot)
+{
+    cml_tally_free(&shot->tally);
+    flight_close(&shot->flight);
+}
+
+/* Rough on both sides, so that packets enter and leave again; part of the light leaves outside the map. */
+static const char *const rough = "1.0\n1\nrough A\n1000\nbeam disk 0.4 at=0.1,0\nfacets\n"
+                                 "0.02 0.02\n10 15 3\n#@ map 12 8 0.05 0.05 angles\n2\n1\n"
+                                 "b 4 0.05 0.1 -0.03 0.15 0.04 0.2 0 0\n1.4 0.5 20 0.8 0.2\n"
+                                 "1.3 0.2 5 0 0.3\nb 3 -0.1 0.2 0.1 0.2 0 0\n1.1\n";
+
+static size_t num_facets(const struct shot *shot, int b)
+{
+    return cml_surface_facets(&shot->flight.surfaces.item[b], &shot->flight.list.scenes[0].map);
+}
+
+static uint64_t sum_of_bins(const uint64_t *cells, size_t rows, size_t na, size_t a)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < rows; i++) sum += cells[i * na + a];
+    return sum;
+}
+
+static uint64_t sum_of_score(const struct shot *shot, int b, enum cml_facet_score score)
+{
+    size_t first = 0;
+    for (int i = 0; i < b; i++) first += num_facets(shot, i);
+    return sum_of_bins(shot->tally.facets + first * CML_FACET_SCORES, num_facets(shot, b), CML_FACET_SCORES,
+                       score);
+}
+
+static void expect_totals(const struct shot *shot)
+{
+    const struct cml_tally *t = &shot->tally;
+    const size_t pixels = (size_t)t->grid.nx * (size_t)t->grid.ny + 1, na = (size_t)t->grid.na;
+    const size_t rows = (size_t)t->grid.nr + 1; /* one for what lies beyond */
+    for (size_t a = 0; a < na; a++) {
+        assert_int_equal(sum_of_bins(t->Rd_xya, pixels, na, a), sum_of_bins(t->Rd_ra, rows, na, a));
+        assert_int_equal(sum_of_bins(t->Tt_xya, pixels, na, a), sum_of_bins(t->Tt_ra, rows, na, a));
+        assert_true(t->Rd_xya[(pixels - 1) * na + a] > 0); /* outside the map */
+    }
+    const int last = shot->flight.surfaces.count - 1;
+    assert_int_equal(sum_of_score(shot, 0, CML_FACET_ESCAPED), t->book[CML_BOOK_REFLECTED]);
+    assert_int_equal(sum_of_score(shot, last, CML_FACET_ESCAPED), t->book[CML_BOOK_TRANSMITTED]);
+    for (size_t i = 0; i < t->grid.facets; i++) {
+        const uint64_t *score = t->facets + i * CML_FACET_SCORES;
+        assert_int_equal(score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW],
+                         score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW]);
+    }
+    /* what has escaped left the facet upwards, and more did that came back */
+    assert_true(sum_of_score(shot, 0, CML_FACET_EXITANCE_ABOVE) > t->book[CML_BOOK_REFLECTED]);
+    assert_true(sum_of_score(shot, last, CML_FACET_EXITANCE_BELOW) > t->book[CML_BOOK_TRANSMITTED]);
+}
+
+static void sums_are_the_totals(void **state)
+{
+    (void)state;
+    static const char *const engines[] = {"cpu", "reference"};
+    for (int e = 0; e < COUNT(engines); e++)
+        for (int kind = CML_AS_CONE; kind <= CML_AS_MESH; kind++) {
+            struct shot shot;
+            shoot(rough, engines[e], (enum cml_representation)kind, 4000, &shot);
+            expect_totals(&shot);
+            clear(&shot);
+        }
+}
+
+/* Flat rings as wide as the radial bins: a ring's share of Rd and Tt is the bin's. Rounding may put a packet
+ * on the other side of a ring. */
+static void flat_rings_are_radial_bins(void **state)
+{
+    (void)state;
+    struct shot shot;
+    shoot("1.0\n1\nflat A\n1000\nbeam pencil angle=1\nfacets\n0.1 0.1\n1 4 1\n1\n1\n"
+          "b 4 0 0.1 0 0.1 0 0.1 0 0\n1.4 0.5 20 0.5 0.3\nb 4 0 0.1 0 0.1 0 0.1 0 0\n1\n",
+          "cpu", CML_AS_CONE, 40000, &shot);
+    const struct cml_tally *t = &shot.tally;
+    assert_int_equal(t->grid.facets, 8);
+    for (int i = 0; i < 4; i++) { /* the fourth ring is all that lies outside */
+        const double up = (double)t->facets[i * CML_FACET_SCORES + CML_FACET_ESCAPED];
+        const double down = (double)t->facets[(4 + i) * CML_FACET_SCORES + CML_FACET_ESCAPED];
+        const double Rd = (double)t->Rd_ra[i] + (i == 3 ? (double)t->Rd_ra[4] : 0);
+        const double Tt = (double)t->Tt_ra[i] + (i == 3 ? (double)t->Tt_ra[4] : 0);
+        assert_true(Rd > 0 && fabs(up / Rd - 1) < 1e-3);
+        assert_true(Tt > 0 && fabs(down / Tt - 1) < 1e-3);
+    }
+    clear(&shot);
+}
+
+/* Planes between which no packet meets roulette: what goes in and does not come out was absorbed. */
+static void the_flux_through_planes_is_what_the_books_say(void **state)
+{
+    (void)state;
+    static const char *const engines[] = {"cpu", "reference"};
+    for (int e = 0; e < COUNT(engines); e++) {
+        struct shot shot;
+        shoot("1.0\n1\nflux A\n1000\nfacets\nmap 3 4 0.1 0.1\n0.1 0.1\n1 1 1\n3\n1\n1.5 0 0 0 0.1\n"
+              "1.4 0.5 20 0.8 0.05\n1.3 1 5 0 0.1\n1.2\n",
+              engines[e], CML_AS_AUTO, 3000, &shot);
+        const struct cml_tally *t = &shot.tally;
+        uint64_t net[4];
+        for (int b = 0; b < 4; b++) {
+            net[b] = sum_of_score(&shot, b, CML_FACET_EXITANCE_BELOW) -
+                     sum_of_score(&shot, b, CML_FACET_IRRADIANCE_BELOW);
+            assert_true(sum_of_score(&shot, b, CML_FACET_IRRADIANCE_ABOVE) > 0);
+            assert_int_equal(sum_of_score(&shot, b, CML_FACET_ESCAPED), 0);
+        }
+        assert_int_equal(t->book[CML_BOOK_ROULETTE] + t->book[CML_BOOK_GAINED], 0);
+        assert_int_equal(sum_of_score(&shot, 0, CML_FACET_IRRADIANCE_ABOVE), t->book[CML_BOOK_LAUNCHED]);
+        assert_int_equal(sum_of_score(&shot, 0, CML_FACET_EXITANCE_ABOVE),
+                         t->book[CML_BOOK_SPECULAR] + t->book[CML_BOOK_REFLECTED]);
+        assert_int_equal(net[0] - net[1], t->A_l[1]);
+        assert_int_equal(net[1] - net[2], t->A_l[2]);
+        assert_int_equal(net[2] - net[3], t->A_l[3]);
+        assert_int_equal(net[3], t->book[CML_BOOK_TRANSMITTED]);
+        assert_int_equal(sum_of_score(&shot, 3, CML_FACET_IRRADIANCE_BELOW), 0);
+        clear(&shot);
+    }
+}
+
+/* A disk beam on a hill of nothing: the irradiance of a slope is the beam's times the cosine, and all of it
+ * goes on. Counts are binomial; 4.5 standard deviations. */
+static void the_irradiance_of_a_slope_is_the_cosine(void **state)
+{
+    (void)state;
+    const uint64_t photons = 100000;
+    struct shot shot;
+    shoot("1.0\n1\nhill A\n1000\nbeam disk 0.5\nfacets\n0.1 0.1\n1 1 1\n1\n1\n"
+          "b 3 0.3 0.1 0.25 0.2 0 0\n1 0 0 0 0.3\n1\n",
+          "cpu", CML_AS_CONE, photons, &shot);
+    const struct cml_surface_def *hill = &shot.flight.surfaces.item[0];
+    const double beam = 3.14159265358979 * 0.25;
+    assert_int_equal(shot.tally.grid.facets, 3);
+    for (size_t i = 0; i < 2; i++) {
+        const uint64_t *score = shot.tally.facets + i * CML_FACET_SCORES;
+        const double cosine = 1 / hypot(1, hill->slope[i]);
+        const double share = cosine * cml_surface_facet_area(hill, &shot.flight.list.scenes[0].map, i) / beam;
+        const double measured = (double)score[CML_FACET_IRRADIANCE_ABOVE] * CML_WEIGHT_UNIT / (double)photons;
+        assert_true(fabs(measured - share) < 4.5 * sqrt(share * (1 - share) / (double)photons));
+        assert_int_equal(score[CML_FACET_EXITANCE_BELOW], score[CML_FACET_IRRADIANCE_ABOVE]);
+        assert_int_equal(score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW], 0);
+        assert_int_equal(score[CML_FACET_ESCAPED], 0);
+    }
+    clear(&shot);
+}
+
+/* The faces that are drawn have the areas that are divided by: exactly for triangles, as polygons for rings.
+ */
+static void faces_have_their_areas(void **state)
+{
+    (void)state;
+    for (int kind = CML_AS_CONE; kind <= CML_AS_MESH; kind++) {
+        struct shot shot;
+        struct cml_faces faces;
+        struct cml_error err;
+        size_t per_facet;
+        shoot(rough, "cpu", (enum cml_representation)kind, 1, &shot);
+        const struct cml_surface_def *def = &shot.flight.surfaces.item[2];
+        const struct cml_map_def *map = &shot.flight.list.scenes[0].map;
+        const size_t facets = num_facets(&shot, 2);
+        require_ok(cml_surface_faces(def, &faces, &per_facet, &err), &err);
+        assert_int_equal(faces.num_faces, (facets - 1) * per_facet);
+        double flat = 0, areas = 0;
+        for (size_t i = 0; i < faces.num_faces; i++) { /* seen from above, by the shoelace rule */
+            const uint32_t *corner = faces.corner + i * (size_t)faces.corners;
+            for (int k = 0; k < faces.corners; k++) {
+                const double *p = faces.point[corner[k]], *q = faces.point[corner[(k + 1) % faces.corners]];
+                flat += 0.5 * (p[0] * q[1] - q[0] * p[1]);
+            }
+        }
+        for (size_t i = 0; i + 1 < facets; i++) areas += cml_surface_facet_area(def, map, i);
+        assert_true(fabs(fabs(flat) / (3.14159265358979 * 0.16) - 1) < 2e-3);
+        const double exact = 3.14159265358979 * (0.2 * hypot(0.2, 0.2) + 0.6 * hypot(0.2, 0.1));
+        assert_true(fabs(areas / exact - 1) < (kind == CML_AS_CONE ? 1e-14 : 1e-2));
+        assert_true(fabs(faces.point[0][2] - 0.6) < 1e-12); /* the tip, 0.1 cm below the nominal depth */
+        assert_true(isinf(cml_surface_facet_area(def, map, facets - 1)));
+        cml_surface_faces_free(&faces);
+        clear(&shot);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(sums_are_the_totals),
+        cmocka_unit_test(flat_rings_are_radial_bins),
+        cmocka_unit_test(the_flux_through_planes_is_what_the_books_say),
+        cmocka_unit_test(the_irradiance_of_a_slope_is_the_cosine),
+        cmocka_unit_test(faces_have_their_areas),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,5 +1,6 @@
 #!/bin/sh
-# The same .mco, byte by byte but for its line of time, whatever the number of threads and the size of chunks.
+# The same .mco, byte by byte but for its line of time, whatever the number of threads and the size of chunks; and the
+# same .h5, .vti and .vtp, which hold no time at all.
 set -eu
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
@@ -19,3 +20,13 @@ for scene in samples/mcml_sample.mci samples/shapes/hinoise.mci samples/mixed.mc
     [ "$(result "$scene" --seed 2)" != "$expected" ] || { echo "$scene: the seed has no effect"; exit 1; }
     echo "$scene: same bits"
 done
+
+# All files of a run with maps. The .h5 knows the command line, so the threads come from the environment.
+scene=samples/skinmap.mci
+expected=$(OMP_NUM_THREADS=1 result "$scene" && cat "$scratch"/*.vti "$scratch"/*.vtp "$scratch"/*.h5 | sha256sum)
+for threads in 2 3 7; do
+    found=$(OMP_NUM_THREADS=$threads result "$scene" && cat "$scratch"/*.vti "$scratch"/*.vtp "$scratch"/*.h5 | sha256sum)
+    [ "$found" = "$expected" ] || { echo "$scene differs with $threads threads"; exit 1; }
+done
+[ "$(ls "$scratch" | wc -l)" -eq 5 ] || { echo "$scene: not all files"; exit 1; }
+echo "$scene: same bits in all files"

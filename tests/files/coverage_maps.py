@@ -1,0 +1,51 @@
+"""Standard errors of pixels and facets: how often 500 independent runs lie within 1 and 2 of them from the mean of all.
+
+Errors come from the squares of what packets leave with, and every packet leaves once. Every pixel of Rd_xy and Tt_xy, bin
+of Rd_xya, and ring of Rd with 60 packets or more in a run; shares must be 68 +- 7 % and 95 +- 4 %, 3.4 and 4.1 deviations
+for each."""
+import os
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cml  # noqa: E402
+from fields import h5py, numpy  # noqa: E402
+
+RUNS, PHOTONS, PACKETS = 500, 10000, 60
+SCRATCH = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None  # 1500 files, each of them synced
+NAMES = ["Rd_xy", "Tt_xy", "Rd_xya", "boundary0_Rd"]
+
+
+def fly(keep):
+    text = ["1.0", str(RUNS)]
+    for i in range(RUNS):
+        scene = cml.mci(["1.4 0.1 20 0.5 0.3"], name=f"run{i}.h5", photons=PHOTONS, bins="1 1 2",
+                        surfaces={0: "b 3 0.1 0.2 0.05 0.3 0 0"},
+                        extra=["beam disk 0.3 at=0.05,0.1", "map 5 4 0.2 0.25 angles", "facets"])
+        text.append("\n".join(scene.split("\n")[2:]).replace(".h5 A", ".h5 B"))
+    found = {name: [] for name in NAMES + [name + "_se" for name in NAMES]}
+    for record in cml.run("\n".join(text), "--seed", 43, "--threads", 1, keep=keep):
+        with h5py.File(record["output"]) as file:
+            for name, values in found.items():
+                values.append(file[name][:].astype(float).ravel())
+    return {name: numpy.array(values) for name, values in found.items()}
+
+
+def main():
+    verdict = cml.Verdict("coverage of maps")
+    with tempfile.TemporaryDirectory(dir=SCRATCH) as keep:
+        found = fly(keep)
+    for name in NAMES:
+        values, errors = found[name], found[name + "_se"]
+        mean = values.mean(axis=0)
+        chosen = (mean > 0) & (mean**2 > PACKETS * values.var(axis=0))
+        near = abs(values - mean)[:, chosen]
+        one, two = (near <= errors[:, chosen]).mean(axis=0), (near <= 2 * errors[:, chosen]).mean(axis=0)
+        print(f"{name}: {chosen.sum()} bins; within 1: {100 * one.mean():.1f} % ({100 * one.min():.1f}..."
+              f"{100 * one.max():.1f}), within 2: {100 * two.mean():.1f} % ({100 * two.min():.1f}...{100 * two.max():.1f})")
+        verdict.check(name, bool(numpy.all(abs(one - 0.68) <= 0.07) and numpy.all(abs(two - 0.95) <= 0.04)))
+        verdict.check(name, chosen.sum() >= 2, "bins with enough packets")
+    verdict.finish()
+
+
+main()

@@ -78,6 +78,8 @@ static void announce(const struct cml_options *options, const struct cml_run_set
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
            (unsigned long long)setup->options.seed);
     cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
+    if (cml_report_wants_fields(scene) && !cml_report_has_fields())
+        printf("  no .h5 file: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);
     fflush(stdout);
 }

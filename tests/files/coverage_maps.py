@@ -19,7 +19,7 @@ NAMES = ["Rd_xy", "Tt_xy", "Rd_xya", "boundary0_Rd"]
 def fly(keep):
     text = ["1.0", str(RUNS)]
     for i in range(RUNS):
-        scene = cml.mci(["1.4 0.1 20 0.5 0.3"], name=f"run{i}.h5", photons=PHOTONS, bins="1 1 2",
+        scene = cml.mci(["1.4 0.2 9 0.5 0.3"], name=f"run{i}.h5", photons=PHOTONS, bins="1 1 2",
                         surfaces={0: "b 3 0.1 0.2 0.05 0.3 0 0"},
                         extra=["beam disk 0.3 at=0.05,0.1", "map 5 4 0.2 0.25 angles", "facets"])
         text.append("\n".join(scene.split("\n")[2:]).replace(".h5 A", ".h5 B"))

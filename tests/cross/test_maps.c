@@ -18,8 +18,9 @@ static void shoot(const char *text, const char *engine, enum cml_representation 
                   struct shot *shot)
 {
     struct cml_error err;
-    const struct flight_options with = {.engine = engine, .kind = kind, .normals = CML_NORMALS_ANALYTIC};
-    const struct cml_engine_options options = {.absorption = false};
+    const struct flight_options with = {
+        .engine = engine, .kind = kind, .normals = CML_NORMALS_ANALYTIC, .absorption = true};
+    const struct cml_engine_options options = {.absorption = true};
     flight_open(text, &with, &shot->flight);
     const struct cml_grid grid =
         cml_engine_grid(&shot->flight.list.scenes[0], &shot->flight.surfaces, &options);
@@ -114,6 +115,34 @@ static void flat_rings_are_radial_bins(void **state)
         assert_true(Rd > 0 && fabs(up / Rd - 1) < 1e-3);
         assert_true(Tt > 0 && fabs(down / Tt - 1) < 1e-3);
     }
+    clear(&shot);
+}
+
+/* Layers of a volume as wide as all light are the depth bins, and what lies outside them is outside; the
+ * middle column of a coarse volume is the inner radial bins, roughly. */
+static void layers_of_the_volume_are_depth_bins(void **state)
+{
+    (void)state;
+    const size_t nz = 4, pixels = 9;
+    struct shot shot;
+    shoot("1.0\n1\nlayers A\n1000\nmap 3 3 0.2 1000 volume\n0.1 0.1\n4 5 1\n1\n1\n"
+          "b 3 0.1 0.5 0.05 0.5 0 0\n1.4 1 20 0.5 0.6\n1\n",
+          "cpu", CML_AS_AUTO, 4000, &shot);
+    const struct cml_tally *t = &shot.tally;
+    uint64_t sideways = 0, beyond = 0;
+    for (size_t i = 0; i <= (size_t)t->grid.nr; i++)
+        beyond += t->A_rz[i * (nz + 2)] + t->A_rz[i * (nz + 2) + nz + 1];
+    for (size_t z = 0; z < nz; z++) {
+        uint64_t bin = 0, layer = 0;
+        for (size_t i = 0; i <= (size_t)t->grid.nr; i++) bin += t->A_rz[i * (nz + 2) + z + 1];
+        for (size_t i = 0; i < pixels; i++) layer += t->A_xyz[z * pixels + i];
+        const uint64_t *row = t->A_xyz + z * pixels + 3; /* y in the middle, x rising */
+        assert_true(row[1] > row[0] && row[1] > row[2] && layer == row[0] + row[1] + row[2]);
+        assert_true(layer < bin && (double)layer > 0.7 * (double)bin);
+        sideways += bin - layer;
+    }
+    assert_true(beyond > 0 && sideways > 0);
+    assert_int_equal(t->A_xyz[nz * pixels], beyond + sideways);
     clear(&shot);
 }
 
@@ -214,6 +243,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(sums_are_the_totals),
         cmocka_unit_test(flat_rings_are_radial_bins),
+        cmocka_unit_test(layers_of_the_volume_are_depth_bins),
         cmocka_unit_test(the_flux_through_planes_is_what_the_books_say),
         cmocka_unit_test(the_irradiance_of_a_slope_is_the_cosine),
         cmocka_unit_test(faces_have_their_areas),

@@ -118,6 +118,10 @@ static void flat_rings_are_radial_bins(void **state)
     clear(&shot);
 }
 
+#define HILL(top)                                                                                            \
+    "1.0\n1\nlayers A\n1000\nmap 3 3 0.2 1000 volume" top "\n0.1 0.1\n4 5 1\n1\n1\n"                         \
+    "b 3 0.1 0.5 0.05 0.5 0 0\n1.4 1 20 0.5 0.6\n1\n"
+
 /* Layers of a volume as wide as all light are the depth bins, and what lies outside them is outside; the
  * middle column of a coarse volume is the inner radial bins, roughly. */
 static void layers_of_the_volume_are_depth_bins(void **state)
@@ -125,9 +129,7 @@ static void layers_of_the_volume_are_depth_bins(void **state)
     (void)state;
     const size_t nz = 4, pixels = 9;
     struct shot shot;
-    shoot("1.0\n1\nlayers A\n1000\nmap 3 3 0.2 1000 volume\n0.1 0.1\n4 5 1\n1\n1\n"
-          "b 3 0.1 0.5 0.05 0.5 0 0\n1.4 1 20 0.5 0.6\n1\n",
-          "cpu", CML_AS_AUTO, 4000, &shot);
+    shoot(HILL(""), "cpu", CML_AS_AUTO, 4000, &shot);
     const struct cml_tally *t = &shot.tally;
     uint64_t sideways = 0, beyond = 0;
     for (size_t i = 0; i <= (size_t)t->grid.nr; i++)
@@ -143,6 +145,13 @@ static void layers_of_the_volume_are_depth_bins(void **state)
     }
     assert_true(beyond > 0 && sideways > 0);
     assert_int_equal(t->A_xyz[nz * pixels], beyond + sideways);
+    struct shot raised;
+    shoot(HILL(" top=-0.1"), "cpu", CML_AS_AUTO, 4000, &raised);
+    uint64_t above = 0; /* the hill is a layer of its own now, and all others lie one deeper */
+    for (size_t i = 0; i < pixels; i++) above += raised.tally.A_xyz[i];
+    assert_true(above > 0);
+    assert_memory_equal(raised.tally.A_xyz + pixels, t->A_xyz, (nz - 1) * pixels * sizeof *t->A_xyz);
+    clear(&raised);
     clear(&shot);
 }
 

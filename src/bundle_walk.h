@@ -113,7 +113,10 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     cml_load_medium(f, i);
 }
 
-static void cml_push_end(struct cml_flight *f, int i, struct cml_end end)
+/* Inlined, so that the end goes from lane to collection without being built in memory: its members would be
+ * stored one by one and loaded together, which stalls. */
+__attribute__((always_inline)) static inline void cml_push_end(struct cml_flight *f, int i,
+                                                               struct cml_end end)
 {
     cml_mark_weight(f, i);
     end.absorbed = f->absorbed[i];
@@ -415,9 +418,14 @@ static void cml_meet_boundaries(struct cml_flight *f, uint64_t near)
     }
 }
 
-static void cml_scatter_deposits(const struct cml_bundle *b, uint64_t *A_rz)
+/* Into the thread's own A_rz, or into one that all threads share. */
+static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally)
 {
-    for (int i = 0; i < CML_LANES; i++) A_rz[b->cell[i]] += b->dw[i];
+    uint64_t *A_rz = tally->A_rz;
+    if (tally->grid.absorption)
+        for (int i = 0; i < CML_LANES; i++) A_rz[b->cell[i]] += b->dw[i];
+    else
+        for (int i = 0; i < CML_LANES; i++) CML_ADD_SHARED(&A_rz[b->cell[i]], b->dw[i]);
 }
 
 /* The same into the volume, where one is asked for. */
@@ -436,7 +444,7 @@ static void cml_interact_lanes(struct cml_flight *f, const int all)
     int low;
     if (f->tally->A_rz) {
         low = cml_bundle_interact(setup, f->b, all, 1);
-        cml_scatter_deposits(f->b, f->tally->A_rz);
+        cml_scatter_deposits(f->b, f->tally);
         if (f->to.A_xyz) cml_scatter_volume(f);
     } else {
         low = cml_bundle_interact(setup, f->b, all, 0);

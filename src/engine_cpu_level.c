@@ -32,7 +32,7 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
                                  struct cml_error *err)
 {
     const struct cml_grid full = cml_engine_grid(scene, surfaces, options);
-    const struct cml_grid grid = cml_grid_without_maps(&full);
+    const struct cml_grid grid = cml_grid_of_thread(&full);
     cpu->tallies = calloc((size_t)cpu->threads, sizeof *cpu->tallies);
     if (!cpu->tallies) return cml_fail_memory(err, cpu->threads * cml_tally_bytes(&grid), "tallies");
     for (; cpu->num_tallies < cpu->threads; cpu->num_tallies++)
@@ -124,7 +124,7 @@ static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml
     {
         struct cml_tally *mine = &cpu->tallies[omp_get_thread_num()];
         cml_tally_zero(mine);
-        cml_tally_borrow_maps(mine, tally);
+        cml_tally_borrow(mine, tally);
         cml_bundle_walk(&cpu->scalar.world, cpu->media, &source, mine);
 #pragma omp critical
         cml_tally_merge(tally, mine);

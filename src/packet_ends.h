@@ -152,6 +152,14 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
     cml_tally_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, end->w);
 }
 
+static inline void cml_tally_places(const struct cml_setup *setup, const struct cml_end *end,
+                                    const struct cml_tally *tally)
+{
+    if (end->fate != CML_FATE_REFLECTED && end->fate != CML_FATE_TRANSMITTED) return;
+    if (tally->Rd_xya) cml_tally_pixel(setup, end, tally);
+    if (tally->facets) cml_tally_escape(setup, end, tally);
+}
+
 /* P9: what is rare goes into the tally at once. */
 static inline void cml_tally_loss(const struct cml_end *end, struct cml_tally *tally)
 {
@@ -178,10 +186,7 @@ static inline void cml_ends_push(const struct cml_setup *setup, struct cml_ends 
     ends->boundary_events[i] = end->boundary_events;
     ends->fate[i] = end->fate;
     cml_tally_loss(end, tally);
-    if (end->fate == CML_FATE_REFLECTED || end->fate == CML_FATE_TRANSMITTED) {
-        if (tally->Rd_xya) cml_tally_pixel(setup, end, tally);
-        if (tally->facets) cml_tally_escape(setup, end, tally);
-    }
+    if (tally->Rd_xya || tally->facets) cml_tally_places(setup, end, tally);
     if (ends->count == CML_ENDS) cml_ends_flush(setup, ends, tally);
 }
 

@@ -354,6 +354,6 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
 
 double cml_run_bytes(const struct cml_grid *grid, int threads)
 {
-    const struct cml_grid of_thread = cml_grid_without_maps(grid);
+    const struct cml_grid of_thread = cml_grid_of_thread(grid);
     return cml_result_bytes(grid) + cml_tally_bytes(grid) + threads * cml_tally_bytes(&of_thread);
 }

@@ -61,16 +61,22 @@ static size_t cells_all(const struct cml_grid *grid)
         if ((grid)->facets) (to)->facets = (block) + 4 * pixels_ + cells_volume(grid);                       \
     } while (0)
 
-struct cml_grid cml_grid_without_maps(const struct cml_grid *grid)
+/* Of a tally, with the cells beyond the grid. */
+static size_t tally_cells_A(const struct cml_grid *grid)
+{
+    return grid->absorption ? ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
+}
+
+struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
 {
     struct cml_grid small = *grid;
     small.nx = small.ny = small.map_na = 0;
     small.volume = false;
     small.facets = 0;
+    if (tally_cells_A(grid) > CML_THREAD_CELLS) small.absorption = false;
     return small;
 }
 
-/* A tally's, with those beyond the grid. */
 static size_t tally_cells_ra(const struct cml_grid *grid)
 {
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
@@ -78,8 +84,7 @@ static size_t tally_cells_ra(const struct cml_grid *grid)
 
 size_t cml_tally_cells(const struct cml_grid *grid)
 {
-    const size_t A = grid->absorption ? ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
-    return A + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2 + cells_maps(grid);
+    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2 + cells_maps(grid);
 }
 
 /* The maps come last. */
@@ -117,8 +122,9 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     return CML_OK;
 }
 
-void cml_tally_borrow_maps(struct cml_tally *tally, const struct cml_tally *owner)
+void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
+    if (!tally->grid.absorption) tally->A_rz = owner->A_rz;
     tally->Rd_xya = owner->Rd_xya;
     tally->Tt_xya = owner->Tt_xya;
     tally->Rd_xya2 = owner->Rd_xya2;

@@ -132,13 +132,15 @@ double cml_result_bytes(const struct cml_grid *grid);
 
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
-/* The same grid without maps, volume and facets: those are too large for a copy per thread, so threads lend
- * them to each other. Its cells come first in the full tally, too. */
-struct cml_grid cml_grid_without_maps(const struct cml_grid *grid);
+/* The grid of one thread of several: without maps, volume and facets, and without an A_rz beyond
+ * CML_THREAD_CELLS. Those are too large for a copy per thread, so threads share one. Its cells come first in
+ * the full tally, too. */
+#define CML_THREAD_CELLS ((size_t)1 << 20) /* 8 MiB: more than a core's own cache */
+struct cml_grid cml_grid_of_thread(const struct cml_grid *grid);
 
-/* A tally without maps scores into those of `owner` from now on. Several may do so at a time: all their
- * additions to maps, volume and facets must be atomic. */
-void cml_tally_borrow_maps(struct cml_tally *tally, const struct cml_tally *owner);
+/* A tally of a grid of one thread scores into what else `owner` has from now on. Several may do so at a time:
+ * all their additions to what they share must be atomic. */
+void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner);
 
 void cml_tally_zero(struct cml_tally *tally);
 void cml_tally_free(struct cml_tally *tally);

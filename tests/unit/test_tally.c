@@ -150,12 +150,12 @@ static void maps_have_cells_of_their_own(void **state)
 static void borrowed_maps_are_not_merged(void **state)
 {
     (void)state;
-    const struct cml_grid small = cml_grid_without_maps(&map_grid);
+    const struct cml_grid small = cml_grid_of_thread(&map_grid);
     struct cml_tally owner = make_tally(&map_grid), thread = make_tally(&small);
     assert_true(cml_tally_bytes(&small) == cml_tally_bytes(&grid));
     assert_null(thread.Rd_xya);
     assert_null(thread.facets);
-    cml_tally_borrow_maps(&thread, &owner);
+    cml_tally_borrow(&thread, &owner);
     thread.Rd_xya[5] += 7;
     thread.A_xyz[8] += 8;
     thread.facets[1] += 9;

@@ -18,6 +18,7 @@ static const struct command {
     {"check", 1, 1, false, "scene.mci", cml_command_check},
     {"mesh", 1, 1, false, "scene.mci", cml_command_mesh},
     {"trace", 2, 2, false, "scene.mci N", cml_command_trace},
+    {"compare", 2, 2, false, "a.mco b.mco", cml_command_compare},
     {"plot", 1, 64, false, "a.mco [b.mco ...]", cml_command_plot},
 };
 

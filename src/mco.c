@@ -105,6 +105,19 @@ void cml_mco_clear(struct cml_mco *mco)
     *mco = (struct cml_mco){0};
 }
 
+static const double pi = 3.14159265358979323846;
+
+double cml_mco_ring_area(double dr, int i)
+{
+    return 2 * pi * (i + 0.5) * dr * dr;
+}
+
+double cml_mco_solid_angle(int na, int i)
+{
+    const double da = pi / 2 / na;
+    return 2 * pi * sin((i + 0.5) * da) * da;
+}
+
 /* The hours are those of the seconds as printed: computed from the unrounded time they could not be found
  * again from the file. */
 static void write_head(FILE *out, const struct cml_mco *mco)

@@ -47,6 +47,12 @@ CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_mco *m
  * our own file gives the same bytes. */
 CML_NODISCARD cml_status cml_mco_read(const char *path, struct cml_mco *mco, struct cml_error *err);
 
+/* What MCML divides a bin's weight per packet by [manual eqs 4.11-4.14; observed on 1.2.2]: area of radial
+ * bin i, cm2, and solid angle of angular bin i of na, sr. The latter is the midpoint value, for na = 1 10 %
+ * off; readers expect it. */
+double cml_mco_ring_area(double dr, int i);
+double cml_mco_solid_angle(int na, int i);
+
 /* Values of one of our own sections in `extra`: a line that begins with `key` and a blank, then numbers, one
  * per line. Returns how many were found, at most `capacity`; 0 when there is no such section. */
 int cml_mco_extra(const struct cml_mco *mco, const char *key, double *values, int capacity);

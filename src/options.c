@@ -24,6 +24,7 @@ enum option_key {
     KEY_CHECKPOINT,
     KEY_RESUME,
     KEY_PATIENCE,
+    KEY_ALPHA,
     KEY_QUIET,
     KEY_VERBOSE,
     KEY_JSON,
@@ -49,6 +50,7 @@ static const struct option long_options[] = {
     {"checkpoint", required_argument, NULL, KEY_CHECKPOINT},
     {"resume", no_argument, NULL, KEY_RESUME},
     {"patience", required_argument, NULL, KEY_PATIENCE},
+    {"alpha", required_argument, NULL, KEY_ALPHA},
     {"quiet", no_argument, NULL, KEY_QUIET},
     {"verbose", no_argument, NULL, KEY_VERBOSE},
     {"json", no_argument, NULL, KEY_JSON},
@@ -67,6 +69,8 @@ const char *cml_options_help(void)
            "fly nothing\n"
            "       clustermcml mesh scene.mci -o DIR         write every boundary as OBJ at the tolerance\n"
            "       clustermcml trace scene.mci N [options]   every event of photon N as a table\n"
+           "       clustermcml compare a.mco b.mco [-o f.svg]    z per bin, Sidak-corrected p-value; exit 1 "
+           "if they differ\n"
            "       clustermcml plot a.mco [b.mco ...] -o f.svg   r*Rd(r) and r*Tt(r), heightfields dotted "
            "(svg or png)\n"
            "\n"
@@ -98,12 +102,13 @@ const char *cml_options_help(void)
            "  -o, --output-dir DIR   where results go, default the current directory\n"
            "  --json                 one line with one object per run on standard output, nothing else "
            "there\n"
+           "  --alpha A              level of `compare`: p below it is a difference, default 0.01\n"
            "  --verbose              photons, idle and communication share of every rank\n"
            "  --quiet                no banner, progress or summary\n"
            "  --help, --version\n"
            "\n"
-           "exit codes: 0 ok, 2 usage or input, 3 device, 4 numerical (lost packets, books), 5 files or "
-           "network,\n"
+           "exit codes: 0 ok, 1 results differ, 2 usage or input, 3 device, 4 numerical (lost packets, "
+           "books), 5 files or network,\n"
            "            75 stopped by a signal, --resume continues\n"
            "\n"
            "examples\n"
@@ -213,6 +218,14 @@ static cml_status parse_stopping(int key, const char *value, struct cml_options 
     return fail(err, "target-error", value, "a relative error between 0 and 1");
 }
 
+static cml_status parse_alpha(const char *value, struct cml_options *options, struct cml_error *err)
+{
+    const bool number = cml_parse_double(value, &options->alpha);
+    return number && options->alpha > 0 && options->alpha < 1
+               ? CML_OK
+               : fail(err, "alpha", value, "a number above 0 and below 1");
+}
+
 static void set_flag(int key, struct cml_options *options)
 {
     if (key == KEY_IGNORE_ABSORPTION) options->engine_options.absorption = false;
@@ -244,6 +257,8 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     case KEY_CHECKPOINT:
     case KEY_PATIENCE:
         return parse_stopping(key, value, options, err);
+    case KEY_ALPHA:
+        return parse_alpha(value, options, err);
     case KEY_OUTPUT:
     case 'o':
         options->output = value;
@@ -260,6 +275,7 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = &cml_engine_cpu};
+    options->alpha = 0.01;
     options->engine_options.seed = 1;
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;

@@ -44,35 +44,6 @@ static double centre(const struct cml_mco *mco, int i)
     return (i + 0.5) * mco->dr;
 }
 
-/* Bytes of a UTF-8 sequence that begins at p; 0 when it is none, or a control character. */
-static int utf8_length(const unsigned char *p)
-{
-    const int length = p[0] < 0x80                   ? 1
-                       : p[0] >= 0xC2 && p[0] < 0xE0 ? 2
-                       : p[0] >= 0xE0 && p[0] < 0xF0 ? 3
-                       : p[0] >= 0xF0 && p[0] < 0xF5 ? 4
-                                                     : 0;
-    for (int i = 1; i < length; i++)
-        if ((p[i] & 0xC0) != 0x80) return 0;
-    return p[0] < 0x20 || p[0] == 0x7F ? 0 : length;
-}
-
-/* In single quotes gnuplot takes everything as it stands but the quote itself, which is doubled. */
-static void write_quoted(FILE *out, const char *text)
-{
-    fputc('\'', out);
-    for (const unsigned char *p = (const unsigned char *)text; *p;) {
-        const int length = utf8_length(p);
-        if (*p == '\'') fputc('\'', out);
-        if (length == 0)
-            fputc('?', out);
-        else
-            fwrite(p, 1, (size_t)length, out);
-        p += length == 0 ? 1 : length;
-    }
-    fputc('\'', out);
-}
-
 static const char *base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -110,7 +81,7 @@ static void write_title(FILE *out, const struct cml_plot *plot)
             (size_t)snprintf(title + used, sizeof title - used, "%s%.*s", i > 0 ? ", " : "", length, scene);
     }
     if (named < plot->count) snprintf(title + used, sizeof title - used, " and %d more", plot->count - named);
-    write_quoted(out, title);
+    cml_gnuplot_quote(out, title);
 }
 
 /* ---- ranges ---- */
@@ -221,20 +192,13 @@ static bool lit(const struct panel *panel, const struct cml_mco *mco)
 
 static void write_frame(const struct drawing *d)
 {
-    const char *terminal = d->plot->format == CML_PLOT_SVG ? "svg" : "pngcairo";
-    const int scale = d->plot->format == CML_PLOT_SVG ? 1 : 2;
-    fprintf(d->out, "set encoding utf8\nset terminal %s noenhanced size %d,%d font '%s' background '#FFFFFF'",
-            terminal, scale * WIDTH, scale * d->height,
-            d->plot->format == CML_PLOT_SVG ? "Helvetica,15" : "Helvetica,11");
-    fprintf(d->out, d->plot->format == CML_PLOT_SVG ? "\n" : " fontscale 2 linewidth 2 pointscale 2\n");
-    fputs("set multiplot\nset border 15 lw 0.8 lc rgb '#404040'\nset tics textcolor rgb '#202020'\n"
-          "set logscale y\nset format y '%g'\nset format y2 '%g'\nset mxtics 2\n"
-          "set grid xtics ytics lc rgb '#E4E4E4' lt 1 lw 0.6\n"
+    cml_gnuplot_begin(d->out, d->plot->picture, WIDTH, d->height);
+    fputs("set multiplot\nset logscale y\nset format y '%g'\nset format y2 '%g'\nset mxtics 2\n"
           "set lmargin at screen 0.11\nset rmargin at screen 0.88\n",
           d->out);
     fprintf(d->out, "set xrange [0:%.9g]\n", d->r_max);
     fprintf(d->out, "set label 1 at screen 0.5,%.6f center font ',%d' ", 1 - 24.0 / d->height,
-            d->plot->format == CML_PLOT_SVG ? 18 : 13);
+            d->plot->picture == CML_PICTURE_SVG ? 18 : 13);
     write_title(d->out, d->plot);
     fprintf(d->out,
             "\nset key at screen 0.5,%.6f center top horizontal maxcols %d Left reverse samplen 2.5 "
@@ -310,7 +274,7 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
     }
     if (panel->top) {
         fputs(" title ", d->out);
-        write_quoted(d->out, name);
+        cml_gnuplot_quote(d->out, name);
     }
     if (read_heights(d, panel, mco) > 0)
         fprintf(d->out, ", $%sheight%d using 1:2 axes x1y2 with lines lw 2 dt 3 lc rgb '%s'", panel->name, k,

@@ -4,15 +4,14 @@
 #ifndef CML_PLOT_H
 #define CML_PLOT_H
 
+#include "gnuplot.h"
 #include "mco.h"
-
-enum cml_plot_format { CML_PLOT_SVG, CML_PLOT_PNG };
 
 struct cml_plot {
     int count;
     const struct cml_mco *results; /* [count], borrowed, nr >= 3 each */
     const char *const *names;      /* [count], borrowed: paths of the files, for the legend */
-    enum cml_plot_format format;
+    enum cml_picture picture;
 };
 
 /* Writes a script that holds its data and leaves the picture on gnuplot's standard output. */

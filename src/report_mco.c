@@ -17,14 +17,12 @@ struct scaling {
 
 double cml_ring_area(const struct cml_scene *scene, int ir)
 {
-    return 2 * pi * (ir + 0.5) * scene->dr * scene->dr;
+    return cml_mco_ring_area(scene->dr, ir);
 }
 
-/* MCML's own midpoint values, which for na = 1 are 10 % off the true solid angle; readers expect them. */
 double cml_solid_angle(const struct cml_scene *scene, int ia)
 {
-    const double da = pi / 2 / scene->na;
-    return 2 * pi * sin((ia + 0.5) * da) * da;
+    return cml_mco_solid_angle(scene->na, ia);
 }
 
 double cml_projected_solid_angle(const struct cml_scene *scene, int ia)

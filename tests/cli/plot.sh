@@ -31,8 +31,8 @@ if command -v xmllint >/dev/null; then
 fi
 grep -q 'd_{e}^f' "$work/odd'\$name.svg" || complain "the odd name is not in the legend"
 
-expect_error 2 "plot: --output p.pdf (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o p.pdf
-expect_error 2 "plot: --output a.svg/b (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o a.svg/b
+expect_error 2 "--output p.pdf (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o p.pdf
+expect_error 2 "--output a.svg/b (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o a.svg/b
 expect_code 2 plot "$work/missing.mco" -o "$work/none.svg"
 expect_code 2 plot samples/fig5.mci -o "$work/none.svg"
 expect_code 5 plot "$work/fig5.mco" -o "$work/missing/none.svg"
@@ -43,12 +43,12 @@ real=$program
 program=$work/elsewhere
 printf '#!/bin/sh\nPATH="%s" exec "%s" "$@"\n' "$work/bin" "$real" >"$program"
 chmod +x "$program"
-expect_error 5 "plot: gnuplot cannot be started (No such file or directory); is it installed?" \
+expect_error 5 "gnuplot cannot be started (No such file or directory); is it installed?" \
     plot "$work/fig5.mco" -o "$work/none.svg"
 printf '#!/bin/sh\necho first >&2\necho broken >&2\nexit 3\n' >"$work/bin/gnuplot"
 chmod +x "$work/bin/gnuplot"
 cp "$work/one.svg" "$work/kept.svg"
-expect_error 5 "plot: gnuplot failed (broken)" plot "$work/fig5.mco" -o "$work/one.svg"
+expect_error 5 "gnuplot failed (broken)" plot "$work/fig5.mco" -o "$work/one.svg"
 cmp -s "$work/one.svg" "$work/kept.svg" || complain "a failed plot changed the old picture"
 ls "$work" | grep -q -e none -e '\.tmp$' && complain "a failed plot left a file"
 finish

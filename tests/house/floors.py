@@ -9,11 +9,11 @@ import sys
 
 FLOORS = [
     (6, "main options command command_*"),
-    (5, "run report report_* plot cluster cluster_alone dispatch checkpoint identity"),
+    (5, "run report report_* plot cluster cluster_alone dispatch checkpoint identity gnuplot compare compare_*"),
     (4, "engine engine_cpu engine_cpu_level engine_reference engine_scalar packet_ends bundle bundle_*"),
     (3, "surface surface_* mesh_query clearance fields vtk mci mci_* obj obj_* mco mco_*"),
     (2, "scene mesh mesh_border mesh_clean mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally ranges"),
-    (1, "status text vec3 field inputs stop launcher cores"),
+    (1, "status text vec3 field inputs stop launcher cores significance"),
 ]
 KERNEL_FLOOR = 0  # everything in kernels/
 
@@ -21,18 +21,18 @@ KERNEL_FLOOR = 0  # everything in kernels/
 FOREIGN = {
     "embree*": "surface_mesh",
     "tiny_obj_loader.h": "obj_tiny",
-    "jansson.h": "report",
+    "jansson.h": "report compare_report",
     "omp.h": "engine_cpu_level",
     "getopt.h": "options",
     "hdf5*.h": "fields",
     "sys/resource.h": "command_load",
-    "spawn.h": "command_plot",
-    "signal.h": "command_plot stop",
+    "spawn.h": "gnuplot",
+    "signal.h": "gnuplot stop",
     "mpi.h": "cluster",
     "pthread.h": "cluster dispatch",
     "sched.h": "cluster cores",
     "zlib.h": "checkpoint identity",
-    "sys/wait.h": "command_plot",
+    "sys/wait.h": "gnuplot",
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())

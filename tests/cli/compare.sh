@@ -1,0 +1,59 @@
+#!/bin/sh
+# compare: exit codes, words, JSON and picture, for our own files and for such as original MCML writes.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+try="(try clustermcml --help)"
+mkdir "$work/1" "$work/2" "$work/3"
+for seed in 1 2; do
+    expect_code 0 samples/mcml_sample.mci --photons 2e4 --seed $seed --quiet -o "$work/$seed"
+done
+sed 's/^1.37 *1 *100/1.37 1 130/; s/^1.37\t1\t100/1.37\t1\t130/' samples/mcml_sample.mci >"$work/other.mci"
+expect_code 0 "$work/other.mci" --photons 2e4 --seed 3 --quiet -o "$work/3"
+a=$work/1/mcml_sample.mco b=$work/2/mcml_sample.mco c=$work/3/mcml_sample.mco
+plain() { sed '/^# clustermcml /,$d' "$1"; } # what original MCML writes: nothing behind Tt_ra
+plain "$a" >"$work/plain_a.mco"
+plain "$b" >"$work/plain_b.mco"
+
+expect_code 0 compare "$a" "$b"
+grep -q '^p = .* no difference at the level 0.01$' "$work/out" || complain "no verdict: $(tail -1 "$work/out")"
+expect_code 0 compare "$a" "$a"
+grep -q '^note: both runs have seed 1: ' "$work/out" || complain "a common seed is not noticed"
+expect_code 0 compare "$a" "$work/plain_b.mco"
+grep -q 'no standard errors: variances of the other file$' "$work/out" || complain "borrowed errors are not named"
+expect_code 0 compare "$work/plain_a.mco" "$work/plain_b.mco"
+grep -c 'no standard errors: upper bounds$' "$work/out" | grep -qx 2 || complain "bounds are not named"
+
+expect_code 1 compare "$a" "$c"
+grep -q '^note: layer 1: mus = 100 and 130$' "$work/out" || complain "the other layer is not named"
+grep -q 'they differ at the level 0.01$' "$work/out" || complain "no verdict: $(tail -1 "$work/out")"
+grep -q "^clustermcml: $a and $c differ: p = " "$work/err" || complain "$(cat "$work/err")"
+expect_code 1 compare "$work/plain_a.mco" "$c" --quiet
+test ! -s "$work/out" || complain "--quiet was not quiet"
+expect_code 1 compare "$a" "$c" --json
+test "$(wc -l <"$work/out")" -eq 1 && grep -q '^{"a":.*"agree":false' "$work/out" || complain "$(cat "$work/out")"
+expect_code 0 compare "$a" "$b" --json --alpha 1e-6
+grep -q '"agree":true' "$work/out" || complain "--alpha: $(cat "$work/out")"
+
+# The level decides: p of these two lies between.
+p=$("$program" compare "$a" "$b" --json | sed 's/.*"p":\([^,]*\),"alpha.*/\1/')
+expect_code 1 compare "$a" "$b" --quiet --alpha "$(awk -v p="$p" 'BEGIN { print (1 + p) / 2 }')"
+
+sed 's/0.01\t0.01\t\t# dz, dr/0.01\t0.02\t\t# dz, dr/' "$b" >"$work/wide.mco"
+expect_error 2 "$work/wide.mco: dr = 0.02 (expected 0.01, as in $a)" compare "$a" "$work/wide.mco"
+expect_error 2 "usage: clustermcml compare a.mco b.mco $try" compare "$a"
+expect_error 2 "usage: clustermcml compare a.mco b.mco $try" compare "$a" "$b" "$c"
+expect_error 2 "--alpha 0 (expected a number above 0 and below 1)" compare "$a" "$b" --alpha 0
+expect_error 2 "--alpha x (expected a number above 0 and below 1)" compare "$a" "$b" --alpha x
+expect_error 2 "--output z.pdf (expected a name that ends in .svg or .png)" compare "$a" "$b" -o z.pdf
+expect_code 2 compare "$a" "$work/missing.mco"
+expect_code 2 compare "$a" samples/mcml_sample.mci
+
+if command -v gnuplot >/dev/null; then
+    expect_code 1 compare "$a" "$c" -o "$work/z.svg"
+    tail -3 "$work/z.svg" | grep -q '</svg>' || complain "the picture has no end"
+    for name in A_z Rd_r Rd_a Tt_r Tt_a; do
+        grep -q "z of $name" "$work/z.svg" || complain "the picture lacks $name"
+    done
+    expect_code 5 compare "$a" "$c" -o "$work/missing/z.svg"
+fi
+finish

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Writes the boundary meshes of this folder: generate.py [DIRECTORY], by default beside this script.
+"""Writes the boundary meshes and heightmaps of this folder: generate.py [DIRECTORY], by default beside this script.
 
-Lengths in cm, heights up, faces counter-clockwise seen from above. Only the standard library is needed; the
+Meshes: lengths in cm, heights up, faces counter-clockwise seen from above. Only the standard library is needed; the
 numbers are rounded to 1e-6 cm, so that every machine writes the same bytes.
 SPDX-License-Identifier: MIT
 """
 import math
 import os
+import struct
 import sys
 
 
@@ -106,10 +107,39 @@ def spikes():
     return vertices, faces
 
 
+def skin():
+    """A scan of skin: fine isotropic roughness over a shallow furrow, 96 x 64 heights 25 um apart."""
+    nx, ny, step = 96, 64, 25e-6  # m
+    waves = [(3.1 + 2.3 * k, 2.399963 * k, 1.7 * k * k) for k in range(24)]  # waves per width, direction, phase
+
+    def height(i, j):
+        x, y = i / nx, j / nx
+        rough = sum(math.sin(2 * math.pi * f * (x * math.cos(a) + y * math.sin(a)) + p) / f for f, a, p in waves)
+        return 6e-6 * rough - 12e-6 * math.exp(-((y - 0.25 - 0.1 * x) / 0.06) ** 2)
+
+    head = "Gwyddion Simple Field 1.0\nXRes = %d\nYRes = %d\nXReal = %.9g\nYReal = %.9g\n" % (
+        nx, ny, nx * step, ny * step)
+    head += "XYUnits = m\nZUnits = m\nTitle = made by meshes/generate.py, not measured\n"
+    heights = [round(height(i, j), 9) for j in range(ny) for i in range(nx)]
+    return head.encode() + b"\0" * (4 - len(head) % 4) + struct.pack("<%df" % (nx * ny), *heights)
+
+
+def grooves():
+    """A turned plate: saw-tooth grooves along y, 60 x 40 heights in mm, 0.05 mm apart."""
+    nx, ny = 60, 40
+    lines = ["ncols %d" % nx, "nrows %d" % ny, "xllcorner 0", "yllcorner 0", "cellsize 0.05", "NODATA_value -9999"]
+    for j in range(ny):
+        lines.append(" ".join("%.4f" % (0.003 * ((i + j // 8) % 6) - 0.0075 + 0.0) for i in range(nx)))
+    return ("\n".join(lines) + "\n").encode()
+
+
 def main():
     directory = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
     for family in (wedge, ridges, prism, pyramid, overhang, spikes):
         write(directory, family.__name__ + ".obj", family.__doc__.rstrip("."), *family())
+    for heightmap, ending in ((skin, ".gsf"), (grooves, ".asc")):
+        with open(os.path.join(directory, heightmap.__name__ + ending), "wb") as stream:
+            stream.write(heightmap())
 
 
 if __name__ == "__main__":

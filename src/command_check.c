@@ -21,6 +21,24 @@ static void print_media(const struct cml_scene *scene)
     }
 }
 
+/* What was measured, and what was made of it. A skirt steeper than the scan comes from a scan that is not
+ * level. */
+static void print_heightmap(const struct cml_heightmap_notes *notes)
+{
+    const struct cml_relief *relief = &notes->relief;
+    printf("    heightmap of %d x %d heights, %g x %g cm apart: rms height %g cm, rms slope %g, peak to "
+           "valley %g cm, "
+           "mean %g cm\n",
+           notes->nx, notes->ny, notes->dx, notes->dy, relief->rms, relief->slope_rms,
+           relief->highest - relief->lowest, relief->mean);
+    printf("    simplified to %zu of %zu triangles, height error <= %.3g cm (tolerance %.3g cm), rms slope "
+           "error "
+           "%.3g\n",
+           notes->triangles, 2 * notes->cells, notes->height_error, notes->tolerance, notes->slope_error);
+    printf("    skirt of %g x %g cm around it to the rim's mean height %g cm: up to %.3g cm\n",
+           notes->skirt[0], notes->skirt[1], notes->rim_mean, notes->rim_step);
+}
+
 /* A mesh much wider or thinner than the layers was probably given in other units. */
 static void print_mesh(const struct cml_scene *scene, int b)
 {
@@ -33,6 +51,7 @@ static void print_mesh(const struct cml_scene *scene, int b)
            s.z_rms, s.peak_to_valley, s.slope_rms, s.slope_max);
     printf("    %zu triangles, edges %g cm (median), %g cm (shortest)\n", mesh->num_triangles, s.edge_median,
            s.edge_min);
+    if (boundary->map_notes.cells > 0) print_heightmap(&boundary->map_notes);
     const struct cml_mesh_notes *notes = &boundary->mesh_notes;
     if (notes->welded + notes->degenerate + notes->unused + notes->flipped > 0)
         printf("    welded %zu bit-equal vertices, dropped %zu degenerate triangles and %zu unused vertices, "

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "mci_extra.h"
 
+#include "esri.h"
+#include "gsf.h"
 #include "obj.h"
 
 #include <math.h>
@@ -265,13 +267,30 @@ static cml_status set_mesh_option(const struct options *options, struct cml_obj_
     }
 }
 
-static cml_status check_mesh_name(const struct options *options, const char *name)
+enum mesh_file { FILE_OBJ, FILE_GSF, FILE_ASC };
+
+static cml_status check_mesh_name(const struct options *options, const char *name, enum mesh_file *kind)
 {
+    static const char *const endings[] = {".obj", ".gsf", ".asc"};
     if (!name || *name == '"' || *name == '\0')
         return fail_option(options, "file", name, "a file name in a pair of quotes");
     const char *dot = strrchr(name, '.');
-    if (dot && strcasecmp(dot, ".obj") == 0) return CML_OK;
-    return fail_option(options, "file", name, "an .obj file (heightmaps are not supported yet)");
+    for (int i = 0; dot && i < 3; i++) {
+        *kind = (enum mesh_file)i;
+        if (strcasecmp(dot, endings[i]) == 0) return CML_OK;
+    }
+    return fail_option(options, "file", name, "an .obj file, or a .gsf or .asc heightmap");
+}
+
+static cml_status read_heightmap(const struct options *options, enum mesh_file kind,
+                                 const struct cml_obj_options *given, struct cml_boundary *boundary)
+{
+    struct cml_error *err = options->reader->err;
+    const double unit = options->seen[MESH_UNITS] ? given->unit : 0;
+    if (given->up == CML_UP_Y) return fail_option(options, "up", "y", "z or -z for a heightmap");
+    CML_TRY((kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(boundary->file, unit, &boundary->map, err));
+    cml_heightmap_place(&boundary->map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
+    return cml_heightmap_mesh(&boundary->map, 0, given->normals, &boundary->mesh, &boundary->map_notes, err);
 }
 
 static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
@@ -283,15 +302,19 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
                               .keys = {"units", "scale", "shift", "up", "normals"},
                               .list = "units=, scale=, shift=, up= or normals="};
     struct cml_obj_options obj = {.unit = 1, .scale = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
+    enum mesh_file kind = FILE_OBJ;
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
-    CML_TRY(check_mesh_name(&options, name));
+    CML_TRY(check_mesh_name(&options, name, &kind));
     for (bool more = true; more;) {
         CML_TRY(next_option(&options, &more));
         if (more) CML_TRY(set_mesh_option(&options, &obj));
     }
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
-    CML_TRY(cml_obj_read(boundary->file, &obj, &boundary->mesh, &boundary->mesh_notes, reader->err));
+    if (kind == FILE_OBJ)
+        CML_TRY(cml_obj_read(boundary->file, &obj, &boundary->mesh, &boundary->mesh_notes, reader->err));
+    else
+        CML_TRY(read_heightmap(&options, kind, &obj, boundary));
     boundary->form = CML_FORM_MESH;
     return CML_OK;
 }

@@ -10,6 +10,7 @@ static void clear_shape(struct cml_boundary *boundary)
     boundary->radial = (struct cml_radial){0};
     if (boundary->form == CML_FORM_MESH) cml_mesh_clear(&boundary->mesh);
     boundary->mesh_notes = (struct cml_mesh_notes){0};
+    cml_heightmap_clear(&boundary->map);
     boundary->form = CML_FORM_PLANE;
 }
 
@@ -42,6 +43,21 @@ void cml_scene_list_clear(struct cml_scene_list *list)
 void cml_scene_flatten(struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) clear_shape(&scene->boundaries[b]);
+}
+
+cml_status cml_scene_simplify(struct cml_scene *scene, double tolerance, struct cml_error *err)
+{
+    for (int b = 0; b <= scene->num_layers; b++) {
+        struct cml_boundary *boundary = &scene->boundaries[b];
+        if (!boundary->map.h) continue;
+        struct cml_mesh mesh;
+        CML_TRY(cml_heightmap_mesh(&boundary->map, tolerance, boundary->mesh.normals, &mesh,
+                                   &boundary->map_notes, err));
+        cml_mesh_clear(&boundary->mesh);
+        boundary->mesh = mesh;
+        cml_heightmap_clear(&boundary->map);
+    }
+    return CML_OK;
 }
 
 double cml_radial_height(const struct cml_radial *radial, double r)

@@ -5,6 +5,7 @@
 #ifndef CML_SCENE_H
 #define CML_SCENE_H
 
+#include "heightmap.h"
 #include "mesh.h"
 #include "status.h"
 
@@ -33,7 +34,9 @@ struct cml_boundary {
     struct cml_radial radial;    /* CML_FORM_RADIAL */
     struct cml_mesh mesh;        /* CML_FORM_MESH, prepared, in the boundary's frame */
     struct cml_mesh_notes mesh_notes;
-    char *file; /* the .obj or height file, NULL when the numbers stand in the .mci */
+    struct cml_heightmap map; /* what the mesh was made of; no heights when it was no heightmap */
+    struct cml_heightmap_notes map_notes;
+    char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
     int line;   /* line of the .mci, 0 when the boundary is implicit */
     char *text; /* that line as written, NULL when implicit */
 };
@@ -85,6 +88,10 @@ void cml_scene_list_clear(struct cml_scene_list *list);
 
 /* Replaces every heightfield and mesh by its nominal plane (the 2019 program's IGNORE_HEIGHTFIELDS). */
 void cml_scene_flatten(struct cml_scene *scene);
+
+/* Makes the meshes of heightmaps anew with this tolerance (heightmap.h); the reader merges only what lies in
+ * one plane. */
+CML_NODISCARD cml_status cml_scene_simplify(struct cml_scene *scene, double tolerance, struct cml_error *err);
 
 /* Height h(r) of a radial heightfield, cm; r >= 0. */
 double cml_radial_height(const struct cml_radial *radial, double r);

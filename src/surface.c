@@ -124,7 +124,12 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
     }
     struct cml_mesh mesh;
     CML_TRY(cml_mesh_copy(&boundary->mesh, &mesh, err));
-    const cml_status status = make_mesh(&mesh, boundary->z, scene, "mesh", def, err);
+    char reason[sizeof def->reason] = "mesh";
+    const struct cml_heightmap_notes *notes = &boundary->map_notes;
+    if (notes->cells > 0)
+        snprintf(reason, sizeof reason, "heightmap: %zu of %zu triangles and a skirt", notes->triangles,
+                 2 * notes->cells);
+    const cml_status status = make_mesh(&mesh, boundary->z, scene, reason, def, err);
     cml_mesh_clear(&mesh);
     return status;
 }

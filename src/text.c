@@ -59,20 +59,22 @@ void cml_text_set_source(cml_text_source *source, void *context)
     text_source_context = context;
 }
 
-static cml_status read_text(const char *path, struct cml_text *text, struct cml_error *err)
+cml_status cml_text_read_bytes(const char *path, struct cml_text *text, struct cml_error *err)
 {
+    *text = (struct cml_text){0};
     CML_TRY(cml_text_copy(cml_text_name(path), &text->path, err));
-    CML_TRY(text_source(text_source_context, path, &text->data, &text->size, err));
-    if (strlen(text->data) == text->size) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "%s: cannot be read (it holds a NUL byte, so it is not a text file)",
-                    text->path);
+    const cml_status status = text_source(text_source_context, path, &text->data, &text->size, err);
+    if (status != CML_OK) cml_text_clear(text);
+    return status;
 }
 
 cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err)
 {
-    *text = (struct cml_text){0};
-    const cml_status status = read_text(path, text, err);
-    if (status != CML_OK) cml_text_clear(text);
+    CML_TRY(cml_text_read_bytes(path, text, err));
+    if (strlen(text->data) == text->size) return CML_OK;
+    const cml_status status = cml_fail(
+        err, CML_E_INPUT, "%s: cannot be read (it holds a NUL byte, so it is not a text file)", text->path);
+    cml_text_clear(text);
     return status;
 }
 

@@ -24,6 +24,9 @@ struct cml_text {
  * a directory: "PATH: cannot be read (REASON)". On failure *text is cleared. */
 CML_NODISCARD cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err);
 
+/* The same for a file that is not text: NUL bytes are data. */
+CML_NODISCARD cml_status cml_text_read_bytes(const char *path, struct cml_text *text, struct cml_error *err);
+
 void cml_text_clear(struct cml_text *text);
 
 /* Where cml_text_read gets its bytes: size bytes and a final NUL, owned by the caller. NULL stands for

@@ -143,6 +143,26 @@ static void runs_may_differ_in_size(void **state)
     clear(&pair);
 }
 
+/* A small run with a large error of its own is believed: a common variance would hide it. */
+static void the_larger_error_counts(void **state)
+{
+    (void)state;
+    struct pair pair;
+    make_pair(&pair, true, true);
+    pair.mco[1].photons = 10000;
+    memcpy(strstr(pair.mco[1].extra, "0.003"), "0.3  ", 5);
+    pair.mco[1].Rd = 0.6;
+    compare(&pair);
+    assert_near(find(&pair, CML_QUANTITY_Rd, 0)->z, -1, 1e-3);
+    clear(&pair);
+    make_pair(&pair, true, true);
+    pair.mco[1].photons = 10000;
+    pair.mco[1].Rd = 0.33; /* its error says 0.003; the variance of the larger run says 0.03 */
+    compare(&pair);
+    assert_near(find(&pair, CML_QUANTITY_Rd, 0)->z, -1, 0.01);
+    clear(&pair);
+}
+
 /* Without any errors the bound for scores up to 1 holds: variance mean (1 - mean) per packet. */
 static void without_errors_the_bound_counts(void **state)
 {
@@ -266,6 +286,7 @@ int main(void)
         cmocka_unit_test(a_result_agrees_with_itself),
         cmocka_unit_test(deviates_are_differences_over_errors),
         cmocka_unit_test(runs_may_differ_in_size),
+        cmocka_unit_test(the_larger_error_counts),
         cmocka_unit_test(without_errors_the_bound_counts),
         cmocka_unit_test(specular_reflection_is_exact),
         cmocka_unit_test(light_that_is_missing_is_found),
@@ -273,5 +294,5 @@ int main(void)
         cmocka_unit_test(untallied_absorption_is_left_out),
         cmocka_unit_test(other_grids_are_refused),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("compare", tests, NULL, NULL);
 }

@@ -71,5 +71,5 @@ int main(void)
         cmocka_unit_test(students_tail_becomes_the_normal_one),
         cmocka_unit_test(sidak_is_the_chance_of_the_smallest),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests_name("significance", tests, NULL, NULL);
 }

@@ -25,6 +25,7 @@ enum option_key {
     KEY_RESUME,
     KEY_PATIENCE,
     KEY_ALPHA,
+    KEY_CAPTION,
     KEY_QUIET,
     KEY_VERBOSE,
     KEY_JSON,
@@ -51,6 +52,7 @@ static const struct option long_options[] = {
     {"resume", no_argument, NULL, KEY_RESUME},
     {"patience", required_argument, NULL, KEY_PATIENCE},
     {"alpha", required_argument, NULL, KEY_ALPHA},
+    {"caption", required_argument, NULL, KEY_CAPTION},
     {"quiet", no_argument, NULL, KEY_QUIET},
     {"verbose", no_argument, NULL, KEY_VERBOSE},
     {"json", no_argument, NULL, KEY_JSON},
@@ -71,8 +73,8 @@ const char *cml_options_help(void)
            "       clustermcml trace scene.mci N [options]   every event of photon N as a table\n"
            "       clustermcml compare a.mco b.mco [-o f.svg]    z per bin, Sidak-corrected p-value; exit 1 "
            "if they differ\n"
-           "       clustermcml plot a.mco [b.mco ...] -o f.svg   r*Rd(r) and r*Tt(r), heightfields dotted "
-           "(svg or png)\n"
+           "       clustermcml plot a.mco [b.mco ...] [c.csv ...] -o f.svg   r*Rd(r) and r*Tt(r), "
+           "heightfields dotted, curves of others dashed (svg or png)\n"
            "\n"
            "simulation\n"
            "  --photons N            instead of the file's number; 1e7 reads as ten million\n"
@@ -105,6 +107,7 @@ const char *cml_options_help(void)
            "there\n"
            "  --alpha A              level of `compare`: p below it is a difference, default 0.01\n"
            "  --verbose              photons, idle and communication share of every rank\n"
+           "  --caption TEXT         below the picture of `plot`\n"
            "  --quiet                no banner, progress or summary\n"
            "  --help, --version\n"
            "\n"
@@ -260,6 +263,9 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
         return parse_stopping(key, value, options, err);
     case KEY_ALPHA:
         return parse_alpha(value, options, err);
+    case KEY_CAPTION:
+        options->caption = value;
+        return CML_OK;
     case KEY_OUTPUT:
     case 'o':
         options->output = value;

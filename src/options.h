@@ -17,9 +17,10 @@ struct cml_options {
     bool resume;
     double patience; /* s of a rank's silence */
     bool quiet, json, verbose;
-    double alpha;       /* level of `compare` */
-    const char *output; /* -o, --output-dir: a directory, or the picture of `plot` and `compare`; NULL: not
-                           given */
+    double alpha;        /* level of `compare` */
+    const char *caption; /* of `plot`, NULL: none */
+    const char *output;  /* -o, --output-dir: a directory, or the picture of `plot` and `compare`; NULL: not
+                            given */
     int num_operands;
     char **operands; /* borrowed from argv */
     bool help, version;

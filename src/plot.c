@@ -9,13 +9,16 @@
 /* Okabe and Ito's colours, which stay apart for colour-blind eyes; yellow last, it is faint on white. */
 static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                       "#000000", "#E69F00", "#56B4E9", "#F0E442"};
+
+/* gnuplot's marks, full for results and open for curves of others: what tells curves apart in grey. */
+static const int marks[2][8] = {{7, 5, 9, 13, 11, 15, 2, 1}, {6, 4, 8, 12, 10, 14, 2, 1}};
 enum { NUM_COLOURS = sizeof colours / sizeof *colours, MOST_HEIGHTS = 20000, NAME_SIZE = 128 };
 
 /* Share of a panel's height, at its bottom, that belongs to the heightfields alone. */
 static const double strip = 0.25;
 
 /* Lengths in points of the SVG; the PNG has twice as many pixels. */
-enum { WIDTH = 900, PANEL = 340, GAP = 44, HEAD = 50, ROW = 18, FOOT = 62 };
+enum { WIDTH = 900, PANEL = 340, GAP = 44, HEAD = 50, ROW = 18, FOOT = 62, LINE = 17, LINE_CHARACTERS = 118 };
 
 struct panel {
     const char *name, *title, *axis, *error_key;
@@ -31,6 +34,7 @@ struct drawing {
     double *values; /* scratch for standard errors and heights */
     int capacity, columns, rows;
     int height; /* of the whole picture, points */
+    int foot;   /* of that below the panels */
     struct panel panels[2];
 };
 
@@ -72,7 +76,7 @@ static void write_title(FILE *out, const struct cml_plot *plot)
 {
     char title[512] = "";
     size_t used = 0;
-    const int named = plot->count <= 4 ? plot->count : 3;
+    const int named = plot->num_results <= 4 ? plot->num_results : 3;
     for (int i = 0; i < named; i++) {
         const char *scene = base_name(plot->results[i].output ? plot->results[i].output : "?");
         const char *end = strstr(scene, ".mco");
@@ -80,7 +84,8 @@ static void write_title(FILE *out, const struct cml_plot *plot)
         used +=
             (size_t)snprintf(title + used, sizeof title - used, "%s%.*s", i > 0 ? ", " : "", length, scene);
     }
-    if (named < plot->count) snprintf(title + used, sizeof title - used, " and %d more", plot->count - named);
+    if (named < plot->num_results)
+        snprintf(title + used, sizeof title - used, " and %d more", plot->num_results - named);
     cml_gnuplot_quote(out, title);
 }
 
@@ -243,7 +248,7 @@ static void write_height_axis(FILE *out, const struct panel *panel)
 
 static void write_axes(const struct drawing *d, const struct panel *panel)
 {
-    const int bottom = FOOT + (panel->top ? PANEL + GAP : 0);
+    const int bottom = d->foot + (panel->top ? PANEL + GAP : 0);
     fprintf(d->out, "set bmargin at screen %.6f\nset tmargin at screen %.6f\n", (double)bottom / d->height,
             (double)(bottom + PANEL) / d->height);
     fprintf(d->out, "set label 2 '%s' at graph 0,1 left offset 0,0.7\nset ylabel '%s' offset 0.5,0\n",
@@ -259,19 +264,25 @@ static void write_axes(const struct drawing *d, const struct panel *panel)
     write_height_axis(d->out, panel);
 }
 
-static void write_curve(const struct drawing *d, const struct panel *panel, int k, int dash)
+static void write_curve(const struct drawing *d, const struct panel *panel, int k)
 {
     const struct cml_mco *mco = &d->plot->results[k];
-    const char *colour = colours[k % NUM_COLOURS];
+    const bool others = k >= d->plot->num_results;
+    const int place = others ? k - d->plot->num_results : k;
+    const int dash = others ? 2 : 1 + 3 * (place / NUM_COLOURS % 2);
+    const char *colour = colours[place % NUM_COLOURS];
     char name[NAME_SIZE];
     legend_name(d->plot, k, name);
-    if (!lit(panel, mco)) {
-        fprintf(d->out, "NaN with lines lw 2 dt %d lc rgb '%s'", dash, colour);
-    } else {
+    if (lit(panel, mco) && !others)
         fprintf(d->out, "$%s%d using 1:3:4 with filledcurves lc rgb '%s' fs transparent solid 0.3 noborder, ",
                 panel->name, k, colour);
-        fprintf(d->out, "$%s%d using 1:2 with lines lw 2 dt %d lc rgb '%s'", panel->name, k, dash, colour);
-    }
+    if (lit(panel, mco))
+        fprintf(d->out, "$%s%d using 1:2 with linespoints lw %g dt %d pt %d ps 0.6 pi %d lc rgb '%s'",
+                panel->name, k, others ? 1.3 : 2, dash, marks[others][place % NUM_COLOURS], 1 + mco->nr / 14,
+                colour);
+    else
+        fprintf(d->out, "NaN with linespoints lw 2 dt %d pt %d ps 0.6 lc rgb '%s'", dash,
+                marks[others][place % NUM_COLOURS], colour);
     if (panel->top) {
         fputs(" title ", d->out);
         cml_gnuplot_quote(d->out, name);
@@ -291,9 +302,34 @@ static void write_panel(const struct drawing *d, const struct panel *panel)
     fputs(panel->top ? "" : "unset key\nunset label 1\n", d->out);
     for (int k = 0; k < d->plot->count; k++) {
         fputs(k == 0 ? "plot " : ", \\\n     ", d->out);
-        write_curve(d, panel, k, 1 + k / NUM_COLOURS % 2);
+        write_curve(d, panel, k);
     }
     fputc('\n', d->out);
+}
+
+/* Breaks the caption at blanks; returns the number of lines. out NULL: only counts. */
+static int write_caption(FILE *out, const struct drawing *d)
+{
+    const char *rest = d->plot->caption ? d->plot->caption : "";
+    int lines = 0;
+    while (*rest) {
+        size_t length = strlen(rest), end = length;
+        if (length > LINE_CHARACTERS)
+            for (end = LINE_CHARACTERS; end > 1 && rest[end] != ' ';) end--;
+        if (end == 1 && length > LINE_CHARACTERS) end = LINE_CHARACTERS;
+        char line[LINE_CHARACTERS + 1];
+        snprintf(line, sizeof line, "%.*s", (int)end, rest);
+        if (out) {
+            fprintf(out, "set label %d ", 10 + lines);
+            cml_gnuplot_quote(out, line);
+            fprintf(out, " at screen 0.02,%.6f left font ',%d' textcolor rgb '#404040'\n",
+                    (double)(d->foot - FOOT - LINE * lines) / d->height,
+                    d->plot->picture == CML_PICTURE_SVG ? 13 : 10);
+        }
+        rest += end + strspn(rest + end, " ");
+        lines++;
+    }
+    return lines;
 }
 
 /* As many legend columns as the longest name allows; the picture grows with their rows. */
@@ -311,7 +347,8 @@ static void lay_out(struct drawing *d)
     d->columns = (int)fmax(1, floor(90.0 / ((double)longest + 8)));
     if (d->columns > d->plot->count) d->columns = d->plot->count;
     d->rows = (d->plot->count + d->columns - 1) / d->columns;
-    d->height = HEAD + ROW * d->rows + GAP + PANEL + GAP + PANEL + FOOT;
+    d->foot = FOOT + LINE * write_caption(NULL, d);
+    d->height = HEAD + ROW * d->rows + GAP + PANEL + GAP + PANEL + d->foot;
 }
 
 cml_status cml_plot_script(FILE *out, const struct cml_plot *plot, struct cml_error *err)
@@ -334,6 +371,7 @@ cml_status cml_plot_script(FILE *out, const struct cml_plot *plot, struct cml_er
     for (int p = 0; p < 2; p++) {
         find_heights(&d, &d.panels[p]);
         find_range(&d, &d.panels[p]);
+        if (p == 1) (void)write_caption(out, &d);
         write_panel(&d, &d.panels[p]);
     }
     fputs("unset multiplot\n", out);

@@ -1,6 +1,6 @@
 /* Pictures of results as scripts for gnuplot: r*Rd(r) and r*Tt(r) over r.
- * Knows the drawing, not the process that draws.
- * SPDX-License-Identifier: MIT */
+ * Results are solid, with a band of their standard error; the n-th curve is dashed in the colour of the n-th
+ * result. Knows the drawing, not the process that draws. SPDX-License-Identifier: MIT */
 #ifndef CML_PLOT_H
 #define CML_PLOT_H
 
@@ -8,9 +8,11 @@
 #include "mco.h"
 
 struct cml_plot {
-    int count;
+    int count; /* of results and, behind them, curves of others (curve.h) */
+    int num_results;
     const struct cml_mco *results; /* [count], borrowed, nr >= 3 each */
     const char *const *names;      /* [count], borrowed: paths of the files, for the legend */
+    const char *caption;           /* text below the picture; NULL: none */
     enum cml_picture picture;
 };
 

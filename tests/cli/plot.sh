@@ -37,6 +37,28 @@ expect_code 2 plot "$work/missing.mco" -o "$work/none.svg"
 expect_code 2 plot samples/fig5.mci -o "$work/none.svg"
 expect_code 5 plot "$work/fig5.mco" -o "$work/missing/none.svg"
 
+# Curves of others: dashed, in the colour of the result that stands at the same place; a caption breaks into lines.
+curve=tests/reference/profiles/hinoise.reentry.csv
+expect_code 0 plot $curve "$work/hinoise.mco" -o "$work/curve.svg" --caption "A caption of <one> & 'two' words $(printf '%0200d' 0) end"
+grep -q 'hinoise.reentry.csv' "$work/curve.svg" || complain "the curve is not in the legend"
+grep -q 'stroke-dasharray' "$work/curve.svg" || complain "the curve is not dashed"
+grep -q "A caption of &lt;one> &amp; 'two' words" "$work/curve.svg" || complain "the caption is missing"
+test "$(grep -c '#0072B2\|rgb(  0, 114, 178)' "$work/curve.svg")" -ge 2 || complain "the curve has another colour"
+bad_curve() { # MESSAGE TEXT
+    printf "$2" >"$work/bad.csv"
+    expect_error 2 "$work/bad.csv$1" plot "$work/bad.csv" -o "$work/none.svg"
+}
+bad_curve ': bin is missing (expected a column of this name)' ''
+bad_curve ':1: r_mid_cm is missing (expected a column of this name)' 'bin,r,Rd_r_per_cm2\n'
+bad_curve ':1: Rd_r_per_cm2 is missing (expected a column of this name, or Tt_r_per_cm2)' 'bin,r_mid_cm\n'
+bad_curve ':3: Rd_r_per_cm2 = x (expected a number of 0 or more)' '# c\nbin,r_mid_cm,Rd_r_per_cm2\n0,0.5,x\n'
+bad_curve ':2: bin = 0.5 (expected a whole number of 0..999998)' 'bin,r_mid_cm,Rd_r_per_cm2\n0.5,0.5,1\n'
+bad_curve ':2: row is missing (expected a value in every column that the first line names)' \
+    'bin,r_mid_cm,Rd_r_per_cm2\n0,0.5\n'
+bad_curve ':3: bin = 1 (expected more than the one before)' 'bin,r_mid_cm,Rd_r_per_cm2\n1,1.5,1\n1,1.5,1\n'
+bad_curve ': r_mid_cm = 1 in bin 0 (expected 0.5, the middle of the bin)' 'bin,r_mid_cm,Tt_r_per_cm2\n0,1,1\n1,1.5,1\n'
+bad_curve ':2: rows is missing (expected 2 or more)' 'bin,r_mid_cm,Tt_r_per_cm2\n0,1,1\n'
+
 # Without gnuplot, and with one that fails: one line, no picture, the old picture stays.
 mkdir "$work/bin"
 real=$program

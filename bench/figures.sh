@@ -1,0 +1,48 @@
+#!/bin/sh
+# Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
+# curves (figures/*.csv) dashed beside them: figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
+# SPDX-License-Identifier: MIT
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(dirname "$here")
+program=$root/build/clustermcml photons=3000000 out=$here/out
+while [ $# -gt 0 ]; do
+    case $1 in
+    --quick) photons=100000 ;;
+    --photons) photons=$2 && shift ;;
+    --program) program=$2 && shift ;;
+    --out) out=$2 && shift ;;
+    *) echo "usage: figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]" >&2 && exit 2 ;;
+    esac
+    shift
+done
+mkdir -p "$out"
+for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
+    shapes/hinoise; do
+    "$program" "$root/samples/$scene.mci" --photons "$photons" --ignore-absorption --quiet -o "$out"
+done
+
+flat="Solid: this program, $photons packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of \
+the program of 2019, read from its graphics, where its flat scenes are sound: they agree within print and noise."
+kernel="Solid: this program, $photons packets, with a band of one standard error; dotted: the heightfield, on top and bottom. Dashed: the \
+report's curves of 2019. The flat one is sound. The others differ because that program's surfaces were not those drawn: the \
+outer half of the samples became a staircase of planes, normals were off by 17 to 89 degrees"
+draw() { # FIGURE CAPTION FILES...
+    figure=$1 caption=$2
+    shift 2
+    (cd "$out" && "$program" plot "$@" --caption "$caption" --quiet -o "$figure.svg")
+    echo "$out/$figure.svg"
+}
+case $program in /*) ;; *) program=$PWD/$program ;; esac
+curves=$here/figures
+draw figure5 "$flat" fig5.mco "$curves/fig5-CUDAMCML-2019.csv" "$curves/fig5-clustermcml-2019.csv"
+draw figure6 "$flat" fig6.mco "$curves/fig6-CUDAMCML-2019.csv" "$curves/fig6-clustermcml-2019.csv"
+draw figure7 "$flat Made with layers of 0.15 cm, as the report's figure was, not of 1.5 cm as its text says." \
+    fig7.mco "$curves/fig7-CUDAMCML-2019.csv" "$curves/fig7-clustermcml-2019.csv"
+draw figure8 "$kernel, and light on the axis passed the tips unhindered." flat50.mco lohill.mco hihill.mco \
+    "$curves/flat50-2019.csv" "$curves/lohill-2019.csv" "$curves/hihill-2019.csv"
+draw figure9 "$kernel, its packets began at z = 0, above the crater's floor, and light that left could not come back." flat50.mco locrater.mco hicrater.mco "$curves/flat50-2019.csv" "$curves/locrater-2019.csv" \
+    "$curves/hicrater-2019.csv"
+draw figure10 "$kernel, crossings were missed, and light that left could not come back, without which hinoise reflects 1.8 \
+times as much." flat50.mco lonoise.mco hinoise.mco "$curves/flat50-2019.csv" \
+    "$curves/lonoise-2019.csv" "$curves/hinoise-2019.csv"

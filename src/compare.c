@@ -293,8 +293,9 @@ static bool tallied_absorption(const struct cml_mco *mco)
 
 static void test_all(const struct cml_mco *const mco[2], double *scratch, int most, struct cml_comparison *c)
 {
-    for (int which = 0; which < CML_NUM_QUANTITIES; which++) {
-        struct quantity q = {.which = (enum cml_quantity)which, .bins = bins_of(mco[0], which)};
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_quantity which = (enum cml_quantity)i;
+        struct quantity q = {.which = which, .bins = bins_of(mco[0], which)};
         if (which == CML_QUANTITY_A_z && c->no_absorption) continue;
         for (int k = 0; k < 2; k++) {
             double *errors = scratch + (size_t)k * (size_t)most;

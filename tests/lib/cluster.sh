@@ -25,7 +25,7 @@ expect_ranks_error() { # N CODE MESSAGE ARGUMENTS...
 
 # All of an .mco file but its line of time.
 bits() { # FILE
-    grep -v '^# User time' "$1" | sha256sum
+    grep -av '^# User time' "$1" | sha256sum
 }
 
 expect_bits() { # WHAT FILE EXPECTED

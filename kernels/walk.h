@@ -136,8 +136,8 @@ CML_FN cml_u64 cml_map_pixel(const struct cml_setup *setup, real x, real y)
     const real ix = CML_FMA(x + setup->x0, map->per_dx, map->half_x),
                iy = CML_FMA(y + setup->y0, map->per_dy, map->half_y);
     const cml_u64 pixels = (cml_u64)map->nx * (cml_u64)map->ny;
-    if (!cml_in_bins(ix, map->nx) | !cml_in_bins(iy, map->ny)) return pixels;
-    return (cml_u64)iy * (cml_u64)map->nx + (cml_u64)ix;
+    const int inside = cml_in_bins(ix, map->nx) & cml_in_bins(iy, map->ny);
+    return inside ? (cml_u64)iy * (cml_u64)map->nx + (cml_u64)ix : pixels;
 }
 
 /* Into the voxel at p; nx * ny * nz outside of the volume. bins: of the medium. */

@@ -8,15 +8,16 @@
 #include <stdio.h>
 #include <time.h>
 
-enum stage { DRAW, FLY, INTERACT, SCATTER, REACH, TURN, BEHIND, STAGES };
+enum stage { DRAW, FLY, INTERACT, SCATTER, INTERACT_NONE, REACH, TURN, BEHIND, STAGES };
 static const char *const names[STAGES] = {
-    "draw: the block of the next interaction",
-    "fly: optical depth, distance, nearness",
-    "interact: hop, drop, spin",
-    "scatter: into A_rz",
-    "reach planes (every lane is at one)",
-    "turn: Fresnel, reflect, refract (every lane)",
-    "look behind the plane (every lane)",
+    [DRAW] = "draw: the block of the next interaction",
+    [FLY] = "fly: optical depth, distance, nearness",
+    [INTERACT] = "interact: hop, drop, spin",
+    [SCATTER] = "scatter: into A_rz",
+    [INTERACT_NONE] = "interact without A_rz",
+    [REACH] = "reach planes (every lane is at one)",
+    [TURN] = "turn: Fresnel, reflect, refract (every lane)",
+    [BEHIND] = "look behind the plane (every lane)",
 };
 enum { PASS = SCATTER + 1, CELLS = 52 * 202 };
 
@@ -64,6 +65,19 @@ static void set_task(int task)
     for (int i = 0; i < CML_LANES; i++) bundle.task[i] = task;
 }
 
+static void interact(const int tally_cells)
+{
+    sink = (cml_u32)(tally_cells ? cml_bundle_interact(&setup, &bundle, 1, 1)
+                                 : cml_bundle_interact(&setup, &bundle, 1, 0));
+}
+
+static void run_group_stage(int stage, int first)
+{
+    if (stage == REACH) sink = (cml_u32)cml_bundle_reach_planes(&bundle, first);
+    if (stage == TURN) cml_bundle_turn(&setup, &bundle, first);
+    if (stage == BEHIND) sink = cml_bundle_look_behind(&setup, &bundle, first);
+}
+
 static void run_stage(int stage)
 {
     switch (stage) {
@@ -74,18 +88,16 @@ static void run_stage(int stage)
         sink = (cml_u32)cml_bundle_fly(&bundle);
         break;
     case INTERACT:
-        sink = (cml_u32)cml_bundle_interact(&setup, &bundle, 1, 1);
+        interact(1);
+        break;
+    case INTERACT_NONE:
+        interact(0);
         break;
     case SCATTER:
         cml_scatter_deposits(&bundle, &tally);
         break;
     default:
-        break;
-    }
-    for (int first = 0; stage >= REACH && first < CML_LANES; first += CML_GROUP) {
-        if (stage == REACH) sink = (cml_u32)cml_bundle_reach_planes(&bundle, first);
-        if (stage == TURN) cml_bundle_turn(&setup, &bundle, first);
-        if (stage == BEHIND) sink = cml_bundle_look_behind(&setup, &bundle, first);
+        for (int first = 0; first < CML_LANES; first += CML_GROUP) run_group_stage(stage, first);
     }
 }
 
@@ -114,7 +126,7 @@ int main(void)
         printf("\"%s\",%.2f,%.2f\n", names[stage], time_stages(stage, stage + 1, -1),
                pass - time_stages(0, PASS, stage));
     for (int stage = PASS; stage < STAGES; stage++) {
-        set_task(stage == TURN ? CML_LANE_TURN : CML_LANE_NEAR);
+        set_task(stage < REACH ? CML_LANE_INTERACT : (stage == TURN ? CML_LANE_TURN : CML_LANE_NEAR));
         printf("\"%s\",%.2f,\n", names[stage], time_stages(stage, stage + 1, -1));
     }
     return 0;

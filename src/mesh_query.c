@@ -162,7 +162,7 @@ void cml_query_outer_plane(struct cml_mesh_query *q)
 /* Upward normal of the cone that the triangle stands for. */
 static void analytic_normal(const struct cml_mesh_query *q, const double point[3], double normal[3])
 {
-    const double x = point[0] - q->body->axis[0], y = point[1] - q->body->axis[1], r = hypot(x, y);
+    const double x = point[0] - q->body->axis[0], y = point[1] - q->body->axis[1], r = sqrt(x * x + y * y);
     const double m = q->body->mesh.slope[q->primitive], k = 1 / sqrt(1 + m * m);
     normal[0] = r > 0 ? m * k * x / r : 0;
     normal[1] = r > 0 ? m * k * y / r : 0;
@@ -192,9 +192,9 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
         crossing->facet[k] =
             corner >= 0 ? mesh->vertex_normal[mesh->triangle[q->primitive][corner]][k] : q->seam[k];
     const double sign = q->below ? 1 : -1;
-    if (!(sign * cml_vec3_dot(q->direction, crossing->facet) > 0)) /* a mean may turn away from the ray */
-        facet_normal(mesh, q->primitive, crossing->facet);
-    normalise(crossing->facet);
+    const bool away = !(sign * cml_vec3_dot(q->direction, crossing->facet) > 0); /* as a mean may turn */
+    if (away) facet_normal(mesh, q->primitive, crossing->facet);
+    if (away || q->on_seam || corner >= 0) normalise(crossing->facet);
     for (int k = 0; k < 3; k++) crossing->normal[k] = crossing->facet[k];
     if (q->on_seam) return;
     if (mesh->normals == CML_NORMALS_ANALYTIC)

@@ -1,0 +1,35 @@
+#!/bin/sh
+# What the parts of the cpu engine cost on this machine: parts.sh [BUILD] [OUT]. Builds bench_stages and bench_queries in
+# BUILD (build), runs them and leaves OUT (bench/out)/parts.txt: the vector loops alone and left out, then, for rough
+# tops and rings below which light is scattered often (S6a) and seldom (S2), what a step near the boundary costs.
+# SPDX-License-Identifier: MIT
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+build=${1:-$here/../build}
+out=${2:-$here/out}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cmake --build "$build" --target bench_stages bench_queries >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
+mkdir -p "$out"
+
+python3 -B "$here/rough.py" mesh 3e5 0.018 "$work/rough.obj"
+python3 -B "$here/rough.py" rings 50 0.018 "$work/rings.txt"
+PYTHONPATH=$here python3 -B -c '
+import sys, cases
+for medium in ("S6a", "S2"):
+    cases.write_scene(medium, sys.argv[1] + "/" + medium + "-rough.mci", surface="m \"rough.obj\"")
+    cases.write_scene(medium, sys.argv[1] + "/" + medium + "-rings.mci", surface="b \"rings.txt\"")' "$work"
+
+{
+    echo "# $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1); load $(cut -d' ' -f1-3 /proc/loadavg)"
+    "$build/bench_stages"
+    for scene in S6a-rough S6a-rings S2-rough S2-rings; do
+        echo "# $scene"
+        "$build/bench_queries" "$work/$scene.mci"
+    done
+    for medium in S6a S2; do
+        echo "# $medium-rings as a mesh"
+        "$build/bench_queries" "$work/$medium-rings.mci" --mesh
+    done
+} >"$out/parts.txt"
+cat "$out/parts.txt"

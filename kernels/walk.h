@@ -10,33 +10,35 @@
 #include "surface_hit.h"
 #include "types.h"
 
-#ifndef CML_ADD /* a device that shares its tallies among packets adds atomically */
-#define CML_ADD(cell, amount) (*(cell) += (amount))
+/* A device has the deposits, cml_next_flight and cml_turn of its own, included before: its cells are shared
+ * by many packets, and it turns and draws for many together. */
+#ifndef CML_APART
+#include "deposits.h"
+
+/* P2: the block of the next interaction and the optical depth to it. */
+CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
+{
+    packet->draw =
+        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_INTERACTION, packet->interactions);
+    packet->tau =
+        cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
+}
+
+/* P4. */
+CML_FN void cml_turn(real g, struct cml_packet *packet)
+{
+    packet->u = cml_scatter(packet->u, g, packet->draw.w[1], packet->draw.w[2]);
+}
 #endif
 
-#ifndef CML_ADD_SHARED /* to arrays that are too large for a copy per thread */
-#ifdef __OPENCL_VERSION__
-#define CML_ADD_SHARED CML_ADD
+#ifdef __OPENCL_VERSION__ /* its string literals have an address space of their own, and nobody listens */
+#define cml_event(world, what, packet) ((void)0)
 #else
-#define CML_ADD_SHARED(cell, amount) __atomic_fetch_add(cell, amount, __ATOMIC_RELAXED)
-#endif
-#endif
-
-/* Where deposits go. A_rz: [nr + 1][nz + 2] or NULL (see src/tally.h), A_l: [num_layers + 2] by medium;
- * weight units. Shared by threads: A_xyz: [nz ny nx + 1] or NULL, facets: [facets of all
- * boundaries][CML_FACET_SCORES] or NULL. */
-struct cml_deposits {
-    CML_GLOBAL cml_u64 *A_rz, *A_l, *A_xyz, *facets;
-};
-
 CML_FN void cml_event(const struct cml_world *world, const char *what, const struct cml_packet *packet)
 {
-#ifndef __OPENCL_VERSION__
     if (world->on_event) world->on_event(world->on_event_context, what, packet);
-#else
-    (void)world, (void)what, (void)packet;
-#endif
 }
+#endif
 
 CML_FN void cml_end(struct cml_packet *packet, enum cml_fate fate)
 {
@@ -47,15 +49,6 @@ CML_FN void cml_lose(struct cml_packet *packet, enum cml_lost_cause cause)
 {
     packet->fate = CML_FATE_LOST;
     packet->cause = (int)cause;
-}
-
-/* P2: the block of the next interaction and the optical depth to it. */
-CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
-{
-    packet->draw =
-        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_INTERACTION, packet->interactions);
-    packet->tau =
-        cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
 }
 
 /* Distance to the next interaction if no boundary comes first. */
@@ -149,7 +142,7 @@ CML_FN void cml_deposit_volume(const struct cml_setup *setup, const struct cml_d
     const real iz = CML_FMA(p.z, setup->per_dz, bins) - map->top_bins;
     const int inside = (pixel < pixels) & cml_in_bins(iz, setup->nz);
     const cml_u64 voxel = inside ? (cml_u64)iz * pixels + pixel : pixels * (cml_u64)setup->nz;
-    CML_ADD_SHARED(&to->A_xyz[voxel], dw);
+    cml_add_to_voxel(to, voxel, dw);
 }
 
 CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
@@ -157,13 +150,13 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
 {
     const struct cml_setup *setup = &world->setup;
     packet->absorbed += dw;
-    CML_ADD(&to->A_l[packet->medium], dw);
+    cml_add_to_layer(to, packet->medium, dw);
     const real bins = world->media[packet->medium].bins;
-    if (to->A_xyz) cml_deposit_volume(setup, to, packet->p, bins, dw);
+    if (cml_has_volume(to)) cml_deposit_volume(setup, to, packet->p, bins, dw);
     if (!setup->tally_absorption) return;
     const int iz = cml_depth_bin(setup, packet->p.z, bins);
     const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y);
-    CML_ADD(&to->A_rz[ir * (setup->nz + 2) + iz], dw);
+    cml_add_to_cell(to, ir * (setup->nz + 2) + iz, dw);
 }
 
 /* w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight keeps
@@ -218,7 +211,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[2]);
     packet->w -= dw;
     cml_deposit(world, to, packet, dw);
-    packet->u = cml_scatter(packet->u, medium->g, packet->draw.w[1], packet->draw.w[2]);
+    cml_turn(medium->g, packet);
     packet->interactions++;
     cml_event(world, "interact", packet);
     if (!(cml_dot(packet->u, packet->u) < 2))
@@ -367,10 +360,10 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
     if (range.count == 0) return;
     if (world->surfaces[boundary].kind == CML_SURFACE_PLANE)
         primitive = (int)cml_map_pixel(&world->setup, x, y);
-    CML_GLOBAL cml_u64 *score = to->facets + (cml_u64)cml_facet_index(&range, primitive) * CML_FACET_SCORES;
+    const int facet = cml_facet_index(&range, primitive);
     const int came_from_below = from > boundary, went_below = other > boundary;
-    CML_ADD_SHARED(score + (came_from_below ? CML_FACET_IRRADIANCE_BELOW : CML_FACET_IRRADIANCE_ABOVE), w);
-    CML_ADD_SHARED(score + (went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE), w);
+    cml_add_to_facet(to, facet, came_from_below ? CML_FACET_IRRADIANCE_BELOW : CML_FACET_IRRADIANCE_ABOVE, w);
+    cml_add_to_facet(to, facet, went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE, w);
 }
 
 /* A packet that starts below planes has come through them without an event (P1): what its specular part left
@@ -391,7 +384,7 @@ CML_FN void cml_meet(const struct cml_world *world, const struct cml_deposits *t
 {
     const int from = packet->medium;
     cml_cross(world, packet, hit);
-    if (to->facets)
+    if (cml_has_facets(to))
         cml_score_facet(world, to, hit->boundary, hit->primitive, packet->p.x, packet->p.y, from,
                         packet->medium, packet->w);
 }
@@ -413,23 +406,27 @@ CML_FN void cml_leave(const struct cml_world *world, struct cml_packet *packet)
         cml_lose(packet, CML_LOST_NO_SURFACE);
 }
 
+/* One event of a packet that is alive: a boundary, an interaction, or the end of its flight. */
+CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *to, struct cml_packet *packet)
+{
+    const real t_max = cml_free_path(world, packet);
+    struct cml_hit hit;
+    const struct cml_reach reach = cml_find_reach(world, packet->medium, packet->p, packet->u, t_max);
+    if (cml_nearest(world, packet, reach, &hit))
+        cml_meet(world, to, packet, &hit);
+    else if (t_max < CML_INFINITY)
+        cml_interact(world, to, packet, t_max);
+    else
+        cml_leave(world, packet);
+}
+
 /* The whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */
 CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
                      struct cml_packet *packet)
 {
     cml_launch(world, index, packet);
-    if (to->facets) cml_score_launch(world, to, packet);
-    while (packet->fate == CML_FATE_ALIVE) {
-        const real t_max = cml_free_path(world, packet);
-        struct cml_hit hit;
-        const struct cml_reach reach = cml_find_reach(world, packet->medium, packet->p, packet->u, t_max);
-        if (cml_nearest(world, packet, reach, &hit))
-            cml_meet(world, to, packet, &hit);
-        else if (t_max < CML_INFINITY)
-            cml_interact(world, to, packet, t_max);
-        else
-            cml_leave(world, packet);
-    }
+    if (cml_has_facets(to)) cml_score_launch(world, to, packet);
+    while (packet->fate == CML_FATE_ALIVE) cml_step(world, to, packet);
     cml_event(world, "end", packet);
 }
 

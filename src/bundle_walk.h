@@ -425,7 +425,7 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
     if (tally->grid.absorption)
         for (int i = 0; i < CML_LANES; i++) A_rz[b->cell[i]] += b->dw[i];
     else
-        for (int i = 0; i < CML_LANES; i++) CML_ADD_SHARED(&A_rz[b->cell[i]], b->dw[i]);
+        for (int i = 0; i < CML_LANES; i++) cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
 }
 
 /* The same into the volume, where one is asked for. */

@@ -107,8 +107,8 @@ static inline void cml_ends_flush(const struct cml_setup *setup, struct cml_ends
     cml_ends_find_cells(setup, ends);
     for (int i = 0; i < ends->count; i++) {
         const int fate = ends->fate[i], exits = fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED;
-        CML_ADD(&(fate == CML_FATE_REFLECTED ? tally->Rd_ra : tally->Tt_ra)[ends->cell[i]],
-                exits ? ends->w[i] : 0u);
+        uint64_t *cells = fate == CML_FATE_REFLECTED ? tally->Rd_ra : tally->Tt_ra;
+        cells[ends->cell[i]] += exits ? ends->w[i] : 0u;
     }
     cml_ends_add_sums(setup, ends, tally);
     ends->count = 0;
@@ -127,8 +127,8 @@ struct cml_end {
 static inline void cml_tally_once(uint64_t *weight, uint64_t *square, cml_u32 w)
 {
     const uint64_t rounded = ((uint64_t)w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
-    CML_ADD_SHARED(weight, w);
-    CML_ADD_SHARED(square, rounded * rounded);
+    cml_add_shared(weight, w);
+    cml_add_shared(square, rounded * rounded);
 }
 
 /* A packet that has left, into its pixel. */

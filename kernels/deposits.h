@@ -1,0 +1,52 @@
+/* Where the host's walks put what packets leave behind. A device has its own, of the same names (cells.h).
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_DEPOSITS_H
+#define CML_DEPOSITS_H
+
+#include "facet.h"
+#include "port.h"
+
+/* Arrays of weight units (see src/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:
+ * [num_layers + 2] by medium. All threads', too large for a copy each: A_xyz: [nz ny nx + 1] or NULL, facets:
+ * [facets of all boundaries][CML_FACET_SCORES] or NULL. */
+struct cml_deposits {
+    cml_u64 *A_rz, *A_l, *A_xyz, *facets;
+};
+
+/* To a cell of an array that threads share. */
+CML_FN void cml_add_shared(cml_u64 *cell, cml_u64 amount)
+{
+    __atomic_fetch_add(cell, amount, __ATOMIC_RELAXED);
+}
+
+CML_FN int cml_has_volume(const struct cml_deposits *to)
+{
+    return to->A_xyz != 0;
+}
+
+CML_FN int cml_has_facets(const struct cml_deposits *to)
+{
+    return to->facets != 0;
+}
+
+CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
+{
+    to->A_l[medium] += dw;
+}
+
+CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)
+{
+    to->A_rz[cell] += dw;
+}
+
+CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 voxel, cml_u32 dw)
+{
+    cml_add_shared(&to->A_xyz[voxel], dw);
+}
+
+CML_FN void cml_add_to_facet(const struct cml_deposits *to, int facet, enum cml_facet_score score, cml_u32 w)
+{
+    cml_add_shared(&to->facets[(cml_u64)facet * CML_FACET_SCORES + (cml_u64)score], w);
+}
+
+#endif

@@ -10,6 +10,7 @@
 typedef uint cml_u32;
 typedef ulong cml_u64;
 #define CML_GLOBAL __global
+#define CML_FN static inline __attribute__((always_inline)) /* a packet must live in registers */
 #define CML_SQRT sqrt
 #define CML_FMA fma
 #define CML_FABS fabs
@@ -23,9 +24,8 @@ typedef uint32_t cml_u32;
 typedef uint64_t cml_u64;
 #define CML_GLOBAL
 #define CML_CLZ(n) __builtin_clz((unsigned)(n))
-#endif
-
 #define CML_FN static inline
+#endif
 
 /* Multiply-adds are written out as CML_FMA, one rounding each, and compilers contract nothing by themselves:
  * that way every compiler, vector width and device gives the same bits. */
@@ -43,6 +43,13 @@ typedef float real;
 #define CML_FABS fabsf
 #define CML_COPYSIGN copysignf
 #endif
+#endif
+
+/* A device's compiler is told when a scene has no curved boundary. */
+#ifdef CML_ONLY_PLANES
+#define CML_ALL_PLANES 1
+#else
+#define CML_ALL_PLANES 0
 #endif
 
 /* Spacing of real at 1. */

@@ -129,7 +129,7 @@ CML_FN int cml_clip_to_envelope(const CML_GLOBAL struct cml_surface *surface, re
 CML_FN int cml_can_meet(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
                         struct cml_vec p, struct cml_vec u, real side, real *t_max)
 {
-    if (surface->kind == CML_SURFACE_PLANE) return side * u.z < 0 && -p.z / u.z < *t_max;
+    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) return side * u.z < 0 && -p.z / u.z < *t_max;
     const struct cml_vec from = cml_from_scene_axis(world, p),
                          all = {*t_max * u.x, *t_max * u.y, *t_max * u.z};
     if (cml_is_clear(world, surface, from, all, side) || cml_heads_away(surface, u, side)) return 0;
@@ -163,7 +163,8 @@ CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *pac
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
     const int standing_on = packet->on_boundary == boundary ? packet->on_primitive : -1;
     hit->boundary = boundary;
-    if (surface->kind == CML_SURFACE_PLANE) return cml_plane_hit(p, packet->u, side, t_max, hit);
+    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE)
+        return cml_plane_hit(p, packet->u, side, t_max, hit);
     packet->queries++;
     if (surface->kind == CML_SURFACE_CONE)
         return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,

@@ -16,6 +16,10 @@ struct cml_engine_options {
     uint64_t chunk;  /* packets a thread takes at a time; 0: chosen by the engine. Never changes a result */
     bool reentry;    /* P6 */
     bool absorption; /* tally A_rz */
+    /* opencl */
+    const char *device;        /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: see opencl.h */
+    const char *build_options; /* for the device's compiler, behind ours; NULL: none */
+    int group;                 /* work-items per group; 0: chosen by the device */
 };
 
 /* How one packet ended. */
@@ -23,9 +27,9 @@ struct cml_fate_record {
     int fate, cause; /* enum cml_fate, enum cml_lost_cause of kernels/types.h */
     uint32_t weight; /* left at the end, 2^-31 of a packet */
     uint32_t interactions, boundary_events;
-    double absorbed; /* share of a packet */
-    double exit[2];  /* x, y of the scene, cm, where it touched the surface last, from outside */
-    double direction[3];
+    double specular, absorbed; /* shares of a packet: split off before the launch, left on the way */
+    double exit[2];            /* x, y of the scene, cm, where it touched the surface last, from outside */
+    double direction[3];       /* opencl: of an absorbed packet that before its last interaction */
 };
 
 /* One line of a trace: the packet after the event. */
@@ -49,6 +53,9 @@ struct cml_engine {
     /* Flies packet `index` alone. on_event may be NULL. */
     cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                         struct cml_fate_record *record, struct cml_error *err);
+    /* How packets [first, first + count) end, without a tally: records[count]. */
+    cml_status (*fates)(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
+                        struct cml_error *err);
     int (*threads)(const void *self); /* NULL: as many as it takes unless told */
     void (*close)(void *self);
 };
@@ -65,6 +72,10 @@ struct cml_cpu_level {
     const struct cml_engine *engine;
 };
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS]);
+
+/* float, planes and heightfields on OpenCL devices. Without a device, or built without OpenCL, open fails
+ * with CML_E_DEVICE; with a mesh boundary with CML_E_INPUT. */
+extern const struct cml_engine cml_engine_opencl;
 
 /* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,

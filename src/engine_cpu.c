@@ -58,6 +58,12 @@ static cml_status trace_best(void *self, uint64_t index, cml_trace_function *on_
     return best()->trace(self, index, on_event, context, record, err);
 }
 
+static cml_status fates_of_best(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
+                                struct cml_error *err)
+{
+    return best()->fates(self, first, count, records, err);
+}
+
 static int threads_of_best(const void *self)
 {
     return best()->threads(self);
@@ -74,6 +80,7 @@ const struct cml_engine cml_engine_cpu = {
     .open = open_best,
     .run = run_best,
     .trace = trace_best,
+    .fates = fates_of_best,
     .threads = threads_of_best,
     .close = close_best,
 };

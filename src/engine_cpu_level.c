@@ -136,7 +136,29 @@ static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_e
                             struct cml_fate_record *record, struct cml_error *err)
 {
     const struct cpu_engine *cpu = self;
-    return trace_packet(&cpu->scalar.world, index, on_event, context, record, err);
+    return trace_packets(&cpu->scalar.world, index, 1, on_event, context, record, err);
+}
+
+/* By the walk that the bundles equal bit for bit, because bundles keep no packet's record. */
+static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
+                            struct cml_error *err)
+{
+    const struct cpu_engine *cpu = self;
+    const uint64_t parts = (count + cpu->chunk - 1) / cpu->chunk;
+    cml_status status = CML_OK;
+#pragma omp parallel for num_threads(cpu->threads) schedule(dynamic)
+    for (uint64_t part = 0; part < parts; part++) {
+        const uint64_t begin = part * cpu->chunk;
+        const uint64_t size = count - begin < cpu->chunk ? count - begin : cpu->chunk;
+        struct cml_error mine;
+        const cml_status failed =
+            trace_packets(&cpu->scalar.world, first + begin, size, NULL, NULL, records + begin, &mine);
+        if (failed != CML_OK) {
+#pragma omp critical
+            *err = mine, status = failed;
+        }
+    }
+    return status;
 }
 
 static int cpu_threads(const void *self)
@@ -155,6 +177,7 @@ const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
     .open = cpu_open,
     .run = cpu_run,
     .trace = cpu_trace,
+    .fates = cpu_fates,
     .threads = cpu_threads,
     .close = cpu_close,
 };

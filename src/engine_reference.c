@@ -30,7 +30,14 @@ static cml_status reference_trace(void *self, uint64_t index, cml_trace_function
                                   struct cml_fate_record *record, struct cml_error *err)
 {
     const struct scalar_world *world = self;
-    return trace_packet(&world->world, index, on_event, context, record, err);
+    return trace_packets(&world->world, index, 1, on_event, context, record, err);
+}
+
+static cml_status reference_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
+                                  struct cml_error *err)
+{
+    const struct scalar_world *world = self;
+    return trace_packets(&world->world, first, count, NULL, NULL, records, err);
 }
 
 static int reference_threads(const void *self)
@@ -52,6 +59,7 @@ const struct cml_engine cml_engine_reference = {
     .open = reference_open,
     .run = reference_run,
     .trace = reference_trace,
+    .fates = reference_fates,
     .threads = reference_threads,
     .close = reference_close,
 };

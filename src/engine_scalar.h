@@ -280,10 +280,26 @@ static void forward_event(void *context, const char *what, const struct cml_pack
     tracing->on_event(tracing->context, &event);
 }
 
-/* One packet alone; its deposits go into a tally that is thrown away. */
-static inline cml_status trace_packet(const struct cml_world *world, uint64_t index,
-                                      cml_trace_function *on_event, void *context,
-                                      struct cml_fate_record *record, struct cml_error *err)
+static inline struct cml_fate_record record_of(const struct cml_world *world, const struct cml_packet *packet)
+{
+    const struct cml_fate_record record = {
+        .fate = packet->fate,
+        .cause = packet->cause,
+        .weight = packet->w,
+        .interactions = packet->interactions,
+        .boundary_events = packet->boundary_events,
+        .specular = world->setup.specular * CML_WEIGHT_UNIT,
+        .absorbed = (double)packet->absorbed * CML_WEIGHT_UNIT,
+        .exit = {packet->exit_x + world->setup.x0, packet->exit_y + world->setup.y0},
+        .direction = {packet->u.x, packet->u.y, packet->u.z},
+    };
+    return record;
+}
+
+/* Packets whose deposits go into a tally that is thrown away. on_event may be NULL. */
+static inline cml_status trace_packets(const struct cml_world *world, uint64_t first, uint64_t count,
+                                       cml_trace_function *on_event, void *context,
+                                       struct cml_fate_record *records, struct cml_error *err)
 {
     const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = world->setup.num_layers};
     struct cml_tally tally;
@@ -294,19 +310,12 @@ static inline cml_status trace_packet(const struct cml_world *world, uint64_t in
     traced.on_event = on_event ? forward_event : NULL;
     traced.on_event_context = &tracing;
     const struct cml_deposits to = cml_deposits_of(&tally);
-    struct cml_packet packet;
-    cml_walk(&traced, &to, index, &packet);
+    for (uint64_t i = 0; i < count; i++) {
+        struct cml_packet packet;
+        cml_walk(&traced, &to, first + i, &packet);
+        records[i] = record_of(world, &packet);
+    }
     cml_tally_free(&tally);
-    *record = (struct cml_fate_record){
-        .fate = packet.fate,
-        .cause = packet.cause,
-        .weight = packet.w,
-        .interactions = packet.interactions,
-        .boundary_events = packet.boundary_events,
-        .absorbed = (double)packet.absorbed * CML_WEIGHT_UNIT,
-        .exit = {packet.exit_x + world->setup.x0, packet.exit_y + world->setup.y0},
-        .direction = {packet.u.x, packet.u.y, packet.u.z},
-    };
     return CML_OK;
 }
 

@@ -3,7 +3,8 @@
 # `packages.sh test` also what the tests need. Asks for sudo only when something is missing.
 # SPDX-License-Identifier: MIT
 set -eu
-packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin gnuplot-nox"
+packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin gnuplot-nox
+ocl-icd-opencl-dev opencl-headers pocl-opencl-icd"
 if test "${1:-}" = test; then
     packages="$packages libcmocka-dev librandom123-dev clang clang-format libomp-dev libclang-rt-14-dev python3 libxml2-utils file iproute2"
     packages="$packages python3-h5py python3-xarray python3-netcdf4 python3-vtk9"

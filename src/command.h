@@ -12,6 +12,8 @@ CML_NODISCARD cml_status cml_command_check(const struct cml_options *options, st
 CML_NODISCARD cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err);
 
 /* What run, check, mesh and trace begin with: the one operand as a list of scenes, flattened when asked,

@@ -7,7 +7,8 @@
 #include <stddef.h>
 #include <string.h>
 
-static const struct cml_engine *const engines[] = {&cml_engine_cpu, &cml_engine_reference, NULL};
+static const struct cml_engine *const engines[] = {&cml_engine_cpu, &cml_engine_reference, &cml_engine_opencl,
+                                                   NULL};
 
 const struct cml_engine *cml_engine_find(const char *name)
 {

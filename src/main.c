@@ -19,6 +19,8 @@ static const struct command {
     {"mesh", 1, 1, false, "scene.mci", cml_command_mesh},
     {"trace", 2, 2, false, "scene.mci N", cml_command_trace},
     {"compare", 2, 2, false, "a.mco b.mco", cml_command_compare},
+    {"crosscheck", 1, 1, false, "scene.mci", cml_command_crosscheck},
+    {"devices", 0, 0, false, "", cml_command_devices},
     {"plot", 1, 64, false, "a.mco [b.mco ...]", cml_command_plot},
 };
 

@@ -13,6 +13,9 @@ enum option_key {
     KEY_THREADS,
     KEY_CHUNK,
     KEY_ENGINE,
+    KEY_DEVICE,
+    KEY_GROUP,
+    KEY_BUILD_OPTIONS,
     KEY_BOUNDARIES,
     KEY_TOLERANCE,
     KEY_NORMALS,
@@ -30,6 +33,7 @@ enum option_key {
     KEY_VERBOSE,
     KEY_JSON,
     KEY_OUTPUT,
+    KEY_DUMP,
     KEY_HELP,
     KEY_VERSION,
 };
@@ -40,6 +44,9 @@ static const struct option long_options[] = {
     {"threads", required_argument, NULL, KEY_THREADS},
     {"chunk", required_argument, NULL, KEY_CHUNK},
     {"engine", required_argument, NULL, KEY_ENGINE},
+    {"device", required_argument, NULL, KEY_DEVICE},
+    {"group", required_argument, NULL, KEY_GROUP},
+    {"build-options", required_argument, NULL, KEY_BUILD_OPTIONS},
     {"boundaries", required_argument, NULL, KEY_BOUNDARIES},
     {"tolerance", required_argument, NULL, KEY_TOLERANCE},
     {"normals", required_argument, NULL, KEY_NORMALS},
@@ -58,6 +65,7 @@ static const struct option long_options[] = {
     {"json", no_argument, NULL, KEY_JSON},
     {"output-dir", required_argument, NULL, KEY_OUTPUT},
     {"output", required_argument, NULL, KEY_OUTPUT},
+    {"dump", required_argument, NULL, KEY_DUMP},
     {"help", no_argument, NULL, KEY_HELP},
     {"version", no_argument, NULL, KEY_VERSION},
     {NULL, 0, NULL, 0},
@@ -71,6 +79,9 @@ const char *cml_options_help(void)
            "fly nothing\n"
            "       clustermcml mesh scene.mci -o DIR         write every boundary as OBJ at the tolerance\n"
            "       clustermcml trace scene.mci N [options]   every event of photon N as a table\n"
+           "       clustermcml crosscheck scene.mci [options]   cones, mesh and OpenCL on the same photons, "
+           "packet by packet\n"
+           "       clustermcml devices                       OpenCL devices, this machine's cores, Embree\n"
            "       clustermcml compare a.mco b.mco [-o f.svg]    z per bin, Sidak-corrected p-value; exit 1 "
            "if they differ\n"
            "       clustermcml plot a.mco [b.mco ...] [c.csv ...] -o f.svg   r*Rd(r) and r*Tt(r), "
@@ -94,9 +105,14 @@ const char *cml_options_help(void)
            "  --rings KIND           of a tessellated heightfield: area (area-preserving, default) or "
            "inscribed\n"
            "machine\n"
-           "  --engine NAME          cpu (default) or reference\n"
+           "  --engine NAME          cpu (default), reference or opencl\n"
            "  --threads N            default: OMP_NUM_THREADS, or all cores\n"
-           "  --chunk N              packets a thread takes at a time; never changes a result\n"
+           "  --chunk N              packets a thread or device takes at a time; never changes a result\n"
+           "  --device I[,J...]|all  for opencl: numbers that `devices` lists; default by local MPI rank, "
+           "GPUs "
+           "first\n"
+           "  --group N              for opencl: work-items per group; never changes a result\n"
+           "  --build-options TEXT   for opencl: for the device's compiler, behind ours\n"
            "  --checkpoint S|off     seconds between checkpoints of a run, default 60 (DIR/NAME.checkpoint)\n"
            "  --resume               continue from the checkpoint, on any number of ranks and threads\n"
            "  --patience S           under mpiexec or srun: end when a rank was silent for so long, default "
@@ -106,6 +122,7 @@ const char *cml_options_help(void)
            "  --json                 one line with one object per run on standard output, nothing else "
            "there\n"
            "  --alpha A              level of `compare`: p below it is a difference, default 0.01\n"
+           "  --dump FILE            for crosscheck: the photons that differ, for trace\n"
            "  --verbose              photons, idle and communication share of every rank\n"
            "  --caption TEXT         below the picture of `plot`\n"
            "  --quiet                no banner, progress or summary\n"
@@ -170,9 +187,19 @@ static cml_status parse_machine(int key, const char *value, struct cml_options *
         CML_TRY(count("threads", value, 1, 4096, &number, err));
         options->engine_options.threads = (int)number;
         return CML_OK;
+    case KEY_GROUP:
+        CML_TRY(count("group", value, 1, 65536, &number, err));
+        options->engine_options.group = (int)number;
+        return CML_OK;
+    case KEY_DEVICE:
+        options->engine_options.device = value;
+        return CML_OK;
+    case KEY_BUILD_OPTIONS:
+        options->engine_options.build_options = value;
+        return CML_OK;
     default:
         options->engine = cml_engine_find(value);
-        return options->engine ? CML_OK : fail(err, "engine", value, "cpu or reference");
+        return options->engine ? CML_OK : fail(err, "engine", value, "cpu, reference or opencl");
     }
 }
 
@@ -251,6 +278,9 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     case KEY_THREADS:
     case KEY_CHUNK:
     case KEY_ENGINE:
+    case KEY_DEVICE:
+    case KEY_GROUP:
+    case KEY_BUILD_OPTIONS:
         return parse_machine(key, value, options, err);
     case KEY_BOUNDARIES:
     case KEY_TOLERANCE:
@@ -269,6 +299,9 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     case KEY_OUTPUT:
     case 'o':
         options->output = value;
+        return CML_OK;
+    case KEY_DUMP:
+        options->dump = value;
         return CML_OK;
     case 'h':
         options->help = true;

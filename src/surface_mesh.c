@@ -301,3 +301,8 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
            (double)mesh->num_triangles * (sizeof *mesh->triangle + sizeof *surface->body.plane) +
            (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
 }
+
+const char *cml_mesh_library(void)
+{
+    return "Embree " RTC_VERSION_STRING;
+}

@@ -34,4 +34,7 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
 
 /* The query itself, cml_mesh_surface_hit, is declared in kernels/surface_hit.h, where the walk reads it. */
 
+/* What finds the crossings, for people: "Embree 3.13.5", as built against. */
+const char *cml_mesh_library(void);
+
 #endif

@@ -1,0 +1,129 @@
+/* The tallies of an OpenCL device: 64-bit cells that many work-items add to. OpenCL C only.
+ * Integers only, so neither the order nor the place of the additions can show.
+ * CML_TWO_WORDS adds to a cell as two 32-bit words with a carry, for devices without
+ * cl_khr_int64_base_atomics. CML_GROUP_SIZE is the number of work-items that share local memory.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_CELLS_H
+#define CML_CELLS_H
+
+#include "device.h"
+
+#ifdef CML_TWO_WORDS
+#define CML_ATOMIC_ADD(space, cell, amount)                                                                  \
+    do {                                                                                                     \
+        volatile space cml_u32 *words = (volatile space cml_u32 *)(cell);                                    \
+        const cml_u32 low = (cml_u32)(amount), old = atomic_add(words, low);                                 \
+        const cml_u32 high = (cml_u32)((amount) >> 32) + (old + low < old ? 1u : 0u);                        \
+        if (high) atomic_add(words + 1, high);                                                               \
+    } while (0)
+#else
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+#define CML_ATOMIC_ADD(space, cell, amount) atom_add((volatile space cml_u64 *)(cell), amount)
+#endif
+
+struct cml_deposits {
+    struct cml_windows windows;
+    __local cml_u64 *near;
+    __global cml_u64 *cells;
+    __global struct cml_control *control;
+};
+
+CML_FN void cml_add_near(__local cml_u64 *cell, cml_u64 amount)
+{
+#if CML_GROUP_SIZE == 1
+    *cell += amount;
+#else
+    CML_ATOMIC_ADD(__local, cell, amount);
+#endif
+}
+
+CML_FN void cml_add_far(__global cml_u64 *cell, cml_u64 amount)
+{
+    CML_ATOMIC_ADD(__global, cell, amount);
+}
+
+CML_FN void cml_add(const struct cml_deposits *to, struct cml_window window, cml_u32 cell, cml_u64 amount)
+{
+    if (cell < window.count)
+        cml_add_near(to->near + window.near + cell, amount);
+    else
+        cml_add_far(to->cells + window.first + cell, amount);
+}
+
+/* By all items of a group together, with a barrier behind it. */
+CML_FN void cml_clear_near(__local cml_u64 *near, cml_u32 count)
+{
+    for (cml_u32 i = (cml_u32)get_local_id(0); i < count; i += CML_GROUP_SIZE) near[i] = 0;
+}
+
+/* By all items of a group together, with a barrier before it. */
+CML_FN void cml_flush_window(const struct cml_deposits *to, struct cml_window window)
+{
+    for (cml_u32 i = (cml_u32)get_local_id(0); i < window.count; i += CML_GROUP_SIZE)
+        if (to->near[window.near + i]) cml_add_far(to->cells + window.first + i, to->near[window.near + i]);
+}
+
+CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
+{
+    cml_add(to, to->windows.sums, CML_CELL_LAYER + (cml_u32)medium, dw);
+}
+
+CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)
+{
+    cml_add(to, to->windows.absorbed, (cml_u32)cell, dw);
+}
+
+/* Of neither does a device keep any: the host refuses scenes that ask for them. */
+CML_FN int cml_has_volume(const struct cml_deposits *to)
+{
+    (void)to;
+    return 0;
+}
+
+CML_FN int cml_has_facets(const struct cml_deposits *to)
+{
+    (void)to;
+    return 0;
+}
+
+CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 voxel, cml_u32 dw)
+{
+    (void)to, (void)voxel, (void)dw;
+}
+
+CML_FN void cml_add_to_facet(const struct cml_deposits *to, int facet, enum cml_facet_score score, cml_u32 w)
+{
+    (void)to, (void)facet, (void)score, (void)w;
+}
+
+CML_FN void cml_add_book(const struct cml_deposits *to, enum cml_book book, cml_u64 amount)
+{
+    if (amount) cml_add_near(to->near + CML_CELL_BOOK + (cml_u32)book, amount);
+}
+
+CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, cml_u32 amount)
+{
+    if (amount) cml_add_near(to->near + CML_CELL_COUNT + (cml_u32)count, amount);
+}
+
+CML_FN void cml_add_square(const struct cml_deposits *to, enum cml_total total, cml_u64 value)
+{
+    __local cml_u64 *cell = to->near + CML_CELL_SQUARE + 3u * (cml_u32)total;
+    const cml_u64 low = value * value, high = mul_hi(value, value);
+    cml_add_near(cell, low & 0xffffffffu);
+    cml_add_near(cell + 1, low >> 32);
+    if (high) cml_add_near(cell + 2, high);
+}
+
+CML_FN void cml_add_exit(const struct cml_deposits *to, int reflected, int cell, cml_u32 w)
+{
+    cml_add(to, reflected ? to->windows.reflected : to->windows.transmitted, (cml_u32)cell, w);
+}
+
+CML_FN void cml_add_lost(const struct cml_deposits *to, cml_u64 index)
+{
+    const cml_u32 place = atomic_inc(&to->control->num_lost);
+    if (place < CML_LOST_KEPT) to->control->lost[place] = index;
+}
+
+#endif

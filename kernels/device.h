@@ -1,0 +1,86 @@
+/* What the host and an OpenCL device hand each other, read by both; the host compares the layout of every
+ * struct with the device's before the first packet flies.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_DEVICE_H
+#define CML_DEVICE_H
+
+#include "books.h"
+#include "types.h"
+
+#ifndef __OPENCL_VERSION__
+#include <stddef.h>
+#define CML_OFFSET(type, member) ((cml_u32)offsetof(type, member))
+#else
+#define CML_OFFSET(type, member) ((cml_u32)(size_t) & ((type *)0)->member)
+#endif
+
+/* All tallies of a device are one block of 64-bit cells: books, counts, squares, A_l, Rd_ra, Tt_ra, A_rz. A
+ * square is three cells: the sums of bits 0 to 31, 32 to 63 and 64 to 127 of the squares. */
+#define CML_CELL_BOOK 0
+#define CML_CELL_COUNT (CML_CELL_BOOK + (cml_u32)CML_NUM_BOOKS)
+#define CML_CELL_SQUARE (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
+#define CML_CELL_LAYER (CML_CELL_SQUARE + 3u * (cml_u32)CML_NUM_TOTALS)
+
+/* A part of the block, whose first cells, those that are hit most, a work-group keeps in local memory until
+ * the launch ends. */
+struct cml_window {
+    cml_u64 first; /* cell of the block */
+    cml_u32 near;  /* cell of the local memory */
+    cml_u32 count; /* cells in local memory */
+};
+
+struct cml_windows {
+    /* sums: books to A_l; begins both memories, and its cells below CML_CELL_LAYER are always near */
+    struct cml_window sums, reflected, transmitted, absorbed;
+};
+
+/* One launch of the kernel. */
+struct cml_launch {
+    cml_u32 items;                  /* work-items that may fly; the others of the last group rest */
+    cml_u32 steps;                  /* events per work-item at most: watchdogs end what takes too long */
+    cml_u32 record;                 /* write the fates */
+    cml_u32 rings, clearance_cells; /* lengths of ring_r and of deepest */
+    cml_u32 near_cells;             /* cells of the local memory */
+};
+
+#define CML_LOST_KEPT 64
+
+/* What work-items share: indices first .. first + count - 1, of which `taken` have been taken. */
+struct cml_control {
+    cml_u64 first;
+    cml_u32 count, taken;
+    cml_u32 alive; /* packets that the next launch goes on with */
+    cml_u32 num_lost;
+    cml_u64 lost[CML_LOST_KEPT]; /* the first of a launch */
+};
+
+struct cml_device_fate {
+    cml_u64 absorbed;
+    int fate, cause;
+    cml_u32 w, interactions, boundary_events;
+    real exit_x, exit_y;
+    struct cml_vec u;
+};
+
+#define CML_LAYOUT                                                                                           \
+    {                                                                                                        \
+        sizeof(struct cml_setup), CML_OFFSET(struct cml_setup, nr), CML_OFFSET(struct cml_setup, specular),  \
+            CML_OFFSET(struct cml_setup, axis), CML_OFFSET(struct cml_setup, gauss),                         \
+            CML_OFFSET(struct cml_setup, map), CML_OFFSET(struct cml_setup, outer_facets),                   \
+            sizeof(struct cml_medium), CML_OFFSET(struct cml_medium, depth), sizeof(struct cml_clearance),   \
+            CML_OFFSET(struct cml_clearance, corner_x), sizeof(struct cml_surface),                          \
+            CML_OFFSET(struct cml_surface, lowest), CML_OFFSET(struct cml_surface, clearance),               \
+            CML_OFFSET(struct cml_surface, facets), sizeof(struct cml_packet),                               \
+            CML_OFFSET(struct cml_packet, u), CML_OFFSET(struct cml_packet, w),                              \
+            CML_OFFSET(struct cml_packet, medium), CML_OFFSET(struct cml_packet, fate),                      \
+            CML_OFFSET(struct cml_packet, gained), CML_OFFSET(struct cml_packet, queries),                   \
+            sizeof(struct cml_windows), CML_OFFSET(struct cml_windows, absorbed),                            \
+            CML_OFFSET(struct cml_window, count), sizeof(struct cml_launch),                                 \
+            CML_OFFSET(struct cml_launch, near_cells), sizeof(struct cml_control),                           \
+            CML_OFFSET(struct cml_control, alive), CML_OFFSET(struct cml_control, lost),                     \
+            sizeof(struct cml_device_fate), CML_OFFSET(struct cml_device_fate, w),                           \
+            CML_OFFSET(struct cml_device_fate, u)                                                            \
+    }
+#define CML_LAYOUT_ENTRIES 33
+
+#endif

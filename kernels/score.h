@@ -1,0 +1,81 @@
+/* A finished packet's entry into the tallies of an OpenCL device: books, counts, squares and exit bins, which
+ * src/packet_ends.h adds up on the host, for many packets at once. OpenCL C only.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_SCORE_H
+#define CML_SCORE_H
+
+#include "cells.h"
+
+/* transport.cl turns and draws for many packets together before their next step; a depth below 0 asks for it.
+ */
+CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
+{
+    (void)world;
+    packet->tau = -1;
+}
+
+CML_FN void cml_turn(real g, struct cml_packet *packet)
+{
+    (void)g, (void)packet;
+}
+
+#define CML_APART
+#include "walk.h"
+
+CML_FN enum cml_book cml_book_of(int fate)
+{
+    return fate == CML_FATE_ABSORBED      ? CML_BOOK_ROULETTE
+           : fate == CML_FATE_REFLECTED   ? CML_BOOK_REFLECTED
+           : fate == CML_FATE_TRANSMITTED ? CML_BOOK_TRANSMITTED
+           : fate == CML_FATE_SPECULAR    ? CML_BOOK_SPECULAR
+           : fate == CML_FATE_TRAPPED     ? CML_BOOK_TRAPPED
+                                          : CML_BOOK_LOST;
+}
+
+/* R and T by exit bin; what is rare by its cause. */
+CML_FN void cml_score_fate(const struct cml_setup *setup, const struct cml_packet *packet,
+                           const struct cml_deposits *to)
+{
+    if (packet->fate == CML_FATE_REFLECTED || packet->fate == CML_FATE_TRANSMITTED) {
+        const int ir = cml_radial_bin(setup, packet->exit_x, packet->exit_y);
+        const int cell = ir * setup->na + cml_angle_bin(setup, packet->u.z);
+        cml_add_exit(to, packet->fate == CML_FATE_REFLECTED, cell, packet->w);
+    } else if (packet->fate == CML_FATE_TRAPPED) {
+        cml_add_count(to, CML_COUNT_TRAPPED, 1);
+    } else if (packet->fate == CML_FATE_LOST) {
+        const int first = (int)CML_COUNT_LOST_NO_SURFACE - (int)CML_LOST_NO_SURFACE;
+        cml_add_count(to, (enum cml_count)(first + packet->cause), 1);
+        cml_add_lost(to, packet->index);
+    }
+}
+
+CML_FN void cml_score_squares(const struct cml_setup *setup, const struct cml_packet *packet,
+                              const struct cml_deposits *to)
+{
+    const cml_u64 w = packet->w;
+    const cml_u64 specular = setup->specular + (packet->fate == CML_FATE_SPECULAR ? w : 0);
+    cml_add_square(to, CML_TOTAL_ABSORBED, packet->absorbed);
+    if (specular) cml_add_square(to, CML_TOTAL_SPECULAR, specular);
+    if (packet->fate == CML_FATE_REFLECTED) cml_add_square(to, CML_TOTAL_REFLECTED, w);
+    if (packet->fate == CML_FATE_TRANSMITTED) cml_add_square(to, CML_TOTAL_TRANSMITTED, w);
+}
+
+CML_FN void cml_score(const struct cml_setup *setup, const struct cml_packet *packet,
+                      const struct cml_deposits *to)
+{
+    cml_score_fate(setup, packet, to);
+    cml_score_squares(setup, packet, to);
+    cml_add_book(to, cml_book_of(packet->fate), packet->w);
+    cml_add_book(to, CML_BOOK_LAUNCHED, CML_WEIGHT_ONE);
+    cml_add_book(to, CML_BOOK_SPECULAR, setup->specular);
+    cml_add_book(to, CML_BOOK_ABSORBED, packet->absorbed);
+    cml_add_book(to, CML_BOOK_GAINED, packet->gained);
+    cml_add_book(to, CML_BOOK_ROULETTE, packet->roulette);
+    cml_add_count(to, CML_COUNT_PHOTONS, 1);
+    cml_add_count(to, CML_COUNT_INTERACTIONS, packet->interactions);
+    cml_add_count(to, CML_COUNT_BOUNDARY_EVENTS, packet->boundary_events);
+    cml_add_count(to, CML_COUNT_QUERIES, packet->queries);
+    cml_add_count(to, CML_COUNT_SHADING_OVERRULED, packet->shading_overruled);
+}
+
+#endif

@@ -1,0 +1,33 @@
+#!/bin/sh
+# crosscheck: every sample without a mesh agrees on all engines; what does not agree is found, dumped and can be traced.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+expect_code 0 devices
+grep -q '^0\*\? ' "$work/out" || { echo "no OpenCL device"; exit 77; }
+
+checked=0
+for sample in samples/*.mci samples/shapes/*.mci; do
+    grep -q '^\(#@ \)\?m ' "$sample" && continue
+    photons=1e4
+    case $sample in */skin7.mci | */thick.mci | */fig7text.mci) photons=2e3 ;; esac
+    expect_code 0 crosscheck "$sample" --photons $photons
+    grep -q '^opencl against .*: agree$' "$work/out" || complain "$sample: $(cat "$work/out")"
+    grep -q 'residue [^0]' "$work/out" && complain "$sample: $(cat "$work/out")"
+    checked=$((checked + 1))
+done
+test "$checked" -ge 14 || complain "only $checked samples were checked"
+
+# A coarse mesh is another surface, and is found to be one.
+expect_code 1 crosscheck samples/shapes/hinoise.mci --photons 2e4 --tolerance 0.1 --rings inscribed --dump "$work/dump"
+grep -q '^cpu (mesh) against cpu (cones): DISAGREE$' "$work/out" || complain "a coarse mesh agrees"
+grep -q '^opencl against cpu (cones): agree$' "$work/out" || complain "opencl does not agree"
+test "$(cat "$work/err")" = "clustermcml: hinoise.mco: 1 of 2 comparisons disagree" || complain "$(cat "$work/err")"
+photon=$(awk '!/^#/ { print $1; exit }' "$work/dump")
+fate=$(awk '!/^#/ { print $2; exit }' "$work/dump")
+expect_code 0 trace samples/shapes/hinoise.mci "$photon" --engine opencl
+tail -n 1 "$work/out" | grep -q "^# $fate" || complain "photon $photon: dump says $fate, trace $(tail -n 1 "$work/out")"
+expect_code 2 crosscheck samples/ridges.mci --dump "$work/none"
+test ! -e "$work/none" || complain "a refused crosscheck left its dump"
+test -z "$(cat "$work/out")" || complain "a refused crosscheck wrote to standard output"
+expect_code 3 crosscheck samples/fig5.mci --device 99
+finish

@@ -1,0 +1,84 @@
+#!/bin/sh
+# The opencl engine at the command line: every sample that it can fly against the cpu, and everything that can go wrong
+# with a device: one clear line, the right exit code, nothing written.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+expect_code 0 devices
+grep -q '^0\*\? ' "$work/out" || { echo "no OpenCL device"; exit 77; }
+sample=samples/fig5.mci
+mkdir "$work/results"
+
+# A failure of the device: exit 3, a last line that matches, no file.
+expect_device_error() { # PATTERN ARGUMENTS...
+    pattern=$1
+    shift
+    expect_code 3 "$@" --engine opencl -o "$work/results" --quiet
+    tail -n 1 "$work/err" | grep -q -e "^clustermcml: $pattern" || complain "$*: $(tail -n 1 "$work/err")"
+    test -z "$(ls "$work/results")" || complain "$*: wrote $(ls "$work/results")"
+}
+
+# Devices that are not there, and texts that name none.
+expect_device_error "no OpenCL device 99: there " $sample --device 99
+expect_error 2 "--device x (expected a number, several like 0,1, or all)" $sample --engine opencl --device x --quiet
+expect_error 2 "--device 0, (expected a number, several like 0,1, or all)" $sample --engine opencl --device 0, --quiet
+expect_error 2 "--device  (expected a number, several like 0,1, or all)" $sample --engine opencl --device "" --quiet
+expect_code 2 samples/ridges.mci --engine opencl -o "$work/results" --quiet
+test "$(cat "$work/err")" = "clustermcml: samples/ridges.mci: boundary 0 is a mesh (expected planes and heightfields; the opencl engine flies no meshes)" ||
+    complain "mesh: $(cat "$work/err")"
+test -z "$(ls "$work/results")" || complain "a refused mesh left files"
+
+# The compiler: bad options, text that it refuses (its whole log is shown), another layout of structs.
+expect_device_error "opencl device 0 (.*): " $sample --build-options "--no-such-option"
+expect_device_error "opencl device 0 (.*): the kernel does not compile: .*error" $sample --build-options "-D cml_step=1"
+test "$(wc -l <"$work/err")" -gt 1 || complain "the build log is not shown"
+expect_device_error "opencl device 0 (.*): layout entry 0 is " $sample --build-options "-D CML_DOUBLE"
+
+# More memory than the device has.
+printf '1.0\n1\nhuge A\n10\n1e-4 1e-4\n20000 20000 1\n1\n1\n1.4 1 9 0 1\n1\n' >"$work/huge.mci"
+expect_code 3 "$work/huge.mci" --engine opencl -o "$work/results" --quiet
+grep -q "tallies and packets take .* MiB (expected at most " "$work/err" || complain "huge: $(cat "$work/err")"
+
+# A device that fails at some call, now or in the middle of the flight.
+with_fault() { # "FUNCTION N CODE" PATTERN
+    CML_FAULT=$1 LD_PRELOAD=$OPENCL_FAULT
+    export CML_FAULT LD_PRELOAD
+    expect_device_error "$2" $sample --photons 1e5
+    unset CML_FAULT LD_PRELOAD
+}
+if test -n "${OPENCL_FAULT:-}"; then
+    with_fault "clGetPlatformIDs 1 -1001" "there is no OpenCL device (see clustermcml devices)"
+    with_fault "clCreateBuffer 1 -61" "opencl device 0 (.*): .*: CL_INVALID_BUFFER_SIZE (-61)"
+    with_fault "clCreateBuffer 6 -4" "opencl device 0 (.*): memory for .*: CL_MEM_OBJECT_ALLOCATION_FAILURE (-4)"
+    with_fault "clEnqueueNDRangeKernel 1 -5" "opencl device 0 (.*): .*: CL_OUT_OF_RESOURCES (-5)"
+    with_fault "clEnqueueNDRangeKernel 20 -2" "opencl device 0 (.*): launching the kernel: CL_DEVICE_NOT_AVAILABLE (-2)"
+    with_fault "clEnqueueReadBuffer 9 -5" "opencl device 0 (.*): reading results: CL_OUT_OF_RESOURCES (-5)"
+fi
+
+# The options of the 2019 program's kernel give what they give on the cpu; so does a run of several files' worth.
+same_as_cpu() { # OUTPUT ARGUMENTS...
+    output=$1
+    shift
+    for engine in cpu opencl; do
+        expect_code 0 "$@" --engine $engine --quiet -o "$work"
+        grep -v -e '^# User time' -e engine "$work/$output" >"$work/$engine"
+    done
+    cmp -s "$work/cpu" "$work/opencl" || complain "$*: opencl differs from cpu"
+}
+same_as_cpu hinoise.mco samples/shapes/hinoise.mci --photons 3001 --ignore-absorption
+same_as_cpu hinoise.mco samples/shapes/hinoise.mci --photons 3001 --ignore-heightfields
+same_as_cpu hinoise.mco samples/shapes/hinoise.mci --photons 3001 --no-reentry
+same_as_cpu fig5.mco $sample --photons 1
+
+# Binaries are cached; a spoilt cache, or none, does no harm.
+XDG_CACHE_HOME=$work/cache HOME=$work
+export XDG_CACHE_HOME HOME
+same_as_cpu fig5.mco $sample --photons 1001
+binary=$(ls "$work"/cache/clustermcml/*.bin) || complain "no binary was cached"
+for spoil in 'printf broken >' 'truncate -s -1' 'truncate -s 0'; do
+    eval "$spoil \"\$binary\""
+    same_as_cpu fig5.mco $sample --photons 1001
+    test "$(wc -c <"$binary")" -gt 1000 || complain "a spoilt binary was not replaced"
+done
+unset XDG_CACHE_HOME HOME
+same_as_cpu fig5.mco $sample --photons 1001
+finish

@@ -1,0 +1,255 @@
+/* The opencl engine against the cpu engine, packet by packet, and against itself however the work is divided.
+ * SPDX-License-Identifier: MIT */
+#include "flight.h"
+
+#include "opencl.h"
+#include "run.h"
+
+#define HEAD "1.0\n1\nscene A\n1000\n"
+#define GRID "0.01 0.02\n20 30 10\n"
+static const char *const scenes[] = {
+    /* planes; glass on top; heightfields, re-entry, an oblique and a wide beam; guided light; g = +-1 */
+    HEAD GRID "2\n1\n1.4 0.5 50 0.8 0.1\n1.5 1 20 0 0.2\n1\n",
+    HEAD GRID "3\n1\n1.5 0 0 0 0.1\n1.4 0.5 50 0.9 0.1\n1.5 0 0 0 0.1\n1\n",
+    HEAD GRID "2\n1\nb 4 0.05 0.1 0.02 0.1 0.03 0.1 0 0\n1.4 0.5 50 0.8 0.2\nb 3 -0.05 0.1 0.02 0.2 0 0\n"
+              "1.5 1 20 0 0.2\nb 3 0.02 0.1 -0.02 0.1 0.01 0\n1\n",
+    HEAD "beam gaussian 0.2 at=0.3,-0.1 angle=30\n" GRID
+         "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 -1 0.5\n1.6\n",
+    HEAD "beam disk 0.1\n" GRID "1\n1.4\n1.4 1 10 1 0.5\n1.4\n",
+};
+enum { num_scenes = sizeof scenes / sizeof *scenes };
+
+struct bench {
+    struct cml_scene_list list;
+    struct cml_surface_set surfaces;
+    struct cml_engine_options options;
+};
+
+static void set_up(const char *text, struct bench *bench)
+{
+    struct cml_error err;
+    const struct cml_surface_options surface = {.force = CML_AS_AUTO, .tessellation = {.tolerance = 1e-3}};
+    read_scenes(text, &bench->list);
+    require_ok(cml_surfaces_create(bench->list.scenes, &surface, &bench->surfaces, &err), &err);
+    bench->options = (struct cml_engine_options){.seed = 7, .reentry = true, .absorption = true};
+}
+
+static void tear_down(struct bench *bench)
+{
+    cml_surfaces_free(&bench->surfaces);
+    cml_scene_list_clear(&bench->list);
+}
+
+static void *open_engine(const struct bench *bench, const struct cml_engine *engine)
+{
+    struct cml_error err;
+    void *self = NULL;
+    require_ok(engine->open(bench->list.scenes, &bench->surfaces, &bench->options, &self, &err), &err);
+    return self;
+}
+
+static struct cml_tally empty_tally(const struct bench *bench)
+{
+    struct cml_error err;
+    struct cml_tally tally;
+    const struct cml_grid grid = cml_engine_grid(bench->list.scenes, NULL, &bench->options);
+    require_ok(cml_tally_create(&grid, &tally, &err), &err);
+    return tally;
+}
+
+/* Packets [first, first + count) on an engine that stays open. */
+static struct cml_tally fly_range(const struct bench *bench, const struct cml_engine *engine, void *self,
+                                  uint64_t first, uint64_t count)
+{
+    struct cml_error err;
+    struct cml_tally tally = empty_tally(bench);
+    require_ok(engine->run(self, first, count, &tally, &err), &err);
+    return tally;
+}
+
+static bool same_tally(const struct cml_tally *a, const struct cml_tally *b)
+{
+    return memcmp(a->book, b->book, sizeof a->book) == 0 &&
+           memcmp(a->count, b->count, sizeof a->count) == 0 &&
+           memcmp(a->square, b->square, sizeof a->square) == 0 &&
+           memcmp(a->A_l, b->A_l, (size_t)cml_tally_bytes(&a->grid)) == 0;
+}
+
+static void assert_books_balance(const struct cml_tally *tally, uint64_t photons)
+{
+    struct cml_error err;
+    struct cml_result result;
+    require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
+    cml_result_add(&result, 0, tally);
+    assert_true(cml_result_residue(&result) == 0);
+    assert_true(result.count[CML_COUNT_PHOTONS] == photons);
+    assert_true(result.book[CML_BOOK_LAUNCHED] == (cml_u128)photons << 31);
+    assert_int_equal(cml_result_lost(&result), 0);
+    cml_result_free(&result);
+}
+
+static void fates_are_those_of_the_cpu(void **state)
+{
+    (void)state;
+    enum { packets = 20011 };
+    static struct cml_fate_record a[packets], b[packets];
+    for (int s = 0; s < num_scenes; s++) {
+        struct bench bench;
+        struct cml_error err;
+        int differ = 0;
+        set_up(scenes[s], &bench);
+        void *cpu = open_engine(&bench, &cml_engine_cpu), *opencl = open_engine(&bench, &cml_engine_opencl);
+        require_ok(cml_engine_cpu.fates(cpu, 77, packets, a, &err), &err);
+        require_ok(cml_engine_opencl.fates(opencl, 77, packets, b, &err), &err);
+        for (int i = 0; i < packets; i++)
+            differ += a[i].fate != b[i].fate || a[i].interactions != b[i].interactions ||
+                      a[i].boundary_events != b[i].boundary_events || a[i].weight != b[i].weight ||
+                      a[i].absorbed != b[i].absorbed;
+        printf("scene %d: %d of %d packets differ\n", s, differ, (int)packets);
+        assert_true(differ * 10000 <= packets);
+        cml_engine_cpu.close(cpu);
+        cml_engine_opencl.close(opencl);
+        tear_down(&bench);
+    }
+}
+
+/* The engine's records of a range add up to its tally of that range. */
+static void records_add_up_to_the_tally(void **state)
+{
+    (void)state;
+    enum { packets = 3001 };
+    static struct cml_fate_record records[packets];
+    struct bench bench;
+    struct cml_error err;
+    uint64_t interactions = 0, reflected = 0, absorbed = 0;
+    cml_u128 square = 0;
+    set_up(scenes[2], &bench);
+    void *self = open_engine(&bench, &cml_engine_opencl);
+    require_ok(cml_engine_opencl.fates(self, 5, packets, records, &err), &err);
+    struct cml_tally tally = fly_range(&bench, &cml_engine_opencl, self, 5, packets);
+    for (int i = 0; i < packets; i++) {
+        const uint64_t units = (uint64_t)(records[i].absorbed * 2147483648.0);
+        interactions += records[i].interactions;
+        absorbed += units;
+        square += (cml_u128)units * units;
+        if (records[i].fate == 2) reflected += records[i].weight; /* CML_FATE_REFLECTED */
+    }
+    assert_true(interactions == tally.count[CML_COUNT_INTERACTIONS]);
+    assert_true(reflected == tally.book[CML_BOOK_REFLECTED] && reflected > 0);
+    assert_true(absorbed == tally.book[CML_BOOK_ABSORBED]);
+    assert_true(square == tally.square[CML_TOTAL_ABSORBED]);
+    cml_tally_free(&tally);
+    cml_engine_opencl.close(self);
+    tear_down(&bench);
+}
+
+/* One packet, none, numbers that are multiples of nothing, indices beyond 2^32. */
+static void any_number_of_packets_balances(void **state)
+{
+    (void)state;
+    static const uint64_t counts[] = {0, 1, 2, 3, 31, 127, 129, 1009, 10007};
+    for (int s = 0; s < 3; s++) {
+        struct bench bench;
+        set_up(scenes[s], &bench);
+        void *self = open_engine(&bench, &cml_engine_opencl);
+        for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+            struct cml_tally tally =
+                fly_range(&bench, &cml_engine_opencl, self, ((uint64_t)1 << 33) - 5, counts[i]);
+            if (counts[i]) assert_books_balance(&tally, counts[i]);
+            assert_true(tally.count[CML_COUNT_PHOTONS] == counts[i]);
+            cml_tally_free(&tally);
+        }
+        cml_engine_opencl.close(self);
+        tear_down(&bench);
+    }
+}
+
+/* Groups with shared local memory, 32-bit words with carry, several devices, chunks: the same bits. */
+static void division_of_work_does_not_change_a_bit(void **state)
+{
+    (void)state;
+    static const struct {
+        int group;
+        const char *build_options, *device;
+        uint64_t chunk;
+    } ways[] = {
+        {0, NULL, "0", 1000},  {0, NULL, "0,0", 0},
+        {0, NULL, "0,0,0", 7}, {0, "-D CML_TWO_WORDS", NULL, 0},
+        {32, NULL, NULL, 0},   {32, "-D CML_TWO_WORDS", "0,0", 0},
+    };
+    struct bench bench;
+    set_up(scenes[2], &bench);
+    bench.options.group = 1;
+    void *self = open_engine(&bench, &cml_engine_opencl);
+    struct cml_tally one = fly_range(&bench, &cml_engine_opencl, self, 3, 9001);
+    cml_engine_opencl.close(self);
+    for (size_t i = 0; i < sizeof ways / sizeof *ways; i++) {
+        bench.options.group = ways[i].group;
+        bench.options.build_options = ways[i].build_options;
+        bench.options.device = ways[i].device;
+        bench.options.chunk = ways[i].chunk;
+        self = open_engine(&bench, &cml_engine_opencl);
+        struct cml_tally other = fly_range(&bench, &cml_engine_opencl, self, 3, 9001);
+        if (!same_tally(&one, &other)) fail_msg("way %zu gives other bits", i);
+        cml_tally_free(&other);
+        cml_engine_opencl.close(self);
+    }
+    cml_tally_free(&one);
+    tear_down(&bench);
+}
+
+struct events {
+    int count;
+    char what[4096];
+};
+
+static void note_event(void *context, const struct cml_trace_event *event)
+{
+    struct events *events = context;
+    if (events->count < (int)sizeof events->what - 1) events->what[events->count++] = event->what[0];
+    events->what[events->count] = '\0';
+}
+
+static void a_trace_shows_the_events_of_the_cpu(void **state)
+{
+    (void)state;
+    static struct events a, b;
+    struct bench bench;
+    struct cml_error err;
+    struct cml_fate_record ra, rb;
+    set_up(scenes[2], &bench);
+    void *cpu = open_engine(&bench, &cml_engine_cpu), *opencl = open_engine(&bench, &cml_engine_opencl);
+    int differ = 0;
+    for (uint64_t index = 0; index < 20; index++) {
+        a.count = b.count = 0;
+        require_ok(cml_engine_cpu.trace(cpu, index, note_event, &a, &ra, &err), &err);
+        require_ok(cml_engine_opencl.trace(opencl, index, note_event, &b, &rb, &err), &err);
+        differ += strcmp(a.what, b.what) != 0 || ra.fate != rb.fate || ra.weight != rb.weight;
+    }
+    assert_true(differ <= 1);
+    cml_engine_cpu.close(cpu);
+    cml_engine_opencl.close(opencl);
+    tear_down(&bench);
+}
+
+static bool there_is_a_device(void)
+{
+    struct cml_opencl_info *list;
+    struct cml_error err;
+    int count = 0;
+    if (cml_opencl_list(&list, &count, &err) == CML_OK) free(list);
+    return count > 0;
+}
+
+int main(void)
+{
+    if (!there_is_a_device()) return 77;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fates_are_those_of_the_cpu),
+        cmocka_unit_test(records_add_up_to_the_tally),
+        cmocka_unit_test(any_number_of_packets_balances),
+        cmocka_unit_test(division_of_work_does_not_change_a_bit),
+        cmocka_unit_test(a_trace_shows_the_events_of_the_cpu),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,54 @@
+/* Preloaded: an OpenCL device that fails. CML_FAULT="FUNCTION N CODE" lets the N-th call of FUNCTION (and all
+ * later ones) return CODE without being made. SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The code that this call of the named function must return, or CL_SUCCESS. */
+static cl_int fault(const char *name)
+{
+    static int calls;
+    char function[64];
+    int first, code;
+    const char *text = getenv("CML_FAULT");
+    if (!text || sscanf(text, "%63s %d %d", function, &first, &code) != 3) return CL_SUCCESS;
+    if (strcmp(function, name) != 0) return CL_SUCCESS;
+    return ++calls >= first ? code : CL_SUCCESS;
+}
+
+#define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+
+cl_int clGetPlatformIDs(cl_uint entries, cl_platform_id *platforms, cl_uint *count)
+{
+    const cl_int code = fault("clGetPlatformIDs");
+    return code ? code : REAL(clGetPlatformIDs)(entries, platforms, count);
+}
+
+cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code)
+{
+    *code = fault("clCreateBuffer");
+    return *code ? NULL : REAL(clCreateBuffer)(context, flags, size, host, code);
+}
+
+cl_int clEnqueueNDRangeKernel(cl_command_queue queue, cl_kernel kernel, cl_uint dimensions,
+                              const size_t *offset, const size_t *global, const size_t *local, cl_uint waits,
+                              const cl_event *wait, cl_event *event)
+{
+    const cl_int code = fault("clEnqueueNDRangeKernel");
+    return code ? code
+                : REAL(clEnqueueNDRangeKernel)(queue, kernel, dimensions, offset, global, local, waits, wait,
+                                               event);
+}
+
+cl_int clEnqueueReadBuffer(cl_command_queue queue, cl_mem buffer, cl_bool blocking, size_t offset,
+                           size_t size, void *to, cl_uint waits, const cl_event *wait, cl_event *event)
+{
+    const cl_int code = fault("clEnqueueReadBuffer");
+    return code ? code
+                : REAL(clEnqueueReadBuffer)(queue, buffer, blocking, offset, size, to, waits, wait, event);
+}

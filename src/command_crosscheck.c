@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "command.h"
 
+#include "cluster.h"
 #include "crosscheck.h"
 #include "text.h"
 
@@ -135,12 +136,15 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
     return check_and_dump(options, &setup, err);
 }
 
-static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
+/* Maps, volume and facets are neither compared nor recorded: the opencl engine would refuse them. */
+static cml_status check_scene(const struct cml_options *options, struct cml_scene *scene, int index,
                               struct cml_error *err)
 {
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;
     as_mesh.force = CML_AS_MESH;
+    scene->map = (struct cml_map_def){0};
+    scene->facets = false;
     CML_TRY(cml_surfaces_create(scene, &options->surface, &chosen, err));
     cml_status status = cml_surfaces_create(scene, &as_mesh, &meshes, err);
     if (status == CML_OK) {
@@ -154,6 +158,8 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;
+    if (cml_cluster_size() > 1)
+        return cml_fail(err, CML_E_INPUT, "crosscheck: %d ranks (expected one process)", cml_cluster_size());
     CML_TRY(cml_load_scenes(options, &list, err));
     cml_status status = CML_OK;
     if (options->dump && list.count > 1)

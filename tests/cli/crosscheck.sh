@@ -30,4 +30,9 @@ expect_code 2 crosscheck samples/ridges.mci --dump "$work/none"
 test ! -e "$work/none" || complain "a refused crosscheck left its dump"
 test -z "$(cat "$work/out")" || complain "a refused crosscheck wrote to standard output"
 expect_code 3 crosscheck samples/fig5.mci --device 99
+
+# Maps and facets are left out.
+sed "s/^\([0-9].*\)# nz, nr, na/\1\nmap 3 3 0.1 0.1 volume\nfacets #/" samples/fig5.mci >"$work/maps.mci"
+grep -q '^facets' "$work/maps.mci" || complain "no facets line"
+expect_code 0 crosscheck "$work/maps.mci" --photons 1e3
 finish

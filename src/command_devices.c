@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "command.h"
 
+#include "cluster.h"
 #include "opencl.h"
 #include "surface_mesh.h"
 
@@ -40,7 +41,7 @@ cml_status cml_command_devices(const struct cml_options *options, struct cml_err
     CML_TRY(cml_opencl_list(&list, &count, err));
     printf("cpu: %ld cores, %s; rays: %s; built with %s\n", sysconf(_SC_NPROCESSORS_ONLN), vector_level(),
            cml_mesh_library(), cml_opencl_build());
-    const int chosen = count > 0 ? cml_opencl_default(list, count) : -1;
+    const int chosen = count > 0 ? cml_opencl_default(list, count, cml_cluster_local_rank()) : -1;
     for (int i = 0; i < count; i++) print_device(i, &list[i], chosen);
     if (count == 0)
         printf("no OpenCL device\n");

@@ -318,6 +318,7 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     struct session session = {.options = &mine};
     struct cml_inputs inputs;
     mine.engine_options.threads = choose_threads(options);
+    mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
     cml_status status = cml_identity_inputs(&inputs, &session.inputs, err);
     cml_inputs_clear(&inputs);

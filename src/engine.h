@@ -17,7 +17,8 @@ struct cml_engine_options {
     bool reentry;    /* P6 */
     bool absorption; /* tally A_rz */
     /* opencl */
-    const char *device;        /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: see opencl.h */
+    const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
+    int local_rank;     /* for that: this process's number among those of its machine */
     const char *build_options; /* for the device's compiler, behind ours; NULL: none */
     int group;                 /* work-items per group; 0: chosen by the device */
 };
@@ -74,7 +75,7 @@ struct cml_cpu_level {
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS]);
 
 /* float, planes and heightfields on OpenCL devices. Without a device, or built without OpenCL, open fails
- * with CML_E_DEVICE; with a mesh boundary with CML_E_INPUT. */
+ * with CML_E_DEVICE; with a mesh boundary, a map, volume or facets with CML_E_INPUT. */
 extern const struct cml_engine cml_engine_opencl;
 
 /* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */

@@ -35,6 +35,17 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
+static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
+{
+    const bool map = scene->map.nx > 0;
+    if (!map && !scene->facets) return CML_OK;
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s:%d: a %s line and --engine opencl, which records no maps, volumes or facets (expected "
+        "--engine cpu)",
+        scene->file, map ? scene->map.line : scene->line, map ? "map" : "facets");
+}
+
 static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_surface_set *surfaces,
                                         const struct cml_engine_options *options, const struct cml_grid *grid)
@@ -78,7 +89,8 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     struct cml_opencl_device *devices = NULL;
     int count = 0;
     CML_TRY(refuse_meshes(scene, surfaces, err));
-    CML_TRY(cml_opencl_select(options->device, &devices, &count, err));
+    CML_TRY(refuse_maps(scene, err));
+    CML_TRY(cml_opencl_select(options->device, options->local_rank, &devices, &count, err));
     cml_status status = scalar_world_create(scene, surfaces, options, &engine->scalar, err);
     if (status == CML_OK) {
         const struct cml_opencl_scene job = scene_of(engine, surfaces, options, &grid);

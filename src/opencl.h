@@ -28,9 +28,8 @@ CML_NODISCARD cml_status cml_opencl_list(struct cml_opencl_info **list, int *cou
 /* What the program was built against, for people: "OpenCL, ..." or "none". */
 const char *cml_opencl_build(void);
 
-/* Which device without `--device`: the one with the number of this process among those on its machine, as
- * the usual MPI and Slurm environment variables tell, counted round the GPUs, or round all devices where
- * there is no GPU. list[count], count > 0. */
-int cml_opencl_default(const struct cml_opencl_info *list, int count);
+/* Which device without `--device`: the one with the number of this process among those on its machine,
+ * counted round the GPUs, or round all devices where there is no GPU. list[count], count > 0. */
+int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank);
 
 #endif

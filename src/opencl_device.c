@@ -150,24 +150,11 @@ const char *cml_opencl_build(void)
     return "OpenCL 1.2";
 }
 
-/* This process's number among those of its machine. */
-static int local_rank(void)
-{
-    static const char *const variables[] = {"OMPI_COMM_WORLD_LOCAL_RANK", "MPI_LOCALRANKID",
-                                            "MV2_COMM_WORLD_LOCAL_RANK", "SLURM_LOCALID"};
-    for (size_t i = 0; i < sizeof variables / sizeof *variables; i++) {
-        const char *text = getenv(variables[i]);
-        int rank;
-        if (text && cml_parse_int(text, &rank) && rank >= 0) return rank;
-    }
-    return 0;
-}
-
-int cml_opencl_default(const struct cml_opencl_info *list, int count)
+int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     int gpus = 0;
     for (int i = 0; i < count; i++) gpus += strcmp(list[i].type, "GPU") == 0;
-    int wanted = local_rank() % (gpus ? gpus : count);
+    int wanted = local_rank % (gpus ? gpus : count);
     for (int i = 0; i < count; i++)
         if ((!gpus || strcmp(list[i].type, "GPU") == 0) && wanted-- == 0) return i;
     return 0;
@@ -205,16 +192,16 @@ static cml_status parse_selection(const char *wanted, int devices, int *numbers,
     return CML_OK;
 }
 
-static int choose_default(const struct cml_opencl_device *all, int count)
+static int choose_default(const struct cml_opencl_device *all, int count, int local_rank)
 {
     struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);
     for (int i = 0; infos && i < count; i++) infos[i] = all[i].info;
-    const int number = infos ? cml_opencl_default(infos, count) : 0;
+    const int number = infos ? cml_opencl_default(infos, count, local_rank) : 0;
     free(infos);
     return number;
 }
 
-cml_status cml_opencl_select(const char *wanted, struct cml_opencl_device **list, int *count,
+cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_opencl_device **list, int *count,
                              struct cml_error *err)
 {
     enum { most = 64 };
@@ -227,7 +214,7 @@ cml_status cml_opencl_select(const char *wanted, struct cml_opencl_device **list
     cml_status status = CML_OK;
     *count = 1;
     if (!wanted) {
-        numbers[0] = choose_default(all, devices);
+        numbers[0] = choose_default(all, devices, local_rank);
     } else if (strcmp(wanted, "all") == 0) {
         *count = devices < most ? devices : most;
         for (int i = 0; i < *count; i++) numbers[i] = i;

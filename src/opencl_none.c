@@ -44,8 +44,8 @@ const char *cml_opencl_build(void)
     return "none";
 }
 
-int cml_opencl_default(const struct cml_opencl_info *list, int count)
+int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
-    (void)list, (void)count;
+    (void)list, (void)count, (void)local_rank;
     return 0;
 }

@@ -20,10 +20,11 @@ struct cml_opencl_device {
 /* All devices with their handles; *list is the caller's to free. */
 CML_NODISCARD cml_status cml_opencl_find(struct cml_opencl_device **list, int *count, struct cml_error *err);
 
-/* The devices that `--device` names: "i", "i,j" or "all"; NULL: cml_opencl_default. A device may be named
- * twice and then serves twice. CML_E_INPUT for what is no number, CML_E_DEVICE for a device that is not
- * there. */
-CML_NODISCARD cml_status cml_opencl_select(const char *wanted, struct cml_opencl_device **list, int *count,
+/* The devices that `--device` names: "i", "i,j" or "all"; NULL: cml_opencl_default for the local rank. A
+ * device may be named twice and then serves twice. CML_E_INPUT for what is no number, CML_E_DEVICE for a
+ * device that is not there. */
+CML_NODISCARD cml_status cml_opencl_select(const char *wanted, int local_rank,
+                                           struct cml_opencl_device **list, int *count,
                                            struct cml_error *err);
 
 /* "opencl device 0 (NAME): WHAT: CL_NAME_OF_CODE". Returns CML_E_DEVICE. */

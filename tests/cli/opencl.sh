@@ -27,6 +27,17 @@ test "$(cat "$work/err")" = "clustermcml: samples/ridges.mci: boundary 0 is a me
     complain "mesh: $(cat "$work/err")"
 test -z "$(ls "$work/results")" || complain "a refused mesh left files"
 
+# What only the other engines record.
+for line in "map 3 3 0.1 0.1" "map 3 3 0.1 0.1 volume" facets; do
+    sed "s/^\([0-9].*\)# nz, nr, na/\1\n$line #/" $sample >"$work/maps.mci"
+    grep -q "^$line" "$work/maps.mci" || complain "$line was not inserted"
+    expect_code 2 "$work/maps.mci" --engine opencl -o "$work/results" --quiet
+    grep -q "^clustermcml: $work/maps.mci:[0-9]*: a ${line%% *} line and --engine opencl, which records no maps, volumes or facets (expected --engine cpu)$" "$work/err" ||
+        complain "$line: $(cat "$work/err")"
+    test "$(wc -l <"$work/err")" = 1 || complain "$line: more than one line"
+    test -z "$(ls "$work/results")" || complain "$line: a refused run left files"
+done
+
 # The compiler: bad options, text that it refuses (its whole log is shown), another layout of structs.
 expect_device_error "opencl device 0 (.*): " $sample --build-options "--no-such-option"
 expect_device_error "opencl device 0 (.*): the kernel does not compile: .*error" $sample --build-options "-D cml_step=1"

@@ -232,6 +232,19 @@ static void a_trace_shows_the_events_of_the_cpu(void **state)
     tear_down(&bench);
 }
 
+static void ranks_of_a_machine_go_round_its_gpus(void **state)
+{
+    (void)state;
+    const struct cml_opencl_info mixed[] = {
+        {.type = "CPU"}, {.type = "GPU"}, {.type = "other"}, {.type = "GPU"}};
+    static const int wanted[] = {1, 3, 1, 3, 1}, round[] = {0, 1, 0, 1, 0};
+    const struct cml_opencl_info none[] = {{.type = "CPU"}, {.type = "other"}};
+    for (int rank = 0; rank < 5; rank++) {
+        assert_int_equal(cml_opencl_default(mixed, 4, rank), wanted[rank]);
+        assert_int_equal(cml_opencl_default(none, 2, rank), round[rank]);
+    }
+}
+
 static bool there_is_a_device(void)
 {
     struct cml_opencl_info *list;
@@ -250,6 +263,7 @@ int main(void)
         cmocka_unit_test(any_number_of_packets_balances),
         cmocka_unit_test(division_of_work_does_not_change_a_bit),
         cmocka_unit_test(a_trace_shows_the_events_of_the_cpu),
+        cmocka_unit_test(ranks_of_a_machine_go_round_its_gpus),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

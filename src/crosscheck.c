@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "crosscheck.h"
 
+#include "significance.h"
 #include "types.h"
 
 #include <math.h>
@@ -120,13 +121,6 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* The z-score that Student's t with `freedom` degrees is worth [Wallace, Ann. Math. Stat. 30 (1959) 1121]. */
-static double z_of_t(double t, double freedom)
-{
-    const double z = (8 * freedom + 1) / (8 * freedom + 3) * sqrt(freedom * log1p(t * t / freedom));
-    return t < 0 ? -z : z;
-}
-
 /* Bin i of profile[64][n] in two results; 0 when all batches agree. */
 static double bin_z(const cml_u128 *a, const cml_u128 *b, int n, int i)
 {
@@ -137,7 +131,7 @@ static double bin_z(const cml_u128 *a, const cml_u128 *b, int n, int i)
         moments.sum += d;
         moments.squares += d * d;
     }
-    return z_of_t(total_of(&moments, CML_NUM_BATCHES).z, CML_NUM_BATCHES - 1);
+    return cml_normal_of_student(total_of(&moments, CML_NUM_BATCHES).z, CML_NUM_BATCHES - 1);
 }
 
 static void compare_profile(const char *name, const cml_u128 *a, const cml_u128 *b, int n,
@@ -165,20 +159,13 @@ static void compare_bins(const struct cml_result *first, const struct cml_result
     compare_profile("A_z", other->A_z, first->A_z, grid->nz, pair);
 }
 
-/* Sidak's bound: the chance that the largest of so many normal deviates is as large as that. */
-static bool is_chance(double z, int values)
-{
-    const double one = erfc(fabs(z) / sqrt(2.0));
-    return -expm1(values * log1p(-one)) >= CML_CHECK_LEVEL;
-}
-
 static void judge(const struct cml_check_setup *setup, int s, struct cml_check_pair *pair)
 {
     double worst = fabs(pair->worst_z);
     for (int t = 0; t < CML_NUM_TOTALS; t++) worst = fmax(worst, fabs(pair->total[t].z));
     const double share = (double)pair->equal / (double)setup->photons;
-    pair->agrees =
-        is_chance(worst, pair->values) && (!setup->sides[s].same_geometry || share >= CML_CHECK_SHARE);
+    pair->agrees = cml_sidak(cml_two_sided(worst), pair->values) >= CML_CHECK_LEVEL &&
+                   (!setup->sides[s].same_geometry || share >= CML_CHECK_SHARE);
 }
 
 static cml_status run_side(const struct cml_check_setup *setup, int s, struct cml_run_result *run,

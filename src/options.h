@@ -21,7 +21,7 @@ struct cml_options {
     const char *caption; /* of `plot`, NULL: none */
     const char *output;  /* -o, --output-dir: a directory, or the picture of `plot` and `compare`; NULL: not
                             given */
-    const char *dump;   /* crosscheck: a file for the photons that differ; NULL: not wanted */
+    const char *dump;    /* crosscheck: a file for the photons that differ; NULL: not wanted */
     int num_operands;
     char **operands; /* borrowed from argv */
     bool help, version;

@@ -44,11 +44,6 @@ expect_device_error "opencl device 0 (.*): the kernel does not compile: .*error"
 test "$(wc -l <"$work/err")" -gt 1 || complain "the build log is not shown"
 expect_device_error "opencl device 0 (.*): layout entry 0 is " $sample --build-options "-D CML_DOUBLE"
 
-# More memory than the device has.
-printf '1.0\n1\nhuge A\n10\n1e-4 1e-4\n20000 20000 1\n1\n1\n1.4 1 9 0 1\n1\n' >"$work/huge.mci"
-expect_code 3 "$work/huge.mci" --engine opencl -o "$work/results" --quiet
-grep -q "tallies and packets take .* MiB (expected at most " "$work/err" || complain "huge: $(cat "$work/err")"
-
 # A device that fails at some call, now or in the middle of the flight.
 with_fault() { # "FUNCTION N CODE" PATTERN
     CML_FAULT=$1 LD_PRELOAD=$OPENCL_FAULT
@@ -57,6 +52,9 @@ with_fault() { # "FUNCTION N CODE" PATTERN
     unset CML_FAULT LD_PRELOAD
 }
 if test -n "${OPENCL_FAULT:-}"; then
+    export CML_DEVICE_BYTES=100000 # more memory than the device has
+    with_fault "none 1 0" "opencl device 0 (.*): .* take .* MiB (expected at most .*"
+    unset CML_DEVICE_BYTES
     with_fault "clGetPlatformIDs 1 -1001" "there is no OpenCL device (see clustermcml devices)"
     with_fault "clCreateBuffer 1 -61" "opencl device 0 (.*): .*: CL_INVALID_BUFFER_SIZE (-61)"
     with_fault "clCreateBuffer 6 -4" "opencl device 0 (.*): memory for .*: CL_MEM_OBJECT_ALLOCATION_FAILURE (-4)"

@@ -1,5 +1,6 @@
 /* Preloaded: an OpenCL device that fails. CML_FAULT="FUNCTION N CODE" lets the N-th call of FUNCTION (and all
- * later ones) return CODE without being made. SPDX-License-Identifier: MIT */
+ * later ones) return CODE without being made; CML_DEVICE_BYTES is how much memory the device says it has.
+ * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
@@ -27,6 +28,15 @@ cl_int clGetPlatformIDs(cl_uint entries, cl_platform_id *platforms, cl_uint *cou
 {
     const cl_int code = fault("clGetPlatformIDs");
     return code ? code : REAL(clGetPlatformIDs)(entries, platforms, count);
+}
+
+cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, void *value, size_t *needed)
+{
+    const cl_int code = REAL(clGetDeviceInfo)(device, what, size, value, needed);
+    const char *bytes = getenv("CML_DEVICE_BYTES");
+    const int memory = what == CL_DEVICE_GLOBAL_MEM_SIZE || what == CL_DEVICE_MAX_MEM_ALLOC_SIZE;
+    if (bytes && memory && value) *(cl_ulong *)value = strtoull(bytes, NULL, 10);
+    return code;
 }
 
 cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void *host, cl_int *code)

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
-# curves (figures/*.csv) dashed beside them: figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
+# curves (figures/*.csv) dashed beside them, and the map of samples/skinmap.mci:
+# figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
 # SPDX-License-Identifier: MIT
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -18,7 +19,7 @@ while [ $# -gt 0 ]; do
 done
 mkdir -p "$out"
 for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
-    shapes/hinoise; do
+    shapes/hinoise skinmap; do
     "$program" "$root/samples/$scene.mci" --photons "$photons" --ignore-absorption --quiet -o "$out"
 done
 
@@ -46,3 +47,5 @@ draw figure9 "$kernel, its packets began at z = 0, above the crater's floor, and
 draw figure10 "$kernel, crossings were missed, and light that left could not come back, without which hinoise reflects 1.8 \
 times as much." flat50.mco lonoise.mco hinoise.mco "$curves/flat50-2019.csv" \
     "$curves/lonoise-2019.csv" "$curves/hinoise-2019.csv"
+draw skinmap "Diffuse reflectance of ridged skin in a disk of light from the left, 50 degrees from the vertical, $photons packets. \
+Pixels of 0.2 mm." skinmap.map.vti

@@ -21,7 +21,7 @@ static const struct command {
     {"compare", 2, 2, false, "a.mco b.mco", cml_command_compare},
     {"crosscheck", 1, 1, false, "scene.mci", cml_command_crosscheck},
     {"devices", 0, 0, false, "", cml_command_devices},
-    {"plot", 1, 64, false, "a.mco [b.mco ...]", cml_command_plot},
+    {"plot", 1, 64, false, "a.mco [b.mco ...] or a.map.vti [b.map.vti ...]", cml_command_plot},
 };
 
 static cml_status dispatch(struct cml_options *options, struct cml_error *err)

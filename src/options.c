@@ -29,6 +29,9 @@ enum option_key {
     KEY_PATIENCE,
     KEY_ALPHA,
     KEY_CAPTION,
+    KEY_OF,
+    KEY_LOG,
+    KEY_LINEAR,
     KEY_QUIET,
     KEY_VERBOSE,
     KEY_JSON,
@@ -60,6 +63,9 @@ static const struct option long_options[] = {
     {"patience", required_argument, NULL, KEY_PATIENCE},
     {"alpha", required_argument, NULL, KEY_ALPHA},
     {"caption", required_argument, NULL, KEY_CAPTION},
+    {"of", required_argument, NULL, KEY_OF},
+    {"log", no_argument, NULL, KEY_LOG},
+    {"linear", no_argument, NULL, KEY_LINEAR},
     {"quiet", no_argument, NULL, KEY_QUIET},
     {"verbose", no_argument, NULL, KEY_VERBOSE},
     {"json", no_argument, NULL, KEY_JSON},
@@ -84,6 +90,7 @@ static const char help[] =
     "if they differ\n"
     "       clustermcml plot a.mco [b.mco ...] [c.csv ...] -o f.svg   r*Rd(r) and r*Tt(r), "
     "heightfields dotted, curves of others dashed (svg or png)\n"
+    "       clustermcml plot a.map.vti [b.map.vti ...] -o f.svg       Rd(x,y) in colours\n"
     "\n"
     "simulation\n"
     "  --photons N            instead of the file's number; 1e7 reads as ten million\n"
@@ -121,6 +128,8 @@ static const char help[] =
     "  --dump FILE            for crosscheck: the photons that differ, for trace\n"
     "  --verbose              photons, idle and communication share of every rank\n"
     "  --caption TEXT         below the picture of `plot`\n"
+    "  --of NAME              map of `plot`: Rd (default), Tt, or any array of the file\n"
+    "  --log, --linear        scale of `plot`; default: curves log, maps as their range asks for\n"
     "  --quiet                no banner, progress or summary\n"
     "  --help, --version\n"
     "\n"
@@ -262,6 +271,8 @@ static void set_flag(int key, struct cml_options *options)
     if (key == KEY_IGNORE_ABSORPTION) options->engine_options.absorption = false;
     if (key == KEY_IGNORE_HEIGHTFIELDS) options->ignore_heightfields = true;
     if (key == KEY_NO_REENTRY) options->engine_options.reentry = false;
+    if (key == KEY_LOG) options->scale = CML_SCALE_LOG;
+    if (key == KEY_LINEAR) options->scale = CML_SCALE_LINEAR;
     if (key == KEY_RESUME) options->resume = true;
     if (key == KEY_VERBOSE) options->verbose = true;
     if (key == KEY_QUIET) options->quiet = true;
@@ -295,6 +306,9 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
         return parse_alpha(value, options, err);
     case KEY_CAPTION:
         options->caption = value;
+        return CML_OK;
+    case KEY_OF:
+        options->of = value;
         return CML_OK;
     case KEY_OUTPUT:
     case 'o':

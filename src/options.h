@@ -4,6 +4,7 @@
 #define CML_OPTIONS_H
 
 #include "engine.h"
+#include "plot_parts.h"
 #include "surface.h"
 
 struct cml_options {
@@ -17,11 +18,13 @@ struct cml_options {
     bool resume;
     double patience; /* s of a rank's silence */
     bool quiet, json, verbose;
-    double alpha;        /* level of `compare` */
-    const char *caption; /* of `plot`, NULL: none */
-    const char *output;  /* -o, --output-dir: a directory, or the picture of `plot` and `compare`; NULL: not
-                            given */
-    const char *dump;    /* crosscheck: a file for the photons that differ; NULL: not wanted */
+    double alpha;         /* level of `compare` */
+    const char *caption;  /* of `plot`, NULL: none */
+    const char *of;       /* array of a map for `plot`, NULL: not given */
+    enum cml_scale scale; /* of `plot` */
+    const char *output;   /* -o, --output-dir: a directory, or the picture of `plot` and `compare`; NULL: not
+                             given */
+    const char *dump;     /* crosscheck: a file for the photons that differ; NULL: not wanted */
     int num_operands;
     char **operands; /* borrowed from argv */
     bool help, version;

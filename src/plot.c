@@ -12,13 +12,13 @@ static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7"
 
 /* gnuplot's marks, full for results and open for curves of others: what tells curves apart in grey. */
 static const int marks[2][8] = {{7, 5, 9, 13, 11, 15, 2, 1}, {6, 4, 8, 12, 10, 14, 2, 1}};
-enum { NUM_COLOURS = sizeof colours / sizeof *colours, MOST_HEIGHTS = 20000, NAME_SIZE = 128 };
+enum { NUM_COLOURS = sizeof colours / sizeof *colours, MOST_HEIGHTS = 20000, LONGEST_NAME = 60 };
 
 /* Share of a panel's height, at its bottom, that belongs to the heightfields alone. */
 static const double strip = 0.25;
 
 /* Lengths in points of the SVG; the PNG has twice as many pixels. */
-enum { WIDTH = 900, PANEL = 340, GAP = 44, HEAD = 50, ROW = 18, FOOT = 62, LINE = 17, LINE_CHARACTERS = 118 };
+enum { WIDTH = 900, PANEL = 340, GAP = 44, HEAD = 50, ROW = 18, FOOT = 62 };
 
 struct panel {
     const char *name, *title, *axis, *error_key;
@@ -43,32 +43,14 @@ static const double *profile_of(const struct panel *panel, const struct cml_mco 
     return panel->top ? mco->Rd_r : mco->Tt_r;
 }
 
+static bool linear(const struct drawing *d)
+{
+    return d->plot->scale == CML_SCALE_LINEAR;
+}
+
 static double centre(const struct cml_mco *mco, int i)
 {
     return (i + 0.5) * mco->dr;
-}
-
-static const char *base_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
-}
-
-/* The file's name, with its folders only where another file has the same; a long one loses its middle. */
-static void legend_name(const struct cml_plot *plot, int i, char name[NAME_SIZE])
-{
-    const char *text = base_name(plot->names[i]);
-    for (int j = 0; j < plot->count; j++)
-        if (j != i && strcmp(text, base_name(plot->names[j])) == 0) {
-            text = plot->names[i];
-            break;
-        }
-    const size_t length = strlen(text);
-    const int most = 60, half = (most - 3) / 2;
-    if (length <= (size_t)most)
-        snprintf(name, NAME_SIZE, "%s", text);
-    else
-        snprintf(name, NAME_SIZE, "%.*s...%s", half, text, text + length - (size_t)half);
 }
 
 /* "Reflectance and transmittance of a, b, c and 4 more": the output names that the scenes carry. */
@@ -78,7 +60,7 @@ static void write_title(FILE *out, const struct cml_plot *plot)
     size_t used = 0;
     const int named = plot->num_results <= 4 ? plot->num_results : 3;
     for (int i = 0; i < named; i++) {
-        const char *scene = base_name(plot->results[i].output ? plot->results[i].output : "?");
+        const char *scene = cml_plot_base_name(plot->results[i].output ? plot->results[i].output : "?");
         const char *end = strstr(scene, ".mco");
         const int length = end && end != scene && end - scene < 40 ? (int)(end - scene) : 40;
         used +=
@@ -124,9 +106,9 @@ static void widen(struct panel *panel, double y)
 
 /* The first bin holds the light that never scattered: often a thousand times the rest. It may leave the frame
  * rather than flatten every other curve. */
-static void find_range(struct drawing *d, struct panel *panel)
+static void find_range(const struct drawing *d, struct panel *panel)
 {
-    const double headroom = 1.5, spike = 8, decades = 1e8;
+    const double headroom = 1.5, linear_headroom = 1.05, spike = 8, decades = 1e8;
     double first = 0;
     panel->low = INFINITY;
     panel->high = 0;
@@ -140,14 +122,15 @@ static void find_range(struct drawing *d, struct panel *panel)
         first = 0;
     }
     panel->first = first;
-    panel->low = fmax(panel->low, panel->high / decades) / headroom;
-    panel->high *= headroom;
+    panel->low = linear(d) ? 0 : fmax(panel->low, panel->high / decades) / headroom;
+    panel->high *= linear(d) ? linear_headroom : headroom;
 }
 
 /* The strip for the heights lies below the curves. */
-static double bottom_of(const struct panel *panel)
+static double bottom_of(const struct drawing *d, const struct panel *panel)
 {
     if (!has_heights(panel)) return panel->low;
+    if (linear(d)) return panel->low - (panel->high - panel->low) * strip / (1 - strip);
     return panel->low / pow(panel->high / panel->low, strip / (1 - strip));
 }
 
@@ -171,7 +154,8 @@ static void write_profile(const struct drawing *d, const struct panel *panel, in
     fprintf(d->out, "$%s%d << EOD\n", panel->name, k);
     for (int i = 0; i < mco->nr - 1; i++) {
         const double r = centre(mco, i), y = r * profile[i], e = errors ? r * d->values[i] : 0;
-        if (y > 0) fprintf(d->out, "%.7g %.7g %.7g %.7g\n", r, y, fmax(y - e, panel->low), y + e);
+        if (y > 0 || linear(d))
+            fprintf(d->out, "%.7g %.7g %.7g %.7g\n", r, y, fmax(y - e, panel->low), y + e);
     }
     fputs("EOD\n", d->out);
 }
@@ -198,7 +182,8 @@ static bool lit(const struct panel *panel, const struct cml_mco *mco)
 static void write_frame(const struct drawing *d)
 {
     cml_gnuplot_begin(d->out, d->plot->picture, WIDTH, d->height);
-    fputs("set multiplot\nset logscale y\nset format y '%g'\nset format y2 '%g'\nset mxtics 2\n"
+    fputs(linear(d) ? "set multiplot\n" : "set multiplot\nset logscale y\n", d->out);
+    fputs("set format y '%g'\nset format y2 '%g'\nset mxtics 2\n"
           "set lmargin at screen 0.11\nset rmargin at screen 0.88\n",
           d->out);
     fprintf(d->out, "set xrange [0:%.9g]\n", d->r_max);
@@ -211,17 +196,10 @@ static void write_frame(const struct drawing *d)
             1 - (double)HEAD / d->height, d->columns);
 }
 
-/* 1, 2 or 5 times a power of ten, about `length`. */
-static double round_step(double length)
-{
-    const double power = pow(10, floor(log10(length))), digit = length / power;
-    return power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
-}
-
 /* Ticks at round heights, in the strip only. */
 static void write_height_ticks(FILE *out, const struct panel *panel, double span)
 {
-    const double step = round_step(span / 2);
+    const double step = cml_plot_round_step(span / 2);
     const char *comma = "";
     fputs("set y2tics (", out);
     for (double i = floor(panel->lowest / step); i <= ceil(panel->highest / step); i++) {
@@ -256,12 +234,14 @@ static void write_axes(const struct drawing *d, const struct panel *panel)
     fputs(panel->top ? "set format x ''\nunset xlabel\n" : "set format x '%g'\nset xlabel 'radius r [cm]'\n",
           d->out);
     if (panel->high > 0)
-        fprintf(d->out, "set yrange [%.6g:%.6g]\nunset label 3\n", bottom_of(panel), panel->high);
+        fprintf(d->out, "set yrange [%.6g:%.6g]\nunset label 3\n", bottom_of(d, panel), panel->high);
     else
         fputs("set yrange [0.1:1]\nset label 3 'no light' at graph 0.5,0.5 center\n", d->out);
     if (panel->first > 0)
         fprintf(d->out, "set label 3 'first bin: %.3g' at graph 0.99,1 right offset 0,0.7\n", panel->first);
     write_height_axis(d->out, panel);
+    if (linear(d) && panel->high > 0) /* none below 0, where the heights are */
+        fprintf(d->out, "set ytics 0,%g\n", cml_plot_round_step(panel->high / 5));
 }
 
 static void write_curve(const struct drawing *d, const struct panel *panel, int k)
@@ -271,8 +251,8 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
     const int place = others ? k - d->plot->num_results : k;
     const int dash = others ? 2 : 1 + 3 * (place / NUM_COLOURS % 2);
     const char *colour = colours[place % NUM_COLOURS];
-    char name[NAME_SIZE];
-    legend_name(d->plot, k, name);
+    char name[CML_PLOT_NAME];
+    cml_plot_name(d->plot->names, d->plot->count, k, LONGEST_NAME, name);
     if (lit(panel, mco) && !others)
         fprintf(d->out, "$%s%d using 1:3:4 with filledcurves lc rgb '%s' fs transparent solid 0.3 noborder, ",
                 panel->name, k, colour);
@@ -307,38 +287,13 @@ static void write_panel(const struct drawing *d, const struct panel *panel)
     fputc('\n', d->out);
 }
 
-/* Breaks the caption at blanks; returns the number of lines. out NULL: only counts. */
-static int write_caption(FILE *out, const struct drawing *d)
-{
-    const char *rest = d->plot->caption ? d->plot->caption : "";
-    int lines = 0;
-    while (*rest) {
-        size_t length = strlen(rest), end = length;
-        if (length > LINE_CHARACTERS)
-            for (end = LINE_CHARACTERS; end > 1 && rest[end] != ' ';) end--;
-        if (end == 1 && length > LINE_CHARACTERS) end = LINE_CHARACTERS;
-        char line[LINE_CHARACTERS + 1];
-        snprintf(line, sizeof line, "%.*s", (int)end, rest);
-        if (out) {
-            fprintf(out, "set label %d ", 10 + lines);
-            cml_gnuplot_quote(out, line);
-            fprintf(out, " at screen 0.02,%.6f left font ',%d' textcolor rgb '#404040'\n",
-                    (double)(d->foot - FOOT - LINE * lines) / d->height,
-                    d->plot->picture == CML_PICTURE_SVG ? 13 : 10);
-        }
-        rest += end + strspn(rest + end, " ");
-        lines++;
-    }
-    return lines;
-}
-
 /* As many legend columns as the longest name allows; the picture grows with their rows. */
 static void lay_out(struct drawing *d)
 {
     size_t longest = 1;
     for (int k = 0; k < d->plot->count; k++) {
-        char name[NAME_SIZE];
-        legend_name(d->plot, k, name);
+        char name[CML_PLOT_NAME];
+        cml_plot_name(d->plot->names, d->plot->count, k, LONGEST_NAME, name);
         if (strlen(name) > longest) longest = strlen(name);
         const struct cml_mco *mco = &d->plot->results[k];
         d->r_max = fmax(d->r_max, lit_radius(mco));
@@ -347,7 +302,7 @@ static void lay_out(struct drawing *d)
     d->columns = (int)fmax(1, floor(90.0 / ((double)longest + 8)));
     if (d->columns > d->plot->count) d->columns = d->plot->count;
     d->rows = (d->plot->count + d->columns - 1) / d->columns;
-    d->foot = FOOT + LINE * write_caption(NULL, d);
+    d->foot = FOOT + cml_plot_caption(NULL, d->plot->caption, d->plot->picture, 0, 1);
     d->height = HEAD + ROW * d->rows + GAP + PANEL + GAP + PANEL + d->foot;
 }
 
@@ -371,7 +326,7 @@ cml_status cml_plot_script(FILE *out, const struct cml_plot *plot, struct cml_er
     for (int p = 0; p < 2; p++) {
         find_heights(&d, &d.panels[p]);
         find_range(&d, &d.panels[p]);
-        if (p == 1) (void)write_caption(out, &d);
+        if (p == 1) (void)cml_plot_caption(out, plot->caption, plot->picture, d.foot - FOOT, d.height);
         write_panel(&d, &d.panels[p]);
     }
     fputs("unset multiplot\n", out);

@@ -4,8 +4,8 @@
 #ifndef CML_PLOT_H
 #define CML_PLOT_H
 
-#include "gnuplot.h"
 #include "mco.h"
+#include "plot_parts.h"
 
 struct cml_plot {
     int count; /* of results and, behind them, curves of others (curve.h) */
@@ -14,6 +14,7 @@ struct cml_plot {
     const char *const *names;      /* [count], borrowed: paths of the files, for the legend */
     const char *caption;           /* text below the picture; NULL: none */
     enum cml_picture picture;
+    enum cml_scale scale; /* of the curves; log unless linear */
 };
 
 /* Writes a script that holds its data and leaves the picture on gnuplot's standard output. */

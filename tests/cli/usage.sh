@@ -11,7 +11,7 @@ expect_error 2 "usage: clustermcml run scene.mci $try" run a.mci b.mci
 expect_error 2 "usage: clustermcml trace scene.mci N $try" trace $sample
 expect_error 2 "usage: clustermcml check scene.mci $try" check
 expect_error 2 "usage: clustermcml mesh scene.mci $try" mesh
-expect_error 2 "usage: clustermcml plot a.mco [b.mco ...] $try" plot
+expect_error 2 "usage: clustermcml plot a.mco [b.mco ...] or a.map.vti [b.map.vti ...] $try" plot
 expect_error 2 "unknown option --fotons $try" $sample --fotons 3
 expect_error 2 "--photons is missing its value $try" $sample --photons
 expect_error 2 "--photons 0 (expected a whole number from 1 to 281474976710656)" $sample --photons 0

@@ -69,7 +69,8 @@ static double steepest_facet(const struct cml_mesh *mesh)
 }
 
 static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_scene *scene,
-                            const char *reason, struct cml_surface_def *def, struct cml_error *err)
+                            enum cml_mesh_search search, const char *reason, struct cml_surface_def *def,
+                            struct cml_error *err)
 {
     def->kind = CML_AS_MESH;
     def->depth = depth;
@@ -78,7 +79,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     def->highest = fmax(mesh->upper[2], mesh->z_border);
     snprintf(def->reason, sizeof def->reason, "%s", reason);
     CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
-    CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, &def->mesh, err));
+    CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, search, &def->mesh, err));
     def->primitives = cml_mesh_surface_triangles(def->mesh);
     return CML_OK;
 }
@@ -97,8 +98,8 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
     if (options->force == CML_AS_MESH) {
         struct cml_mesh mesh;
         CML_TRY(cml_tessellate(field, &options->tessellation, &mesh, err));
-        const cml_status status =
-            make_mesh(&mesh, boundary->z, scene, "radial heightfield, tessellated", def, err);
+        const cml_status status = make_mesh(&mesh, boundary->z, scene, options->search,
+                                            "radial heightfield, tessellated", def, err);
         cml_mesh_clear(&mesh);
         return status;
     }
@@ -129,7 +130,7 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
     if (notes->cells > 0)
         snprintf(reason, sizeof reason, "heightmap: %zu of %zu triangles and a skirt", notes->triangles,
                  2 * notes->cells);
-    const cml_status status = make_mesh(&mesh, boundary->z, scene, reason, def, err);
+    const cml_status status = make_mesh(&mesh, boundary->z, scene, options->search, reason, def, err);
     cml_mesh_clear(&mesh);
     return status;
 }

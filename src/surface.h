@@ -16,6 +16,7 @@ struct cml_surface_options {
     enum cml_representation
         force; /* CML_AS_AUTO: choose; CML_AS_CONE leaves meshes meshes and planes planes */
     struct cml_tessellation tessellation;
+    enum cml_mesh_search search;
 };
 
 /* One represented boundary, in its own frame, whose z = 0 lies at `depth` in the scene. Owns everything in

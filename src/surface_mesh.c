@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface_mesh.h"
 
-#include "mesh_query.h"
+#include "grid_walk.h"
 
 #include <float.h>
 #include <math.h>
@@ -22,7 +22,8 @@ struct cml_mesh_surface {
     RTCDevice device;
     _Atomic ssize_t embree_bytes; /* kept by Embree's threads */
     RTCScene exact;               /* boxes around triangles that are tested in double */
-    RTCScene fast;                /* Embree's own single-precision triangles */
+    RTCScene fast;                /* Embree's own single-precision triangles; NULL where there is a lattice */
+    struct cml_lattice lattice;   /* of a regular grid, walked in Embree's stead; else without cells */
 };
 
 /* Embree hands the context through to the callbacks, so the double-precision query rides behind it. */
@@ -171,6 +172,11 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
         query_exact(surface, query);
 }
 
+static void query_walked(const struct cml_mesh_surface *surface, struct query *query)
+{
+    if (!cml_grid_walk(&surface->lattice, &query->ray)) query_exact(surface, query);
+}
+
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                          int below, double t_max, int exclude, int straight, int exact, double slack,
                          struct cml_mesh_crossing *crossing)
@@ -179,6 +185,8 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
     cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, slack);
     if (exact)
         query_exact(surface, &query);
+    else if (surface->lattice.cell)
+        query_walked(surface, &query);
     else
         query_fast(surface, &query);
     cml_query_outer_plane(&query.ray);
@@ -248,7 +256,7 @@ static cml_status build_trees(struct cml_mesh_surface *surface, struct cml_error
     if (!surface->device)
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
     rtcSetDeviceMemoryMonitorFunction(surface->device, count_memory, surface);
-    if (build_fast(surface)) build_exact(surface);
+    if (surface->lattice.cell || build_fast(surface)) build_exact(surface);
     const enum RTCError error = rtcGetDeviceError(surface->device);
     if (error == RTC_ERROR_NONE) return CML_OK;
     return cml_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? CML_E_INPUT : CML_E_DEVICE,
@@ -256,13 +264,15 @@ static cml_status build_trees(struct cml_mesh_surface *surface, struct cml_error
                     surface->body.mesh.num_triangles, (int)error);
 }
 
-cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0,
+cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
                                    struct cml_mesh_surface **surface, struct cml_error *err)
 {
     struct cml_mesh_surface *made = calloc(1, sizeof *made);
     *surface = NULL;
     if (!made) return cml_fail_memory(err, sizeof *made, "a mesh surface");
     cml_status status = cml_mesh_body_create(mesh, x0, y0, &made->body, err);
+    if (status == CML_OK && search == CML_SEARCH_AUTO)
+        status = cml_lattice_find(&made->body, &made->lattice, err);
     if (status == CML_OK) status = build_trees(made, err);
     if (status != CML_OK)
         cml_mesh_surface_free(made);
@@ -277,6 +287,7 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     if (surface->exact) rtcReleaseScene(surface->exact);
     if (surface->fast) rtcReleaseScene(surface->fast);
     if (surface->device) rtcReleaseDevice(surface->device);
+    cml_lattice_clear(&surface->lattice);
     cml_mesh_body_clear(&surface->body);
     free(surface);
 }
@@ -297,7 +308,8 @@ uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface)
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh *mesh = &surface->body.mesh;
-    return (double)surface->embree_bytes +
+    const struct cml_lattice *lattice = &surface->lattice;
+    return (double)surface->embree_bytes + (double)lattice->n[0] * lattice->n[1] * sizeof *lattice->cell +
            (double)mesh->num_triangles * (sizeof *mesh->triangle + sizeof *surface->body.plane) +
            (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
 }
@@ -305,4 +317,9 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 const char *cml_mesh_library(void)
 {
     return "Embree " RTC_VERSION_STRING;
+}
+
+bool cml_mesh_surface_is_walked(const struct cml_mesh_surface *surface)
+{
+    return surface->lattice.cell != NULL;
 }

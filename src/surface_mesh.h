@@ -16,13 +16,22 @@ struct cml_mesh_surface; /* immutable once built; queries may run in parallel */
 /* Primitive number of the outer plane in a crossing. */
 #define CML_OUTER_PLANE 0x7fffffff
 
+enum cml_mesh_search {
+    CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid, Embree's triangles elsewhere */
+    CML_SEARCH_EMBREE, /* always Embree's triangles */
+};
+
 /* Takes over *mesh (prepared; left empty). x0, y0: scene position of the origin from which queries count x
- * and y. Vertices are centred in double before anything is rounded. CML_E_DEVICE when Embree fails,
- * CML_E_INPUT for memory. */
+ * and y. Vertices are centred in double before anything is rounded. search: how the fast query finds facets.
+ * CML_E_DEVICE when Embree fails, CML_E_INPUT for memory. */
 CML_NODISCARD cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0,
+                                                 enum cml_mesh_search search,
                                                  struct cml_mesh_surface **surface, struct cml_error *err);
 
 void cml_mesh_surface_free(struct cml_mesh_surface *surface);
+
+/* Whether the mesh is a regular grid that the fast query walks. */
+bool cml_mesh_surface_is_walked(const struct cml_mesh_surface *surface);
 
 uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface);
 

@@ -95,7 +95,7 @@ static void check_walk(uint32_t seed, double roughness, long flights)
     struct cml_mesh mesh = patch_mesh(&walker.patch);
     struct cml_mesh_surface *surface = NULL;
     struct cml_error err;
-    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, &surface, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_AUTO, &surface, &err), CML_OK);
     const struct cml_mesh_surface *const meshes[] = {surface};
     const struct cml_surface surfaces[] = {{.kind = CML_SURFACE_MESH}};
     walker.world.meshes = meshes;

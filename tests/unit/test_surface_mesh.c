@@ -13,7 +13,7 @@ static struct cml_mesh_surface *surface_of(const struct patch *from, double x0, 
     struct cml_mesh mesh = patch_mesh(from);
     struct cml_mesh_surface *surface = NULL;
     struct cml_error err = {CML_OK, ""};
-    const cml_status status = cml_mesh_surface_create(&mesh, x0, y0, &surface, &err);
+    const cml_status status = cml_mesh_surface_create(&mesh, x0, y0, CML_SEARCH_AUTO, &surface, &err);
     assert_string_equal(err.text, "");
     assert_int_equal(status, CML_OK);
     return surface;
@@ -320,7 +320,7 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     struct cml_mesh_surface *surface;
     struct cml_error err;
     assert_int_equal(cml_tessellate(&radial, &options, &mesh, &err), CML_OK);
-    assert_int_equal(cml_mesh_surface_create(&mesh, 0.3, 0.1, &surface, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0.3, 0.1, CML_SEARCH_AUTO, &surface, &err), CML_OK);
     struct dice dice = dice_new(67);
     for (int n = 0; n < 20000; n++) {
         const double x = dice_between(&dice, -2, 2), y = dice_between(&dice, -2, 2), s = hypot(x, y);

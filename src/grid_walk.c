@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+#include "grid_walk.h"
+
+#include "vec3.h"
+
+#include <math.h>
+
+/* Product of direction and unit normal below which a facet is left to the exact query: beyond it, rounding
+ * moves a crossing by less than the lattice's margin. */
+static const double grazing = 1e-4;
+
+/* In halves of the mesh's width: origins further away cost too many digits. */
+static const double far = 16;
+
+enum verdict { MISSED, HIT, OPEN };
+
+/* The ray along one axis, in cells, and the cell that it is in. */
+struct axis {
+    double origin, speed;
+    double next, pace; /* distance at which it leaves the cell; per cell */
+    int cell, way;
+};
+
+/* The part of the ray over a cell, each end widened by the lattice's margin. */
+struct part {
+    double from, to;
+};
+
+static bool is_clearly_within(const struct axis *a, double t, double margin)
+{
+    const double at = a->origin + t * a->speed - a->cell;
+    return at > margin && at < 1 - margin;
+}
+
+static bool enter(const struct cml_lattice *lattice, const struct cml_mesh_query *q, int k, double t,
+                  struct axis *a)
+{
+    a->origin = (q->origin[k] - lattice->corner[k]) * lattice->per_cell[k];
+    a->speed = q->direction[k] * lattice->per_cell[k];
+    const double at = a->origin + t * a->speed;
+    if (!(at > 0 && at < lattice->n[k])) return false;
+    a->cell = (int)at;
+    return is_clearly_within(a, t, lattice->margin);
+}
+
+static void find_next(struct axis *a)
+{
+    a->way = a->speed > 0 ? 1 : -1;
+    a->pace = a->speed != 0 ? a->way / a->speed : INFINITY;
+    a->next = a->speed != 0 ? (a->cell + (a->way > 0) - a->origin) * a->way * a->pace : INFINITY;
+}
+
+/* How far a place of the cell lies on a facet's side of the diagonal. */
+static double inside_diagonal(double u, double v, bool falling, bool south)
+{
+    const double above = falling ? u + v - 1 : v - u;
+    return south ? -above : above;
+}
+
+static enum verdict meet(const struct cml_lattice *lattice, const struct cml_mesh_query *q,
+                         const struct axis *x, const struct axis *y, const struct cml_lattice_cell *cell,
+                         bool south, struct part part, double *t)
+{
+    const uint32_t facet = (south ? cell->south : cell->north) & ~CML_LATTICE_FALLING;
+    const double *plane = q->body->plane[facet], margin = lattice->margin;
+    const double along = cml_vec3_dot(q->direction, plane), leading_away = q->below ? along : -along;
+    if ((int)facet == q->exclude || leading_away <= -grazing) return MISSED;
+    if (leading_away < grazing) return OPEN;
+    *t = (plane[3] - cml_vec3_dot(q->origin, plane)) / along;
+    if (!(*t >= part.from && *t <= part.to)) return MISSED;
+    const double u = x->origin + *t * x->speed - x->cell, v = y->origin + *t * y->speed - y->cell;
+    double inside = u < 1 - u ? u : 1 - u;
+    if (v < inside) inside = v;
+    if (1 - v < inside) inside = 1 - v;
+    if (cell->south != cell->north) {
+        const double w = inside_diagonal(u, v, cell->south & CML_LATTICE_FALLING, south);
+        if (w < inside) inside = w;
+    }
+    return inside > margin ? HIT : inside < -margin ? MISSED : OPEN;
+}
+
+/* Barycentric weights of a place above a facet that is not upright. */
+static void find_weights(const struct cml_mesh_query *q, int facet, double t, double weight[3])
+{
+    const struct cml_mesh *mesh = &q->body->mesh;
+    const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        const double *a = mesh->vertex[mesh->triangle[facet][(k + 1) % 3]],
+                     *b = mesh->vertex[mesh->triangle[facet][(k + 2) % 3]];
+        weight[k] = (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x);
+        sum += weight[k];
+    }
+    for (int k = 0; k < 3; k++) weight[k] /= sum;
+}
+
+static void take(struct cml_mesh_query *q, uint32_t facet, double t)
+{
+    double weight[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    if (q->body->mesh.normals == CML_NORMALS_VERTEX) find_weights(q, (int)facet, t, weight);
+    cml_query_take_inside(q, (int)facet, t, weight);
+}
+
+static enum verdict look(const struct cml_lattice *lattice, struct cml_mesh_query *q, const struct axis *x,
+                         const struct axis *y, struct part part)
+{
+    const struct cml_lattice_cell *cell =
+        &lattice->cell[(size_t)y->cell * (size_t)lattice->n[0] + (size_t)x->cell];
+    const double a = q->origin[2] + part.from * q->direction[2], b = q->origin[2] + part.to * q->direction[2];
+    if ((a < cell->least && b < cell->least) || (a > cell->most && b > cell->most)) return MISSED;
+    if (cell->south == CML_LATTICE_NO_FACET || cell->north == CML_LATTICE_NO_FACET) return OPEN;
+    double t = INFINITY, t_north = INFINITY;
+    const enum verdict south = meet(lattice, q, x, y, cell, true, part, &t);
+    const enum verdict north =
+        cell->south == cell->north ? MISSED : meet(lattice, q, x, y, cell, false, part, &t_north);
+    if (south == OPEN || north == OPEN) return OPEN;
+    if (south == MISSED && north == MISSED) return MISSED;
+    const bool take_south = south == HIT && !(north == HIT && t_north < t);
+    take(q, (take_south ? cell->south : cell->north) & ~CML_LATTICE_FALLING, take_south ? t : t_north);
+    return HIT;
+}
+
+/* From cell to cell until one is hit or the ray or the lattice ends. */
+static enum verdict walk(const struct cml_lattice *lattice, struct cml_mesh_query *q, struct axis *x,
+                         struct axis *y, double from, double to)
+{
+    const double margin = lattice->margin;
+    find_next(x);
+    find_next(y);
+    for (;;) {
+        struct axis *leaving = x->next < y->next ? x : y, *staying = leaving == x ? y : x;
+        const double next = leaving->next, widening = margin * leaving->pace;
+        const bool last = next > to;
+        const struct part part = {from, next + widening < to ? next + widening : to};
+        const enum verdict verdict = look(lattice, q, x, y, part);
+        if (verdict != MISSED) return verdict;
+        if (last) return is_clearly_within(x, to, margin) && is_clearly_within(y, to, margin) ? MISSED : OPEN;
+        if (!is_clearly_within(staying, next, margin)) return OPEN;
+        leaving->cell += leaving->way;
+        if (leaving->cell < 0 || leaving->cell >= lattice->n[leaving == y])
+            return lattice->is_whole ? MISSED : OPEN;
+        leaving->next += leaving->pace;
+        from = next - widening > q->least ? next - widening : q->least;
+    }
+}
+
+/* The part of the ray between the mesh's least and greatest depth; false when there is none. */
+static bool clip(const struct cml_mesh_query *q, double *from, double *to)
+{
+    const double uz = q->direction[2], lower = q->body->lower[2] - q->origin[2],
+                 upper = q->body->upper[2] - q->origin[2];
+    if (uz == 0) return lower <= 0 && upper >= 0;
+    const double a = lower / uz, b = upper / uz, first = a < b ? a : b, last = a < b ? b : a;
+    if (first > *from) *from = first;
+    if (last < *to) *to = last;
+    return *from <= *to;
+}
+
+bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q)
+{
+    struct axis x, y;
+    double from = q->least, to = q->t;
+    if (to > q->body->upper[0] && !clip(q, &from, &to)) return true;
+    if (from > far * q->body->upper[0]) return false;
+    if (!enter(lattice, q, 0, from, &x) || !enter(lattice, q, 1, from, &y)) return false;
+    if (is_clearly_within(&x, to, lattice->margin) && is_clearly_within(&y, to, lattice->margin))
+        return look(lattice, q, &x, &y, (struct part){from, to}) != OPEN;
+    return walk(lattice, q, &x, &y, from, to) != OPEN;
+}

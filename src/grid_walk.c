@@ -32,7 +32,8 @@ static bool is_clearly_within(const struct axis *a, double t, double margin)
     return at > margin && at < 1 - margin;
 }
 
-static bool enter(const struct cml_lattice *lattice, const struct cml_mesh_query *q, int k, double t,
+/* False when the ray begins outside the lattice. */
+static bool start(const struct cml_lattice *lattice, const struct cml_mesh_query *q, int k, double t,
                   struct axis *a)
 {
     a->origin = (q->origin[k] - lattice->corner[k]) * lattice->per_cell[k];
@@ -40,7 +41,7 @@ static bool enter(const struct cml_lattice *lattice, const struct cml_mesh_query
     const double at = a->origin + t * a->speed;
     if (!(at > 0 && at < lattice->n[k])) return false;
     a->cell = (int)at;
-    return is_clearly_within(a, t, lattice->margin);
+    return true;
 }
 
 static void find_next(struct axis *a)
@@ -125,6 +126,9 @@ static enum verdict walk(const struct cml_lattice *lattice, struct cml_mesh_quer
                          struct axis *y, double from, double to)
 {
     const double margin = lattice->margin;
+    if (!is_clearly_within(x, from, margin) || !is_clearly_within(y, from, margin)) return OPEN;
+    if (is_clearly_within(x, to, margin) && is_clearly_within(y, to, margin))
+        return look(lattice, q, x, y, (struct part){from, to});
     find_next(x);
     find_next(y);
     for (;;) {
@@ -142,6 +146,56 @@ static enum verdict walk(const struct cml_lattice *lattice, struct cml_mesh_quer
         leaving->next += leaving->pace;
         from = next - widening > q->least ? next - widening : q->least;
     }
+}
+
+/* The cells over which a ray comes within the margin, first and last along each axis; false when some lie
+ * outside the lattice, or they are more than a few. */
+static bool find_few_cells(const struct cml_lattice *lattice, const struct axis *const axes[2], double from,
+                           double to, int first[2], int last[2])
+{
+    for (int k = 0; k < 2; k++) {
+        const double a = axes[k]->origin + from * axes[k]->speed, b = axes[k]->origin + to * axes[k]->speed;
+        const double low = (a < b ? a : b) - lattice->margin, high = (a < b ? b : a) + lattice->margin;
+        if (!(low > 0 && high < lattice->n[k])) return false;
+        first[k] = (int)low;
+        last[k] = (int)high;
+        if (last[k] - first[k] > 1) return false;
+    }
+    return true;
+}
+
+/* Adds a facet to the list unless it is there; false when it is none, or the ray grazes it. */
+static bool list(const struct cml_mesh_query *q, uint32_t mark, int facets[8], int *count)
+{
+    const int facet = (int)(mark & ~CML_LATTICE_FALLING);
+    if (mark == CML_LATTICE_NO_FACET) return false;
+    for (int i = 0; i < *count; i++)
+        if (facets[i] == facet) return true;
+    const double along = cml_vec3_dot(q->direction, q->body->plane[facet]);
+    facets[(*count)++] = facet;
+    return facet == q->exclude || along > grazing || along < -grazing;
+}
+
+/* What the walk left open, where the ray stays above a few cells: their facets as the exact query tests them.
+ */
+static bool settle(const struct cml_lattice *lattice, struct cml_mesh_query *q, const struct axis *x,
+                   const struct axis *y, double from, double to)
+{
+    const struct axis *const axes[2] = {x, y};
+    int first[2], last[2], facets[8], count = 0;
+    if (!find_few_cells(lattice, axes, from, to, first, last)) return false;
+    for (int j = first[1]; j <= last[1]; j++)
+        for (int i = first[0]; i <= last[0]; i++) {
+            const struct cml_lattice_cell *cell =
+                &lattice->cell[(size_t)j * (size_t)lattice->n[0] + (size_t)i];
+            if (!list(q, cell->south, facets, &count) || !list(q, cell->north, facets, &count)) return false;
+        }
+    double leave, t, weight[3];
+    if (!cml_query_approach(q, 0, &leave)) return true;
+    for (int i = 0; i < count; i++)
+        if (facets[i] != q->exclude && cml_query_cross(q, facets[i], &t, weight))
+            cml_query_take(q, facets[i], t, weight);
+    return true;
 }
 
 /* The part of the ray between the mesh's least and greatest depth; false when there is none. */
@@ -162,8 +216,7 @@ bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q)
     double from = q->least, to = q->t;
     if (to > q->body->upper[0] && !clip(q, &from, &to)) return true;
     if (from > far * q->body->upper[0]) return false;
-    if (!enter(lattice, q, 0, from, &x) || !enter(lattice, q, 1, from, &y)) return false;
-    if (is_clearly_within(&x, to, lattice->margin) && is_clearly_within(&y, to, lattice->margin))
-        return look(lattice, q, &x, &y, (struct part){from, to}) != OPEN;
-    return walk(lattice, q, &x, &y, from, to) != OPEN;
+    if (!start(lattice, q, 0, from, &x) || !start(lattice, q, 1, from, &y)) return false;
+    if (walk(lattice, q, &x, &y, from, to) != OPEN) return true;
+    return settle(lattice, q, &x, &y, from, to);
 }

@@ -127,7 +127,7 @@ static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
 
 /* The part of the ray inside the mesh's box, so that only numbers of the mesh's own size are rounded to
  * float. */
-bool cml_query_clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave)
+static bool clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave)
 {
     *enter = 0;
     *leave = t_max;
@@ -144,6 +144,21 @@ bool cml_query_clip(const struct cml_mesh_query *q, double t_max, double *enter,
         if (last < *leave) *leave = last;
     }
     return *enter <= *leave;
+}
+
+bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave)
+{
+    double enter, size = 0;
+    if (!clip(q, q->t, &enter, leave)) return false;
+    q->base = enter - back;
+    q->blur = DBL_EPSILON * enter;
+    for (int k = 0; k < 3; k++) {
+        q->near[k] = q->origin[k] + q->base * q->direction[k];
+        q->blur += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->near[k]));
+        size += q->body->upper[k] - q->body->lower[k];
+    }
+    q->coarse = 2 * (4 * DBL_EPSILON * size + q->blur) * size;
+    return true;
 }
 
 /* The plane outside the footprint. */

@@ -49,12 +49,13 @@ void cml_mesh_body_clear(struct cml_mesh_body *body);
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int straight, double slack);
 
-/* The part [*enter, *leave] of the ray inside the box, so that only numbers of the mesh's own size are ever
- * rounded to float; false when there is none. */
-bool cml_query_clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave);
+/* Makes the point where the ray enters the box, or `back` before it, the near point: only numbers of the
+ * mesh's own size are ever rounded to float. *leave: where it leaves the box, at most q->t. False when it
+ * never enters. */
+bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave);
 
 /* Whether a triangle is crossed away from the packet's side: without gaps between neighbours. *t and
- * barycentric weights. Uses near, base, blur and coarse. */
+ * barycentric weights. Needs cml_query_approach. */
 bool cml_query_cross(const struct cml_mesh_query *q, int primitive, double *t, double weight[3]);
 
 /* Makes a crossing the best so far if it is; one at the same place on a shared edge adds its facet to the

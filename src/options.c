@@ -20,6 +20,7 @@ enum option_key {
     KEY_TOLERANCE,
     KEY_NORMALS,
     KEY_RINGS,
+    KEY_MESH_SEARCH,
     KEY_IGNORE_ABSORPTION,
     KEY_IGNORE_HEIGHTFIELDS,
     KEY_NO_REENTRY,
@@ -54,6 +55,7 @@ static const struct option long_options[] = {
     {"tolerance", required_argument, NULL, KEY_TOLERANCE},
     {"normals", required_argument, NULL, KEY_NORMALS},
     {"rings", required_argument, NULL, KEY_RINGS},
+    {"mesh-search", required_argument, NULL, KEY_MESH_SEARCH},
     {"ignore-absorption", no_argument, NULL, KEY_IGNORE_ABSORPTION},
     {"ignore-heightfields", no_argument, NULL, KEY_IGNORE_HEIGHTFIELDS},
     {"no-reentry", no_argument, NULL, KEY_NO_REENTRY},
@@ -109,6 +111,8 @@ static const char help[] =
     "  --normals KIND         of a tessellated heightfield: analytic (default), vertex or facet\n"
     "  --rings KIND           of a tessellated heightfield: area (area-preserving, default) or "
     "inscribed\n"
+    "  --mesh-search KIND     of engine cpu: auto (default; regular grids are walked, Embree elsewhere) or "
+    "embree\n"
     "machine\n"
     "  --engine NAME          cpu (default), reference or opencl\n"
     "  --threads N            default: OMP_NUM_THREADS, or all cores\n"
@@ -218,6 +222,7 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     static const char *const kinds[] = {"plane", "cone", "mesh", "auto", NULL};
     static const char *const normals[] = {"facet", "vertex", "analytic", NULL};
     static const char *const rings[] = {"area", "inscribed", NULL};
+    static const char *const searches[] = {"auto", "embree", NULL};
     struct cml_tessellation *tessellation = &options->surface.tessellation;
     int choice = 0;
     if (key == KEY_TOLERANCE) {
@@ -231,6 +236,9 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     } else if (key == KEY_NORMALS) {
         CML_TRY(choose("normals", value, normals, &choice, err));
         tessellation->normals = (enum cml_normals)choice;
+    } else if (key == KEY_MESH_SEARCH) {
+        CML_TRY(choose("mesh-search", value, searches, &choice, err));
+        options->surface.search = (enum cml_mesh_search)choice;
     } else {
         CML_TRY(choose("rings", value, rings, &choice, err));
         tessellation->inscribed = choice == 1;
@@ -297,6 +305,7 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     case KEY_TOLERANCE:
     case KEY_NORMALS:
     case KEY_RINGS:
+    case KEY_MESH_SEARCH:
         return parse_surface(key, value, options, err);
     case KEY_TARGET_ERROR:
     case KEY_CHECKPOINT:

@@ -77,10 +77,11 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     def->steepest = steepest_facet(mesh);
     def->lowest = fmin(mesh->lower[2], mesh->z_border);
     def->highest = fmax(mesh->upper[2], mesh->z_border);
-    snprintf(def->reason, sizeof def->reason, "%s", reason);
     CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
     CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, search, &def->mesh, err));
     def->primitives = cml_mesh_surface_triangles(def->mesh);
+    snprintf(def->reason, sizeof def->reason, "%s%s", reason,
+             cml_mesh_surface_is_walked(def->mesh) ? ", a regular grid" : "");
     return CML_OK;
 }
 

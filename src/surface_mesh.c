@@ -63,20 +63,10 @@ static void bounds(const struct RTCBoundsFunctionArguments *arguments)
     }
 }
 
-/* Makes the point where the ray enters the box, or `back` before it, the origin of the single-precision ray.
- */
 static bool aim(struct cml_mesh_query *q, double back, struct RTCRayHit *rayhit)
 {
-    double enter, leave, size = 0;
-    if (!cml_query_clip(q, q->t, &enter, &leave)) return false;
-    q->base = enter - back;
-    q->blur = DBL_EPSILON * enter;
-    for (int k = 0; k < 3; k++) {
-        q->near[k] = q->origin[k] + q->base * q->direction[k];
-        q->blur += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->near[k]));
-        size += q->body->upper[k] - q->body->lower[k];
-    }
-    q->coarse = 2 * (4 * DBL_EPSILON * size + q->blur) * size;
+    double leave;
+    if (!cml_query_approach(q, back, &leave)) return false;
     *rayhit = (struct RTCRayHit){0};
     rayhit->ray.org_x = (float)q->near[0];
     rayhit->ray.org_y = (float)q->near[1];

@@ -12,6 +12,10 @@ static const double grazing = 1e-4;
 /* In halves of the mesh's width: origins further away cost too many digits. */
 static const double far = 16;
 
+/* Crossings this close to where they begin to count, in halves of the mesh's width, may be on either side of
+ * it. */
+static const double start_blur = 1e-10;
+
 enum verdict { MISSED, HIT, OPEN };
 
 /* The ray along one axis, in cells, and the cell that it is in. */
@@ -69,6 +73,7 @@ static enum verdict meet(const struct cml_lattice *lattice, const struct cml_mes
     if (leading_away < grazing) return OPEN;
     *t = (plane[3] - cml_vec3_dot(q->origin, plane)) / along;
     if (!(*t >= part.from && *t <= part.to)) return MISSED;
+    const bool may_lie_behind = *t < q->least + start_blur * q->body->upper[0];
     const double u = x->origin + *t * x->speed - x->cell, v = y->origin + *t * y->speed - y->cell;
     double inside = u < 1 - u ? u : 1 - u;
     if (v < inside) inside = v;
@@ -77,7 +82,8 @@ static enum verdict meet(const struct cml_lattice *lattice, const struct cml_mes
         const double w = inside_diagonal(u, v, cell->south & CML_LATTICE_FALLING, south);
         if (w < inside) inside = w;
     }
-    return inside > margin ? HIT : inside < -margin ? MISSED : OPEN;
+    if (inside < -margin) return MISSED;
+    return inside > margin && !may_lie_behind ? HIT : OPEN;
 }
 
 /* Barycentric weights of a place above a facet that is not upright. */
@@ -144,7 +150,7 @@ static enum verdict walk(const struct cml_lattice *lattice, struct cml_mesh_quer
         if (leaving->cell < 0 || leaving->cell >= lattice->n[leaving == y])
             return lattice->is_whole ? MISSED : OPEN;
         leaving->next += leaving->pace;
-        from = next - widening > q->least ? next - widening : q->least;
+        from = next - widening;
     }
 }
 
@@ -213,7 +219,7 @@ static bool clip(const struct cml_mesh_query *q, double *from, double *to)
 bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q)
 {
     struct axis x, y;
-    double from = q->least, to = q->t;
+    double from = q->least - start_blur * q->body->upper[0], to = q->t;
     if (to > q->body->upper[0] && !clip(q, &from, &to)) return true;
     if (from > far * q->body->upper[0]) return false;
     if (!start(lattice, q, 0, from, &x) || !start(lattice, q, 1, from, &y)) return false;

@@ -34,15 +34,15 @@ static bool is_inside(const struct rectangle *r, const double v[3])
     return v[0] >= r->lower[0] && v[0] <= r->upper[0] && v[1] >= r->lower[1] && v[1] <= r->upper[1];
 }
 
-/* The shortest extent along an axis of an edge inside the rectangle that is not 0. */
+/* The shortest extent along an axis of the edges inside the rectangle that do not run across it. */
 static double spacing(const struct cml_mesh *mesh, const struct rectangle *r, int axis)
 {
     double least = INFINITY;
     for (size_t i = 0; i < 3 * mesh->num_triangles; i++) {
         const double *a = mesh->vertex[mesh->triangle[i / 3][i % 3]],
                      *b = mesh->vertex[mesh->triangle[i / 3][(i + 1) % 3]];
-        const double d = fabs(a[axis] - b[axis]);
-        if (d > 0 && d < least && is_inside(r, a) && is_inside(r, b)) least = d;
+        const double d = fabs(a[axis] - b[axis]), across = fabs(a[1 - axis] - b[1 - axis]);
+        if (d > 4 * most_jitter * across && d < least && is_inside(r, a) && is_inside(r, b)) least = d;
     }
     return least;
 }

@@ -36,16 +36,26 @@ static bool is_clearly_within(const struct axis *a, double t, double margin)
     return at > margin && at < 1 - margin;
 }
 
-/* False when the ray begins outside the lattice. */
-static bool start(const struct cml_lattice *lattice, const struct cml_mesh_query *q, int k, double t,
-                  struct axis *a)
+static struct axis axis_of(const struct cml_lattice *lattice, const struct cml_mesh_query *q, int k)
 {
-    a->origin = (q->origin[k] - lattice->corner[k]) * lattice->per_cell[k];
-    a->speed = q->direction[k] * lattice->per_cell[k];
+    return (struct axis){.origin = (q->origin[k] - lattice->corner[k]) * lattice->per_cell[k],
+                         .speed = q->direction[k] * lattice->per_cell[k]};
+}
+
+/* Finds the cell; false when the ray is outside the lattice at t. */
+static bool start(struct axis *a, double t, int n)
+{
     const double at = a->origin + t * a->speed;
-    if (!(at > 0 && at < lattice->n[k])) return false;
+    if (!(at > 0 && at < n)) return false;
     a->cell = (int)at;
     return true;
+}
+
+/* Whether the ray never comes near the lattice. */
+static bool passes_by(const struct axis *a, double from, double to, const struct cml_lattice *lattice, int n)
+{
+    const double b = a->origin + from * a->speed, c = a->origin + to * a->speed, margin = lattice->margin;
+    return lattice->is_whole && ((b < -margin && c < -margin) || (b > n + margin && c > n + margin));
 }
 
 static void find_next(struct axis *a)
@@ -218,11 +228,13 @@ static bool clip(const struct cml_mesh_query *q, double *from, double *to)
 
 bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q)
 {
-    struct axis x, y;
-    double from = q->least - start_blur * q->body->upper[0], to = q->t;
-    if (to > q->body->upper[0] && !clip(q, &from, &to)) return true;
-    if (from > far * q->body->upper[0]) return false;
-    if (!start(lattice, q, 0, from, &x) || !start(lattice, q, 1, from, &y)) return false;
-    if (walk(lattice, q, &x, &y, from, to) != OPEN) return true;
-    return settle(lattice, q, &x, &y, from, to);
+    const double size = q->body->upper[0];
+    struct axis x = axis_of(lattice, q, 0), y = axis_of(lattice, q, 1);
+    double from = q->least - start_blur * size, to = q->t;
+    if (to > size && !clip(q, &from, &to)) return true;
+    if (from > far * size) return false;
+    if (!start(&x, from, lattice->n[0]) || !start(&y, from, lattice->n[1]))
+        return passes_by(&x, from, to, lattice, lattice->n[0]) ||
+               passes_by(&y, from, to, lattice, lattice->n[1]);
+    return walk(lattice, q, &x, &y, from, to) != OPEN || settle(lattice, q, &x, &y, from, to);
 }

@@ -159,6 +159,15 @@ static void ray_from_a_facet(const struct subject *s, struct dice *dice, struct 
         dice_direction(dice, ray->u);
 }
 
+/* Beyond a facet by all that rounding is granted: the crossing counts, or does not count any more. */
+static void ray_beyond_a_facet(const struct subject *s, struct dice *dice, struct ray *ray)
+{
+    struct cml_mesh_crossing c;
+    random_ray(s, dice, ray);
+    if (!cml_mesh_surface_hit(s->surface, ray->p, ray->u, ray->below, INFINITY, -1, 0, 1, 1e-15, &c)) return;
+    for (int k = 0; k < 3; k++) ray->p[k] = nudge(dice, c.point[k] + ray->slack * ray->u[k]);
+}
+
 typedef void make_ray(const struct subject *s, struct dice *dice, struct ray *ray);
 
 /* ---- comparison ---- */
@@ -221,6 +230,8 @@ static void compare_all(struct subject *s, double least_decided)
     assert_true(share.same == share.found);
     share = compare(s, ray_from_a_facet, 83, 100000);
     print_message("from facets: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
+    share = compare(s, ray_beyond_a_facet, 86, 50000);
+    print_message("beyond facets: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
     share = compare(s, ray_at_an_edge, 84, 100000);
     print_message("at edges: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
     share = compare(s, ray_along_edges, 85, 50000);

@@ -25,6 +25,7 @@ expect_error 2 "--tolerance 1 (expected a number from 1e-12 to 0.1)" $sample --t
 expect_error 2 "--tolerance nan (expected a number from 1e-12 to 0.1)" $sample --tolerance nan
 expect_error 2 "--normals none (expected one of facet vertex analytic)" $sample --normals none
 expect_error 2 "--rings wide (expected one of area inscribed)" $sample --rings wide
+expect_error 2 "--mesh-search grid (expected one of auto embree)" $sample --mesh-search grid
 expect_error 2 "trace: photon x (expected an index from 0)" trace $sample x
 expect_code 2 "$work/missing.mci"
 expect_code 2 "$work"

@@ -86,7 +86,7 @@ static void fly(struct dice *dice, struct walker *walker)
         place(dice, walker);
 }
 
-static void check_walk(uint32_t seed, double roughness, long flights)
+static void check_walk(uint32_t seed, double roughness, enum cml_mesh_search search, long flights)
 {
     struct dice dice = dice_new(seed);
     static struct walker walker;
@@ -95,7 +95,7 @@ static void check_walk(uint32_t seed, double roughness, long flights)
     struct cml_mesh mesh = patch_mesh(&walker.patch);
     struct cml_mesh_surface *surface = NULL;
     struct cml_error err;
-    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_AUTO, &surface, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, search, &surface, &err), CML_OK);
     const struct cml_mesh_surface *const meshes[] = {surface};
     const struct cml_surface surfaces[] = {{.kind = CML_SURFACE_MESH}};
     walker.world.meshes = meshes;
@@ -116,13 +116,15 @@ static void check_walk(uint32_t seed, double roughness, long flights)
 static void nothing_slips_through_a_rough_mesh(void **state)
 {
     (void)state;
-    check_walk(71, 0.1, FLIGHTS);
+    check_walk(71, 0.1, CML_SEARCH_AUTO, FLIGHTS);
+    check_walk(73, 0.1, CML_SEARCH_EMBREE, FLIGHTS);
 }
 
 static void nothing_slips_through_a_nearly_flat_mesh(void **state)
 {
     (void)state;
-    check_walk(72, 1e-3, FLIGHTS);
+    check_walk(72, 1e-3, CML_SEARCH_AUTO, FLIGHTS);
+    check_walk(74, 1e-3, CML_SEARCH_EMBREE, FLIGHTS);
 }
 
 int main(void)

@@ -23,6 +23,7 @@ SCENES = {
 }
 AMPLITUDE = "0.018"  # of rough tops and rings [cm]
 AMPLITUDE_A = "0.03"
+SEARCHED = "3e5"  # triangles of the rough top that is flown with Embree as well
 RINGS = (10, 50, 200, 1000)
 TWO_THREADS = ("S6a", "S6a-rough-1e5", "S6a-rings-50-cone")
 ABOVE = 7  # the index above, of the lines that are neither comment nor blank; the first layer follows
@@ -74,6 +75,8 @@ def rough_cases(medium, numbers, amplitude, work):
         path = os.path.join(work, name + ".mci")
         write_scene(medium, path, surface='m "%s"' % obj)
         cases.append(Case(name, medium, "rough", path))
+        if number == SEARCHED:
+            cases.append(Case(name + "-embree", medium, "searched", path, ["--mesh-search", "embree"]))
     return cases
 
 

@@ -23,7 +23,8 @@ struct cml_hit {
  * has put the packet beyond a facet that it has not crossed. straight: the packet has come through `exclude`
  * without a turn, so what lies behind that facet on the same line has been dealt with. exact: candidates are
  * tested in double, without gaps; else Embree's own triangles find the hit and only the hit is computed in
- * double. Returns 1 and fills *crossing when one is found with t < t_max. */
+ * double, or the cells of a regular grid are walked. Returns 1 and fills *crossing when one is found with t <
+ * t_max. */
 struct cml_mesh_crossing {
     double t, point[3], normal[3], facet[3];
     int primitive;

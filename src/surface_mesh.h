@@ -1,11 +1,12 @@
-/* A boundary mesh under Embree: closest crossing of a double-precision ray, in two ways.
+/* A boundary mesh under Embree: closest crossing of a double-precision ray, in three ways.
  * Exact: Embree's tree finds boxes in single precision, inflated by what the rounding of ray and vertices can
  * amount to; every triangle in them is tested in double, without gaps between neighbours ("double-down" under
  * DAGMC). Fast: Embree's own single-precision triangles find the hit; a filter in double decides whether it
  * counts, and its distance and normal are computed in double. Where the hit is not clearly inside its
- * triangle the exact way decides. The outer plane with the footprint as its hole belongs to the surface. The
- * only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
- * SPDX-License-Identifier: MIT */
+ * triangle the exact way decides. Walked: where the mesh is a regular grid (lattice.h) the cells below the
+ * ray take the place of Embree's triangles (grid_walk.h). The outer plane with the footprint as its hole
+ * belongs to the surface. The only place that includes Embree's headers; versions 3 and 4 differ here and
+ * nowhere else. SPDX-License-Identifier: MIT */
 #ifndef CML_SURFACE_MESH_H
 #define CML_SURFACE_MESH_H
 

@@ -17,6 +17,11 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+static double processor(void)
+{
+    return (double)clock() / CLOCKS_PER_SEC;
+}
+
 enum verdict { GO_ON, DONE, STOPPED };
 
 struct flight {
@@ -257,6 +262,7 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
         status = cml_fail_memory(err, out->ranks * (double)sizeof *out->rank, "the ranks' reports");
     CML_TRY(cml_cluster_agree(status, err));
     flight->mine.elapsed = now() - flight->begin;
+    flight->mine.processor = processor() - flight->mine.processor;
     out->seconds = flight->state.seconds + flight->mine.elapsed;
     return cml_cluster_gather(&flight->mine, sizeof flight->mine, out->rank, err);
 }
@@ -271,6 +277,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     if (verdict == DONE) return CML_OK;
     flight->dispatch.flown = flight->state.end - flight->state.open.total;
     flight->begin = now();
+    flight->mine.processor = processor();
     flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint
                       ? flight->begin + flight->setup->interval
                       : INFINITY;
@@ -315,6 +322,13 @@ double cml_run_error(const struct cml_result *result)
         largest = fmax(largest, cml_result_error(result, totals[i].total) / share);
     }
     return largest;
+}
+
+double cml_run_processor(const struct cml_run_result *run)
+{
+    double seconds = 0;
+    for (int i = 0; i < run->ranks; i++) seconds += run->rank[i].processor;
+    return seconds;
 }
 
 double cml_run_idle(const struct cml_run_result *run)

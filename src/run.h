@@ -46,6 +46,7 @@ struct cml_rank_report {
     double waiting; /* for other ranks, at meetings */
     double meeting; /* sums and checkpoints, once all were there */
     double elapsed;
+    double processor; /* of all threads, since the start or the resume */
 };
 
 struct cml_run_result {
@@ -56,6 +57,9 @@ struct cml_run_result {
     int ranks;
     struct cml_rank_report *rank; /* [ranks] on rank 0 */
 };
+
+/* Processor seconds of the photons' flight on all ranks: what it costs on a machine that others use too. */
+double cml_run_processor(const struct cml_run_result *run);
 
 /* Flies all photons. Collective; the result is rank 0's, that of the others is zero. *out is owned by the
  * caller (cml_run_result_free), cleared on failure. Lost packets and residues are no failure here: see

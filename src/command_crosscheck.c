@@ -104,7 +104,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
         return status;
     }
     if (options->dump) status = cml_file_commit(&file, err);
-    if (!options->quiet) print_all(setup, &result, options->surface.tessellation.tolerance);
+    if (!options->quiet) print_all(setup, &result, options->surface.tolerance);
     if (status == CML_OK) status = verdict(setup, &result, err);
     cml_check_clear(&result);
     return status;

@@ -17,7 +17,7 @@ static cml_status finish_all(const struct cml_options *options, struct cml_scene
                              struct cml_error *err)
 {
     for (int i = 0; i < list->count; i++) {
-        CML_TRY(cml_scene_simplify(&list->scenes[i], options->surface.tessellation.tolerance, err));
+        CML_TRY(cml_scene_simplify(&list->scenes[i], options->surface.tolerance, err));
         CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
     }
     return CML_OK;

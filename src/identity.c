@@ -17,8 +17,9 @@ static void write_options(FILE *out, const struct cml_run_setup *setup,
             cml_version(), setup->engine->name, options->seed, options->run + 1, setup->photons);
     fprintf(out, "target error %.17g\nre-entry %d\nabsorption %d\nflat %d\n", setup->target_error,
             options->reentry, options->absorption, flat);
-    fprintf(out, "boundaries %d, tolerance %.17g, normals %d, inscribed %d, search %d\n", surface->force,
-            tessellation->tolerance, tessellation->normals, tessellation->inscribed, surface->search);
+    fprintf(out, "boundaries %d, tolerance %.17g, may flatten %d, normals %d, inscribed %d, search %d\n",
+            surface->force, surface->tolerance, surface->may_flatten, tessellation->normals,
+            tessellation->inscribed, surface->search);
 }
 
 /* By name without directories, so that a folder may be moved. */

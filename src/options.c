@@ -105,9 +105,9 @@ static const char help[] =
     "  --no-reentry           score packets at their first exit, as the 2019 program did\n"
     "boundaries\n"
     "  --boundaries KIND      auto (default), plane, cone or mesh\n"
-    "  --tolerance T          of a tessellated heightfield: largest radial deviation / last radius; "
-    "of "
-    "a heightmap: largest height error / peak to valley; default 1e-3\n"
+    "  --tolerance T          relative bias to keep; heightmaps: height error / peak to valley; default "
+    "1e-3;\n"
+    "                         when given, a surface expected to change less becomes a plane\n"
     "  --normals KIND         of a tessellated heightfield: analytic (default), vertex or facet\n"
     "  --rings KIND           of a tessellated heightfield: area (area-preserving, default) or "
     "inscribed\n"
@@ -226,8 +226,9 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     struct cml_tessellation *tessellation = &options->surface.tessellation;
     int choice = 0;
     if (key == KEY_TOLERANCE) {
-        const bool number = cml_parse_double(value, &tessellation->tolerance);
-        const bool sound = number && tessellation->tolerance >= 1e-12 && tessellation->tolerance <= 0.1;
+        const bool number = cml_parse_double(value, &options->surface.tolerance);
+        const bool sound = number && options->surface.tolerance >= 1e-12 && options->surface.tolerance <= 0.1;
+        options->surface.may_flatten = true;
         return sound ? CML_OK : fail(err, "tolerance", value, "a number from 1e-12 to 0.1");
     }
     if (key == KEY_BOUNDARIES) {
@@ -345,7 +346,7 @@ static void set_defaults(struct cml_options *options)
     options->checkpoint_interval = 60;
     options->patience = 60;
     options->surface.force = CML_AS_AUTO;
-    options->surface.tessellation.tolerance = 1e-3;
+    options->surface.tolerance = 1e-3;
     options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
 }
 

@@ -2,6 +2,7 @@
 #include "report.h"
 
 #include <jansson.h>
+#include <math.h>
 #include <stdlib.h>
 
 const char *cml_version(void)
@@ -104,10 +105,13 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
     json_t *list = json_array();
     for (int b = 0; b < surfaces->count; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];
-        json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:f, s:f}", "kind",
+        const struct cml_expectation *expect = &def->expectation;
+        json_t *bias = isfinite(expect->bias) ? json_real(expect->bias) : json_null();
+        json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind",
                                               cml_representation_name(def->kind), "reason", def->reason,
                                               "primitives", (json_int_t)def->primitives, "build_s",
-                                              def->build_seconds, "MiB", def->bytes / 1048576));
+                                              def->build_seconds, "MiB", def->bytes / 1048576, "bias", bias,
+                                              "query_ns", expect->query_ns, "deviation", expect->deviation));
     }
     return list;
 }
@@ -165,7 +169,9 @@ static void set_speed(json_t *object, const struct cml_report *report)
     const struct cml_run_result *run = report->run;
     const double steps = steps_of(&run->result);
     set_real(object, "seconds", run->seconds);
+    set_real(object, "cpu_s", cml_run_processor(run));
     set_real(object, "steps", steps);
+    set_real(object, "crossings", (double)run->result.count[CML_COUNT_BOUNDARY_EVENTS]);
     set_real(object, "queries", (double)run->result.count[CML_COUNT_QUERIES]);
     set_real(object, "ns_per_step", steps > 0 ? 1e9 * run->seconds / steps : 0);
     set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);

@@ -85,30 +85,90 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     return CML_OK;
 }
 
+static cml_status make_tessellated(const struct cml_radial *field, double depth,
+                                   const struct cml_scene *scene, const struct cml_surface_options *options,
+                                   const char *reason, struct cml_surface_def *def, struct cml_error *err)
+{
+    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
+    struct cml_mesh mesh;
+    CML_TRY(cml_tessellate(field, &tessellation, &mesh, err));
+    const cml_status status = make_mesh(&mesh, depth, scene, options->search, reason, def, err);
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
+/* mut of the media above and below a boundary. */
+static void read_mut(const struct cml_scene *scene, const struct cml_boundary *boundary, double mut[2])
+{
+    const struct cml_medium_def *above = &scene->media[boundary - scene->boundaries];
+    for (int side = 0; side < 2; side++) mut[side] = above[side].mua + above[side].mus;
+}
+
+/* Facets are asked for by number, and a plane has none. */
+static struct cml_surface_options options_for(const struct cml_scene *scene,
+                                              const struct cml_surface_options *options)
+{
+    struct cml_surface_options own = *options;
+    own.may_flatten = options->may_flatten && !scene->facets;
+    return own;
+}
+
+static cml_status represent_best(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                 const struct cml_radial *merged, const struct cml_surface_options *options,
+                                 struct cml_surface_def *def, struct cml_error *err)
+{
+    const struct cml_surface_options own = options_for(scene, options);
+    char reason[sizeof def->reason];
+    double mut[2];
+    read_mut(scene, boundary, mut);
+    switch (cml_choose_radial(merged, mut, &own, &def->expectation)) {
+    case CML_AS_PLANE:
+        make_plane(boundary->z - merged->h[merged->n - 1], "radial heightfield: effect below the tolerance",
+                   def);
+        return CML_OK;
+    case CML_AS_MESH:
+        snprintf(reason, sizeof reason, "radial heightfield: costs less than its %d rings", merged->n);
+        return make_tessellated(merged, boundary->z, scene, options, reason, def, err);
+    default:
+        return make_cones(merged, boundary->radial.n, boundary->z, def, err);
+    }
+}
+
 static cml_status represent_field(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                   const struct cml_surface_options *options, struct cml_surface_def *def,
                                   struct cml_error *err)
 {
     const struct cml_radial *field = &boundary->radial;
     const bool forced = options->force == CML_AS_CONE || options->force == CML_AS_MESH;
+    double mut[2];
     if (field->n == 1 || (!forced && cml_radial_is_flat(field))) {
         make_plane(boundary->z - field->h[0], "flat heightfield", def);
         return CML_OK;
     }
+    read_mut(scene, boundary, mut);
+    if (forced) def->expectation = cml_choice_expect(options->force, field, mut, options);
     if (options->force == CML_AS_CONE) return make_cones(field, field->n, boundary->z, def, err);
-    if (options->force == CML_AS_MESH) {
-        struct cml_mesh mesh;
-        CML_TRY(cml_tessellate(field, &options->tessellation, &mesh, err));
-        const cml_status status = make_mesh(&mesh, boundary->z, scene, options->search,
-                                            "radial heightfield, tessellated", def, err);
-        cml_mesh_clear(&mesh);
-        return status;
-    }
+    if (options->force == CML_AS_MESH)
+        return make_tessellated(field, boundary->z, scene, options, "radial heightfield, tessellated", def,
+                                err);
     struct cml_radial merged;
     CML_TRY(cml_radial_merge(field, &merged, err));
-    const cml_status status = make_cones(&merged, field->n, boundary->z, def, err);
+    const cml_status status = represent_best(scene, boundary, &merged, options, def, err);
     cml_radial_clear(&merged);
     return status;
+}
+
+/* True when the plane in which the mesh goes on outside will do; *bias is what that is expected to cost. */
+static bool mesh_may_be_plane(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                              const struct cml_surface_options *options, double *bias)
+{
+    const struct cml_mesh *mesh = &boundary->mesh;
+    const double height = fmax(mesh->upper[2] - mesh->z_border, mesh->z_border - mesh->lower[2]);
+    double mut[2];
+    if (!options_for(scene, options).may_flatten) return false;
+    read_mut(scene, boundary, mut);
+    *bias = cml_choice_plane_bias(height, steepest_facet(mesh), fmax(mut[0], mut[1]));
+    return *bias <= options->tolerance;
 }
 
 static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
@@ -124,6 +184,11 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
         make_plane(boundary->z + z, "flat mesh", def);
         return CML_OK;
     }
+    if (options->force == CML_AS_AUTO &&
+        mesh_may_be_plane(scene, boundary, options, &def->expectation.bias)) {
+        make_plane(boundary->z + boundary->mesh.z_border, "mesh: effect below the tolerance", def);
+        return CML_OK;
+    }
     struct cml_mesh mesh;
     CML_TRY(cml_mesh_copy(&boundary->mesh, &mesh, err));
     char reason[sizeof def->reason] = "mesh";
@@ -132,6 +197,7 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
         snprintf(reason, sizeof reason, "heightmap: %zu of %zu triangles and a skirt", notes->triangles,
                  2 * notes->cells);
     const cml_status status = make_mesh(&mesh, boundary->z, scene, options->search, reason, def, err);
+    def->expectation = cml_choice_expect_mesh();
     cml_mesh_clear(&mesh);
     return status;
 }
@@ -198,12 +264,13 @@ void cml_surfaces_free(struct cml_surface_set *set)
 }
 
 /* A field of one sample or equal heights still has a mesh; a plane without any has none to show. */
-cml_status cml_boundary_mesh(const struct cml_boundary *boundary, const struct cml_tessellation *options,
+cml_status cml_boundary_mesh(const struct cml_boundary *boundary, const struct cml_surface_options *options,
                              struct cml_mesh *mesh, struct cml_error *err)
 {
+    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
     if (boundary->form == CML_FORM_MESH) return cml_mesh_copy(&boundary->mesh, mesh, err);
     if (boundary->form == CML_FORM_RADIAL && boundary->radial.n > 1)
-        return cml_tessellate(&boundary->radial, options, mesh, err);
+        return cml_tessellate(&boundary->radial, &tessellation, mesh, err);
     *mesh = (struct cml_mesh){0};
     return CML_OK;
 }

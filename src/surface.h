@@ -1,23 +1,15 @@
 /* How each boundary of a scene is represented: plane, cones or mesh, and why.
  * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
- * marched as exact cones, meshes that are regular grids are walked, other ones go to Embree. A representation
- * can be forced, which is how methods judge each other. SPDX-License-Identifier: MIT */
+ * marched as exact cones unless a mesh within the tolerance costs less (surface_choice.h), meshes that are
+ * regular grids are walked, other ones go to Embree. A representation can be forced, which is how methods
+ * judge each other. SPDX-License-Identifier: MIT */
 #ifndef CML_SURFACE_H
 #define CML_SURFACE_H
 
 #include "clearance.h"
 #include "scene.h"
+#include "surface_choice.h"
 #include "surface_mesh.h"
-#include "tessellate.h"
-
-enum cml_representation { CML_AS_PLANE, CML_AS_CONE, CML_AS_MESH, CML_AS_AUTO };
-
-struct cml_surface_options {
-    enum cml_representation
-        force; /* CML_AS_AUTO: choose; CML_AS_CONE leaves meshes meshes and planes planes */
-    struct cml_tessellation tessellation;
-    enum cml_mesh_search search;
-};
 
 /* One represented boundary, in its own frame, whose z = 0 lies at `depth` in the scene. Owns everything in
  * it. */
@@ -32,7 +24,8 @@ struct cml_surface_def {
     double *r, *z, *slope;  /* [num_rings] see kernels/types.h */
     struct cml_mesh_surface *mesh;      /* CML_AS_MESH */
     struct cml_clearance_map clearance; /* of cones and meshes */
-    double build_seconds, bytes;        /* what representing it took: tree, rings, clearance map */
+    struct cml_expectation expectation;
+    double build_seconds, bytes; /* what representing it took: tree, rings, clearance map */
 };
 
 struct cml_surface_set {
@@ -52,7 +45,7 @@ const char *cml_representation_name(enum cml_representation kind);
 /* The mesh of a boundary as cml_surfaces_create would give it to Embree, tessellated or loaded; empty (no
  * triangles) for a plane. For `clustermcml mesh`. */
 CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_boundary *boundary,
-                                           const struct cml_tessellation *options, struct cml_mesh *mesh,
+                                           const struct cml_surface_options *options, struct cml_mesh *mesh,
                                            struct cml_error *err);
 
 #endif

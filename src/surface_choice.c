@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface_choice.h"
+
+#include <math.h>
+
+/* Bias per radial deviation, the larger of totals and profile, rounded up from the worst scene of
+ * bench/accuracy.sh ("bias / deviation" of its reading). Vertex normals smooth the edges between rings: their
+ * bias does not shrink with the triangles, so that only the facets' is asked of the tessellation. */
+static double bias_per_deviation(const struct cml_tessellation *tessellation)
+{
+    static const double of[3][2] = {[CML_NORMALS_FACET] = {8.0, 8.0},
+                                    [CML_NORMALS_VERTEX] = {8.0, 8.0},
+                                    [CML_NORMALS_ANALYTIC] = {2.0, 6.0}};
+    return of[tessellation->normals][tessellation->inscribed];
+}
+
+/* Time, from the same reading ("cost"). A query marches over the rings that it passes; Embree's costs more to
+ * begin with and hardly grows. A mesh must also be built, which counts as spread over QUERIES. */
+#define CONE_NS 60.0
+#define RING_NS 0.19
+#define MESH_NS 510.0
+#define BUILD_NS 1800.0 /* per triangle */
+#define QUERIES 1e7     /* of a run of millions of packets */
+
+struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options)
+{
+    struct cml_tessellation tessellation = options->tessellation;
+    if (options->tolerance > 0)
+        tessellation.tolerance = options->tolerance / bias_per_deviation(&tessellation);
+    return tessellation;
+}
+
+/* A shift by h changes an optical depth by mut h, a slope turns a normal by as much. Both count in full,
+ * which the charts never saw. */
+double cml_choice_plane_bias(double height, double steepest, double mut)
+{
+    return mut * height + steepest;
+}
+
+static double plane_bias(const struct cml_radial *radial, const double mut[2])
+{
+    double height = 0, steepest = 0;
+    const int last = radial->n - 1;
+    for (int i = 0; i < last; i++) {
+        height = fmax(height, fabs(radial->h[i] - radial->h[last]));
+        steepest =
+            fmax(steepest, fabs((radial->h[i + 1] - radial->h[i]) / (radial->r[i + 1] - radial->r[i])));
+    }
+    return cml_choice_plane_bias(height, steepest, fmax(mut[0], mut[1]));
+}
+
+/* Rings that a ray passes: all of them where it flies free, those within a free path in a dense medium; half
+ * of the rays are on either side. */
+static double rings_passed(const struct cml_radial *radial, const double mut[2])
+{
+    const double radius = radial->r[radial->n - 1];
+    return 0.5 * radial->n * (1 / fmax(1, mut[0] * radius) + 1 / fmax(1, mut[1] * radius));
+}
+
+struct cml_expectation cml_choice_expect_mesh(void)
+{
+    return (struct cml_expectation){.query_ns = MESH_NS};
+}
+
+struct cml_expectation cml_choice_expect(enum cml_representation kind, const struct cml_radial *radial,
+                                         const double mut[2], const struct cml_surface_options *options)
+{
+    if (kind == CML_AS_PLANE) return (struct cml_expectation){.bias = plane_bias(radial, mut)};
+    if (kind == CML_AS_CONE)
+        return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * rings_passed(radial, mut)};
+    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
+    struct cml_expectation expectation = cml_choice_expect_mesh();
+    expectation.deviation = tessellation.tolerance;
+    expectation.bias = tessellation.normals == CML_NORMALS_VERTEX
+                           ? INFINITY
+                           : tessellation.tolerance * bias_per_deviation(&tessellation);
+    return expectation;
+}
+
+/* Cones have no bias to spend, so a mesh, which has, must pay: its building too. */
+static bool mesh_pays(const struct cml_radial *radial, double cone_ns, double mesh_ns,
+                      const struct cml_surface_options *options)
+{
+    if (cone_ns <= mesh_ns) return false; /* before triangles are counted */
+    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
+    return mesh_ns + BUILD_NS * cml_tessellation_triangles(radial, &tessellation) / QUERIES < cone_ns;
+}
+
+enum cml_representation cml_choose_radial(const struct cml_radial *radial, const double mut[2],
+                                          const struct cml_surface_options *options,
+                                          struct cml_expectation *expectation)
+{
+    *expectation = cml_choice_expect(CML_AS_PLANE, radial, mut, options);
+    if (options->may_flatten && expectation->bias <= options->tolerance) return CML_AS_PLANE;
+    const struct cml_expectation mesh = cml_choice_expect(CML_AS_MESH, radial, mut, options);
+    *expectation = cml_choice_expect(CML_AS_CONE, radial, mut, options);
+    if (!(options->tolerance > 0) || mesh.bias > options->tolerance) return CML_AS_CONE;
+    if (!mesh_pays(radial, expectation->query_ns, mesh.query_ns, options)) return CML_AS_CONE;
+    *expectation = mesh;
+    return CML_AS_MESH;
+}

@@ -150,7 +150,7 @@ def main():
     parser.add_argument("--quick", action="store_true")
     arguments = parser.parse_args()
     program = os.path.abspath(arguments.program)
-    budget = 0.5 if arguments.quick else 6.0
+    budget = 0.35 if arguments.quick else 6.0
     os.makedirs(arguments.directory, exist_ok=True)
     begin, rows = time.time(), []
     with tempfile.TemporaryDirectory() as work, concurrent.futures.ThreadPoolExecutor(CORES) as pool:

@@ -53,13 +53,176 @@ def text(header, rows):
     return "\n".join(lines + [""] + reading(header, rows)) + "\n"
 
 
+def by_group(rows, *groups):
+    return [row for row in rows if row["group"] in groups]
+
+
+def of(rows, scene, method):
+    found = [row for row in rows if row["scene"] == scene and row["method"] == method]
+    return found[0] if found else None
+
+
+def resolved(row):
+    """The larger of the biases of totals and profile, of those beyond three standard errors; else 0."""
+    total, profile = abs(number(row, "bias")), number(row, "profile_bias")
+    return max(total if total > 3 * number(row, "bias_se") else 0.0,
+               profile if profile > 3 * number(row, "profile_se") else 0.0)
+
+
+def worst(rows, key):
+    return max(rows, key=key)
+
+
+def bias_rules(rows):
+    """Lines on how the bias of tessellations grows with their deviation: the constants of src/surface_choice.c."""
+    shares, plateau = [], worst([row for row in rows if row["group"].startswith("mesh-vertex") and row["tolerance"]
+                                 and number(row, "tolerance") <= 1e-3], resolved)
+    for group in ("mesh-analytic-area", "mesh-analytic-inscribed", "mesh-facet-area", "mesh-facet-inscribed"):
+        def share(row):
+            return resolved(row) / number(row, "deviation")
+        row = worst([row for row in by_group(rows, group) if number(row, "deviation") > 0], share)
+        shares.append("%s %.1f (%s)" % (group[5:].replace("-", ", "), share(row), row["scene"]))
+    return ["- Bias / deviation of tessellations, worst resolved case: %s. Of these follow the deviations that keep a "
+            "tolerance." % "; ".join(shares),
+            "- Interpolated vertex normals round off the edges between rings: a bias of up to %.1g stays (%s) however "
+            "fine the mesh; they are never chosen." % (resolved(plateau), plateau["scene"])]
+
+
+def kept(rows):
+    """Whether the automatic choices keep the tolerance they were given."""
+    held = [row for row in by_group(rows, "auto", "mesh-auto")]
+    limit = [number(row, "tolerance") if row["tolerance"] else TOLERANCE for row in held]
+    broken = [row for row, most in zip(held, limit)
+              if abs(number(row, "bias")) > most + 3 * number(row, "bias_se")
+              or number(row, "profile_bias") > most + 3 * number(row, "profile_se")]
+    certain = sum(abs(number(row, "bias")) + 2 * number(row, "bias_se") <= most for row, most in zip(held, limit))
+    names = ", ".join("%s %s" % (row["scene"], row["method"]) for row in broken) or "none"
+    return ("- `auto` and forced meshes at the asked tolerance: of %d cases %s exceed it beyond three standard errors; in %d "
+            "the total's bias plus two errors is below it, in the rest the noise is not." % (len(held), names, certain))
+
+
+def cost(rows):
+    """ns per query beyond what a plane's steps take: (of a cone without rings, per ring, of a mesh), or None."""
+    def query(row):
+        plane = of(rows, row["scene"], "plane")
+        seconds = number(row, "cpu_s") - 1e-9 * number(plane, "ns_per_step") * number(row, "steps")
+        return 1e9 * seconds / number(row, "queries")
+    fields = [row for row in rows if row["scene"].startswith("S2-rings-")]
+    cones = sorted((int(row["primitives"]), query(row)) for row in by_group(fields, "cone"))
+    meshes = [query(row) for row in by_group(fields, "mesh-auto")]
+    per_ring = (cones[-1][1] - cones[0][1]) / (cones[-1][0] - cones[0][0])
+    return cones[0][1] - per_ring * cones[0][0], per_ring, sum(meshes) / len(meshes)
+
+
+def gain(rows):
+    auto, cone, mesh = (of(rows, "stack", name) for name in ("auto", "cpu-cone", "mesh"))
+    return ("- `stack` (fine rings, a flat field, a hill): `auto` takes %s, %.1f times as fast as all cones, %.1f times as "
+            "all meshes." % (auto["kinds"].replace("|", ", "), number(cone, "ns_per_step") / number(auto, "ns_per_step"),
+                             number(mesh, "ns_per_step") / number(auto, "ns_per_step")))
+
+
+def packets(rows):
+    meshes = [row for row in by_group(rows, "mesh-analytic-area") if row["tolerance"] == "1e-1"]
+    words = []
+    for key in ("Rd", "A", "Tt"):
+        needs = [number(row, "packets_1e-4_" + key) for row in meshes if number(row, "packets_1e-4_" + key) > 0]
+        words.append("%s %.1e to %.1e" % (key, min(needs), max(needs)))
+    return ("- Paired packets that resolve a bias of 1e-4 of the light at 3 standard errors, coarsest mesh against cones: %s; "
+            "finer meshes share more paths and need fewer." % ", ".join(words))
+
+
 def reading(header, rows):
-    return []
+    """What the charts say, in lines of Markdown."""
+    about = dict(header)
+    cones, planes = by_group(rows, "cone"), [row for row in by_group(rows, "plane")]
+    ratios = [number(of(rows, row["scene"], "mesh"), "ns_per_step") / number(row, "ns_per_step") for row in cones
+              if of(rows, row["scene"], "mesh")]
+    faster = [number(row, "ns_per_step") / number(of(rows, row["scene"], "plane"), "ns_per_step") for row in cones
+              if of(rows, row["scene"], "plane")]
+    single, flat = worst(cones, resolved), [resolved(row) for row in planes if resolved(row) > 0]
+    failing = worst(rows, lambda row: number(row, "failures_per_1e9"))
+    return ["- Measured (%s run, %s s): %s; %s; %s; %.1e to %.1e packets per case." % (
+                about["length"], about["seconds"], about["program"], about["machine"], about["compiler"],
+                min(number(row, "packets") for row in rows), max(number(row, "packets") for row in rows)),
+            "- Cones in single precision: worst resolved bias %.1g (%s). They are the reference's surface; what is left is "
+            "rounding." % (resolved(single), single["scene"]),
+            "- Ignoring the shape (plane): bias %.1g to %.1g where it is resolved, for %.1f to %.1f times the speed of cones."
+            % (min(flat), max(flat), min(faster), max(faster)),
+            *bias_rules(rows),
+            "- A mesh at the default tolerance takes %.1f to %.1f times the cones' time per step." % (min(ratios), max(ratios)),
+            "- Time of a query beyond the step: cones %.0f ns + %.2f ns per ring passed, mesh %.0f ns: with thousands of rings "
+            "and long flights a mesh is cheaper." % cost(rows),
+            kept(rows), gain(rows), packets(rows),
+            "- Lost packets: %d in %.2g crossings of all cases; the worst case %s %s has %.3g per 1e9." % (
+                sum(int(row["lost"]) for row in rows), sum(number(row, "crossings") for row in rows), failing["scene"],
+                failing["method"], number(failing, "failures_per_1e9"))]
+
+
+MARKS = ("<!-- written by bench/accuracy_table.py -->", "<!-- until here -->")
+
+
+def rewrite(readme, lines):
+    with open(readme) as stream:
+        old = stream.read().split("\n")
+    if any(mark not in old for mark in MARKS):
+        sys.exit("%s: no lines %s and %s" % (readme, *MARKS))
+    first, last = (old.index(mark) for mark in MARKS)
+    with open(readme, "w") as stream:
+        stream.write("\n".join(old[:first + 1] + lines + old[last:]))
+
+
+def curve(row):
+    """(seconds, error) of one method from 1 ms to 1000 s."""
+    points = [10 ** (i / 10) for i in range(-30, 31)]
+    bias, variance, rate = abs(number(row, "bias")), number(row, "variance"), number(row, "packets_per_s")
+    return [(t, math.sqrt(bias ** 2 + variance / (rate * t))) for t in points]
+
+
+GROUPS = ("cone", "opencl", "plane", "auto", "mesh-analytic-area", "mesh-analytic-inscribed", "mesh-vertex-area",
+          "mesh-vertex-inscribed", "mesh-facet-area", "mesh-facet-inscribed")
+
+
+def write_series(path, points):
+    """Without points one that gnuplot leaves out, so that every series exists."""
+    with open(path, "w") as stream:
+        for point in points or [("NaN",) * 7]:
+            stream.write(" ".join(map(str, point)) + "\n")
+
+
+def series(rows, directory):
+    """What accuracy.gp draws: DIRECTORY/scenes and, for every scene, a file per group, its front, curves and knees."""
+    scenes = list(dict.fromkeys(row["scene"] for row in rows))
+    with open(os.path.join(directory, "scenes"), "w") as stream:
+        stream.write(" ".join(scenes) + "\n")
+    for scene in scenes:
+        mine = [row for row in rows if row["scene"] == scene]
+
+        def points(chosen):
+            return [(number(row, "ns_per_step"), max(shown(row), 1e-9), 2 * number(row, "bias_se"),
+                     max(number(row, "profile_bias"), number(row, "profile_se"), 1e-9),
+                     max(number(row, "failures_per_1e9"), number(row, "failures_limit")),
+                     row["optical_bound"] or "NaN") for row in chosen]
+        for group in GROUPS:
+            write_series(os.path.join(directory, "%s.%s" % (scene, group)), sorted(points(by_group(mine, group))))
+        write_series(os.path.join(directory, scene + ".front"), sorted(points([row for row in mine if int(row["front"])])))
+        drawn = {name: of(mine, scene, name) for name in ("cpu-cone", "plane", "mesh-analytic-area-1e-1", "mesh")}
+        for name, row in drawn.items():
+            write_series(os.path.join(directory, "%s.curve.%s" % (scene, name)), curve(row) if row else [])
+        knees = [(number(row, "knee_s"), math.sqrt(2) * abs(number(row, "bias"))) for row in drawn.values()
+                 if row and abs(number(row, "bias")) > 3 * number(row, "bias_se")]
+        write_series(os.path.join(directory, scene + ".knees"), knees)
 
 
 def main(arguments):
+    if not arguments or len(arguments) > 3:
+        sys.exit("usage: accuracy_table.py CSV [README.md | --series DIRECTORY]")
+    header, rows = results.read_csv(arguments[0])
     if len(arguments) == 1:
-        sys.stdout.write(text(*results.read_csv(arguments[0])))
+        sys.stdout.write(text(header, rows))
+    elif len(arguments) == 2:
+        rewrite(arguments[1], reading(header, rows))
+    else:
+        series(rows, arguments[2])
 
 
 if __name__ == "__main__":

@@ -125,7 +125,7 @@ def packets(rows):
     meshes = [row for row in by_group(rows, "mesh-analytic-area") if row["tolerance"] == "1e-1"]
     words = []
     for key in ("Rd", "A", "Tt"):
-        needs = [number(row, "packets_1e-4_" + key) for row in meshes if number(row, "packets_1e-4_" + key) > 0]
+        needs = [number(row, "packets_1e-4_" + key) for row in meshes if number(row, "packets_1e-4_" + key) > 1]  # equal surfaces need none
         words.append("%s %.1e to %.1e" % (key, min(needs), max(needs)))
     return ("- Paired packets that resolve a bias of 1e-4 of the light at 3 standard errors, coarsest mesh against cones: %s; "
             "finer meshes share more paths and need fewer." % ", ".join(words))
@@ -172,14 +172,15 @@ def rewrite(readme, lines):
 
 
 def curve(row):
-    """(seconds, error) of one method from 1 ms to 1000 s."""
+    """(seconds, error) of one method from 1 ms to 1000 s; a bias that is not resolved counts as none."""
     points = [10 ** (i / 10) for i in range(-30, 31)]
-    bias, variance, rate = abs(number(row, "bias")), number(row, "variance"), number(row, "packets_per_s")
+    known = abs(number(row, "bias")) > 3 * number(row, "bias_se")
+    bias, variance, rate = known * number(row, "bias"), number(row, "variance"), number(row, "packets_per_s")
     return [(t, math.sqrt(bias ** 2 + variance / (rate * t))) for t in points]
 
 
-GROUPS = ("cone", "opencl", "plane", "auto", "mesh-analytic-area", "mesh-analytic-inscribed", "mesh-vertex-area",
-          "mesh-vertex-inscribed", "mesh-facet-area", "mesh-facet-inscribed")
+GROUPS = ("cone", "opencl", "plane", "auto", "mesh-auto", "mesh-analytic-area", "mesh-analytic-inscribed",
+          "mesh-vertex-area", "mesh-vertex-inscribed", "mesh-facet-area", "mesh-facet-inscribed")
 
 
 def write_series(path, points):

@@ -8,17 +8,17 @@
  * bias does not shrink with the triangles, so that only the facets' is asked of the tessellation. */
 static double bias_per_deviation(const struct cml_tessellation *tessellation)
 {
-    static const double of[3][2] = {[CML_NORMALS_FACET] = {8.0, 8.0},
-                                    [CML_NORMALS_VERTEX] = {8.0, 8.0},
+    static const double of[3][2] = {[CML_NORMALS_FACET] = {5.0, 6.0},
+                                    [CML_NORMALS_VERTEX] = {5.0, 6.0},
                                     [CML_NORMALS_ANALYTIC] = {2.0, 6.0}};
     return of[tessellation->normals][tessellation->inscribed];
 }
 
 /* Time, from the same reading ("cost"). A query marches over the rings that it passes; Embree's costs more to
  * begin with and hardly grows. A mesh must also be built, which counts as spread over QUERIES. */
-#define CONE_NS 60.0
+#define CONE_NS 180.0
 #define RING_NS 0.19
-#define MESH_NS 510.0
+#define MESH_NS 740.0
 #define BUILD_NS 1800.0 /* per triangle */
 #define QUERIES 1e7     /* of a run of millions of packets */
 
@@ -94,7 +94,7 @@ enum cml_representation cml_choose_radial(const struct cml_radial *radial, const
     if (options->may_flatten && expectation->bias <= options->tolerance) return CML_AS_PLANE;
     const struct cml_expectation mesh = cml_choice_expect(CML_AS_MESH, radial, mut, options);
     *expectation = cml_choice_expect(CML_AS_CONE, radial, mut, options);
-    if (!(options->tolerance > 0) || mesh.bias > options->tolerance) return CML_AS_CONE;
+    if (options->no_mesh || !(options->tolerance > 0) || mesh.bias > options->tolerance) return CML_AS_CONE;
     if (!mesh_pays(radial, expectation->query_ns, mesh.query_ns, options)) return CML_AS_CONE;
     *expectation = mesh;
     return CML_AS_MESH;

@@ -17,6 +17,7 @@ struct cml_surface_options {
     double tolerance; /* relative bias asked of totals and profiles; tessellation.tolerance follows from it.
                        * 0: tessellation.tolerance counts as it stands, and cones stay cones */
     enum cml_mesh_search search;
+    bool no_mesh;     /* the engine flies none: fields that are not forced to be meshes are cones */
     bool may_flatten; /* a surface whose effect is expected below the tolerance may become a plane */
 };
 

@@ -28,7 +28,8 @@ struct bench {
 
 static void represent(struct bench *bench, enum cml_representation force)
 {
-    const struct cml_surface_options options = {force, {1e-2, CML_NORMALS_ANALYTIC, false}, CML_SEARCH_AUTO};
+    const struct cml_surface_options options = {.force = force,
+                                                .tessellation = {1e-2, CML_NORMALS_ANALYTIC, false}};
     struct cml_error err = {CML_OK, ""};
     const cml_status status = cml_surfaces_create(bench->scene, &options, &bench->surfaces, &err);
     assert_string_equal(err.text, "");

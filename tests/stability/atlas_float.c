@@ -1,0 +1,3 @@
+/* SPDX-License-Identifier: MIT */
+#define ATLAS_FLY atlas_fly_float
+#include "atlas_walk.h"

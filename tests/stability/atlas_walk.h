@@ -1,0 +1,273 @@
+/* atlas.h for one precision; compiled once in float and once in double.
+ * A position counts as in its medium when it lies on the right side of both boundaries, or within the
+ * rounding of its coordinates of the one that it is beyond. SPDX-License-Identifier: MIT */
+#include "atlas.h"
+#include "engine_scalar.h"
+#include "vec3.h"
+
+#include <time.h>
+
+#define ROUNDINGS 32    /* of the largest coordinate: what a position may be beyond a boundary */
+#define MAX_EVENTS 300  /* of one packet, then a new one is aimed */
+#define MAX_ATTEMPTS 50 /* to find a start in the clear */
+
+struct walker {
+    const struct atlas_flight *flight;
+    struct atlas_count *count;
+    const struct cml_world *world;
+    struct cml_deposits deposits;
+    struct dice dice;
+    struct cml_packet packet;
+    double extent; /* largest |z| of any boundary in its frame */
+};
+
+/* --- where a packet is --- */
+
+static double rounding(const struct walker *walker, struct cml_vec p)
+{
+    const struct cml_setup *setup = &walker->world->setup;
+    const double size = fabs((double)p.x) + fabs((double)p.y) + fabs((double)p.z) + fabs((double)setup->x0) +
+                        fabs((double)setup->y0);
+    const double span = (double)walker->world->media[walker->packet.medium].span;
+    return ROUNDINGS * (double)CML_EPSILON * (size + span + walker->extent);
+}
+
+/* p in the frame of `medium`, seen from boundary b. */
+static void seen_from(const struct walker *walker, int medium, int b, struct cml_vec p, double q[3])
+{
+    const struct cml_setup *setup = &walker->world->setup;
+    q[0] = (double)p.x + (double)setup->x0;
+    q[1] = (double)p.y + (double)setup->y0;
+    q[2] = (double)p.z - (b == medium ? (double)walker->world->media[medium].span : 0);
+}
+
+/* Whether p is in the medium; margin widens it, or narrows it when negative. */
+static bool in_medium(const struct walker *walker, int medium, struct cml_vec p, double margin)
+{
+    for (int b = medium > 0 ? medium - 1 : 0; b <= medium && b < walker->flight->surfaces->count; b++) {
+        const struct oracle *oracle = &walker->flight->oracle[b];
+        double q[3];
+        seen_from(walker, medium, b, p, q);
+        const bool right = oracle_below(oracle, q) == (b < medium);
+        if (margin >= 0 ? !right && !oracle_near(oracle, q, margin)
+                        : !right || oracle_near(oracle, q, -margin))
+            return false;
+    }
+    return true;
+}
+
+static bool is_sound(const struct cml_packet *packet)
+{
+    return isfinite(packet->p.x) && isfinite(packet->p.y) && isfinite(packet->p.z) &&
+           fabs((double)cml_dot(packet->u, packet->u) - 1) < 1e-5;
+}
+
+/* --- aiming --- */
+
+static real moved_by_ulps(real x, int ulps)
+{
+    for (; ulps > 0; ulps--)
+        x = (real)(sizeof(real) == sizeof(float) ? nextafterf((float)x, INFINITY)
+                                                 : nextafter((double)x, INFINITY));
+    for (; ulps < 0; ulps++)
+        x = (real)(sizeof(real) == sizeof(float) ? nextafterf((float)x, -INFINITY)
+                                                 : nextafter((double)x, -INFINITY));
+    return x;
+}
+
+static struct place choose_place(struct walker *walker, int boundary)
+{
+    static const enum place_kind kinds[NUM_AIMS] = {
+        [AIM_FACE] = PLACE_FACE,   [AIM_EDGE] = PLACE_EDGE,  [AIM_VERTEX] = PLACE_VERTEX,
+        [AIM_DROP] = PLACE_VERTEX, [AIM_ALONG] = PLACE_EDGE, [AIM_GRAZE] = PLACE_FACE};
+    return oracle_place(&walker->flight->oracle[boundary], kinds[walker->flight->aim], &walker->dice);
+}
+
+static void choose_direction(struct walker *walker, const struct place *place, double u[3])
+{
+    const double sign = dice_below(&walker->dice, 2) ? 1 : -1;
+    dice_direction(&walker->dice, u);
+    if (walker->flight->aim == AIM_DROP) {
+        u[0] = u[1] = 0;
+        u[2] = sign;
+    } else if (walker->flight->aim == AIM_ALONG) {
+        for (int axis = 0; axis < 3; axis++) u[axis] = sign * place->tangent[axis];
+    } else if (walker->flight->aim == AIM_GRAZE) {
+        double across[3];
+        cml_vec3_cross(place->normal, place->tangent, across);
+        const double phi = dice_between(&walker->dice, 0, 6.283185307179586);
+        const double up = sign * sin(walker->flight->angle), flat = cos(walker->flight->angle);
+        for (int axis = 0; axis < 3; axis++)
+            u[axis] =
+                flat * (cos(phi) * place->tangent[axis] + sin(phi) * across[axis]) + up * place->normal[axis];
+    }
+}
+
+/* The medium of a point of the scene; boundaries lie in order. */
+static int medium_at(const struct walker *walker, const double s[3])
+{
+    int medium = 0;
+    while (medium < walker->flight->surfaces->count) {
+        const double q[3] = {s[0], s[1], s[2] - walker->flight->surfaces->item[medium].depth};
+        if (!oracle_below(&walker->flight->oracle[medium], q)) break;
+        medium++;
+    }
+    return medium;
+}
+
+/* A fresh packet `distance` before the place. Its direction is made from its rounded position, so that it
+ * passes as exactly through the place as `real` can say; then it is moved by a few units in the last place.
+ */
+static void aim(struct walker *walker, const struct place *place, int boundary, const double u[3],
+                double distance)
+{
+    const struct cml_setup *setup = &walker->world->setup;
+    struct cml_packet *packet = &walker->packet;
+    const uint64_t index = packet->index + 1;
+    double target[3], start[3], d[3];
+    for (int axis = 0; axis < 3; axis++) {
+        target[axis] = place->point[axis];
+        if (axis == 2) target[2] += walker->flight->surfaces->item[boundary].depth;
+        start[axis] = target[axis] - distance * u[axis];
+    }
+    *packet = (struct cml_packet){.index = index, .w = CML_WEIGHT_ONE, .on_boundary = -1, .on_primitive = -1};
+    packet->medium = medium_at(walker, start);
+    const double depth = (double)walker->world->media[packet->medium].depth;
+    packet->p = to_vec(start[0] - (double)setup->x0, start[1] - (double)setup->y0, start[2] - depth);
+    d[0] = target[0] - (double)setup->x0 - (double)packet->p.x;
+    d[1] = target[1] - (double)setup->y0 - (double)packet->p.y;
+    d[2] = target[2] - depth - (double)packet->p.z;
+    const double size = sqrt(cml_vec3_dot(d, d)), *way = walker->flight->aim == AIM_DROP ? u : d;
+    const double unit = walker->flight->aim == AIM_DROP ? 1 : size;
+    packet->u = to_vec(way[0] / unit, way[1] / unit, way[2] / unit);
+    if (walker->flight->aim != AIM_FACE) {
+        packet->p.x = moved_by_ulps(packet->p.x, dice_below(&walker->dice, 5) - 2);
+        packet->p.y = moved_by_ulps(packet->p.y, dice_below(&walker->dice, 5) - 2);
+    }
+    packet->entered = packet->medium > 0;
+    packet->boundary_events = packet->medium > 0 || !(packet->u.z > 0);
+}
+
+/* False when no start in the clear was found. */
+static bool place_packet(struct walker *walker)
+{
+    for (int attempt = 0; attempt < MAX_ATTEMPTS; attempt++) {
+        const int boundary = dice_below(&walker->dice, walker->flight->surfaces->count);
+        const struct place place = choose_place(walker, boundary);
+        double u[3];
+        choose_direction(walker, &place, u);
+        const double distance = place.size * exp(dice_between(&walker->dice, log(1e-3), log(3)));
+        aim(walker, &place, boundary, u, distance);
+        if (is_sound(&walker->packet) &&
+            in_medium(walker, walker->packet.medium, walker->packet.p, -rounding(walker, walker->packet.p))) {
+            cml_next_flight(walker->world, &walker->packet);
+            return true;
+        }
+    }
+    return false;
+}
+
+/* --- flying --- */
+
+/* Whether a flight to distance t stayed in its medium, at three points of it. */
+static bool stayed(const struct walker *walker, const struct cml_packet *from, real t)
+{
+    for (int quarter = 1; quarter < 4; quarter++) {
+        const struct cml_vec p = cml_along(from->p, t * (real)quarter / 4, from->u);
+        if (!in_medium(walker, from->medium, p, rounding(walker, p))) return false;
+    }
+    return true;
+}
+
+static void cross(struct walker *walker, const struct cml_packet *from, const struct cml_hit *hit)
+{
+    const double q[3] = {(double)hit->point.x + (double)walker->world->setup.x0,
+                         (double)hit->point.y + (double)walker->world->setup.y0, (double)hit->point.z};
+    const double margin = rounding(walker, from->p) + rounding(walker, hit->point);
+    walker->count->spurious += !oracle_near(&walker->flight->oracle[hit->boundary], q, margin);
+    walker->count->crossings++;
+    cml_meet(walker->world, &walker->deposits, &walker->packet, hit);
+}
+
+/* One flight, as cml_walk does it, and what the oracle says of it. */
+static void step(struct walker *walker)
+{
+    struct cml_packet *packet = &walker->packet;
+    const struct cml_packet from = *packet;
+    const real t_max = cml_free_path(walker->world, packet);
+    struct cml_hit hit;
+    const struct cml_reach reach = cml_find_reach(walker->world, packet->medium, packet->p, packet->u, t_max);
+    walker->count->steps++;
+    bool there = true;
+    real t = (real)(4 * walker->extent);
+    if (cml_nearest(walker->world, packet, reach, &hit)) {
+        t = hit.t;
+        cross(walker, &from, &hit);
+    } else if (t_max < CML_INFINITY) {
+        t = t_max;
+        cml_interact(walker->world, &walker->deposits, packet, t_max);
+        there = in_medium(walker, packet->medium, packet->p, rounding(walker, packet->p));
+    } else {
+        cml_leave(walker->world, packet);
+    }
+    if (!is_sound(packet)) {
+        walker->count->nan++;
+    } else if (there && stayed(walker, &from, t)) {
+        return;
+    } else {
+        *(there ? &walker->count->missed : &walker->count->wrong) += 1;
+    }
+    if (packet->fate == CML_FATE_ALIVE) packet->fate = CML_FATE_ABSORBED;
+}
+
+static void fly_one(struct walker *walker)
+{
+    for (int event = 0; event < MAX_EVENTS && walker->packet.fate == CML_FATE_ALIVE; event++) step(walker);
+    walker->count->trapped += walker->packet.fate == CML_FATE_TRAPPED;
+    if (walker->packet.fate != CML_FATE_LOST) return;
+    walker->count->lost++;
+    walker->count->lost_cause = walker->packet.cause;
+}
+
+static double seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void fly_all(struct walker *walker)
+{
+    const struct atlas_flight *flight = walker->flight;
+    const struct atlas_count *count = walker->count;
+    const double end = seconds() + flight->max_seconds;
+    for (uint64_t packets = 1; count->crossings < flight->crossings && count->steps < flight->max_steps;
+         packets++) {
+        if (!place_packet(walker)) return;
+        fly_one(walker);
+        if (packets % 256 == 0 && flight->max_seconds > 0 && seconds() > end) return;
+    }
+}
+
+cml_status ATLAS_FLY(const struct atlas_flight *flight, struct atlas_count *count, struct cml_error *err)
+{
+    const struct cml_engine_options options = {.seed = flight->seed, .reentry = true};
+    const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = flight->scene->num_layers};
+    struct scalar_world world;
+    struct cml_tally tally;
+    *count = (struct atlas_count){0};
+    CML_TRY(scalar_world_create(flight->scene, flight->surfaces, &options, &world, err));
+    const cml_status status = cml_tally_create(&grid, &tally, err);
+    if (status == CML_OK) {
+        struct walker walker = {.flight = flight, .count = count, .world = &world.world};
+        walker.deposits = cml_deposits_of(&tally);
+        walker.dice = dice_new(flight->seed);
+        for (int b = 0; b < flight->surfaces->count; b++)
+            walker.extent = fmax(walker.extent, fmax(fabs(flight->surfaces->item[b].lowest),
+                                                     fabs(flight->surfaces->item[b].highest)));
+        fly_all(&walker);
+        cml_tally_free(&tally);
+    }
+    scalar_world_free(&world);
+    return status;
+}

@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT */
+#include "oracle.h"
+
+#include "vec3.h"
+
+#include <math.h>
+
+static void *allocate(size_t count, size_t size)
+{
+    void *block = calloc(count > 0 ? count : 1, size);
+    if (block) return block;
+    fprintf(stderr, "no memory for the oracle\n");
+    exit(5);
+}
+
+/* --- triangles by cell --- */
+
+static const double *corner_of(const struct oracle *oracle, uint32_t triangle, int k)
+{
+    return oracle->mesh->vertex[oracle->mesh->triangle[triangle][k]];
+}
+
+static int cell_of(const struct oracle *oracle, int axis, double x)
+{
+    const double cell = (x - oracle->corner[axis]) * oracle->per_cell[axis];
+    return cell < 0 ? 0 : (cell < oracle->size ? (int)cell : oracle->size - 1);
+}
+
+struct cells {
+    int low[2], high[2];
+};
+
+static struct cells cells_of(const struct oracle *oracle, const double low[2], const double high[2],
+                             double margin)
+{
+    struct cells cells;
+    for (int axis = 0; axis < 2; axis++) {
+        cells.low[axis] = cell_of(oracle, axis, low[axis] - margin);
+        cells.high[axis] = cell_of(oracle, axis, high[axis] + margin);
+    }
+    return cells;
+}
+
+static struct cells cells_of_triangle(const struct oracle *oracle, uint32_t triangle)
+{
+    const double *a = corner_of(oracle, triangle, 0), *b = corner_of(oracle, triangle, 1),
+                 *c = corner_of(oracle, triangle, 2);
+    double low[2], high[2];
+    for (int axis = 0; axis < 2; axis++) {
+        low[axis] = fmin(a[axis], fmin(b[axis], c[axis]));
+        high[axis] = fmax(a[axis], fmax(b[axis], c[axis]));
+    }
+    return cells_of(oracle, low, high, oracle->margin);
+}
+
+static void fill_cells(struct oracle *oracle, bool only_count)
+{
+    for (uint32_t t = 0; t < oracle->mesh->num_triangles; t++) {
+        const struct cells cells = cells_of_triangle(oracle, t);
+        for (int i = cells.low[0]; i <= cells.high[0]; i++)
+            for (int j = cells.low[1]; j <= cells.high[1]; j++) {
+                uint32_t *next = &oracle->first[i * oracle->size + j];
+                if (!only_count) oracle->entry[*next] = t;
+                (*next)++;
+            }
+    }
+}
+
+static void sort_into_cells(struct oracle *oracle)
+{
+    const size_t cells = (size_t)oracle->size * (size_t)oracle->size;
+    oracle->first = allocate(cells + 1, sizeof *oracle->first);
+    fill_cells(oracle, true);
+    uint32_t total = 0;
+    for (size_t i = 0; i <= cells; i++) {
+        const uint32_t count = oracle->first[i];
+        oracle->first[i] = total;
+        total += count;
+    }
+    oracle->entry = allocate(total, sizeof *oracle->entry);
+    fill_cells(oracle, false);
+    for (size_t i = cells; i > 0; i--) oracle->first[i] = oracle->first[i - 1];
+    oracle->first[0] = 0;
+}
+
+void oracle_create(const struct cml_surface_def *def, struct oracle *oracle)
+{
+    *oracle = (struct oracle){.def = def};
+    if (def->kind != CML_AS_MESH) return;
+    oracle->mesh = cml_mesh_surface_mesh(def->mesh, oracle->middle);
+    const struct cml_mesh *mesh = oracle->mesh;
+    const double root = sqrt((double)mesh->num_triangles);
+    oracle->size = root < 8 ? 1 : (root < 1024 ? (int)root : 1024);
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    for (size_t i = 0; i < mesh->num_vertices; i++)
+        for (int axis = 0; axis < 2; axis++) {
+            low[axis] = fmin(low[axis], mesh->vertex[i][axis]);
+            high[axis] = fmax(high[axis], mesh->vertex[i][axis]);
+        }
+    for (int axis = 0; axis < 2; axis++) {
+        oracle->corner[axis] = low[axis];
+        oracle->per_cell[axis] = oracle->size / (high[axis] - low[axis]);
+        oracle->margin = fmax(oracle->margin, 1e-12 * (high[axis] - low[axis]));
+    }
+    sort_into_cells(oracle);
+}
+
+void oracle_free(struct oracle *oracle)
+{
+    free(oracle->first);
+    free(oracle->entry);
+}
+
+/* --- the side of a mesh --- */
+
+/* +-1 when the edge passes to the right of q, by the way it runs; neighbours compute the same number, so that
+ * every point lies in exactly the triangles of one sheet. */
+static int passes(const struct cml_mesh *mesh, uint32_t i, uint32_t j, const double q[3])
+{
+    const bool turned = i > j;
+    const double *a = mesh->vertex[turned ? j : i], *b = mesh->vertex[turned ? i : j];
+    if ((a[1] > q[1]) == (b[1] > q[1])) return 0;
+    if (!(q[0] < a[0] + (q[1] - a[1]) * ((b[0] - a[0]) / (b[1] - a[1])))) return 0;
+    return (b[1] > a[1]) != turned ? 1 : -1;
+}
+
+static int winding(const struct cml_mesh *mesh, uint32_t triangle, const double q[3])
+{
+    const uint32_t *v = mesh->triangle[triangle];
+    return passes(mesh, v[0], v[1], q) + passes(mesh, v[1], v[2], q) + passes(mesh, v[2], v[0], q);
+}
+
+static bool facet_is_above(const struct oracle *oracle, uint32_t triangle, const double q[3])
+{
+    const double *a = corner_of(oracle, triangle, 0), *b = corner_of(oracle, triangle, 1),
+                 *c = corner_of(oracle, triangle, 2);
+    const double ux = b[0] - a[0], uy = b[1] - a[1], vx = c[0] - a[0], vy = c[1] - a[1];
+    const double x = q[0] - a[0], y = q[1] - a[1], area = ux * vy - uy * vx;
+    const double s = (x * vy - y * vx) / area, t = (ux * y - uy * x) / area;
+    return a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2]) < q[2];
+}
+
+/* Sheets above q and, in *total, all sheets, each with its winding: in total 0 outside the border. */
+static int sheets_above(const struct oracle *oracle, const double q[3], int *total)
+{
+    const int cell = cell_of(oracle, 0, q[0]) * oracle->size + cell_of(oracle, 1, q[1]);
+    int above = 0;
+    *total = 0;
+    for (uint32_t k = oracle->first[cell]; k < oracle->first[cell + 1]; k++) {
+        const int turns = winding(oracle->mesh, oracle->entry[k], q);
+        if (turns == 0) continue;
+        *total += turns;
+        if (facet_is_above(oracle, oracle->entry[k], q)) above += turns;
+    }
+    return above;
+}
+
+static bool below_mesh(const struct oracle *oracle, const double q[3])
+{
+    const double local[3] = {q[0] - oracle->middle[0], q[1] - oracle->middle[1], q[2] - oracle->middle[2]};
+    int total, above = sheets_above(oracle, local, &total);
+    if (total == 0 && q[2] > oracle->mesh->z_border + oracle->middle[2]) above++;
+    return above != 0;
+}
+
+/* --- distances --- */
+
+static double distance_to_segment(const double a[3], const double b[3], const double q[3])
+{
+    double ab[3], aq[3], off[3];
+    cml_vec3_subtract(b, a, ab);
+    cml_vec3_subtract(q, a, aq);
+    const double square = cml_vec3_dot(ab, ab), t = square > 0 ? cml_vec3_dot(ab, aq) / square : 0;
+    const double s = t > 0 ? (t < 1 ? t : 1) : 0;
+    for (int axis = 0; axis < 3; axis++) off[axis] = aq[axis] - s * ab[axis];
+    return sqrt(cml_vec3_dot(off, off));
+}
+
+static double distance_to_triangle(const struct oracle *oracle, uint32_t triangle, const double q[3])
+{
+    const double *v[3];
+    for (int k = 0; k < 3; k++) v[k] = corner_of(oracle, triangle, k);
+    double ab[3], ac[3], aq[3], normal[3];
+    cml_vec3_subtract(v[1], v[0], ab);
+    cml_vec3_subtract(v[2], v[0], ac);
+    cml_vec3_subtract(q, v[0], aq);
+    cml_vec3_cross(ab, ac, normal);
+    bool inside = cml_vec3_dot(normal, normal) > 0;
+    double nearest = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double edge[3], from[3], across[3];
+        cml_vec3_subtract(v[(k + 1) % 3], v[k], edge);
+        cml_vec3_subtract(q, v[k], from);
+        cml_vec3_cross(edge, from, across);
+        inside = inside && cml_vec3_dot(across, normal) >= 0;
+        nearest = fmin(nearest, distance_to_segment(v[k], v[(k + 1) % 3], q));
+    }
+    return inside ? fabs(cml_vec3_dot(aq, normal)) / sqrt(cml_vec3_dot(normal, normal)) : nearest;
+}
+
+static bool near_mesh(const struct oracle *oracle, const double q[3], double distance)
+{
+    const double local[3] = {q[0] - oracle->middle[0], q[1] - oracle->middle[1], q[2] - oracle->middle[2]};
+    const struct cells cells = cells_of(oracle, local, local, distance);
+    int total;
+    sheets_above(oracle, local, &total);
+    if (total == 0 && fabs(q[2] - (oracle->mesh->z_border + oracle->middle[2])) <= distance) return true;
+    for (int i = cells.low[0]; i <= cells.high[0]; i++)
+        for (int j = cells.low[1]; j <= cells.high[1]; j++) {
+            const int cell = i * oracle->size + j;
+            for (uint32_t k = oracle->first[cell]; k < oracle->first[cell + 1]; k++)
+                if (distance_to_triangle(oracle, oracle->entry[k], local) <= distance) return true;
+        }
+    return false;
+}
+
+/* --- rings --- */
+
+static int ring_of(const struct cml_surface_def *def, double r)
+{
+    int low = 0, high = def->num_rings;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (def->r[middle] <= r)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static double depth_of_rings(const struct cml_surface_def *def, double r)
+{
+    const int i = ring_of(def, r), last = def->num_rings - 1;
+    if (i == last) return def->z[last];
+    return def->z[i] + (def->z[i + 1] - def->z[i]) * ((r - def->r[i]) / (def->r[i + 1] - def->r[i]));
+}
+
+static bool near_rings(const struct cml_surface_def *def, const double q[3], double distance)
+{
+    const double r = hypot(q[0], q[1]), at[3] = {r, q[2], 0};
+    if (fabs(q[2] - depth_of_rings(def, r)) <= distance) return true;
+    const int last = def->num_rings - 1;
+    for (int i = ring_of(def, r - distance > 0 ? r - distance : 0); i < last && def->r[i] <= r + distance;
+         i++) {
+        const double a[3] = {def->r[i], def->z[i], 0}, b[3] = {def->r[i + 1], def->z[i + 1], 0};
+        if (distance_to_segment(a, b, at) <= distance) return true;
+    }
+    return false;
+}
+
+/* --- of any kind --- */
+
+bool oracle_below(const struct oracle *oracle, const double q[3])
+{
+    if (oracle->def->kind == CML_AS_MESH) return below_mesh(oracle, q);
+    return q[2] > (oracle->def->kind == CML_AS_CONE ? depth_of_rings(oracle->def, hypot(q[0], q[1])) : 0);
+}
+
+bool oracle_near(const struct oracle *oracle, const double q[3], double distance)
+{
+    if (oracle->def->kind == CML_AS_MESH) return near_mesh(oracle, q, distance);
+    if (oracle->def->kind == CML_AS_CONE) return near_rings(oracle->def, q, distance);
+    return fabs(q[2]) <= distance;
+}
+
+/* --- places to aim at --- */
+
+static void unit(double v[3])
+{
+    const double size = sqrt(cml_vec3_dot(v, v));
+    for (int axis = 0; axis < 3; axis++) v[axis] = size > 0 ? v[axis] / size : axis == 2;
+}
+
+static struct place place_on_mesh(const struct oracle *oracle, enum place_kind kind, struct dice *dice)
+{
+    const uint32_t triangle = (uint32_t)dice_below(dice, (int)oracle->mesh->num_triangles);
+    const int k = dice_below(dice, 3);
+    const double *a = corner_of(oracle, triangle, k), *b = corner_of(oracle, triangle, (k + 1) % 3),
+                 *c = corner_of(oracle, triangle, (k + 2) % 3);
+    double s = kind == PLACE_VERTEX ? 0 : dice_uniform(dice), t = kind == PLACE_FACE ? dice_uniform(dice) : 0;
+    if (s + t > 1) s = 1 - s, t = 1 - t;
+    struct place place;
+    double ac[3];
+    cml_vec3_subtract(b, a, place.tangent);
+    cml_vec3_subtract(c, a, ac);
+    cml_vec3_cross(place.tangent, ac, place.normal);
+    for (int axis = 0; axis < 3; axis++)
+        place.point[axis] = a[axis] + s * place.tangent[axis] + t * ac[axis] + oracle->middle[axis];
+    place.size = sqrt(cml_vec3_dot(place.tangent, place.tangent));
+    unit(place.tangent);
+    unit(place.normal);
+    return place;
+}
+
+/* Every second time on one of the axes, where x or y is 0 and r is exact. */
+static struct place place_on_rings(const struct cml_surface_def *def, enum place_kind kind, struct dice *dice)
+{
+    const int i = dice_below(dice, def->num_rings), j = i + 1 < def->num_rings ? i + 1 : i - 1;
+    const double s = kind == PLACE_FACE ? dice_uniform(dice) : 0;
+    const double r = def->r[i] + s * (def->r[j] - def->r[i]), z = def->z[i] + s * (def->z[j] - def->z[i]);
+    const double phi = dice_between(dice, 0, 6.283185307179586);
+    const int axis = dice_below(dice, 8);
+    static const double axes[4][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
+    const double c = axis < 4 ? axes[axis][0] : cos(phi), d = axis < 4 ? axes[axis][1] : sin(phi);
+    const double dr = def->r[j] - def->r[i], dz = def->z[j] - def->z[i];
+    struct place place = {{r * c, r * d, z}, {dz * c, dz * d, -dr}, {-d, c, 0}, hypot(dr, dz)};
+    if (kind == PLACE_FACE) {
+        const double generator[3] = {dr * c, dr * d, dz};
+        memcpy(place.tangent, generator, sizeof generator);
+        unit(place.tangent);
+    }
+    unit(place.normal);
+    return place;
+}
+
+struct place oracle_place(const struct oracle *oracle, enum place_kind kind, struct dice *dice)
+{
+    if (oracle->def->kind == CML_AS_MESH) return place_on_mesh(oracle, kind, dice);
+    if (oracle->def->kind == CML_AS_CONE) return place_on_rings(oracle->def, kind, dice);
+    const struct place place = {
+        {dice_between(dice, -1, 1), dice_between(dice, -1, 1), 0}, {0, 0, -1}, {1, 0, 0}, 1};
+    return place;
+}

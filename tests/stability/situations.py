@@ -1,0 +1,229 @@
+"""Where methods fail: the scenes of the atlas, each with what its packets are aimed at and what must come of it.
+
+build(DIR, full) writes the files and returns the situations. Lengths in cm. Media are thin enough for packets to cross
+boundaries often: a crossing is what can go wrong. Standard library only."""
+import math
+import os
+import random
+
+
+
+class Situation:
+    """aims: what packets aim at (tests/stability/atlas.c). refused: words that the program's refusal must hold;
+    None: the scene is accepted. big: too large for a short test."""
+
+    def __init__(self, name, mci, aims=("face",), refused=None, big=False):
+        self.name, self.mci, self.aims, self.refused, self.big = name, mci, aims, refused, big
+
+    def path(self, directory):
+        return os.path.join(directory, self.name + ".mci")
+
+
+def scene(layers, surfaces=None, above=1.0, below=1.0, beam=None, photons=20000):
+    """layers: (n, mua, mus, g, d); surfaces: {boundary: its line}."""
+    surfaces = surfaces or {}
+    lines = ["1.0", "1", "out.mco A", str(photons), "0.01 0.01", "10 10 1"] + ([beam] if beam else [])
+    lines += [str(len(layers)), repr(above)]
+    for i, layer in enumerate(layers):
+        lines += [surfaces[i]] if i in surfaces else []
+        lines.append(" ".join(repr(x) for x in layer))
+    lines += [surfaces[len(layers)]] if len(layers) in surfaces else []
+    return "\n".join(lines + [repr(below)]) + "\n"
+
+
+def rings(heights, spacing):
+    spacing = spacing if isinstance(spacing, list) else [spacing] * len(heights)
+    return f"b {len(heights)} " + " ".join(f"{h!r} {s!r}" for h, s in zip(heights, spacing))
+
+
+def noise(n, size, seed=1):
+    dice = random.Random(seed)
+    return [dice.uniform(-size, size) for _ in range(n - 1)] + [0.0]
+
+
+# --- meshes ---
+
+def obj(vertices, triangles):
+    return ("".join("v %r %r %r\n" % tuple(v) for v in vertices) +
+            "".join("f %d %d %d\n" % tuple(i + 1 for i in t) for t in triangles))
+
+
+def grid_mesh(nx, ny, width, depth, height, seed=1, shift=(0.0, 0.0)):
+    """A rough sheet over width x depth of nx x ny cells, flat at its border."""
+    dice = random.Random(seed)
+    vertices, triangles = [], []
+    for i in range(nx + 1):
+        for j in range(ny + 1):
+            inner = 0 < i < nx and 0 < j < ny
+            vertices.append(((i / nx - 0.5) * width + shift[0], (j / ny - 0.5) * depth + shift[1],
+                             dice.uniform(-height, height) if inner else 0.0))
+    for i in range(nx):
+        for j in range(ny):
+            a = i * (ny + 1) + j
+            b, c, d = a + ny + 1, a + ny + 2, a + 1
+            triangles += [(a, b, c), (a, c, d)]
+    return vertices, triangles
+
+
+def corner_cube(size):
+    """Three faces at right angles to one another, deepest in the middle: light from above comes back the way it came."""
+    corners = [(size * math.cos(a), size * math.sin(a), 0.0) for a in (0.0, 2 * math.pi / 3, 4 * math.pi / 3)]
+    return corners + [(0.0, 0.0, -size / math.sqrt(2))], [(0, 1, 3), (1, 2, 3), (2, 0, 3)]
+
+
+def mushroom(n, stem, cap, height):
+    """Rings of n vertices: foot, stem, the cap's underside, its rim and its top: an overhang with edges of 90 degrees."""
+    profile = [(2 * cap, 0.0), (stem, 0.0), (stem, height), (cap, height), (cap, 1.5 * height)]
+    vertices = [(r * math.cos(2 * math.pi * k / n), r * math.sin(2 * math.pi * k / n), z) for r, z in profile
+                for k in range(n)] + [(0.0, 0.0, 1.5 * height)]
+    triangles = []
+    for ring in range(len(profile) - 1):
+        for k in range(n):
+            a, b = ring * n + k, ring * n + (k + 1) % n
+            triangles += [(a, b, b + n), (a, b + n, a + n)]
+    last = (len(profile) - 1) * n
+    return vertices, triangles + [(last + k, last + (k + 1) % n, len(vertices) - 1) for k in range(n)]
+
+
+def icosphere_pole(n):
+    """A dome with one vertex on the axis, where a beam along the axis strikes it."""
+    vertices, triangles = [(0.0, 0.0, 0.5)], []
+    for ring in range(1, 5):
+        for k in range(n):
+            angle, tilt = 2 * math.pi * k / n, math.pi / 8 * ring
+            vertices.append((0.5 * math.sin(tilt) * math.cos(angle), 0.5 * math.sin(tilt) * math.sin(angle),
+                             0.0 if ring == 4 else 0.5 * math.cos(tilt)))
+    triangles += [(0, 1 + k, 1 + (k + 1) % n) for k in range(n)]
+    for ring in range(3):
+        for k in range(n):
+            a, b = 1 + ring * n + k, 1 + ring * n + (k + 1) % n
+            triangles += [(a, a + n, b + n), (a, b + n, b)]
+    return vertices, triangles
+
+
+# --- situations ---
+
+TURBID = (1.4, 0.1, 2.0, 0.9, 1.0)
+AIMED = ("face", "edge", "vertex", "drop", "along")
+GRAZING = tuple(f"1e-{k}" for k in range(2, 8))
+HILLS = noise(30, 0.03)
+
+
+def slab(surface, medium=TURBID, **more):
+    return scene([medium], {0: surface}, **more)
+
+
+def fields():
+    """Radial heightfields and planes."""
+    fine = noise(200, 2e-7, 3)
+    ramp = [0.02 * math.sin(i / 900.0) for i in range(99999)] + [0.0]
+    thin = [h + 1e-5 for h in HILLS]
+    yield Situation("planes", scene([TURBID, (1.0, 0.0, 0.0, 0.0, 0.5), (1.5, 1.0, 10.0, 0.0, 0.2)]))
+    yield Situation("grazing-rings", slab(rings(HILLS, 0.03)), GRAZING)
+    yield Situation("ridges-and-tip", slab(rings(HILLS, 0.03)), AIMED)
+    yield Situation("cone-tip", slab(rings([0.5, 0.0], 0.05)), AIMED)
+    yield Situation("pit-tip", slab(rings([-0.5, 0.0], 0.05)), AIMED)
+    yield Situation("walls-1e3", slab(rings([0.1 * (i % 2) for i in range(40)] + [0.0], 1e-4)), AIMED)
+    yield Situation("rings-1e-6cm", slab(rings(fine, 1e-6), (1.4, 0.1, 1e6, 0.9, 1.0)), AIMED)
+    yield Situation("rings-1e-6cm-far", scene([TURBID], {0: rings(noise(200, 1e-6, 3) + [0.0, 0.0],
+                                                                    [1e-6] * 200 + [1.0, 1.0])}), AIMED)
+    yield Situation("rings-1e5", slab(rings(ramp, 1e-4)), AIMED)
+    yield Situation("layer-1e-5cm", scene([(1.4, 0.1, 10.0, 0.5, 1e-5), (1.5, 0.1, 10.0, 0.5, 1.0)],
+                                          {0: rings(HILLS, 0.03), 1: rings(HILLS, 0.03)}), AIMED)
+    yield Situation("touching-planes", scene([TURBID, (1.5, 0.1, 2.0, 0.5, 0.0), TURBID]))
+    yield Situation("touching-fields", scene([(1.4, 0.1, 10.0, 0.5, 0.1), TURBID],
+                                             {0: rings([-0.1, 0.0], 0.1)}), refused="touch")
+    yield Situation("crossing-fields", scene([(1.4, 0.1, 10.0, 0.5, 0.01), TURBID], {0: rings(HILLS, 0.03)}),
+                    refused="cross")
+    for k in (-4, 0, 4):
+        mu = 10.0 ** -k
+        yield Situation(f"mean-free-path-1e{k}", slab(rings(HILLS, 0.03), (1.4, mu / 100, mu, 0.5, 1.0)))
+    for g in (-1.0, -0.999, 0.999, 1.0):
+        yield Situation(f"g={g:g}", slab(rings(HILLS, 0.03), (1.4, 0.1, 10.0, g, 1.0)))
+    for n in (1.0, 1.0000001, 2.0, 4.0):
+        yield Situation(f"n={n:g}" if n != 1.0000001 else "n-all-but-matched",
+                        slab(rings(HILLS, 0.03), (n, 0.1, 10.0, 0.5, 1.0)), ("face", "vertex", "1e-4"))
+    yield Situation("wide-1e3cm", slab(rings(noise(30, 30.0), 30.0), (1.4, 1e-4, 2e-3, 0.9, 1000.0)), AIMED)
+    yield Situation("groove-1deg", scene([(1.5, 0.0, 0.0, 0.0, 2.0)], {1: rings([1.0, 0.0], 0.00873)}), AIMED)
+    yield Situation("scale-1e-6", slab(rings([h * 1e-6 for h in HILLS], 0.03e-6), (1.4, 1e5, 2e6, 0.9, 1e-6)), AIMED)
+
+
+def mesh_lines(directory):
+    """Writes the meshes; their names without .obj."""
+    wedge = grid_mesh(24, 24, 2.0, 2.0, 0.05)
+    meshes = {
+        "rough": wedge,
+        "needles": grid_mesh(2, 400, 200.0, 4.0, 1e-3, 5),
+        "grooves": grid_mesh(4, 400, 100.0, 4.0, 4e-3, 6),
+        "corner": corner_cube(0.5),
+        "mushroom": mushroom(24, 0.1, 0.3, 0.2),
+        "dome": icosphere_pole(10),
+        "fine": grid_mesh(60, 60, 6e-3, 6e-3, 3e-5, 7, (100.0, 0.0)),
+        "fine-near": grid_mesh(60, 60, 6e-3, 6e-3, 3e-5, 7),
+        "wide": grid_mesh(40, 40, 1e3, 1e3, 10.0, 8),
+        "flat": grid_mesh(20, 20, 2.0, 2.0, 0.0),
+        "walls": grid_mesh(40, 40, 4e-3, 4e-3, 0.05, 9),
+        "twice": (wedge[0], wedge[1] + wedge[1][:1]),
+        "degenerate": (wedge[0], wedge[1] + [(0, 0, 5), (7, 7, 7)]),
+        "hole": (wedge[0], wedge[1][:300] + wedge[1][301:]),
+        "flipped": (wedge[0], [t if i % 3 else t[::-1] for i, t in enumerate(wedge[1])]),
+        "soup": ([wedge[0][i] for t in wedge[1] for i in t],
+                 [(3 * i, 3 * i + 1, 3 * i + 2) for i in range(len(wedge[1]))]),
+    }
+    for name, (vertices, triangles) in meshes.items():
+        with open(os.path.join(directory, name + ".obj"), "w", encoding="ascii") as file:
+            file.write(obj(vertices, triangles))
+    return {name: f'm "{name}.obj"' for name in meshes}
+
+
+def sheets(line):
+    """Triangle meshes; line: name -> its line in the .mci."""
+    yield Situation("grazing-mesh", slab(line["rough"]), GRAZING)
+    yield Situation("vertices-and-edges", slab(line["rough"]), AIMED)
+    yield Situation("needles-1e4", slab(line["needles"]), AIMED)
+    yield Situation("grooves-1e3", slab(line["grooves"]), AIMED)
+    yield Situation("mesh-walls-1e3", slab(line["walls"]), AIMED)
+    yield Situation("mesh-layer-1e-5cm", scene([(1.4, 0.1, 10.0, 0.5, 1e-5), (1.5, 0.1, 10.0, 0.5, 1.0)],
+                                               {0: line["rough"], 1: line["rough"]}), AIMED)
+    yield Situation("features-1e-4cm-at-1e2cm", slab(line["fine"], (1.4, 1.0, 1e3, 0.5, 1.0),
+                                                     beam="beam pencil at=100,0"), AIMED)
+    yield Situation("features-1e-4cm-beam-1e2cm-off", slab(line["fine-near"], (1.4, 1.0, 1e3, 0.5, 1.0),
+                                                           beam="beam pencil at=100,0"), AIMED)
+    yield Situation("mesh-wide-1e3cm", slab(line["wide"], (1.4, 1e-4, 2e-3, 0.9, 1000.0)), AIMED)
+    yield Situation("corner-cube-clear", scene([(4.0, 0.0, 0.0, 0.0, 1.0)], {1: line["corner"]}), AIMED)
+    yield Situation("corner-cube", scene([(4.0, 0.01, 0.1, 0.0, 1.0)], {1: line["corner"]}), AIMED)
+    yield Situation("overhang", slab(line["mushroom"]), AIMED + ("1e-4",))
+    yield Situation("overhang-below", scene([TURBID], {1: line["mushroom"]}), AIMED)
+    yield Situation("overhang-n=1", scene([(1.0, 0.1, 10.0, 0.5, 1.0)], {0: line["mushroom"]}), AIMED)
+    yield Situation("pole-of-a-dome", slab(line["dome"] + " normals=vertex"), AIMED)
+    yield Situation("dome-n=1-smooth", slab(line["dome"] + " normals=vertex", (1.0, 0.1, 1e3, 0.5, 1.0)), AIMED)
+    yield Situation("smooth-rough", slab(line["rough"] + " normals=vertex"), AIMED + GRAZING[::2])
+    yield Situation("flat-mesh", slab(line["flat"]), AIMED)
+    yield Situation("degenerate-triangles", slab(line["degenerate"]), AIMED)
+    yield Situation("turned-triangles", slab(line["flipped"]), AIMED)
+    yield Situation("triangles-alone", slab(line["soup"]), AIMED)
+    yield Situation("duplicate-triangle", slab(line["twice"]), refused="edge")
+    yield Situation("hole", slab(line["hole"]), refused="hole")
+    yield Situation("touching-meshes", scene([(1.4, 0.1, 10.0, 0.5, 0.0), TURBID],
+                                             {0: line["rough"], 1: line["rough"]}), refused="touch")
+    yield Situation("crossing-meshes", scene([(1.4, 0.1, 10.0, 0.5, 0.01), TURBID], {0: line["rough"]}),
+                    refused="cross")
+
+
+def large(directory, sizes):
+    for size in sizes:
+        cells = math.isqrt(size // 2)
+        name = f"triangles-1e{round(math.log10(size))}"
+        with open(os.path.join(directory, name + ".obj"), "w", encoding="ascii") as file:
+            file.write(obj(*grid_mesh(cells, cells, 4.0, 4.0, 0.2 * 4.0 / cells)))
+        yield Situation(name, slab(f'm "{name}.obj"'), ("face", "vertex"), big=True)
+
+
+def build(directory, full=False):
+    situations = list(fields()) + list(sheets(mesh_lines(directory)))
+    if full:
+        situations += large(directory, [10**6, 10**7])
+    for situation in situations:
+        with open(situation.path(directory), "w", encoding="ascii") as file:
+            file.write(situation.mci)
+    return situations

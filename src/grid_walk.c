@@ -230,7 +230,7 @@ bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q)
 {
     const double size = q->body->upper[0];
     struct axis x = axis_of(lattice, q, 0), y = axis_of(lattice, q, 1);
-    double from = q->least - start_blur * size, to = q->t;
+    double from = q->lenience * q->least - start_blur * size, to = q->t;
     if (to > size && !clip(q, &from, &to)) return true;
     if (from > far * size) return false;
     if (!start(&x, from, lattice->n[0]) || !start(&y, from, lattice->n[1]))

@@ -11,6 +11,9 @@
  */
 static const double on_edge = 1e-12;
 
+/* The same for a packet that has been rounded to single precision. */
+static const double near_edge = 1e-5;
+
 /* d . ((a - p) x (b - p)) of the edge from vertex i to j. Computed from the lower index to the higher, so
  * that the two triangles of an edge get exactly opposite numbers. */
 static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
@@ -71,6 +74,14 @@ static double triangle_distance(const struct cml_mesh_query *q, const uint32_t v
     return fmax(low, fmin(t, high));
 }
 
+/* Whether a crossing at t is not behind the packet. Rounding puts a packet beyond a facet by up to slack
+ * across it, which is more along it: beside an edge at which it has turned, a packet may head into the next
+ * facet. */
+bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along)
+{
+    return t >= q->least || (t >= q->lenience * q->least && t * fabs(along) >= q->least);
+}
+
 /* Crossing of one triangle away from the packet's side; on success *t and the barycentric weights. A ray
  * within rounding of an edge meets the triangles on both sides of it: exact signs alone leave pinholes at
  * vertices, where the signs of several edges have to agree, and along the border, beyond which the plane
@@ -91,7 +102,7 @@ bool cml_query_cross(const struct cml_mesh_query *q, int primitive, double *t, d
     *t = q->base + triangle_distance(q, v, normal, along);
     const double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
-    return *t >= q->least;
+    return *t >= q->least || cml_query_is_ahead(q, *t, along / sqrt(cml_vec3_dot(normal, normal)));
 }
 
 /* The best crossing so far. One at the same place, on a shared edge, adds its facet to the seam's mean
@@ -151,7 +162,7 @@ bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave)
     double enter, size = 0;
     if (!clip(q, q->t, &enter, leave)) return false;
     q->base = enter - back;
-    q->blur = DBL_EPSILON * enter;
+    q->blur = DBL_EPSILON * enter + (q->on_edge ? q->slack : 0);
     for (int k = 0; k < 3; k++) {
         q->near[k] = q->origin[k] + q->base * q->direction[k];
         q->blur += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->near[k]));
@@ -161,17 +172,39 @@ bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave)
     return true;
 }
 
-/* The plane outside the footprint. */
+/* How many of four points around x, y lie inside the footprint. */
+static int borders(const struct cml_mesh_query *q, double x, double y, double d)
+{
+    int inside = 0;
+    for (int k = 0; k < 4; k++)
+        inside += cml_footprint_contains(q->body->footprint, x + (k & 1 ? d : -d), y + (k & 2 ? d : -d));
+    return inside;
+}
+
+/* The plane outside the footprint, and within rounding of its border, as the triangles there reach as far. */
 void cml_query_outer_plane(struct cml_mesh_query *q)
 {
     const double uz = q->direction[2];
     if (q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
-    if (!(t >= q->least) || !(t < q->t)) return;
+    if (!cml_query_is_ahead(q, t, uz) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    if (cml_footprint_contains(q->body->footprint, x, y)) return;
+    if (borders(q, x, y, fmax(q->slack, q->blur)) == 4) return;
     q->t = t;
     q->primitive = CML_OUTER_PLANE;
+}
+
+/* The border belongs to triangles and plane alike, but only the plane asks for it in double: a ray that
+ * passes within the rounding of single precision of it may have been let through by both. */
+bool cml_query_at_border(const struct cml_mesh_query *q)
+{
+    const double uz = q->direction[2], d = q->body->inflation;
+    if (!(q->below ? uz < 0 : uz > 0)) return false;
+    const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
+    if (!(t >= q->least) || !(t < q->t)) return false;
+    const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
+    const int inside = borders(q, x, y, d);
+    return inside > 0 && inside < 4;
 }
 
 /* Upward normal of the cone that the triangle stands for. */
@@ -251,8 +284,37 @@ void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, co
     }
 }
 
+/* A packet leaves the facet it stands on, but one that an edge or a vertex turned by its mean normal may head
+ * into one of the facets there. */
+static bool heads_into(const struct cml_mesh_query *q, int primitive, double rounding)
+{
+    if (primitive < 0 || primitive == CML_OUTER_PLANE) return false;
+    const double along = cml_vec3_dot(q->direction, q->body->plane[primitive]);
+    return (q->below ? along : -along) > rounding;
+}
+
+/* Whether the packet stands so close to an edge that rounding may have put it beyond facets that it
+ * has not met. */
+static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
+{
+    if (primitive < 0 || primitive == CML_OUTER_PLANE) return false;
+    const struct cml_mesh *mesh = &q->body->mesh;
+    double normal[3];
+    facet_normal(mesh, primitive, normal);
+    for (int k = 0; k < 3; k++) {
+        const double *a = mesh->vertex[mesh->triangle[primitive][k]];
+        double edge[3], from[3], part[3];
+        cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]], a, edge);
+        cml_vec3_subtract(q->origin, a, from);
+        cml_vec3_cross(edge, from, part);
+        if (!(cml_vec3_dot(part, normal) > near_edge * cml_vec3_dot(normal, normal))) return true;
+    }
+    return false;
+}
+
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight, double slack)
+                     const double u[3], int below, double t_max, int exclude, int straight, int exact,
+                     double slack)
 {
     q->body = body;
     q->below = below;
@@ -261,8 +323,12 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
     q->slack = slack;
     q->primitive = -1;
     q->on_seam = false;
+    q->blur = 0;
     cml_vec3_subtract(p, body->centre, q->origin);
     for (int k = 0; k < 3; k++) q->direction[k] = u[k];
+    if (heads_into(q, exclude, 16 * (exact ? DBL_EPSILON : (double)FLT_EPSILON))) q->exclude = -1;
+    q->on_edge = !straight && stands_on_edge(q, exclude);
+    q->lenience = exclude >= 0 && straight ? 1 : 32;
     q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
 }
 

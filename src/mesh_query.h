@@ -31,12 +31,14 @@ struct cml_mesh_query {
     double coarse;  /* more than rounding can make of any edge product */
     double slack;   /* the rounding of the packet's position: how far behind the origin a crossing may lie */
     double least;   /* -slack, or where the line crosses `exclude` when the packet came straight through it */
+    double lenience; /* how many times that, for facets that the ray grazes */
     int below, exclude;
     double t;         /* best so far */
     double weight[3]; /* its barycentric weights */
     double seam[3];   /* sum of unit facet normals when the best lies on an edge, else the facet's */
     int primitive;    /* -1: none */
     bool on_seam;
+    bool on_edge; /* the packet has turned close to an edge: the exact test has to tell what it heads into */
 };
 
 /* Takes over *mesh (prepared; left empty) and centres it. x0, y0: scene position of the queries' origin. On
@@ -47,7 +49,8 @@ void cml_mesh_body_clear(struct cml_mesh_body *body);
 
 /* Arguments as of cml_mesh_surface_hit (kernels/surface_hit.h). */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight, double slack);
+                     const double u[3], int below, double t_max, int exclude, int straight, int exact,
+                     double slack);
 
 /* Makes the point where the ray enters the box, or `back` before it, the near point: only numbers of the
  * mesh's own size are ever rounded to float. *leave: where it leaves the box, at most q->t. False when it
@@ -70,6 +73,13 @@ void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, co
 
 /* Lets the plane outside the footprint compete. */
 void cml_query_outer_plane(struct cml_mesh_query *q);
+
+/* Whether a crossing at distance t is not behind the packet; along: product of direction and unit normal. */
+bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along);
+
+/* Whether the ray passes the border, before the best crossing, so closely that only the exact test can tell.
+ */
+bool cml_query_at_border(const struct cml_mesh_query *q);
 
 /* 1 and the crossing, with its normals, if there is one. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],

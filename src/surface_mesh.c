@@ -112,7 +112,7 @@ static bool counts(const struct cml_mesh_query *q, int primitive, double *t)
 {
     double along;
     *t = cml_query_facet_distance(q, primitive, &along);
-    return primitive != q->exclude && (q->below ? along : -along) > 0 && *t >= q->least;
+    return primitive != q->exclude && (q->below ? along : -along) > 0 && cml_query_is_ahead(q, *t, along);
 }
 
 static void filter_hit(const struct RTCFilterFunctionNArguments *arguments)
@@ -144,8 +144,9 @@ static bool closest(const struct cml_mesh_surface *surface, struct query *query,
 static const float clearly_inside = 1e-5f;
 
 /* The fast way: Embree's own triangles find the hit, whose distance is computed again in double. Where it is
- * not clearly inside its triangle, or nothing was found on a way without end, the exact query decides. The
- * ray starts a little behind the packet, because rounding may have put it beyond a facet. */
+ * not clearly inside its triangle, or nothing was found on a way without end or past the border, the exact
+ * query decides. The ray starts a little behind the packet, because rounding may have put it beyond a facet.
+ */
 static void query_fast(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct cml_mesh_query *q = &query->ray;
@@ -158,7 +159,7 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
     const double weight[3] = {w, u, v};
     if (found && inside)
         cml_query_take_inside(q, (int)rayhit.hit.primID, t, weight);
-    else if (found || !(q->t < INFINITY))
+    else if (found || !(q->t < INFINITY) || cml_query_at_border(q))
         query_exact(surface, query);
 }
 
@@ -172,8 +173,8 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                          struct cml_mesh_crossing *crossing)
 {
     struct query query;
-    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, slack);
-    if (exact)
+    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, exact, slack);
+    if (exact || query.ray.on_edge)
         query_exact(surface, &query);
     else if (surface->lattice.cell)
         query_walked(surface, &query);

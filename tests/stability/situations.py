@@ -8,6 +8,13 @@ import random
 
 
 
+# tessellated to some 1e7 triangles
+NO_MESH = {"rings-1e5"}
+
+# (situation, last word of the method, aim) of cells that are known to fail
+KNOWN = set()
+
+
 class Situation:
     """aims: what packets aim at (tests/stability/atlas.c). refused: words that the program's refusal must hold;
     None: the scene is accepted. big: too large for a short test."""
@@ -124,7 +131,7 @@ def fields():
     yield Situation("cone-tip", slab(rings([0.5, 0.0], 0.05)), AIMED)
     yield Situation("pit-tip", slab(rings([-0.5, 0.0], 0.05)), AIMED)
     yield Situation("walls-1e3", slab(rings([0.1 * (i % 2) for i in range(40)] + [0.0], 1e-4)), AIMED)
-    yield Situation("rings-1e-6cm", slab(rings(fine, 1e-6), (1.4, 0.1, 1e6, 0.9, 1.0)), AIMED)
+    yield Situation("rings-1e-6cm", slab(rings(fine, 1e-6), (1.4, 1e5, 1e6, 0.9, 1e-3)), AIMED)
     yield Situation("rings-1e-6cm-far", scene([TURBID], {0: rings(noise(200, 1e-6, 3) + [0.0, 0.0],
                                                                     [1e-6] * 200 + [1.0, 1.0])}), AIMED)
     yield Situation("rings-1e5", slab(rings(ramp, 1e-4)), AIMED)
@@ -185,9 +192,9 @@ def sheets(line):
     yield Situation("mesh-walls-1e3", slab(line["walls"]), AIMED)
     yield Situation("mesh-layer-1e-5cm", scene([(1.4, 0.1, 10.0, 0.5, 1e-5), (1.5, 0.1, 10.0, 0.5, 1.0)],
                                                {0: line["rough"], 1: line["rough"]}), AIMED)
-    yield Situation("features-1e-4cm-at-1e2cm", slab(line["fine"], (1.4, 1.0, 1e3, 0.5, 1.0),
+    yield Situation("features-1e-4cm-at-1e2cm", slab(line["fine"], (1.4, 30.0, 1e3, 0.5, 1.0),
                                                      beam="beam pencil at=100,0"), AIMED)
-    yield Situation("features-1e-4cm-beam-1e2cm-off", slab(line["fine-near"], (1.4, 1.0, 1e3, 0.5, 1.0),
+    yield Situation("features-1e-4cm-beam-1e2cm-off", slab(line["fine-near"], (1.4, 30.0, 1e3, 0.5, 1.0),
                                                            beam="beam pencil at=100,0"), AIMED)
     yield Situation("mesh-wide-1e3cm", slab(line["wide"], (1.4, 1e-4, 2e-3, 0.9, 1000.0)), AIMED)
     yield Situation("corner-cube-clear", scene([(4.0, 0.0, 0.0, 0.0, 1.0)], {1: line["corner"]}), AIMED)
@@ -196,7 +203,7 @@ def sheets(line):
     yield Situation("overhang-below", scene([TURBID], {1: line["mushroom"]}), AIMED)
     yield Situation("overhang-n=1", scene([(1.0, 0.1, 10.0, 0.5, 1.0)], {0: line["mushroom"]}), AIMED)
     yield Situation("pole-of-a-dome", slab(line["dome"] + " normals=vertex"), AIMED)
-    yield Situation("dome-n=1-smooth", slab(line["dome"] + " normals=vertex", (1.0, 0.1, 1e3, 0.5, 1.0)), AIMED)
+    yield Situation("dome-n=1-smooth", slab(line["dome"] + " normals=vertex", (1.0, 10.0, 1e3, 0.5, 1.0)), AIMED)
     yield Situation("smooth-rough", slab(line["rough"] + " normals=vertex"), AIMED + GRAZING[::2])
     yield Situation("flat-mesh", slab(line["flat"]), AIMED)
     yield Situation("degenerate-triangles", slab(line["degenerate"]), AIMED)

@@ -199,7 +199,7 @@ static void count(const struct subject *s, const struct ray *ray, struct share *
 {
     struct cml_mesh_crossing c, exact;
     struct cml_mesh_query q;
-    cml_query_begin(&q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight,
+    cml_query_begin(&q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight, 0,
                     ray->slack);
     share->rays++;
     share->decided += cml_grid_walk(&s->lattice, &q);

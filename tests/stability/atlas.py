@@ -1,0 +1,130 @@
+"""The atlas: every situation by every method, and what went wrong in it.
+
+    atlas.py PROGRAM WALKER [--out FILE.csv] [--crossings N] [--seconds S] [--full] [--test]
+
+PROGRAM is clustermcml, WALKER the harness stability_atlas. Each cell ends after N crossings or S seconds. --full adds
+meshes of 1e6 and 1e7 triangles. --test writes nothing and fails when something failed that must not.
+Standard library only."""
+import argparse
+import concurrent.futures
+import csv
+import json
+import subprocess
+import sys
+import tempfile
+
+import situations
+
+RADIAL = ("reference-cone", "cpu-cone", "reference-mesh", "cpu-mesh")
+MESHES = ("reference-mesh", "cpu-mesh")
+COLUMNS = "situation method aim status crossings lost wrong missed spurious nan trapped note".split()
+COUNTS = COLUMNS[4:11]
+
+
+def methods_of(situation):
+    if 'm "' in situation.mci:
+        return MESHES
+    return RADIAL if "\nb " in situation.mci else ("reference", "cpu")
+
+
+def short(message):
+    return message.strip().split("\n")[-1].split("clustermcml: ")[-1]
+
+
+def run(command, limit=None):
+    try:
+        return subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
+    except subprocess.TimeoutExpired:
+        return None
+
+
+def fly_cell(arguments, situation, path, method, aim):
+    cell = {"situation": situation.name, "method": method, "aim": aim, "status": "flown", "note": ""}
+    limit = 60 + 2 * arguments.seconds if arguments.seconds else None
+    done = run([arguments.walker, path, method, aim, repr(arguments.crossings), repr(arguments.seconds)], limit)
+    if done is None:
+        return cell | {"status": "too slow", "note": f"not ready after {limit:g} s"}
+    if done.returncode != 0:
+        return cell | {"status": "refused" if done.returncode == 2 else "failed",
+                       "note": short(done.stderr) or f"ended with {done.returncode}"}
+    values = done.stdout.strip().split(",")
+    return cell | dict(zip(COUNTS, map(int, values))) | {"note": values[7]}
+
+
+def run_program(arguments, situation, path, directory):
+    """The engine itself, and what ignoring the surface would do to Rd."""
+    cell = {"situation": situation.name, "method": "program", "aim": "beam", "status": "flown"}
+    command = [arguments.program, path, "--json", "--quiet", "-o", directory, "--photons", "2e3" if arguments.test else "2e4"]
+    done = run(command, 120)
+    if done is None:
+        return cell | {"status": "too slow", "note": "not ready after 120 s"}
+    flat = run(command + ["--boundaries", "plane"], 120)
+    if done.returncode not in (0, 4):
+        return cell | {"status": "refused" if done.returncode == 2 else "failed", "note": short(done.stderr)}
+    result = json.loads(done.stdout)
+    cell |= {"lost": result["lost"], "trapped": result["trapped"], "note": f"residue {result['residue']}"}
+    if flat and flat.returncode == 0:
+        change = json.loads(flat.stdout)["Rd"] - result["Rd"]
+        cell["note"] += f", plane Rd {change:+.1e}"
+    return cell
+
+
+def check_refused(arguments, situation, path):
+    done = run([arguments.program, "check", path])
+    status = "refused" if done.returncode == 2 else ("accepted" if done.returncode == 0 else "failed")
+    return {"situation": situation.name, "method": "program", "aim": "check", "status": status,
+            "note": short(done.stderr)}
+
+
+def all_cells(arguments, directory):
+    jobs = []
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for situation in situations.build(directory, arguments.full):
+            path = situation.path(directory)
+            if situation.refused:
+                jobs.append(pool.submit(check_refused, arguments, situation, path))
+                continue
+            jobs += [pool.submit(fly_cell, arguments, situation, path, method, aim)
+                     for method in methods_of(situation) for aim in situation.aims
+                     if not (situation.name in situations.NO_MESH and method in MESHES)]
+            jobs.append(pool.submit(run_program, arguments, situation, path, directory))
+        return [job.result() for job in jobs]
+
+
+def must_not(cell, refused):
+    """Whether the cell breaks a promise: what is accepted loses nothing and knows where it is."""
+    if cell["situation"] in refused:
+        return cell["status"] != "refused" or refused[cell["situation"]] not in cell["note"]
+    if cell["status"] != "flown" or cell["method"] == "program" and "residue 0" not in cell["note"]:
+        return True
+    if (cell["situation"], cell["method"].split("-")[-1], cell["aim"]) in situations.KNOWN:
+        return False
+    return any(cell.get(key, 0) for key in ("lost", "wrong", "missed", "spurious", "nan"))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program")
+    parser.add_argument("walker")
+    parser.add_argument("--out")
+    parser.add_argument("--crossings", type=float, default=1e8)
+    parser.add_argument("--seconds", type=float, default=0)
+    parser.add_argument("--full", action="store_true")
+    parser.add_argument("--test", action="store_true")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as directory:
+        cells = all_cells(arguments, directory)
+        refused = {s.name: s.refused for s in situations.build(directory) if s.refused}
+    if arguments.out:
+        with open(arguments.out, "w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS, lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(cells)
+    broken = [cell for cell in cells if must_not(cell, refused)]
+    for cell in broken:
+        print(" ".join(f"{key}={value}" for key, value in cell.items() if value != ""))
+    print(f"{len(cells)} cells, {sum(cell.get('crossings', 0) for cell in cells)} crossings, {len(broken)} broken")
+    sys.exit(1 if broken and arguments.test else 0)
+
+
+main()

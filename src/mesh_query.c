@@ -327,7 +327,7 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
     cml_vec3_subtract(p, body->centre, q->origin);
     for (int k = 0; k < 3; k++) q->direction[k] = u[k];
     if (heads_into(q, exclude, 16 * (exact ? DBL_EPSILON : (double)FLT_EPSILON))) q->exclude = -1;
-    q->on_edge = !straight && stands_on_edge(q, exclude);
+    q->on_edge = stands_on_edge(q, exclude);
     q->lenience = exclude >= 0 && straight ? 1 : 32;
     q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
 }

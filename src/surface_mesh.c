@@ -108,56 +108,60 @@ static void query_exact(const struct cml_mesh_surface *surface, struct query *qu
 
 /* Which of Embree's hits count: not the triangle the packet stands on, only those that lead away from its
  * side, and none behind it. */
-static bool counts(const struct cml_mesh_query *q, int primitive, double *t)
+static bool counts(const struct cml_mesh_query *q, int primitive, double *t, double *along)
 {
-    double along;
-    *t = cml_query_facet_distance(q, primitive, &along);
-    return primitive != q->exclude && (q->below ? along : -along) > 0 && cml_query_is_ahead(q, *t, along);
+    *t = cml_query_facet_distance(q, primitive, along);
+    return primitive != q->exclude && (q->below ? *along : -*along) > 0 && cml_query_is_ahead(q, *t, *along);
 }
 
 static void filter_hit(const struct RTCFilterFunctionNArguments *arguments)
 {
     const struct cml_mesh_query *q = &((const struct query *)(const void *)arguments->context)->ray;
-    double t;
-    if (!counts(q, (int)((const struct RTCHit *)(const void *)arguments->hit)->primID, &t))
+    double t, along;
+    if (!counts(q, (int)((const struct RTCHit *)(const void *)arguments->hit)->primID, &t, &along))
         arguments->valid[0] = 0;
 }
 
 /* The closest hit that counts; false when there is none. A filter costs Embree half as much again, so a
  * packet that stands on nothing tries without one first: what it then meets is nearly always what counts. */
 static bool closest(const struct cml_mesh_surface *surface, struct query *query, struct RTCRayHit *rayhit,
-                    double *t)
+                    double *t, double *along)
 {
     const struct RTCRayHit fresh = *rayhit;
     if (query->ray.exclude < 0) {
         intersect_scene(surface->fast, query, rayhit, NULL);
         if (rayhit->hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-        if (counts(&query->ray, (int)rayhit->hit.primID, t)) return true;
+        if (counts(&query->ray, (int)rayhit->hit.primID, t, along)) return true;
         *rayhit = fresh;
     }
     intersect_scene(surface->fast, query, rayhit, filter_hit);
-    return rayhit->hit.geomID != RTC_INVALID_GEOMETRY_ID && counts(&query->ray, (int)rayhit->hit.primID, t);
+    return rayhit->hit.geomID != RTC_INVALID_GEOMETRY_ID &&
+           counts(&query->ray, (int)rayhit->hit.primID, t, along);
 }
 
 /* Embree's barycentric coordinates, in single precision, at least this far from every edge are clearly
  * inside. */
 static const float clearly_inside = 1e-5f;
 
-/* The fast way: Embree's own triangles find the hit, whose distance is computed again in double. Where it is
- * not clearly inside its triangle, or nothing was found on a way without end or past the border, the exact
- * query decides. The ray starts a little behind the packet, because rounding may have put it beyond a facet.
+/* Sine of the angle to the facet below which single precision cannot tell which facet comes first. */
+static const double grazing = 1e-3;
+
+/* The fast way: Embree's own triangles find the hit, whose distance is computed again in double. Where it
+ * grazes its triangle, is not clearly inside its triangle, or nothing was found on a way without end or past
+ * the border, the exact query decides. The ray starts a little behind the packet, because rounding may have
+ * put it beyond a facet.
  */
 static void query_fast(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct cml_mesh_query *q = &query->ray;
     struct RTCRayHit rayhit;
-    double t;
+    double t, along;
     if (!aim(q, 2 * q->body->inflation, &rayhit)) return;
-    const bool found = closest(surface, query, &rayhit, &t);
+    const bool found = closest(surface, query, &rayhit, &t, &along);
     const float u = rayhit.hit.u, v = rayhit.hit.v, w = 1 - u - v;
     const bool inside = u > clearly_inside && v > clearly_inside && w > clearly_inside;
     const double weight[3] = {w, u, v};
-    if (found && inside)
+    if (found && inside && fabs(along) > grazing)
         cml_query_take_inside(q, (int)rayhit.hit.primID, t, weight);
     else if (found || !(q->t < INFINITY) || cml_query_at_border(q))
         query_exact(surface, query);

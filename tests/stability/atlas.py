@@ -19,6 +19,8 @@ RADIAL = ("reference-cone", "cpu-cone", "reference-mesh", "cpu-mesh")
 MESHES = ("reference-mesh", "cpu-mesh")
 COLUMNS = "situation method aim status crossings lost wrong missed spurious nan trapped note".split()
 COUNTS = COLUMNS[4:11]
+STRICT = ("face", "beam", "1e-2", "1e-3")  # nothing may fail; elsewhere the atlas shows what does, and a test what too much is
+MOST_OF_AIMED = 0.03
 
 
 def methods_of(situation):
@@ -97,9 +99,8 @@ def must_not(cell, refused):
         return cell["status"] != "refused" or refused[cell["situation"]] not in cell["note"]
     if cell["status"] != "flown" or cell["method"] == "program" and "residue 0" not in cell["note"]:
         return True
-    if (cell["situation"], cell["method"].split("-")[-1], cell["aim"]) in situations.KNOWN:
-        return False
-    return any(cell.get(key, 0) for key in ("lost", "wrong", "missed", "spurious", "nan"))
+    events = sum(cell.get(key, 0) for key in ("lost", "wrong", "missed", "spurious", "nan"))
+    return events > (0 if cell["aim"] in STRICT else MOST_OF_AIMED * cell.get("crossings", 0))
 
 
 def main():

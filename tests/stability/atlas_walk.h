@@ -7,7 +7,12 @@
 
 #include <time.h>
 
-#define ROUNDINGS 32    /* of the largest coordinate: what a position may be beyond a boundary */
+/* Of the largest coordinate: what a position may be beyond a boundary. */
+#ifdef CML_DOUBLE
+#define ROUNDINGS 1024
+#else
+#define ROUNDINGS 32
+#endif
 #define MAX_EVENTS 300  /* of one packet, then a new one is aimed */
 #define MAX_ATTEMPTS 50 /* to find a start in the clear */
 

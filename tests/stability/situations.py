@@ -11,9 +11,6 @@ import random
 # tessellated to some 1e7 triangles
 NO_MESH = {"rings-1e5"}
 
-# (situation, last word of the method, aim) of cells that are known to fail
-KNOWN = set()
-
 
 class Situation:
     """aims: what packets aim at (tests/stability/atlas.c). refused: words that the program's refusal must hold;
@@ -232,5 +229,5 @@ def build(directory, full=False):
         situations += large(directory, [10**6, 10**7])
     for situation in situations:
         with open(situation.path(directory), "w", encoding="ascii") as file:
-            file.write(situation.mci)
+            file.write(situation.mci.replace("out.mco", situation.name + ".mco"))
     return situations

@@ -11,9 +11,6 @@
  */
 static const double on_edge = 1e-12;
 
-/* The same for a packet that has been rounded to single precision. */
-static const double near_edge = 1e-5;
-
 /* d . ((a - p) x (b - p)) of the edge from vertex i to j. Computed from the lower index to the higher, so
  * that the two triangles of an edge get exactly opposite numbers. */
 static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
@@ -295,7 +292,7 @@ static bool heads_into(const struct cml_mesh_query *q, int primitive, double rou
 
 /* Whether the packet stands so close to an edge that rounding may have put it beyond facets that it
  * has not met. */
-static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
+static bool stands_on_edge(const struct cml_mesh_query *q, int primitive, double near_edge)
 {
     if (primitive < 0 || primitive == CML_OUTER_PLANE) return false;
     const struct cml_mesh *mesh = &q->body->mesh;
@@ -326,8 +323,9 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
     q->blur = 0;
     cml_vec3_subtract(p, body->centre, q->origin);
     for (int k = 0; k < 3; k++) q->direction[k] = u[k];
-    if (heads_into(q, exclude, 16 * (exact ? DBL_EPSILON : (double)FLT_EPSILON))) q->exclude = -1;
-    q->on_edge = stands_on_edge(q, exclude);
+    const double epsilon = exact ? DBL_EPSILON : (double)FLT_EPSILON;
+    q->on_edge = stands_on_edge(q, exclude, 64 * epsilon);
+    if (q->on_edge && heads_into(q, exclude, 16 * epsilon)) q->exclude = -1;
     q->lenience = exclude >= 0 && straight ? 1 : 32;
     q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
 }

@@ -144,7 +144,7 @@ static bool closest(const struct cml_mesh_surface *surface, struct query *query,
 static const float clearly_inside = 1e-5f;
 
 /* Sine of the angle to the facet below which single precision cannot tell which facet comes first. */
-static const double grazing = 1e-3;
+static const double grazing = 1e-2;
 
 /* The fast way: Embree's own triangles find the hit, whose distance is computed again in double. Where it
  * grazes its triangle, is not clearly inside its triangle, or nothing was found on a way without end or past

@@ -23,6 +23,7 @@ struct walker {
     struct cml_deposits deposits;
     struct dice dice;
     struct cml_packet packet;
+    double scale;  /* thickness of the thickest layer */
     double extent; /* largest |z| of any boundary in its frame */
 };
 
@@ -80,12 +81,18 @@ static real moved_by_ulps(real x, int ulps)
     return x;
 }
 
+/* On a plane within the scene's own scale. */
 static struct place choose_place(struct walker *walker, int boundary)
 {
     static const enum place_kind kinds[NUM_AIMS] = {
         [AIM_FACE] = PLACE_FACE,   [AIM_EDGE] = PLACE_EDGE,  [AIM_VERTEX] = PLACE_VERTEX,
         [AIM_DROP] = PLACE_VERTEX, [AIM_ALONG] = PLACE_EDGE, [AIM_GRAZE] = PLACE_FACE};
-    return oracle_place(&walker->flight->oracle[boundary], kinds[walker->flight->aim], &walker->dice);
+    struct place place =
+        oracle_place(&walker->flight->oracle[boundary], kinds[walker->flight->aim], &walker->dice);
+    if (walker->flight->surfaces->item[boundary].kind != CML_AS_PLANE) return place;
+    for (int axis = 0; axis < 2; axis++) place.point[axis] *= walker->scale;
+    place.size = walker->scale;
+    return place;
 }
 
 static void choose_direction(struct walker *walker, const struct place *place, double u[3])
@@ -270,6 +277,8 @@ cml_status ATLAS_FLY(const struct atlas_flight *flight, struct atlas_count *coun
         for (int b = 0; b < flight->surfaces->count; b++)
             walker.extent = fmax(walker.extent, fmax(fabs(flight->surfaces->item[b].lowest),
                                                      fabs(flight->surfaces->item[b].highest)));
+        for (int m = 1; m <= flight->scene->num_layers; m++)
+            walker.scale = fmax(walker.scale, flight->scene->media[m].d);
         fly_all(&walker);
         cml_tally_free(&tally);
     }

@@ -178,10 +178,20 @@ static int hit(const struct subject *s, const struct ray *ray, int exact, struct
                                 ray->straight, exact, ray->slack, c);
 }
 
-/* Beyond rounding: the same crossing, the same facet or one that meets the ray at the same place. */
+static void begin(const struct subject *s, const struct ray *ray, struct cml_mesh_query *q)
+{
+    cml_query_begin(q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight, 0,
+                    ray->slack);
+}
+
+/* Beyond rounding: the same crossing, the same facet or one that meets the ray at the same place. A packet
+ * that stands beside an edge never walks, and what is beside depends on its precision. */
 static void expect_same(const struct subject *s, const struct ray *ray)
 {
     struct cml_mesh_crossing walked, exact;
+    struct cml_mesh_query q;
+    begin(s, ray, &q);
+    if (q.on_edge) return;
     const int found = hit(s, ray, 0, &walked);
     if (found != hit(s, ray, 1, &exact) || (found && !(fabs(walked.t - exact.t) <= 1e-11)))
         fail_msg("from (%.17g %.17g %.17g) along (%.17g %.17g %.17g): %d at %.17g, exactly %.17g", ray->p[0],
@@ -199,8 +209,7 @@ static void count(const struct subject *s, const struct ray *ray, struct share *
 {
     struct cml_mesh_crossing c, exact;
     struct cml_mesh_query q;
-    cml_query_begin(&q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight, 0,
-                    ray->slack);
+    begin(s, ray, &q);
     share->rays++;
     share->decided += cml_grid_walk(&s->lattice, &q);
     if (!hit(s, ray, 0, &c) || !hit(s, ray, 1, &exact)) return;

@@ -19,8 +19,9 @@ static double bias_per_deviation(const struct cml_tessellation *tessellation)
 #define CONE_NS 180.0
 #define RING_NS 0.19
 #define MESH_NS 740.0
-#define BUILD_NS 1800.0 /* per triangle */
-#define QUERIES 1e7     /* of a run of millions of packets */
+#define BUILD_NS 1800.0    /* per triangle */
+#define QUERIES 1e7        /* of a run of millions of packets */
+#define MOST_TRIANGLES 4e6 /* more would take GiB and minutes, whatever their queries save */
 
 struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options)
 {
@@ -83,7 +84,8 @@ static bool mesh_pays(const struct cml_radial *radial, double cone_ns, double me
 {
     if (cone_ns <= mesh_ns) return false; /* before triangles are counted */
     const struct cml_tessellation tessellation = cml_choice_tessellation(options);
-    return mesh_ns + BUILD_NS * cml_tessellation_triangles(radial, &tessellation) / QUERIES < cone_ns;
+    const double triangles = cml_tessellation_triangles(radial, &tessellation);
+    return triangles <= MOST_TRIANGLES && mesh_ns + BUILD_NS * triangles / QUERIES < cone_ns;
 }
 
 enum cml_representation cml_choose_radial(const struct cml_radial *radial, const double mut[2],

@@ -59,14 +59,23 @@ static void many_rings_become_a_mesh_within_the_tolerance(void **state)
     (void)state;
     struct cml_surface_options options = STANDARD;
     struct cml_expectation expectation;
-    assert_int_equal(choose(20001, 0.001, 1, &options, &expectation), CML_AS_MESH);
+    assert_int_equal(choose(10001, 0.001, 1, &options, &expectation), CML_AS_MESH);
     assert_true(expectation.bias <= options.tolerance && expectation.deviation > 0);
     options.no_mesh = true; /* as the engine cannot fly it */
-    assert_int_equal(choose(20001, 0.001, 1, &options, &expectation), CML_AS_CONE);
+    assert_int_equal(choose(10001, 0.001, 1, &options, &expectation), CML_AS_CONE);
     options.no_mesh = false;
     /* normals whose bias does not shrink are no choice */
     options.tessellation.normals = CML_NORMALS_VERTEX;
-    assert_int_equal(choose(20001, 0.001, 1, &options, &expectation), CML_AS_CONE);
+    assert_int_equal(choose(10001, 0.001, 1, &options, &expectation), CML_AS_CONE);
+}
+
+/* A mesh of gigabytes is no choice, whatever its queries save. */
+static void a_hundred_thousand_rings_stay_cones(void **state)
+{
+    (void)state;
+    const struct cml_surface_options options = STANDARD;
+    struct cml_expectation expectation;
+    assert_int_equal(choose(100001, 0.001, 1, &options, &expectation), CML_AS_CONE);
 }
 
 static void a_dense_medium_makes_cones_cheaper(void **state)
@@ -125,7 +134,7 @@ static void without_a_tolerance_the_tessellation_counts(void **state)
     options.tolerance = 0;
     options.tessellation.tolerance = 0.01;
     assert_true(cml_choice_tessellation(&options).tolerance == 0.01);
-    assert_int_equal(choose(20001, 0.001, 1, &options, &expectation), CML_AS_CONE);
+    assert_int_equal(choose(10001, 0.001, 1, &options, &expectation), CML_AS_CONE);
 }
 
 static void represent(const char *text, const struct cml_surface_options *options,
@@ -178,6 +187,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(few_rings_stay_cones_without_bias),
         cmocka_unit_test(many_rings_become_a_mesh_within_the_tolerance),
+        cmocka_unit_test(a_hundred_thousand_rings_stay_cones),
         cmocka_unit_test(a_dense_medium_makes_cones_cheaper),
         cmocka_unit_test(a_plane_only_when_asked_and_small),
         cmocka_unit_test(the_tolerance_picks_the_tessellation),

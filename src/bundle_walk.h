@@ -453,11 +453,20 @@ static void cml_interact_lanes(struct cml_flight *f, const int all)
     if (f->ended) cml_refill(f);
 }
 
+/* A lane without a packet draws like the others, and may well draw the tail, which is near. */
+static void cml_calm_lane(struct cml_flight *f, int i)
+{
+    f->b->tau[i] = f->b->s[i] = 0;
+    f->b->task[i] = CML_LANE_DONE;
+}
+
 static void cml_pass(struct cml_flight *f)
 {
     cml_bundle_draw(&f->world->setup, f->b);
     if (cml_bundle_fly(f->b)) {
-        cml_meet_boundaries(f, cml_lanes_with(f->b, CML_LANE_NEAR));
+        const uint64_t near = cml_lanes_with(f->b, CML_LANE_NEAR);
+        cml_for_lanes(f, near & ~f->live, cml_calm_lane);
+        cml_meet_boundaries(f, near & f->live);
         cml_interact_lanes(f, 0);
     } else {
         cml_interact_lanes(f, 1);

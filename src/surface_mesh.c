@@ -304,7 +304,9 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh *mesh = &surface->body.mesh;
     const struct cml_lattice *lattice = &surface->lattice;
-    return (double)surface->embree_bytes + (double)lattice->n[0] * lattice->n[1] * sizeof *lattice->cell +
+    const double cells =
+        lattice->cell ? (double)lattice->n[0] * lattice->n[1] : 0; /* else it is no lattice */
+    return (double)surface->embree_bytes + cells * sizeof *lattice->cell +
            (double)mesh->num_triangles * (sizeof *mesh->triangle + sizeof *surface->body.plane) +
            (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
 }

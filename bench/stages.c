@@ -49,6 +49,7 @@ static void fill_bundle(void)
                                            .stop_above = -1e9f,
                                            .stop_below = 1e9f};
     const real *row = &medium.mut;
+    bundle.lanes = CML_LANES;
     for (int i = 0; i < CML_LANES; i++) {
         bundle.uz[i] = 1;
         bundle.z[i] = 0.5f;

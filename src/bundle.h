@@ -12,6 +12,7 @@
 
 #define CML_LANES 64 /* as many as a mask has bits: a loop's constants are set up once for all of them */
 #define CML_GROUP 16 /* where few lanes have something to do, the loops run over groups */
+#define CML_GROUP_MASK 0xffffu
 
 /* What a lane does in this pass. */
 enum cml_lane_task {
@@ -20,8 +21,10 @@ enum cml_lane_task {
     CML_LANE_TURN,     /* at a plane between unequal indices */
     CML_LANE_REFLECTED,
     CML_LANE_TRANSMITTED,
-    CML_LANE_NOWHERE, /* meets no plane and never interacts, or is not a number */
-    CML_LANE_DONE,    /* had its event, or holds a new packet: to be flown */
+    CML_LANE_NOWHERE,  /* meets no plane and never interacts, or is not a number */
+    CML_LANE_DONE,     /* had its event: to be flown */
+    CML_LANE_ENDED,    /* its packet has, until the lane is refilled */
+    CML_LANE_LAUNCHED, /* holds a new packet, its first draws not made yet */
 };
 
 /* What a lane needs to know of the medium it is in. Every member is 4 bytes wide. */
@@ -34,6 +37,8 @@ struct cml_lane_medium {
 #define CML_LANE_MEDIUM_MEMBERS (sizeof(struct cml_lane_medium) / sizeof(real))
 
 struct cml_bundle {
+    int lanes; /* that take part: whole groups, fewer than CML_LANES when there are no more packets to launch
+                */
     _Alignas(64) real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
     real tau[CML_LANES]; /* optical depth left to the next interaction; infinite: yet to be drawn from the
                             tail */

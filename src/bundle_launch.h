@@ -1,78 +1,97 @@
-/* New packets, prepared many at a time: the first draws of a range of photon indices in one vector loop.
- * SPDX-License-Identifier: MIT */
+/* New packets, into the lanes of those that have ended. Their first draws are made by the next pass, which
+ * draws for all lanes anyway. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_LAUNCH_H
 #define CML_BUNDLE_LAUNCH_H
 
-#include "optics.h"
-#include "types.h"
+#include "bundle_lanes.h"
+#include "bundle_pass.h"
 
-#define CML_LAUNCHES 64
+#include <string.h>
 
-/* As cml_optical_depth but for the word 0: infinite, to be drawn later. */
-CML_FN real cml_depth_or_tail(cml_u32 word)
+/* A lane without a packet takes part in every loop, and does nothing in any. */
+static void cml_park_lane(struct cml_flight *f, int i)
 {
-    const real depth = -cml_log(cml_uniform(word));
-    return word == 0u ? CML_INFINITY : depth;
+    struct cml_bundle *b = f->b;
+    const struct cml_vec nowhere = {0, 0, 0}, down = {0, 0, 1};
+    cml_store_ray(b, i, nowhere, down);
+    b->tau[i] = 0;
+    b->w[i] = b->marked[i] = 0;
+    b->task[i] = CML_LANE_DONE;
+    CML_OF_MEDIUM(b, mfp)[i] = 1;
+    CML_OF_MEDIUM(b, stop_above)[i] = -CML_INFINITY;
+    CML_OF_MEDIUM(b, stop_below)[i] = CML_INFINITY;
+    f->live &= ~CML_LANE_BIT(i);
 }
 
-/* Hands out the next range [*first, *first + *count) of photon indices; 0 when there is none. */
-struct cml_range_source {
-    int (*next)(void *context, uint64_t *first, uint64_t *count);
-    void *context;
-};
-
-struct cml_launches {
-    const struct cml_range_source *source;
-    uint64_t first, left; /* of the range in hand: not prepared yet */
-    uint64_t base;        /* index of entry 0 */
-    int next, count;      /* entries next..count-1 wait for a lane */
-    real tau[CML_LAUNCHES];
-    cml_u32 draw1[CML_LAUNCHES], draw2[CML_LAUNCHES];
-};
-
-struct cml_launch {
-    uint64_t index;
-    real tau; /* optical depth to the first interaction */
-    cml_u32 draw1, draw2;
-};
-
-static inline void cml_launches_draw(struct cml_launches *to, struct cml_stream stream)
+/* The index of the lane's next packet; a lane for which there is none is parked. */
+static void cml_take_index(struct cml_flight *f, int i)
 {
-    const uint64_t base = to->base;
-#pragma omp simd
-    for (int i = 0; i < CML_LAUNCHES; i++) {
-        const struct cml_block draw = cml_draw(stream, base + (uint64_t)i, CML_PURPOSE_INTERACTION, 0);
-        to->tau[i] = cml_depth_or_tail(draw.w[0]);
-        to->draw1[i] = draw.w[1];
-        to->draw2[i] = draw.w[2];
+    while (f->left == 0) {
+        if (f->source->next(f->source->context, &f->next, &f->left)) continue;
+        f->left = 0;
+        cml_park_lane(f, i);
+        return;
     }
+    f->left--;
+    f->b->index_low[i] = (cml_u32)f->next;
+    f->b->index_high[i] = (cml_u32)(f->next++ >> 32);
 }
 
-/* Prepares up to CML_LAUNCHES packets; 0 when there are no more. */
-static int cml_launches_prepare(struct cml_launches *to, struct cml_stream stream)
+/* What differs between packets or lanes: where a wide beam puts them, the columns of the medium. */
+static void cml_fit_lane(struct cml_flight *f, int i)
 {
-    while (to->left == 0)
-        if (!to->source->next(to->source->context, &to->first, &to->left)) return 0;
-    to->base = to->first;
-    to->next = 0;
-    to->count = to->left < CML_LAUNCHES ? (int)to->left : CML_LAUNCHES;
-    to->first += (uint64_t)to->count;
-    to->left -= (uint64_t)to->count;
-    cml_launches_draw(to, stream);
-    return 1;
+    struct cml_bundle *b = f->b;
+    const struct cml_packet *start = &f->start;
+    if (!f->pencil) {
+        cml_place(f->world, cml_lane_index(b, i), &f->start);
+        cml_store_ray(b, i, start->p, start->u);
+    }
+    if (f->to.facets) cml_score_launch(f->world, &f->to, start);
+    if (f->loaded & CML_LANE_BIT(i) && b->medium[i] == start->medium) return;
+    f->loaded |= CML_LANE_BIT(i);
+    b->medium[i] = start->medium;
+    cml_load_medium(f, i);
 }
 
-/* The next packet; 0 when there are no more. */
-static inline int cml_launches_next(struct cml_launches *from, const struct cml_setup *setup,
-                                    struct cml_launch *launch)
+/* Lane `from` into lane `to`, which holds no packet. All columns are 4 bytes wide and follow one another. */
+static void cml_move_lane(struct cml_flight *f, int from, int to)
 {
-    if (from->next == from->count && !cml_launches_prepare(from, setup->stream)) return 0;
-    const int i = from->next++;
-    launch->index = from->base + (uint64_t)i;
-    launch->tau = from->tau[i];
-    launch->draw1 = from->draw1[i];
-    launch->draw2 = from->draw2[i];
-    return 1;
+    const size_t first = offsetof(struct cml_bundle, x), column = sizeof f->b->x;
+    for (size_t k = first; k + column <= sizeof *f->b; k += column) {
+        char *lanes = (char *)f->b + k;
+        memcpy(lanes + sizeof(real) * (size_t)to, lanes + sizeof(real) * (size_t)from, sizeof(real));
+    }
+    f->absorbed[to] = f->absorbed[from];
+    f->live |= CML_LANE_BIT(to);
+    f->curved = (f->curved & ~CML_LANE_BIT(to)) | (f->curved >> from & 1u) << to;
+}
+
+/* Nothing is left to launch: the packets in flight move together, so that passes need not go over lanes
+ * without one. */
+static void cml_close_ranks(struct cml_flight *f)
+{
+    const int lanes = (__builtin_popcountll(f->live) + CML_GROUP - 1) / CML_GROUP * CML_GROUP;
+    if (lanes == f->b->lanes) return;
+    for (int from = lanes; from < f->b->lanes; from++) {
+        if (f->live >> from & 1u) cml_move_lane(f, from, __builtin_ctzll(~f->live));
+        cml_park_lane(f, from);
+    }
+    f->b->lanes = lanes;
+}
+
+/* Lanes whose packet has ended get new ones, as long as there are any. */
+static void cml_refill(struct cml_flight *f)
+{
+    const uint64_t ended = f->ended;
+    f->ended = 0;
+    cml_for_lanes(f, ended, cml_take_index);
+    const uint64_t fresh = ended & f->live;
+    for (int first = 0; first < CML_LANES; first += CML_GROUP) {
+        const cml_u32 group = (cml_u32)(fresh >> first) & CML_GROUP_MASK;
+        if (group) cml_bundle_launch(f->b, &f->start, f->absorbed, first, group);
+    }
+    cml_for_lanes(f, fresh, cml_fit_lane);
+    if (fresh != ended) cml_close_ranks(f);
 }
 
 #endif

@@ -11,6 +11,45 @@
 /* Inlining would only mix their constants with those of their callers, and hide them from a profile. */
 #define CML_PASS static __attribute__((noinline))
 
+/* P2, but for a word 0: infinite, to be drawn from the tail. */
+CML_FN real cml_depth_or_tail(cml_u32 word)
+{
+    const real depth = -cml_log(cml_uniform(word));
+    return word == 0u ? CML_INFINITY : depth;
+}
+
+/* Lanes first + i with bit i of fresh: P1, but for indices and media. absorbed: [CML_LANES], of the lanes'
+ * packets. */
+CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,
+                                int first, cml_u32 fresh)
+{
+    const struct cml_vec p = start->p, u = start->u;
+    const cml_u32 w = start->w;
+    const int entered = start->entered;
+#pragma omp simd
+    for (int k = 0; k < CML_GROUP; k++) {
+        const int i = first + k, mine = (int)(fresh >> k & 1u);
+        b->x[i] = mine ? p.x : b->x[i];
+        b->y[i] = mine ? p.y : b->y[i];
+        b->z[i] = mine ? p.z : b->z[i];
+        b->ux[i] = mine ? u.x : b->ux[i];
+        b->uy[i] = mine ? u.y : b->uy[i];
+        b->uz[i] = mine ? u.z : b->uz[i];
+        b->w[i] = mine ? w : b->w[i];
+        b->marked[i] = mine ? w : b->marked[i];
+        b->interactions[i] = mine ? 0u : b->interactions[i];
+        b->crossings[i] = mine ? 0u : b->crossings[i];
+        b->boundary_events[i] = mine ? 0u : b->boundary_events[i];
+        b->touched[i] = mine ? 0u : b->touched[i];
+        b->bounces[i] = mine ? 0u : b->bounces[i];
+        b->on_boundary[i] = mine ? -1 : b->on_boundary[i];
+        b->on_primitive[i] = mine ? -1 : b->on_primitive[i];
+        b->entered[i] = mine ? entered : b->entered[i];
+        b->task[i] = mine ? CML_LANE_LAUNCHED : b->task[i];
+        absorbed[i] = mine ? 0u : absorbed[i];
+    }
+}
+
 /* Where lane i is after its flight. Conservative: a lane that is not near a boundary cannot meet it before
  * its interaction, rounding included; what is not a number, or infinite, is near. */
 static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, real *distance)
@@ -42,9 +81,10 @@ CML_PASS void cml_bundle_fly_again(struct cml_bundle *b, int first)
  * block again that they have. */
 CML_PASS void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *b)
 {
+    const int lanes = b->lanes;
     const struct cml_stream stream = setup->stream;
 #pragma omp simd
-    for (int i = 0; i < CML_LANES; i++) {
+    for (int i = 0; i < lanes; i++) {
         const cml_u32 interactions = b->interactions[i] + (cml_u32)(b->task[i] == CML_LANE_INTERACT);
         const struct cml_block draw =
             cml_threefry(stream, b->index_low[i], b->index_high[i], interactions, CML_PURPOSE_INTERACTION);
@@ -55,23 +95,29 @@ CML_PASS void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *
     }
 }
 
-/* All lanes: those with INTERACT get a new optical depth, then all s and INTERACT or NEAR. Returns 1 when any
- * is near. */
+enum { CML_ANY_NEAR = 1, CML_ANY_TAIL = 2 };
+
+/* All lanes: those with INTERACT or LAUNCHED get a new optical depth, then all s and INTERACT or NEAR.
+ * Returns CML_ANY_NEAR when any lane is near, and CML_ANY_TAIL with it when the optical depth of one is in
+ * the tail.
+ */
 CML_PASS int cml_bundle_fly(struct cml_bundle *b)
 {
+    const int lanes = b->lanes;
     int any = 0;
 #pragma omp simd
-    for (int i = 0; i < CML_LANES; i++) {
+    for (int i = 0; i < lanes; i++) {
         const real fresh = cml_depth_or_tail(b->draw0[i]);
-        b->tau[i] = b->task[i] == CML_LANE_INTERACT ? fresh : b->tau[i];
+        const int task = b->task[i], mine = (task == CML_LANE_INTERACT) | (task == CML_LANE_LAUNCHED);
+        b->tau[i] = mine ? fresh : b->tau[i];
     }
 #pragma omp simd reduction(| : any)
-    for (int i = 0; i < CML_LANES; i++) {
+    for (int i = 0; i < lanes; i++) {
         real s;
         const int near = cml_lane_is_near(b, i, b->tau[i], &s);
         b->s[i] = s;
         b->task[i] = near ? CML_LANE_NEAR : CML_LANE_INTERACT;
-        any |= near;
+        any |= near * CML_ANY_NEAR | !(b->tau[i] < CML_INFINITY) * CML_ANY_TAIL;
     }
     return any;
 }
@@ -174,13 +220,14 @@ CML_PASS cml_u32 cml_bundle_look_behind(const struct cml_setup *setup, const str
 static inline int cml_bundle_interact(const struct cml_setup *shared, struct cml_bundle *b, const int all,
                                       const int tally)
 {
+    const int lanes = b->lanes;
     const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
     const real *restrict const absorb = CML_OF_MEDIUM(b, absorb), *restrict const bins =
                                                                       CML_OF_MEDIUM(b, bins);
     const real *restrict const g = CML_OF_MEDIUM(b, g);
     int low = 0;
 #pragma omp simd reduction(| : low)
-    for (int i = 0; i < CML_LANES; i++) {
+    for (int i = 0; i < lanes; i++) {
         const int mine = all ? 1 : b->task[i] == CML_LANE_INTERACT;
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
         const struct cml_vec p = cml_along(from, b->s[i], u);

@@ -4,144 +4,6 @@
 #define CML_BUNDLE_WALK_H
 
 #include "bundle_launch.h"
-#include "bundle_pass.h"
-#include "packet_ends.h"
-
-struct cml_flight {
-    const struct cml_world *world;
-    struct cml_bundle *b;
-    struct cml_tally *tally;
-    struct cml_deposits to;              /* into the tally */
-    const struct cml_lane_medium *media; /* [num_layers + 2] */
-    struct cml_packet start;             /* as the beam places packets */
-    int pencil;                          /* it places all of them alike */
-    uint64_t live, ended;                /* masks of lanes: that hold packets; whose packet is finished */
-    uint64_t loaded;                     /* mask of lanes whose columns of a medium are sound */
-    uint64_t curved;                     /* mask of lanes with a boundary that is no plane */
-    uint64_t absorbed[CML_LANES];        /* of the lane's packet, up to the last mark */
-    struct cml_launches launches;
-    struct cml_ends ends;
-};
-
-#define CML_LANE_BIT(i) ((uint64_t)1 << (i))
-
-static void cml_for_lanes(struct cml_flight *f, uint64_t mask, void (*handle)(struct cml_flight *, int))
-{
-    for (; mask; mask &= mask - 1) handle(f, __builtin_ctzll(mask));
-}
-
-static int cml_is_curved(const struct cml_world *world, int boundary)
-{
-    return boundary >= 0 && boundary <= world->setup.num_layers &&
-           world->surfaces[boundary].kind != CML_SURFACE_PLANE;
-}
-
-/* The lane's columns of the medium it is in. */
-static void cml_load_medium(struct cml_flight *f, int i)
-{
-    struct cml_bundle *b = f->b;
-    const int m = b->medium[i];
-    const real *row = &f->media[m].mut;
-    const uint64_t bit = CML_LANE_BIT(i);
-    const int curved = cml_is_curved(f->world, m - 1) || cml_is_curved(f->world, m);
-    for (size_t k = 0; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
-    f->curved = curved ? f->curved | bit : f->curved & ~bit;
-}
-
-/* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
- * weight: to be called before either changes. */
-static void cml_mark_weight(struct cml_flight *f, int i)
-{
-    struct cml_bundle *b = f->b;
-    const cml_u32 deposited = b->marked[i] - b->w[i];
-    f->tally->A_l[b->medium[i]] += deposited;
-    f->absorbed[i] += deposited;
-    b->marked[i] = b->w[i];
-}
-
-static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
-{
-    return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
-}
-
-static struct cml_packet cml_lane_packet(const struct cml_bundle *b, int i)
-{
-    const int stands = b->touched[i] == b->interactions[i];
-    const struct cml_packet packet = {
-        .index = cml_lane_index(b, i),
-        .p = {b->x[i], b->y[i], b->z[i]},
-        .u = {b->ux[i], b->uy[i], b->uz[i]},
-        .tau = b->tau[i],
-        .w = b->w[i],
-        .interactions = b->interactions[i],
-        .crossings = b->crossings[i],
-        .bounces = stands ? b->bounces[i] : 0,
-        .boundary_events = b->boundary_events[i],
-        .medium = b->medium[i],
-        .on_boundary = stands ? b->on_boundary[i] : -1,
-        .on_primitive = b->on_primitive[i],
-        .straight = b->straight[i],
-        .entered = b->entered[i],
-        .exit_x = b->x[i],
-        .exit_y = b->y[i],
-    };
-    return packet;
-}
-
-/* Back into the lane what boundary events can change. */
-static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packet *packet)
-{
-    struct cml_bundle *b = f->b;
-    b->x[i] = packet->p.x;
-    b->y[i] = packet->p.y;
-    b->z[i] = packet->p.z;
-    b->ux[i] = packet->u.x;
-    b->uy[i] = packet->u.y;
-    b->uz[i] = packet->u.z;
-    b->tau[i] = packet->tau;
-    b->crossings[i] = packet->crossings;
-    b->touched[i] = packet->interactions;
-    b->bounces[i] = packet->bounces;
-    b->boundary_events[i] = packet->boundary_events;
-    b->on_boundary[i] = packet->on_boundary;
-    b->on_primitive[i] = packet->on_primitive;
-    b->straight[i] = packet->straight;
-    b->entered[i] = packet->entered;
-    if (packet->medium == b->medium[i]) return;
-    cml_mark_weight(f, i);
-    b->medium[i] = packet->medium;
-    cml_load_medium(f, i);
-}
-
-/* Inlined, so that the end goes from lane to collection without being built in memory: its members would be
- * stored one by one and loaded together, which stalls. */
-__attribute__((always_inline)) static inline void cml_push_end(struct cml_flight *f, int i,
-                                                               struct cml_end end)
-{
-    cml_mark_weight(f, i);
-    end.absorbed = f->absorbed[i];
-    cml_ends_push(&f->world->setup, &f->ends, &end, f->tally);
-    f->b->task[i] = CML_LANE_DONE;
-    f->ended |= CML_LANE_BIT(i);
-}
-
-/* The lane's packet has ended where it is; lost, if there is a cause. */
-static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
-{
-    const struct cml_bundle *b = f->b;
-    const struct cml_end end = {
-        .index = cml_lane_index(b, i),
-        .fate = (int)fate,
-        .cause = (int)cause,
-        .w = b->w[i],
-        .interactions = b->interactions[i],
-        .boundary_events = b->boundary_events[i],
-        .exit_x = b->x[i],
-        .exit_y = b->y[i],
-        .uz = b->uz[i],
-    };
-    cml_push_end(f, i, end);
-}
 
 static void cml_lane_interacts(struct cml_flight *f, int i, real s)
 {
@@ -270,90 +132,6 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_end_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
 }
 
-/* A placed packet into a lane, whatever was there before. */
-static void cml_start_lane(struct cml_flight *f, int i, const struct cml_packet *packet,
-                           const struct cml_launch *launch)
-{
-    struct cml_bundle *b = f->b;
-    b->x[i] = packet->p.x;
-    b->y[i] = packet->p.y;
-    b->z[i] = packet->p.z;
-    b->ux[i] = packet->u.x;
-    b->uy[i] = packet->u.y;
-    b->uz[i] = packet->u.z;
-    b->tau[i] = launch->tau;
-    b->draw1[i] = launch->draw1;
-    b->draw2[i] = launch->draw2;
-    b->w[i] = b->marked[i] = packet->w;
-    b->index_low[i] = (cml_u32)launch->index;
-    b->index_high[i] = (cml_u32)(launch->index >> 32);
-    b->interactions[i] = b->crossings[i] = b->boundary_events[i] = b->touched[i] = b->bounces[i] = 0;
-    b->on_boundary[i] = b->on_primitive[i] = -1;
-    b->entered[i] = packet->entered;
-    f->absorbed[i] = 0;
-    if (f->loaded & CML_LANE_BIT(i) && b->medium[i] == packet->medium) return;
-    f->loaded |= CML_LANE_BIT(i);
-    b->medium[i] = packet->medium;
-    cml_load_medium(f, i);
-}
-
-/* A lane without a packet takes part in every loop, and does nothing in any. */
-static void cml_park_lane(struct cml_flight *f, int i)
-{
-    struct cml_bundle *b = f->b;
-    b->x[i] = b->y[i] = b->z[i] = b->ux[i] = b->uy[i] = b->tau[i] = 0;
-    b->uz[i] = 1;
-    b->w[i] = b->marked[i] = 0;
-    CML_OF_MEDIUM(b, mfp)[i] = 1;
-    CML_OF_MEDIUM(b, stop_above)[i] = -CML_INFINITY;
-    CML_OF_MEDIUM(b, stop_below)[i] = CML_INFINITY;
-    f->live &= ~CML_LANE_BIT(i);
-}
-
-/* A new packet into the lane of a finished one, as long as there are any. */
-static void cml_refill_lane(struct cml_flight *f, int i)
-{
-    struct cml_launch launch;
-    if (!cml_launches_next(&f->launches, &f->world->setup, &launch)) {
-        cml_park_lane(f, i);
-        return;
-    }
-    if (!f->pencil) cml_place(f->world, launch.index, &f->start);
-    cml_start_lane(f, i, &f->start, &launch);
-    if (f->to.facets) cml_score_launch(f->world, &f->to, &f->start);
-}
-
-static void cml_refill(struct cml_flight *f)
-{
-    const uint64_t ended = f->ended;
-    f->ended = 0;
-    cml_for_lanes(f, ended, cml_refill_lane);
-}
-
-/* Mask of the lanes with a task. */
-static uint64_t cml_lanes_with(const struct cml_bundle *b, int task)
-{
-    cml_u32 low = 0, high = 0;
-#pragma omp simd reduction(| : low, high)
-    for (int i = 0; i < 32; i++) {
-        low |= (cml_u32)(b->task[i] == task) << i;
-        high |= (cml_u32)(b->task[i + 32] == task) << i;
-    }
-    return (uint64_t)high << 32 | low;
-}
-
-static uint64_t cml_lanes_below_threshold(const struct cml_bundle *b)
-{
-    cml_u32 low = 0, high = 0;
-#pragma omp simd reduction(| : low, high)
-    for (int i = 0; i < 32; i++) {
-        low |= (cml_u32)((b->task[i] == CML_LANE_INTERACT) & (b->w[i] < CML_ROULETTE_THRESHOLD)) << i;
-        high |= (cml_u32)((b->task[i + 32] == CML_LANE_INTERACT) & (b->w[i + 32] < CML_ROULETTE_THRESHOLD))
-                << i;
-    }
-    return (uint64_t)high << 32 | low;
-}
-
 /* The lanes of a group, lane i at bit 2 i, with this code of two bits. */
 static cml_u32 cml_lanes_coded(cml_u32 codes, cml_u32 code)
 {
@@ -392,28 +170,27 @@ static void cml_cross_group(struct cml_flight *f, int first, int lanes)
     cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_EXIT), first, cml_exit_lane);
     cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_LAYER), first, cml_enter_layer);
     cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_ODD), first, cml_handle_odd);
-    if (f->ended) cml_refill(f);
     if (lanes >= many) cml_bundle_fly_again(f->b, first);
 }
 
-/* Lanes near a boundary that the planes' loops cannot serve. */
-static uint64_t cml_exceptions(const struct cml_flight *f, uint64_t near)
+/* Those of the lanes whose optical depth lies in the tail. */
+static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
 {
-    uint64_t exceptions = 0;
-    for (uint64_t rest = near; rest; rest &= rest - 1) {
+    uint64_t tails = 0;
+    for (uint64_t rest = lanes; rest; rest &= rest - 1) {
         const int i = __builtin_ctzll(rest);
-        if (f->curved >> i & 1u || !(f->b->tau[i] < CML_INFINITY)) exceptions |= CML_LANE_BIT(i);
+        if (!(f->b->tau[i] < CML_INFINITY)) tails |= CML_LANE_BIT(i);
     }
-    return exceptions;
+    return tails;
 }
 
-static void cml_meet_boundaries(struct cml_flight *f, uint64_t near)
+/* Lanes near a boundary; the planes' loops cannot serve curved surfaces and tails. */
+static void cml_meet_boundaries(struct cml_flight *f, uint64_t near, uint64_t tails)
 {
-    const uint64_t exceptions = cml_exceptions(f, near), planes = near & ~exceptions;
+    const uint64_t exceptions = near & (f->curved | tails), planes = near & ~exceptions;
     cml_for_lanes(f, exceptions, cml_handle_exception);
-    if (f->ended) cml_refill(f);
-    for (int first = 0; first < CML_LANES; first += CML_GROUP) {
-        const int lanes = __builtin_popcount((cml_u32)(planes >> first) & 0xffffu);
+    for (int first = 0; first < f->b->lanes; first += CML_GROUP) {
+        const int lanes = __builtin_popcount((cml_u32)(planes >> first) & CML_GROUP_MASK);
         if (lanes > 0) cml_cross_group(f, first, lanes);
     }
 }
@@ -423,16 +200,16 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
 {
     uint64_t *A_rz = tally->A_rz;
     if (tally->grid.absorption)
-        for (int i = 0; i < CML_LANES; i++) A_rz[b->cell[i]] += b->dw[i];
+        for (int i = 0; i < b->lanes; i++) A_rz[b->cell[i]] += b->dw[i];
     else
-        for (int i = 0; i < CML_LANES; i++) cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
+        for (int i = 0; i < b->lanes; i++) cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
 }
 
 /* The same into the volume, where one is asked for. */
 static void cml_scatter_volume(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
-    for (int i = 0; i < CML_LANES; i++) {
+    for (int i = 0; i < b->lanes; i++) {
         const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
         if (b->dw[i]) cml_deposit_volume(&f->world->setup, &f->to, p, CML_OF_MEDIUM(b, bins)[i], b->dw[i]);
     }
@@ -450,44 +227,60 @@ static void cml_interact_lanes(struct cml_flight *f, const int all)
         low = cml_bundle_interact(setup, f->b, all, 0);
     }
     if (low) cml_for_lanes(f, cml_lanes_below_threshold(f->b) & f->live, cml_lane_roulette);
-    if (f->ended) cml_refill(f);
 }
 
-/* A lane without a packet draws like the others, and may well draw the tail, which is near. */
-static void cml_calm_lane(struct cml_flight *f, int i)
+/* Returns the lanes in the tail. A lane without a packet draws like the others, but meets nothing. */
+static uint64_t cml_calm_tails(struct cml_flight *f, uint64_t *near)
 {
-    f->b->tau[i] = f->b->s[i] = 0;
-    f->b->task[i] = CML_LANE_DONE;
+    const uint64_t tails = cml_lanes_in_tail(f, *near), empty = tails & ~f->live;
+    cml_for_lanes(f, empty, cml_park_lane);
+    *near &= ~empty;
+    return tails;
 }
 
 static void cml_pass(struct cml_flight *f)
 {
     cml_bundle_draw(&f->world->setup, f->b);
-    if (cml_bundle_fly(f->b)) {
-        const uint64_t near = cml_lanes_with(f->b, CML_LANE_NEAR);
-        cml_for_lanes(f, near & ~f->live, cml_calm_lane);
-        cml_meet_boundaries(f, near & f->live);
+    const int any = cml_bundle_fly(f->b);
+    if (any) {
+        uint64_t near = cml_lanes_with(f->b, CML_LANE_NEAR);
+        const uint64_t tails = any & CML_ANY_TAIL ? cml_calm_tails(f, &near) : 0;
+        cml_meet_boundaries(f, near, tails);
         cml_interact_lanes(f, 0);
     } else {
         cml_interact_lanes(f, 1);
     }
+    if (f->ended) cml_refill(f);
+}
+
+/* f holds world, bundle (all 0), tally, media and source: the first packets take their lanes.
+ */
+static void cml_take_off(struct cml_flight *f)
+{
+    const struct cml_setup *setup = &f->world->setup;
+    f->to = cml_deposits_of(f->tally);
+    f->pencil = !(setup->disk > 0) && !(setup->gauss > 0);
+    cml_place(f->world, 0, &f->start);
+    f->b->lanes = CML_LANES;
+    f->live = f->ended = ~(uint64_t)0;
+    cml_refill(f);
+}
+
+/* Until the last packet has ended. */
+static void cml_fly_on(struct cml_flight *f)
+{
+    while (f->live) cml_pass(f);
+    cml_ends_flush(&f->world->setup, &f->ends, f->tally);
 }
 
 /* Everything goes into `tally`. media: [num_layers + 2]. */
-static void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
-                            const struct cml_range_source *source, struct cml_tally *tally)
+static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
+                                   const struct cml_range_source *source, struct cml_tally *tally)
 {
     struct cml_bundle bundle = {0};
-    struct cml_flight f = {.world = world, .b = &bundle, .tally = tally, .media = media};
-    f.to = cml_deposits_of(tally);
-    f.launches.source = source;
-    f.pencil = !(world->setup.disk > 0) && !(world->setup.gauss > 0);
-    cml_place(world, 0, &f.start);
-    f.live = f.ended = ~(uint64_t)0;
-    cml_refill(&f);
-    for (int i = 0; i < CML_LANES; i++) bundle.task[i] = CML_LANE_DONE;
-    while (f.live) cml_pass(&f);
-    cml_ends_flush(&world->setup, &f.ends, tally);
+    struct cml_flight f = {.world = world, .b = &bundle, .tally = tally, .media = media, .source = source};
+    cml_take_off(&f);
+    cml_fly_on(&f);
 }
 
 #endif

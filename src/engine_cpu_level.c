@@ -40,37 +40,12 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
     return CML_OK;
 }
 
-static struct cml_lane_medium lane_medium(const struct cml_world *world, int m)
-{
-    const struct cml_medium *medium = &world->media[m];
-    const struct cml_surface *top = m > 0 ? &world->surfaces[m - 1] : NULL;
-    const struct cml_surface *bottom = m <= world->setup.num_layers ? &world->surfaces[m] : NULL;
-    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
-    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE;
-    const struct cml_lane_medium lane = {
-        .mut = medium->mut,
-        .mfp = medium->mfp,
-        .absorb = medium->absorb,
-        .g = medium->g,
-        .bins = medium->bins,
-        .n = medium->n,
-        .n_above = top ? medium[-1].n : medium->n,
-        .n_below = bottom ? medium[1].n : medium->n,
-        .span = medium->span,
-        .plane_above = plane_top ? (real)0 : -CML_INFINITY,
-        .plane_below = plane_bottom ? medium->span : CML_INFINITY,
-        .stop_above = plane_top ? (real)0 : (top ? top->highest : -CML_INFINITY),
-        .stop_below = plane_bottom ? medium->span : (bottom ? medium->span + bottom->lowest : CML_INFINITY),
-    };
-    return lane;
-}
-
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
     const int count = cpu->scalar.world.setup.num_layers + 2;
     cpu->media = calloc((size_t)count, sizeof *cpu->media);
     if (!cpu->media) return cml_fail_memory(err, count * (double)sizeof *cpu->media, "the media");
-    for (int m = 0; m < count; m++) cpu->media[m] = lane_medium(&cpu->scalar.world, m);
+    for (int m = 0; m < count; m++) cpu->media[m] = cml_lane_medium_of(&cpu->scalar.world, m);
     return CML_OK;
 }
 

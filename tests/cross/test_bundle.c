@@ -3,6 +3,7 @@
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
+#include "bundle_walk.h"
 #include "engine_scalar.h"
 
 static void expect_same_tally(const struct cml_tally *a, const struct cml_tally *b, const char *name)
@@ -140,6 +141,50 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "map 5 5 0.1 0.1\nfacets\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1\n", 2000);
 }
 
+static int take_all(void *context, uint64_t *first, uint64_t *count)
+{
+    uint64_t *photons = context;
+    *first = 0;
+    *count = *photons;
+    *photons = 0;
+    return *count > 0;
+}
+
+/* One word in 2^32 puts an optical depth into the tail, and lanes without a packet draw like the others. */
+static void a_lane_without_a_packet_ends_nothing(void **state)
+{
+    (void)state;
+    struct cml_error err;
+    struct flight flight;
+    struct scalar_world scalar;
+    struct cml_tally tally;
+    struct cml_lane_medium media[3];
+    uint64_t photons = CML_GROUP;
+    const struct cml_range_source source = {take_all, &photons};
+    const struct cml_engine_options options = {.seed = 12, .threads = 1, .reentry = true};
+    const struct flight_options with = {.engine = "cpu"};
+    flight_open(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", &with, &flight);
+    const struct cml_scene *scene = &flight.list.scenes[0];
+    const struct cml_grid grid = cml_engine_grid(scene, &flight.surfaces, &options);
+    require_ok(cml_tally_create(&grid, &tally, &err), &err);
+    require_ok(scalar_world_create(scene, &flight.surfaces, &options, &scalar, &err), &err);
+    for (int m = 0; m < 3; m++) media[m] = cml_lane_medium_of(&scalar.world, m);
+    struct cml_bundle bundle = {0};
+    struct cml_flight f = {
+        .world = &scalar.world, .b = &bundle, .tally = &tally, .media = media, .source = &source};
+    cml_take_off(&f);
+    assert_int_equal(f.live, CML_GROUP_MASK);
+    while (f.live == CML_GROUP_MASK) cml_pass(&f);
+    const int empty = __builtin_ctzll(~f.live);
+    bundle.tau[empty] = CML_INFINITY;
+    bundle.task[empty] = CML_LANE_DONE;
+    cml_fly_on(&f);
+    assert_int_equal(tally.count[CML_COUNT_PHOTONS], CML_GROUP);
+    scalar_world_free(&scalar);
+    cml_tally_free(&tally);
+    flight_close(&flight);
+}
+
 /* The same bits at every level of the processor that this machine can run. */
 int main(void)
 {
@@ -147,6 +192,7 @@ int main(void)
         cmocka_unit_test(every_sample_has_the_same_tally),
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
+        cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
     };
     struct cml_cpu_level levels[CML_CPU_LEVELS];
     const int count = cml_cpu_levels(levels);

@@ -157,24 +157,29 @@ CML_FN struct cml_reach cml_find_reach(const struct cml_world *world, int medium
     return reach;
 }
 
-/* Crossing of one boundary that the packet can meet; p in that boundary's frame. */
+/* Crossing of one boundary that the packet can meet; p in that boundary's frame. Without one *hit stays as it
+ * is. */
 CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *packet, int boundary,
                            struct cml_vec p, real side, real t_max, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
     const int standing_on = packet->on_boundary == boundary ? packet->on_primitive : -1;
-    hit->boundary = boundary;
-    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE)
-        return cml_plane_hit(p, packet->u, side, t_max, hit);
-    packet->queries++;
-    if (surface->kind == CML_SURFACE_CONE)
-        return cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
-                             packet->boundary_events == 0, hit);
+    int found = 0;
+    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
+        found = cml_plane_hit(p, packet->u, side, t_max, hit);
+    } else {
+        packet->queries++;
+        if (surface->kind == CML_SURFACE_CONE)
+            found = cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
+                                  packet->boundary_events == 0, hit);
 #ifndef __OPENCL_VERSION__
-    return cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, packet->straight, hit);
-#else
-    return 0;
+        else
+            found =
+                cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, packet->straight, hit);
 #endif
+    }
+    if (found) hit->boundary = boundary;
+    return found;
 }
 
 /* The first boundary of the packet's medium that it crosses within reach. */
@@ -189,12 +194,8 @@ CML_FN int cml_nearest(const struct cml_world *world, struct cml_packet *packet,
     }
     if (reach.below) {
         struct cml_vec p = packet->p;
-        struct cml_hit below;
         p.z -= world->media[medium].span;
-        if (cml_surface_hit(world, packet, medium, p, -1, reach.t_below, &below)) {
-            *hit = below;
-            found = 1;
-        }
+        found |= cml_surface_hit(world, packet, medium, p, -1, reach.t_below, hit);
     }
     return found;
 }

@@ -182,14 +182,13 @@ CML_FN void cml_roulette(struct cml_packet *packet)
     }
 }
 
-/* A packet beyond the envelope of a boundary of its medium has slipped through it. The margin is rounding's.
- */
-CML_FN int cml_leaked(const struct cml_world *world, const struct cml_packet *packet)
+/* A packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin is
+ * rounding's. */
+CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
 {
-    const int medium = packet->medium;
     const CML_GLOBAL struct cml_surface *top = &world->surfaces[medium - 1],
                                         *bottom = &world->surfaces[medium];
-    const real z = packet->p.z, z_bottom = z - world->media[medium].span;
+    const real z_bottom = z - world->media[medium].span;
     const real share = (real)0.0009765625;
     if (top->kind != CML_SURFACE_PLANE && z < top->lowest - share * (top->highest - top->lowest)) return 1;
     return bottom->kind != CML_SURFACE_PLANE &&
@@ -204,7 +203,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     packet->p = cml_along(packet->p, t, packet->u);
     packet->on_boundary = -1;
     packet->bounces = 0;
-    if (cml_leaked(world, packet)) {
+    if (cml_leaked(world, packet->medium, packet->p.z)) {
         cml_lose(packet, CML_LOST_LEAKED);
         return;
     }

@@ -98,28 +98,33 @@ static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
     return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
 }
 
-static struct cml_packet cml_lane_packet(const struct cml_bundle *b, int i)
+/* Member by member: a packet that is built and then copied would be stored in parts and loaded whole, which
+ * stalls. */
+static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml_packet *packet)
 {
     const int stands = b->touched[i] == b->interactions[i];
-    const struct cml_packet packet = {
-        .index = cml_lane_index(b, i),
-        .p = {b->x[i], b->y[i], b->z[i]},
-        .u = {b->ux[i], b->uy[i], b->uz[i]},
-        .tau = b->tau[i],
-        .w = b->w[i],
-        .interactions = b->interactions[i],
-        .crossings = b->crossings[i],
-        .bounces = stands ? b->bounces[i] : 0,
-        .boundary_events = b->boundary_events[i],
-        .medium = b->medium[i],
-        .on_boundary = stands ? b->on_boundary[i] : -1,
-        .on_primitive = b->on_primitive[i],
-        .straight = b->straight[i],
-        .entered = b->entered[i],
-        .exit_x = b->x[i],
-        .exit_y = b->y[i],
-    };
-    return packet;
+    packet->index = cml_lane_index(b, i);
+    packet->p.x = packet->exit_x = b->x[i];
+    packet->p.y = packet->exit_y = b->y[i];
+    packet->p.z = b->z[i];
+    packet->u.x = b->ux[i];
+    packet->u.y = b->uy[i];
+    packet->u.z = b->uz[i];
+    packet->tau = b->tau[i];
+    packet->w = b->w[i];
+    packet->interactions = b->interactions[i];
+    packet->crossings = b->crossings[i];
+    packet->bounces = stands ? b->bounces[i] : 0;
+    packet->boundary_events = b->boundary_events[i];
+    packet->medium = b->medium[i];
+    packet->on_boundary = stands ? b->on_boundary[i] : -1;
+    packet->on_primitive = b->on_primitive[i];
+    packet->straight = b->straight[i];
+    packet->entered = b->entered[i];
+    packet->fate = CML_FATE_ALIVE;
+    packet->cause = CML_LOST_NOT;
+    packet->queries = packet->shading_overruled = 0;
+    packet->absorbed = packet->gained = packet->roulette = 0;
 }
 
 static void cml_store_ray(struct cml_bundle *b, int i, struct cml_vec p, struct cml_vec u)

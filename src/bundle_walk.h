@@ -33,25 +33,19 @@ static int cml_meet_boundary(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* As in cml_interact: a packet about to interact beyond an envelope has slipped through it. */
-static int cml_would_leak(const struct cml_world *world, const struct cml_packet *packet, real t)
-{
-    struct cml_packet moved = *packet;
-    moved.p = cml_along(packet->p, t, packet->u);
-    return cml_leaked(world, &moved);
-}
-
 /* The lane's packet has something ahead, or nothing and never interacts. */
 static void cml_meet_or_interact(struct cml_flight *f, int i, struct cml_reach reach)
 {
     real t;
     struct cml_bundle *b = f->b;
-    struct cml_packet packet = cml_lane_packet(b, i);
+    struct cml_packet packet;
+    cml_lane_packet(b, i, &packet);
     b->task[i] = CML_LANE_DONE;
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose(&packet, CML_LOST_NAN);
     } else if (!cml_meet_boundary(f->world, &f->to, &packet, reach, &t)) {
-        if (cml_would_leak(f->world, &packet, t))
+        /* as in cml_interact */
+        if (cml_leaked(f->world, packet.medium, cml_along(packet.p, t, packet.u).z))
             cml_lose(&packet, CML_LOST_LEAKED);
         else
             cml_lane_interacts(f, i, t);

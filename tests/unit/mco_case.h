@@ -3,18 +3,7 @@
 #ifndef MCO_CASE_H
 #define MCO_CASE_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-#include <cmocka.h>
-
+#include "case_files.h"
 #include "mco.h"
 
 #define CASE_HEAD                                                                                            \
@@ -104,36 +93,6 @@ static const char case_full[] =
               "  1.0000E-03   2.0000E-03   3.0000E-03   4.0000E-03   5.0000E-03 \n"
               "  6.0000E-03   7.0000E-03   8.0000E-03   9.0000E-03   9.9000E-03 \n\n";
 
-/* cmocka state: the directory's name. */
-static inline int case_setup(void **state)
-{
-    char *directory = strdup("/tmp/cml_mco_XXXXXX");
-    *state = directory;
-    return directory && mkdtemp(directory) ? 0 : -1;
-}
-
-static inline int case_teardown(void **state)
-{
-    const int failed = rmdir(*state); /* fails when a test left a file behind */
-    free(*state);
-    return failed;
-}
-
-static inline void case_path(void **state, const char *name, char path[256])
-{
-    snprintf(path, 256, "%s/%s", (const char *)*state, name);
-}
-
-static inline void case_write(void **state, const char *name, const char *text, size_t size)
-{
-    char path[256];
-    case_path(state, name, path);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(text, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
 static inline void case_assert_holds(void **state, const char *name, const char *expected)
 {
     static char bytes[1 << 18];
@@ -169,7 +128,7 @@ static inline cml_status case_read(void **state, const char *text, size_t size, 
 {
     char path[256];
     case_path(state, "x.mco", path);
-    case_write(state, "x.mco", text, size);
+    case_write_bytes(state, "x.mco", text, size);
     *err = (struct cml_error){0};
     const cml_status status = cml_mco_read(path, mco, err);
     case_remove(state, "x.mco");

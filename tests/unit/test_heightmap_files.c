@@ -30,7 +30,7 @@ static cml_status read_bytes(void **state, const char *name, const char *bytes, 
 {
     char path[256];
     case_path(state, name, path);
-    case_write(state, name, bytes, size);
+    case_write_bytes(state, name, bytes, size);
     *err = (struct cml_error){0};
     const bool gsf = strcmp(name, "x.gsf") == 0;
     const cml_status status = (gsf ? cml_gsf_read : cml_esri_read)(path, unit, map, err);

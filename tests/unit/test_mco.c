@@ -329,7 +329,7 @@ static void assert_unwritable(void **state, const char *name, const char *messag
 static void an_old_file_outlives_a_failure(void **state)
 {
     char temporary[256];
-    case_write(state, "old.mco", "old", 3);
+    case_write_bytes(state, "old.mco", "old", 3);
     case_path(state, "old.mco.tmp", temporary);
     assert_int_equal(mkdir(temporary, 0700), 0);
     assert_unwritable(state, "old.mco", "old.mco: cannot be written (Is a directory)");
@@ -342,7 +342,7 @@ static void an_old_file_outlives_a_failure(void **state)
 static void a_read_only_directory_is_reported(void **state)
 {
     if (geteuid() == 0) skip(); /* nothing is read-only for root */
-    case_write(state, "old.mco", "old", 3);
+    case_write_bytes(state, "old.mco", "old", 3);
     assert_int_equal(chmod(*state, 0500), 0);
     assert_unwritable(state, "old.mco", "old.mco: cannot be written (Permission denied)");
     assert_int_equal(chmod(*state, 0700), 0);

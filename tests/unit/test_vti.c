@@ -49,7 +49,7 @@ static cml_status read_bytes(void **state, const char *bytes, size_t size, const
 {
     char path[256];
     case_path(state, "x.vti", path);
-    case_write(state, "x.vti", bytes, size);
+    case_write_bytes(state, "x.vti", bytes, size);
     *err = (struct cml_error){0};
     const cml_status status = cml_vti_read(path, name, pixels, err);
     case_remove(state, "x.vti");

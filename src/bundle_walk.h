@@ -178,14 +178,18 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
     return tails;
 }
 
-/* Lanes near a boundary; the planes' loops cannot serve curved surfaces and tails. */
+/* Lanes near a boundary; the planes' loops cannot serve curved surfaces and tails. These loops take as long
+ * for one lane as for a group: a few lanes wait for others, for some passes, which costs them less. */
 static void cml_meet_boundaries(struct cml_flight *f, uint64_t near, uint64_t tails)
 {
     const uint64_t exceptions = near & (f->curved | tails), planes = near & ~exceptions;
+    const int patience = 8, enough = 6;
+    const int waits = f->b->lanes == CML_LANES && ++f->waited < patience;
+    if (!waits) f->waited = 0;
     cml_for_lanes(f, exceptions, cml_handle_exception);
     for (int first = 0; first < f->b->lanes; first += CML_GROUP) {
         const int lanes = __builtin_popcount((cml_u32)(planes >> first) & CML_GROUP_MASK);
-        if (lanes > 0) cml_cross_group(f, first, lanes);
+        if (lanes >= (waits ? enough : 1)) cml_cross_group(f, first, lanes);
     }
 }
 

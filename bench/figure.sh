@@ -2,8 +2,10 @@
 # Draws a result of speed.sh: figure.sh speed.csv speed.svg (or .png). Needs gnuplot.
 # SPDX-License-Identifier: MIT
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-[ $# -eq 2 ] || { echo "usage: figure.sh speed.csv speed.svg" >&2; exit 2; }
+. "$(dirname "$0")/lib.sh"
+[ $# -eq 2 ] || fail "usage: figure.sh speed.csv speed.svg"
+need gnuplot
+[ -r "$1" ] || fail "$1: cannot be read"
 case $2 in *.png) terminal=pngcairo ;; *) terminal=svg ;; esac
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

@@ -1,22 +1,18 @@
 #!/bin/sh
 # Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
 # curves (figures/*.csv) dashed beside them, and the map of samples/skinmap.mci:
-# figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
+#     figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
+# by default 3e6 packets (--quick: 1e5) of build/clustermcml into bench/out.
 # SPDX-License-Identifier: MIT
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-root=$(dirname "$here")
-program=$root/build/clustermcml photons=3000000 out=$here/out
-while [ $# -gt 0 ]; do
-    case $1 in
-    --quick) photons=100000 ;;
-    --photons) photons=$2 && shift ;;
-    --program) program=$2 && shift ;;
-    --out) out=$2 && shift ;;
-    *) echo "usage: figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]" >&2 && exit 2 ;;
-    esac
-    shift
-done
+. "$(dirname "$0")/lib.sh"
+quick= photons=
+options quick "photons program out" "$@"
+photons=${photons:-${quick:+100000}}
+photons=${photons:-3000000}
+need_number --photons "$photons"
+need_program
+need gnuplot
 mkdir -p "$out"
 for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
     shapes/hinoise skinmap; do
@@ -34,7 +30,6 @@ draw() { # FIGURE CAPTION FILES...
     (cd "$out" && "$program" plot "$@" --caption "$caption" --quiet -o "$figure.svg")
     echo "$out/$figure.svg"
 }
-case $program in /*) ;; *) program=$PWD/$program ;; esac
 curves=$here/figures
 draw figure5 "$flat" fig5.mco "$curves/fig5-CUDAMCML-2019.csv" "$curves/fig5-clustermcml-2019.csv"
 draw figure6 "$flat" fig6.mco "$curves/fig6-CUDAMCML-2019.csv" "$curves/fig6-clustermcml-2019.csv"

@@ -1,23 +1,17 @@
 #!/bin/sh
-# Photons per second of the opencl engine: opencl.sh [--device I] [--seconds S] [--rounds N] [--program PATH] [--cpu]
+# Photons per second of the opencl engine:
+#     opencl.sh [--device I] [--seconds S] [--rounds N] [--cpu] [--program PATH]
 # Prints one row per scene: S1 to S6, the shape flat50 and the hill, as plane and as cones. The first run of a scene
 # builds the kernel and is not timed; the number of photons is then raised until a run takes S seconds (default 2), and
 # the median of N runs (default 5) is printed with its least and most. --cpu times the cpu engine in the same rounds.
 # SPDX-License-Identifier: MIT
 set -eu
-root=$(cd "$(dirname "$0")/.." && pwd)
-program=$root/build/clustermcml device= seconds=2 rounds=5 cpu=
-while [ $# -gt 0 ]; do
-    case $1 in
-    --device) device=$2 && shift ;;
-    --seconds) seconds=$2 && shift ;;
-    --rounds) rounds=$2 && shift ;;
-    --program) program=$2 && shift ;;
-    --cpu) cpu=cpu ;;
-    *) echo "usage: opencl.sh [--device I] [--seconds S] [--rounds N] [--program PATH] [--cpu]" >&2 && exit 2 ;;
-    esac
-    shift
-done
+. "$(dirname "$0")/lib.sh"
+device= seconds=2 rounds=5 cpu=
+options cpu "device seconds rounds program" "$@"
+need_number --seconds "$seconds"
+need_number --rounds "$rounds"
+need_program
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -60,19 +54,19 @@ median() { # FORMAT
 row() { # NAME SCENE OPTIONS...
     name=$1 scene=$2
     shift 2
-    for engine in opencl $cpu; do
+    for engine in opencl ${cpu:+cpu}; do
         fly "$engine" 1000 "$scene" "$@" >/dev/null
         calibrate "$engine" "$scene" "$@" >"$work/$engine.photons"
         : >"$work/$engine"
     done
     round=0
     while [ $round -lt "$rounds" ]; do
-        for engine in opencl $cpu; do
+        for engine in opencl ${cpu:+cpu}; do
             fly "$engine" "$(cat "$work/$engine.photons")" "$scene" "$@" --seed $((round + 1)) >>"$work/$engine"
         done
         round=$((round + 1))
     done
-    for engine in opencl $cpu; do
+    for engine in opencl ${cpu:+cpu}; do
         lost=$(value lost <"$work/$engine" | awk '{ n += $1 } END { print n }')
         printf '| %s | %s | %s | %s | %s | %s |\n' "$name" "$engine" "$(cat "$work/$engine.photons")" \
             "$(value photons_per_s <"$work/$engine" | median %.3g)" \

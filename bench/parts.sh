@@ -1,12 +1,15 @@
 #!/bin/sh
-# What the parts of the cpu engine cost on this machine: parts.sh [BUILD] [OUT]. Builds bench_stages and bench_queries in
-# BUILD (build), runs them and leaves OUT (bench/out)/parts.txt: the vector loops alone and left out, then, for rough
-# tops and rings below which light is scattered often (S6a) and seldom (S2), what a step near the boundary costs.
+# What the parts of the cpu engine cost on this machine:
+#     parts.sh [--build DIR] [--out DIR]
+# Builds bench_stages and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector loops alone
+# and left out, then, for rough tops and rings below which light is scattered often (S6a) and seldom (S2), what a step
+# near the boundary costs.
 # SPDX-License-Identifier: MIT
 set -eu
-here=$(cd "$(dirname "$0")" && pwd)
-build=${1:-$here/../build}
-out=${2:-$here/out}
+. "$(dirname "$0")/lib.sh"
+options "" "build out" "$@"
+[ -f "$build/CMakeCache.txt" ] || fail "$build: no build folder of cmake"
+need python3 cmake
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cmake --build "$build" --target bench_stages bench_queries >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }

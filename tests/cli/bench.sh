@@ -1,0 +1,39 @@
+#!/bin/sh
+# What a user of bench/*.sh types wrong: one line, exit code 2, nothing measured or written.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+
+expect_refusal() { # "TEXT" SCRIPT ARGUMENTS...
+    text=$1
+    shift
+    code=0
+    sh "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
+    test "$code" -eq 2 || complain "$*: exit $code, not 2"
+    test "$(wc -l <"$work/err")" -eq 1 || complain "$*: not one line: $(cat "$work/err")"
+    grep -qF -- "$text" "$work/err" || complain "$*: not \"$text\": $(cat "$work/err")"
+    test ! -s "$work/out" || complain "$*: wrote to standard output"
+}
+
+scripts=0
+for script in bench/*.sh; do
+    case $script in */lib.sh) continue ;; esac # has no options of its own
+    scripts=$((scripts + 1))
+    case $script in
+    */figure.sh) expect_refusal usage "$script" --nonsense && continue ;;
+    */atlas.sh | */parts.sh) place=--build ;;
+    *) place=--program ;;
+    esac
+    expect_refusal "unknown option --nonsense" "$script" --nonsense
+    expect_refusal "unknown option --quick;id" "$script" "--quick;id"
+    expect_refusal "nonsense: not an option" "$script" nonsense
+    expect_refusal "$place needs a value" "$script" "$place"
+    expect_refusal "$work/none" "$script" $place "$work/none" # neither a program nor a build folder
+    sh "$script" --help >"$work/out" || complain "$script --help: exit $?"
+    grep -q "$(basename "$script") .*--" "$work/out" || complain "$script --help: no usage: $(cat "$work/out")"
+done
+test "$scripts" -ge 8 || complain "only $scripts scripts in bench"
+expect_refusal "--photons 1e: not a number" bench/scaling.sh --photons 1e
+expect_refusal "--rounds 0: not a number" bench/speed.sh --rounds 0
+expect_refusal "$work is no program" bench/speed.sh --program "$work"
+expect_refusal "none.csv: cannot be read" bench/accuracy.sh --draw none.csv "$work/none.svg"
+finish

@@ -3,7 +3,7 @@
 #     accuracy.sh [--quick] [--program PATH] [--out DIR]
 # by default of build/clustermcml into bench/out. Leaves accuracy.csv, accuracy.txt and, with gnuplot, accuracy.svg.
 #     accuracy.sh --draw CSV SVG
-# draws a result again. bench/README.md says how to read them.
+# draws a result again (a name that ends in .png: as PNG). bench/README.md says how to read them.
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"
@@ -11,7 +11,9 @@ draw() { # CSV SVG
     work=$(mktemp -d)
     trap 'rm -rf "$work"' EXIT
     python3 -B "$here/accuracy_table.py" "$1" --series "$work"
-    gnuplot -e "work='$work'; out='$2'" "$here/accuracy.gp"
+    case $2 in *.png) kind=pngcairo ;; *) kind=svg ;; esac
+    gnuplot -e "work='$work'; out='$2'; kind='$kind'" "$here/accuracy.gp"
+    [ $kind = pngcairo ] || python3 -B "$here/shrink_svg.py" "$2"
 }
 if [ "${1-}" = --draw ]; then
     [ $# -eq 3 ] || fail "--draw needs CSV and SVG"

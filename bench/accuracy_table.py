@@ -171,23 +171,33 @@ def rewrite(readme, lines):
         stream.write("\n".join(old[:first + 1] + lines + old[last:]))
 
 
+def biased(row):
+    """Whether the bias of the totals is resolved."""
+    return abs(number(row, "bias")) > 3 * number(row, "bias_se") and number(row, "bias_se") > 0
+
+
 def curve(row):
-    """(seconds, error) of one method from 1 ms to 1000 s; a bias that is not resolved counts as none."""
-    points = [10 ** (i / 10) for i in range(-30, 31)]
-    known = abs(number(row, "bias")) > 3 * number(row, "bias_se")
-    bias, variance, rate = known * number(row, "bias"), number(row, "variance"), number(row, "packets_per_s")
+    """(seconds, error) of one method from 10 us to 1000 s; a bias that is not resolved counts as none."""
+    bias, variance, rate = biased(row) * number(row, "bias"), number(row, "variance"), number(row, "packets_per_s")
+    points = [10 ** (i / 4) for i in range(-20, 13)] if bias else [1e-5, 1e3]
     return [(t, math.sqrt(bias ** 2 + variance / (rate * t))) for t in points]
+
+
+def knee(row):
+    return number(row, "knee_s"), math.sqrt(2) * abs(number(row, "bias"))
 
 
 GROUPS = ("cone", "opencl", "plane", "auto", "mesh-auto", "mesh-analytic-area", "mesh-analytic-inscribed",
           "mesh-vertex-area", "mesh-vertex-inscribed", "mesh-facet-area", "mesh-facet-inscribed")
+CURVES = ("plane", "cpu-cone", "mesh", "mesh-analytic-area-1e-1", "mesh-vertex-area-1e-1", "sampled-face-50")
+LEAST = 1e-8  # the lower edge of the chart of biases
 
 
 def write_series(path, points):
     """Without points one that gnuplot leaves out, so that every series exists."""
     with open(path, "w") as stream:
         for point in points or [("NaN",) * 7]:
-            stream.write(" ".join(map(str, point)) + "\n")
+            stream.write(" ".join(format(float(value), ".4g") for value in point) + "\n")
 
 
 def series(rows, directory):
@@ -199,19 +209,20 @@ def series(rows, directory):
         mine = [row for row in rows if row["scene"] == scene]
 
         def points(chosen):
-            return [(number(row, "ns_per_step"), max(shown(row), 1e-9), 2 * number(row, "bias_se"),
-                     max(number(row, "profile_bias"), number(row, "profile_se"), 1e-9),
+            return [(number(row, "ns_per_step"), max(shown(row), LEAST), 2 * number(row, "bias_se"),
+                     max(number(row, "profile_bias"), number(row, "profile_se"), LEAST),
                      max(number(row, "failures_per_1e9"), number(row, "failures_limit")),
                      row["optical_bound"] or "NaN") for row in chosen]
         for group in GROUPS:
             write_series(os.path.join(directory, "%s.%s" % (scene, group)), sorted(points(by_group(mine, group))))
         write_series(os.path.join(directory, scene + ".front"), sorted(points([row for row in mine if int(row["front"])])))
-        drawn = {name: of(mine, scene, name) for name in ("cpu-cone", "plane", "mesh-analytic-area-1e-1", "mesh")}
+        limits = [row for row in mine if row["group"] in GROUPS and not int(row["lost"])]
+        write_series(os.path.join(directory, scene + ".limits"),
+                     [(number(row, "ns_per_step"), number(row, "failures_limit")) for row in limits])
+        drawn = {name: of(mine, scene, name) for name in CURVES}
         for name, row in drawn.items():
             write_series(os.path.join(directory, "%s.curve.%s" % (scene, name)), curve(row) if row else [])
-        knees = [(number(row, "knee_s"), math.sqrt(2) * abs(number(row, "bias"))) for row in drawn.values()
-                 if row and abs(number(row, "bias")) > 3 * number(row, "bias_se")]
-        write_series(os.path.join(directory, scene + ".knees"), knees)
+        write_series(os.path.join(directory, scene + ".knees"), [knee(row) for row in drawn.values() if row and biased(row)])
 
 
 def main(arguments):

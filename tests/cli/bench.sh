@@ -36,4 +36,18 @@ expect_refusal "--photons 1e: not a number" bench/scaling.sh --photons 1e
 expect_refusal "--rounds 0: not a number" bench/speed.sh --rounds 0
 expect_refusal "$work is no program" bench/speed.sh --program "$work"
 expect_refusal "none.csv: cannot be read" bench/accuracy.sh --draw none.csv "$work/none.svg"
+
+# the chart of a result: three panels per scene, and small enough to keep
+if command -v gnuplot >/dev/null; then
+    csv=bench/results/accuracy-quick-amd-epyc-2core.csv
+    sh bench/accuracy.sh --draw $csv "$work/chart.svg" >"$work/out" 2>&1 || complain "accuracy.sh --draw: $(cat "$work/out")"
+    python3 - "$work/chart.svg" <<'END' || complain "accuracy.sh --draw: wrong chart"
+import sys
+import xml.etree.ElementTree as tree
+text = "".join(tree.parse(sys.argv[1]).getroot().itertext())
+panels = [text.count(words) for words in (": relative bias", ": total error", ": failures")]
+assert panels == [15, 15, 15], panels
+END
+    test "$(wc -c <"$work/chart.svg")" -lt 300000 || complain "accuracy.sh --draw: $(wc -c <"$work/chart.svg") bytes"
+fi
 finish

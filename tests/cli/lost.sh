@@ -1,0 +1,44 @@
+#!/bin/sh
+# What goes wrong numerically is counted, said and ends with 4; 1e5 rough triangles lose nothing; where a smooth normal
+# contradicts its facet is counted, too.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+
+scene() { # NAME "SURFACE" "LAYER" [BEAM]: one layer below the surface
+    printf '1.0\n1\n%s.mco A\n20000\n%s\n0.01 0.01\n1 1 1\n1\n1\n%s\n%s\n1\n' "$1" "${4-}" "$2" "$3" >"$work/$1.mci"
+}
+
+# Totally reflected for ever, in a medium that absorbs next to nothing: not trapped but stuck, hence lost. The first
+# packet enters the flank of the cone.
+scene stuck "b 2 0.17320508075688773 0.1 0 0" "2 1e-30 0 0 0.5" "beam pencil at=0.05,0"
+expect_code 4 "$work/stuck.mci" --photons 1 -o "$work"
+grep -q '^clustermcml: stuck.mco: 1 of 1 packets lost (at most 1 in 1e6 may be)$' "$work/err" ||
+    complain "a lost packet is not an error: $(cat "$work/err")"
+grep -q 'residue 0, .*lost 1$' "$work/out" || complain "a lost packet is not in the books: $(cat "$work/out")"
+grep -q '1 packets lost: stuck$' "$work/out" || complain "no cause: $(cat "$work/out")"
+test "$(sed -n '/^lost #/,/^$/p' "$work/stuck.mco" | sed '1d;/^$/d' | tr '\n' ' ')" = "1 0 " ||
+    complain "no index in the result: $(sed -n '/^lost #/,$p' "$work/stuck.mco" | head -n 4)"
+
+expect_sound() { # NAME: $work/out is the JSON line of a run without loss
+    grep -q '"lost":0,' "$work/out" && grep -q '"residue":0[,.}]' "$work/out" || complain "$1: $(cat "$work/out")"
+}
+
+python3 bench/rough.py mesh 1e5 0.03 "$work/rough.obj" || complain "no rough mesh"
+scene rough 'm "rough.obj"' "1.34 0.1 10 0.5 0.5"
+for options in "" "--mesh-search embree"; do
+    # shellcheck disable=SC2086 # several options on purpose
+    expect_code 0 "$work/rough.mci" --json -o "$work" $options
+    expect_sound "1e5 triangles $options"
+    grep -Eq '"primitives":(9|10)[0-9]{4},' "$work/out" || complain "not 1e5 triangles: $(cat "$work/out")"
+done
+
+scene smooth "m \"$PWD/meshes/ridges.obj\" normals=vertex" "1.4 0.1 10 0.5 0.5" "beam disk 0.8"
+expect_code 0 "$work/smooth.mci" --json -o "$work"
+expect_sound "smooth normals"
+grep -q '"shading_overruled":[1-9]' "$work/out" || complain "no smooth normal was overruled: $(cat "$work/out")"
+
+# Nothing is asked and nothing floods: no standard input, output to files; a line of progress only after 10 seconds.
+"$program" "$work/rough.mci" -o "$work" <&- >"$work/out" 2>"$work/err" || complain "a closed standard input: exit $?"
+test "$(wc -l <"$work/err")" -eq 0 || complain "a flood of $(wc -l <"$work/err") lines: $(tail -n 3 "$work/err")"
+test "$(cat "$work/out" "$work/err" | tr -d '\n' | tr -dc '\r' | wc -c)" -eq 0 || complain "a progress bar without a terminal"
+finish

@@ -1,5 +1,6 @@
-/* The events of kernels/walk.h that keep a mean: roulette and the rounding of absorbed weight.
- * SPDX-License-Identifier: MIT */
+/* The events of kernels/walk.h that keep a mean, roulette and the rounding of absorbed weight; steps that end
+ * on a plane. SPDX-License-Identifier: MIT */
+#include "dice.h"
 #include "walk.h"
 
 #include <math.h>
@@ -53,12 +54,55 @@ static void absorbed_weight_is_rounded_without_bias(void **state)
     assert_int_equal(cml_absorbed_part(12345, 0, 255), 0);
 }
 
+static struct cml_vec random_direction(struct dice *dice)
+{
+    double u[3];
+    dice_direction(dice, u);
+    return (struct cml_vec){(real)u[0], (real)u[1], (real)u[2]};
+}
+
+/* A packet below the plane, side +1, or above it, -1, whose step ends exactly at the plane or one rounding
+ * off: it either crosses, and stands on z = 0, or interacts; then it has not crossed, wherever rounding put
+ * it, and does so at once when it heads outwards, never when it heads back. */
+static void a_step_that_ends_on_a_plane_crosses_it_once(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(71);
+    long crossed = 0, stayed = 0;
+    for (int n = 0; n < 300000; n++) {
+        const real side = dice_below(&dice, 2) ? (real)1 : (real)-1;
+        const struct cml_vec p = {0, 0, side * (real)exp(dice_between(&dice, -12, 3))};
+        struct cml_vec u = random_direction(&dice);
+        u.z = -side * CML_FABS(u.z);
+        if (CML_FABS(u.z) < (real)1e-3) continue;
+        const real t = -p.z / u.z;
+        const float around[3] = {nextafterf(t, 0), t, nextafterf(t, INFINITY)};
+        struct cml_hit hit = {0};
+        const real t_max = around[n % 3];
+        if (cml_plane_hit(p, u, side, t_max, &hit)) {
+            assert_true(n % 3 == 2 && hit.t == t && hit.point.z == 0);
+            crossed++;
+            continue;
+        }
+        const struct cml_vec q = cml_along(p, t_max, u), v = random_direction(&dice);
+        const int outwards = side * v.z < 0;
+        assert_true(fabs((double)q.z) <= 4 * 0x1p-24 * fabs((double)p.z));
+        assert_int_equal(cml_plane_hit(q, v, side, CML_INFINITY, &hit), outwards);
+        if (outwards)
+            assert_true(hit.t >= 0 && hit.point.z == 0 &&
+                        hit.t * CML_FABS(v.z) <= CML_FABS(q.z) * (real)1.000001);
+        stayed++;
+    }
+    assert_true(crossed > 90000 && stayed > 180000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(roulette_keeps_the_mean_weight),
         cmocka_unit_test(heavy_packets_play_no_roulette),
         cmocka_unit_test(absorbed_weight_is_rounded_without_bias),
+        cmocka_unit_test(a_step_that_ends_on_a_plane_crosses_it_once),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -26,10 +26,9 @@ CML_NODISCARD cml_status cml_checkpoint_write(const char *path, const char *iden
                                               struct cml_error *err);
 
 /* Looks for a checkpoint under `path`, and under "PATH.old" where there is none or a damaged one; `note` (one
- * line,
- * "" when there is nothing to say) tells of the latter. CML_CHECKPOINT_PARTIAL fills *state and the result,
- * which has been created for the run. CML_E_INPUT: damaged and no older one, or of another run; then *state
- * and the result are not to be used. */
+ * line, "" when there is nothing to say) tells of the latter. CML_CHECKPOINT_PARTIAL fills *state and the
+ * result, which has been created for the run; state->open is the caller's to clear. CML_E_INPUT: damaged and
+ * no older one, or of another run; then *state and the result are not to be used. */
 CML_NODISCARD cml_status cml_checkpoint_read(const char *path, const char *identity,
                                              enum cml_checkpoint_kind *kind, struct cml_run_state *state,
                                              struct cml_result *result, struct cml_error *note,

@@ -7,7 +7,10 @@ struct cml_cores {
     unsigned char bits[128]; /* one bit per core: masks of several processes can be joined by or */
 };
 
+/* The mask of the calling thread; empty when the system does not tell. */
 void cml_cores_mine(struct cml_cores *cores);
+
+/* Number of cores in a mask. */
 int cml_cores_count(const struct cml_cores *cores);
 
 #endif

@@ -29,7 +29,8 @@ CML_NODISCARD cml_status cml_dispatch_open(struct cml_dispatch *dispatch, struct
                                            double overhead, struct cml_error *err);
 void cml_dispatch_close(struct cml_dispatch *dispatch);
 
-/* The next range for this rank, which flew `flown` packets since it last asked; count = 0: go and meet. */
+/* The next range for this rank, which flew `flown` packets since it last asked; count = 0: go and meet.
+ * CML_E_IO when rank 0 is lost. Not collective. */
 CML_NODISCARD cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown,
                                            struct cml_range *range, struct cml_error *err);
 
@@ -41,7 +42,7 @@ uint64_t cml_dispatch_piece(const struct cml_dispatch *dispatch);
  */
 uint64_t cml_dispatch_flown(struct cml_dispatch *dispatch);
 
-/* How long the range took that was last taken and flown whole. */
+/* How long the range took, in seconds, that was last taken and flown whole. */
 void cml_dispatch_timed(struct cml_dispatch *dispatch, struct cml_range range, double seconds);
 
 /* Gives back what a rank did not fly (empty: nothing), and learns on rank 0 whether any rank was asked to

@@ -15,6 +15,7 @@ struct cml_split {
     int size, depths;                /* cells of a square, halvings down to half cells */
 };
 
+/* Measures all errors. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *split,
                                           struct cml_error *err);
 void cml_split_free(struct cml_split *split);

@@ -22,7 +22,8 @@ CML_NODISCARD cml_status cml_obj_read(const char *path, const struct cml_obj_opt
                                       struct cml_mesh *mesh, struct cml_mesh_notes *notes,
                                       struct cml_error *err);
 
-/* Writes a mesh as OBJ, heights up (Z_obj = -z), 17 digits: cml_obj_read gives the same doubles back. */
+/* Writes a mesh as OBJ, heights up (Z_obj = -z), 17 digits: cml_obj_read gives the same doubles back.
+ * `comment` stands above, every line behind a '#'; NULL: none. Atomic (text.h); CML_E_IO on failure. */
 CML_NODISCARD cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
                                        struct cml_error *err);
 

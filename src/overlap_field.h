@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-/* z(r) = z - h(r). A plane is a field of one sample of height 0. */
+/* z(r) = z - h(r), cm. A plane is a field of one sample of height 0. */
 struct cml_field {
     const struct cml_radial *radial;
     double z;
@@ -18,8 +18,8 @@ struct cml_field {
 /* The place where two surfaces come closest in the vertical, over all places that were looked at. */
 struct cml_closest {
     double gap;      /* z of the lower surface minus z of the upper one, cm; INFINITY at first */
-    double at[3];    /* on the upper surface */
-    double rounding; /* |gap| up to this is none */
+    double at[3];    /* on the upper surface, scene's frame, cm */
+    double rounding; /* |gap| up to this is none, cm */
 };
 
 /* Both piecewise linear in r, so the radii of both settle it. */

@@ -16,10 +16,10 @@
 
 struct cml_sheet {
     const struct cml_mesh *mesh;
-    double (*vertex)[3]; /* in the scene's frame */
-    bool *on_border;     /* per vertex */
-    double z_plane;      /* of the outer plane */
-    double top, bottom;  /* least and greatest z, the plane included */
+    double (*vertex)[3]; /* [mesh->num_vertices] in the scene's frame, cm; owned */
+    bool *on_border;     /* [mesh->num_vertices], owned */
+    double z_plane;      /* of the outer plane, cm */
+    double top, bottom;  /* least and greatest z, the plane included, cm */
     struct cml_boxtree *tree;
     struct cml_footprint *footprint;
 };
@@ -34,7 +34,7 @@ void cml_sheet_clear(struct cml_sheet *sheet);
 
 struct cml_meeting {
     enum cml_contact contact;
-    double at[3];
+    double at[3];         /* in the scene's frame, cm */
     double depth;         /* how far the upper sheet reaches below the lower one here, cm; 0: not known */
     uint32_t triangle[2]; /* where depth is not known: of the first sheet, of the second */
 };

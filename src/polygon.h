@@ -11,10 +11,10 @@
 /* Edge i runs from point i to point i + 1, the last one back to point 0. */
 struct cml_polygon_rows {
     size_t num_points, num_rows;
-    double (*point)[2]; /* [num_points] x, y */
-    double y_low, y_high;
-    double rows_per_length;
-    size_t *first; /* [num_rows + 1] where a row's list begins in edge[] */
+    double (*point)[2];     /* [num_points] x, y in any unit of length, owned */
+    double y_low, y_high;   /* of all points */
+    double rows_per_length; /* num_rows / (y_high - y_low); 0 for a flat polygon */
+    size_t *first;          /* [num_rows + 1] where a row's list begins in edge[] */
     uint32_t
         *edge; /* every edge stands in all rows that it overlaps; at most 3 num_points + num_rows entries */
 };

@@ -21,7 +21,8 @@ struct cml_report {
 
 /* Writes all results of a run: `path` (.mco), or the stem of `path` with ".h5" when the scene's format is B;
  * with maps or facets also STEM.h5, STEM.map.vti, STEM.volume.vti, STEM.boundary<b>.vtp. Each file is the old
- * or the complete new one at any moment. */
+ * or the complete new one at any moment. report->files lists them. CML_E_IO when one could not be written;
+ * those before it are then there. */
 CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
 
 void cml_report_clear(struct cml_report *report);
@@ -34,7 +35,8 @@ bool cml_report_wants_fields(const struct cml_scene *scene);
 bool cml_report_has_fields(void);
 bool cml_report_same_stem(const char *a, const char *b);
 
-/* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. */
+/* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the
+ * caller's to free; CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,
                                          struct cml_error *err);
 

@@ -9,6 +9,7 @@
  * ignored stay ignored. Call it after MPI_Init, which may set handlers of its own. */
 void cml_stop_watch(void);
 
+/* Whether one of them has come since. */
 bool cml_stop_requested(void);
 
 #endif

@@ -88,8 +88,10 @@ size_t cml_tally_cells(const struct cml_grid *grid);
 double cml_tally_bytes(const struct cml_grid *grid);
 double cml_result_bytes(const struct cml_grid *grid);
 
+/* All cells zero, owned by the tally. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
+
 /* The grid of one thread of several: without maps, volume and facets, and without an A_rz beyond
  * CML_THREAD_CELLS. Those are too large for a copy per thread, so threads share one. Its cells come first in
  * the full tally, too. */
@@ -100,6 +102,7 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid);
  * all their additions to what they share must be atomic. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner);
 
+/* Clears what the tally has itself; what it borrowed stays. */
 void cml_tally_zero(struct cml_tally *tally);
 void cml_tally_free(struct cml_tally *tally);
 
@@ -109,6 +112,7 @@ void cml_lost_list_add(struct cml_lost_list *list, uint64_t index);
 /* to += from; same grid, or `from` has none of the maps and they stay as they are. */
 void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from);
 
+/* A zero result for this number of photons, 1..2^48. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons,
                                            struct cml_result *result, struct cml_error *err);
 void cml_result_free(struct cml_result *result);

@@ -38,6 +38,7 @@ def main():
     lost = sum(int(cell["lost"]) + int(cell["wrong"]) for cell in natural)
     print(f"{flown:.3g} crossings; lost or on the wrong side in the {sum(int(c['crossings']) for c in natural):.3g} "
           f"of packets aimed at nothing in particular (`face`): {lost}.\n")
+    print("Events per 1e8 crossings; `<`: none was seen, and the limit at 95 %. tests/stability/README.md has the words.\n")
     print("| situation | aim | reference, cone | cpu, cone | reference, mesh | cpu, mesh | program |")
     print("|---|---|---|---|---|---|---|")
     named = set()

@@ -216,7 +216,7 @@ static void what_enters_a_clear_body_beyond_the_critical_angle_is_trapped(void *
             flight_open("1.0\n1\ntrap A\n1\nbeam pencil at=0.05,0\n0.01 0.01\n1 1 1\n1\n1\n"
                         "b 2 0.17320508075688773 0.1 0 0\n2 0 0 0 0.5\n1\n",
                         &with, &flight);
-            snprintf(what, sizeof what, "trapped, %s, %s", engines[e], cml_representation_name(kind));
+            snprintf(what, sizeof what, "trapped, %s, %s", engines[e], cml_representation_name(with.kind));
             expect_share(&flight, CML_FATE_TRAPPED, 1 - fresnel(60, 1, 2), 400, what);
             flight_close(&flight);
         }

@@ -8,15 +8,21 @@
 
 static struct patch patch;
 
-static struct cml_mesh_surface *surface_of(const struct patch *from, double x0, double y0)
+static struct cml_mesh_surface *searched(const struct patch *from, double x0, double y0,
+                                         enum cml_mesh_search search)
 {
     struct cml_mesh mesh = patch_mesh(from);
     struct cml_mesh_surface *surface = NULL;
     struct cml_error err = {CML_OK, ""};
-    const cml_status status = cml_mesh_surface_create(&mesh, x0, y0, CML_SEARCH_AUTO, &surface, &err);
+    const cml_status status = cml_mesh_surface_create(&mesh, x0, y0, search, &surface, &err);
     assert_string_equal(err.text, "");
     assert_int_equal(status, CML_OK);
     return surface;
+}
+
+static struct cml_mesh_surface *surface_of(const struct patch *from, double x0, double y0)
+{
+    return searched(from, x0, y0, CML_SEARCH_AUTO);
 }
 
 static int query(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
@@ -196,6 +202,48 @@ static void no_ray_at_a_vertex_or_an_edge_slips_through(void **state)
     cml_mesh_surface_free(surface);
 }
 
+/* Whether the exact query meets the surface at t, with this ray or one that is off by the rounding of a
+ * float. */
+static bool is_met_at(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
+                      double t)
+{
+    for (int beside = 0; beside < 9; beside++) {
+        const double q[3] = {p[0] + 3e-7 * (beside % 3 - 1), p[1] + 3e-7 * (beside / 3 - 1), p[2]};
+        struct cml_mesh_crossing c;
+        if (query(surface, q, u, below, -1, &c) && fabs(c.t - t) < 1e-4) return true;
+    }
+    return false;
+}
+
+/* Embree's triangles in single precision miss some of them, or meet the neighbour: where their hit is not
+ * clearly inside a triangle, or is none at all, the exact query has to be asked. What is left are facets that
+ * the ray grazes at their edge, where Embree finds one beyond: 1 was seen. */
+static void embree_is_not_believed_at_vertices_and_edges(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(64);
+    patch_make(&patch, 9, 0.1, 0, 0, 0);
+    long wrong = 0;
+    struct cml_mesh_surface *surface = searched(&patch, 0, 0, CML_SEARCH_EMBREE);
+    assert_false(cml_mesh_surface_is_walked(surface));
+    for (int n = 0; n < 100000; n++) {
+        double p[3], u[3], target[3], distance = 0;
+        const int below = dice_below(&dice, 2);
+        random_target(&dice, target);
+        for (int k = 0; k < 2; k++)
+            p[k] = (float)(dice_below(&dice, 3) ? target[k] + dice_between(&dice, -1.5, 1.5) : target[k]);
+        p[2] = below ? 1 : -1;
+        for (int k = 0; k < 3; k++) distance = hypot(distance, target[k] - p[k]);
+        for (int k = 0; k < 3; k++) u[k] = (float)((target[k] - p[k]) / distance);
+        struct cml_mesh_crossing c = {0};
+        wrong += !cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 0, 1e-7, &c) ||
+                 !is_met_at(surface, p, u, below, c.t);
+    }
+    print_message("%ld of 1e5 rays aimed at edges and vertices pass a facet\n", wrong);
+    assert_true(wrong <= 3);
+    cml_mesh_surface_free(surface);
+}
+
 /* Starts in the line of an edge, so that two facets are met in their own planes. */
 static void a_ray_along_an_edge_stays_on_its_side(void **state)
 {
@@ -351,6 +399,7 @@ int main(void)
         cmocka_unit_test(a_mesh_ten_metres_away_is_met_as_well),
         cmocka_unit_test(a_ray_from_ten_thousand_sizes_away_arrives),
         cmocka_unit_test(no_ray_at_a_vertex_or_an_edge_slips_through),
+        cmocka_unit_test(embree_is_not_believed_at_vertices_and_edges),
         cmocka_unit_test(a_ray_along_an_edge_stays_on_its_side),
         cmocka_unit_test(a_packet_that_rounding_put_beyond_the_surface_crosses_at_once),
         cmocka_unit_test(the_seam_of_the_outer_plane_has_no_gap),

@@ -6,17 +6,11 @@
 
 #include "cells.h"
 
-/* transport.cl turns and draws for many packets together before their next step; a depth below 0 asks for it.
- */
+/* lanes.h draws for many packets together before their next step; a depth below 0 asks for it. */
 CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
 {
     (void)world;
     packet->tau = -1;
-}
-
-CML_FN void cml_turn(real g, struct cml_packet *packet)
-{
-    (void)g, (void)packet;
 }
 
 #define CML_APART

@@ -1,8 +1,7 @@
-/* The walk of walk.h on an OpenCL device. Every work-item flies CML_LANES packets (1 on a GPU), takes the next index
- * from a counter that all share when a packet ends, and stops after a bounded number of events; its packets wait in
- * global memory for the next launch.
- * SPDX-License-Identifier: MIT */
-#include "score.h"
+/* The walk of walk.h on an OpenCL device. Every work-item flies CML_LANES packets (1 on a GPU), takes the
+ * next index from a counter that all share when a packet ends, and stops after a bounded number of events;
+ * its packets wait in global memory for the next launch. SPDX-License-Identifier: MIT */
+#include "lanes.h"
 
 CML_FN int cml_take(__global struct cml_control *control, cml_u64 *index)
 {
@@ -33,139 +32,198 @@ CML_FN int cml_has_work(__global struct cml_control *control, __global const str
     return *(volatile __global cml_u32 *)&control->taken < control->count;
 }
 
-/* The directions and next flights of a work-item's packets, apart from them so that a CPU turns and draws for all
- * lanes in vectors. */
-struct cml_flights {
-    cml_u32 index_low[CML_LANES], index_high[CML_LANES], event[CML_LANES];
-    cml_u32 turn[CML_LANES]; /* the packet has interacted: by words 1 and 2 of its block, with g */
-    real g[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
-    cml_u32 w0[CML_LANES], w1[CML_LANES], w2[CML_LANES], w3[CML_LANES];
-    real tau[CML_LANES];
+/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the books up
+ * to the last mark. */
+struct cml_flight {
+    struct cml_lanes lanes;
+    struct cml_packet packets[CML_LANES];
+    cml_u32 alive; /* packets */
 };
 
-#ifdef CML_DOUBLE
-typedef double2 real2;
-#else
-typedef float2 real2;
-#endif
-
-#if CML_LANES > 1
-#define CML_VECTOR static __attribute__((noinline)) /* by itself the loop is made a vector loop */
-#else
-#define CML_VECTOR CML_FN
-#endif
-
-CML_VECTOR void cml_turn_flights(struct cml_flights *restrict f)
+/* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
+ * weight: to be called before either changes. */
+CML_FN void cml_mark_weight(const struct cml_deposits *to, struct cml_flight *f, cml_u32 i)
 {
-    for (int i = 0; i < CML_LANES; i++) {
-        const struct cml_vec u = {f->ux[i], f->uy[i], f->uz[i]};
-        const struct cml_vec v = cml_scatter(u, f->g[i], f->w1[i], f->w2[i]);
-        f->ux[i] = f->turn[i] ? v.x : u.x;
-        f->uy[i] = f->turn[i] ? v.y : u.y;
-        f->uz[i] = f->turn[i] ? v.z : u.z;
-    }
+    const cml_u32 deposited = f->lanes.marked[i] - f->lanes.w[i];
+    if (deposited) cml_add_to_layer(to, f->packets[i].medium, deposited);
+    f->packets[i].absorbed += deposited;
+    f->lanes.marked[i] = f->lanes.w[i];
 }
 
-/* A packet whose last event was no interaction draws the block that it has. */
-CML_VECTOR void cml_draw_flights(struct cml_stream stream, struct cml_flights *restrict f)
+CML_FN void cml_load_medium(const struct cml_world *world, struct cml_flight *f, cml_u32 i)
 {
-    for (int i = 0; i < CML_LANES; i++) {
-        const struct cml_block draw = cml_threefry(stream, f->index_low[i], f->index_high[i], f->event[i],
-                                                   (cml_u32)CML_PURPOSE_INTERACTION);
-        f->tau[i] = -cml_log(cml_uniform(draw.w[0]));
-        f->w0[i] = draw.w[0];
-        f->w1[i] = draw.w[1];
-        f->w2[i] = draw.w[2];
-        f->w3[i] = draw.w[3];
-    }
+    struct cml_lanes *l = &f->lanes;
+    const int m = f->packets[i].medium;
+    const struct cml_medium medium = world->media[m];
+    real above = -CML_INFINITY, below = CML_INFINITY;
+    if (m > 0) above = world->surfaces[m - 1].highest;
+    if (m <= world->setup.num_layers) below = medium.span + world->surfaces[m].lowest;
+    l->mfp[i] = medium.mfp;
+    l->absorb[i] = medium.absorb;
+    l->g[i] = medium.g;
+    l->bins[i] = medium.bins;
+    l->stop_above[i] = above;
+    l->stop_below[i] = below;
 }
 
-CML_FN void cml_ask_flight(const struct cml_world *world, const struct cml_packet *packet, int lane,
-                           struct cml_flights *f)
+/* The packet into its lane. */
+CML_FN void cml_load_lane(const struct cml_world *world, struct cml_flight *f, cml_u32 i)
 {
-    f->index_low[lane] = (cml_u32)packet->index;
-    f->index_high[lane] = (cml_u32)(packet->index >> 32);
-    f->event[lane] = packet->interactions;
-    f->turn[lane] = packet->tau < 0 && packet->interactions > 0;
-    f->g[lane] = world->media[packet->medium].g;
-    f->ux[lane] = packet->u.x;
-    f->uy[lane] = packet->u.y;
-    f->uz[lane] = packet->u.z;
-    f->w1[lane] = packet->draw.w[1];
-    f->w2[lane] = packet->draw.w[2];
+    struct cml_lanes *l = &f->lanes;
+    const struct cml_packet *packet = &f->packets[i];
+    l->index_low[i] = (cml_u32)packet->index;
+    l->index_high[i] = (cml_u32)(packet->index >> 32);
+    l->x[i] = packet->p.x;
+    l->y[i] = packet->p.y;
+    l->z[i] = packet->p.z;
+    l->ux[i] = packet->u.x;
+    l->uy[i] = packet->u.y;
+    l->uz[i] = packet->u.z;
+    l->tau[i] = packet->tau;
+    l->w[i] = l->marked[i] = packet->w;
+    l->interactions[i] = packet->interactions;
+    l->touched[i] = packet->interactions - (packet->bounces == 0);
+    l->live[i] = packet->fate == CML_FATE_ALIVE;
+    cml_load_medium(world, f, i);
 }
 
-CML_FN void cml_take_flight(struct cml_stream stream, const struct cml_flights *f, int lane,
-                            struct cml_packet *packet)
+/* The packet as its lane has it. */
+CML_FN void cml_read_lane(struct cml_flight *f, cml_u32 i)
 {
-    const struct cml_block draw = {{f->w0[lane], f->w1[lane], f->w2[lane], f->w3[lane]}};
-    vstore2((real2)(f->ux[lane], f->uy[lane]), 0, &packet->u.x); /* x and y are read together: so write them */
-    packet->u.z = f->uz[lane];
-    packet->draw = draw;
-    if (packet->tau >= 0) return;
-    packet->tau =
-        draw.w[0] ? f->tau[lane] : cml_optical_depth(stream, packet->index, packet->interactions, 0u);
+    const struct cml_lanes *l = &f->lanes;
+    struct cml_packet *packet = &f->packets[i];
+    const struct cml_vec p = {l->x[i], l->y[i], l->z[i]}, u = {l->ux[i], l->uy[i], l->uz[i]};
+    packet->p = p;
+    packet->u = u;
+    packet->tau = l->tau[i];
+    packet->w = l->w[i];
+    packet->interactions = l->interactions[i];
+    packet->draw.w[3] = l->draw3[i];
+    if (l->touched[i] == l->interactions[i]) return;
+    packet->on_boundary = -1;
+    packet->bounces = 0;
 }
 
-/* The packet's end into the tallies, and the next packet in its place if there is one. */
-CML_FN void cml_replace(const struct cml_world *world, const struct cml_deposits *to, struct cml_launch launch,
-                        __global struct cml_device_fate *fates, struct cml_packet *packet)
+/* Back into the lane what boundary events can change. medium: the packet's before. */
+CML_FN void cml_store_event(const struct cml_world *world, struct cml_flight *f, cml_u32 i, int medium)
 {
+    struct cml_lanes *l = &f->lanes;
+    const struct cml_packet *packet = &f->packets[i];
+    l->x[i] = packet->p.x;
+    l->y[i] = packet->p.y;
+    l->z[i] = packet->p.z;
+    l->ux[i] = packet->u.x;
+    l->uy[i] = packet->u.y;
+    l->uz[i] = packet->u.z;
+    l->tau[i] = packet->tau;
+    l->touched[i] = packet->interactions;
+    if (packet->medium != medium) cml_load_medium(world, f, i);
+}
+
+/* The lane's flight into the tallies, and the next packet into the lane if there is one. */
+CML_FN void cml_replace(const struct cml_world *world, const struct cml_deposits *to,
+                        struct cml_launch launch, __global struct cml_device_fate *fates,
+                        struct cml_flight *f, cml_u32 i)
+{
+    struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
+    cml_mark_weight(to, f, i);
     cml_score(&world->setup, packet, to);
     if (launch.record) cml_write_fate(packet, fates + (packet->index - to->control->first));
-    if (cml_take(to->control, &index)) cml_launch(world, index, packet);
+    if (cml_take(to->control, &index))
+        cml_launch(world, index, packet);
+    else
+        f->alive--;
+    cml_load_lane(world, f, i);
 }
 
-/* One event of one packet. */
-CML_FN void cml_advance(const struct cml_world *world, const struct cml_deposits *to, struct cml_launch launch,
-                        __global struct cml_device_fate *fates, struct cml_packet *packet)
+/* A lane that may meet a boundary has its event there, or is to interact after all. Returns 1 when its packet
+ * has ended. */
+CML_FN cml_u32 cml_meet_lane(const struct cml_world *world, const struct cml_deposits *to,
+                             struct cml_flight *f, cml_u32 i)
 {
-    if (cml_dot(packet->u, packet->u) < 2)
-        cml_step(world, to, packet);
-    else
+    struct cml_packet *packet = &f->packets[i];
+    struct cml_hit hit;
+    const int medium = packet->medium;
+    cml_read_lane(f, i);
+    if (!(packet->tau < CML_INFINITY))
+        packet->tau = cml_optical_depth(world->setup.stream, packet->index, packet->interactions, 0u);
+    const real t = cml_free_path(world, packet);
+    const struct cml_reach reach = cml_find_reach(world, packet->medium, packet->p, packet->u, t);
+    if (!(cml_dot(packet->u, packet->u) < 2)) {
         cml_lose(packet, CML_LOST_NAN);
-    if (packet->fate != CML_FATE_ALIVE) cml_replace(world, to, launch, fates, packet);
+    } else if (cml_nearest(world, packet, reach, &hit)) {
+        cml_mark_weight(to, f, i);
+        cml_meet(world, to, packet, &hit);
+    } else if (t < CML_INFINITY) {
+        f->lanes.s[i] = t;
+        f->lanes.mine[i] = !cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z);
+        if (f->lanes.mine[i]) return 0;
+        cml_lose(packet, CML_LOST_LEAKED);
+    } else {
+        cml_leave(world, packet);
+    }
+    cml_store_event(world, f, i, medium);
+    return packet->fate != CML_FATE_ALIVE;
+}
+
+/* P8, likewise. */
+CML_FN cml_u32 cml_roulette_lane(const struct cml_deposits *to, struct cml_flight *f, cml_u32 i)
+{
+    struct cml_packet *packet = &f->packets[i];
+    cml_mark_weight(to, f, i);
+    cml_read_lane(f, i);
+    cml_roulette(packet);
+    f->lanes.w[i] = f->lanes.marked[i] = packet->w;
+    return packet->fate != CML_FATE_ALIVE;
+}
+
+/* One event of every packet. */
+CML_FN void cml_pass(const struct cml_world *world, const struct cml_deposits *to, struct cml_launch launch,
+                     __global struct cml_device_fate *fates, struct cml_flight *f)
+{
+    cml_u32 ended = 0;
+    const cml_u32 near_lanes = cml_fly_lanes(world->setup.stream, &f->lanes);
+    for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
+        ended |= cml_meet_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
+    const cml_u32 low_lanes = cml_interact_lanes(&world->setup, &f->lanes);
+    if (world->setup.tally_absorption) cml_deposit_lanes(to, &f->lanes);
+    for (cml_u32 rest = low_lanes; rest; rest &= rest - 1)
+        ended |= cml_roulette_lane(to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
+    for (cml_u32 rest = ended; rest; rest &= rest - 1)
+        cml_replace(world, to, launch, fates, f, CML_LOWEST(rest));
 }
 
 /* The events of one work-item in one launch. */
 CML_FN void cml_fly(const struct cml_world *world, const struct cml_deposits *to, struct cml_launch launch,
                     __global struct cml_packet *saved, __global struct cml_device_fate *fates)
 {
-    struct cml_packet packets[CML_LANES];
-    struct cml_flights flights;
-    cml_u32 alive = 0;
-    for (int lane = 0; lane < CML_LANES; lane++) {
+    struct cml_flight flight;
+    flight.alive = 0;
+    for (cml_u32 i = 0; i < CML_LANES; i++) {
         cml_u64 index;
-        packets[lane] = saved[lane];
-        if (packets[lane].fate != CML_FATE_ALIVE && cml_take(to->control, &index))
-            cml_launch(world, index, &packets[lane]);
-        cml_ask_flight(world, &packets[lane], lane, &flights);
+        struct cml_packet *packet = &flight.packets[i];
+        *packet = saved[i];
+        if (packet->fate != CML_FATE_ALIVE && cml_take(to->control, &index)) cml_launch(world, index, packet);
+        flight.alive += packet->fate == CML_FATE_ALIVE;
+        cml_load_lane(world, &flight, i);
     }
-    for (cml_u32 step = 0; step <= launch.steps; step++) {
-        alive = 0;
-        cml_turn_flights(&flights);
-        cml_draw_flights(world->setup.stream, &flights);
-        for (int lane = 0; lane < CML_LANES; lane++) {
-            struct cml_packet *packet = &packets[lane];
-            if (packet->fate != CML_FATE_ALIVE) continue;
-            cml_take_flight(world->setup.stream, &flights, lane, packet);
-            if (step < launch.steps) cml_advance(world, to, launch, fates, packet);
-            cml_ask_flight(world, packet, lane, &flights);
-            alive += packet->fate == CML_FATE_ALIVE;
-        }
-        if (!alive) break;
+    for (cml_u32 step = 0; step < launch.steps && flight.alive; step++)
+        cml_pass(world, to, launch, fates, &flight);
+    for (cml_u32 i = 0; i < CML_LANES; i++) {
+        cml_mark_weight(to, &flight, i);
+        cml_read_lane(&flight, i);
+        saved[i] = flight.packets[i];
     }
-    for (int lane = 0; lane < CML_LANES; lane++) saved[lane] = packets[lane];
-    if (alive) atomic_add(&to->control->alive, alive);
+    if (flight.alive) atomic_add(&to->control->alive, flight.alive);
 }
 
 __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void
 cml_transport(const struct cml_setup setup, const struct cml_windows windows, const struct cml_launch launch,
               __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
-              __global const real *rings, __global const real *clearance, __global struct cml_control *control,
-              __global struct cml_packet *packets, __global struct cml_device_fate *fates,
-              __global cml_u64 *cells, __local cml_u64 *near)
+              __global const real *rings, __global const real *clearance,
+              __global struct cml_control *control, __global struct cml_packet *packets,
+              __global struct cml_device_fate *fates, __global cml_u64 *cells, __local cml_u64 *near)
 {
     const struct cml_world world = {setup,
                                     media,

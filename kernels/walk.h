@@ -10,8 +10,8 @@
 #include "surface_hit.h"
 #include "types.h"
 
-/* A device has the deposits, cml_next_flight and cml_turn of its own, included before: its cells are shared
- * by many packets, and it turns and draws for many together. */
+/* A device has the deposits and cml_next_flight of its own, included before: its cells are shared by many
+ * packets, and it draws for many together. */
 #ifndef CML_APART
 #include "deposits.h"
 
@@ -23,13 +23,13 @@ CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *pa
     packet->tau =
         cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
 }
+#endif
 
 /* P4. */
 CML_FN void cml_turn(real g, struct cml_packet *packet)
 {
     packet->u = cml_scatter(packet->u, g, packet->draw.w[1], packet->draw.w[2]);
 }
-#endif
 
 #ifdef __OPENCL_VERSION__ /* its string literals have an address space of their own, and nobody listens */
 #define cml_event(world, what, packet) ((void)0)
@@ -182,6 +182,11 @@ CML_FN void cml_roulette(struct cml_packet *packet)
     }
 }
 
+CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
+{
+    return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
+}
+
 /* A packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin is
  * rounding's. */
 CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
@@ -190,8 +195,8 @@ CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
                                         *bottom = &world->surfaces[medium];
     const real z_bottom = z - world->media[medium].span;
     const real share = (real)0.0009765625;
-    if (top->kind != CML_SURFACE_PLANE && z < top->lowest - share * (top->highest - top->lowest)) return 1;
-    return bottom->kind != CML_SURFACE_PLANE &&
+    if (!cml_is_plane(world, medium - 1) && z < top->lowest - share * (top->highest - top->lowest)) return 1;
+    return !cml_is_plane(world, medium) &&
            z_bottom > bottom->highest + share * (bottom->highest - bottom->lowest);
 }
 
@@ -264,7 +269,7 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_pack
     const real xi = cml_uniform(word);
     int transmitted;
     packet->crossings++;
-    if (world->surfaces[hit->boundary].kind == CML_SURFACE_PLANE) {
+    if (cml_is_plane(world, hit->boundary)) {
         packet->u = cml_plane_direction(packet->u, n1, n2, xi, &transmitted);
         return transmitted;
     }
@@ -305,7 +310,7 @@ CML_FN void cml_after_boundary(const struct cml_world *world, struct cml_packet 
     }
     if (!outside)
         packet->entered = 1;
-    else if (!world->setup.reentry || world->surfaces[boundary].kind == CML_SURFACE_PLANE)
+    else if (!world->setup.reentry || cml_is_plane(world, boundary))
         cml_score_exit(packet);
 }
 

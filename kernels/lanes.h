@@ -1,0 +1,116 @@
+/* The packets of one work-item as structure of arrays, and the loops over them: draw, fly, hop, drop, spin.
+ * With several lanes, for a CPU, compilers make vector loops of them; with one, for a GPU, the arrays are
+ * registers. The arithmetic is that of walk.h. What few packets do, boundaries, roulette and ends, is done a
+ * lane at a time (transport.cl). OpenCL C only. SPDX-License-Identifier: MIT */
+#ifndef CML_LANES_H
+#define CML_LANES_H
+
+#include "score.h"
+
+#if CML_LANES > 32
+#error "masks of lanes have 32 bits"
+#endif
+
+struct cml_lanes {
+    cml_u32 index_low[CML_LANES], index_high[CML_LANES];
+    real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
+    real tau[CML_LANES]; /* below 0: to be drawn; infinite: to be drawn from the tail */
+    cml_u32 w[CML_LANES];
+    cml_u32 marked[CML_LANES]; /* weight when the deposits since were last added to a book */
+    cml_u32 interactions[CML_LANES];
+    cml_u32 touched[CML_LANES]; /* the interactions before the last boundary event */
+    cml_u32 draw1[CML_LANES], draw2[CML_LANES], draw3[CML_LANES]; /* words of the next interaction's block */
+    real mfp[CML_LANES], absorb[CML_LANES], g[CML_LANES], bins[CML_LANES]; /* of the medium */
+    real stop_above[CML_LANES], stop_below[CML_LANES]; /* z between which there is no boundary */
+    cml_u32 live[CML_LANES];                           /* 1: holds a packet */
+    /* of this pass */
+    cml_u32 mine[CML_LANES]; /* 1: the packet flies s to its interaction */
+    real s[CML_LANES];
+    cml_u32 dw[CML_LANES];
+    cml_u32 cell[CML_LANES]; /* of A_rz */
+};
+
+#if CML_LANES > 1
+#define CML_PASS static __attribute__((noinline)) /* by itself the loop is made a vector loop */
+#define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
+#pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than it looks for them */
+#else
+#define CML_PASS CML_FN
+#define CML_AT_ONCE
+#endif
+
+/* Number of the lowest bit set, which is that of a lane. */
+#define CML_LOWEST(mask) (CML_LANES > 1 ? 31u - clz((mask) & -(mask)) : 0u)
+
+/* Whether the packet may meet a boundary before its interaction, s away: 0 only where none can be met,
+ * rounding included. What is not a number, or infinite, may. */
+CML_FN cml_u32 cml_is_near(real z, real uz, real s, real stop_above, real stop_below)
+{
+    const real step = s * uz, end = z + step;
+    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step)); /* rounding of the depth reached */
+    const real least = (z < end ? z : end) - slack, most = (z > end ? z : end) + slack;
+    return !((least > stop_above) & (most < stop_below));
+}
+
+/* The block of every lane's next interaction, the optical depth of those that have none yet, and how far they
+ * go. A lane whose last event was no interaction draws the block that it has. Returns the mask of the live
+ * lanes that may meet a boundary; the other live lanes are to interact. */
+CML_PASS cml_u32 cml_fly_lanes(struct cml_stream stream, struct cml_lanes *restrict l)
+{
+    cml_u32 near_lanes = 0;
+    CML_AT_ONCE
+    for (cml_u32 i = 0; i < CML_LANES; i++) {
+        const struct cml_block draw = cml_threefry(stream, l->index_low[i], l->index_high[i],
+                                                   l->interactions[i], (cml_u32)CML_PURPOSE_INTERACTION);
+        const real depth = -cml_log(cml_uniform(draw.w[0])), fresh = draw.w[0] ? depth : CML_INFINITY;
+        const real old = l->tau[i], tau = old < 0 ? fresh : old;
+        const real mfp = l->mfp[i], s = mfp < CML_INFINITY ? tau * mfp : CML_INFINITY;
+        const cml_u32 near = cml_is_near(l->z[i], l->uz[i], s, l->stop_above[i], l->stop_below[i]);
+        const cml_u32 live = l->live[i];
+        l->draw1[i] = draw.w[1];
+        l->draw2[i] = draw.w[2];
+        l->draw3[i] = draw.w[3];
+        l->tau[i] = tau;
+        l->s[i] = s;
+        l->mine[i] = live & !near;
+        near_lanes |= (live & near) << i;
+    }
+    return near_lanes;
+}
+
+/* P3 and P4 of the lanes that interact: fills dw and, where absorption is tallied, cell. Returns the mask of
+ * those that are below the roulette's threshold. */
+CML_PASS cml_u32 cml_interact_lanes(const struct cml_setup *restrict setup, struct cml_lanes *restrict l)
+{
+    cml_u32 low_lanes = 0;
+    CML_AT_ONCE
+    for (cml_u32 i = 0; i < CML_LANES; i++) {
+        const cml_u32 mine = l->mine[i], w = l->w[i];
+        const struct cml_vec u = {l->ux[i], l->uy[i], l->uz[i]}, from = {l->x[i], l->y[i], l->z[i]};
+        const struct cml_vec p = cml_along(from, l->s[i], u);
+        const cml_u32 part = cml_absorbed_part(w, l->absorb[i], l->draw2[i]), dw = mine ? part : 0u;
+        const struct cml_vec v = cml_scatter(u, l->g[i], l->draw1[i], l->draw2[i]);
+        const int iz = cml_depth_bin(setup, p.z, l->bins[i]), ir = cml_radial_bin(setup, p.x, p.y);
+        l->cell[i] = (cml_u32)(ir * (setup->nz + 2) + iz);
+        l->dw[i] = dw;
+        l->w[i] = w - dw;
+        l->x[i] = mine ? p.x : from.x;
+        l->y[i] = mine ? p.y : from.y;
+        l->z[i] = mine ? p.z : from.z;
+        l->ux[i] = mine ? v.x : u.x;
+        l->uy[i] = mine ? v.y : u.y;
+        l->uz[i] = mine ? v.z : u.z;
+        l->tau[i] = mine ? (real)-1 : l->tau[i];
+        l->interactions[i] += mine;
+        low_lanes |= (mine & (w - dw < CML_ROULETTE_THRESHOLD)) << i;
+    }
+    return low_lanes;
+}
+
+CML_FN void cml_deposit_lanes(const struct cml_deposits *to, const struct cml_lanes *l)
+{
+    for (cml_u32 i = 0; i < CML_LANES; i++)
+        if (l->mine[i]) cml_add_to_cell(to, (int)l->cell[i], l->dw[i]);
+}
+
+#endif

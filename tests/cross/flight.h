@@ -3,18 +3,16 @@
 #ifndef CML_TEST_FLIGHT_H
 #define CML_TEST_FLIGHT_H
 
+#include "../lib/require.h"
+
 #include "engine.h"
 #include "mci.h"
 #include "types.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 struct flight {
     struct cml_scene_list list;
@@ -22,11 +20,6 @@ struct flight {
     const struct cml_engine *engine;
     void *self;
 };
-
-static inline void require_ok(cml_status status, const struct cml_error *err)
-{
-    if (status != CML_OK) fail_msg("%s", err->text);
-}
 
 /* The text of an .mci file as scenes; the file lies beside the repository's samples so that mesh paths
  * resolve. */

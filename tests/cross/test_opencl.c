@@ -1,5 +1,6 @@
 /* The opencl engine against the cpu engine, packet by packet, and against itself however the work is divided.
  * SPDX-License-Identifier: MIT */
+#include "../lib/bench.h"
 #include "flight.h"
 
 #include "opencl.h"
@@ -19,12 +20,6 @@ static const char *const scenes[] = {
 };
 enum { num_scenes = sizeof scenes / sizeof *scenes };
 
-struct bench {
-    struct cml_scene_list list;
-    struct cml_surface_set surfaces;
-    struct cml_engine_options options;
-};
-
 static void set_up(const char *text, struct bench *bench)
 {
     struct cml_error err;
@@ -32,29 +27,6 @@ static void set_up(const char *text, struct bench *bench)
     read_scenes(text, &bench->list);
     require_ok(cml_surfaces_create(bench->list.scenes, &surface, &bench->surfaces, &err), &err);
     bench->options = (struct cml_engine_options){.seed = 7, .reentry = true, .absorption = true};
-}
-
-static void tear_down(struct bench *bench)
-{
-    cml_surfaces_free(&bench->surfaces);
-    cml_scene_list_clear(&bench->list);
-}
-
-static void *open_engine(const struct bench *bench, const struct cml_engine *engine)
-{
-    struct cml_error err;
-    void *self = NULL;
-    require_ok(engine->open(bench->list.scenes, &bench->surfaces, &bench->options, &self, &err), &err);
-    return self;
-}
-
-static struct cml_tally empty_tally(const struct bench *bench)
-{
-    struct cml_error err;
-    struct cml_tally tally;
-    const struct cml_grid grid = cml_engine_grid(bench->list.scenes, NULL, &bench->options);
-    require_ok(cml_tally_create(&grid, &tally, &err), &err);
-    return tally;
 }
 
 /* Packets [first, first + count) on an engine that stays open. */
@@ -65,27 +37,6 @@ static struct cml_tally fly_range(const struct bench *bench, const struct cml_en
     struct cml_tally tally = empty_tally(bench);
     require_ok(engine->run(self, first, count, &tally, &err), &err);
     return tally;
-}
-
-static bool same_tally(const struct cml_tally *a, const struct cml_tally *b)
-{
-    return memcmp(a->book, b->book, sizeof a->book) == 0 &&
-           memcmp(a->count, b->count, sizeof a->count) == 0 &&
-           memcmp(a->square, b->square, sizeof a->square) == 0 &&
-           memcmp(a->A_l, b->A_l, (size_t)cml_tally_bytes(&a->grid)) == 0;
-}
-
-static void assert_books_balance(const struct cml_tally *tally, uint64_t photons)
-{
-    struct cml_error err;
-    struct cml_result result;
-    require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
-    cml_result_add(&result, 0, tally);
-    assert_true(cml_result_residue(&result) == 0);
-    assert_true(result.count[CML_COUNT_PHOTONS] == photons);
-    assert_true(result.book[CML_BOOK_LAUNCHED] == (cml_u128)photons << 31);
-    assert_int_equal(cml_result_lost(&result), 0);
-    cml_result_free(&result);
 }
 
 static void fates_are_those_of_the_cpu(void **state)
@@ -169,13 +120,17 @@ static void division_of_work_does_not_change_a_bit(void **state)
 {
     (void)state;
     static const struct {
+        const char *name;
         int group;
         const char *build_options, *device;
         uint64_t chunk;
     } ways[] = {
-        {0, NULL, "0", 1000},  {0, NULL, "0,0", 0},
-        {0, NULL, "0,0,0", 7}, {0, "-D CML_TWO_WORDS", NULL, 0},
-        {32, NULL, NULL, 0},   {32, "-D CML_TWO_WORDS", "0,0", 0},
+        {"chunks", 0, NULL, "0", 1000},
+        {"a device twice", 0, NULL, "0,0", 0},
+        {"a device three times", 0, NULL, "0,0,0", 7},
+        {"words", 0, "-D CML_TWO_WORDS", NULL, 0},
+        {"groups", 32, NULL, NULL, 0},
+        {"groups and words", 32, "-D CML_TWO_WORDS", "0,0", 0},
     };
     struct bench bench;
     set_up(scenes[2], &bench);
@@ -190,7 +145,7 @@ static void division_of_work_does_not_change_a_bit(void **state)
         bench.options.chunk = ways[i].chunk;
         self = open_engine(&bench, &cml_engine_opencl);
         struct cml_tally other = fly_range(&bench, &cml_engine_opencl, self, 3, 9001);
-        if (!same_tally(&one, &other)) fail_msg("way %zu gives other bits", i);
+        expect_same(&one, &other, ways[i].name);
         cml_tally_free(&other);
         cml_engine_opencl.close(self);
     }

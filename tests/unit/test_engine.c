@@ -1,8 +1,8 @@
 /* What must not change a result: threads, chunks, ranges, the unit of length. And what the engines share.
  * SPDX-License-Identifier: MIT */
+#include "../lib/bench.h"
 #include "mci_case.h"
 
-#include "engine.h"
 #include "run.h"
 #include "types.h"
 
@@ -19,19 +19,12 @@ static const char *const hills = "1.0\n1\nh.mco A\n1000\n0.01 0.02\n20 20 10\n2\
 static const char *const glass = "1.0\n1\ng.mco A\n1000\n0.01 0.02\n20 20 10\n3\n1.0\n"
                                  "1.5 0 0 0 0.1\n1.4 0.5 50 0.9 0.1\n1.5 0 0 0 0.1\n1.0\n";
 
-struct bench {
-    struct cml_scene_list list;
-    struct cml_scene *scene;
-    struct cml_surface_set surfaces;
-    struct cml_engine_options options;
-};
-
 static void represent(struct bench *bench, enum cml_representation force)
 {
     const struct cml_surface_options options = {.force = force,
                                                 .tessellation = {1e-2, CML_NORMALS_ANALYTIC, false}};
     struct cml_error err = {CML_OK, ""};
-    const cml_status status = cml_surfaces_create(bench->scene, &options, &bench->surfaces, &err);
+    const cml_status status = cml_surfaces_create(bench->list.scenes, &options, &bench->surfaces, &err);
     assert_string_equal(err.text, "");
     assert_int_equal(status, CML_OK);
 }
@@ -40,23 +33,8 @@ static struct bench set_up(void **state, const char *text, enum cml_representati
 {
     struct bench bench = {.options = {.seed = 5, .threads = 1, .reentry = true, .absorption = true}};
     case_read_ok(state, text, &bench.list);
-    bench.scene = &bench.list.scenes[0];
     represent(&bench, force);
     return bench;
-}
-
-static void tear_down(struct bench *bench)
-{
-    cml_surfaces_free(&bench->surfaces);
-    cml_scene_list_clear(&bench->list);
-}
-
-static void *open_engine(const struct bench *bench, const struct cml_engine *engine)
-{
-    void *self = NULL;
-    struct cml_error err = {CML_OK, ""};
-    assert_int_equal(engine->open(bench->scene, &bench->surfaces, &bench->options, &self, &err), CML_OK);
-    return self;
 }
 
 static void add_range(const struct bench *bench, const struct cml_engine *engine, uint64_t first,
@@ -68,42 +46,11 @@ static void add_range(const struct bench *bench, const struct cml_engine *engine
     engine->close(self);
 }
 
-static struct cml_tally empty_tally(const struct bench *bench)
-{
-    const struct cml_grid grid = cml_engine_grid(bench->scene, &bench->surfaces, &bench->options);
-    struct cml_tally tally;
-    struct cml_error err;
-    assert_int_equal(cml_tally_create(&grid, &tally, &err), CML_OK);
-    return tally;
-}
-
 static struct cml_tally fly(const struct bench *bench, const struct cml_engine *engine, uint64_t count)
 {
     struct cml_tally tally = empty_tally(bench);
     add_range(bench, engine, 0, count, &tally);
     return tally;
-}
-
-static void assert_same(const struct cml_tally *a, const struct cml_tally *b)
-{
-    assert_memory_equal(a->book, b->book, sizeof a->book);
-    assert_memory_equal(a->count, b->count, sizeof a->count);
-    assert_memory_equal(a->square, b->square, sizeof a->square);
-    assert_memory_equal(a->A_l, b->A_l, (size_t)cml_tally_bytes(&a->grid)); /* one block holds all cells */
-}
-
-/* The books of a tally, through a result of one batch. */
-static void assert_books_balance(const struct cml_tally *tally, uint64_t photons)
-{
-    struct cml_result result;
-    struct cml_error err;
-    assert_int_equal(cml_result_create(&tally->grid, photons, &result, &err), CML_OK);
-    cml_result_add(&result, 0, tally);
-    assert_true(cml_result_residue(&result) == 0);
-    assert_true(result.count[CML_COUNT_PHOTONS] == photons);
-    assert_true(result.book[CML_BOOK_LAUNCHED] == (cml_u128)photons << 31);
-    assert_int_equal(cml_result_lost(&result), 0);
-    cml_result_free(&result);
 }
 
 static const struct {
@@ -124,7 +71,7 @@ static void threads_and_chunks_do_not_change_a_bit(void **state)
             bench.options.threads = threads[i];
             bench.options.chunk = chunks[i];
             struct cml_tally other = fly(&bench, &cml_engine_cpu, PACKETS / 8);
-            assert_same(&one, &other);
+            expect_same(&one, &other, *scenes[s].text);
             cml_tally_free(&other);
         }
         cml_tally_free(&one);
@@ -145,7 +92,7 @@ static void ranges_add_up_to_the_whole(void **state)
             for (int i = 0; i + 1 < (int)(sizeof cuts / sizeof *cuts); i++)
                 assert_int_equal(engines[e]->run(self, cuts[i], cuts[i + 1] - cuts[i], &parts, &err), CML_OK);
             engines[e]->close(self);
-            assert_same(&whole, &parts);
+            expect_same(&whole, &parts, *scenes[s].text);
             assert_books_balance(&whole, 3000);
             cml_tally_free(&whole);
             cml_tally_free(&parts);
@@ -254,12 +201,12 @@ static void the_unit_of_length_does_not_change_a_bit(void **state)
         struct cml_tally one = fly(&bench, &cml_engine_cpu, 2000);
         for (int i = 0; i < 4; i++) {
             cml_surfaces_free(&bench.surfaces);
-            rescale(bench.scene, powers[i]);
+            rescale(bench.list.scenes, powers[i]);
             represent(&bench, scenes[s].force);
             struct cml_tally other = fly(&bench, &cml_engine_cpu, 2000);
-            assert_same(&one, &other);
+            expect_same(&one, &other, *scenes[s].text);
             cml_tally_free(&other);
-            rescale(bench.scene, -powers[i]);
+            rescale(bench.list.scenes, -powers[i]);
         }
         cml_tally_free(&one);
         tear_down(&bench);

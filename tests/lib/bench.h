@@ -1,0 +1,67 @@
+/* One scene with its surfaces and options, the engines that fly it, and their tallies compared.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TEST_BENCH_H
+#define CML_TEST_BENCH_H
+
+#include "require.h"
+
+#include "engine.h"
+#include "mci.h"
+
+#include <string.h>
+
+struct bench {
+    struct cml_scene_list list; /* its first scene is flown */
+    struct cml_surface_set surfaces;
+    struct cml_engine_options options;
+};
+
+static inline void tear_down(struct bench *bench)
+{
+    cml_surfaces_free(&bench->surfaces);
+    cml_scene_list_clear(&bench->list);
+}
+
+/* To be closed with engine->close. */
+static inline void *open_engine(const struct bench *bench, const struct cml_engine *engine)
+{
+    struct cml_error err;
+    void *self = NULL;
+    require_ok(engine->open(bench->list.scenes, &bench->surfaces, &bench->options, &self, &err), &err);
+    return self;
+}
+
+static inline struct cml_tally empty_tally(const struct bench *bench)
+{
+    const struct cml_grid grid = cml_engine_grid(bench->list.scenes, &bench->surfaces, &bench->options);
+    struct cml_error err;
+    struct cml_tally tally;
+    require_ok(cml_tally_create(&grid, &tally, &err), &err);
+    return tally;
+}
+
+/* what: named in the message. */
+static inline void expect_same(const struct cml_tally *a, const struct cml_tally *b, const char *what)
+{
+    if (memcmp(a->book, b->book, sizeof a->book) != 0) fail_msg("%s: other books", what);
+    if (memcmp(a->count, b->count, sizeof a->count) != 0) fail_msg("%s: other counts", what);
+    if (memcmp(a->square, b->square, sizeof a->square) != 0) fail_msg("%s: other squares", what);
+    /* one block holds all cells */
+    if (memcmp(a->A_l, b->A_l, (size_t)cml_tally_bytes(&a->grid)) != 0) fail_msg("%s: other cells", what);
+}
+
+/* The books of a tally, through a result of one batch. */
+static inline void assert_books_balance(const struct cml_tally *tally, uint64_t photons)
+{
+    struct cml_error err;
+    struct cml_result result;
+    require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
+    cml_result_add(&result, 0, tally);
+    assert_true(cml_result_residue(&result) == 0);
+    assert_true(result.count[CML_COUNT_PHOTONS] == photons);
+    assert_true(result.book[CML_BOOK_LAUNCHED] == (cml_u128)photons << 31);
+    assert_int_equal(cml_result_lost(&result), 0);
+    cml_result_free(&result);
+}
+
+#endif

@@ -1,0 +1,21 @@
+/* A call that must succeed, in a test of cmocka's.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TEST_REQUIRE_H
+#define CML_TEST_REQUIRE_H
+
+#include "status.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* Fails the test with the error's text. */
+static inline void require_ok(cml_status status, const struct cml_error *err)
+{
+    if (status != CML_OK) fail_msg("%s", err->text);
+}
+
+#endif

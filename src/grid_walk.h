@@ -1,7 +1,9 @@
 /* A ray's first crossing of a mesh that is a regular grid (lattice.h), without a tree: a walk over the cells
- * below the ray [Amanatides and Woo, A fast voxel traversal algorithm for ray tracing, Eurographics 1987].
- * Everything is computed in double. Where rounding could matter - at edges, between cells, in a facet's own
- * plane - the walk leaves the answer open. SPDX-License-Identifier: MIT */
+ * below the ray [Amanatides and Woo, A fast voxel traversal algorithm for ray tracing, Eurographics 1987],
+ * and over blocks of cells, which it enters only where it is between their least and greatest depth [Tevs,
+ * Ihrke and Seidel, Maximum mipmaps for fast, accurate, and scalable dynamic height field rendering, I3D
+ * 2008]. Everything is computed in double. Where rounding could matter - at edges, between cells, in a
+ * facet's own plane - the walk leaves the answer open. SPDX-License-Identifier: MIT */
 #ifndef CML_GRID_WALK_H
 #define CML_GRID_WALK_H
 

@@ -116,10 +116,20 @@ static int quarters(const struct facet *f, int64_t i, int64_t j)
            (covers(f, 4 * i + 2, 4 * j + 3) ? NORTH : 0) | (covers(f, 4 * i + 1, 4 * j + 2) ? WEST : 0);
 }
 
+/* Depths in steps, rounded outwards. The mesh itself lies within the range of 16 bits. */
+static void widen_depths(const struct cml_lattice *lattice, double least, double most,
+                         struct cml_lattice_depths *depths)
+{
+    const double low = fmax(floor((least - lattice->z) * lattice->per_step), 0),
+                 high = fmin(ceil((most - lattice->z) * lattice->per_step), UINT16_MAX);
+    if (low < depths->least) depths->least = (uint16_t)low;
+    if (high > depths->most) depths->most = (uint16_t)high;
+}
+
 /* Widens the cell's depths by those of the facet's plane at the corners that belong to its part of the cell.
  */
 static void widen(const struct cml_mesh_body *body, const struct cml_lattice *lattice, size_t facet, int part,
-                  int i, int j, struct cml_lattice_cell *cell)
+                  int i, int j, struct cml_lattice_depths *depths)
 {
     static const int at[4] = {SOUTH | WEST, SOUTH | EAST, NORTH | WEST, NORTH | EAST};
     const double *plane = body->plane[facet], dx = 1 / lattice->per_cell[0], dy = 1 / lattice->per_cell[1];
@@ -128,9 +138,7 @@ static void widen(const struct cml_mesh_body *body, const struct cml_lattice *la
     for (int k = 0; k < 4; k++) {
         const double x = lattice->corner[0] + (i + k % 2) * dx, y = lattice->corner[1] + (j + k / 2) * dy;
         const double z = (plane[3] - plane[0] * x - plane[1] * y) / plane[2];
-        if (!(part & at[k])) continue;
-        if ((float)(z - pad) < cell->least) cell->least = (float)(z - pad);
-        if ((float)(z + pad) > cell->most) cell->most = (float)(z + pad);
+        if (part & at[k]) widen_depths(lattice, z - pad, z + pad, depths);
     }
 }
 
@@ -163,10 +171,10 @@ static bool lay(const struct cml_mesh_body *body, struct cml_lattice *lattice, s
     for (int64_t j = low[1]; j < high[1]; j++)
         for (int64_t i = low[0]; i < high[0]; i++) {
             const int part = quarters(f, i, j);
-            struct cml_lattice_cell *cell = &lattice->cell[j * lattice->n[0] + i];
+            const size_t at = cml_lattice_at(&lattice->level[0], (int)i, (int)j);
             if (part == 0) continue;
-            if (!put(cell, facet, part)) return false;
-            widen(body, lattice, facet, part, (int)i, (int)j, cell);
+            if (!put(&lattice->cell[at], facet, part)) return false;
+            widen(body, lattice, facet, part, (int)i, (int)j, &lattice->level[0].depths[at]);
         }
     return true;
 }
@@ -188,9 +196,6 @@ static bool is_beside(const struct cml_lattice *lattice, const struct cml_mesh *
 static bool fill(const struct cml_mesh_body *body, const struct rectangle *r, struct cml_lattice *lattice)
 {
     const struct cml_mesh *mesh = &body->mesh;
-    const struct cml_lattice_cell none = {INFINITY, -INFINITY, CML_LATTICE_NO_FACET, CML_LATTICE_NO_FACET};
-    const size_t cells = (size_t)lattice->n[0] * (size_t)lattice->n[1];
-    for (size_t i = 0; i < cells; i++) lattice->cell[i] = none;
     lattice->is_whole = true;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
         const uint32_t *v = mesh->triangle[t];
@@ -208,6 +213,60 @@ static bool fill(const struct cml_mesh_body *body, const struct rectangle *r, st
     return true;
 }
 
+static size_t places_of(const struct cml_lattice_level *level)
+{
+    return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
+}
+
+static size_t places_of_all(const struct cml_lattice *lattice)
+{
+    size_t places = 0;
+    for (int l = 0; l < lattice->levels; l++) places += places_of(&lattice->level[l]);
+    return places;
+}
+
+/* Lays out all levels, and fills them with nothing. */
+static cml_status allocate(const struct cml_mesh_body *body, struct cml_lattice *lattice,
+                           struct cml_error *err)
+{
+    int n[2] = {lattice->n[0], lattice->n[1]};
+    lattice->z = body->lower[2];
+    lattice->per_step = UINT16_MAX / (body->upper[2] - body->lower[2]);
+    for (bool is_last = false; !is_last; lattice->levels++) {
+        lattice->level[lattice->levels] =
+            (struct cml_lattice_level){.n = {n[0], n[1]}, .tiles = (n[0] + 3) / 4};
+        is_last = n[0] <= 4 && n[1] <= 4;
+        for (int k = 0; k < 2; k++) n[k] = (n[k] + 3) / 4;
+    }
+    const size_t cells = places_of(&lattice->level[0]), places = places_of_all(lattice);
+    struct cml_lattice_depths *depths = aligned_alloc(64, places * sizeof *depths);
+    lattice->level[0].depths = depths;
+    lattice->cell = depths ? aligned_alloc(64, cells * sizeof *lattice->cell) : NULL;
+    if (!lattice->cell) {
+        cml_lattice_clear(lattice);
+        return cml_fail_memory(err, (double)(cells * sizeof *lattice->cell + places * sizeof *depths),
+                               "the cells of a lattice");
+    }
+    for (size_t i = 0; i < places; i++) depths[i] = (struct cml_lattice_depths){UINT16_MAX, 0};
+    for (size_t i = 0; i < cells; i++)
+        lattice->cell[i] = (struct cml_lattice_cell){CML_LATTICE_NO_FACET, CML_LATTICE_NO_FACET};
+    for (int l = 1; l < lattice->levels; l++)
+        lattice->level[l].depths = lattice->level[l - 1].depths + places_of(&lattice->level[l - 1]);
+    return CML_OK;
+}
+
+/* The depths of a level's blocks from the level below. */
+static void join(const struct cml_lattice_level *below, struct cml_lattice_level *level)
+{
+    for (int j = 0; j < below->n[1]; j++)
+        for (int i = 0; i < below->n[0]; i++) {
+            const struct cml_lattice_depths part = below->depths[cml_lattice_at(below, i, j)];
+            struct cml_lattice_depths *all = &level->depths[cml_lattice_at(level, i / 4, j / 4)];
+            if (part.least < all->least) all->least = part.least;
+            if (part.most > all->most) all->most = part.most;
+        }
+}
+
 static cml_status try_rectangle(const struct cml_mesh_body *body, const struct rectangle *r,
                                 struct cml_lattice *lattice, struct cml_error *err)
 {
@@ -216,10 +275,9 @@ static cml_status try_rectangle(const struct cml_mesh_body *body, const struct r
     const double jitter = find_jitter(&body->mesh, r, lattice);
     if (jitter > most_jitter) return CML_OK;
     lattice->margin = 2 * jitter + least_margin;
-    const size_t bytes = (size_t)lattice->n[0] * (size_t)lattice->n[1] * sizeof *lattice->cell;
-    lattice->cell = malloc(bytes);
-    if (!lattice->cell) return cml_fail_memory(err, (double)bytes, "the cells of a lattice");
+    CML_TRY(allocate(body, lattice, err));
     if (!fill(body, r, lattice)) cml_lattice_clear(lattice);
+    for (int l = 1; l < lattice->levels; l++) join(&lattice->level[l - 1], &lattice->level[l]);
     return CML_OK;
 }
 
@@ -240,6 +298,14 @@ cml_status cml_lattice_find(const struct cml_mesh_body *body, struct cml_lattice
 
 void cml_lattice_clear(struct cml_lattice *lattice)
 {
+    free(lattice->level[0].depths);
     free(lattice->cell);
     *lattice = (struct cml_lattice){.cell = NULL};
+}
+
+double cml_lattice_bytes(const struct cml_lattice *lattice)
+{
+    if (!lattice->cell) return 0;
+    return (double)places_of(&lattice->level[0]) * sizeof *lattice->cell +
+           (double)places_of_all(lattice) * sizeof(struct cml_lattice_depths);
 }

@@ -303,10 +303,7 @@ uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface)
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh *mesh = &surface->body.mesh;
-    const struct cml_lattice *lattice = &surface->lattice;
-    const double cells =
-        lattice->cell ? (double)lattice->n[0] * lattice->n[1] : 0; /* else it is no lattice */
-    return (double)surface->embree_bytes + cells * sizeof *lattice->cell +
+    return (double)surface->embree_bytes + cml_lattice_bytes(&surface->lattice) +
            (double)mesh->num_triangles * (sizeof *mesh->triangle + sizeof *surface->body.plane) +
            (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
 }

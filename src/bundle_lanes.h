@@ -48,10 +48,12 @@ struct cml_flight {
     const struct cml_lane_medium *media; /* [num_layers + 2] */
     struct cml_packet start;             /* as the beam places packets */
     int pencil;                          /* it places all of them alike */
-    uint64_t live, ended;                /* masks of lanes: that hold packets; whose packet is finished */
-    uint64_t loaded;                     /* mask of lanes whose columns of a medium are sound */
-    uint64_t curved;                     /* mask of lanes with a boundary that is no plane */
-    uint64_t absorbed[CML_LANES];        /* of the lane's packet, up to the last mark */
+    int aimed;                           /* then all of them meet `first`, above the material */
+    struct cml_hit first;
+    uint64_t live, ended;         /* masks of lanes: that hold packets; whose packet is finished */
+    uint64_t loaded;              /* mask of lanes whose columns of a medium are sound */
+    uint64_t curved;              /* mask of lanes with a boundary that is no plane */
+    uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */
     const struct cml_range_source *source;
     int waited;          /* passes since all lanes near a plane were served */
     uint64_t next, left; /* of the range in hand: photon indices not launched yet */

@@ -11,16 +11,42 @@ static void cml_lane_interacts(struct cml_flight *f, int i, real s)
     f->b->task[i] = CML_LANE_INTERACT;
 }
 
+/* Packets of a pencil beam that start above the material all meet the same surface at the same place. It is
+ * asked for once: at a vertex of a mesh, where all facets there have their say, it takes long to tell. */
+static void cml_aim(struct cml_flight *f)
+{
+    struct cml_packet packet = f->start;
+    if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
+    const struct cml_reach reach = cml_find_reach(f->world, 0, packet.p, packet.u, CML_INFINITY);
+    f->aimed = cml_nearest(f->world, &packet, reach, &f->first);
+}
+
+static int cml_is_aimed(const struct cml_flight *f, int medium, cml_u32 boundary_events)
+{
+    return f->aimed && medium == 0 && boundary_events == 0;
+}
+
+/* As cml_nearest. */
+static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet, struct cml_reach reach,
+                        struct cml_hit *hit)
+{
+    if (!cml_is_aimed(f, packet->medium, packet->boundary_events))
+        return cml_nearest(f->world, packet, reach, hit);
+    *hit = f->first;
+    return 1;
+}
+
 /* One boundary event by kernels/walk.h, and as many more as it takes to come back into the material. Returns
  * 0 when there was none: then the packet interacts, *t further on. */
-static int cml_meet_boundary(const struct cml_world *world, const struct cml_deposits *to,
-                             struct cml_packet *packet, struct cml_reach reach, real *t)
+static int cml_meet_boundary(const struct cml_flight *f, struct cml_packet *packet, struct cml_reach reach,
+                             real *t)
 {
+    const struct cml_world *world = f->world;
     for (;;) {
         struct cml_hit hit;
         const real t_max = cml_free_path(world, packet);
-        if (cml_nearest(world, packet, reach, &hit)) {
-            cml_meet(world, to, packet, &hit);
+        if (cml_find_hit(f, packet, reach, &hit)) {
+            cml_meet(world, &f->to, packet, &hit);
         } else if (t_max < CML_INFINITY) {
             *t = t_max;
             return 0;
@@ -43,7 +69,7 @@ static void cml_meet_or_interact(struct cml_flight *f, int i, struct cml_reach r
     b->task[i] = CML_LANE_DONE;
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose(&packet, CML_LOST_NAN);
-    } else if (!cml_meet_boundary(f->world, &f->to, &packet, reach, &t)) {
+    } else if (!cml_meet_boundary(f, &packet, reach, &t)) {
         /* as in cml_interact */
         if (cml_leaked(f->world, packet.medium, cml_along(packet.p, t, packet.u).z))
             cml_lose(&packet, CML_LOST_LEAKED);
@@ -66,7 +92,9 @@ static void cml_handle_exception(struct cml_flight *f, int i)
     if (!(b->tau[i] < CML_INFINITY))
         b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
     const real s = mfp < CML_INFINITY ? b->tau[i] * mfp : CML_INFINITY;
-    const struct cml_reach reach = cml_find_reach(f->world, b->medium[i], p, u, s);
+    const int aimed = cml_is_aimed(f, b->medium[i], b->boundary_events[i]);
+    const struct cml_reach ahead = {0, 1, s, s},
+                           reach = aimed ? ahead : cml_find_reach(f->world, b->medium[i], p, u, s);
     if (reach.above || reach.below || !(s < CML_INFINITY) || !(cml_dot(u, u) < 2))
         cml_meet_or_interact(f, i, reach);
     else
@@ -259,6 +287,7 @@ static void cml_take_off(struct cml_flight *f)
     f->to = cml_deposits_of(f->tally);
     f->pencil = !(setup->disk > 0) && !(setup->gauss > 0);
     cml_place(f->world, 0, &f->start);
+    cml_aim(f);
     f->b->lanes = CML_LANES;
     f->live = f->ended = ~(uint64_t)0;
     cml_refill(f);

@@ -1,5 +1,6 @@
 /* The mesh query against every triangle in long double. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
+#include "lattice.h"
 #include "mesh_shapes.h"
 #include "scene.h"
 #include "surface_hit.h"
@@ -391,6 +392,42 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     cml_mesh_surface_free(surface);
 }
 
+/* Vertices moved sideways by up to a fifth of a cell: a lattice through all of them would have more cells
+ * than anyone has memory. */
+static void what_is_no_lattice_takes_no_memory_for_cells(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(68);
+    patch_make(&patch, 67, 0.02, 0, 0, 0);
+    for (int i = 0; i < COUNT(patch.vertex); i++)
+        for (int k = 0; k < 2; k++) patch.vertex[i][k] += dice_between(&dice, -0.4, 0.4) / GRID;
+    struct cml_mesh_surface *surface = surface_of(&patch, 0, 0);
+    const double triangles = COUNT(patch.triangle), bytes = cml_mesh_surface_bytes(surface);
+    assert_false(cml_mesh_surface_is_walked(surface));
+    print_message("%.0f bytes per triangle\n", bytes / triangles);
+    assert_true(bytes > 44 * triangles); /* corners and planes alone */
+    assert_true(bytes < 4000 * triangles);
+    cml_mesh_surface_free(surface);
+}
+
+/* At least a cell's facets and depths, and no more than its planes and a pyramid besides. */
+static void cells_count_as_memory(void **state)
+{
+    (void)state;
+    patch_make(&patch, 69, 0.02, 0, 0, 0);
+    struct cml_mesh mesh = patch_mesh(&patch);
+    struct cml_mesh_body body;
+    struct cml_lattice lattice;
+    struct cml_error err = {CML_OK, ""};
+    assert_int_equal(cml_mesh_body_create(&mesh, 0, 0, &body, &err), CML_OK);
+    assert_int_equal(cml_lattice_find(&body, &lattice, &err), CML_OK);
+    assert_true(cml_lattice_bytes(&lattice) > 12.0 * GRID * GRID);
+    assert_true(cml_lattice_bytes(&lattice) < 90.0 * GRID * GRID);
+    cml_lattice_clear(&lattice);
+    assert_true(cml_lattice_bytes(&lattice) == 0);
+    cml_mesh_body_clear(&body);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -406,6 +443,8 @@ int main(void)
         cmocka_unit_test(the_primitive_stood_on_is_not_met_again),
         cmocka_unit_test(a_vertex_has_the_mean_normal_weighted_by_angle),
         cmocka_unit_test(a_tessellated_hill_has_the_normals_of_its_cones),
+        cmocka_unit_test(what_is_no_lattice_takes_no_memory_for_cells),
+        cmocka_unit_test(cells_count_as_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

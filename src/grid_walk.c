@@ -88,12 +88,13 @@ static double inside_diagonal(double u, double v, bool falling, bool south)
     return south ? -above : above;
 }
 
+/* plane: of the facet at the cell's south or north side. */
 static enum verdict meet(const struct course *c, const int place[2], struct cml_lattice_cell cell, bool south,
-                         struct part part, double *t)
+                         const double plane[4], struct part part, double *t)
 {
     const struct cml_mesh_query *q = c->q;
     const uint32_t facet = (south ? cell.south : cell.north) & ~CML_LATTICE_FALLING;
-    const double *plane = q->body->plane[facet], margin = c->lattice->margin;
+    const double margin = c->lattice->margin;
     const double along = cml_vec3_dot(q->direction, plane), leading_away = q->below ? along : -along;
     if ((int)facet == q->exclude || leading_away <= -grazing) return MISSED;
     if (leading_away < grazing) return OPEN;
@@ -134,15 +135,15 @@ static void take(struct cml_mesh_query *q, uint32_t facet, double t)
     cml_query_take_inside(q, (int)facet, t, weight);
 }
 
-static enum verdict look(const struct course *c, const int place[2], struct part part)
+static enum verdict look(const struct course *c, const int place[2], size_t at_cell, struct part part)
 {
-    const struct cml_lattice_cell cell =
-        c->lattice->cell[cml_lattice_at(&c->lattice->level[0], place[0], place[1])];
+    const struct cml_lattice_cell cell = c->lattice->cell[at_cell];
+    const struct cml_lattice_planes *planes = &c->lattice->planes[at_cell];
     if (cell.south == CML_LATTICE_NO_FACET || cell.north == CML_LATTICE_NO_FACET) return OPEN;
     double t = INFINITY, t_north = INFINITY;
-    const enum verdict south = meet(c, place, cell, true, part, &t);
+    const enum verdict south = meet(c, place, cell, true, planes->south, part, &t);
     const enum verdict north =
-        cell.south == cell.north ? MISSED : meet(c, place, cell, false, part, &t_north);
+        cell.south == cell.north ? MISSED : meet(c, place, cell, false, planes->north, part, &t_north);
     if (south == OPEN || north == OPEN) return OPEN;
     if (south == MISSED && north == MISSED) return MISSED;
     const bool take_south = south == HIT && !(north == HIT && t_north < t);
@@ -151,7 +152,7 @@ static enum verdict look(const struct course *c, const int place[2], struct part
 }
 
 /* The part in which the ray is between the depths of a cell or a block; ends before it begins where there is
- * none. The depths are wider than rounding. */
+ * none. The depths are wider than rounding; where there are no facets they are all depths, either way. */
 static struct part within_depths(const struct course *c, struct cml_lattice_depths depths, struct part part)
 {
     const double a = (depths.least - c->depth.origin) * c->depth.pace,
@@ -188,10 +189,14 @@ static enum verdict visit(const struct course *c, int level, const int place[2],
                           struct part part)
 {
     const struct cml_lattice_level *blocks = &c->lattice->level[level];
-    const struct part near =
-        within_depths(c, blocks->depths[cml_lattice_at(blocks, place[0], place[1])], part);
+    const size_t here = cml_lattice_at(blocks, place[0], place[1]);
+    if (level == 0) { /* fetched while the depths are */
+        __builtin_prefetch(&c->lattice->cell[here]);
+        __builtin_prefetch(&c->lattice->planes[here]);
+    }
+    const struct part near = within_depths(c, blocks->depths[here], part);
     if (near.from > near.to) return MISSED;
-    if (level == 0) return look(c, place, part);
+    if (level == 0) return look(c, place, here, part);
     const int *n = blocks[-1].n;
     struct range range;
     int first[2];
@@ -335,4 +340,15 @@ bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q)
         if (!is_within(at(&c.axis[k], part.from), lattice->n[k]))
             return passes_by(&c, 0, part) || passes_by(&c, 1, part);
     return cross_lattice(&c, part) != OPEN || settle(&c, part);
+}
+
+bool cml_grid_covers(const struct cml_lattice *lattice, const struct cml_mesh_query *q)
+{
+    const double blur = 64 * (q->slack + q->blur); /* more than crossings may lie behind the packet */
+    for (int k = 0; k < 2; k++) {
+        const double low = lattice->inner[0][k] + blur, high = lattice->inner[1][k] - blur;
+        const double from = q->origin[k], to = from + q->t * q->direction[k];
+        if (!(from > low && from < high && to > low && to < high)) return false;
+    }
+    return true;
 }

@@ -14,4 +14,8 @@
  */
 bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q);
 
+/* True: up to its best crossing, or its end, the ray stays clearly over a lattice without gaps, so that it
+ * does not meet the outer plane. */
+bool cml_grid_covers(const struct cml_lattice *lattice, const struct cml_mesh_query *q);
+
 #endif

@@ -175,6 +175,8 @@ static bool lay(const struct cml_mesh_body *body, struct cml_lattice *lattice, s
             if (part == 0) continue;
             if (!put(&lattice->cell[at], facet, part)) return false;
             widen(body, lattice, facet, part, (int)i, (int)j, &lattice->level[0].depths[at]);
+            for (int k = 0; k < 4 && part & SOUTH; k++) lattice->planes[at].south[k] = body->plane[facet][k];
+            for (int k = 0; k < 4 && part & NORTH; k++) lattice->planes[at].north[k] = body->plane[facet][k];
         }
     return true;
 }
@@ -225,6 +227,12 @@ static size_t places_of_all(const struct cml_lattice *lattice)
     return places;
 }
 
+static double bytes_of(const struct cml_lattice *lattice)
+{
+    return (double)places_of(&lattice->level[0]) * (sizeof *lattice->cell + sizeof *lattice->planes) +
+           (double)places_of_all(lattice) * sizeof(struct cml_lattice_depths);
+}
+
 /* Lays out all levels, and fills them with nothing. */
 static cml_status allocate(const struct cml_mesh_body *body, struct cml_lattice *lattice,
                            struct cml_error *err)
@@ -241,11 +249,12 @@ static cml_status allocate(const struct cml_mesh_body *body, struct cml_lattice 
     const size_t cells = places_of(&lattice->level[0]), places = places_of_all(lattice);
     struct cml_lattice_depths *depths = aligned_alloc(64, places * sizeof *depths);
     lattice->level[0].depths = depths;
-    lattice->cell = depths ? aligned_alloc(64, cells * sizeof *lattice->cell) : NULL;
-    if (!lattice->cell) {
+    lattice->cell = aligned_alloc(64, cells * sizeof *lattice->cell);
+    lattice->planes = aligned_alloc(64, cells * sizeof *lattice->planes);
+    if (!depths || !lattice->cell || !lattice->planes) {
+        const double bytes = bytes_of(lattice);
         cml_lattice_clear(lattice);
-        return cml_fail_memory(err, (double)(cells * sizeof *lattice->cell + places * sizeof *depths),
-                               "the cells of a lattice");
+        return cml_fail_memory(err, bytes, "the cells of a lattice");
     }
     for (size_t i = 0; i < places; i++) depths[i] = (struct cml_lattice_depths){UINT16_MAX, 0};
     for (size_t i = 0; i < cells; i++)
@@ -267,6 +276,21 @@ static void join(const struct cml_lattice_level *below, struct cml_lattice_level
         }
 }
 
+static void find_inner(struct cml_lattice *lattice)
+{
+    bool is_full = true;
+    for (int j = 0; j < lattice->n[1]; j++)
+        for (int i = 0; i < lattice->n[0]; i++) {
+            const struct cml_lattice_cell cell = lattice->cell[cml_lattice_at(&lattice->level[0], i, j)];
+            is_full = is_full && cell.south != CML_LATTICE_NO_FACET && cell.north != CML_LATTICE_NO_FACET;
+        }
+    for (int k = 0; k < 2; k++) {
+        const double last = lattice->n[k] - lattice->margin;
+        lattice->inner[0][k] = is_full ? lattice->corner[k] + lattice->margin / lattice->per_cell[k] : NAN;
+        lattice->inner[1][k] = lattice->corner[k] + last / lattice->per_cell[k];
+    }
+}
+
 static cml_status try_rectangle(const struct cml_mesh_body *body, const struct rectangle *r,
                                 struct cml_lattice *lattice, struct cml_error *err)
 {
@@ -276,8 +300,12 @@ static cml_status try_rectangle(const struct cml_mesh_body *body, const struct r
     if (jitter > most_jitter) return CML_OK;
     lattice->margin = 2 * jitter + least_margin;
     CML_TRY(allocate(body, lattice, err));
-    if (!fill(body, r, lattice)) cml_lattice_clear(lattice);
+    if (!fill(body, r, lattice)) {
+        cml_lattice_clear(lattice);
+        return CML_OK;
+    }
     for (int l = 1; l < lattice->levels; l++) join(&lattice->level[l - 1], &lattice->level[l]);
+    find_inner(lattice);
     return CML_OK;
 }
 
@@ -300,12 +328,11 @@ void cml_lattice_clear(struct cml_lattice *lattice)
 {
     free(lattice->level[0].depths);
     free(lattice->cell);
+    free(lattice->planes);
     *lattice = (struct cml_lattice){.cell = NULL};
 }
 
 double cml_lattice_bytes(const struct cml_lattice *lattice)
 {
-    if (!lattice->cell) return 0;
-    return (double)places_of(&lattice->level[0]) * sizeof *lattice->cell +
-           (double)places_of_all(lattice) * sizeof(struct cml_lattice_depths);
+    return lattice->cell ? bytes_of(lattice) : 0;
 }

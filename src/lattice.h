@@ -22,6 +22,11 @@ struct cml_lattice_cell {
     uint32_t south, north;
 };
 
+/* Copies of the planes of the cell's facets (struct cml_mesh_body), together in a cache line. */
+struct cml_lattice_planes {
+    double south[4], north[4];
+};
+
 /* Depths in steps above cml_lattice.z: of the facets, widened by rounding and margin; least > most where
  * there are none. */
 struct cml_lattice_depths {
@@ -38,10 +43,13 @@ struct cml_lattice {
     double corner[2], per_cell[2]; /* cm relative to the body's centre, cells per cm */
     double z, per_step;            /* cm relative to the body's centre, steps per cm */
     double margin; /* in cells: so far may a facet's edge lie from where the lattice says, and some more */
+    double inner[2][2]; /* cm: [0] lower, [1] upper corner of the lattice less the margin; NaN where a cell
+                         * lacks a facet */
     int n[2];
-    bool is_whole;                 /* the mesh has no other facets */
-    struct cml_lattice_cell *cell; /* by cml_lattice_at of level 0 */
-    int levels;                    /* the last one is a single tile */
+    bool is_whole;                     /* the mesh has no other facets */
+    struct cml_lattice_cell *cell;     /* by cml_lattice_at of level 0 */
+    struct cml_lattice_planes *planes; /* likewise */
+    int levels;                        /* the last one is a single tile */
     struct cml_lattice_level level[CML_LATTICE_LEVELS];
 };
 
@@ -56,7 +64,7 @@ CML_NODISCARD cml_status cml_lattice_find(const struct cml_mesh_body *body, stru
                                           struct cml_error *err);
 void cml_lattice_clear(struct cml_lattice *lattice);
 
-/* Of cells and pyramid; 0 when the mesh is no regular grid. */
+/* Of cells, planes and pyramid; 0 when the mesh is no regular grid. */
 double cml_lattice_bytes(const struct cml_lattice *lattice);
 
 #endif

@@ -184,7 +184,8 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
         query_walked(surface, &query);
     else
         query_fast(surface, &query);
-    cml_query_outer_plane(&query.ray);
+    if (exact || !surface->lattice.cell || !cml_grid_covers(&surface->lattice, &query.ray))
+        cml_query_outer_plane(&query.ray);
     return cml_query_finish(&query.ray, p, u, crossing);
 }
 

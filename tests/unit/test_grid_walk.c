@@ -271,6 +271,34 @@ static void a_scan_is_walked_merged_or_not(void **state)
     compare_all(&all, 0.5);
 }
 
+/* A quarter of the patch is missing: the plane around it lies in the lattice's rectangle. */
+static void a_lattice_with_a_gap_lets_the_plane_through(void **state)
+{
+    (void)state;
+    struct cml_error err = {CML_OK, ""};
+    patch_make(&patch, 76, 0.05, 0, 0, 0);
+    struct cml_mesh mesh = patch_mesh(&patch);
+    size_t left = 0;
+    for (size_t i = 0; i < mesh.num_vertices; i++)
+        if (mesh.vertex[i][0] <= 0 && mesh.vertex[i][1] <= 0) mesh.vertex[i][2] = 0;
+    for (size_t i = 0; i < mesh.num_triangles; i++) {
+        const uint32_t *v = mesh.triangle[i];
+        double low[2] = {1, 1};
+        for (int k = 0; k < 6; k++) low[k % 2] = fmin(low[k % 2], mesh.vertex[v[k / 2]][k % 2]);
+        if (low[0] < 0 && low[1] < 0) continue;
+        for (int k = 0; k < 3; k++) mesh.triangle[left][k] = v[k];
+        left++;
+    }
+    mesh.num_triangles = left;
+    free(mesh.border);
+    free(mesh.vertex_normal);
+    mesh.border = NULL;
+    mesh.vertex_normal = NULL;
+    assert_int_equal(cml_mesh_prepare(&mesh, NULL, NULL, &err), CML_OK);
+    struct subject s = subject_of(&mesh);
+    compare_all(&s, 0.5);
+}
+
 static void what_is_no_lattice_is_left_to_embree(void **state)
 {
     (void)state;
@@ -290,6 +318,7 @@ int main(void)
         cmocka_unit_test(an_exact_lattice_is_walked_as_exactly_as_searched),
         cmocka_unit_test(a_lattice_rounded_in_its_file_is_walked_as_well),
         cmocka_unit_test(a_scan_is_walked_merged_or_not),
+        cmocka_unit_test(a_lattice_with_a_gap_lets_the_plane_through),
         cmocka_unit_test(what_is_no_lattice_is_left_to_embree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -50,17 +50,24 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
     }
 }
 
+/* The depths that lane i passes on its flight, widened by rounding; returns its length. */
+static inline real cml_lane_depths(const struct cml_bundle *b, int i, real tau, real *least, real *most)
+{
+    const real z = b->z[i], mfp = CML_OF_MEDIUM(b, mfp)[i], depth = tau * mfp;
+    const real s = mfp < CML_INFINITY ? depth : CML_INFINITY;
+    const real step = s * b->uz[i], end = z + step;
+    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
+    *least = (z < end ? z : end) - slack;
+    *most = (z > end ? z : end) + slack;
+    return s;
+}
+
 /* Where lane i is after its flight. Conservative: a lane that is not near a boundary cannot meet it before
  * its interaction, rounding included; what is not a number, or infinite, is near. */
 static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, real *distance)
 {
-    const real z = b->z[i], mfp = CML_OF_MEDIUM(b, mfp)[i], depth = tau * mfp;
-    const real s = mfp < CML_INFINITY ? depth : CML_INFINITY;
-    /* the depth reached, widened by its rounding */
-    const real step = s * b->uz[i], end = z + step;
-    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
-    const real least = (z < end ? z : end) - slack, most = (z > end ? z : end) + slack;
-    *distance = s;
+    real least, most;
+    *distance = cml_lane_depths(b, i, tau, &least, &most);
     return !((least > CML_OF_MEDIUM(b, stop_above)[i]) & (most < CML_OF_MEDIUM(b, stop_below)[i]));
 }
 

@@ -92,14 +92,38 @@ CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *r
     return ray->side * (z - rings.z[i] - rings.slope[i] * (r - rings.r[i]));
 }
 
+/* The quadratic of ring i's cone; C is left to the root. */
+struct cml_cone_quadratic {
+    real w, A, B, D; /* D = B^2 - A C */
+};
+
+CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_rings rings, const struct cml_cone_ray *ray,
+                                                    int i)
+{
+    const real m = rings.slope[i], mm = m * m, w = ray->p.z - rings.z[i] + m * rings.r[i];
+    const real across_x = w * ray->u.x - ray->u.z * ray->p.x, across_y = w * ray->u.y - ray->u.z * ray->p.y;
+    const struct cml_cone_quadratic q = {
+        w, ray->u.z * ray->u.z - mm * ray->a, w * ray->u.z - mm * ray->b,
+        mm * (across_x * across_x + across_y * across_y - mm * ray->k * ray->k)};
+    return q;
+}
+
+/* Whether the ray goes below the real nappe of ring i and comes up again, deepest in (t0, t1). A < 0 puts
+ * both roots on one nappe; the middle between them counts, because a root itself may lie on the span's end.
+ */
+CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1)
+{
+    const struct cml_cone_quadratic q = cml_ring_quadratic(rings, ray, i);
+    if (!(q.A < 0)) return 0;
+    const real middle = -q.B / q.A;
+    return middle > t0 && middle < t1 && q.D >= 0 && rings.slope[i] * (q.w + middle * ray->u.z) > 0;
+}
+
 /* The only root of ring i's cone at which the ray leaves its side: of the two roots the one where side * f
- * falls. standing: t = 0 is a root and is divided out. Returns 0 when there is none; *t may lie outside the
- * span. With dip, the ray must go below the real nappe and come up again, deepest in (t0, t1): A < 0 puts
- * both roots on one nappe, the middle between them counts, because a root itself may lie on the span's end
- * (elsewhere a change of sign at the span's end has shown that the root is real, and a discriminant below 0
- * is rounding: the ray passes through the tip). */
-CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, int dip,
-                         real t0, real t1, real *t)
+ * falls. A change of sign or a dip has shown that it is real: a discriminant below 0 is rounding, the ray
+ * passes through the tip. standing: t = 0 is a root and is divided out. Returns 0 when there is none; *t may
+ * lie outside the span. */
+CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t)
 {
     const real m = rings.slope[i];
     if (m == 0) {
@@ -107,21 +131,13 @@ CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray,
         *t = standing ? (real)0 : (rings.z[i] - ray->p.z) / ray->u.z;
         return 1;
     }
-    const real w = ray->p.z - rings.z[i] + m * rings.r[i];
-    const real mm = m * m;
-    const real A = ray->u.z * ray->u.z - mm * ray->a;
-    const real B = w * ray->u.z - mm * ray->b;
-    const real across_x = w * ray->u.x - ray->u.z * ray->p.x, across_y = w * ray->u.y - ray->u.z * ray->p.y;
-    const real D = mm * (across_x * across_x + across_y * across_y - mm * ray->k * ray->k);
-    if (dip && !(D >= 0)) return 0;
-    const real C = standing ? (real)0 : (w - m * ray->r) * (w + m * ray->r);
-    const real root = standing ? (B < 0 ? -B : B) : (D > 0 ? CML_SQRT(D) : (real)0);
-    const real q = ray->side * m > 0 ? -B - root : -B + root;
-    const real q_other = ray->side * m > 0 ? -B + root : -B - root;
-    *t = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other) ? q / A : C / q_other;
-    if (!dip) return 1;
-    const real middle = -B / A;
-    return A < 0 && middle > t0 && middle < t1 && m * (w + middle * ray->u.z) > 0;
+    const struct cml_cone_quadratic c = cml_ring_quadratic(rings, ray, i);
+    const real C = standing ? (real)0 : (c.w - m * ray->r) * (c.w + m * ray->r);
+    const real root = standing ? (c.B < 0 ? -c.B : c.B) : (c.D > 0 ? CML_SQRT(c.D) : (real)0);
+    const real q = ray->side * m > 0 ? -c.B - root : -c.B + root;
+    const real q_other = ray->side * m > 0 ? -c.B + root : -c.B - root;
+    *t = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other) ? q / c.A : C / q_other;
+    return 1;
 }
 
 /* One Newton step on the height itself: the quadratic's root loses digits where a ray from far away passes
@@ -142,10 +158,12 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
 CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next,
                          int standing, real t0, real t1, real *t)
 {
-    const int crossed = cml_ring_height(rings, ray, i, next, t1) < 0;
-    if (!crossed && (standing || !(ray->side * rings.slope[i] < 0))) return 0;
     real root;
-    if (!cml_ring_root(rings, ray, i, standing, !crossed, t0, t1, &root)) return 0;
+    if (!(cml_ring_height(rings, ray, i, next, t1) < 0)) {
+        const int convex = ray->side * rings.slope[i] < 0;
+        if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1)) return 0;
+    }
+    if (!cml_ring_root(rings, ray, i, standing, &root)) return 0;
     if (standing && !(root >= 0 && root <= t1))
         return 0; /* the sign at t1 was rounding: the packet has just left the ring */
     *t = root > t0 ? (root < t1 ? root : t1) : t0;
@@ -186,7 +204,7 @@ CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec
         t1 = last ? t_max : (t1 > t0 ? t1 : t0);
         *ring = i;
         if (next < 0 && rings.slope[i] == 0) {
-            const int plane = cml_ring_root(rings, &ray, i, standing, 0, t0, t1, t) && !standing && *t < t1;
+            const int plane = cml_ring_root(rings, &ray, i, standing, t) && !standing && *t < t1;
             if (plane) *t = *t > t0 ? *t : t0;
             return plane;
         }

@@ -46,10 +46,13 @@ CML_FN struct cml_cone_ray cml_cone_ray_make(struct cml_vec p, struct cml_vec u,
     return ray;
 }
 
-/* The ring whose span holds r: largest i with r_i <= r. */
+/* The ring whose span holds r: largest i with r_i <= r. Rings of even width are found at once. */
 CML_FN int cml_ring_of(struct cml_rings rings, real r)
 {
-    int low = 0, high = rings.n;
+    const int last = rings.n - 1;
+    if (!(r < rings.r[last])) return last;
+    const int even = (int)(r * ((real)last / rings.r[last])), guess = even < last ? even : last - 1;
+    int low = rings.r[guess] <= r ? guess : 0, high = r < rings.r[guess + 1] ? guess + 1 : last;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
         if (rings.r[middle] <= r)
@@ -182,17 +185,18 @@ CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_r
     return *t < t_max;
 }
 
-/* The first crossing of the surface with 0 <= t < t_max (infinite allowed).
- * p is relative to the axis and to the boundary's frame; on_ring is the ring the packet stands on, -1: none.
- * Returns 1, *t and *ring at a crossing, else 0. */
-CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec u, real side, real t_max,
-                        int on_ring, real *t, int *ring)
+/* The first crossing of the surface with t_min <= t < t_max (infinite allowed); there must be none before
+ * t_min. p is relative to the axis and to the boundary's frame; on_ring is the ring the packet stands on, -1:
+ * none, or else t_min must be 0. Returns 1, *t and *ring at a crossing, else 0. */
+CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec u, real side, real t_min,
+                        real t_max, int on_ring, real *t, int *ring)
 {
     const struct cml_cone_ray ray = cml_cone_ray_make(p, u, side);
+    const real x = p.x + t_min * u.x, y = p.y + t_min * u.y;
     int standing = on_ring >= 0;
-    int i = standing ? on_ring : cml_ring_of(rings, ray.r);
-    int inwards = ray.b < 0;
-    real t0 = 0;
+    int i = standing ? on_ring : cml_ring_of(rings, CML_SQRT(x * x + y * y));
+    int inwards = ray.b + t_min * ray.a < 0;
+    real t0 = t_min;
     *ring = i;
     if (!(ray.a > 0)) return cml_cone_hit_vertical(rings, &ray, i, standing, t_max, t);
     for (;;) {

@@ -66,15 +66,26 @@ CML_FN int cml_plane_hit(struct cml_vec p, struct cml_vec u, real side, real t_m
     return 1;
 }
 
+/* The distance before which a ray that comes from outside cannot meet a surface between two depths, 0 when it
+ * does not come from outside; a thousandth short of them, which is more than rounding. */
+CML_FN real cml_envelope_entry(const CML_GLOBAL struct cml_surface *surface, real z, real uz, real side)
+{
+    const real t = ((side > 0 ? surface->highest : surface->lowest) - z) / uz;
+    return side * uz < 0 && t > 0 ? (real)0.9990234375 * t : (real)0;
+}
+
 /* first: the beam itself strikes. It may well be aimed at a ridge, where the mean normal holds (P1); a packet
  * later on meets one only because rounding put it there, and the ring it is on has the better normal. */
 CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                          real side, real t_max, int standing_on, int first, struct cml_hit *hit)
 {
     const struct cml_rings rings = cml_rings_of(world, boundary);
+    const real t_min =
+        standing_on >= 0 ? (real)0 : cml_envelope_entry(&world->surfaces[boundary], p.z, u.z, side);
     real t;
     int ring;
-    if (!cml_cone_hit(rings, cml_from_scene_axis(world, p), u, side, t_max, standing_on, &t, &ring)) return 0;
+    if (!cml_cone_hit(rings, cml_from_scene_axis(world, p), u, side, t_min, t_max, standing_on, &t, &ring))
+        return 0;
     hit->t = t;
     hit->point = cml_along(p, t, u);
     const struct cml_vec q = cml_from_scene_axis(world, hit->point);

@@ -59,7 +59,7 @@ static int crosses(const struct bench *bench, struct cml_vec p, struct cml_vec u
     if (world->surfaces[0].kind == CML_SURFACE_CONE) {
         real t;
         int ring;
-        return cml_cone_hit(cml_rings_of(world, 0), p, u, side, length, -1, &t, &ring);
+        return cml_cone_hit(cml_rings_of(world, 0), p, u, side, 0, length, -1, &t, &ring);
     }
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     struct cml_mesh_crossing crossing;

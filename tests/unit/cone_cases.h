@@ -22,7 +22,7 @@ static struct found shoot_from(const struct field *field, double px, double py, 
     const struct cml_vec u = {(real)(k * ux), (real)(k * uy), (real)(k * uz)};
     struct found found = {0, -1, -1};
     real t = -1;
-    found.hit = cml_cone_hit(rings_of(field), p, u, (real)side, (real)t_max, on_ring, &t, &found.ring);
+    found.hit = cml_cone_hit(rings_of(field), p, u, (real)side, 0, (real)t_max, on_ring, &t, &found.ring);
     found.t = (double)t;
     return found;
 }

@@ -78,7 +78,7 @@ static void one_ray(struct dice *dice, const struct field *field, struct tally_o
     const double t_max = dice_below(dice, 3) ? dice_between(dice, 0, 8) : INFINITY;
     real t = -1;
     int ring = -1;
-    const int hit = cml_cone_hit(rings_of(field), p, u, (real)ray.side, (real)t_max, -1, &t, &ring);
+    const int hit = cml_cone_hit(rings_of(field), p, u, (real)ray.side, 0, (real)t_max, -1, &t, &ring);
     const double reach = hit ? (double)t : fmin(t_max, 4 * (double)field->r[field->n - 1]);
     const double rounding = 8 * ray_rounding(field, &ray, reach);
     const struct verdict v = judge(field, &ray, (double)(real)t_max, rounding);
@@ -118,6 +118,78 @@ static void random_rays_hit_where_the_oracle_says(void **state)
     assert_true(sum.worst < (sizeof(real) == 4 ? 1e-2 : 1e-9));
 }
 
+static struct cml_surface surface_of(const struct field *field)
+{
+    struct cml_surface surface = {.kind = CML_SURFACE_CONE, .num_rings = field->n};
+    surface.lowest = surface.highest = field->z[0];
+    for (int i = 1; i < field->n; i++) {
+        if (field->z[i] < surface.lowest) surface.lowest = field->z[i];
+        if (field->z[i] > surface.highest) surface.highest = field->z[i];
+    }
+    return surface;
+}
+
+/* From outside the field's depths, mostly; near and far. */
+static struct cml_vec point_outside(struct dice *dice, const struct field *field)
+{
+    struct cml_vec p = random_point(dice, field);
+    const double away = exp(dice_between(dice, log(1e-3), log(30)));
+    if (dice_below(dice, 4)) p.z = (real)((field->deepest + away) * (dice_below(dice, 2) ? 1 : -1));
+    return p;
+}
+
+/* The march may begin where the ray comes to the depths of the field: nothing changes but the time it takes.
+ */
+static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(53);
+    long hits = 0, clipped = 0;
+    for (int n = 0; n < 1000; n++) {
+        const struct field field = field_random(&dice, n % 3 ? 10 : 0.5);
+        const struct cml_surface surface = surface_of(&field);
+        for (int k = 0; k < 2000; k++) {
+            const struct cml_vec p = point_outside(&dice, &field);
+            const struct cml_vec u =
+                dice_below(&dice, 3) ? random_direction(&dice, p) : towards_an_edge(&dice, &field, p);
+            const struct ray ray = ray_of(p, u, 1);
+            const real side = ray_height(&field, &ray, 0) > 0 ? 1 : -1;
+            const real t_max = dice_below(&dice, 3) ? (real)dice_between(&dice, 0, 40) : CML_INFINITY;
+            const real t_min = cml_envelope_entry(&surface, p.z, u.z, side);
+            real t[2] = {0, 0};
+            int ring[2];
+            const int whole = cml_cone_hit(rings_of(&field), p, u, side, 0, t_max, -1, &t[0], &ring[0]);
+            const int part = cml_cone_hit(rings_of(&field), p, u, side, t_min, t_max, -1, &t[1], &ring[1]);
+            if (whole != part || (whole && (t[0] != t[1] || ring[0] != ring[1])))
+                fail_msg("p (%.9g %.9g %.9g) u (%.9g %.9g %.9g) from %.9g: %d %.9g ring %d, whole march %d "
+                         "%.9g ring "
+                         "%d",
+                         (double)p.x, (double)p.y, (double)p.z, (double)u.x, (double)u.y, (double)u.z,
+                         (double)t_min, part, (double)t[1], ring[1], whole, (double)t[0], ring[0]);
+            hits += whole;
+            clipped += t_min > 0;
+        }
+    }
+    printf("%ld hits, %ld rays clipped\n", hits, clipped);
+    assert_true(hits > 500000 && clipped > 500000);
+}
+
+static void every_radius_finds_its_ring(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(54);
+    for (int n = 0; n < 2000; n++) {
+        struct field field = field_random(&dice, 1);
+        for (int i = 0; n % 2 && i < field.n; i++) field.r[i] = (real)(i * 0.01);
+        const double last = (double)field.r[field.n - 1];
+        for (int k = 0; k < 200; k++) {
+            const real on = field.r[dice_below(&dice, field.n)];
+            const real r = dice_below(&dice, 2) ? on : (real)dice_between(&dice, 0, 1.2 * last);
+            assert_int_equal(cml_ring_of(rings_of(&field), r), field_ring(&field, r));
+        }
+    }
+}
+
 /* ---- walks ---- */
 
 struct walker {
@@ -143,7 +215,7 @@ static void place(struct dice *dice, struct walker *walker)
 static void enter(struct dice *dice, struct walker *walker, const struct field *field)
 {
     walker->field = field;
-    walker->surface.num_rings = field->n;
+    walker->surface = surface_of(field);
     walker->world.surfaces = &walker->surface;
     walker->world.ring_r = field->r;
     walker->world.ring_z = field->z;
@@ -240,6 +312,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_rays_hit_where_the_oracle_says),
+        cmocka_unit_test(rays_from_outside_hit_what_the_whole_march_hits),
+        cmocka_unit_test(every_radius_finds_its_ring),
         cmocka_unit_test(a_walk_of_a_million_flights_never_slips_through),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -121,33 +121,32 @@ CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_
  */
 CML_FN int cml_heads_away(const CML_GLOBAL struct cml_surface *surface, struct cml_vec u, real side)
 {
-    return side * u.z > 0 && side * u.z >= surface->steepest * CML_SQRT(u.x * u.x + u.y * u.y);
+    const real steepest = surface->steepest;
+    return (side * u.z > 0) & (u.z * u.z >= steepest * steepest * (u.x * u.x + u.y * u.y));
 }
 
-/* The part of the ray before t_max that can meet a surface between two depths: returns 0 when there is none,
- * else the distance after which there is none any more. */
-CML_FN int cml_clip_to_envelope(const CML_GLOBAL struct cml_surface *surface, real z, real uz, real side,
-                                real *t_max)
+/* Whether a packet can meet a curved surface within *t_max, which is shortened to where that ends; p in the
+ * boundary's frame. side: +1 the packet is below it, -1 above. */
+CML_FN int cml_can_meet_curved(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                               struct cml_vec p, struct cml_vec u, real side, real *t_max)
 {
     const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
-    if (side * uz < 0) return side * (z - nearest) <= 0 || (nearest - z) / uz < *t_max;
-    if (side * (z - nearest) > 0) return 0; /* heading away from all of it */
-    if (side * uz > 0 && (nearest - z) / uz < *t_max) *t_max = (nearest - z) / uz;
-    return 1;
+    const real inside = side * (nearest - p.z), away = side * u.z;
+    const int passes = inside < away * *t_max; /* that depth */
+    if (away < 0 ? passes : (inside < 0) | cml_heads_away(surface, u, side)) return 0;
+    const real there = inside / away, enter = inside < 0 ? there : (real)0;
+    if ((away >= 0) & passes) *t_max = there;
+    const real length = *t_max - enter;
+    const struct cml_vec part = {length * u.x, length * u.y, length * u.z};
+    return !cml_is_clear(world, surface, cml_from_scene_axis(world, cml_along(p, enter, u)), part, side);
 }
 
-/* Whether a packet can meet the surface within *t_max, which is shortened to where that ends; p in the
- * boundary's frame. side: +1 the packet is below it, -1 above. */
+/* The same for any kind of surface. */
 CML_FN int cml_can_meet(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
                         struct cml_vec p, struct cml_vec u, real side, real *t_max)
 {
     if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) return side * u.z < 0 && -p.z / u.z < *t_max;
-    const struct cml_vec from = cml_from_scene_axis(world, p),
-                         all = {*t_max * u.x, *t_max * u.y, *t_max * u.z};
-    if (cml_is_clear(world, surface, from, all, side) || cml_heads_away(surface, u, side)) return 0;
-    if (!cml_clip_to_envelope(surface, p.z, u.z, side, t_max)) return 0;
-    const struct cml_vec part = {*t_max * u.x, *t_max * u.y, *t_max * u.z};
-    return part.z == all.z || !cml_is_clear(world, surface, from, part, side);
+    return cml_can_meet_curved(world, surface, p, u, side, t_max);
 }
 
 /* What a packet can meet of the boundaries of its medium, and within which distances. */

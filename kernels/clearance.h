@@ -1,9 +1,11 @@
-/* Which steps cannot meet a curved surface: a pyramid of depth bounds over the x-y plane.
- * Level 0 divides a square into size x size cells, each with the least and the greatest depth that the
- * surface has above it; every further level joins 2 x 2 cells. The cells at the rim also stand for everything
- * outside. A step looks at the at most four cells that cover its box on the level where four are enough.
- * Bounds are widened by rounding's share when they are built (src/clearance.c), so a step found clear cannot
- * cross. SPDX-License-Identifier: MIT */
+/* Which steps cannot meet a curved surface: a pyramid of depth bounds.
+ * Below a mesh, over the x-y plane: level 0 divides a square into size x size cells, each with the least and
+ * the greatest depth that the surface has above it; every further level joins 2 x 2 cells. The cells at the
+ * rim also stand for everything outside. A step looks at the at most four cells that cover its box on the
+ * level where four are enough. Below rings, over the radius: size cells, the last one for everything outside;
+ * every further level joins two, and a step looks at the at most two cells that cover its radii. Bounds are
+ * widened by rounding's share when they are built (src/clearance.c), so a step found clear cannot cross.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_CLEARANCE_H
 #define CML_CLEARANCE_H
 
@@ -23,26 +25,55 @@ CML_FN int cml_clearance_level(int n)
     return n > 0 ? 32 - CML_CLZ(n) : 0;
 }
 
-/* 1 when a packet on the given side (+1 below, -1 above) cannot cross the surface on its way from p to p + d.
- * p is in the boundary's frame, x and y from the scene's axis; d must be finite, or the answer is 0. */
-CML_FN int cml_is_clear(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                        struct cml_vec p, struct cml_vec d, real side)
+/* The depth, times side, that a packet must keep to on its way from p to p + d, of a mesh's pyramid. */
+CML_FN real cml_clearance_of_box(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *bounds,
+                                 struct cml_vec p, struct cml_vec d, real side)
 {
-    const CML_GLOBAL struct cml_clearance *grid = &surface->clearance;
-    const real far_x = p.x + d.x, far_y = p.y + d.y, here = side * p.z, there = side * (p.z + d.z);
-    if (grid->levels == 0 || !(d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY)) return 0;
+    const real far_x = p.x + d.x, far_y = p.y + d.y;
     const int x0 = cml_clearance_index(grid, far_x < p.x ? far_x : p.x, grid->corner_x);
     const int x1 = cml_clearance_index(grid, far_x > p.x ? far_x : p.x, grid->corner_x);
     const int y0 = cml_clearance_index(grid, far_y < p.y ? far_y : p.y, grid->corner_y);
     const int y1 = cml_clearance_index(grid, far_y > p.y ? far_y : p.y, grid->corner_y);
     const int level = cml_clearance_level((x1 - x0) | (y1 - y0)); /* as many bits as the larger one */
     const int size = grid->size >> level, offset = grid->first + grid->level_offset[level];
-    const CML_GLOBAL real *bounds = (side > 0 ? world->deepest : world->highest) + offset;
-    const CML_GLOBAL real *row0 = bounds + (y0 >> level) * size, *row1 = bounds + (y1 >> level) * size;
+    const CML_GLOBAL real *row0 = bounds + offset + (y0 >> level) * size,
+                          *row1 = bounds + offset + (y1 >> level) * size;
     const real a = side * row0[x0 >> level], b = side * row0[x1 >> level];
     const real c = side * row1[x0 >> level], e = side * row1[x1 >> level];
     const real ab = a > b ? a : b, ce = c > e ? c : e;
-    return (here < there ? here : there) > (ab > ce ? ab : ce);
+    return ab > ce ? ab : ce;
+}
+
+/* The same of the pyramid of rings. The way comes closest to the axis at an end or, where it turns outwards
+ * between them, abreast of it. */
+CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *bounds,
+                                   struct cml_vec p, struct cml_vec d, real side)
+{
+    const real x = p.x + d.x, y = p.y + d.y;
+    const real from = CML_SQRT(p.x * p.x + p.y * p.y), to = CML_SQRT(x * x + y * y);
+    const real slack = 4 * CML_EPSILON * (from + to), far = from < to ? to : from;
+    real near = from < to ? from : to;
+    if ((p.x * d.x + p.y * d.y < 0) & (x * d.x + y * d.y > 0))
+        near = CML_FABS(p.x * d.y - p.y * d.x) / CML_SQRT(d.x * d.x + d.y * d.y);
+    const int r0 = cml_clearance_index(grid, near - slack, 0), r1 = cml_clearance_index(grid, far + slack, 0);
+    const int level = cml_clearance_level(r1 - r0);
+    const CML_GLOBAL real *cells = bounds + grid->first + grid->level_offset[level];
+    const real a = side * cells[r0 >> level], b = side * cells[r1 >> level];
+    return a > b ? a : b;
+}
+
+/* 1 when a packet on the given side (+1 below, -1 above) cannot cross the surface on its way from p to p + d.
+ * p is in the boundary's frame, x and y from the scene's axis; d must be finite, or the answer is 0. */
+CML_FN int cml_is_clear(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                        struct cml_vec p, struct cml_vec d, real side)
+{
+    const CML_GLOBAL struct cml_clearance *grid = &surface->clearance;
+    const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
+    const real here = side * p.z, there = side * (p.z + d.z);
+    if (grid->levels == 0 || !(d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY)) return 0;
+    const real keep = surface->kind == CML_SURFACE_CONE ? cml_clearance_of_radii(grid, bounds, p, d, side)
+                                                        : cml_clearance_of_box(grid, bounds, p, d, side);
+    return (here < there ? here : there) > keep;
 }
 
 #endif

@@ -4,21 +4,22 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST_LEVELS = 5, MOST_LEVELS = 10 }; /* 16 x 16 to 512 x 512 cells */
+enum { LEAST_LEVELS = 5, MOST_LEVELS = 10 }; /* of squares: 16 x 16 to 512 x 512 cells */
+enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_CLEARANCE_LEVELS of kernels/types.h */
 
 /* Share of a cell by which shapes are widened before their cells are found: the rounding of cell numbers. */
 static const double widening = 1e-3;
 
-static cml_status allocate(int levels, double x, double y, double width, struct cml_clearance_map *map,
-                           struct cml_error *err)
+size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level)
 {
-    const int size = 1 << (levels - 1);
-    *map = (struct cml_clearance_map){.levels = levels, .size = size};
-    for (int l = 0; l < levels; l++) map->cells += (size_t)(size >> l) * (size_t)(size >> l);
-    /* one cell of rim on each side stands for everything outside */
-    map->cell = width / (size - 2);
-    map->corner[0] = x - map->cell;
-    map->corner[1] = y - map->cell;
+    const size_t side = (size_t)(map->size >> level);
+    return map->radial ? side : side * side;
+}
+
+static cml_status allocate(int levels, bool radial, struct cml_clearance_map *map, struct cml_error *err)
+{
+    *map = (struct cml_clearance_map){.levels = levels, .size = 1 << (levels - 1), .radial = radial};
+    for (int l = 0; l < levels; l++) map->cells += cml_clearance_level_cells(map, l);
     map->deepest = malloc(2 * map->cells * sizeof *map->deepest);
     if (!map->deepest)
         return cml_fail_memory(err, (double)(2 * map->cells * sizeof *map->deepest), "a clearance map");
@@ -52,33 +53,37 @@ static int cell_index(const struct cml_clearance_map *map, double x, int axis)
 /* Bounds widened by `margin` for rounding; then every level from the one below it. */
 static void finish(struct cml_clearance_map *map, double margin)
 {
-    const size_t base = (size_t)map->size * (size_t)map->size;
+    const size_t base = cml_clearance_level_cells(map, 0);
     for (size_t i = 0; i < base; i++) {
         map->deepest[i] += (float)margin;
         map->highest[i] -= (float)margin;
     }
     size_t from = 0, to = base;
-    for (int size = map->size / 2; size >= 1; size /= 2) {
-        for (int y = 0; y < size; y++)
-            for (int x = 0; x < size; x++)
-                for (int k = 0; k < 4; k++) {
-                    const size_t child =
-                        from + (size_t)(2 * y + k / 2) * (size_t)(2 * size) + (size_t)(2 * x + k % 2);
-                    const size_t cell = to + (size_t)y * (size_t)size + (size_t)x;
-                    map->deepest[cell] = fmaxf(map->deepest[cell], map->deepest[child]);
-                    map->highest[cell] = fminf(map->highest[cell], map->highest[child]);
-                }
+    for (int l = 0; l + 1 < map->levels; l++) {
+        const size_t below = cml_clearance_level_cells(map, l), width = (size_t)(map->size >> l);
+        for (size_t i = 0; i < below; i++) {
+            const size_t x = i % width / 2, y = i / width / 2; /* a row has y = 0 */
+            const size_t cell = to + y * (width / 2) + x;
+            map->deepest[cell] = fmaxf(map->deepest[cell], map->deepest[from + i]);
+            map->highest[cell] = fminf(map->highest[cell], map->highest[from + i]);
+        }
         from = to;
-        to += (size_t)size * (size_t)size;
+        to += cml_clearance_level_cells(map, l + 1);
     }
 }
 
-/* A level more doubles the cells along each axis: about one cell per two triangles. */
-static int levels_for(double shapes)
+/* A square over x, y .. x + width, y + width; one cell of rim on each side stands for everything outside. A
+ * level more doubles the cells along each axis: about one cell per two triangles. */
+static cml_status allocate_square(double triangles, double x, double y, double width,
+                                  struct cml_clearance_map *map, struct cml_error *err)
 {
     int levels = LEAST_LEVELS;
-    while (levels < MOST_LEVELS && pow(4, levels - 1) < shapes) levels++;
-    return levels;
+    while (levels < MOST_LEVELS && pow(4, levels - 1) < 0.5 * triangles) levels++;
+    CML_TRY(allocate(levels, false, map, err));
+    map->cell = width / (map->size - 2);
+    map->corner[0] = x - map->cell;
+    map->corner[1] = y - map->cell;
+    return CML_OK;
 }
 
 struct triangle_plane {
@@ -159,8 +164,7 @@ cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearan
                                  struct cml_error *err)
 {
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
-    CML_TRY(allocate(levels_for(0.5 * (double)mesh->num_triangles), mesh->lower[0], mesh->lower[1], width,
-                     map, err));
+    CML_TRY(allocate_square((double)mesh->num_triangles, mesh->lower[0], mesh->lower[1], width, map, err));
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const uint32_t *v = mesh->triangle[i];
         const struct triangle_plane t = plane_of(mesh->vertex[v[0]], mesh->vertex[v[1]], mesh->vertex[v[2]]);
@@ -181,7 +185,7 @@ static double profile_depth(const double *r, const double *z, int n, int i, doub
 
 /* Depth of the profile over a range of radii: at its ends and at the samples within. */
 static void cover_radii(struct cml_clearance_map *map, const double *r, const double *z, int n, double from,
-                        double to, int ix, int iy)
+                        double to, int cell)
 {
     int i = 0;
     for (int high = n; high - i > 1;) {
@@ -192,10 +196,10 @@ static void cover_radii(struct cml_clearance_map *map, const double *r, const do
             high = middle;
     }
     const double first = profile_depth(r, z, n, i, from);
-    widen_cell(map, ix, iy, first, first);
-    for (; i + 1 < n && r[i + 1] < to; i++) widen_cell(map, ix, iy, z[i + 1], z[i + 1]);
+    widen_cell(map, cell, 0, first, first);
+    for (; i + 1 < n && r[i + 1] < to; i++) widen_cell(map, cell, 0, z[i + 1], z[i + 1]);
     const double last = profile_depth(r, z, n, i, to);
-    widen_cell(map, ix, iy, last, last);
+    widen_cell(map, cell, 0, last, last);
 }
 
 cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struct cml_clearance_map *map,
@@ -203,19 +207,18 @@ cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struc
 {
     const double reach = r[n - 1];
     double least = z[0], most = z[0];
+    int levels = LEAST_LEVELS;
     for (int i = 1; i < n; i++) {
         least = fmin(least, z[i]);
         most = fmax(most, z[i]);
     }
-    CML_TRY(allocate(levels_for(4.0 * n * n), -reach, -reach, 2 * reach, map, err));
-    for (int iy = 0; iy < map->size; iy++)
-        for (int ix = 0; ix < map->size; ix++) {
-            const double half = (0.5 + widening) * map->cell;
-            const double x = fabs(map->corner[0] + (ix + 0.5) * map->cell),
-                         y = fabs(map->corner[1] + (iy + 0.5) * map->cell);
-            cover_radii(map, r, z, n, hypot(fmax(x - half, 0), fmax(y - half, 0)), hypot(x + half, y + half),
-                        ix, iy);
-        }
+    while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++; /* about four cells per ring */
+    CML_TRY(allocate(levels, true, map, err));
+    map->cell = reach / (map->size - 1);
+    for (int i = 0; i < map->size; i++) {
+        const double from = (i - widening) * map->cell, to = (i + 1 + widening) * map->cell;
+        cover_radii(map, r, z, n, fmax(from, 0), i + 1 < map->size ? to : INFINITY, i);
+    }
     finish(map, 1e-5 * (reach + most - least));
     return CML_OK;
 }

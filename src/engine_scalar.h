@@ -135,7 +135,7 @@ static void copy_clearance(const struct cml_surface_set *from, struct scalar_wor
         grid->per_cell = (real)(map->cell > 0 ? 1 / map->cell : 0);
         for (int l = 0; l < map->levels; l++) {
             grid->level_offset[l] = offset;
-            offset += (map->size >> l) * (map->size >> l);
+            offset += (int)cml_clearance_level_cells(map, l);
         }
         for (size_t i = 0; i < map->cells; i++) {
             to->clearance[first + i] = map->deepest[i];

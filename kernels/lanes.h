@@ -42,13 +42,12 @@ struct cml_lanes {
 /* Number of the lowest bit set, which is that of a lane. */
 #define CML_LOWEST(mask) (CML_LANES > 1 ? 31u - clz((mask) & -(mask)) : 0u)
 
-/* Whether the packet may meet a boundary before its interaction, s away: 0 only where none can be met,
- * rounding included. What is not a number, or infinite, may. */
+/* Whether the packet may meet a boundary before its interaction, s away: 0 only where none can be met. What
+ * is not a number, or infinite, may. */
 CML_FN cml_u32 cml_is_near(real z, real uz, real s, real stop_above, real stop_below)
 {
-    const real step = s * uz, end = z + step;
-    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step)); /* rounding of the depth reached */
-    const real least = (z < end ? z : end) - slack, most = (z > end ? z : end) + slack;
+    real least, most;
+    cml_depths_passed(z, uz, s, &least, &most);
     return !((least > stop_above) & (most < stop_below));
 }
 
@@ -62,9 +61,8 @@ CML_PASS cml_u32 cml_fly_lanes(struct cml_stream stream, struct cml_lanes *restr
     for (cml_u32 i = 0; i < CML_LANES; i++) {
         const struct cml_block draw = cml_threefry(stream, l->index_low[i], l->index_high[i],
                                                    l->interactions[i], (cml_u32)CML_PURPOSE_INTERACTION);
-        const real depth = -cml_log(cml_uniform(draw.w[0])), fresh = draw.w[0] ? depth : CML_INFINITY;
-        const real old = l->tau[i], tau = old < 0 ? fresh : old;
-        const real mfp = l->mfp[i], s = mfp < CML_INFINITY ? tau * mfp : CML_INFINITY;
+        const real fresh = cml_depth_or_tail(draw.w[0]), old = l->tau[i], tau = old < 0 ? fresh : old;
+        const real s = cml_path(tau, l->mfp[i]);
         const cml_u32 near = cml_is_near(l->z[i], l->uz[i], s, l->stop_above[i], l->stop_below[i]);
         const cml_u32 live = l->live[i];
         l->draw1[i] = draw.w[1];

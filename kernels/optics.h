@@ -43,6 +43,13 @@ CML_FN real cml_optical_depth(struct cml_stream stream, cml_u64 photon, cml_u32 
     return tau - cml_log(cml_uniform(word));
 }
 
+/* The same but for a word of 0: infinite, to be drawn later. */
+CML_FN real cml_depth_or_tail(cml_u32 word)
+{
+    const real depth = -cml_log(cml_uniform(word));
+    return word ? depth : CML_INFINITY;
+}
+
 /* Two reciprocals for one division, each with up to three roundings; a b must not overflow. */
 CML_FN void cml_reciprocals(real a, real b, real *per_a, real *per_b)
 {

@@ -51,11 +51,26 @@ CML_FN void cml_lose(struct cml_packet *packet, enum cml_lost_cause cause)
     packet->cause = (int)cause;
 }
 
+/* Length of an optical depth; infinite where the mean free path is. */
+CML_FN real cml_path(real tau, real mfp)
+{
+    const real s = tau * mfp;
+    return mfp < CML_INFINITY ? s : CML_INFINITY;
+}
+
 /* Distance to the next interaction if no boundary comes first. */
 CML_FN real cml_free_path(const struct cml_world *world, const struct cml_packet *packet)
 {
-    const real mfp = world->media[packet->medium].mfp;
-    return mfp < CML_INFINITY ? packet->tau * mfp : CML_INFINITY;
+    return cml_path(packet->tau, world->media[packet->medium].mfp);
+}
+
+/* The depths between z and the end of a path of length s, widened by rounding. */
+CML_FN void cml_depths_passed(real z, real uz, real s, real *least, real *most)
+{
+    const real step = s * uz, end = z + step;
+    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
+    *least = (z < end ? z : end) - slack;
+    *most = (z > end ? z : end) + slack;
 }
 
 /* Distance across the beam from its axis: uniform over a disk, or a Gaussian of irradiance exp(-2 r^2 /

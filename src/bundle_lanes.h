@@ -28,8 +28,8 @@ static struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, 
         .span = medium->span,
         .plane_above = plane_top ? (real)0 : -CML_INFINITY,
         .plane_below = plane_bottom ? medium->span : CML_INFINITY,
-        .stop_above = plane_top ? (real)0 : (top ? top->highest : -CML_INFINITY),
-        .stop_below = plane_bottom ? medium->span : (bottom ? medium->span + bottom->lowest : CML_INFINITY),
+        .stop_above = top ? top->highest : -CML_INFINITY,
+        .stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY,
     };
     return lane;
 }

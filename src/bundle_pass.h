@@ -11,13 +11,6 @@
 /* Inlining would only mix their constants with those of their callers, and hide them from a profile. */
 #define CML_PASS static __attribute__((noinline))
 
-/* P2, but for a word 0: infinite, to be drawn from the tail. */
-CML_FN real cml_depth_or_tail(cml_u32 word)
-{
-    const real depth = -cml_log(cml_uniform(word));
-    return word == 0u ? CML_INFINITY : depth;
-}
-
 /* Lanes first + i with bit i of fresh: P1, but for indices and media. absorbed: [CML_LANES], of the lanes'
  * packets. */
 CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,
@@ -50,24 +43,14 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
     }
 }
 
-/* The depths that lane i passes on its flight, widened by rounding; returns its length. */
-static inline real cml_lane_depths(const struct cml_bundle *b, int i, real tau, real *least, real *most)
-{
-    const real z = b->z[i], mfp = CML_OF_MEDIUM(b, mfp)[i], depth = tau * mfp;
-    const real s = mfp < CML_INFINITY ? depth : CML_INFINITY;
-    const real step = s * b->uz[i], end = z + step;
-    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
-    *least = (z < end ? z : end) - slack;
-    *most = (z > end ? z : end) + slack;
-    return s;
-}
-
 /* Where lane i is after its flight. Conservative: a lane that is not near a boundary cannot meet it before
  * its interaction, rounding included; what is not a number, or infinite, is near. */
 static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, real *distance)
 {
     real least, most;
-    *distance = cml_lane_depths(b, i, tau, &least, &most);
+    const real s = cml_path(tau, CML_OF_MEDIUM(b, mfp)[i]);
+    cml_depths_passed(b->z[i], b->uz[i], s, &least, &most);
+    *distance = s;
     return !((least > CML_OF_MEDIUM(b, stop_above)[i]) & (most < CML_OF_MEDIUM(b, stop_below)[i]));
 }
 

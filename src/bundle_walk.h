@@ -88,10 +88,9 @@ static void cml_handle_exception(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
     const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
-    const real mfp = CML_OF_MEDIUM(b, mfp)[i];
     if (!(b->tau[i] < CML_INFINITY))
         b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
-    const real s = mfp < CML_INFINITY ? b->tau[i] * mfp : CML_INFINITY;
+    const real s = cml_path(b->tau[i], CML_OF_MEDIUM(b, mfp)[i]);
     const int aimed = cml_is_aimed(f, b->medium[i], b->boundary_events[i]);
     const struct cml_reach ahead = {0, 1, s, s},
                            reach = aimed ? ahead : cml_find_reach(f->world, b->medium[i], p, u, s);
@@ -212,7 +211,7 @@ static int cml_lane_is_near_curved(const struct cml_bundle *b, int i)
     const int plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
               plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
     real least, most;
-    cml_lane_depths(b, i, b->tau[i], &least, &most);
+    cml_depths_passed(b->z[i], b->uz[i], b->s[i], &least, &most);
     return !((plane_above | (least > CML_OF_MEDIUM(b, stop_above)[i])) &
              (plane_below | (most < CML_OF_MEDIUM(b, stop_below)[i])));
 }

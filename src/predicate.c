@@ -160,3 +160,53 @@ int cml_orient3d(const double a[3], const double b[3], const double c[3], const 
     if (fabs(det) > bound || bound == 0.0) return sign_of(det);
     return orient3d_exact(a, b, c, d);
 }
+
+static int line_side_exact(const double a[3], const double b[3], const double o[3], const double u[3])
+{
+    struct exact det = {0};
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const struct difference along = {{u[i], 0.0}};
+        exact_add_triple(&det, subtract(a[j], o[j]), subtract(b[k], o[k]), along);
+        exact_add_triple(&det, negate(subtract(a[k], o[k])), subtract(b[j], o[j]), along);
+    }
+    return exact_sign(&det);
+}
+
+/* Sign of the first component of (a - b) x u that is not 0: what the line's move changes. */
+static int line_side_moved(const double a[3], const double b[3], const double u[3])
+{
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const struct difference uj = {{u[j], 0.0}}, uk = {{u[k], 0.0}};
+        struct exact part = {0};
+        exact_add_product(&part, subtract(a[j], b[j]), uk, 1.0);
+        exact_add_product(&part, subtract(a[k], b[k]), uj, -1.0);
+        if (exact_sign(&part) != 0) return exact_sign(&part);
+    }
+    return 0;
+}
+
+int cml_line_side(const double a[3], const double b[3], const double o[3], const double u[3])
+{
+    const double ax = a[0] - o[0], ay = a[1] - o[1], az = a[2] - o[2];
+    const double bx = b[0] - o[0], by = b[1] - o[1], bz = b[2] - o[2];
+    const double yz = ay * bz, zy = az * by, zx = az * bx, xz = ax * bz, xy = ax * by, yx = ay * bx;
+    const double det = u[0] * (yz - zy) + u[1] * (zx - xz) + u[2] * (xy - yx);
+    const double size = (fabs(yz) + fabs(zy)) * fabs(u[0]) + (fabs(zx) + fabs(xz)) * fabs(u[1]) +
+                        (fabs(xy) + fabs(yx)) * fabs(u[2]);
+    if (fabs(det) > (7.0 + 56.0 * HALF_ULP) * HALF_ULP * size) return sign_of(det);
+    const int sign = line_side_exact(a, b, o, u);
+    return sign != 0 ? sign : line_side_moved(a, b, u);
+}
+
+int cml_plane_side(const double a[3], const double b[3], const double c[3], const double o[3])
+{
+    int sign = cml_orient3d(a, b, c, o);
+    for (int i = 0; i < 3 && sign == 0; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double p[2] = {a[j], a[k]}, q[2] = {b[j], b[k]}, r[2] = {c[j], c[k]};
+        sign = -cml_orient2d(p, q, r);
+    }
+    return sign;
+}

@@ -15,4 +15,15 @@ int cml_orient2d_fast(const double a[2], const double b[2], const double c[2]);
  * exactly on it. */
 int cml_orient3d(const double a[3], const double b[3], const double c[3], const double d[3]);
 
+/* The two signs that tell which triangles of a sheet a line crosses, and where on it its origin lies. They
+ * are those of the line moved by (e, e^2, e^3) with an e smaller than any number, so that it never passes
+ * through a vertex or an edge and never begins on a triangle. */
+
+/* Sign of det(u, a - o, b - o): on which side of the edge from a to b the line from o along u passes. 0 only
+ * for an edge along u. */
+int cml_line_side(const double a[3], const double b[3], const double o[3], const double u[3]);
+
+/* As cml_orient3d(a, b, c, o). 0 only for a triangle without area. */
+int cml_plane_side(const double a[3], const double b[3], const double c[3], const double o[3]);
+
 #endif

@@ -100,7 +100,9 @@ CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_
                         real side, real t_max, int standing_on, int straight, struct cml_hit *hit)
 {
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
-    const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]));
+    const double span =
+        side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */
+    const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]) + span);
     struct cml_mesh_crossing c;
     if (!cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on, straight,
                               sizeof(real) == sizeof(double), slack, &c))

@@ -25,10 +25,10 @@ static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t 
     return swap ? -w : w;
 }
 
-/* Whether an edge product below 0 may be 0 but for rounding. */
+/* Whether an edge product may be 0 but for rounding. */
 static bool is_rounding(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
 {
-    if (product < -q->coarse) return false;
+    if (fabs(product) > q->coarse) return false;
     const double *a = q->body->mesh.vertex[i], *b = q->body->mesh.vertex[j];
     double sum_a = 0, sum_b = 0, edge = 0;
     for (int k = 0; k < 3; k++) {
@@ -36,7 +36,7 @@ static bool is_rounding(const struct cml_mesh_query *q, double product, uint32_t
         sum_b += fabs(b[k] - q->near[k]);
         edge += fabs(a[k] - b[k]);
     }
-    return product >= -(4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge);
+    return fabs(product) <= 4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge;
 }
 
 static void facet_normal(const struct cml_mesh *mesh, int primitive, double normal[3])
@@ -79,20 +79,34 @@ bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along)
     return t >= q->least || (t >= q->lenience * q->least && t * fabs(along) >= q->least);
 }
 
+/* A random number of a vertex. */
+static uint64_t number_of(uint32_t vertex)
+{
+    const uint64_t x = (vertex + UINT64_C(1)) * UINT64_C(0x9e3779b97f4a7c15);
+    return (x ^ (x >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
+}
+
 /* Crossing of one triangle away from the packet's side; on success *t and the barycentric weights. A ray
  * within rounding of an edge meets the triangles on both sides of it: exact signs alone leave pinholes at
  * vertices, where the signs of several edges have to agree, and along the border, beyond which the plane
  * begins. */
-bool cml_query_cross(const struct cml_mesh_query *q, int primitive, double *t, double weight[3])
+bool cml_query_cross(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
 {
     const uint32_t *v = q->body->mesh.triangle[primitive];
     const double sign = q->below ? 1 : -1;
     double normal[3];
+    int close = 0;
+    q->candidate_open = 0;
     for (int k = 0; k < 3; k++) {
         const uint32_t i = v[(k + 1) % 3], j = v[(k + 2) % 3];
         weight[k] = sign * edge_product(q, i, j);
-        if (!(weight[k] >= 0 || is_rounding(q, weight[k], i, j))) return false;
+        if (weight[k] > q->coarse) continue;
+        const bool rounding = is_rounding(q, weight[k], i, j);
+        if (!(weight[k] >= 0 || rounding)) return false;
+        if (rounding) q->candidate_open += number_of(i) - number_of(j);
+        close += rounding;
     }
+    if (close == 3) q->candidate_open = 1; /* the line lies in the plane: nothing is sure */
     facet_normal(&q->body->mesh, primitive, normal);
     const double along = cml_vec3_dot(q->direction, normal);
     if (!(sign * along > 0)) return false;
@@ -110,11 +124,13 @@ void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const dou
     double normal[3];
     facet_normal(&q->body->mesh, primitive, normal);
     normalise(normal);
-    if (q->on_seam && seam && fabs(t - q->t) <= q->slack) {
+    if (q->on_seam && seam && fabs(t - q->t) <= q->reach) {
         for (int k = 0; k < 3; k++) q->seam[k] += normal[k];
+        q->open += q->candidate_open;
         return;
     }
     if (t >= q->t) return;
+    q->open = q->candidate_open;
     q->t = t;
     q->primitive = primitive;
     q->on_seam = seam;
@@ -133,13 +149,9 @@ static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
            p[2] > lower[2] - size && p[2] < upper[2] + size;
 }
 
-/* The part of the ray inside the mesh's box, so that only numbers of the mesh's own size are rounded to
- * float. */
-static bool clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave)
+/* Shortens a part of the line to what is inside the mesh's box; false when nothing is. */
+static bool clip_to_box(const struct cml_mesh_query *q, double *enter, double *leave)
 {
-    *enter = 0;
-    *leave = t_max;
-    if (is_of_mesh_size(q, t_max)) return true;
     for (int k = 0; k < 3; k++) {
         const double lower = q->body->lower[k] - q->origin[k], upper = q->body->upper[k] - q->origin[k];
         if (q->direction[k] == 0) {
@@ -154,12 +166,21 @@ static bool clip(const struct cml_mesh_query *q, double t_max, double *enter, do
     return *enter <= *leave;
 }
 
+/* The part of the ray inside the mesh's box, so that only numbers of the mesh's own size are rounded to
+ * float. */
+static bool clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave)
+{
+    *enter = 0;
+    *leave = t_max;
+    return is_of_mesh_size(q, t_max) || clip_to_box(q, enter, leave);
+}
+
 bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave)
 {
     double enter, size = 0;
     if (!clip(q, q->t, &enter, leave)) return false;
     q->base = enter - back;
-    q->blur = DBL_EPSILON * enter + (q->on_edge ? q->slack : 0);
+    q->blur = DBL_EPSILON * enter;
     for (int k = 0; k < 3; k++) {
         q->near[k] = q->origin[k] + q->base * q->direction[k];
         q->blur += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->near[k]));
@@ -169,8 +190,16 @@ bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave)
     return true;
 }
 
-/* How many of four points around x, y lie inside the footprint. */
-static int borders(const struct cml_mesh_query *q, double x, double y, double d)
+bool cml_query_approach_all(struct cml_mesh_query *q, double *leave)
+{
+    q->base = -INFINITY;
+    *leave = INFINITY;
+    if (!clip_to_box(q, &q->base, leave)) return false;
+    for (int k = 0; k < 3; k++) q->near[k] = q->origin[k] + q->base * q->direction[k];
+    return true;
+}
+
+int cml_query_inside_border(const struct cml_mesh_query *q, double x, double y, double d)
 {
     int inside = 0;
     for (int k = 0; k < 4; k++)
@@ -186,7 +215,9 @@ void cml_query_outer_plane(struct cml_mesh_query *q)
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
     if (!cml_query_is_ahead(q, t, uz) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    if (borders(q, x, y, fmax(q->slack, q->blur)) == 4) return;
+    const int inside = cml_query_inside_border(q, x, y, fmax(q->slack, q->blur));
+    if (inside == 4) return;
+    q->doubt = q->doubt || inside > 0;
     q->t = t;
     q->primitive = CML_OUTER_PLANE;
 }
@@ -200,7 +231,7 @@ bool cml_query_at_border(const struct cml_mesh_query *q)
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
     if (!(t >= q->least) || !(t < q->t)) return false;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    const int inside = borders(q, x, y, d);
+    const int inside = cml_query_inside_border(q, x, y, d);
     return inside > 0 && inside < 4;
 }
 
@@ -275,59 +306,92 @@ void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, co
     q->t = t;
     q->primitive = primitive;
     q->on_seam = false;
+    q->open = 0;
     for (int k = 0; k < 3; k++) {
         q->seam[k] = q->body->plane[primitive][k];
         q->weight[k] = weight[k];
     }
 }
 
-/* A packet leaves the facet it stands on, but one that an edge or a vertex turned by its mean normal may head
- * into one of the facets there. */
-static bool heads_into(const struct cml_mesh_query *q, int primitive, double rounding)
+/* Inflation counts: it is more than rounding. */
+static bool is_over_box(const struct cml_mesh_query *q)
 {
-    if (primitive < 0 || primitive == CML_OUTER_PLANE) return false;
-    const double along = cml_vec3_dot(q->direction, q->body->plane[primitive]);
-    return (q->below ? along : -along) > rounding;
+    const double *lower = q->body->lower, *upper = q->body->upper, *p = q->origin;
+    return p[0] > lower[0] && p[0] < upper[0] && p[1] > lower[1] && p[1] < upper[1];
 }
 
-/* Whether the packet stands so close to an edge that rounding may have put it beyond facets that it
- * has not met. */
-static bool stands_on_edge(const struct cml_mesh_query *q, int primitive, double near_edge)
+/* Whether the packet stands so close to an edge of its facet, or to the border, that rounding may have put it
+ * beyond facets that it has not met. What rounding moves across a facet is more along it, where the packet
+ * grazes it. */
+static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
 {
-    if (primitive < 0 || primitive == CML_OUTER_PLANE) return false;
+    if (primitive < 0) return false;
+    if (primitive == CML_OUTER_PLANE) {
+        const int inside =
+            is_over_box(q) ? cml_query_inside_border(q, q->origin[0], q->origin[1], q->reach) : 0;
+        return inside > 0;
+    }
     const struct cml_mesh *mesh = &q->body->mesh;
-    double normal[3];
-    facet_normal(mesh, primitive, normal);
+    const double *normal = q->body->plane[primitive], along = fabs(cml_vec3_dot(q->direction, normal));
     for (int k = 0; k < 3; k++) {
         const double *a = mesh->vertex[mesh->triangle[primitive][k]];
         double edge[3], from[3], part[3];
         cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]], a, edge);
         cml_vec3_subtract(q->origin, a, from);
         cml_vec3_cross(edge, from, part);
-        if (!(cml_vec3_dot(part, normal) > near_edge * cml_vec3_dot(normal, normal))) return true;
+        const double length = fabs(edge[0]) + fabs(edge[1]) + fabs(edge[2]);
+        if (!(along * cml_vec3_dot(part, normal) > q->reach * length)) return true;
     }
     return false;
 }
 
+void cml_query_take_settled(struct cml_mesh_query *q, int primitive, double t)
+{
+    double area[3] = {1, 1, 1};
+    q->t = t;
+    q->primitive = primitive;
+    q->on_seam = false;
+    if (primitive == CML_OUTER_PLANE) return;
+    const struct cml_mesh *mesh = &q->body->mesh;
+    const double *normal = q->body->plane[primitive];
+    for (int k = 0; k < 3; k++) {
+        double a[3], b[3], part[3];
+        for (int i = 0; i < 3; i++) {
+            const double at = q->origin[i] + t * q->direction[i];
+            a[i] = mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]][i] - at;
+            b[i] = mesh->vertex[mesh->triangle[primitive][(k + 2) % 3]][i] - at;
+        }
+        cml_vec3_cross(a, b, part);
+        area[k] = fmax(0, cml_vec3_dot(part, normal));
+        q->seam[k] = normal[k];
+    }
+    for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
+}
+
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight, int exact,
-                     double slack)
+                     const double u[3], int below, double t_max, int exclude, int straight, double slack)
 {
     q->body = body;
     q->below = below;
     q->exclude = exclude;
     q->t = t_max;
     q->slack = slack;
+    q->reach = slack + body->digits;
     q->primitive = -1;
     q->on_seam = false;
     q->blur = 0;
     cml_vec3_subtract(p, body->centre, q->origin);
     for (int k = 0; k < 3; k++) q->direction[k] = u[k];
-    const double epsilon = exact ? DBL_EPSILON : (double)FLT_EPSILON;
-    q->on_edge = stands_on_edge(q, exclude, 64 * epsilon);
-    if (q->on_edge && heads_into(q, exclude, 16 * epsilon)) q->exclude = -1;
+    q->on_edge = stands_on_edge(q, exclude);
+    q->doubt = false;
+    q->open = 0;
     q->lenience = exclude >= 0 && straight ? 1 : 32;
     q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
+}
+
+bool cml_query_is_doubtful(const struct cml_mesh_query *q)
+{
+    return q->on_edge || q->doubt || q->open != 0 || (q->primitive >= 0 && q->t < q->reach);
 }
 
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
@@ -362,6 +426,7 @@ static void centre_mesh(struct cml_mesh_body *body, double x0, double y0)
         for (int k = 0; k < 3; k++) mesh->vertex[i][k] -= middle[k];
     mesh->z_border -= middle[2];
     body->inflation = 1e-6 * diagonal;
+    body->digits = 16 * DBL_EPSILON * diagonal;
     for (int k = 0; k < 3; k++) {
         mesh->lower[k] -= middle[k];
         mesh->upper[k] -= middle[k];

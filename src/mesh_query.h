@@ -17,6 +17,7 @@ struct cml_mesh_body {
     double centre[3];   /* in query coordinates: x and y from the beam's axis, z in the boundary's frame */
     double axis[2];     /* the scene's z axis relative to centre: where an analytic normal is centred */
     double lower[3], upper[3]; /* box, inflated, relative to centre */
+    double digits;             /* more than rounding in double can move a point of the mesh */
     double inflation;          /* how much every box grows: more than the rounding of ray and box to float */
     struct cml_footprint *footprint;
 };
@@ -30,6 +31,7 @@ struct cml_mesh_query {
     double blur;    /* rounding of its coordinates */
     double coarse;  /* more than rounding can make of any edge product */
     double slack;   /* the rounding of the packet's position: how far behind the origin a crossing may lie */
+    double reach;   /* how far rounding in all can put a crossing from where it is */
     double least;   /* -slack, or where the line crosses `exclude` when the packet came straight through it */
     double lenience; /* how many times that, for facets that the ray grazes */
     int below, exclude;
@@ -38,7 +40,13 @@ struct cml_mesh_query {
     double seam[3];   /* sum of unit facet normals when the best lies on an edge, else the facet's */
     int primitive;    /* -1: none */
     bool on_seam;
-    bool on_edge; /* the packet has turned close to an edge: the exact test has to tell what it heads into */
+    bool on_edge; /* the packet stands close to an edge: rounding may have put it beyond facets beside it */
+    bool doubt;   /* the border was passed so closely that rounding decided what is crossed */
+    /* Edges that the best crossing is on, but for rounding, those that two of its facets share left out; 0
+     * when no other is: then those facets are all there are at its place, and it is a crossing whatever
+     * rounding does. Sums of random numbers of the edges' ends; of the candidate last tested and of the best.
+     */
+    uint64_t candidate_open, open;
 };
 
 /* Takes over *mesh (prepared; left empty) and centres it. x0, y0: scene position of the queries' origin. On
@@ -49,17 +57,19 @@ void cml_mesh_body_clear(struct cml_mesh_body *body);
 
 /* Arguments as of cml_mesh_surface_hit (kernels/surface_hit.h). */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight, int exact,
-                     double slack);
+                     const double u[3], int below, double t_max, int exclude, int straight, double slack);
 
 /* Makes the point where the ray enters the box, or `back` before it, the near point: only numbers of the
  * mesh's own size are ever rounded to float. *leave: where it leaves the box, at most q->t. False when it
  * never enters. */
 bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave);
 
+/* The same for the whole line, ahead and behind: the near point is where it enters the box. */
+bool cml_query_approach_all(struct cml_mesh_query *q, double *leave);
+
 /* Whether a triangle is crossed away from the packet's side: without gaps between neighbours. *t and
  * barycentric weights. Needs cml_query_approach. */
-bool cml_query_cross(const struct cml_mesh_query *q, int primitive, double *t, double weight[3]);
+bool cml_query_cross(struct cml_mesh_query *q, int primitive, double *t, double weight[3]);
 
 /* Makes a crossing the best so far if it is; one at the same place on a shared edge adds its facet to the
  * seam. */
@@ -71,11 +81,20 @@ double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, d
 /* As cml_query_take for a crossing that lies clearly inside its triangle. */
 void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, const double weight[3]);
 
-/* Lets the plane outside the footprint compete. */
+/* Makes a primitive the best, at distance t, whatever was the best before. */
+void cml_query_take_settled(struct cml_mesh_query *q, int primitive, double t);
+
+/* How many of the corners of a square of side 2 d around x, y lie inside the border: 0 to 4. */
+int cml_query_inside_border(const struct cml_mesh_query *q, double x, double y, double d);
+
+/* Lets the plane outside the footprint compete; sets q->doubt close to the border. */
 void cml_query_outer_plane(struct cml_mesh_query *q);
 
 /* Whether a crossing at distance t is not behind the packet; along: product of direction and unit normal. */
 bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along);
+
+/* Whether rounding had a say in the best crossing, or in there being none: cml_line_decide has to tell. */
+bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 
 /* Whether the ray passes the border, before the best crossing, so closely that only the exact test can tell.
  */

@@ -2,6 +2,7 @@
 #include "surface_mesh.h"
 
 #include "grid_walk.h"
+#include "mesh_line.h"
 
 #include <float.h>
 #include <math.h>
@@ -30,14 +31,21 @@ struct cml_mesh_surface {
 struct query {
     query_context context;
     struct cml_mesh_query ray;
+    struct cml_mesh_line *line; /* NULL unless the whole line is followed */
 };
 
 static void intersect(const struct RTCIntersectFunctionNArguments *arguments)
 {
-    struct cml_mesh_query *q = &((struct query *)(void *)arguments->context)->ray;
+    struct query *query = (struct query *)(void *)arguments->context;
+    struct cml_mesh_query *q = &query->ray;
     const int primitive = (int)arguments->primID;
     double t, weight[3];
-    if (!arguments->valid[0] || primitive == q->exclude) return;
+    if (!arguments->valid[0]) return;
+    if (query->line) {
+        cml_line_add(query->line, primitive);
+        return;
+    }
+    if (primitive == q->exclude) return;
     if (!cml_query_cross(q, primitive, &t, weight)) return;
     cml_query_take(q, primitive, t, weight);
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)arguments->rayhit;
@@ -63,10 +71,9 @@ static void bounds(const struct RTCBoundsFunctionArguments *arguments)
     }
 }
 
-static bool aim(struct cml_mesh_query *q, double back, struct RTCRayHit *rayhit)
+/* The line from q->near, at q->base, to a distance. */
+static void aim_from_near(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
 {
-    double leave;
-    if (!cml_query_approach(q, back, &leave)) return false;
     *rayhit = (struct RTCRayHit){0};
     rayhit->ray.org_x = (float)q->near[0];
     rayhit->ray.org_y = (float)q->near[1];
@@ -78,6 +85,22 @@ static bool aim(struct cml_mesh_query *q, double back, struct RTCRayHit *rayhit)
     rayhit->ray.mask = 0xffffffffu;
     rayhit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+}
+
+static bool aim(struct cml_mesh_query *q, double back, struct RTCRayHit *rayhit)
+{
+    double leave;
+    if (!cml_query_approach(q, back, &leave)) return false;
+    aim_from_near(q, leave, rayhit);
+    return true;
+}
+
+/* The whole line, ahead and behind. */
+static bool aim_at_all(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
+{
+    double leave;
+    if (!cml_query_approach_all(q, &leave)) return false;
+    aim_from_near(q, leave, rayhit);
     return true;
 }
 
@@ -167,6 +190,17 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
         query_exact(surface, query);
 }
 
+/* In doubt: every triangle along the whole line, by exact signs. */
+static void query_line(const struct cml_mesh_surface *surface, struct query *query, double t_max)
+{
+    struct cml_mesh_line line;
+    struct RTCRayHit rayhit;
+    cml_line_begin(&line, &query->ray);
+    query->line = &line;
+    if (aim_at_all(&query->ray, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
+    cml_line_decide(&line, t_max, &query->ray);
+}
+
 static void query_walked(const struct cml_mesh_surface *surface, struct query *query)
 {
     if (!cml_grid_walk(&surface->lattice, &query->ray)) query_exact(surface, query);
@@ -177,7 +211,8 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                          struct cml_mesh_crossing *crossing)
 {
     struct query query;
-    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, exact, slack);
+    query.line = NULL;
+    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, slack);
     if (exact || query.ray.on_edge)
         query_exact(surface, &query);
     else if (surface->lattice.cell)
@@ -186,6 +221,7 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
         query_fast(surface, &query);
     if (exact || !surface->lattice.cell || !cml_grid_covers(&surface->lattice, &query.ray))
         cml_query_outer_plane(&query.ray);
+    if (cml_query_is_doubtful(&query.ray)) query_line(surface, &query, t_max);
     return cml_query_finish(&query.ray, p, u, crossing);
 }
 

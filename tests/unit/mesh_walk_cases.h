@@ -98,6 +98,8 @@ static void check_walk(uint32_t seed, double roughness, enum cml_mesh_search sea
     assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, search, &surface, &err), CML_OK);
     const struct cml_mesh_surface *const meshes[] = {surface};
     const struct cml_surface surfaces[] = {{.kind = CML_SURFACE_MESH}};
+    const struct cml_medium media[] = {{.n = 1}};
+    walker.world.media = media;
     walker.world.meshes = meshes;
     walker.world.surfaces = surfaces;
     place(&dice, &walker);

@@ -180,7 +180,7 @@ static int hit(const struct subject *s, const struct ray *ray, int exact, struct
 
 static void begin(const struct subject *s, const struct ray *ray, struct cml_mesh_query *q)
 {
-    cml_query_begin(q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight, 0,
+    cml_query_begin(q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight,
                     ray->slack);
 }
 

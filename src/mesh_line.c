@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+#include "mesh_line.h"
+
+#include "predicate.h"
+#include "vec3.h"
+
+#include <math.h>
+
+void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q)
+{
+    *line = (struct cml_mesh_line){.q = q,
+                                   .near = 4 * q->reach,
+                                   .t = INFINITY,
+                                   .primitive = -1,
+                                   .back = INFINITY,
+                                   .exit_t = INFINITY,
+                                   .beside = INFINITY,
+                                   .exit = -1};
+}
+
+/* On which side of an edge the line passes; from the lower index to the higher, so that the triangles of an
+ * edge get opposite signs. */
+static int side_of_edge(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
+{
+    const double(*vertex)[3] = (const double(*)[3])q->body->mesh.vertex;
+    return i < j ? cml_line_side(vertex[i], vertex[j], q->origin, q->direction)
+                 : -cml_line_side(vertex[j], vertex[i], q->origin, q->direction);
+}
+
+/* +1 when the line crosses the triangle upwards, -1 downwards, else 0. */
+static int crosses(const struct cml_mesh_query *q, const uint32_t v[3])
+{
+    const int side = side_of_edge(q, v[0], v[1]);
+    return side_of_edge(q, v[1], v[2]) == side && side_of_edge(q, v[2], v[0]) == side ? side : 0;
+}
+
+/* Sine of the angle to a facet below which its plane does not tell well where it is met. */
+static const double grazing = 1e-3;
+
+/* Edges that the line passes at smaller angles, rad, do not tell where it is inside a triangle. */
+static const double parallel = 1e-6;
+
+/* Where the line, seen along the normal, is inside the triangle; everywhere if rounding leaves nothing. */
+static void find_chord(const struct cml_mesh_query *q, int primitive, double *first, double *last)
+{
+    const struct cml_mesh *mesh = &q->body->mesh;
+    *first = -INFINITY;
+    *last = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        const double *a = mesh->vertex[mesh->triangle[primitive][k]];
+        double edge[3], inwards[3], to_edge[3];
+        cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]], a, edge);
+        cml_vec3_cross(q->body->plane[primitive], edge, inwards);
+        cml_vec3_subtract(a, q->origin, to_edge);
+        const double speed = cml_vec3_dot(q->direction, inwards), t = cml_vec3_dot(to_edge, inwards) / speed;
+        const double least = parallel * sqrt(cml_vec3_dot(edge, edge));
+        if (speed > least) *first = fmax(*first, t);
+        if (speed < -least) *last = fmin(*last, t);
+    }
+    if (*first <= *last) return;
+    *first = -INFINITY;
+    *last = INFINITY;
+}
+
+/* Distance to the crossing of a triangle: nothing but the triangle itself says where a line that lies almost
+ * in its plane meets it. */
+static double distance_along(const struct cml_mesh_query *q, int primitive, double height)
+{
+    double first, last;
+    const double along = cml_vec3_dot(q->direction, q->body->plane[primitive]), t = height / along;
+    if (fabs(along) > grazing) return t;
+    find_chord(q, primitive, &first, &last);
+    return fmax(first, fmin(t, last));
+}
+
+static double distance_to_segment(const double a[3], const double b[3], const double p[3])
+{
+    double edge[3], off[3];
+    cml_vec3_subtract(b, a, edge);
+    cml_vec3_subtract(p, a, off);
+    const double s = cml_vec3_dot(edge, off) / cml_vec3_dot(edge, edge);
+    for (int k = 0; k < 3; k++) off[k] -= (s > 0 ? (s < 1 ? s : 1) : 0) * edge[k];
+    return sqrt(cml_vec3_dot(off, off));
+}
+
+static double distance_to_triangle(const struct cml_mesh_query *q, int primitive, const double p[3])
+{
+    const struct cml_mesh *mesh = &q->body->mesh;
+    const double *normal = q->body->plane[primitive];
+    double nearest = INFINITY;
+    bool above = true;
+    for (int k = 0; k < 3; k++) {
+        const double *a = mesh->vertex[mesh->triangle[primitive][k]],
+                     *b = mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]];
+        double edge[3], inwards[3], off[3];
+        cml_vec3_subtract(b, a, edge);
+        cml_vec3_subtract(p, a, off);
+        cml_vec3_cross(normal, edge, inwards);
+        above = above && cml_vec3_dot(off, inwards) >= 0;
+        nearest = fmin(nearest, distance_to_segment(a, b, p));
+    }
+    return above ? fabs(normal[3] - cml_vec3_dot(p, normal)) : nearest;
+}
+
+static bool leads_away(const struct cml_mesh_query *q, double along)
+{
+    return q->below ? along > 0 : along < 0;
+}
+
+/* A crossing ahead of the packet, and further than rounding: nearer ones count together, by what is beyond
+ * them, for a packet that crosses one of them may find itself before it again. */
+static void add_ahead(struct cml_mesh_line *line, int primitive, int way, double height, double t)
+{
+    if (!(t > line->q->reach)) return;
+    line->winding_ahead += way;
+    if (!leads_away(line->q, way)) {
+        line->back = fmin(line->back, fabs(height));
+    } else if (t < line->t) {
+        line->t = t;
+        line->primitive = primitive;
+    }
+}
+
+/* Where the line passes beside a facet that leads away from the packet's side. */
+static void add_exit(struct cml_mesh_line *line, int primitive, double height)
+{
+    const struct cml_mesh_query *q = line->q;
+    const double t = fmax(0, distance_along(q, primitive, height));
+    double place[3];
+    if (!(t <= line->exit_t + line->near)) return;
+    for (int k = 0; k < 3; k++) place[k] = q->origin[k] + t * q->direction[k];
+    const double beside = distance_to_triangle(q, primitive, place);
+    if (beside > line->near || t + beside >= line->exit_t + line->beside) return;
+    line->exit_t = t;
+    line->beside = beside;
+    line->exit = primitive;
+}
+
+void cml_line_add(struct cml_mesh_line *line, int primitive)
+{
+    const struct cml_mesh_query *q = line->q;
+    const struct cml_mesh *mesh = &q->body->mesh;
+    const uint32_t *v = mesh->triangle[primitive];
+    const double *a = mesh->vertex[v[0]], *b = mesh->vertex[v[1]], *c = mesh->vertex[v[2]];
+    const double *normal = q->body->plane[primitive];
+    double to_corner[3];
+    cml_vec3_subtract(a, q->origin, to_corner);
+    const double height = cml_vec3_dot(to_corner, normal);
+    const int way = crosses(q, v);
+    line->winding += way;
+    if (way * cml_plane_side(a, b, c, q->origin) > 0)
+        add_ahead(line, primitive, way, height, distance_along(q, primitive, height));
+    if (leads_away(q, cml_vec3_dot(q->direction, normal))) add_exit(line, primitive, height);
+}
+
+/* The outer plane is crossed where the sheet alone does not lead from one side to the other. */
+static void add_outer_plane(struct cml_mesh_line *line)
+{
+    const struct cml_mesh_query *q = line->q;
+    const double height = q->body->mesh.z_border - q->origin[2], uz = q->direction[2];
+    const int way = uz < 0 ? 1 : -1;
+    if (uz == 0) return;
+    if (line->winding != way) add_ahead(line, CML_OUTER_PLANE, way, height, height / uz);
+    const double t = fmax(0, height / uz), beside = height * uz < 0 ? fabs(height) : 0;
+    const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
+    if (!leads_away(q, way) || beside > line->near || t + beside >= line->exit_t + line->beside) return;
+    if (cml_query_inside_border(q, x, y, line->near) == 4) return;
+    line->exit_t = t;
+    line->beside = beside;
+    line->exit = CML_OUTER_PLANE;
+}
+
+/* Whether the packet's position, or what is just ahead of it, lies below the boundary. */
+static bool lies_below(const struct cml_mesh_line *line)
+{
+    const double uz = line->q->direction[2];
+    const bool ends_below = uz != 0 ? uz > 0 : line->q->origin[2] >= line->q->body->mesh.z_border;
+    return ends_below + line->winding_ahead > 0;
+}
+
+void cml_line_decide(struct cml_mesh_line *line, double t_max, struct cml_mesh_query *q)
+{
+    add_outer_plane(line);
+    if (lies_below(line) != (q->below != 0) && line->back > line->near && line->exit >= 0) {
+        line->t = line->exit_t;
+        line->primitive = line->exit;
+    }
+    const bool same_place = q->primitive >= 0 && fabs(fmax(q->t, 0) - line->t) <= q->reach;
+    if (line->primitive >= 0 && line->t < t_max && same_place) return;
+    q->t = t_max;
+    q->primitive = -1;
+    if (line->primitive >= 0 && line->t < t_max) cml_query_take_settled(q, line->primitive, line->t);
+}

@@ -1,0 +1,36 @@
+/* The whole line of a query against the whole boundary, with the signs of exact arithmetic: what is crossed
+ * in doubtful cases, beside edges and vertices, where rounding has a say in which facets a ray meets and on
+ * which side of them a packet stands.
+ * A line through a sheet that divides space crosses it alternately up and down. Where every sign is that of
+ * the same line, moved by less than any number, that holds for what is computed too: so the crossings ahead
+ * tell on which side the packet's rounded position lies. Where that is not the packet's side, it stands
+ * beyond a facet by rounding. Either it comes back through that facet, which is no crossing, or it heads out:
+ * through the first facet that its line passes by no more than rounding. SPDX-License-Identifier: MIT */
+#ifndef CML_MESH_LINE_H
+#define CML_MESH_LINE_H
+
+#include "mesh_query.h"
+
+struct cml_mesh_line {
+    const struct cml_mesh_query *q; /* borrowed */
+    double near; /* cm; what rounding can put between a packet and the facet it stands on */
+    int winding,
+        winding_ahead; /* facets crossed upwards less downwards: by the line, ahead beyond rounding */
+    double t;          /* distance of the first one ahead that leads away from the packet's side */
+    int primitive;     /* that facet; -1: none */
+    double back;       /* distance from the closest facet ahead that leads back to the packet's side */
+    double exit_t,
+        beside; /* where the line first passes beside a facet that leads away, and how far beside */
+    int exit;   /* that facet; -1: none is near the line */
+};
+
+/* Borrows q, which has gone through cml_query_begin. */
+void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q);
+
+/* Counts a triangle. All must be offered, each once, that the line meets or that lie near the packet. */
+void cml_line_add(struct cml_mesh_line *line, int primitive);
+
+/* What the packet crosses before t_max: makes it q's best, or leaves q's if that is the same place. */
+void cml_line_decide(struct cml_mesh_line *line, double t_max, struct cml_mesh_query *q);
+
+#endif

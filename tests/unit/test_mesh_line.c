@@ -1,0 +1,102 @@
+/* Queries beside vertices and edges: whatever rounding has done to a packet's position, a line that goes
+ * straight on must end on the side where it ends. SPDX-License-Identifier: MIT */
+#include "mesh_shapes.h"
+#include "predicate.h"
+#include "surface_mesh.h"
+#include "surface_hit.h"
+
+#include <float.h>
+
+enum { LINES = 20000, MOST_CROSSINGS = 100 };
+
+static struct patch patch;
+
+/* A vertex, or a place on an edge at it, a few roundings beside it; returns the triangle. */
+static int choose_place(struct dice *dice, double p[3])
+{
+    const int triangle = dice_below(dice, COUNT(patch.triangle));
+    const uint32_t *v = patch.triangle[triangle];
+    const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1]];
+    const double s = dice_below(dice, 2) ? dice_uniform(dice) : 0;
+    for (int k = 0; k < 3; k++) {
+        const double rounding = dice_below(dice, 2) ? 6e-8 * (fabs(a[k]) + 0.1) : 0;
+        p[k] = (float)(a[k] + s * (b[k] - a[k]) + dice_between(dice, -1, 1) * rounding);
+    }
+    return triangle;
+}
+
+/* As a packet between equal indices goes on from one crossing to the next. Returns whether it ends below. */
+static bool goes_straight_on(const struct cml_mesh_surface *surface, const double start[3], const double u[3],
+                             bool below, int standing_on)
+{
+    struct cml_mesh_crossing crossing;
+    double p[3] = {start[0], start[1], start[2]};
+    for (int n = 0; n < MOST_CROSSINGS; n++) {
+        const double slack = 4 * (double)FLT_EPSILON * (fabs(p[0]) + fabs(p[1]) + fabs(p[2]));
+        if (!cml_mesh_surface_hit(surface, p, u, below, INFINITY, standing_on, n > 0, n % 2, slack,
+                                  &crossing))
+            return below;
+        below = !below;
+        standing_on = crossing.primitive;
+        for (int k = 0; k < 3; k++) p[k] = (float)crossing.point[k];
+    }
+    fail_msg("%d crossings", MOST_CROSSINGS);
+    return below;
+}
+
+/* Its side is any at the start: rounding may have put it there from either. */
+static void a_straight_line_ends_where_it_ends(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(7);
+    int wrong = 0;
+    patch_make(&patch, 3, 0.05, 0, 0, 0);
+    struct cml_mesh mesh = patch_mesh(&patch);
+    struct cml_mesh_surface *surface = NULL;
+    struct cml_error err;
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_AUTO, &surface, &err), CML_OK);
+    for (int n = 0; n < LINES; n++) {
+        double p[3], u[3];
+        const int triangle = choose_place(&dice, p);
+        dice_direction(&dice, u);
+        for (int k = 0; k < 3; k++) u[k] = (float)u[k];
+        if (goes_straight_on(surface, p, u, dice_below(&dice, 2), triangle) != (u[2] > 0)) wrong++;
+    }
+    cml_mesh_surface_free(surface);
+    assert_int_equal(wrong, 0);
+}
+
+/* A line exactly through a vertex, or along an edge, passes the triangles there as one sheet. */
+static void signs_agree_at_a_vertex(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(8);
+    for (int n = 0; n < LINES; n++) {
+        const double o[3] = {dice_below(&dice, 5) - 2, dice_below(&dice, 5) - 2, dice_below(&dice, 5) - 5};
+        const double u[3] = {-o[0], -o[1], -o[2]}; /* through the vertex at 0 */
+        double rim[6][3];
+        int crossed = 0;
+        for (int k = 0; k < 6; k++) {
+            const double turn = 6.283185307179586 * k / 6;
+            rim[k][0] = round(4 * cos(turn)) + dice_below(&dice, 2);
+            rim[k][1] = round(4 * sin(turn)) + dice_below(&dice, 2);
+            rim[k][2] = 0;
+        }
+        const double tip[3] = {0, 0, 0};
+        for (int k = 0; k < 6; k++) {
+            const double *a = rim[k], *b = rim[(k + 1) % 6];
+            const int first = cml_line_side(tip, a, o, u), last = -cml_line_side(tip, b, o, u),
+                      rest = cml_line_side(a, b, o, u);
+            crossed += first == rest && last == rest;
+            assert_true(first != 0 && last != 0 && rest != 0 && cml_plane_side(tip, a, b, tip) != 0);
+        }
+        assert_int_equal(crossed, 1);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_straight_line_ends_where_it_ends),
+                                       cmocka_unit_test(signs_agree_at_a_vertex)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,4 +1,5 @@
-"""The atlas as a table: atlas_table.py FILE.csv. One row per situation and aim, one column per method."""
+"""The atlas as a table: atlas_table.py FILE.csv [--natural]. One row per situation and aim, one column per method; of
+natural flights one row per method, and what was found."""
 import csv
 import sys
 
@@ -24,9 +25,32 @@ def cell_text(cell):
     return ", ".join(found) or rate(0, crossings)
 
 
+def count(cells, key):
+    return sum(int(cell[key] or 0) for cell in cells)
+
+
+def natural_flights(cells):
+    found = {key: count(cells, key) for key in EVENTS}
+    print(f"{count(cells, 'crossings'):.3g} crossings of packets aimed at nothing in particular: lost {found['lost']}, "
+          f"on the wrong side {found['wrong'] + found['missed']}. The program's own flights are asked only for lost.\n")
+    print("| method | situations | crossings | " + " | ".join(EVENTS) + " |")
+    print("|---|---|---|" + "---|" * len(EVENTS))
+    for method in dict.fromkeys(cell["method"] for cell in cells):
+        row = [cell for cell in cells if cell["method"] == method and cell["status"] == "flown"]
+        events = " | ".join("-" if method == "program" and key != "lost" else str(count(row, key)) for key in EVENTS)
+        print(f"| {method} | {len(row)} | {count(row, 'crossings'):.3g} | {events} |")
+    for cell in cells:
+        events = ", ".join(f"{key} {cell[key]}" for key in EVENTS if int(cell[key] or 0))
+        if events or cell["status"] != "flown":
+            print(f"\n{cell['situation']}, {cell['method']}: {cell['status']}, {cell['crossings']} crossings, {events}")
+
+
 def main():
     with open(sys.argv[1], encoding="utf-8") as file:
         cells = list(csv.DictReader(file))
+    if "--natural" in sys.argv[2:]:
+        natural_flights(cells)
+        return
     rows, programs = {}, {}
     for cell in cells:
         if cell["method"] == "program":

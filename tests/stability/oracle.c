@@ -83,15 +83,24 @@ static void sort_into_cells(struct oracle *oracle)
     oracle->first[0] = 0;
 }
 
+static void reach_to(struct oracle *oracle, double z)
+{
+    oracle->highest = fmin(oracle->highest, z);
+    oracle->lowest = fmax(oracle->lowest, z);
+}
+
 void oracle_create(const struct cml_surface_def *def, struct oracle *oracle)
 {
-    *oracle = (struct oracle){.def = def};
+    *oracle = (struct oracle){.def = def, .highest = INFINITY, .lowest = -INFINITY};
+    if (def->kind == CML_AS_PLANE) reach_to(oracle, 0);
+    for (int i = 0; def->kind == CML_AS_CONE && i < def->num_rings; i++) reach_to(oracle, def->z[i]);
     if (def->kind != CML_AS_MESH) return;
     oracle->mesh = cml_mesh_surface_mesh(def->mesh, oracle->middle);
     const struct cml_mesh *mesh = oracle->mesh;
     const double root = sqrt((double)mesh->num_triangles);
     oracle->size = root < 8 ? 1 : (root < 1024 ? (int)root : 1024);
     double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    for (size_t i = 0; i < mesh->num_vertices; i++) reach_to(oracle, mesh->vertex[i][2] + oracle->middle[2]);
     for (size_t i = 0; i < mesh->num_vertices; i++)
         for (int axis = 0; axis < 2; axis++) {
             low[axis] = fmin(low[axis], mesh->vertex[i][axis]);
@@ -253,6 +262,8 @@ static bool near_rings(const struct cml_surface_def *def, const double q[3], dou
 
 bool oracle_below(const struct oracle *oracle, const double q[3])
 {
+    if (q[2] < oracle->highest) return false;
+    if (q[2] > oracle->lowest) return true;
     if (oracle->def->kind == CML_AS_MESH) return below_mesh(oracle, q);
     return q[2] > (oracle->def->kind == CML_AS_CONE ? depth_of_rings(oracle->def, hypot(q[0], q[1])) : 0);
 }

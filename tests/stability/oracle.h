@@ -15,6 +15,7 @@ struct oracle {
     double middle[3]; /* of the mesh's coordinates */
     double corner[2], per_cell[2], margin;
     int size;
+    double highest, lowest;  /* z of its topmost and its deepest point; above and below nothing is asked */
     uint32_t *first, *entry; /* [size * size + 1], [first[size * size]] */
 };
 

@@ -54,6 +54,29 @@ static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, 
     return !((least > CML_OF_MEDIUM(b, stop_above)[i]) & (most < CML_OF_MEDIUM(b, stop_below)[i]));
 }
 
+/* Whether lane i may meet a surface that is no plane before it interacts, s away. */
+static inline cml_u32 cml_lane_is_near_curved(const struct cml_bundle *b, int i)
+{
+    const int plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
+              plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
+    real least, most;
+    cml_depths_passed(b->z[i], b->uz[i], b->s[i], &least, &most);
+    return !((plane_above | (least > CML_OF_MEDIUM(b, stop_above)[i])) &
+             (plane_below | (most < CML_OF_MEDIUM(b, stop_below)[i])));
+}
+
+/* Mask of the lanes for which that is so. */
+CML_PASS uint64_t cml_bundle_near_curved(const struct cml_bundle *b)
+{
+    cml_u32 low = 0, high = 0;
+#pragma omp simd reduction(| : low, high)
+    for (int i = 0; i < 32; i++) {
+        low |= cml_lane_is_near_curved(b, i) << i;
+        high |= cml_lane_is_near_curved(b, i + 32) << i;
+    }
+    return (uint64_t)high << 32 | low;
+}
+
 /* Lanes first..first+15 that had their event: s, and INTERACT or NEAR. */
 CML_PASS void cml_bundle_fly_again(struct cml_bundle *b, int first)
 {

@@ -205,26 +205,11 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
     return tails;
 }
 
-/* Whether a lane may meet a surface that is no plane before it interacts. */
-static int cml_lane_is_near_curved(const struct cml_bundle *b, int i)
-{
-    const int plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
-              plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
-    real least, most;
-    cml_depths_passed(b->z[i], b->uz[i], b->s[i], &least, &most);
-    return !((plane_above | (least > CML_OF_MEDIUM(b, stop_above)[i])) &
-             (plane_below | (most < CML_OF_MEDIUM(b, stop_below)[i])));
-}
-
 /* Of the lanes near a boundary, those that the planes' loops cannot serve. */
 static uint64_t cml_exceptions(const struct cml_flight *f, uint64_t near, uint64_t tails)
 {
-    uint64_t exceptions = near & tails;
-    for (uint64_t rest = near & f->curved & ~tails; rest; rest &= rest - 1) {
-        const int i = __builtin_ctzll(rest);
-        if (cml_lane_is_near_curved(f->b, i)) exceptions |= CML_LANE_BIT(i);
-    }
-    return exceptions;
+    const uint64_t curved = near & f->curved & ~tails;
+    return (near & tails) | (curved ? curved & cml_bundle_near_curved(f->b) : 0);
 }
 
 /* Lanes near a boundary. The planes' loops take as long for one lane as for a group: a few lanes wait for

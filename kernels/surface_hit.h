@@ -160,12 +160,14 @@ struct cml_reach {
 CML_FN struct cml_reach cml_find_reach(const struct cml_world *world, int medium, struct cml_vec p,
                                        struct cml_vec u, real t_max)
 {
-    struct cml_reach reach = {0, 0, t_max, t_max};
-    if (medium > 0) reach.above = cml_can_meet(world, &world->surfaces[medium - 1], p, u, 1, &reach.t_above);
+    int above = 0, below = 0;
+    real t_above = t_max, t_below = t_max;
+    if (medium > 0) above = cml_can_meet(world, &world->surfaces[medium - 1], p, u, 1, &t_above);
     if (medium <= world->setup.num_layers) {
         p.z -= world->media[medium].span;
-        reach.below = cml_can_meet(world, &world->surfaces[medium], p, u, -1, &reach.t_below);
+        below = cml_can_meet(world, &world->surfaces[medium], p, u, -1, &t_below);
     }
+    const struct cml_reach reach = {above, below, t_above, t_below}; /* filled at once: it is loaded as one */
     return reach;
 }
 

@@ -36,9 +36,11 @@ static cml_status trace_scene(const struct cml_options *options, const struct cm
                               uint64_t photon, struct cml_error *err)
 {
     struct cml_surface_set surfaces;
+    struct cml_engine_options engine_options = options->engine_options;
     void *engine = NULL;
+    engine_options.run = (uint32_t)options->run - 1;
     CML_TRY(cml_surfaces_create(scene, &options->surface, &surfaces, err));
-    cml_status status = options->engine->open(scene, &surfaces, &options->engine_options, &engine, err);
+    cml_status status = options->engine->open(scene, &surfaces, &engine_options, &engine, err);
     if (status == CML_OK) status = trace(options, scene, engine, photon, err);
     options->engine->close(engine);
     cml_surfaces_free(&surfaces);
@@ -53,7 +55,12 @@ cml_status cml_command_trace(const struct cml_options *options, struct cml_error
                         options->operands[1]);
     struct cml_scene_list list;
     CML_TRY(cml_load_scenes(options, &list, err));
-    const cml_status status = trace_scene(options, &list.scenes[0], photon, err);
+    cml_status status = CML_OK;
+    if (options->run > (uint64_t)list.count)
+        status = cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
+                          (unsigned long long)options->run, list.count, options->operands[0]);
+    else
+        status = trace_scene(options, &list.scenes[options->run - 1], photon, err);
     cml_scene_list_clear(&list);
     return status;
 }

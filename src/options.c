@@ -10,6 +10,7 @@
 enum option_key {
     KEY_PHOTONS = 256,
     KEY_SEED,
+    KEY_RUN,
     KEY_THREADS,
     KEY_CHUNK,
     KEY_ENGINE,
@@ -45,6 +46,7 @@ enum option_key {
 static const struct option long_options[] = {
     {"photons", required_argument, NULL, KEY_PHOTONS},
     {"seed", required_argument, NULL, KEY_SEED},
+    {"run", required_argument, NULL, KEY_RUN},
     {"threads", required_argument, NULL, KEY_THREADS},
     {"chunk", required_argument, NULL, KEY_CHUNK},
     {"engine", required_argument, NULL, KEY_ENGINE},
@@ -85,7 +87,8 @@ static const char help[] =
     "       clustermcml check scene.mci [options]     parse, validate, show boundaries and memory; "
     "fly nothing\n"
     "       clustermcml mesh scene.mci -o DIR         write every boundary as OBJ at the tolerance\n"
-    "       clustermcml trace scene.mci N [options]   every event of photon N as a table\n"
+    "       clustermcml trace scene.mci N [--run K]   every event of photon N (of run K of the file) as a "
+    "table\n"
     "       clustermcml crosscheck scene.mci [options]   cones, mesh, OpenCL on the same photons\n"
     "       clustermcml devices                       OpenCL devices, this machine's cores, Embree\n"
     "       clustermcml compare a.mco b.mco [-o f.svg]    z per bin, Sidak-corrected p-value; exit 1 "
@@ -97,6 +100,7 @@ static const char help[] =
     "simulation\n"
     "  --photons N            instead of the file's number; 1e7 reads as ten million\n"
     "  --seed N               default 1; the same seed gives the same bits on any number of threads\n"
+    "  --run K                for trace: the file's run that the photon belongs to, from 1 (default)\n"
     "  --target-error E       fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt "
     "is "
     "below E\n"
@@ -194,6 +198,8 @@ static cml_status parse_machine(int key, const char *value, struct cml_options *
         return count("photons", value, 1, (uint64_t)1 << 48, &options->photons, err);
     case KEY_SEED:
         return count("seed", value, 0, (uint64_t)1 << 53, &options->engine_options.seed, err);
+    case KEY_RUN:
+        return count("run", value, 1, UINT32_MAX, &options->run, err);
     case KEY_CHUNK:
         return count("chunk", value, 1, CML_TALLY_MAX_PHOTONS, &options->engine_options.chunk, err);
     case KEY_THREADS:
@@ -295,6 +301,7 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     switch (key) {
     case KEY_PHOTONS:
     case KEY_SEED:
+    case KEY_RUN:
     case KEY_THREADS:
     case KEY_CHUNK:
     case KEY_ENGINE:
@@ -341,6 +348,7 @@ static void set_defaults(struct cml_options *options)
     *options = (struct cml_options){.engine = &cml_engine_cpu};
     options->alpha = 0.01;
     options->engine_options.seed = 1;
+    options->run = 1;
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
     options->checkpoint_interval = 60;

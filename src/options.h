@@ -12,6 +12,7 @@ struct cml_options {
     struct cml_engine_options engine_options;
     struct cml_surface_options surface;
     uint64_t photons; /* 0: as the .mci says */
+    uint64_t run;     /* of the file, from 1, for `trace` */
     bool ignore_heightfields;
     double target_error;        /* 0: none */
     double checkpoint_interval; /* s; 0: no checkpoints */

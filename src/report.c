@@ -39,7 +39,7 @@ static void print_total(FILE *stream, const char *name, const struct cml_result 
 }
 
 /* What happened that should be rare: one line each, only when it did. */
-static void print_rarities(FILE *stream, const struct cml_result *result)
+static void print_rarities(FILE *stream, const struct cml_result *result, uint32_t run_index)
 {
     static const struct {
         enum cml_count count;
@@ -56,7 +56,8 @@ static void print_rarities(FILE *stream, const struct cml_result *result)
         if (result->count[rarities[i].count] > 0)
             fprintf(stream, "  %.0f %s\n", (double)result->count[rarities[i].count], rarities[i].text);
     for (int i = 0; i < result->lost.count; i++)
-        fprintf(stream, "  lost: clustermcml trace ... %llu\n", (unsigned long long)result->lost.index[i]);
+        fprintf(stream, "  lost: clustermcml trace ... %llu --run %u\n",
+                (unsigned long long)result->lost.index[i], run_index + 1);
     const double overflow = cml_result_share(result, CML_BOOK_OVERFLOW_R);
     if (overflow > 0)
         fprintf(stream, "  %.4g of the weight was scored beyond r = nr dr, in the last bin\n", overflow);
@@ -79,7 +80,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_residue(result),
             cml_result_share(result, CML_BOOK_GAINED), cml_result_share(result, CML_BOOK_ROULETTE),
             (unsigned long long)cml_result_lost(result));
-    print_rarities(stream, result);
+    print_rarities(stream, result, report->run_index);
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps, %.3g ns/step on %d thread%s\n", seconds,
             (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->run->threads,
             report->run->threads == 1 ? "" : "s");

@@ -141,12 +141,11 @@ static cml_status check_scene(const struct cml_options *options, struct cml_scen
                               struct cml_error *err)
 {
     struct cml_surface_set chosen, meshes;
-    struct cml_surface_options as_cones = options->surface, as_mesh = options->surface;
-    as_cones.no_mesh = true;
+    struct cml_surface_options as_mesh = options->surface;
     as_mesh.force = CML_AS_MESH;
     scene->map = (struct cml_map_def){0};
     scene->facets = false;
-    CML_TRY(cml_surfaces_create(scene, &as_cones, &chosen, err));
+    CML_TRY(cml_surfaces_create(scene, &options->surface, &chosen, err));
     cml_status status = cml_surfaces_create(scene, &as_mesh, &meshes, err);
     if (status == CML_OK) {
         status = check_surfaces(options, scene, index, &chosen, &meshes, err);

@@ -381,7 +381,6 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
             return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", word);
         CML_TRY(parse_one(key, optarg, options, err));
     }
-    options->surface.no_mesh = options->engine == &cml_engine_opencl;
     options->operands = argv + optind;
     options->num_operands = argc - optind;
     return CML_OK;

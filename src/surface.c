@@ -118,20 +118,12 @@ static cml_status represent_best(const struct cml_scene *scene, const struct cml
                                  struct cml_surface_def *def, struct cml_error *err)
 {
     const struct cml_surface_options own = options_for(scene, options);
-    char reason[sizeof def->reason];
     double mut[2];
     read_mut(scene, boundary, mut);
-    switch (cml_choose_radial(merged, mut, &own, &def->expectation)) {
-    case CML_AS_PLANE:
-        make_plane(boundary->z - merged->h[merged->n - 1], "radial heightfield: effect below the tolerance",
-                   def);
-        return CML_OK;
-    case CML_AS_MESH:
-        snprintf(reason, sizeof reason, "radial heightfield: costs less than its %d rings", merged->n);
-        return make_tessellated(merged, boundary->z, scene, options, reason, def, err);
-    default:
+    if (cml_choose_radial(merged, mut, &own, &def->expectation) == CML_AS_CONE)
         return make_cones(merged, boundary->radial.n, boundary->z, def, err);
-    }
+    make_plane(boundary->z - merged->h[merged->n - 1], "radial heightfield: effect below the tolerance", def);
+    return CML_OK;
 }
 
 static cml_status represent_field(const struct cml_scene *scene, const struct cml_boundary *boundary,

@@ -14,14 +14,11 @@ static double bias_per_deviation(const struct cml_tessellation *tessellation)
     return of[tessellation->normals][tessellation->inscribed];
 }
 
-/* Time, from the same reading ("cost"). A query marches over the rings that it passes; Embree's costs more to
- * begin with and hardly grows. A mesh must also be built, which counts as spread over QUERIES. */
-#define CONE_NS 180.0
-#define RING_NS 0.19
-#define MESH_NS 740.0
-#define BUILD_NS 1800.0    /* per triangle */
-#define QUERIES 1e7        /* of a run of millions of packets */
-#define MOST_TRIANGLES 4e6 /* more would take GiB and minutes, whatever their queries save */
+/* Time, from the same reading ("a query costs"). Cones cost less than their tessellation from one ring to
+ * 1e4, and have no bias to pay for: a radial field is a mesh only where it is forced to be one. */
+#define CONE_NS 160.0
+#define RING_NS 0.02
+#define MESH_NS 590.0
 
 struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options)
 {
@@ -50,14 +47,6 @@ static double plane_bias(const struct cml_radial *radial, const double mut[2])
     return cml_choice_plane_bias(height, steepest, fmax(mut[0], mut[1]));
 }
 
-/* Rings that a ray passes: all of them where it flies free, those within a free path in a dense medium; half
- * of the rays are on either side. */
-static double rings_passed(const struct cml_radial *radial, const double mut[2])
-{
-    const double radius = radial->r[radial->n - 1];
-    return 0.5 * radial->n * (1 / fmax(1, mut[0] * radius) + 1 / fmax(1, mut[1] * radius));
-}
-
 struct cml_expectation cml_choice_expect_mesh(void)
 {
     return (struct cml_expectation){.query_ns = MESH_NS};
@@ -67,8 +56,7 @@ struct cml_expectation cml_choice_expect(enum cml_representation kind, const str
                                          const double mut[2], const struct cml_surface_options *options)
 {
     if (kind == CML_AS_PLANE) return (struct cml_expectation){.bias = plane_bias(radial, mut)};
-    if (kind == CML_AS_CONE)
-        return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * rings_passed(radial, mut)};
+    if (kind == CML_AS_CONE) return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * radial->n};
     const struct cml_tessellation tessellation = cml_choice_tessellation(options);
     struct cml_expectation expectation = cml_choice_expect_mesh();
     expectation.deviation = tessellation.tolerance;
@@ -78,26 +66,12 @@ struct cml_expectation cml_choice_expect(enum cml_representation kind, const str
     return expectation;
 }
 
-/* Cones have no bias to spend, so a mesh, which has, must pay: its building too. */
-static bool mesh_pays(const struct cml_radial *radial, double cone_ns, double mesh_ns,
-                      const struct cml_surface_options *options)
-{
-    if (cone_ns <= mesh_ns) return false; /* before triangles are counted */
-    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
-    const double triangles = cml_tessellation_triangles(radial, &tessellation);
-    return triangles <= MOST_TRIANGLES && mesh_ns + BUILD_NS * triangles / QUERIES < cone_ns;
-}
-
 enum cml_representation cml_choose_radial(const struct cml_radial *radial, const double mut[2],
                                           const struct cml_surface_options *options,
                                           struct cml_expectation *expectation)
 {
     *expectation = cml_choice_expect(CML_AS_PLANE, radial, mut, options);
     if (options->may_flatten && expectation->bias <= options->tolerance) return CML_AS_PLANE;
-    const struct cml_expectation mesh = cml_choice_expect(CML_AS_MESH, radial, mut, options);
     *expectation = cml_choice_expect(CML_AS_CONE, radial, mut, options);
-    if (options->no_mesh || !(options->tolerance > 0) || mesh.bias > options->tolerance) return CML_AS_CONE;
-    if (!mesh_pays(radial, expectation->query_ns, mesh.query_ns, options)) return CML_AS_CONE;
-    *expectation = mesh;
-    return CML_AS_MESH;
+    return CML_AS_CONE;
 }

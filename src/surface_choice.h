@@ -15,9 +15,8 @@ struct cml_surface_options {
         force; /* CML_AS_AUTO: choose; CML_AS_CONE leaves meshes meshes and planes planes */
     struct cml_tessellation tessellation;
     double tolerance; /* relative bias asked of totals and profiles; tessellation.tolerance follows from it.
-                       * 0: tessellation.tolerance counts as it stands, and cones stay cones */
+                       * 0: tessellation.tolerance counts as it stands */
     enum cml_mesh_search search;
-    bool no_mesh;     /* the engine flies none: fields that are not forced to be meshes are cones */
     bool may_flatten; /* a surface whose effect is expected below the tolerance may become a plane */
 };
 
@@ -44,8 +43,8 @@ struct cml_expectation cml_choice_expect(enum cml_representation kind, const str
 /* Of a triangle mesh as the user gave it. */
 struct cml_expectation cml_choice_expect_mesh(void);
 
-/* CML_AS_PLANE, CML_AS_CONE or CML_AS_MESH for a merged, curved field (radial->n >= 2); *expectation is that
- * of the choice. options->force is CML_AS_AUTO. */
+/* CML_AS_PLANE or CML_AS_CONE for a merged, curved field (radial->n >= 2); *expectation is that of the
+ * choice. options->force is CML_AS_AUTO. */
 enum cml_representation cml_choose_radial(const struct cml_radial *radial, const double mut[2],
                                           const struct cml_surface_options *options,
                                           struct cml_expectation *expectation);

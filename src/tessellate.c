@@ -226,16 +226,6 @@ static void put_all(const struct rings *rings, struct cml_mesh *mesh)
     for (int i = 1; i + 1 < rings->radial->n; i++) put_strip(rings, i, mesh);
 }
 
-double cml_tessellation_triangles(const struct cml_radial *radial, const struct cml_tessellation *options)
-{
-    const struct rings rings = {radial, options, malloc((size_t)radial->n * sizeof(double)), NULL};
-    struct cml_error refusal;
-    double triangles = INFINITY;
-    if (rings.segments && plan(&rings, &triangles, &refusal) != CML_OK) triangles = INFINITY;
-    free(rings.segments);
-    return triangles;
-}
-
 static cml_status make(struct rings *rings, struct cml_mesh *mesh, struct cml_error *err)
 {
     const size_t n = (size_t)rings->radial->n;

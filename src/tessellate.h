@@ -26,7 +26,4 @@ CML_NODISCARD cml_status cml_tessellate(const struct cml_radial *radial,
                                         const struct cml_tessellation *options, struct cml_mesh *mesh,
                                         struct cml_error *err);
 
-/* How many triangles that would be; infinite where it would be refused. */
-double cml_tessellation_triangles(const struct cml_radial *radial, const struct cml_tessellation *options);
-
 #endif

@@ -169,7 +169,7 @@ def reading(header, rows):
                 resolved(single), single["scene"], min(flat), max(flat), min(faster), max(faster)),
             *bias_rules(rows),
             "- A mesh at the default tolerance takes %.1f to %.1f times the cones' time per step; a query costs %.0f ns + %.2f ns "
-            "per ring passed (cones), %.0f ns (mesh)." % (min(ratios), max(ratios), *cost(rows)),
+            "per ring (cones), %.0f ns (mesh)." % (min(ratios), max(ratios), *cost(rows)),
             kept(rows), gain(rows), knees(rows), packets(rows),
             "- Lost packets: %d in %.2g crossings of all cases; the worst case %s %s has %.3g per 1e9." % (
                 sum(int(row["lost"]) for row in rows), sum(number(row, "crossings") for row in rows), failing["scene"],

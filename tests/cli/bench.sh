@@ -39,7 +39,7 @@ expect_refusal "none.csv: cannot be read" bench/accuracy.sh --draw none.csv "$wo
 
 # the chart of a result: three panels per scene, and small enough to keep
 if command -v gnuplot >/dev/null; then
-    csv=bench/results/accuracy-quick-amd-epyc-2core.csv
+    csv=bench/results/accuracy-amd-epyc-2core.csv
     sh bench/accuracy.sh --draw $csv "$work/chart.svg" >"$work/out" 2>&1 || complain "accuracy.sh --draw: $(cat "$work/out")"
     python3 - "$work/chart.svg" <<'END' || complain "accuracy.sh --draw: wrong chart"
 import sys

@@ -66,13 +66,8 @@ CML_FN void cml_load_medium(const struct cml_world *world, struct cml_flight *f,
     l->stop_below[i] = below;
 }
 
-/* The packet into its lane. */
-CML_FN void cml_load_lane(const struct cml_world *world, struct cml_flight *f, cml_u32 i)
+CML_FN void cml_store_ray(struct cml_lanes *l, cml_u32 i, const struct cml_packet *packet)
 {
-    struct cml_lanes *l = &f->lanes;
-    const struct cml_packet *packet = &f->packets[i];
-    l->index_low[i] = (cml_u32)packet->index;
-    l->index_high[i] = (cml_u32)(packet->index >> 32);
     l->x[i] = packet->p.x;
     l->y[i] = packet->p.y;
     l->z[i] = packet->p.z;
@@ -80,6 +75,16 @@ CML_FN void cml_load_lane(const struct cml_world *world, struct cml_flight *f, c
     l->uy[i] = packet->u.y;
     l->uz[i] = packet->u.z;
     l->tau[i] = packet->tau;
+}
+
+/* The packet into its lane. */
+CML_FN void cml_load_lane(const struct cml_world *world, struct cml_flight *f, cml_u32 i)
+{
+    struct cml_lanes *l = &f->lanes;
+    const struct cml_packet *packet = &f->packets[i];
+    l->index_low[i] = (cml_u32)packet->index;
+    l->index_high[i] = (cml_u32)(packet->index >> 32);
+    cml_store_ray(l, i, packet);
     l->w[i] = l->marked[i] = packet->w;
     l->interactions[i] = packet->interactions;
     l->touched[i] = packet->interactions - (packet->bounces == 0);
@@ -109,13 +114,7 @@ CML_FN void cml_store_event(const struct cml_world *world, struct cml_flight *f,
 {
     struct cml_lanes *l = &f->lanes;
     const struct cml_packet *packet = &f->packets[i];
-    l->x[i] = packet->p.x;
-    l->y[i] = packet->p.y;
-    l->z[i] = packet->p.z;
-    l->ux[i] = packet->u.x;
-    l->uy[i] = packet->u.y;
-    l->uz[i] = packet->u.z;
-    l->tau[i] = packet->tau;
+    cml_store_ray(l, i, packet);
     l->touched[i] = packet->interactions;
     if (packet->medium != medium) cml_load_medium(world, f, i);
 }

@@ -128,11 +128,11 @@ static void find_weights(const struct cml_mesh_query *q, int facet, double t, do
     for (int k = 0; k < 3; k++) weight[k] /= sum;
 }
 
-static void take(struct cml_mesh_query *q, uint32_t facet, double t)
+static void take(struct cml_mesh_query *q, uint32_t facet, const double plane[4], double t)
 {
     double weight[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
     if (q->body->mesh.normals == CML_NORMALS_VERTEX) find_weights(q, (int)facet, t, weight);
-    cml_query_take_inside(q, (int)facet, t, weight);
+    cml_query_take_inside(q, (int)facet, plane, t, weight);
 }
 
 static enum verdict look(const struct course *c, const int place[2], size_t at_cell, struct part part)
@@ -147,7 +147,10 @@ static enum verdict look(const struct course *c, const int place[2], size_t at_c
     if (south == OPEN || north == OPEN) return OPEN;
     if (south == MISSED && north == MISSED) return MISSED;
     const bool take_south = south == HIT && !(north == HIT && t_north < t);
-    take(c->q, (take_south ? cell.south : cell.north) & ~CML_LATTICE_FALLING, take_south ? t : t_north);
+    if (take_south)
+        take(c->q, cell.south & ~CML_LATTICE_FALLING, planes->south, t);
+    else
+        take(c->q, cell.north & ~CML_LATTICE_FALLING, planes->north, t_north);
     return HIT;
 }
 

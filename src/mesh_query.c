@@ -300,7 +300,8 @@ double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, d
     return (plane[3] - cml_vec3_dot(q->origin, plane)) / *along;
 }
 
-void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
+void cml_query_take_inside(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
+                           const double weight[3])
 {
     if (!(t < q->t)) return;
     q->t = t;
@@ -308,7 +309,7 @@ void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, co
     q->on_seam = false;
     q->open = 0;
     for (int k = 0; k < 3; k++) {
-        q->seam[k] = q->body->plane[primitive][k];
+        q->seam[k] = normal[k];
         q->weight[k] = weight[k];
     }
 }

@@ -78,8 +78,10 @@ void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const dou
 /* Distance to the plane of a facet; *along is the product of direction and upward unit normal. */
 double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, double *along);
 
-/* As cml_query_take for a crossing that lies clearly inside its triangle. */
-void cml_query_take_inside(struct cml_mesh_query *q, int primitive, double t, const double weight[3]);
+/* As cml_query_take for a crossing that lies clearly inside its triangle, whose unit normal (up) the caller
+ * has. */
+void cml_query_take_inside(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
+                           const double weight[3]);
 
 /* Makes a primitive the best, at distance t, whatever was the best before. */
 void cml_query_take_settled(struct cml_mesh_query *q, int primitive, double t);

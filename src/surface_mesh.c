@@ -185,7 +185,7 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
     const bool inside = u > clearly_inside && v > clearly_inside && w > clearly_inside;
     const double weight[3] = {w, u, v};
     if (found && inside && fabs(along) > grazing)
-        cml_query_take_inside(q, (int)rayhit.hit.primID, t, weight);
+        cml_query_take_inside(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
     else if (found || !(q->t < INFINITY) || cml_query_at_border(q))
         query_exact(surface, query);
 }

@@ -114,12 +114,13 @@ CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_rings rings, cons
 /* Whether the ray goes below the real nappe of ring i and comes up again, deepest in (t0, t1). A < 0 puts
  * both roots on one nappe; the middle between them counts, because a root itself may lie on the span's end.
  */
-CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1)
+CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
+                         real *middle)
 {
     const struct cml_cone_quadratic q = cml_ring_quadratic(rings, ray, i);
     if (!(q.A < 0)) return 0;
-    const real middle = -q.B / q.A;
-    return middle > t0 && middle < t1 && q.D >= 0 && rings.slope[i] * (q.w + middle * ray->u.z) > 0;
+    *middle = -q.B / q.A;
+    return *middle > t0 && *middle < t1 && q.D >= 0 && rings.slope[i] * (q.w + *middle * ray->u.z) > 0;
 }
 
 /* The only root of ring i's cone at which the ray leaves its side: of the two roots the one where side * f
@@ -161,10 +162,11 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
 CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next,
                          int standing, real t0, real t1, real *t)
 {
-    real root;
+    real root, middle;
     if (!(cml_ring_height(rings, ray, i, next, t1) < 0)) {
         const int convex = ray->side * rings.slope[i] < 0;
-        if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1)) return 0;
+        if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1, &middle)) return 0;
+        t1 = middle; /* the crossing is on the way down; where a ray just touches, Newton would go anywhere */
     }
     if (!cml_ring_root(rings, ray, i, standing, &root)) return 0;
     if (standing && !(root >= 0 && root <= t1))

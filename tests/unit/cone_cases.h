@@ -141,6 +141,28 @@ static void a_ray_dips_into_a_flank_misses_it_or_touches_it(void **state)
     if (touch.hit) assert_near("touching point", touch.t, 3, 8 * sqrt(eps));
 }
 
+/* A ray that dips below the flank by a rounding or two: where it touches, its height hardly changes, and a
+ * Newton step from there once ended 0.04 cm off. */
+static void a_ray_that_just_touches_a_flank_hits_it_there(void **state)
+{
+    (void)state;
+    static const double r[] = {0, 0.05}, z[] = {0.5, 0};
+    const struct field pit = field_of(2, r, z);
+    const struct cml_vec u = {(real)0.762428045, (real)-0.0645453781, (real)0.643845797};
+    int hits = 0;
+    for (int n = -2000; n < 2000; n++) {
+        const struct cml_vec p = {(real)-0.0107101016, (real)0.0128574641, (real)(0.371447951 + n * 3e-8)};
+        real t;
+        int ring;
+        if (!cml_cone_hit(rings_of(&pit), p, u, (real)BELOW, 0, CML_INFINITY, -1, &t, &ring)) continue;
+        const double x = (double)p.x + (double)t * (double)u.x, y = (double)p.y + (double)t * (double)u.y;
+        const double depth = (double)p.z + (double)t * (double)u.z;
+        assert_near("height", depth, 0.5 - 10 * hypot(x, y), 1e-5);
+        hits++;
+    }
+    assert_true(hits > 0 && hits < 4000);
+}
+
 static void a_root_on_a_shared_ring_is_found_once(void **state)
 {
     (void)state;
@@ -335,6 +357,7 @@ int main(void)
         cmocka_unit_test(a_ray_that_ends_on_the_axis_under_the_tip_has_hit),
         cmocka_unit_test(a_horizontal_ray_enters_and_leaves_a_hill),
         cmocka_unit_test(a_ray_dips_into_a_flank_misses_it_or_touches_it),
+        cmocka_unit_test(a_ray_that_just_touches_a_flank_hits_it_there),
         cmocka_unit_test(a_root_on_a_shared_ring_is_found_once),
         cmocka_unit_test(a_packet_that_stands_on_a_ring_leaves_it),
         cmocka_unit_test(a_packet_that_stands_in_a_hollow_hits_the_same_ring_again),

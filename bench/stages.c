@@ -8,7 +8,20 @@
 #include <stdio.h>
 #include <time.h>
 
-enum stage { DRAW, FLY, INTERACT, SCATTER, INTERACT_NONE, REACH, TURN, BEHIND, STAGES };
+enum stage {
+    DRAW,
+    FLY,
+    INTERACT,
+    SCATTER,
+    INTERACT_NONE,
+    REACH,
+    TURN,
+    BEHIND,
+    FLY_AGAIN,
+    EXIT,
+    LAUNCH,
+    STAGES
+};
 static const char *const names[STAGES] = {
     [DRAW] = "draw: the block of the next interaction",
     [FLY] = "fly: optical depth, distance, nearness",
@@ -18,14 +31,23 @@ static const char *const names[STAGES] = {
     [REACH] = "reach planes (every lane is at one)",
     [TURN] = "turn: Fresnel, reflect, refract (every lane)",
     [BEHIND] = "look behind the plane (every lane)",
+    [FLY_AGAIN] = "fly again, after a plane (every lane)",
+    [EXIT] = "exit: collect the packet, its bins, books and squares (every lane)",
+    [LAUNCH] = "launch (every lane)",
 };
-enum { PASS = SCATTER + 1, CELLS = 52 * 202 };
+enum { PASS = SCATTER + 1, CELLS = 52 * 202, EXIT_CELLS = 51 * 30 };
 
 static struct cml_bundle bundle;
-static struct cml_setup setup = {
-    .num_layers = 1, .nr = 50, .nz = 200, .na = 30, .per_dr = 100, .per_dz = 100};
-static uint64_t A_rz[CELLS];
-static const struct cml_tally tally = {.grid.absorption = true, .A_rz = A_rz};
+static struct cml_world world = {
+    .setup = {.num_layers = 1, .nr = 50, .nz = 200, .na = 30, .per_dr = 100, .per_dz = 100, .per_da = 19}};
+static uint64_t cells[3 + 2 * EXIT_CELLS + CELLS];
+static struct cml_tally tally = {.grid.absorption = true,
+                                 .A_l = cells,
+                                 .Rd_ra = cells + 3,
+                                 .Tt_ra = cells + 3 + EXIT_CELLS,
+                                 .A_rz = cells + 3 + 2 * EXIT_CELLS};
+static struct cml_flight flight = {
+    .world = &world, .b = &bundle, .tally = &tally, .pencil = 1, .live = ~(uint64_t)0};
 static volatile cml_u32 sink;
 
 static double now(void)
@@ -50,6 +72,7 @@ static void fill_bundle(void)
                                            .stop_below = 1e9f};
     const real *row = &medium.mut;
     bundle.lanes = CML_LANES;
+    flight.start = (struct cml_packet){.u = {0, 0, 1}, .w = CML_WEIGHT_ONE, .medium = 1, .entered = 1};
     for (int i = 0; i < CML_LANES; i++) {
         bundle.uz[i] = 1;
         bundle.z[i] = 0.5f;
@@ -68,22 +91,27 @@ static void set_task(int task)
 
 static void interact(const int tally_cells)
 {
-    sink = (cml_u32)(tally_cells ? cml_bundle_interact(&setup, &bundle, 1, 1)
-                                 : cml_bundle_interact(&setup, &bundle, 1, 0));
+    sink = (cml_u32)(tally_cells ? cml_bundle_interact(&world.setup, &bundle, 1, 1)
+                                 : cml_bundle_interact(&world.setup, &bundle, 1, 0));
 }
 
-static void run_group_stage(int stage, int first)
+static void exit_lanes(void)
 {
-    if (stage == REACH) sink = (cml_u32)cml_bundle_reach_planes(&bundle, first);
-    if (stage == TURN) cml_bundle_turn(&setup, &bundle, first);
-    if (stage == BEHIND) sink = cml_bundle_look_behind(&setup, &bundle, first);
+    for (int first = 0; first < CML_LANES; first += CML_GROUP) cml_exit_group(&flight, first, CML_GROUP_MASK);
+}
+
+static void launch_lanes(void)
+{
+    flight.left = UINT64_MAX;
+    flight.ended = ~(uint64_t)0;
+    cml_refill(&flight);
 }
 
 static void run_stage(int stage)
 {
     switch (stage) {
     case DRAW:
-        cml_bundle_draw(&setup, &bundle);
+        cml_bundle_draw(&world.setup, &bundle);
         break;
     case FLY:
         sink = (cml_u32)cml_bundle_fly(&bundle);
@@ -97,8 +125,23 @@ static void run_stage(int stage)
     case SCATTER:
         cml_scatter_deposits(&bundle, &tally);
         break;
+    case REACH:
+        sink = (cml_u32)cml_bundle_reach_planes(&bundle, 0, CML_LANES);
+        break;
+    case TURN:
+        cml_bundle_turn(&world.setup, &bundle, 0, CML_LANES);
+        break;
+    case BEHIND:
+        sink = (cml_u32)cml_bundle_look_behind(&world.setup, &bundle, 0, CML_LANES);
+        break;
+    case FLY_AGAIN:
+        cml_bundle_fly_again(&bundle, 0, CML_LANES);
+        break;
+    case EXIT:
+        exit_lanes();
+        break;
     default:
-        for (int first = 0; first < CML_LANES; first += CML_GROUP) run_group_stage(stage, first);
+        launch_lanes();
     }
 }
 

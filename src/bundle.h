@@ -21,6 +21,7 @@ enum cml_lane_task {
     CML_LANE_TURN,     /* at a plane between unequal indices */
     CML_LANE_REFLECTED,
     CML_LANE_TRANSMITTED,
+    CML_LANE_EXITS,    /* goes on into an outer medium */
     CML_LANE_NOWHERE,  /* meets no plane and never interacts, or is not a number */
     CML_LANE_DONE,     /* had its event: to be flown */
     CML_LANE_ENDED,    /* its packet has, until the lane is refilled */

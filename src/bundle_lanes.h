@@ -3,7 +3,7 @@
 #ifndef CML_BUNDLE_LANES_H
 #define CML_BUNDLE_LANES_H
 
-#include "bundle.h"
+#include "bundle_masks.h"
 #include "packet_ends.h"
 
 #include <stddef.h>
@@ -51,7 +51,6 @@ struct cml_flight {
     int aimed;                           /* then all of them meet `first`, above the material */
     struct cml_hit first;
     uint64_t live, ended;         /* masks of lanes: that hold packets; whose packet is finished */
-    uint64_t loaded;              /* mask of lanes whose columns of a medium are sound */
     uint64_t curved;              /* mask of lanes with a boundary that is no plane */
     uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */
     const struct cml_range_source *source;
@@ -193,13 +192,10 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
 /* Mask of the lanes with a task. */
 static uint64_t cml_lanes_with(const struct cml_bundle *b, int task)
 {
-    cml_u32 low = 0, high = 0;
-#pragma omp simd reduction(| : low, high)
-    for (int i = 0; i < 32; i++) {
-        low |= (cml_u32)(b->task[i] == task) << i;
-        high |= (cml_u32)(b->task[i + 32] == task) << i;
-    }
-    return (uint64_t)high << 32 | low;
+    uint64_t mask = 0;
+    for (int first = 0; first < CML_LANES; first += CML_GROUP)
+        mask |= (uint64_t)cml_group_equal(b->task + first, task) << first;
+    return mask;
 }
 
 static uint64_t cml_lanes_below_threshold(const struct cml_bundle *b)

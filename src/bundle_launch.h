@@ -17,39 +17,52 @@ static void cml_park_lane(struct cml_flight *f, int i)
     b->tau[i] = 0;
     b->w[i] = b->marked[i] = 0;
     b->task[i] = CML_LANE_DONE;
+    b->medium[i] = 0;
     CML_OF_MEDIUM(b, mfp)[i] = 1;
     CML_OF_MEDIUM(b, stop_above)[i] = -CML_INFINITY;
     CML_OF_MEDIUM(b, stop_below)[i] = CML_INFINITY;
     f->live &= ~CML_LANE_BIT(i);
 }
 
-/* The index of the lane's next packet; a lane for which there is none is parked. */
-static void cml_take_index(struct cml_flight *f, int i)
+static cml_u32 cml_first_bits(cml_u32 mask, uint64_t count)
 {
-    while (f->left == 0) {
-        if (f->source->next(f->source->context, &f->next, &f->left)) continue;
-        f->left = 0;
-        cml_park_lane(f, i);
-        return;
-    }
-    f->left--;
-    f->b->index_low[i] = (cml_u32)f->next;
-    f->b->index_high[i] = (cml_u32)(f->next++ >> 32);
+    cml_u32 rest = mask;
+    if (count >= CML_GROUP) return mask;
+    for (; count > 0; count--) rest &= rest - 1;
+    return mask & ~rest;
 }
 
-/* What differs between packets or lanes: where a wide beam puts them, the columns of the medium. */
-static void cml_fit_lane(struct cml_flight *f, int i)
+/* The indices of the next packets of a group's lanes; lanes for which there are none are parked. Returns the
+ * others. */
+static cml_u32 cml_take_indices(struct cml_flight *f, int first, cml_u32 lanes)
 {
-    struct cml_bundle *b = f->b;
-    const struct cml_packet *start = &f->start;
+    cml_u32 rest = lanes;
+    while (rest && (f->left > 0 || f->source->next(f->source->context, &f->next, &f->left))) {
+        const cml_u32 fresh = cml_first_bits(rest, f->left);
+        const uint64_t count = (uint64_t)__builtin_popcount(fresh);
+        cml_bundle_number(f->b, f->next, first, fresh);
+        f->next += count;
+        f->left -= count;
+        rest &= ~fresh;
+    }
+    cml_for_lanes(f, (uint64_t)rest << first, cml_park_lane);
+    return lanes & ~rest;
+}
+
+/* P1 where every packet of the beam starts elsewhere, and where facets are asked for. */
+static void cml_place_lane(struct cml_flight *f, int i)
+{
+    struct cml_packet *start = &f->start;
     if (!f->pencil) {
-        cml_place(f->world, cml_lane_index(b, i), &f->start);
-        cml_store_ray(b, i, start->p, start->u);
+        cml_place(f->world, cml_lane_index(f->b, i), start);
+        cml_store_ray(f->b, i, start->p, start->u);
     }
     if (f->to.facets) cml_score_launch(f->world, &f->to, start);
-    if (f->loaded & CML_LANE_BIT(i) && b->medium[i] == start->medium) return;
-    f->loaded |= CML_LANE_BIT(i);
-    b->medium[i] = start->medium;
+}
+
+static void cml_enter_start(struct cml_flight *f, int i)
+{
+    f->b->medium[i] = f->start.medium;
     cml_load_medium(f, i);
 }
 
@@ -79,19 +92,28 @@ static void cml_close_ranks(struct cml_flight *f)
     f->b->lanes = lanes;
 }
 
+/* New packets for lanes of a group. Most lanes are in the medium already where the beam starts. */
+static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
+{
+    struct cml_bundle *b = f->b;
+    const cml_u32 fresh = cml_take_indices(f, first, lanes);
+    const cml_u32 elsewhere = fresh & ~cml_group_equal(b->medium + first, f->start.medium);
+    if (!fresh) return;
+    cml_bundle_launch(b, &f->start, f->absorbed, first, fresh);
+    cml_for_lanes(f, (uint64_t)elsewhere << first, cml_enter_start);
+    if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)fresh << first, cml_place_lane);
+}
+
 /* Lanes whose packet has ended get new ones, as long as there are any. */
 static void cml_refill(struct cml_flight *f)
 {
     const uint64_t ended = f->ended;
     f->ended = 0;
-    cml_for_lanes(f, ended, cml_take_index);
-    const uint64_t fresh = ended & f->live;
     for (int first = 0; first < CML_LANES; first += CML_GROUP) {
-        const cml_u32 group = (cml_u32)(fresh >> first) & CML_GROUP_MASK;
-        if (group) cml_bundle_launch(f->b, &f->start, f->absorbed, first, group);
+        const cml_u32 lanes = (cml_u32)(ended >> first) & CML_GROUP_MASK;
+        if (lanes) cml_launch_group(f, first, lanes);
     }
-    cml_for_lanes(f, fresh, cml_fit_lane);
-    if (fresh != ended) cml_close_ranks(f);
+    if (ended & ~f->live) cml_close_ranks(f);
 }
 
 #endif

@@ -3,13 +3,28 @@
 #ifndef CML_BUNDLE_PASS_H
 #define CML_BUNDLE_PASS_H
 
-#include "bundle.h"
+#include "bundle_masks.h"
 #include "walk.h"
 
 #include <stddef.h>
 
 /* Inlining would only mix their constants with those of their callers, and hide them from a profile. */
 #define CML_PASS static __attribute__((noinline))
+
+/* Lanes first + i with bit i of fresh: the photons from `next` on. */
+CML_PASS void cml_bundle_number(struct cml_bundle *b, uint64_t next, int first, cml_u32 fresh)
+{
+    const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32);
+    cml_u32 rank[CML_GROUP];
+    cml_group_rank(fresh, rank);
+#pragma omp simd
+    for (int k = 0; k < CML_GROUP; k++) {
+        const int i = first + k, mine = (int)(fresh >> k & 1u);
+        const cml_u32 index = low + rank[k];
+        b->index_low[i] = mine ? index : b->index_low[i];
+        b->index_high[i] = mine ? high + (cml_u32)(index < low) : b->index_high[i];
+    }
+}
 
 /* Lanes first + i with bit i of fresh: P1, but for indices and media. absorbed: [CML_LANES], of the lanes'
  * packets. */
@@ -77,11 +92,11 @@ CML_PASS uint64_t cml_bundle_near_curved(const struct cml_bundle *b)
     return (uint64_t)high << 32 | low;
 }
 
-/* Lanes first..first+15 that had their event: s, and INTERACT or NEAR. */
-CML_PASS void cml_bundle_fly_again(struct cml_bundle *b, int first)
+/* Lanes first..last-1 that had their event: s, and INTERACT or NEAR. */
+CML_PASS void cml_bundle_fly_again(struct cml_bundle *b, int first, int last)
 {
 #pragma omp simd
-    for (int i = first; i < first + CML_GROUP; i++) {
+    for (int i = first; i < last; i++) {
         real s;
         const int task = b->task[i], mine = (task == CML_LANE_DONE) | (task == CML_LANE_REFLECTED);
         const int near = cml_lane_is_near(b, i, b->tau[i], &s);
@@ -135,9 +150,9 @@ CML_PASS int cml_bundle_fly(struct cml_bundle *b)
     return any;
 }
 
-/* Lanes first..first+15 that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or TURN,
+/* Lanes first..last-1 that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or TURN,
  * or back to INTERACT, or NOWHERE. Returns 1 when any is to turn. */
-CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b, int first)
+CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b, int first, int last)
 {
     const real *restrict const muts = CML_OF_MEDIUM(b, mut), *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
@@ -146,7 +161,7 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b, int first)
     const real *restrict const planes_below = CML_OF_MEDIUM(b, plane_below);
     int turns = 0;
 #pragma omp simd reduction(| : turns)
-    for (int i = first; i < first + CML_GROUP; i++) {
+    for (int i = first; i < last; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, p = {b->x[i], b->y[i], b->z[i]};
         const int task = b->task[i], mine = task == CML_LANE_NEAR, above = u.z < 0;
         const real s = b->s[i], tau = b->tau[i], below_z = planes_below[i], above_z = planes_above[i];
@@ -174,15 +189,15 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b, int first)
     return turns;
 }
 
-/* Lanes first..first+15 with TURN: P5. */
-CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *b, int first)
+/* Lanes first..last-1 with TURN: P5. */
+CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *b, int first, int last)
 {
     const struct cml_stream stream = setup->stream;
     const real *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
                                                                         CML_OF_MEDIUM(b, n_below);
 #pragma omp simd
-    for (int i = first; i < first + CML_GROUP; i++) {
+    for (int i = first; i < last; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
         const int task = b->task[i], mine = task == CML_LANE_TURN;
         const real na = n_above[i], nb = n_below[i];
@@ -200,32 +215,53 @@ CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *
     }
 }
 
-/* What lies behind a plane for a lane. */
-enum cml_behind {
-    CML_BEHIND_SAME, /* its own medium, or it never was there */
-    CML_BEHIND_LAYER,
-    CML_BEHIND_EXIT, /* an outer medium */
-    CML_BEHIND_ODD,  /* NOWHERE, or has bounced too often */
-};
+/* Whether lane i, after reach_planes and turn, leaves the layers; *odd: it is NOWHERE, or has bounced too
+ * often. */
+static inline int cml_lane_exits(const struct cml_bundle *b, int i, int layers, int *odd)
+{
+    const int task = b->task[i], from = b->medium[i], bounces = (int)b->bounces[i];
+    const int crossed = task == CML_LANE_TRANSMITTED, event = crossed | (task == CML_LANE_REFLECTED);
+    const int medium = from + (b->uz[i] < 0 ? -crossed : crossed),
+              outside = (medium == 0) | (medium > layers);
+    *odd = (event & !outside & (bounces > (int)CML_TRAPPED_LIMIT)) | (task == CML_LANE_NOWHERE);
+    return event & outside;
+}
 
-/* Lanes first..first+15 after reach_planes and turn: their enum cml_behind, two bits each. */
-CML_PASS cml_u32 cml_bundle_look_behind(const struct cml_setup *setup, const struct cml_bundle *b, int first)
+/* Lanes first..last-1: those that leave get EXITS. Returns 1 when any is odd. */
+CML_PASS int cml_bundle_look_behind(const struct cml_setup *setup, struct cml_bundle *b, int first, int last)
 {
     const int layers = setup->num_layers;
-    cml_u32 codes = 0;
-#pragma omp simd reduction(| : codes)
-    for (int i = 0; i < CML_GROUP; i++) {
-        const int lane = first + i, task = b->task[lane], from = b->medium[lane],
-                  bounces = (int)b->bounces[lane];
-        const real uz = b->uz[lane];
-        const int crossed = task == CML_LANE_TRANSMITTED, event = crossed | (task == CML_LANE_REFLECTED);
-        const int medium = from + (uz < 0 ? -crossed : crossed), outside = (medium == 0) | (medium > layers);
-        const int odd = (task == CML_LANE_NOWHERE) | (event & !outside & (bounces > (int)CML_TRAPPED_LIMIT));
-        const int exit = event & outside, layer = crossed & !outside;
-        codes |= (cml_u32)(layer * CML_BEHIND_LAYER | exit * CML_BEHIND_EXIT | odd * CML_BEHIND_ODD)
-                 << (2 * i);
+    int any = 0;
+#pragma omp simd reduction(| : any)
+    for (int i = first; i < last; i++) {
+        int odd;
+        const int exits = cml_lane_exits(b, i, layers, &odd);
+        b->task[i] = exits ? CML_LANE_EXITS : b->task[i];
+        any |= odd;
     }
-    return codes;
+    return any;
+}
+
+/* P6: lanes first + i with bit i of exits leave through a plane. Their packets are not moved out of their
+ * media any more, they end. absorbed: [CML_LANES], as above; fates: [CML_GROUP]; deposited: what they leave
+ * behind in the first layer, and in the last. */
+CML_PASS void cml_bundle_exit(struct cml_bundle *b, uint64_t *absorbed, int first, cml_u32 exits, int *fates,
+                              uint64_t deposited[2])
+{
+    uint64_t above = 0, all = 0;
+#pragma omp simd reduction(+ : above, all)
+    for (int k = 0; k < CML_GROUP; k++) {
+        const int i = first + k, mine = (int)(exits >> k & 1u), upwards = b->uz[i] < 0;
+        const int gone = upwards ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
+        const uint64_t deposit = mine ? b->marked[i] - b->w[i] : 0u;
+        fates[k] = b->entered[i] ? gone : CML_FATE_SPECULAR;
+        absorbed[i] += deposit;
+        above += upwards ? deposit : 0u;
+        all += deposit;
+        b->task[i] = mine ? CML_LANE_ENDED : b->task[i];
+    }
+    deposited[0] = above;
+    deposited[1] = all - above;
 }
 
 /* Lanes with INTERACT (all: every one of them has it): hop, drop, spin. Fills dw (0 in other lanes) and,

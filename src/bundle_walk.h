@@ -113,13 +113,31 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     cml_load_medium(f, i);
 }
 
-/* P6, through a plane to the outside: the packet is not moved out of its medium any more, it ends. */
-static void cml_exit_lane(struct cml_flight *f, int i)
+/* Packets of a group that leave through a plane, into the collection of those that have ended. */
+static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
-    const int upwards = b->uz[i] < 0;
-    const enum cml_fate gone = upwards ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
-    cml_end_lane(f, i, b->entered[i] ? gone : CML_FATE_SPECULAR, CML_LOST_NOT);
+    const struct cml_setup *setup = &f->world->setup;
+    struct cml_ends *ends = &f->ends;
+    const int at = ends->count;
+    int fates[CML_GROUP];
+    uint64_t deposited[2];
+    cml_bundle_exit(f->b, f->absorbed, first, exits, fates, deposited);
+    f->tally->A_l[1] += deposited[0];
+    f->tally->A_l[setup->num_layers] += deposited[1];
+    cml_group_pack_wide(f->absorbed + first, exits, ends->absorbed + at);
+    cml_group_pack(b->x + first, exits, ends->exit_x + at);
+    cml_group_pack(b->y + first, exits, ends->exit_y + at);
+    cml_group_pack(b->uz + first, exits, ends->uz + at);
+    cml_group_pack(b->w + first, exits, ends->w + at);
+    cml_group_pack(b->interactions + first, exits, ends->interactions + at);
+    cml_group_pack(b->boundary_events + first, exits, ends->boundary_events + at);
+    cml_group_pack(fates, exits, ends->fate + at);
+    ends->count = at + __builtin_popcount(exits);
+    f->ended |= (uint64_t)exits << first;
+    if (cml_tallies_places(f->tally))
+        for (int i = at; i < ends->count; i++) cml_tally_places(setup, ends, i, 0, f->tally);
+    cml_ends_make_room(setup, ends, f->tally);
 }
 
 /* Nothing ahead, or the bounds of cml_count_bounce. */
@@ -153,25 +171,12 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_end_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
 }
 
-/* The lanes of a group, lane i at bit 2 i, with this code of two bits. */
-static cml_u32 cml_lanes_coded(cml_u32 codes, cml_u32 code)
-{
-    const cml_u32 low = code & 1u ? codes : ~codes, high = code & 2u ? codes >> 1 : ~(codes >> 1);
-    return low & high & 0x55555555u;
-}
-
-static void cml_for_coded(struct cml_flight *f, cml_u32 lanes, int first,
-                          void (*handle)(struct cml_flight *, int))
-{
-    for (; lanes; lanes &= lanes - 1) handle(f, first + __builtin_ctz(lanes) / 2);
-}
-
-/* Facets of planes: what lanes first..first+15 have met, where facets are asked for. Reflection has turned
- * the direction already. */
-static void cml_score_planes(const struct cml_flight *f, int first)
+/* Facets of planes: what lanes first..last-1 have met, where facets are asked for. Reflection has turned the
+ * direction already. */
+static void cml_score_planes(const struct cml_flight *f, int first, int last)
 {
     const struct cml_bundle *b = f->b;
-    for (int i = first; i < first + CML_GROUP; i++) {
+    for (int i = first; i < last; i++) {
         const int through = b->task[i] == CML_LANE_TRANSMITTED, upwards = b->uz[i] < 0, m = b->medium[i];
         const int boundary = through == upwards ? m - 1 : m, beyond = upwards ? m - 1 : m + 1;
         if (!through && b->task[i] != CML_LANE_REFLECTED) continue;
@@ -179,19 +184,31 @@ static void cml_score_planes(const struct cml_flight *f, int first)
     }
 }
 
-/* Planes met by lanes first..first+15. Many lanes are then worth flying once more, so that they may interact
- * in this pass as well. */
-static void cml_cross_group(struct cml_flight *f, int first, int lanes)
+static void cml_handle_odds(struct cml_flight *f, int first, int last)
+{
+    for (int i = first; i < last; i++) {
+        int odd;
+        cml_lane_exits(f->b, i, f->world->setup.num_layers, &odd);
+        if (odd) cml_handle_odd(f, i);
+    }
+}
+
+/* Planes met by some of lanes first..last-1, whole groups. Many lanes are then worth flying once more, so
+ * that they may interact in this pass as well. */
+static void cml_cross_planes(struct cml_flight *f, int first, int last, int many)
 {
     const struct cml_setup *setup = &f->world->setup;
-    const int many = 3;
-    if (cml_bundle_reach_planes(f->b, first)) cml_bundle_turn(setup, f->b, first);
-    if (f->to.facets) cml_score_planes(f, first);
-    const cml_u32 codes = cml_bundle_look_behind(setup, f->b, first);
-    cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_EXIT), first, cml_exit_lane);
-    cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_LAYER), first, cml_enter_layer);
-    cml_for_coded(f, cml_lanes_coded(codes, CML_BEHIND_ODD), first, cml_handle_odd);
-    if (lanes >= many) cml_bundle_fly_again(f->b, first);
+    struct cml_bundle *b = f->b;
+    if (cml_bundle_reach_planes(b, first, last)) cml_bundle_turn(setup, b, first, last);
+    if (f->to.facets) cml_score_planes(f, first, last);
+    if (cml_bundle_look_behind(setup, b, first, last)) cml_handle_odds(f, first, last);
+    for (int group = first; group < last; group += CML_GROUP) {
+        const cml_u32 exits = cml_group_equal(b->task + group, CML_LANE_EXITS);
+        const cml_u32 enter = cml_group_equal(b->task + group, CML_LANE_TRANSMITTED);
+        if (exits) cml_exit_group(f, group, exits);
+        cml_for_lanes(f, (uint64_t)enter << group, cml_enter_layer);
+    }
+    if (many) cml_bundle_fly_again(b, first, last);
 }
 
 /* Those of the lanes whose optical depth lies in the tail. */
@@ -212,19 +229,31 @@ static uint64_t cml_exceptions(const struct cml_flight *f, uint64_t near, uint64
     return (near & tails) | (curved ? curved & cml_bundle_near_curved(f->b) : 0);
 }
 
-/* Lanes near a boundary. The planes' loops take as long for one lane as for a group: a few lanes wait for
- * others, for some passes, which costs them less. */
+/* The planes' loops take as long for one lane as for a group: a few lanes wait for others, for some passes,
+ * which costs them less. Where all groups have lanes enough, they go through the loops together. */
+static void cml_meet_planes(struct cml_flight *f, uint64_t near)
+{
+    const int patience = 8, enough = 6, many = 3, lanes = f->b->lanes;
+    const int waits = lanes == CML_LANES && ++f->waited < patience, least = waits ? enough : 1;
+    int counts[CML_LANES / CML_GROUP], together = 1;
+    if (!waits) f->waited = 0;
+    for (int k = 0; k < lanes / CML_GROUP; k++) {
+        counts[k] = __builtin_popcount((cml_u32)(near >> (k * CML_GROUP)) & CML_GROUP_MASK);
+        together &= counts[k] >= enough;
+    }
+    if (together) {
+        cml_cross_planes(f, 0, lanes, 1);
+        return;
+    }
+    for (int k = 0; k < lanes / CML_GROUP; k++)
+        if (counts[k] >= least) cml_cross_planes(f, k * CML_GROUP, (k + 1) * CML_GROUP, counts[k] >= many);
+}
+
 static void cml_meet_boundaries(struct cml_flight *f, uint64_t near, uint64_t tails)
 {
-    const uint64_t exceptions = cml_exceptions(f, near, tails), planes = near & ~exceptions;
-    const int patience = 8, enough = 6;
-    const int waits = f->b->lanes == CML_LANES && ++f->waited < patience;
-    if (!waits) f->waited = 0;
+    const uint64_t exceptions = cml_exceptions(f, near, tails);
     cml_for_lanes(f, exceptions, cml_handle_exception);
-    for (int first = 0; first < f->b->lanes; first += CML_GROUP) {
-        const int lanes = __builtin_popcount((cml_u32)(planes >> first) & CML_GROUP_MASK);
-        if (lanes >= (waits ? enough : 1)) cml_cross_group(f, first, lanes);
-    }
+    cml_meet_planes(f, near & ~exceptions);
 }
 
 /* Into the thread's own A_rz, or into one that all threads share. */
@@ -295,6 +324,7 @@ static void cml_take_off(struct cml_flight *f)
     cml_place(f->world, 0, &f->start);
     cml_aim(f);
     f->b->lanes = CML_LANES;
+    for (int i = 0; i < CML_LANES; i++) f->b->medium[i] = -1; /* no columns yet */
     f->live = f->ended = ~(uint64_t)0;
     cml_refill(f);
 }

@@ -8,7 +8,9 @@
 #include "tally.h"
 #include "walk.h"
 
-#define CML_ENDS 64
+#define CML_ENDS 128
+#define CML_ENDS_TOGETHER                                                                                    \
+    16 /* so many can be added at once: they are emptied while there is room for as many */
 
 /* Structure of arrays; entries from `count` on hold nothing of interest. */
 struct cml_ends {
@@ -17,7 +19,8 @@ struct cml_ends {
     real exit_x[CML_ENDS], exit_y[CML_ENDS], uz[CML_ENDS];
     cml_u32 w[CML_ENDS], interactions[CML_ENDS], boundary_events[CML_ENDS];
     int fate[CML_ENDS];
-    int cell[CML_ENDS]; /* of Rd_ra or Tt_ra */
+    int cell[CML_ENDS];       /* of Rd_ra or Tt_ra */
+    cml_u32 scored[CML_ENDS]; /* into it */
 };
 
 /* Sums over the collected packets; a square as its two halves of 32 bits. */
@@ -28,14 +31,23 @@ struct cml_end_sums {
     uint64_t wide; /* bits of `absorbed` beyond 32: its squares then do not fit */
 };
 
-static inline void cml_ends_find_cells(const struct cml_setup *shared, struct cml_ends *ends)
+/* Cells, counted from the first of Rd_ra, and what goes into them. Tt_ra is as far away as the tally has it.
+ */
+static inline void cml_ends_find_cells(const struct cml_setup *shared, struct cml_ends *ends,
+                                       const struct cml_tally *tally)
 {
     const struct cml_setup setup = *shared;
+    const int na = setup.na, below = (int)(tally->Tt_ra - tally->Rd_ra);
 #pragma omp simd
     for (int i = 0; i < CML_ENDS; i++) {
+        const int fate = ends->fate[i], up = fate == CML_FATE_REFLECTED, down = fate == CML_FATE_TRANSMITTED;
         const int ir = cml_radial_bin(&setup, ends->exit_x[i], ends->exit_y[i]);
-        ends->cell[i] = ir * setup.na + cml_angle_bin(&setup, ends->uz[i]);
+        ends->cell[i] = ir * na + (down ? below : 0);
+        ends->scored[i] = up | down ? ends->w[i] : 0u;
     }
+    if (na == 1) return;
+#pragma omp simd
+    for (int i = 0; i < CML_ENDS; i++) ends->cell[i] += cml_angle_bin(&setup, ends->uz[i]);
 }
 
 #define CML_SUM_SQUARE(sums, what, value)                                                                    \
@@ -104,14 +116,16 @@ static inline void cml_ends_add_sums(const struct cml_setup *setup, const struct
 static inline void cml_ends_flush(const struct cml_setup *setup, struct cml_ends *ends,
                                   struct cml_tally *tally)
 {
-    cml_ends_find_cells(setup, ends);
-    for (int i = 0; i < ends->count; i++) {
-        const int fate = ends->fate[i], exits = fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED;
-        uint64_t *cells = fate == CML_FATE_REFLECTED ? tally->Rd_ra : tally->Tt_ra;
-        cells[ends->cell[i]] += exits ? ends->w[i] : 0u;
-    }
+    cml_ends_find_cells(setup, ends, tally);
+    for (int i = 0; i < ends->count; i++) tally->Rd_ra[ends->cell[i]] += ends->scored[i];
     cml_ends_add_sums(setup, ends, tally);
     ends->count = 0;
+}
+
+static inline void cml_ends_make_room(const struct cml_setup *setup, struct cml_ends *ends,
+                                      struct cml_tally *tally)
+{
+    if (ends->count > CML_ENDS - CML_ENDS_TOGETHER) cml_ends_flush(setup, ends, tally);
 }
 
 /* How a packet ended. */
@@ -131,33 +145,39 @@ static inline void cml_tally_once(uint64_t *weight, uint64_t *square, cml_u32 w)
     cml_add_shared(square, rounded * rounded);
 }
 
-/* A packet that has left, into its pixel. */
-static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_end *end,
+/* Packet i of the collection, which has left, into its pixel. */
+static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_ends *ends, int i,
                                    const struct cml_tally *tally)
 {
-    const int up = end->fate == CML_FATE_REFLECTED, na = setup->map.na;
-    const size_t cell = cml_map_pixel(setup, end->exit_x, end->exit_y) * (size_t)na +
-                        (size_t)(na > 1 ? cml_angle_bin(setup, end->uz) : 0);
+    const int up = ends->fate[i] == CML_FATE_REFLECTED, na = setup->map.na;
+    const size_t cell = cml_map_pixel(setup, ends->exit_x[i], ends->exit_y[i]) * (size_t)na +
+                        (size_t)(na > 1 ? cml_angle_bin(setup, ends->uz[i]) : 0);
     cml_tally_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, (up ? tally->Rd_xya2 : tally->Tt_xya2) + cell,
-                   end->w);
+                   ends->w[i]);
 }
 
 /* The same into the facet that it touched last. */
-static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_end *end,
-                                    const struct cml_tally *tally)
+static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_ends *ends, int i,
+                                    int primitive, const struct cml_tally *tally)
 {
-    const struct cml_facet_range *range = &setup->outer_facets[end->fate == CML_FATE_REFLECTED ? 0 : 1];
+    const struct cml_facet_range *range = &setup->outer_facets[ends->fate[i] == CML_FATE_REFLECTED ? 0 : 1];
     if (range->count == 0) return;
-    uint64_t *score = tally->facets + (size_t)cml_facet_index(range, end->primitive) * CML_FACET_SCORES;
-    cml_tally_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, end->w);
+    uint64_t *score = tally->facets + (size_t)cml_facet_index(range, primitive) * CML_FACET_SCORES;
+    cml_tally_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, ends->w[i]);
 }
 
-static inline void cml_tally_places(const struct cml_setup *setup, const struct cml_end *end,
-                                    const struct cml_tally *tally)
+/* primitive: touched last; 0 on planes. */
+static inline void cml_tally_places(const struct cml_setup *setup, const struct cml_ends *ends, int i,
+                                    int primitive, const struct cml_tally *tally)
 {
-    if (end->fate != CML_FATE_REFLECTED && end->fate != CML_FATE_TRANSMITTED) return;
-    if (tally->Rd_xya) cml_tally_pixel(setup, end, tally);
-    if (tally->facets) cml_tally_escape(setup, end, tally);
+    if (ends->fate[i] != CML_FATE_REFLECTED && ends->fate[i] != CML_FATE_TRANSMITTED) return;
+    if (tally->Rd_xya) cml_tally_pixel(setup, ends, i, tally);
+    if (tally->facets) cml_tally_escape(setup, ends, i, primitive, tally);
+}
+
+static inline int cml_tallies_places(const struct cml_tally *tally)
+{
+    return tally->Rd_xya || tally->facets;
 }
 
 /* P9: what is rare goes into the tally at once. */
@@ -186,8 +206,8 @@ static inline void cml_ends_push(const struct cml_setup *setup, struct cml_ends 
     ends->boundary_events[i] = end->boundary_events;
     ends->fate[i] = end->fate;
     cml_tally_loss(end, tally);
-    if (tally->Rd_xya || tally->facets) cml_tally_places(setup, end, tally);
-    if (ends->count == CML_ENDS) cml_ends_flush(setup, ends, tally);
+    if (cml_tallies_places(tally)) cml_tally_places(setup, ends, i, end->primitive, tally);
+    cml_ends_make_room(setup, ends, tally);
 }
 
 /* What only a packet of kernels/walk.h keeps for itself. */

@@ -21,6 +21,7 @@ KERNEL_FLOOR = 0  # everything in kernels/
 FOREIGN = {
     "embree*": "surface_mesh",
     "tiny_obj_loader.h": "obj_tiny",
+    "immintrin.h": "bundle_masks",
     "jansson.h": "report compare_report",
     "omp.h": "engine_cpu_level",
     "CL/*": "opencl_parts",

@@ -126,16 +126,16 @@ static void run_stage(int stage)
         cml_scatter_deposits(&bundle, &tally);
         break;
     case REACH:
-        sink = (cml_u32)cml_bundle_reach_planes(&bundle, 0, CML_LANES);
+        sink = (cml_u32)cml_bundle_reach_planes(&bundle);
         break;
     case TURN:
-        cml_bundle_turn(&world.setup, &bundle, 0, CML_LANES);
+        cml_bundle_turn(&world.setup, &bundle);
         break;
     case BEHIND:
-        sink = (cml_u32)cml_bundle_look_behind(&world.setup, &bundle, 0, CML_LANES);
+        sink = (cml_u32)cml_bundle_look_behind(&world.setup, &bundle);
         break;
     case FLY_AGAIN:
-        cml_bundle_fly_again(&bundle, 0, CML_LANES);
+        cml_bundle_fly_again(&bundle);
         break;
     case EXIT:
         exit_lanes();

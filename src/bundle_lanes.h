@@ -54,7 +54,7 @@ struct cml_flight {
     uint64_t curved;              /* mask of lanes with a boundary that is no plane */
     uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */
     const struct cml_range_source *source;
-    int waited;          /* passes since all lanes near a plane were served */
+    int waited;          /* passes that lanes at planes have waited, summed over them */
     uint64_t next, left; /* of the range in hand: photon indices not launched yet */
     struct cml_ends ends;
 };

@@ -92,11 +92,12 @@ CML_PASS uint64_t cml_bundle_near_curved(const struct cml_bundle *b)
     return (uint64_t)high << 32 | low;
 }
 
-/* Lanes first..last-1 that had their event: s, and INTERACT or NEAR. */
-CML_PASS void cml_bundle_fly_again(struct cml_bundle *b, int first, int last)
+/* Lanes that had their event: s, and INTERACT or NEAR. */
+CML_PASS void cml_bundle_fly_again(struct cml_bundle *b)
 {
+    const int lanes = b->lanes;
 #pragma omp simd
-    for (int i = first; i < last; i++) {
+    for (int i = 0; i < lanes; i++) {
         real s;
         const int task = b->task[i], mine = (task == CML_LANE_DONE) | (task == CML_LANE_REFLECTED);
         const int near = cml_lane_is_near(b, i, b->tau[i], &s);
@@ -150,18 +151,19 @@ CML_PASS int cml_bundle_fly(struct cml_bundle *b)
     return any;
 }
 
-/* Lanes first..last-1 that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or TURN,
+/* Lanes that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or TURN,
  * or back to INTERACT, or NOWHERE. Returns 1 when any is to turn. */
-CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b, int first, int last)
+CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
 {
     const real *restrict const muts = CML_OF_MEDIUM(b, mut), *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
                                                                         CML_OF_MEDIUM(b, n_below);
     const real *restrict const planes_above = CML_OF_MEDIUM(b, plane_above);
     const real *restrict const planes_below = CML_OF_MEDIUM(b, plane_below);
+    const int lanes = b->lanes;
     int turns = 0;
 #pragma omp simd reduction(| : turns)
-    for (int i = first; i < last; i++) {
+    for (int i = 0; i < lanes; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, p = {b->x[i], b->y[i], b->z[i]};
         const int task = b->task[i], mine = task == CML_LANE_NEAR, above = u.z < 0;
         const real s = b->s[i], tau = b->tau[i], below_z = planes_below[i], above_z = planes_above[i];
@@ -189,15 +191,16 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b, int first, int last)
     return turns;
 }
 
-/* Lanes first..last-1 with TURN: P5. */
-CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *b, int first, int last)
+/* Lanes with TURN: P5. */
+CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const struct cml_stream stream = setup->stream;
+    const int lanes = b->lanes;
     const real *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
                                                                         CML_OF_MEDIUM(b, n_below);
 #pragma omp simd
-    for (int i = first; i < last; i++) {
+    for (int i = 0; i < lanes; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
         const int task = b->task[i], mine = task == CML_LANE_TURN;
         const real na = n_above[i], nb = n_below[i];
@@ -227,13 +230,13 @@ static inline int cml_lane_exits(const struct cml_bundle *b, int i, int layers, 
     return event & outside;
 }
 
-/* Lanes first..last-1: those that leave get EXITS. Returns 1 when any is odd. */
-CML_PASS int cml_bundle_look_behind(const struct cml_setup *setup, struct cml_bundle *b, int first, int last)
+/* After reach_planes and turn: lanes that leave get EXITS. Returns 1 when any is odd. */
+CML_PASS int cml_bundle_look_behind(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int layers = setup->num_layers;
+    const int layers = setup->num_layers, lanes = b->lanes;
     int any = 0;
 #pragma omp simd reduction(| : any)
-    for (int i = first; i < last; i++) {
+    for (int i = 0; i < lanes; i++) {
         int odd;
         const int exits = cml_lane_exits(b, i, layers, &odd);
         b->task[i] = exits ? CML_LANE_EXITS : b->task[i];

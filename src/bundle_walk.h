@@ -171,12 +171,12 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_end_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
 }
 
-/* Facets of planes: what lanes first..last-1 have met, where facets are asked for. Reflection has turned the
- * direction already. */
-static void cml_score_planes(const struct cml_flight *f, int first, int last)
+/* Facets of planes: what lanes have met, where facets are asked for. Reflection has turned the direction
+ * already. */
+static void cml_score_planes(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
-    for (int i = first; i < last; i++) {
+    for (int i = 0; i < b->lanes; i++) {
         const int through = b->task[i] == CML_LANE_TRANSMITTED, upwards = b->uz[i] < 0, m = b->medium[i];
         const int boundary = through == upwards ? m - 1 : m, beyond = upwards ? m - 1 : m + 1;
         if (!through && b->task[i] != CML_LANE_REFLECTED) continue;
@@ -184,31 +184,31 @@ static void cml_score_planes(const struct cml_flight *f, int first, int last)
     }
 }
 
-static void cml_handle_odds(struct cml_flight *f, int first, int last)
+static void cml_handle_odds(struct cml_flight *f)
 {
-    for (int i = first; i < last; i++) {
+    for (int i = 0; i < f->b->lanes; i++) {
         int odd;
         cml_lane_exits(f->b, i, f->world->setup.num_layers, &odd);
         if (odd) cml_handle_odd(f, i);
     }
 }
 
-/* Planes met by some of lanes first..last-1, whole groups. Many lanes are then worth flying once more, so
- * that they may interact in this pass as well. */
-static void cml_cross_planes(struct cml_flight *f, int first, int last, int many)
+/* Planes met by the lanes that are NEAR. Then they fly once more, so that they may interact in this pass as
+ * well. */
+static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
-    if (cml_bundle_reach_planes(b, first, last)) cml_bundle_turn(setup, b, first, last);
-    if (f->to.facets) cml_score_planes(f, first, last);
-    if (cml_bundle_look_behind(setup, b, first, last)) cml_handle_odds(f, first, last);
-    for (int group = first; group < last; group += CML_GROUP) {
-        const cml_u32 exits = cml_group_equal(b->task + group, CML_LANE_EXITS);
-        const cml_u32 enter = cml_group_equal(b->task + group, CML_LANE_TRANSMITTED);
-        if (exits) cml_exit_group(f, group, exits);
-        cml_for_lanes(f, (uint64_t)enter << group, cml_enter_layer);
+    if (cml_bundle_reach_planes(b)) cml_bundle_turn(setup, b);
+    if (f->to.facets) cml_score_planes(f);
+    if (cml_bundle_look_behind(setup, b)) cml_handle_odds(f);
+    for (int first = 0; first < b->lanes; first += CML_GROUP) {
+        const cml_u32 exits = cml_group_equal(b->task + first, CML_LANE_EXITS);
+        const cml_u32 enter = cml_group_equal(b->task + first, CML_LANE_TRANSMITTED);
+        if (exits) cml_exit_group(f, first, exits);
+        cml_for_lanes(f, (uint64_t)enter << first, cml_enter_layer);
     }
-    if (many) cml_bundle_fly_again(b, first, last);
+    cml_bundle_fly_again(b);
 }
 
 /* Those of the lanes whose optical depth lies in the tail. */
@@ -229,31 +229,18 @@ static uint64_t cml_exceptions(const struct cml_flight *f, uint64_t near, uint64
     return (near & tails) | (curved ? curved & cml_bundle_near_curved(f->b) : 0);
 }
 
-/* The planes' loops take as long for one lane as for a group: a few lanes wait for others, for some passes,
- * which costs them less. Where all groups have lanes enough, they go through the loops together. */
-static void cml_meet_planes(struct cml_flight *f, uint64_t near)
-{
-    const int patience = 8, enough = 6, many = 3, lanes = f->b->lanes;
-    const int waits = lanes == CML_LANES && ++f->waited < patience, least = waits ? enough : 1;
-    int counts[CML_LANES / CML_GROUP], together = 1;
-    if (!waits) f->waited = 0;
-    for (int k = 0; k < lanes / CML_GROUP; k++) {
-        counts[k] = __builtin_popcount((cml_u32)(near >> (k * CML_GROUP)) & CML_GROUP_MASK);
-        together &= counts[k] >= enough;
-    }
-    if (together) {
-        cml_cross_planes(f, 0, lanes, 1);
-        return;
-    }
-    for (int k = 0; k < lanes / CML_GROUP; k++)
-        if (counts[k] >= least) cml_cross_planes(f, k * CML_GROUP, (k + 1) * CML_GROUP, counts[k] >= many);
-}
-
+/* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others: until they
+ * have waited as many passes, summed over lanes, as the loops take time, by measurement. For arrivals at
+ * random that comes close to the least cost of waiting and loops together. */
 static void cml_meet_boundaries(struct cml_flight *f, uint64_t near, uint64_t tails)
 {
     const uint64_t exceptions = cml_exceptions(f, near, tails);
+    const int patience = f->b->lanes == CML_LANES ? 32 : 1;
     cml_for_lanes(f, exceptions, cml_handle_exception);
-    cml_meet_planes(f, near & ~exceptions);
+    f->waited += __builtin_popcountll(near & ~exceptions);
+    if (f->waited < patience) return;
+    f->waited = 0;
+    cml_cross_planes(f);
 }
 
 /* Into the thread's own A_rz, or into one that all threads share. */

@@ -240,14 +240,20 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     if (packet->fate == CML_FATE_ALIVE) cml_next_flight(world, packet);
 }
 
+/* Cosine of incidence, 0..1, on a surface with the unit normal `against` u. */
+CML_FN real cml_incidence(struct cml_vec u, struct cml_vec against)
+{
+    const real cosine = -cml_dot(u, against);
+    return cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
+}
+
 /* Direction behind a boundary, reflected (R > xi) or refracted, with the given up normal.
  * side: +1 the packet comes from below. */
 CML_FN struct cml_vec cml_boundary_direction(struct cml_vec u, struct cml_vec up, real side, real n1, real n2,
                                              real xi, int *transmitted)
 {
     const struct cml_vec against = {-side * up.x, -side * up.y, -side * up.z};
-    const real cosine = -cml_dot(u, against);
-    const real ci = cosine < 0 ? (real)0 : (cosine > 1 ? (real)1 : cosine);
+    const real ci = cml_incidence(u, against);
     real ct;
     const real R = cml_fresnel(n1, n2, ci, &ct);
     const struct cml_vec refracted = cml_refract(u, against, n1 / n2, ci, ct),

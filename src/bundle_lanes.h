@@ -50,6 +50,9 @@ struct cml_flight {
     int pencil;                          /* it places all of them alike */
     int aimed;                           /* then all of them meet `first`, above the material */
     struct cml_hit first;
+    int enters;               /* and those that are not reflected there go on like `inside` */
+    struct cml_packet inside; /* but for their indices */
+    real reflectance;
     uint64_t live, ended;         /* masks of lanes: that hold packets; whose packet is finished */
     uint64_t curved;              /* mask of lanes with a boundary that is no plane */
     uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */

@@ -3,6 +3,7 @@
 #ifndef CML_BUNDLE_LAUNCH_H
 #define CML_BUNDLE_LAUNCH_H
 
+#include "bundle_aim.h"
 #include "bundle_lanes.h"
 #include "bundle_pass.h"
 
@@ -60,12 +61,6 @@ static void cml_place_lane(struct cml_flight *f, int i)
     if (f->to.facets) cml_score_launch(f->world, &f->to, start);
 }
 
-static void cml_enter_start(struct cml_flight *f, int i)
-{
-    f->b->medium[i] = f->start.medium;
-    cml_load_medium(f, i);
-}
-
 /* Lane `from` into lane `to`, which holds no packet. All columns are 4 bytes wide and follow one another. */
 static void cml_move_lane(struct cml_flight *f, int from, int to)
 {
@@ -92,15 +87,28 @@ static void cml_close_ranks(struct cml_flight *f)
     f->b->lanes = lanes;
 }
 
-/* New packets for lanes of a group. Most lanes are in the medium already where the beam starts. */
-static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
+/* Packets like `start` for lanes of a group, which mostly are in its medium already. */
+static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start, int first, cml_u32 fresh)
 {
     struct cml_bundle *b = f->b;
+    cml_u32 elsewhere = fresh & ~cml_group_equal(b->medium + first, start->medium);
+    cml_bundle_launch(b, start, f->absorbed, first, fresh);
+    for (; elsewhere; elsewhere &= elsewhere - 1) {
+        const int i = first + __builtin_ctz(elsewhere);
+        b->medium[i] = start->medium;
+        cml_load_medium(f, i);
+    }
+}
+
+/* New packets for lanes of a group. */
+static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
+{
     const cml_u32 fresh = cml_take_indices(f, first, lanes);
-    const cml_u32 elsewhere = fresh & ~cml_group_equal(b->medium + first, f->start.medium);
-    if (!fresh) return;
-    cml_bundle_launch(b, &f->start, f->absorbed, first, fresh);
-    cml_for_lanes(f, (uint64_t)elsewhere << first, cml_enter_start);
+    cml_u32 inside = f->enters ? fresh : 0;
+    if (inside && f->reflectance > 0)
+        inside &= cml_bundle_go_through(&f->world->setup, f->b, first, f->reflectance);
+    if (inside) cml_launch_like(f, &f->inside, first, inside);
+    if (fresh & ~inside) cml_launch_like(f, &f->start, first, fresh & ~inside);
     if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)fresh << first, cml_place_lane);
 }
 

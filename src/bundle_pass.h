@@ -26,33 +26,49 @@ CML_PASS void cml_bundle_number(struct cml_bundle *b, uint64_t next, int first, 
     }
 }
 
-/* Lanes first + i with bit i of fresh: P1, but for indices and media. absorbed: [CML_LANES], of the lanes'
- * packets. */
+/* The first boundary event of lanes first..first+15, between unequal indices: P5. Returns the mask of those
+ * that go through. */
+CML_PASS cml_u32 cml_bundle_go_through(const struct cml_setup *setup, const struct cml_bundle *b, int first,
+                                       real reflectance)
+{
+    const struct cml_stream stream = setup->stream;
+    int through[CML_GROUP];
+#pragma omp simd
+    for (int k = 0; k < CML_GROUP; k++) {
+        const int i = first + k;
+        const struct cml_block draw =
+            cml_threefry(stream, b->index_low[i], b->index_high[i], 0, CML_PURPOSE_BOUNDARY);
+        through[k] = !(cml_uniform(draw.w[0]) <= reflectance);
+    }
+    return cml_group_equal(through, 1);
+}
+
+/* Lanes first + i with bit i of fresh: packets like `start`, but for indices and media. absorbed:
+ * [CML_LANES], of the lanes' packets. */
 CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,
                                 int first, cml_u32 fresh)
 {
-    const struct cml_vec p = start->p, u = start->u;
-    const cml_u32 w = start->w;
-    const int entered = start->entered;
+    const struct cml_packet like = *start;
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         const int i = first + k, mine = (int)(fresh >> k & 1u);
-        b->x[i] = mine ? p.x : b->x[i];
-        b->y[i] = mine ? p.y : b->y[i];
-        b->z[i] = mine ? p.z : b->z[i];
-        b->ux[i] = mine ? u.x : b->ux[i];
-        b->uy[i] = mine ? u.y : b->uy[i];
-        b->uz[i] = mine ? u.z : b->uz[i];
-        b->w[i] = mine ? w : b->w[i];
-        b->marked[i] = mine ? w : b->marked[i];
+        b->x[i] = mine ? like.p.x : b->x[i];
+        b->y[i] = mine ? like.p.y : b->y[i];
+        b->z[i] = mine ? like.p.z : b->z[i];
+        b->ux[i] = mine ? like.u.x : b->ux[i];
+        b->uy[i] = mine ? like.u.y : b->uy[i];
+        b->uz[i] = mine ? like.u.z : b->uz[i];
+        b->w[i] = mine ? like.w : b->w[i];
+        b->marked[i] = mine ? like.w : b->marked[i];
         b->interactions[i] = mine ? 0u : b->interactions[i];
-        b->crossings[i] = mine ? 0u : b->crossings[i];
-        b->boundary_events[i] = mine ? 0u : b->boundary_events[i];
+        b->crossings[i] = mine ? like.crossings : b->crossings[i];
+        b->boundary_events[i] = mine ? like.boundary_events : b->boundary_events[i];
         b->touched[i] = mine ? 0u : b->touched[i];
-        b->bounces[i] = mine ? 0u : b->bounces[i];
-        b->on_boundary[i] = mine ? -1 : b->on_boundary[i];
-        b->on_primitive[i] = mine ? -1 : b->on_primitive[i];
-        b->entered[i] = mine ? entered : b->entered[i];
+        b->bounces[i] = mine ? like.bounces : b->bounces[i];
+        b->on_boundary[i] = mine ? like.on_boundary : b->on_boundary[i];
+        b->on_primitive[i] = mine ? like.on_primitive : b->on_primitive[i];
+        b->straight[i] = mine ? like.straight : b->straight[i];
+        b->entered[i] = mine ? like.entered : b->entered[i];
         b->task[i] = mine ? CML_LANE_LAUNCHED : b->task[i];
         absorbed[i] = mine ? 0u : absorbed[i];
     }

@@ -11,21 +11,6 @@ static void cml_lane_interacts(struct cml_flight *f, int i, real s)
     f->b->task[i] = CML_LANE_INTERACT;
 }
 
-/* Packets of a pencil beam that start above the material all meet the same surface at the same place. It is
- * asked for once: at a vertex of a mesh, where all facets there have their say, it takes long to tell. */
-static void cml_aim(struct cml_flight *f)
-{
-    struct cml_packet packet = f->start;
-    if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
-    const struct cml_reach reach = cml_find_reach(f->world, 0, packet.p, packet.u, CML_INFINITY);
-    f->aimed = cml_nearest(f->world, &packet, reach, &f->first);
-}
-
-static int cml_is_aimed(const struct cml_flight *f, int medium, cml_u32 boundary_events)
-{
-    return f->aimed && medium == 0 && boundary_events == 0;
-}
-
 /* As cml_nearest. */
 static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet, struct cml_reach reach,
                         struct cml_hit *hit)

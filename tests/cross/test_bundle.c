@@ -134,6 +134,14 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "beam disk 0.2\n" GRID
                       "2\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.5 0 0 0 0.5\nb 2 0.2 0.3 0 0\n1.3 0 5 0 0.2\n1\n",
                  2000);
+    /* a pencil beam on rings: equal indices, total reflection, both oblique */
+    compare_text(HEAD GRID "1\n1.4\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", 1000);
+    compare_text(HEAD "beam pencil angle=60 at=0.03,0.01\n" GRID
+                      "1\n1.5\nb 3 0.1 0.1 -0.1 0.2 0 0\n1 1 10 0.5 0.5\n1\n",
+                 1000);
+    compare_text(HEAD "beam pencil angle=75 at=0.03,0.01\n" GRID
+                      "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n",
+                 1000);
     compare_text(HEAD GRID "1\n1\n1.4 1 9 0.5 0.2\n1\n", 1);
     compare_text(HEAD "0.01 0.3\n20 1 1\n1\n1\n1.4 1 50 0.5 0.2\n1\n", 1000); /* a single radial bin */
     /* an A_rz that all threads share */

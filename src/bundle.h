@@ -18,6 +18,7 @@
 enum cml_lane_task {
     CML_LANE_INTERACT, /* flies s to its interaction */
     CML_LANE_NEAR,     /* may meet a boundary first */
+    CML_LANE_CURVED,   /* may meet one that is no plane */
     CML_LANE_TURN,     /* at a plane between unequal indices */
     CML_LANE_REFLECTED,
     CML_LANE_TRANSMITTED,

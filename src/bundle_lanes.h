@@ -53,8 +53,9 @@ struct cml_flight {
     int enters;               /* and those that are not reflected there go on like `inside` */
     struct cml_packet inside; /* but for their indices */
     real reflectance;
+    int curves;                   /* not all surfaces are planes */
+    real steepest;                /* slope of those that are none */
     uint64_t live, ended;         /* masks of lanes: that hold packets; whose packet is finished */
-    uint64_t curved;              /* mask of lanes with a boundary that is no plane */
     uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */
     const struct cml_range_source *source;
     int waited;          /* passes that lanes at planes have waited, summed over them */
@@ -69,22 +70,12 @@ static void cml_for_lanes(struct cml_flight *f, uint64_t mask, void (*handle)(st
     for (; mask; mask &= mask - 1) handle(f, __builtin_ctzll(mask));
 }
 
-static int cml_is_curved(const struct cml_world *world, int boundary)
-{
-    return boundary >= 0 && boundary <= world->setup.num_layers &&
-           world->surfaces[boundary].kind != CML_SURFACE_PLANE;
-}
-
 /* The lane's columns of the medium it is in. */
 static void cml_load_medium(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
-    const int m = b->medium[i];
-    const real *row = &f->media[m].mut;
-    const uint64_t bit = CML_LANE_BIT(i);
-    const int curved = cml_is_curved(f->world, m - 1) || cml_is_curved(f->world, m);
+    const real *row = &f->media[b->medium[i]].mut;
     for (size_t k = 0; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
-    f->curved = curved ? f->curved | bit : f->curved & ~bit;
 }
 
 /* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost

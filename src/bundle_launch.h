@@ -71,7 +71,6 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
     }
     f->absorbed[to] = f->absorbed[from];
     f->live |= CML_LANE_BIT(to);
-    f->curved = (f->curved & ~CML_LANE_BIT(to)) | (f->curved >> from & 1u) << to;
 }
 
 /* Nothing is left to launch: the packets in flight move together, so that passes need not go over lanes

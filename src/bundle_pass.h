@@ -85,27 +85,32 @@ static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, 
     return !((least > CML_OF_MEDIUM(b, stop_above)[i]) & (most < CML_OF_MEDIUM(b, stop_below)[i]));
 }
 
-/* Whether lane i may meet a surface that is no plane before it interacts, s away. */
-static inline cml_u32 cml_lane_is_near_curved(const struct cml_bundle *b, int i)
+/* NEAR lanes that may meet a surface that is no plane get CURVED; those that can meet nothing before they
+ * interact, INTERACT. steepest: slope of any surface; a direction that leaves one more steeply cannot cross
+ * it. Returns 1 when any is CURVED. */
+CML_PASS int cml_bundle_look_around(struct cml_bundle *b, real steepest)
 {
-    const int plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
-              plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
-    real least, most;
-    cml_depths_passed(b->z[i], b->uz[i], b->s[i], &least, &most);
-    return !((plane_above | (least > CML_OF_MEDIUM(b, stop_above)[i])) &
-             (plane_below | (most < CML_OF_MEDIUM(b, stop_below)[i])));
-}
-
-/* Mask of the lanes for which that is so. */
-CML_PASS uint64_t cml_bundle_near_curved(const struct cml_bundle *b)
-{
-    cml_u32 low = 0, high = 0;
-#pragma omp simd reduction(| : low, high)
-    for (int i = 0; i < 32; i++) {
-        low |= cml_lane_is_near_curved(b, i) << i;
-        high |= cml_lane_is_near_curved(b, i + 32) << i;
+    const int lanes = b->lanes;
+    int any = 0;
+#pragma omp simd reduction(| : any)
+    for (int i = 0; i < lanes; i++) {
+        const real ux = b->ux[i], uy = b->uy[i], uz = b->uz[i], s = b->s[i];
+        const real stop_above = CML_OF_MEDIUM(b, stop_above)[i], stop_below = CML_OF_MEDIUM(b, stop_below)[i];
+        const int task = b->task[i], plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
+                  plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
+        const int steep = uz * uz >= steepest * steepest * (ux * ux + uy * uy);
+        real least, most;
+        cml_depths_passed(b->z[i], uz, s, &least, &most);
+        const int above = !(least > stop_above), below = !(most < stop_below);
+        const int curved =
+            (above & !plane_above & !(steep & (uz > 0))) | (below & !plane_below & !(steep & (uz < 0)));
+        const int plane = (above & plane_above) | (below & plane_below);
+        const int free = !curved & !plane & (s < CML_INFINITY);
+        const int near = curved ? CML_LANE_CURVED : (free ? CML_LANE_INTERACT : CML_LANE_NEAR);
+        b->task[i] = task == CML_LANE_NEAR ? near : task;
+        any |= (task == CML_LANE_NEAR) & curved;
     }
-    return (uint64_t)high << 32 | low;
+    return any;
 }
 
 /* Lanes that had their event: s, and INTERACT or NEAR. */

@@ -207,25 +207,25 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
     return tails;
 }
 
-/* Of the lanes near a boundary, those that the planes' loops cannot serve. */
-static uint64_t cml_exceptions(const struct cml_flight *f, uint64_t near, uint64_t tails)
-{
-    const uint64_t curved = near & f->curved & ~tails;
-    return (near & tails) | (curved ? curved & cml_bundle_near_curved(f->b) : 0);
-}
-
 /* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others: until they
  * have waited as many passes, summed over lanes, as the loops take time, by measurement. For arrivals at
  * random that comes close to the least cost of waiting and loops together. */
-static void cml_meet_boundaries(struct cml_flight *f, uint64_t near, uint64_t tails)
+static void cml_meet_planes(struct cml_flight *f)
 {
-    const uint64_t exceptions = cml_exceptions(f, near, tails);
     const int patience = f->b->lanes == CML_LANES ? 32 : 1;
-    cml_for_lanes(f, exceptions, cml_handle_exception);
-    f->waited += __builtin_popcountll(near & ~exceptions);
+    f->waited += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_NEAR));
     if (f->waited < patience) return;
     f->waited = 0;
     cml_cross_planes(f);
+}
+
+/* tails: lanes whose optical depth lies in the tail. */
+static void cml_meet_boundaries(struct cml_flight *f, uint64_t tails)
+{
+    cml_for_lanes(f, tails, cml_handle_exception);
+    if (f->curves && cml_bundle_look_around(f->b, f->steepest))
+        cml_for_lanes(f, cml_lanes_with(f->b, CML_LANE_CURVED), cml_handle_exception);
+    cml_meet_planes(f);
 }
 
 /* Into the thread's own A_rz, or into one that all threads share. */
@@ -248,7 +248,8 @@ static void cml_scatter_volume(const struct cml_flight *f)
     }
 }
 
-static void cml_interact_lanes(struct cml_flight *f, const int all)
+/* all: every lane interacts. */
+static void cml_interact_lanes(struct cml_flight *f, int all)
 {
     const struct cml_setup *setup = &f->world->setup;
     int low;
@@ -263,26 +264,19 @@ static void cml_interact_lanes(struct cml_flight *f, const int all)
 }
 
 /* Returns the lanes in the tail. A lane without a packet draws like the others, but meets nothing. */
-static uint64_t cml_calm_tails(struct cml_flight *f, uint64_t *near)
+static uint64_t cml_calm_tails(struct cml_flight *f)
 {
-    const uint64_t tails = cml_lanes_in_tail(f, *near), empty = tails & ~f->live;
-    cml_for_lanes(f, empty, cml_park_lane);
-    *near &= ~empty;
-    return tails;
+    const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_with(f->b, CML_LANE_NEAR));
+    cml_for_lanes(f, tails & ~f->live, cml_park_lane);
+    return tails & f->live;
 }
 
 static void cml_pass(struct cml_flight *f)
 {
     cml_bundle_draw(&f->world->setup, f->b);
     const int any = cml_bundle_fly(f->b);
-    if (any) {
-        uint64_t near = cml_lanes_with(f->b, CML_LANE_NEAR);
-        const uint64_t tails = any & CML_ANY_TAIL ? cml_calm_tails(f, &near) : 0;
-        cml_meet_boundaries(f, near, tails);
-        cml_interact_lanes(f, 0);
-    } else {
-        cml_interact_lanes(f, 1);
-    }
+    if (any) cml_meet_boundaries(f, any & CML_ANY_TAIL ? cml_calm_tails(f) : 0);
+    cml_interact_lanes(f, !any);
     if (f->ended) cml_refill(f);
 }
 
@@ -292,6 +286,12 @@ static void cml_take_off(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     f->to = cml_deposits_of(f->tally);
+    for (int i = 0; i <= setup->num_layers; i++) {
+        const struct cml_surface *surface = &f->world->surfaces[i];
+        if (surface->kind == CML_SURFACE_PLANE) continue;
+        f->curves = 1;
+        f->steepest = surface->steepest > f->steepest ? surface->steepest : f->steepest;
+    }
     f->pencil = !(setup->disk > 0) && !(setup->gauss > 0);
     cml_place(f->world, 0, &f->start);
     cml_aim(f);

@@ -5,83 +5,7 @@
 
 #include <math.h>
 
-static void *allocate(size_t count, size_t size)
-{
-    void *block = calloc(count > 0 ? count : 1, size);
-    if (block) return block;
-    fprintf(stderr, "no memory for the oracle\n");
-    exit(5);
-}
-
-/* --- triangles by cell --- */
-
-static const double *corner_of(const struct oracle *oracle, uint32_t triangle, int k)
-{
-    return oracle->mesh->vertex[oracle->mesh->triangle[triangle][k]];
-}
-
-static int cell_of(const struct oracle *oracle, int axis, double x)
-{
-    const double cell = (x - oracle->corner[axis]) * oracle->per_cell[axis];
-    return cell < 0 ? 0 : (cell < oracle->size ? (int)cell : oracle->size - 1);
-}
-
-struct cells {
-    int low[2], high[2];
-};
-
-static struct cells cells_of(const struct oracle *oracle, const double low[2], const double high[2],
-                             double margin)
-{
-    struct cells cells;
-    for (int axis = 0; axis < 2; axis++) {
-        cells.low[axis] = cell_of(oracle, axis, low[axis] - margin);
-        cells.high[axis] = cell_of(oracle, axis, high[axis] + margin);
-    }
-    return cells;
-}
-
-static struct cells cells_of_triangle(const struct oracle *oracle, uint32_t triangle)
-{
-    const double *a = corner_of(oracle, triangle, 0), *b = corner_of(oracle, triangle, 1),
-                 *c = corner_of(oracle, triangle, 2);
-    double low[2], high[2];
-    for (int axis = 0; axis < 2; axis++) {
-        low[axis] = fmin(a[axis], fmin(b[axis], c[axis]));
-        high[axis] = fmax(a[axis], fmax(b[axis], c[axis]));
-    }
-    return cells_of(oracle, low, high, oracle->margin);
-}
-
-static void fill_cells(struct oracle *oracle, bool only_count)
-{
-    for (uint32_t t = 0; t < oracle->mesh->num_triangles; t++) {
-        const struct cells cells = cells_of_triangle(oracle, t);
-        for (int i = cells.low[0]; i <= cells.high[0]; i++)
-            for (int j = cells.low[1]; j <= cells.high[1]; j++) {
-                uint32_t *next = &oracle->first[i * oracle->size + j];
-                if (!only_count) oracle->entry[*next] = t;
-                (*next)++;
-            }
-    }
-}
-
-static void sort_into_cells(struct oracle *oracle)
-{
-    const size_t cells = (size_t)oracle->size * (size_t)oracle->size;
-    oracle->first = allocate(cells + 1, sizeof *oracle->first);
-    fill_cells(oracle, true);
-    uint32_t total = 0;
-    for (size_t i = 0; i <= cells; i++) {
-        const uint32_t count = oracle->first[i];
-        oracle->first[i] = total;
-        total += count;
-    }
-    oracle->entry = allocate(total, sizeof *oracle->entry);
-    fill_cells(oracle, false);
-    for (size_t i = cells; i > 0; i--) oracle->first[i] = oracle->first[i - 1];
-    oracle->first[0] = 0;
-}
+#define MOST_IN_CELL 32
 
 static void reach_to(struct oracle *oracle, double z)
 {
@@ -95,32 +19,22 @@ void oracle_create(const struct cml_surface_def *def, struct oracle *oracle)
     if (def->kind == CML_AS_PLANE) reach_to(oracle, 0);
     for (int i = 0; def->kind == CML_AS_CONE && i < def->num_rings; i++) reach_to(oracle, def->z[i]);
     if (def->kind != CML_AS_MESH) return;
-    oracle->mesh = cml_mesh_surface_mesh(def->mesh, oracle->middle);
-    const struct cml_mesh *mesh = oracle->mesh;
-    const double root = sqrt((double)mesh->num_triangles);
-    oracle->size = root < 8 ? 1 : (root < 1024 ? (int)root : 1024);
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    const struct cml_mesh *mesh = cml_mesh_surface_mesh(def->mesh, oracle->middle);
     for (size_t i = 0; i < mesh->num_vertices; i++) reach_to(oracle, mesh->vertex[i][2] + oracle->middle[2]);
-    for (size_t i = 0; i < mesh->num_vertices; i++)
-        for (int axis = 0; axis < 2; axis++) {
-            low[axis] = fmin(low[axis], mesh->vertex[i][axis]);
-            high[axis] = fmax(high[axis], mesh->vertex[i][axis]);
-        }
-    for (int axis = 0; axis < 2; axis++) {
-        oracle->corner[axis] = low[axis];
-        oracle->per_cell[axis] = oracle->size / (high[axis] - low[axis]);
-        oracle->margin = fmax(oracle->margin, 1e-12 * (high[axis] - low[axis]));
-    }
-    sort_into_cells(oracle);
+    oracle_grid_create(mesh, MOST_IN_CELL, &oracle->grid);
 }
 
 void oracle_free(struct oracle *oracle)
 {
-    free(oracle->first);
-    free(oracle->entry);
+    oracle_grid_free(&oracle->grid);
 }
 
 /* --- the side of a mesh --- */
+
+static const double *corner_of(const struct oracle *oracle, uint32_t triangle, int k)
+{
+    return oracle->grid.mesh->vertex[oracle->grid.mesh->triangle[triangle][k]];
+}
 
 /* +-1 when the edge passes to the right of q, by the way it runs; neighbours compute the same number, so that
  * every point lies in exactly the triangles of one sheet. */
@@ -152,14 +66,18 @@ static bool facet_is_above(const struct oracle *oracle, uint32_t triangle, const
 /* Sheets above q and, in *total, all sheets, each with its winding: in total 0 outside the border. */
 static int sheets_above(const struct oracle *oracle, const double q[3], int *total)
 {
-    const int cell = cell_of(oracle, 0, q[0]) * oracle->size + cell_of(oracle, 1, q[1]);
+    const struct oracle_grid *grid = &oracle->grid;
+    const struct oracle_box here = {{q[0], q[1]}, {q[0], q[1]}};
+    struct oracle_search search =
+        oracle_search_cell(grid, oracle_cell_of(grid, 0, q[0]), oracle_cell_of(grid, 1, q[1]), &here);
+    uint32_t triangle;
     int above = 0;
     *total = 0;
-    for (uint32_t k = oracle->first[cell]; k < oracle->first[cell + 1]; k++) {
-        const int turns = winding(oracle->mesh, oracle->entry[k], q);
+    while (oracle_next(&search, &triangle)) {
+        const int turns = winding(grid->mesh, triangle, q);
         if (turns == 0) continue;
         *total += turns;
-        if (facet_is_above(oracle, oracle->entry[k], q)) above += turns;
+        if (facet_is_above(oracle, triangle, q)) above += turns;
     }
     return above;
 }
@@ -168,7 +86,7 @@ static bool below_mesh(const struct oracle *oracle, const double q[3])
 {
     const double local[3] = {q[0] - oracle->middle[0], q[1] - oracle->middle[1], q[2] - oracle->middle[2]};
     int total, above = sheets_above(oracle, local, &total);
-    if (total == 0 && q[2] > oracle->mesh->z_border + oracle->middle[2]) above++;
+    if (total == 0 && q[2] > oracle->grid.mesh->z_border + oracle->middle[2]) above++;
     return above != 0;
 }
 
@@ -207,19 +125,45 @@ static double distance_to_triangle(const struct oracle *oracle, uint32_t triangl
     return inside ? fabs(cml_vec3_dot(aq, normal)) / sqrt(cml_vec3_dot(normal, normal)) : nearest;
 }
 
+/* Whether the triangle lies farther from q than the distance along one of the axes. */
+static bool is_apart(const struct oracle *oracle, uint32_t triangle, const double q[3], double distance)
+{
+    const double *a = corner_of(oracle, triangle, 0), *b = corner_of(oracle, triangle, 1),
+                 *c = corner_of(oracle, triangle, 2);
+    for (int axis = 0; axis < 3; axis++) {
+        const double low = q[axis] - distance, high = q[axis] + distance;
+        if ((a[axis] < low && b[axis] < low && c[axis] < low) ||
+            (a[axis] > high && b[axis] > high && c[axis] > high))
+            return true;
+    }
+    return false;
+}
+
+static bool near_cell(const struct oracle *oracle, struct oracle_search search, const double q[3],
+                      double distance)
+{
+    uint32_t triangle;
+    while (oracle_next(&search, &triangle))
+        if (!is_apart(oracle, triangle, q, distance) && distance_to_triangle(oracle, triangle, q) <= distance)
+            return true;
+    return false;
+}
+
 static bool near_mesh(const struct oracle *oracle, const double q[3], double distance)
 {
     const double local[3] = {q[0] - oracle->middle[0], q[1] - oracle->middle[1], q[2] - oracle->middle[2]};
-    const struct cells cells = cells_of(oracle, local, local, distance);
+    const struct oracle_grid *grid = &oracle->grid;
+    const struct oracle_box around = {{local[0] - distance, local[1] - distance},
+                                      {local[0] + distance, local[1] + distance}};
     int total;
-    sheets_above(oracle, local, &total);
-    if (total == 0 && fabs(q[2] - (oracle->mesh->z_border + oracle->middle[2])) <= distance) return true;
-    for (int i = cells.low[0]; i <= cells.high[0]; i++)
-        for (int j = cells.low[1]; j <= cells.high[1]; j++) {
-            const int cell = i * oracle->size + j;
-            for (uint32_t k = oracle->first[cell]; k < oracle->first[cell + 1]; k++)
-                if (distance_to_triangle(oracle, oracle->entry[k], local) <= distance) return true;
-        }
+    if (fabs(q[2] - (grid->mesh->z_border + oracle->middle[2])) <= distance) {
+        sheets_above(oracle, local, &total);
+        if (total == 0) return true;
+    }
+    const int last[2] = {oracle_cell_of(grid, 0, around.high[0]), oracle_cell_of(grid, 1, around.high[1])};
+    for (int i = oracle_cell_of(grid, 0, around.low[0]); i <= last[0]; i++)
+        for (int j = oracle_cell_of(grid, 1, around.low[1]); j <= last[1]; j++)
+            if (near_cell(oracle, oracle_search_cell(grid, i, j, &around), local, distance)) return true;
     return false;
 }
 
@@ -285,7 +229,7 @@ static void unit(double v[3])
 
 static struct place place_on_mesh(const struct oracle *oracle, enum place_kind kind, struct dice *dice)
 {
-    const uint32_t triangle = (uint32_t)dice_below(dice, (int)oracle->mesh->num_triangles);
+    const uint32_t triangle = (uint32_t)dice_below(dice, (int)oracle->grid.mesh->num_triangles);
     const int k = dice_below(dice, 3);
     const double *a = corner_of(oracle, triangle, k), *b = corner_of(oracle, triangle, (k + 1) % 3),
                  *c = corner_of(oracle, triangle, (k + 2) % 3);

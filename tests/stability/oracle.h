@@ -5,18 +5,15 @@
 
 #include "../unit/dice.h"
 
+#include "oracle_grid.h"
 #include "surface.h"
 
 /* One boundary, in its own frame but with x and y of the scene. Borrows the arrays of the surface. */
 struct oracle {
     const struct cml_surface_def *def;
-    /* CML_AS_MESH: triangles by cell of a grid over the x-y plane */
-    const struct cml_mesh *mesh;
-    double middle[3]; /* of the mesh's coordinates */
-    double corner[2], per_cell[2], margin;
-    int size;
+    struct oracle_grid grid; /* CML_AS_MESH */
+    double middle[3];        /* of the mesh's coordinates */
     double highest, lowest;  /* z of its topmost and its deepest point; above and below nothing is asked */
-    uint32_t *first, *entry; /* [size * size + 1], [first[size * size]] */
 };
 
 /* Fails the program when memory runs out. */

@@ -47,19 +47,28 @@ static void seen_from(const struct walker *walker, int medium, int b, struct cml
     q[2] = (double)p.z - (b == medium ? (double)walker->world->media[medium].span : 0);
 }
 
-/* Whether p is in the medium; margin widens it, or narrows it when negative. */
-static bool in_medium(const struct walker *walker, int medium, struct cml_vec p, double margin)
+/* Whether p is in the medium, which its rounding widens, or narrows when `clearly`. */
+static bool in_medium(const struct walker *walker, int medium, struct cml_vec p, bool clearly)
 {
     for (int b = medium > 0 ? medium - 1 : 0; b <= medium && b < walker->flight->surfaces->count; b++) {
         const struct oracle *oracle = &walker->flight->oracle[b];
         double q[3];
         seen_from(walker, medium, b, p, q);
         const bool right = oracle_below(oracle, q) == (b < medium);
-        if (margin >= 0 ? !right && !oracle_near(oracle, q, margin)
-                        : !right || oracle_near(oracle, q, -margin))
+        if (clearly ? !right || oracle_near(oracle, q, rounding(walker, p))
+                    : !right && !oracle_near(oracle, q, rounding(walker, p)))
             return false;
     }
     return true;
+}
+
+/* Whether z alone says that a point is in the medium, as it says to oracle_below for both boundaries. */
+static bool is_in_clear(const struct walker *walker, int medium, real z)
+{
+    const struct oracle *oracle = walker->flight->oracle;
+    const double below = (double)z - (double)walker->world->media[medium].span;
+    return (medium == 0 || (double)z > oracle[medium - 1].lowest) &&
+           (medium == walker->flight->surfaces->count || below < oracle[medium].highest);
 }
 
 static bool is_sound(const struct cml_packet *packet)
@@ -170,8 +179,7 @@ static bool place_packet(struct walker *walker)
         choose_direction(walker, &place, u);
         const double distance = place.size * exp(dice_between(&walker->dice, log(1e-3), log(3)));
         aim(walker, &place, boundary, u, distance);
-        if (is_sound(&walker->packet) &&
-            in_medium(walker, walker->packet.medium, walker->packet.p, -rounding(walker, walker->packet.p))) {
+        if (is_sound(&walker->packet) && in_medium(walker, walker->packet.medium, walker->packet.p, true)) {
             cml_next_flight(walker->world, &walker->packet);
             return true;
         }
@@ -181,12 +189,17 @@ static bool place_packet(struct walker *walker)
 
 /* --- flying --- */
 
-/* Whether a flight to distance t stayed in its medium, at three points of it. */
+/* Whether a flight to distance t stayed in its medium, at three points of it. Their z lies between those of
+ * the ends, rounded as these are. */
 static bool stayed(const struct walker *walker, const struct cml_packet *from, real t)
 {
+    const int medium = from->medium;
+    if (is_in_clear(walker, medium, from->p.z) &&
+        is_in_clear(walker, medium, cml_along(from->p, t, from->u).z))
+        return true;
     for (int quarter = 1; quarter < 4; quarter++) {
         const struct cml_vec p = cml_along(from->p, t * (real)quarter / 4, from->u);
-        if (!in_medium(walker, from->medium, p, rounding(walker, p))) return false;
+        if (!in_medium(walker, medium, p, false)) return false;
     }
     return true;
 }
@@ -218,7 +231,7 @@ static void step(struct walker *walker)
     } else if (t_max < CML_INFINITY) {
         t = t_max;
         cml_interact(walker->world, &walker->deposits, packet, t_max);
-        there = in_medium(walker, packet->medium, packet->p, rounding(walker, packet->p));
+        there = in_medium(walker, packet->medium, packet->p, false);
     } else {
         cml_leave(walker->world, packet);
     }

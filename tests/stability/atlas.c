@@ -1,6 +1,7 @@
-/* atlas SCENE.mci METHOD AIM CROSSINGS [SECONDS]: flies the scene's first run by a method, packets aimed as
- * asked (face, edge, vertex, drop, along, or an angle in rad), until CROSSINGS boundaries are crossed or
- * SECONDS are over, and prints: crossings,lost,wrong,missed,spurious,nan,trapped,cause
+/* atlas SCENE.mci METHOD AIM CROSSINGS [SECONDS [FLIGHTS]]: flies the scene's first run by a method, packets
+ * aimed as asked (face, edge, vertex, drop, along, or an angle in rad), until CROSSINGS boundaries are
+ * crossed, FLIGHTS (20) are flown for each of them, or SECONDS (0: any number) are over. Prints:
+ *     crossings,lost,wrong,missed,spurious,nan,trapped,flights,cause
  * Ends with 2 and a message when the program refuses the scene or the method cannot represent it.
  * SPDX-License-Identifier: MIT */
 #include "atlas.h"
@@ -10,14 +11,14 @@
 struct method {
     const char *name;
     enum cml_representation force;
-    cml_status (*fly)(const struct atlas_flight *flight, struct atlas_count *count, struct cml_error *err);
+    bool in_double;
 };
 
 static const struct method methods[] = {
-    {"reference", CML_AS_AUTO, atlas_fly_double},      {"cpu", CML_AS_AUTO, atlas_fly_float},
-    {"reference-cone", CML_AS_CONE, atlas_fly_double}, {"cpu-cone", CML_AS_CONE, atlas_fly_float},
-    {"reference-mesh", CML_AS_MESH, atlas_fly_double}, {"cpu-mesh", CML_AS_MESH, atlas_fly_float},
-    {"cpu-plane", CML_AS_PLANE, atlas_fly_float},
+    {"reference", CML_AS_AUTO, true},      {"cpu", CML_AS_AUTO, false},
+    {"reference-cone", CML_AS_CONE, true}, {"cpu-cone", CML_AS_CONE, false},
+    {"reference-mesh", CML_AS_MESH, true}, {"cpu-mesh", CML_AS_MESH, false},
+    {"cpu-plane", CML_AS_PLANE, false},
 };
 
 static const char *const aims[NUM_AIMS] = {"face", "edge", "vertex", "drop", "along", "graze"};
@@ -41,6 +42,19 @@ static bool find_aim(const char *name, struct atlas_flight *flight)
     return flight->angle > 0;
 }
 
+/* Of the fastest level that this machine can run. */
+static atlas_fly *find_walk(bool in_double)
+{
+#ifdef ATLAS_X86_LEVELS
+    struct cml_cpu_level levels[CML_CPU_LEVELS];
+    const int count = cml_cpu_levels(levels);
+    for (int i = 0; i < count; i++)
+        if (strcmp(levels[i].name, "x86-64-v3") == 0)
+            return in_double ? atlas_fly_double_v3 : atlas_fly_float_v3;
+#endif
+    return in_double ? atlas_fly_double_base : atlas_fly_float_base;
+}
+
 static cml_status fly(const struct method *method, struct atlas_flight *flight, struct atlas_count *count,
                       struct cml_error *err)
 {
@@ -53,7 +67,7 @@ static cml_status fly(const struct method *method, struct atlas_flight *flight, 
     for (int b = 0; b < surfaces.count; b++) oracle_create(&surfaces.item[b], &oracle[b]);
     flight->surfaces = &surfaces;
     flight->oracle = oracle;
-    const cml_status status = method->fly(flight, count, err);
+    const cml_status status = find_walk(method->in_double)(flight, count, err);
     for (int b = 0; b < surfaces.count; b++) oracle_free(&oracle[b]);
     free(oracle);
     cml_surfaces_free(&surfaces);
@@ -80,20 +94,21 @@ int main(int argc, char **argv)
     struct cml_error err = {CML_OK, ""};
     const struct method *method = argc >= 5 ? find_method(argv[2]) : NULL;
     if (!method || !find_aim(argv[3], &flight)) {
-        fprintf(stderr,
-                "usage: atlas SCENE.mci METHOD face|edge|vertex|drop|along|ANGLE CROSSINGS [SECONDS]\n");
+        fprintf(stderr, "usage: atlas SCENE.mci METHOD face|edge|vertex|drop|along|ANGLE CROSSINGS [SECONDS "
+                        "[FLIGHTS]]\n");
         return 2;
     }
     flight.crossings = (uint64_t)atof(argv[4]);
-    flight.max_steps = 20 * flight.crossings;
+    flight.max_steps = (uint64_t)(argc > 6 ? atof(argv[6]) : 20) * flight.crossings;
     flight.max_seconds = argc > 5 ? atof(argv[5]) : 0;
     if (fly_file(argv[1], method, &flight, &count, &err) != CML_OK) {
         fprintf(stderr, "%s\n", err.text);
         return 2;
     }
-    printf("%llu,%llu,%llu,%llu,%llu,%llu,%llu,%s\n", (unsigned long long)count.crossings,
+    printf("%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%s\n", (unsigned long long)count.crossings,
            (unsigned long long)count.lost, (unsigned long long)count.wrong, (unsigned long long)count.missed,
            (unsigned long long)count.spurious, (unsigned long long)count.nan,
-           (unsigned long long)count.trapped, count.lost ? cml_lost_cause_name(count.lost_cause) : "");
+           (unsigned long long)count.trapped, (unsigned long long)count.steps,
+           count.lost ? cml_lost_cause_name(count.lost_cause) : "");
     return 0;
 }

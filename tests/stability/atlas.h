@@ -21,7 +21,7 @@ struct atlas_flight {
     const struct oracle *oracle; /* [surfaces->count] */
     enum aim_kind aim;
     double angle;                  /* rad */
-    uint64_t crossings, max_steps; /* ends after the first that is reached */
+    uint64_t crossings, max_steps; /* ends after the first that is reached; a step: one flight */
     double max_seconds;            /* 0: none */
     uint32_t seed;
 };
@@ -38,10 +38,9 @@ struct atlas_count {
     int lost_cause; /* of the last one */
 };
 
-/* CML_E_INPUT for memory. */
-cml_status atlas_fly_float(const struct atlas_flight *flight, struct atlas_count *count,
-                           struct cml_error *err);
-cml_status atlas_fly_double(const struct atlas_flight *flight, struct atlas_count *count,
-                            struct cml_error *err);
+/* For a level of the processor: base runs on all, v3 needs x86-64-v3. CML_E_INPUT for memory. */
+typedef cml_status atlas_fly(const struct atlas_flight *flight, struct atlas_count *count,
+                             struct cml_error *err);
+atlas_fly atlas_fly_float_base, atlas_fly_double_base, atlas_fly_float_v3, atlas_fly_double_v3;
 
 #endif

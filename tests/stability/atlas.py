@@ -1,15 +1,18 @@
 """The atlas: every situation by every method, and what went wrong in it.
 
-    atlas.py PROGRAM WALKER [--out FILE.csv] [--crossings N] [--seconds S] [--natural] [--full] [--test]
+    atlas.py PROGRAM WALKER [--out FILE.csv] [--crossings N] [--seconds S] [--natural] [--full] [--only WORD] [--test]
 
 PROGRAM is clustermcml, WALKER the harness stability_atlas. Each cell ends after N crossings or S seconds. --natural
-flies only what is aimed at nothing in particular, N crossings in all. --full adds meshes of 1e6 and 1e7 triangles.
+flies only what is aimed at nothing in particular, N crossings in all: every cell gets at least FLOOR of an equal share,
+the rest goes to those that need few flights for a crossing. --full adds meshes of 1e6 and 1e7 triangles. --only flies
+the situations that have the word in their name.
 --test writes nothing and fails when something failed that must not.
 Standard library only."""
 import argparse
 import concurrent.futures
 import csv
 import json
+import math
 import subprocess
 import sys
 import tempfile
@@ -18,9 +21,12 @@ import situations
 
 RADIAL = ("reference-cone", "cpu-cone", "reference-mesh", "cpu-mesh")
 MESHES = ("reference-mesh", "cpu-mesh")
-COLUMNS = "situation method aim status crossings lost wrong missed spurious nan trapped note".split()
-COUNTS = COLUMNS[4:11]
+COLUMNS = "situation method aim status crossings lost wrong missed spurious nan trapped flights note".split()
+COUNTS = COLUMNS[4:12]
 STRICT = ("face", "beam", "1e-2")  # nothing may fail; elsewhere the atlas shows what does, and a test what too much is
+FLOOR = 0.7  # 5e6 of 1e9
+PILOT = 20000  # crossings that tell how many flights a cell needs for one; they are flown again
+FLIGHTS, NATURAL_FLIGHTS = 20, 1000  # most for each crossing asked for; the sparsest cells need some 120
 MOST_OF_AIMED = 0.01  # worst of 500 crossings: none at all where a mesh is flown; cones along a ridge 0.1 %
 
 
@@ -34,6 +40,11 @@ def short(message):
     return message.strip().split("\n")[-1].split("clustermcml: ")[-1]
 
 
+def patience(situation):
+    """Seconds after which a scene that is read and checked counts as too slow."""
+    return 600 if situation.big else 60
+
+
 def run(command, limit=None):
     try:
         return subprocess.run(command, capture_output=True, text=True, timeout=limit, check=False)
@@ -41,17 +52,18 @@ def run(command, limit=None):
         return None
 
 
-def fly_cell(arguments, situation, path, method, aim):
+def fly_cell(arguments, situation, path, method, aim, crossings):
     cell = {"situation": situation.name, "method": method, "aim": aim, "status": "flown", "note": ""}
-    limit = 60 + 2 * arguments.seconds if arguments.seconds else None
-    done = run([arguments.walker, path, method, aim, repr(arguments.crossings), repr(arguments.seconds)], limit)
+    limit = patience(situation) + 2 * arguments.seconds if arguments.seconds else None
+    flights = NATURAL_FLIGHTS if arguments.natural else FLIGHTS
+    done = run([arguments.walker, path, method, aim, repr(crossings), repr(arguments.seconds), str(flights)], limit)
     if done is None:
         return cell | {"status": "too slow", "note": f"not ready after {limit:g} s"}
     if done.returncode != 0:
         return cell | {"status": "refused" if done.returncode == 2 else "failed",
                        "note": short(done.stderr) or f"ended with {done.returncode}"}
     values = done.stdout.strip().split(",")
-    return cell | dict(zip(COUNTS, map(int, values))) | {"note": values[7]}
+    return cell | dict(zip(COUNTS, map(int, values))) | {"note": values[len(COUNTS)]}
 
 
 def run_program(arguments, situation, path, directory):
@@ -59,10 +71,11 @@ def run_program(arguments, situation, path, directory):
     cell = {"situation": situation.name, "method": "program", "aim": "beam", "status": "flown"}
     photons = "2e3" if arguments.test else "2e5" if arguments.natural else "2e4"
     command = [arguments.program, path, "--json", "--quiet", "-o", directory, "--photons", photons]
-    done = run(command, 120)
+    limit = 2 * patience(situation)
+    done = run(command, limit)
     if done is None:
-        return cell | {"status": "too slow", "note": "not ready after 120 s"}
-    flat = None if arguments.natural else run(command + ["--boundaries", "plane"], 120)
+        return cell | {"status": "too slow", "note": f"not ready after {limit} s"}
+    flat = None if arguments.natural else run(command + ["--boundaries", "plane"], limit)
     if done.returncode not in (0, 4):
         return cell | {"status": "refused" if done.returncode == 2 else "failed", "note": short(done.stderr)}
     result = json.loads(done.stdout)
@@ -82,28 +95,39 @@ def check_refused(arguments, situation, path):
             "note": short(done.stderr)}
 
 
-def share_out(arguments, directory):
-    """Natural flights: the crossings that were asked for in all, by cell."""
-    accepted = [s for s in situations.build(directory, arguments.full) if not s.refused]
-    arguments.crossings /= sum(len(methods_of(s)) for s in accepted)
+def share_out(arguments, pool, cells):
+    """Natural flights: the crossings of every cell. The same on any machine: flights are counted, not timed."""
+    equal = arguments.crossings / len(cells)
+    pilots = list(pool.map(lambda cell: fly_cell(arguments, *cell, min(PILOT, equal)), cells))
+    ease = [pilot.get("crossings", 0) / max(1, pilot.get("flights", 0)) for pilot in pilots]
+    return [math.ceil(FLOOR * equal + (1 - FLOOR) * arguments.crossings * x / sum(ease)) for x in ease]
+
+
+def fly_cells(arguments, pool, cells):
+    """Jobs in the order of the cells; those that fly longest begin first."""
+    crossings = share_out(arguments, pool, cells) if arguments.natural else [arguments.crossings] * len(cells)
+    order = sorted(range(len(cells)), key=lambda i: crossings[i])
+    jobs = {i: pool.submit(fly_cell, arguments, *cells[i], crossings[i]) for i in order}
+    return [jobs[i] for i in range(len(cells))]
 
 
 def all_cells(arguments, directory):
-    jobs = []
-    if arguments.natural:
-        share_out(arguments, directory)
+    cells, others = [], []
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         for situation in situations.build(directory, arguments.full):
             path = situation.path(directory)
+            if arguments.only not in situation.name:
+                continue
             if situation.refused:
                 if not arguments.natural:
-                    jobs.append(pool.submit(check_refused, arguments, situation, path))
+                    others.append((check_refused, arguments, situation, path))
                 continue
-            jobs += [pool.submit(fly_cell, arguments, situation, path, method, aim)
-                     for method in methods_of(situation)
-                     for aim in (("face",) if arguments.natural else situation.aims)
-                     if not (situation.name in situations.NO_MESH and method in MESHES)]
-            jobs.append(pool.submit(run_program, arguments, situation, path, directory))
+            cells += [(situation, path, method, aim)
+                      for method in methods_of(situation)
+                      for aim in (("face",) if arguments.natural else situation.aims)
+                      if not (situation.name in situations.NO_MESH and method in MESHES)]
+            others.append((run_program, arguments, situation, path, directory))
+        jobs = fly_cells(arguments, pool, cells) + [pool.submit(*job) for job in others]
         return [job.result() for job in jobs]
 
 
@@ -126,6 +150,7 @@ def main():
     parser.add_argument("--seconds", type=float, default=0)
     parser.add_argument("--natural", action="store_true")
     parser.add_argument("--full", action="store_true")
+    parser.add_argument("--only", default="")
     parser.add_argument("--test", action="store_true")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as directory:

@@ -1,4 +1,4 @@
 /* SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
-#define ATLAS_FLY atlas_fly_double
+#define ATLAS_PRECISION double
 #include "atlas_walk.h"

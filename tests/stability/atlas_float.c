@@ -1,3 +1,3 @@
 /* SPDX-License-Identifier: MIT */
-#define ATLAS_FLY atlas_fly_float
+#define ATLAS_PRECISION float
 #include "atlas_walk.h"

@@ -1,4 +1,5 @@
-/* atlas.h for one precision; compiled once in float and once in double.
+/* atlas.h for one precision; compiled in float and in double, each for several levels of the processor
+ * (ATLAS_LEVEL, see CMakeLists.txt), which give the same bits.
  * A position counts as in its medium when it lies on the right side of both boundaries, or within the
  * rounding of its coordinates of the one that it is beyond. SPDX-License-Identifier: MIT */
 #include "atlas.h"
@@ -7,14 +8,17 @@
 
 #include <time.h>
 
+#define PASTE_NAME(precision, level) atlas_fly_##precision##_##level
+#define NAME(precision, level) PASTE_NAME(precision, level)
+
 /* Of the largest coordinate: what a position may be beyond a boundary. */
 #ifdef CML_DOUBLE
 #define ROUNDINGS 1024
 #else
 #define ROUNDINGS 32
 #endif
-#define MAX_EVENTS 300  /* of one packet, then a new one is aimed */
-#define MAX_ATTEMPTS 50 /* to find a start in the clear */
+#define MAX_EVENTS 300    /* of one packet, then a new one is aimed */
+#define MAX_ATTEMPTS 1000 /* to find a start in the clear */
 
 struct walker {
     const struct atlas_flight *flight;
@@ -274,7 +278,8 @@ static void fly_all(struct walker *walker)
     }
 }
 
-cml_status ATLAS_FLY(const struct atlas_flight *flight, struct atlas_count *count, struct cml_error *err)
+cml_status NAME(ATLAS_PRECISION, ATLAS_LEVEL)(const struct atlas_flight *flight, struct atlas_count *count,
+                                              struct cml_error *err)
 {
     const struct cml_engine_options options = {.seed = flight->seed, .reentry = true};
     const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = flight->scene->num_layers};

@@ -121,19 +121,51 @@ static void add_ahead(struct cml_mesh_line *line, int primitive, int way, double
     }
 }
 
-/* Where the line passes beside a facet that leads away from the packet's side. */
-static void add_exit(struct cml_mesh_line *line, int primitive, double height)
+/* A place of the line ahead and its distance from a facet that leads away: the first of those that rounding
+ * can explain is the exit. */
+static void add_exit_at(struct cml_mesh_line *line, int primitive, double t)
 {
     const struct cml_mesh_query *q = line->q;
-    const double t = fmax(0, distance_along(q, primitive, height));
     double place[3];
-    if (!(t <= line->exit_t + line->near)) return;
     for (int k = 0; k < 3; k++) place[k] = q->origin[k] + t * q->direction[k];
     const double beside = distance_to_triangle(q, primitive, place);
-    if (beside > line->near || t + beside >= line->exit_t + line->beside) return;
+    if (!(beside <= line->near) || t + beside >= line->exit_t + line->beside) return;
     line->exit_t = t;
     line->beside = beside;
     line->exit = primitive;
+}
+
+/* Where the line ahead is closest to an edge; 0 where it leaves it behind. */
+static double closest_to_edge(const struct cml_mesh_query *q, const double a[3], const double b[3])
+{
+    double edge[3], off[3];
+    cml_vec3_subtract(b, a, edge);
+    cml_vec3_subtract(q->origin, a, off);
+    const double along = cml_vec3_dot(q->direction, edge), square = cml_vec3_dot(edge, edge);
+    const double before = cml_vec3_dot(q->direction, off);
+    const double s = (cml_vec3_dot(edge, off) - along * before) / (square - along * along);
+    return fmax(0, (s > 0 ? (s < 1 ? s : 1) : 0) * along - before);
+}
+
+/* Where the line passes a facet that leads away from the packet's side: it meets it, or is closest to it at
+ * an edge or at its beginning. Its plane alone does not tell: between steep walls a line that begins beyond
+ * both meets their planes far from where they end. */
+static void add_exit(struct cml_mesh_line *line, int primitive, double height)
+{
+    const struct cml_mesh_query *q = line->q;
+    const struct cml_mesh *mesh = &q->body->mesh;
+    const uint32_t *v = mesh->triangle[primitive];
+    double first = INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double to_corner[3];
+        cml_vec3_subtract(mesh->vertex[v[k]], q->origin, to_corner);
+        first = fmin(first, cml_vec3_dot(to_corner, q->direction));
+    }
+    if (first > line->exit_t + line->near) return;
+    add_exit_at(line, primitive, 0);
+    add_exit_at(line, primitive, fmax(0, distance_along(q, primitive, height)));
+    for (int k = 0; k < 3; k++)
+        add_exit_at(line, primitive, closest_to_edge(q, mesh->vertex[v[k]], mesh->vertex[v[(k + 1) % 3]]));
 }
 
 void cml_line_add(struct cml_mesh_line *line, int primitive)

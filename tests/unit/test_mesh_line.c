@@ -66,6 +66,60 @@ static void a_straight_line_ends_where_it_ends(void **state)
     assert_int_equal(wrong, 0);
 }
 
+enum { STEEPNESS = 1000, MOST_BOUNCES = 10000 };
+
+static const double aside = 0.1; /* so that the bottoms lie between numbers of single precision */
+
+/* Grooves along y, steep as STEEPNESS, with their bottoms at depth 0. */
+static struct cml_mesh_surface *grooves(void)
+{
+    patch_make(&patch, 3, 0, 0, aside, 0);
+    for (int i = 1; i < GRID; i += 2)
+        for (int j = 1; j < GRID; j++)
+            patch.vertex[i * (GRID + 1) + j][2] = -STEEPNESS * patch_coordinate(GRID / 2 + 1);
+    struct cml_mesh mesh = patch_mesh(&patch);
+    struct cml_mesh_surface *surface = NULL;
+    struct cml_error err;
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_AUTO, &surface, &err), CML_OK);
+    return surface;
+}
+
+/* A packet that heads down in a groove must meet a wall, however little room is left between the walls. */
+static bool comes_out_of_groove(const struct cml_mesh_surface *surface, double p[3], double u[3])
+{
+    struct cml_mesh_crossing crossing = {.primitive = -1};
+    for (int n = 0; n < MOST_BOUNCES && u[2] > 0; n++) {
+        const double slack = 4 * (double)FLT_EPSILON * (fabs(p[0]) + fabs(p[1]) + fabs(p[2]));
+        if (!cml_mesh_surface_hit(surface, p, u, 0, INFINITY, crossing.primitive, 0, 0, slack, &crossing))
+            return false;
+        double along = 0;
+        for (int k = 0; k < 3; k++) along += u[k] * crossing.facet[k];
+        for (int k = 0; k < 3; k++) {
+            u[k] = (float)(u[k] - 2 * along * crossing.facet[k]);
+            p[k] = (float)crossing.point[k];
+        }
+    }
+    return !(u[2] > 0);
+}
+
+static void a_packet_comes_out_of_a_groove(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(9);
+    struct cml_mesh_surface *surface = grooves();
+    int lost = 0;
+    for (int n = 0; n < 1000; n++) {
+        const double x = aside + patch_coordinate(2 + 2 * dice_below(&dice, GRID / 2 - 2));
+        const double ulps = dice_below(&dice, 5) - 2;
+        double u[3] = {0, 0, 1};
+        double p[3] = {(float)(x + ulps * (double)FLT_EPSILON * fabs(x)),
+                       (float)dice_between(&dice, -0.9, 0.9), -30};
+        lost += !comes_out_of_groove(surface, p, u);
+    }
+    cml_mesh_surface_free(surface);
+    assert_int_equal(lost, 0);
+}
+
 /* A line exactly through a vertex, or along an edge, passes the triangles there as one sheet. */
 static void signs_agree_at_a_vertex(void **state)
 {
@@ -97,6 +151,7 @@ static void signs_agree_at_a_vertex(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_straight_line_ends_where_it_ends),
+                                       cmocka_unit_test(a_packet_comes_out_of_a_groove),
                                        cmocka_unit_test(signs_agree_at_a_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -224,10 +224,12 @@ void cml_query_outer_plane(struct cml_mesh_query *q)
 
 /* The border belongs to triangles and plane alike, but only the plane asks for it in double: a ray that
  * passes within the rounding of single precision of it may have been let through by both. */
-bool cml_query_at_border(const struct cml_mesh_query *q)
+bool cml_query_may_have_missed(const struct cml_mesh_query *q)
 {
     const double uz = q->direction[2], d = q->body->inflation;
     if (!(q->below ? uz < 0 : uz > 0)) return false;
+    const double end = q->origin[2] + q->t * uz;
+    if (q->below ? end < q->body->lower[2] : end > q->body->upper[2]) return true;
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
     if (!(t >= q->least) || !(t < q->t)) return false;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];

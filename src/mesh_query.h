@@ -98,9 +98,9 @@ bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along);
 /* Whether rounding had a say in the best crossing, or in there being none: cml_line_decide has to tell. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 
-/* Whether the ray passes the border, before the best crossing, so closely that only the exact test can tell.
- */
-bool cml_query_at_border(const struct cml_mesh_query *q);
+/* Whether only the exact test can tell that the ray meets no triangle: it passes the border, before its end,
+ * closely, or it ends where no packet of its side can be, beyond all triangles. */
+bool cml_query_may_have_missed(const struct cml_mesh_query *q);
 
 /* 1 and the crossing, with its normals, if there is one. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],

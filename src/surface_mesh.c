@@ -170,9 +170,9 @@ static const float clearly_inside = 1e-5f;
 static const double grazing = 1e-2;
 
 /* The fast way: Embree's own triangles find the hit, whose distance is computed again in double. Where it
- * grazes its triangle, is not clearly inside its triangle, or nothing was found on a way without end or past
- * the border, the exact query decides. The ray starts a little behind the packet, because rounding may have
- * put it beyond a facet.
+ * grazes its triangle, is not clearly inside its triangle, or nothing was found on a way without end, past
+ * the border, or out of the mesh's depths, the exact query decides. The ray starts a little behind the
+ * packet, because rounding may have put it beyond a facet.
  */
 static void query_fast(const struct cml_mesh_surface *surface, struct query *query)
 {
@@ -186,7 +186,7 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
     const double weight[3] = {w, u, v};
     if (found && inside && fabs(along) > grazing)
         cml_query_take_inside(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
-    else if (found || !(q->t < INFINITY) || cml_query_at_border(q))
+    else if (found || !(q->t < INFINITY) || cml_query_may_have_missed(q))
         query_exact(surface, query);
 }
 

@@ -120,6 +120,48 @@ static void a_packet_comes_out_of_a_groove(void **state)
     assert_int_equal(lost, 0);
 }
 
+static struct cml_mesh_surface *rough(uint32_t seed)
+{
+    patch_make(&patch, seed, 0.1, 0, 0, 0);
+    struct cml_mesh mesh = patch_mesh(&patch);
+    struct cml_mesh_surface *surface = NULL;
+    struct cml_error err;
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_EMBREE, &surface, &err), CML_OK);
+    return surface;
+}
+
+static double depth_below(const double p[3], const double u[3], double t)
+{
+    return p[2] + t * u[2] - patch_depth(&patch, p[0] + t * u[0], p[1] + t * u[1]);
+}
+
+/* Fast queries that graze a facet, with a path that ends far beyond all of them. */
+static void a_packet_does_not_graze_its_way_through(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(11);
+    struct cml_mesh_surface *surface = rough(5);
+    int missed = 0;
+    for (int n = 0; n < 300000; n++) {
+        const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
+        const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1]], *c = patch.vertex[v[2]];
+        const double s = dice_between(&dice, 0, 0.5), t = dice_between(&dice, 0, 0.5), angle = 3e-7;
+        double p[3], u[3], size = 0;
+        for (int k = 0; k < 3; k++) u[k] = dice_between(&dice, -1, 1) * (b[k] - a[k]) + (c[k] - a[k]) / 2;
+        for (int k = 0; k < 3; k++) size = hypot(size, u[k]);
+        for (int k = 0; k < 3; k++) u[k] = u[k] / size - (k == 2 ? angle : 0);
+        for (int k = 0; k < 3; k++)
+            p[k] = (float)(a[k] + s * (b[k] - a[k]) + t * (c[k] - a[k]) - 0.02 * u[k]);
+        for (int k = 0; k < 3; k++) u[k] = (float)u[k];
+        struct cml_mesh_crossing crossing;
+        const bool below = depth_below(p, u, 0) > 0;
+        if (below != (u[2] < 0) || fabs(u[2]) < 0.01) continue;
+        missed += !cml_mesh_surface_hit(surface, p, u, below, 100, -1, 0, 0, 1e-7, &crossing);
+    }
+    cml_mesh_surface_free(surface);
+    assert_int_equal(missed, 0);
+}
+
 /* A line exactly through a vertex, or along an edge, passes the triangles there as one sheet. */
 static void signs_agree_at_a_vertex(void **state)
 {
@@ -152,6 +194,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_straight_line_ends_where_it_ends),
                                        cmocka_unit_test(a_packet_comes_out_of_a_groove),
+                                       cmocka_unit_test(a_packet_does_not_graze_its_way_through),
                                        cmocka_unit_test(signs_agree_at_a_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -41,7 +41,9 @@ struct cml_mesh_query {
     int primitive;    /* -1: none */
     bool on_seam;
     bool on_edge; /* the packet stands close to an edge: rounding may have put it beyond facets beside it */
-    bool doubt;   /* the border was passed so closely that rounding decided what is crossed */
+    bool doubt;   /* the border was passed so closely that rounding decided what is crossed, or the fast way
+                   * has missed a facet */
+    double back;  /* the fast way's: where it met a facet that leads back to the packet's side */
     /* Edges that the best crossing is on, but for rounding, those that two of its facets share left out; 0
      * when no other is: then those facets are all there are at its place, and it is a crossing whatever
      * rounding does. Sums of random numbers of the edges' ends; of the candidate last tested and of the best.

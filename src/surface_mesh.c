@@ -137,12 +137,17 @@ static bool counts(const struct cml_mesh_query *q, int primitive, double *t, dou
     return primitive != q->exclude && (q->below ? *along : -*along) > 0 && cml_query_is_ahead(q, *t, *along);
 }
 
+/* Keeps the first one ahead that leads back to the packet's side: it can only come after one that leads away.
+ */
 static void filter_hit(const struct RTCFilterFunctionNArguments *arguments)
 {
-    const struct cml_mesh_query *q = &((const struct query *)(const void *)arguments->context)->ray;
+    struct cml_mesh_query *q = &((struct query *)(void *)arguments->context)->ray;
+    const int primitive = (int)((const struct RTCHit *)(const void *)arguments->hit)->primID;
     double t, along;
-    if (!counts(q, (int)((const struct RTCHit *)(const void *)arguments->hit)->primID, &t, &along))
-        arguments->valid[0] = 0;
+    if (counts(q, primitive, &t, &along)) return;
+    arguments->valid[0] = 0;
+    if (primitive != q->exclude && (q->below ? along : -along) < 0 && t > q->reach)
+        q->back = fmin(q->back, t);
 }
 
 /* The closest hit that counts; false when there is none. A filter costs Embree half as much again, so a
@@ -157,9 +162,12 @@ static bool closest(const struct cml_mesh_surface *surface, struct query *query,
         if (counts(&query->ray, (int)rayhit->hit.primID, t, along)) return true;
         *rayhit = fresh;
     }
+    query->ray.back = INFINITY;
     intersect_scene(surface->fast, query, rayhit, filter_hit);
-    return rayhit->hit.geomID != RTC_INVALID_GEOMETRY_ID &&
-           counts(&query->ray, (int)rayhit->hit.primID, t, along);
+    const bool found = rayhit->hit.geomID != RTC_INVALID_GEOMETRY_ID &&
+                       counts(&query->ray, (int)rayhit->hit.primID, t, along);
+    query->ray.doubt = query->ray.back < (found ? *t : query->ray.t);
+    return found;
 }
 
 /* Embree's barycentric coordinates, in single precision, at least this far from every edge are clearly
@@ -171,8 +179,10 @@ static const double grazing = 1e-2;
 
 /* The fast way: Embree's own triangles find the hit, whose distance is computed again in double. Where it
  * grazes its triangle, is not clearly inside its triangle, or nothing was found on a way without end, past
- * the border, or out of the mesh's depths, the exact query decides. The ray starts a little behind the
- * packet, because rounding may have put it beyond a facet.
+ * the border, or out of the mesh's depths, the exact query decides. Where a facet that leads back comes
+ * first, the whole line does: the fast way has missed one before it, at an edge from which the packet starts,
+ * which no float can tell from one beside it. The ray starts a little behind the packet, because rounding may
+ * have put it beyond a facet.
  */
 static void query_fast(const struct cml_mesh_surface *surface, struct query *query)
 {

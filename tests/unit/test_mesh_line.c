@@ -135,6 +135,31 @@ static double depth_below(const double p[3], const double u[3], double t)
     return p[2] + t * u[2] - patch_depth(&patch, p[0] + t * u[0], p[1] + t * u[1]);
 }
 
+/* Fast queries from where rounding leaves it open on which side of an edge a float lies: their crossing is
+ * the first. */
+static void a_packet_at_an_edge_leaves_by_it(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(10);
+    struct cml_mesh_surface *surface = rough(4);
+    int wrong = 0;
+    for (int n = 0; n < 100000; n++) {
+        double p[3], u[3];
+        struct cml_mesh_crossing crossing = {.t = 1};
+        choose_place(&dice, p);
+        dice_direction(&dice, u);
+        for (int k = 0; k < 3; k++) u[k] = (float)u[k];
+        const bool below = depth_below(p, u, 0) > 0;
+        cml_mesh_surface_hit(surface, p, u, below, INFINITY, -1, 0, 0, 1e-7, &crossing);
+        int beyond = 0;
+        for (int k = 1; k < 32; k++)
+            beyond += (below ? 1 : -1) * depth_below(p, u, crossing.t * k / 32) < -1e-6;
+        wrong += beyond > 0;
+    }
+    cml_mesh_surface_free(surface);
+    assert_int_equal(wrong, 0);
+}
+
 /* Fast queries that graze a facet, with a path that ends far beyond all of them. */
 static void a_packet_does_not_graze_its_way_through(void **state)
 {
@@ -192,9 +217,9 @@ static void signs_agree_at_a_vertex(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(a_straight_line_ends_where_it_ends),
-                                       cmocka_unit_test(a_packet_comes_out_of_a_groove),
-                                       cmocka_unit_test(a_packet_does_not_graze_its_way_through),
-                                       cmocka_unit_test(signs_agree_at_a_vertex)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_straight_line_ends_where_it_ends),
+        cmocka_unit_test(a_packet_comes_out_of_a_groove), cmocka_unit_test(a_packet_at_an_edge_leaves_by_it),
+        cmocka_unit_test(a_packet_does_not_graze_its_way_through), cmocka_unit_test(signs_agree_at_a_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

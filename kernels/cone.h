@@ -64,7 +64,9 @@ CML_FN int cml_ring_of(struct cml_rings rings, real r)
 }
 
 /* Where the ray leaves ring i: *next is i - 1 (inwards), i + 1 (outwards) or -1 (never, t is infinite). While
- * the ray moves inwards it crosses r_i only if its least radius |k|/sqrt(a) lies inside. */
+ * the ray moves inwards it crosses r_i only if its least radius |k|/sqrt(a) lies inside. Of the two forms of
+ * the discriminant the one for rays that go outwards has no cancellation: a tangent at r_i+1 leaves at once.
+ */
 CML_FN real cml_ring_exit(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int inwards,
                           int *next)
 {
@@ -78,10 +80,10 @@ CML_FN real cml_ring_exit(struct cml_rings rings, const struct cml_cone_ray *ray
     }
     *next = i + 1 < rings.n && ray->a > 0 ? i + 1 : -1;
     if (*next < 0) return CML_INFINITY;
-    const real ro = rings.r[i + 1];
-    const real square = ray->a * ro * ro - ray->k * ray->k;
+    const real ro = rings.r[i + 1], gap = (ro - ray->r) * (ro + ray->r);
+    const real square = ray->b > 0 ? ray->b * ray->b + ray->a * gap : ray->a * ro * ro - ray->k * ray->k;
     const real root = square > 0 ? CML_SQRT(square) : (real)0;
-    return ray->b > 0 ? (ro - ray->r) * (ro + ray->r) / (root + ray->b) : (root - ray->b) / ray->a;
+    return ray->b > 0 ? gap / (root + ray->b) : (root - ray->b) / ray->a;
 }
 
 /* side * f at the end t of a span of ring i; next says which ring's radius it is, -1: none, r(t) is computed.
@@ -111,25 +113,35 @@ CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_rings rings, cons
     return q;
 }
 
-/* Whether the ray goes below the real nappe of ring i and comes up again, deepest in (t0, t1). A < 0 puts
- * both roots on one nappe; the middle between them counts, because a root itself may lie on the span's end.
- */
+/* Whether the ray goes below the real nappe of ring i and comes up again, deepest in (t0, t1); *t where it
+ * goes below, *room from there to the deepest point. A < 0 puts both roots on one nappe. The height at the
+ * deepest point itself decides, and says how far from it the root is: a discriminant would have lost these
+ * digits where the ray just touches the cone. */
 CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
-                         real *middle)
+                         real *t, real *room)
 {
     const struct cml_cone_quadratic q = cml_ring_quadratic(rings, ray, i);
     if (!(q.A < 0)) return 0;
-    *middle = -q.B / q.A;
-    return *middle > t0 && *middle < t1 && q.D >= 0 && rings.slope[i] * (q.w + *middle * ray->u.z) > 0;
+    const real m = rings.slope[i], middle = -q.B / q.A;
+    if (!(middle > t0 && middle < t1)) return 0;
+    const real x = ray->p.x + middle * ray->u.x, y = ray->p.y + middle * ray->u.y;
+    const real r = CML_SQRT(x * x + y * y);
+    const real height = ray->p.z + middle * ray->u.z - rings.z[i] - m * (r - rings.r[i]);
+    if (!(ray->side * height < 0)) return 0;
+    *room = CML_SQRT(height * (height + 2 * m * r) / -q.A);
+    *t = middle - *room;
+    return 1;
 }
 
 /* The only root of ring i's cone at which the ray leaves its side: of the two roots the one where side * f
  * falls. A change of sign or a dip has shown that it is real: a discriminant below 0 is rounding, the ray
  * passes through the tip. standing: t = 0 is a root and is divided out. Returns 0 when there is none; *t may
- * lie outside the span. */
-CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t)
+ * lie outside the span. *room: half the distance between the two roots. */
+CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t,
+                         real *room)
 {
     const real m = rings.slope[i];
+    *room = CML_INFINITY;
     if (m == 0) {
         if (!(ray->side * ray->u.z < 0)) return 0;
         *t = standing ? (real)0 : (rings.z[i] - ray->p.z) / ray->u.z;
@@ -141,20 +153,48 @@ CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray,
     const real q = ray->side * m > 0 ? -c.B - root : -c.B + root;
     const real q_other = ray->side * m > 0 ? -c.B + root : -c.B - root;
     *t = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other) ? q / c.A : C / q_other;
+    *room = root / (c.A < 0 ? -c.A : c.A);
     return 1;
 }
 
-/* One Newton step on the height itself: the quadratic's root loses digits where a ray from far away passes
- * close to the apex, the height at the root does not. A step that leaves [t0, t1] is not taken. */
-CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
+/* Where side * f falls below 0 in [t0, t1], by halves from t on; at once where it already is. What is before
+ * t is searched in steps that do not depend on t0: a march that begins later finds the same. */
+CML_FN real cml_ring_search(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
                             real t)
+{
+    real low = t, high = t1;
+    if (cml_ring_height(rings, ray, i, -1, t0) < 0) return t0;
+    for (real back = CML_EPSILON * t; low > t0 && cml_ring_height(rings, ray, i, -1, low) < 0; back *= 2) {
+        high = low;
+        low = t - back > t0 ? t - back : t0;
+    }
+    for (int n = 0; n < 64; n++) {
+        const real middle = low + (high - low) / 2;
+        if (!(middle > low && middle < high)) break;
+        if (cml_ring_height(rings, ray, i, -1, middle) < 0)
+            high = middle;
+        else
+            low = middle;
+    }
+    return low;
+}
+
+/* One Newton step on the height itself: the quadratic's root loses digits where a ray from far away passes
+ * close to the apex, the height at the root does not. Where the ray just touches the cone, or lies almost in
+ * it, the root may have lost all of them and the step goes anywhere. It counts when it is small against
+ * `room` and the distance from the axis, between which the slope changes; else the sign of the height
+ * decides, step by step. */
+CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
+                            real t, real room)
 {
     const real m = rings.slope[i];
     const real x = ray->p.x + t * ray->u.x, y = ray->p.y + t * ray->u.y, r = CML_SQRT(x * x + y * y);
     const real height = ray->p.z + t * ray->u.z - rings.z[i] - m * (r - rings.r[i]);
     const real rate = ray->u.z - m * (x * ray->u.x + y * ray->u.y) / r;
-    const real better = t - height / rate;
-    return r > 0 && ray->side * rate < 0 && better > t0 && better < t1 ? better : t;
+    const real step = height / rate, better = t - step;
+    const int small = 16 * (step < 0 ? -step : step) <= (room < r ? room : r);
+    if (r > 0 && ray->side * rate < 0 && small && better >= t0 && better <= t1) return better;
+    return cml_ring_search(rings, ray, i, t0, t1, t);
 }
 
 /* One span [t0, t1] of ring i. Crossed when side * f is negative at its end, or dips below 0 in between,
@@ -162,17 +202,18 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
 CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next,
                          int standing, real t0, real t1, real *t)
 {
-    real root, middle;
+    real root, room;
     if (!(cml_ring_height(rings, ray, i, next, t1) < 0)) {
         const int convex = ray->side * rings.slope[i] < 0;
-        if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1, &middle)) return 0;
-        t1 = middle; /* the crossing is on the way down; where a ray just touches, Newton would go anywhere */
+        if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1, &root, &room)) return 0;
+        t1 = root + room;
+    } else if (!cml_ring_root(rings, ray, i, standing, &root, &room)) {
+        return 0;
     }
-    if (!cml_ring_root(rings, ray, i, standing, &root)) return 0;
     if (standing && !(root >= 0 && root <= t1))
         return 0; /* the sign at t1 was rounding: the packet has just left the ring */
     *t = root > t0 ? (root < t1 ? root : t1) : t0;
-    if (!standing) *t = cml_ring_polish(rings, ray, i, t0, t1, *t);
+    if (!standing) *t = cml_ring_polish(rings, ray, i, t0, t1, *t, room);
     return 1;
 }
 
@@ -210,7 +251,8 @@ CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec
         t1 = last ? t_max : (t1 > t0 ? t1 : t0);
         *ring = i;
         if (next < 0 && rings.slope[i] == 0) {
-            const int plane = cml_ring_root(rings, &ray, i, standing, t) && !standing && *t < t1;
+            real room;
+            const int plane = cml_ring_root(rings, &ray, i, standing, t, &room) && !standing && *t < t1;
             if (plane) *t = *t > t0 ? *t : t0;
             return plane;
         }

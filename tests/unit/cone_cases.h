@@ -178,6 +178,19 @@ static void a_root_on_a_shared_ring_is_found_once(void **state)
     assert_near("distance", oblique.t, sqrt(2), 8 * eps);
 }
 
+/* All round a ridge at radius 1, along its tangent and 0.01 below it: the surface comes down to it at radius
+ * 1.01. Rounding says whether the ray begins inside the ridge or outside. */
+static void a_ray_along_a_ridge_leaves_it_at_once(void **state)
+{
+    (void)state;
+    static const double r[] = {0, 1, 2}, z[] = {0.5, 0, 1};
+    const struct field field = field_of(3, r, z);
+    for (int n = 0; n < 20000; n++) {
+        const double phi = n * 6.283185307179586 / 20000, c = cos(phi), d = sin(phi);
+        expect(shoot(&field, c, d, 0.01, -d, c, 0, BELOW), sqrt(1.01 * 1.01 - 1), 1, 1e-4);
+    }
+}
+
 static void a_packet_that_stands_on_a_ring_leaves_it(void **state)
 {
     (void)state;
@@ -359,6 +372,7 @@ int main(void)
         cmocka_unit_test(a_ray_dips_into_a_flank_misses_it_or_touches_it),
         cmocka_unit_test(a_ray_that_just_touches_a_flank_hits_it_there),
         cmocka_unit_test(a_root_on_a_shared_ring_is_found_once),
+        cmocka_unit_test(a_ray_along_a_ridge_leaves_it_at_once),
         cmocka_unit_test(a_packet_that_stands_on_a_ring_leaves_it),
         cmocka_unit_test(a_packet_that_stands_in_a_hollow_hits_the_same_ring_again),
         cmocka_unit_test(a_packet_that_stands_on_a_ring_hits_the_next_one),

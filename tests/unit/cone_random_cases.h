@@ -174,6 +174,49 @@ static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
     assert_true(hits > 500000 && clipped > 500000);
 }
 
+/* A ray at a small angle to a ring's cone, from before a place on it. */
+static struct cml_vec graze(struct dice *dice, const struct field *field, struct cml_vec *u)
+{
+    const int i = dice_below(dice, field->n - 1);
+    const double r0 = (double)field->r[i], dr = (double)field->r[i + 1] - r0;
+    const double m = (double)field->slope[i], s = dice_uniform(dice), along = dice_between(dice, -1, 1);
+    const double turn = exp(dice_between(dice, log(1e-7), 0)), angle = exp(dice_between(dice, log(1e-7), -3));
+    double v[3] = {along, turn, m * along - angle}, size = 0; /* outwards, around, down */
+    for (int k = 0; k < 3; k++) size = hypot(size, v[k]);
+    for (int k = 0; k < 3; k++) v[k] /= size;
+    const double flown = dr * dice_uniform(dice), r = r0 + s * dr;
+    *u = (struct cml_vec){(real)v[0], (real)v[1], (real)v[2]};
+    return (struct cml_vec){(real)(r - flown * v[0]), (real)(-flown * v[1]),
+                            (real)((double)field->z[i] + m * s * dr - flown * v[2])};
+}
+
+/* However little the quadratic of a cone can tell of where such a ray meets it. */
+static void grazing_rays_hit_the_surface_where_it_is(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(55);
+    long hits = 0;
+    double worst = 0;
+    for (int n = 0; n < 2000; n++) {
+        const struct field field = field_random(&dice, 2);
+        for (int k = 0; k < 1000; k++) {
+            struct cml_vec u;
+            const struct cml_vec p = graze(&dice, &field, &u);
+            const struct ray ray = ray_of(p, u, 1);
+            const real side = ray_height(&field, &ray, 0) > 0 ? 1 : -1;
+            real t;
+            int ring;
+            if (!cml_cone_hit(rings_of(&field), p, u, side, 0, CML_INFINITY, -1, &t, &ring)) continue;
+            hits++;
+            worst = fmax(worst,
+                         fabs((double)ray_height(&field, &ray, t)) / ray_rounding(&field, &ray, (double)t));
+        }
+    }
+    printf("%ld hits, off the surface by %.2g roundings\n", hits, worst);
+    assert_true(hits > 500000);
+    assert_true(worst < (sizeof(real) == 4 ? 8 : 1024)); /* near the axis a double has digits to spare */
+}
+
 static void every_radius_finds_its_ring(void **state)
 {
     (void)state;
@@ -313,6 +356,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(random_rays_hit_where_the_oracle_says),
         cmocka_unit_test(rays_from_outside_hit_what_the_whole_march_hits),
+        cmocka_unit_test(grazing_rays_hit_the_surface_where_it_is),
         cmocka_unit_test(every_radius_finds_its_ring),
         cmocka_unit_test(a_walk_of_a_million_flights_never_slips_through),
     };

@@ -29,15 +29,22 @@ struct walker {
     struct cml_packet packet;
     double scale;  /* thickness of the thickest layer */
     double extent; /* largest |z| of any boundary in its frame */
+    double before; /* largest size of the positions where this flight and the one before it began */
 };
 
 /* --- where a packet is --- */
 
+static double size_of(struct cml_vec p)
+{
+    return fabs((double)p.x) + fabs((double)p.y) + fabs((double)p.z);
+}
+
+/* A position has the rounding of those that it was flown from, too: near 0 its own coordinates have little.
+ */
 static double rounding(const struct walker *walker, struct cml_vec p)
 {
     const struct cml_setup *setup = &walker->world->setup;
-    const double size = fabs((double)p.x) + fabs((double)p.y) + fabs((double)p.z) + fabs((double)setup->x0) +
-                        fabs((double)setup->y0);
+    const double size = fmax(size_of(p), walker->before) + fabs((double)setup->x0) + fabs((double)setup->y0);
     const double span = (double)walker->world->media[walker->packet.medium].span;
     return ROUNDINGS * (double)CML_EPSILON * (size + span + walker->extent);
 }
@@ -176,6 +183,7 @@ static void aim(struct walker *walker, const struct place *place, int boundary, 
 /* False when no start in the clear was found. */
 static bool place_packet(struct walker *walker)
 {
+    walker->before = 0;
     for (int attempt = 0; attempt < MAX_ATTEMPTS; attempt++) {
         const int boundary = dice_below(&walker->dice, walker->flight->surfaces->count);
         const struct place place = choose_place(walker, boundary);
@@ -227,6 +235,7 @@ static void step(struct walker *walker)
     struct cml_hit hit;
     const struct cml_reach reach = cml_find_reach(walker->world, packet->medium, packet->p, packet->u, t_max);
     walker->count->steps++;
+    walker->before = fmax(walker->before, size_of(from.p));
     bool there = true;
     real t = (real)(4 * walker->extent);
     if (cml_nearest(walker->world, packet, reach, &hit)) {
@@ -242,6 +251,7 @@ static void step(struct walker *walker)
     if (!is_sound(packet)) {
         walker->count->nan++;
     } else if (there && stayed(walker, &from, t)) {
+        walker->before = size_of(from.p);
         return;
     } else {
         *(there ? &walker->count->missed : &walker->count->wrong) += 1;

@@ -183,9 +183,10 @@ CML_FN real cml_ring_search(struct cml_rings rings, const struct cml_cone_ray *r
  * close to the apex, the height at the root does not. Where the ray just touches the cone, or lies almost in
  * it, the root may have lost all of them and the step goes anywhere. It counts when it is small against
  * `room` and the distance from the axis, between which the slope changes; else the sign of the height
- * decides, step by step. */
+ * decides, step by step. A packet that stands on the ring has no sign at its start; for it the step takes
+ * back what it has been beside the surface, which else would grow with every reflection along a hollow. */
 CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
-                            real t, real room)
+                            int standing, real t, real room)
 {
     const real m = rings.slope[i];
     const real x = ray->p.x + t * ray->u.x, y = ray->p.y + t * ray->u.y, r = CML_SQRT(x * x + y * y);
@@ -194,7 +195,7 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
     const real step = height / rate, better = t - step;
     const int small = 16 * (step < 0 ? -step : step) <= (room < r ? room : r);
     if (r > 0 && ray->side * rate < 0 && small && better >= t0 && better <= t1) return better;
-    return cml_ring_search(rings, ray, i, t0, t1, t);
+    return standing ? t : cml_ring_search(rings, ray, i, t0, t1, t);
 }
 
 /* One span [t0, t1] of ring i. Crossed when side * f is negative at its end, or dips below 0 in between,
@@ -213,7 +214,7 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     if (standing && !(root >= 0 && root <= t1))
         return 0; /* the sign at t1 was rounding: the packet has just left the ring */
     *t = root > t0 ? (root < t1 ? root : t1) : t0;
-    if (!standing) *t = cml_ring_polish(rings, ray, i, t0, t1, *t, room);
+    *t = cml_ring_polish(rings, ray, i, t0, t1, standing, *t, room);
     return 1;
 }
 

@@ -217,6 +217,36 @@ static void grazing_rays_hit_the_surface_where_it_is(void **state)
     assert_true(worst < (sizeof(real) == 4 ? 8 : 1024)); /* near the axis a double has digits to spare */
 }
 
+/* In a hollow a packet may be reflected from ring to the same ring time and again. */
+static void a_packet_slides_along_a_hollow_on_its_surface(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(56);
+    static const double r[] = {0, 1, 2}, z[] = {1, -0.5, -0.5};
+    const struct field field = field_of(3, r, z);
+    double sum = 0;
+    long hits = 0;
+    for (int n = 0; n < 1000; n++) {
+        const double s = dice_between(&dice, 0.3, 0.9), tilt = dice_between(&dice, 0, 0.03);
+        struct cml_vec p = {(real)s, 0, (real)(1 - 1.5 * s)},
+                       u = {(real)tilt, (real)sqrt(1 - tilt * tilt), 0};
+        real t;
+        int ring = 0;
+        for (int k = 0; k < 300; k++) {
+            if (!cml_cone_hit(rings_of(&field), p, u, -1, 0, CML_INFINITY, ring, &t, &ring)) break;
+            p = cml_along(p, t, u);
+            const struct cml_vec facet = cml_cone_facet(rings_of(&field), ring, p.x, p.y);
+            u = cml_along(u, -2 * cml_dot(u, facet), facet);
+            const struct ray ray = ray_of(p, u, 1);
+            sum += fabs((double)ray_height(&field, &ray, 0)) / ray_rounding(&field, &ray, 0);
+            hits++;
+        }
+    }
+    printf("%ld reflections, off the surface by %.2g roundings in the mean\n", hits, sum / (double)hits);
+    assert_true(hits > 50000);
+    assert_true(sum < 0.15 * (double)hits);
+}
+
 static void every_radius_finds_its_ring(void **state)
 {
     (void)state;
@@ -357,6 +387,7 @@ int main(void)
         cmocka_unit_test(random_rays_hit_where_the_oracle_says),
         cmocka_unit_test(rays_from_outside_hit_what_the_whole_march_hits),
         cmocka_unit_test(grazing_rays_hit_the_surface_where_it_is),
+        cmocka_unit_test(a_packet_slides_along_a_hollow_on_its_surface),
         cmocka_unit_test(every_radius_finds_its_ring),
         cmocka_unit_test(a_walk_of_a_million_flights_never_slips_through),
     };

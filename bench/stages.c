@@ -91,8 +91,8 @@ static void set_task(int task)
 
 static void interact(const int tally_cells)
 {
-    sink = (cml_u32)(tally_cells ? cml_bundle_interact(&world.setup, &bundle, 1, 1)
-                                 : cml_bundle_interact(&world.setup, &bundle, 1, 0));
+    sink = (cml_u32)(tally_cells ? cml_bundle_interact(&world.setup, &bundle)
+                                 : cml_bundle_scatter(&world.setup, &bundle));
 }
 
 static void exit_lanes(void)

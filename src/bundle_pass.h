@@ -8,6 +8,29 @@
 
 #include <stddef.h>
 
+/* a where mine is 1, b where it is 0. Of `mine ? a : b` into the place that b comes from a compiler makes a
+ * store on a condition: right where vectors have masks, but slow where they have none, and bits are picked
+ * instead. */
+static inline cml_u32 cml_pick_word(int mine, cml_u32 a, cml_u32 b)
+{
+#ifdef __AVX512F__
+    return mine ? a : b;
+#else
+    const cml_u32 mask = 0u - (cml_u32)mine;
+    return (a & mask) | (b & ~mask);
+#endif
+}
+
+static inline int cml_pick_int(int mine, int a, int b)
+{
+    return (int)cml_pick_word(mine, (cml_u32)a, (cml_u32)b);
+}
+
+static inline real cml_pick(int mine, real a, real b)
+{
+    return cml_float_of(cml_pick_word(mine, cml_bits_of(a), cml_bits_of(b)));
+}
+
 /* Inlining would only mix their constants with those of their callers, and hide them from a profile. */
 #define CML_PASS static __attribute__((noinline))
 
@@ -21,8 +44,8 @@ CML_PASS void cml_bundle_number(struct cml_bundle *b, uint64_t next, int first, 
     for (int k = 0; k < CML_GROUP; k++) {
         const int i = first + k, mine = (int)(fresh >> k & 1u);
         const cml_u32 index = low + rank[k];
-        b->index_low[i] = mine ? index : b->index_low[i];
-        b->index_high[i] = mine ? high + (cml_u32)(index < low) : b->index_high[i];
+        b->index_low[i] = cml_pick_word(mine, index, b->index_low[i]);
+        b->index_high[i] = cml_pick_word(mine, high + (cml_u32)(index < low), b->index_high[i]);
     }
 }
 
@@ -52,24 +75,24 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         const int i = first + k, mine = (int)(fresh >> k & 1u);
-        b->x[i] = mine ? like.p.x : b->x[i];
-        b->y[i] = mine ? like.p.y : b->y[i];
-        b->z[i] = mine ? like.p.z : b->z[i];
-        b->ux[i] = mine ? like.u.x : b->ux[i];
-        b->uy[i] = mine ? like.u.y : b->uy[i];
-        b->uz[i] = mine ? like.u.z : b->uz[i];
-        b->w[i] = mine ? like.w : b->w[i];
-        b->marked[i] = mine ? like.w : b->marked[i];
-        b->interactions[i] = mine ? 0u : b->interactions[i];
-        b->crossings[i] = mine ? like.crossings : b->crossings[i];
-        b->boundary_events[i] = mine ? like.boundary_events : b->boundary_events[i];
-        b->touched[i] = mine ? 0u : b->touched[i];
-        b->bounces[i] = mine ? like.bounces : b->bounces[i];
-        b->on_boundary[i] = mine ? like.on_boundary : b->on_boundary[i];
-        b->on_primitive[i] = mine ? like.on_primitive : b->on_primitive[i];
-        b->straight[i] = mine ? like.straight : b->straight[i];
-        b->entered[i] = mine ? like.entered : b->entered[i];
-        b->task[i] = mine ? CML_LANE_LAUNCHED : b->task[i];
+        b->x[i] = cml_pick(mine, like.p.x, b->x[i]);
+        b->y[i] = cml_pick(mine, like.p.y, b->y[i]);
+        b->z[i] = cml_pick(mine, like.p.z, b->z[i]);
+        b->ux[i] = cml_pick(mine, like.u.x, b->ux[i]);
+        b->uy[i] = cml_pick(mine, like.u.y, b->uy[i]);
+        b->uz[i] = cml_pick(mine, like.u.z, b->uz[i]);
+        b->w[i] = cml_pick_word(mine, like.w, b->w[i]);
+        b->marked[i] = cml_pick_word(mine, like.w, b->marked[i]);
+        b->interactions[i] = cml_pick_word(mine, 0u, b->interactions[i]);
+        b->crossings[i] = cml_pick_word(mine, like.crossings, b->crossings[i]);
+        b->boundary_events[i] = cml_pick_word(mine, like.boundary_events, b->boundary_events[i]);
+        b->touched[i] = cml_pick_word(mine, 0u, b->touched[i]);
+        b->bounces[i] = cml_pick_word(mine, like.bounces, b->bounces[i]);
+        b->on_boundary[i] = cml_pick_int(mine, like.on_boundary, b->on_boundary[i]);
+        b->on_primitive[i] = cml_pick_int(mine, like.on_primitive, b->on_primitive[i]);
+        b->straight[i] = cml_pick_int(mine, like.straight, b->straight[i]);
+        b->entered[i] = cml_pick_int(mine, like.entered, b->entered[i]);
+        b->task[i] = cml_pick_int(mine, CML_LANE_LAUNCHED, b->task[i]);
         absorbed[i] = mine ? 0u : absorbed[i];
     }
 }
@@ -122,7 +145,7 @@ CML_PASS void cml_bundle_fly_again(struct cml_bundle *b)
         real s;
         const int task = b->task[i], mine = (task == CML_LANE_DONE) | (task == CML_LANE_REFLECTED);
         const int near = cml_lane_is_near(b, i, b->tau[i], &s);
-        b->s[i] = mine ? s : b->s[i];
+        b->s[i] = cml_pick(mine, s, b->s[i]);
         b->task[i] = mine ? (near ? CML_LANE_NEAR : CML_LANE_INTERACT) : task;
     }
 }
@@ -159,7 +182,7 @@ CML_PASS int cml_bundle_fly(struct cml_bundle *b)
     for (int i = 0; i < lanes; i++) {
         const real fresh = cml_depth_or_tail(b->draw0[i]);
         const int task = b->task[i], mine = (task == CML_LANE_INTERACT) | (task == CML_LANE_LAUNCHED);
-        b->tau[i] = mine ? fresh : b->tau[i];
+        b->tau[i] = cml_pick(mine, fresh, b->tau[i]);
     }
 #pragma omp simd reduction(| : any)
     for (int i = 0; i < lanes; i++) {
@@ -198,15 +221,15 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
         const int event = hit ? (matched ? CML_LANE_TRANSMITTED : CML_LANE_TURN) : missed;
         const cml_u32 interactions = b->interactions[i], touched = b->touched[i], bounces = b->bounces[i];
         const cml_u32 row = touched == interactions ? bounces : 0u;
-        b->x[i] = hit ? q.x : p.x;
-        b->y[i] = hit ? q.y : p.y;
+        b->x[i] = cml_pick(hit, q.x, p.x);
+        b->y[i] = cml_pick(hit, q.y, p.y);
         b->z[i] = hit ? (above ? (real)0 : below_z) : p.z;
-        b->tau[i] = hit ? tau_left : tau;
-        b->task[i] = mine ? event : task;
-        b->touched[i] = hit ? interactions : touched;
-        b->bounces[i] = hit ? row + 1u : bounces;
+        b->tau[i] = cml_pick(hit, tau_left, tau);
+        b->task[i] = cml_pick_int(mine, event, task);
+        b->touched[i] = cml_pick_word(hit, interactions, touched);
+        b->bounces[i] = cml_pick_word(hit, row + 1u, bounces);
         b->boundary_events[i] += (cml_u32)hit;
-        b->on_boundary[i] = hit ? -1 : b->on_boundary[i];
+        b->on_boundary[i] = cml_pick_int(hit, -1, b->on_boundary[i]);
         turns |= hit & !matched;
     }
     return turns;
@@ -231,11 +254,11 @@ CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *
         const struct cml_vec v =
             cml_plane_direction(u, n[i], u.z < 0 ? na : nb, cml_uniform(draw.w[0]), &through);
         const int event = through ? CML_LANE_TRANSMITTED : CML_LANE_REFLECTED;
-        b->ux[i] = mine ? v.x : u.x;
-        b->uy[i] = mine ? v.y : u.y;
-        b->uz[i] = mine ? v.z : u.z;
+        b->ux[i] = cml_pick(mine, v.x, u.x);
+        b->uy[i] = cml_pick(mine, v.y, u.y);
+        b->uz[i] = cml_pick(mine, v.z, u.z);
         b->crossings[i] += (cml_u32)mine;
-        b->task[i] = mine ? event : task;
+        b->task[i] = cml_pick_int(mine, event, task);
     }
 }
 
@@ -282,16 +305,16 @@ CML_PASS void cml_bundle_exit(struct cml_bundle *b, uint64_t *absorbed, int firs
         absorbed[i] += deposit;
         above += upwards ? deposit : 0u;
         all += deposit;
-        b->task[i] = mine ? CML_LANE_ENDED : b->task[i];
+        b->task[i] = cml_pick_int(mine, CML_LANE_ENDED, b->task[i]);
     }
     deposited[0] = above;
     deposited[1] = all - above;
 }
 
-/* Lanes with INTERACT (all: every one of them has it): hop, drop, spin. Fills dw (0 in other lanes) and,
- * where absorption is tallied, cell. Returns 1 when a packet is below the roulette threshold. */
-static inline int cml_bundle_interact(const struct cml_setup *shared, struct cml_bundle *b, const int all,
-                                      const int tally)
+/* Lanes with INTERACT: hop, drop, spin. Fills dw (0 in other lanes) and cell, where absorption is tallied.
+ * Returns 1 when a packet is below the roulette threshold. */
+__attribute__((always_inline)) static inline int cml_lanes_interact(const struct cml_setup *shared,
+                                                                    struct cml_bundle *b, const int tally)
 {
     const int lanes = b->lanes;
     const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
@@ -301,27 +324,38 @@ static inline int cml_bundle_interact(const struct cml_setup *shared, struct cml
     int low = 0;
 #pragma omp simd reduction(| : low)
     for (int i = 0; i < lanes; i++) {
-        const int mine = all ? 1 : b->task[i] == CML_LANE_INTERACT;
+        const int mine = b->task[i] == CML_LANE_INTERACT;
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
         const struct cml_vec p = cml_along(from, b->s[i], u);
         const cml_u32 w = b->w[i], part = cml_absorbed_part(w, absorb[i], b->draw2[i]);
-        const cml_u32 dw = mine ? part : 0u, left = w - dw;
+        const cml_u32 dw = cml_pick_word(mine, part, 0), left = w - dw;
         if (tally) {
             const int ir = cml_radial_bin(&setup, p.x, p.y), iz = cml_depth_bin(&setup, p.z, bins[i]);
             b->cell[i] = ir * (setup.nz + 2) + iz;
             b->dw[i] = dw;
         }
         const struct cml_vec v = cml_scatter(u, g[i], b->draw1[i], b->draw2[i]);
-        b->x[i] = mine ? p.x : from.x;
-        b->y[i] = mine ? p.y : from.y;
-        b->z[i] = mine ? p.z : from.z;
-        b->ux[i] = mine ? v.x : u.x;
-        b->uy[i] = mine ? v.y : u.y;
-        b->uz[i] = mine ? v.z : u.z;
+        b->x[i] = cml_pick(mine, p.x, from.x);
+        b->y[i] = cml_pick(mine, p.y, from.y);
+        b->z[i] = cml_pick(mine, p.z, from.z);
+        b->ux[i] = cml_pick(mine, v.x, u.x);
+        b->uy[i] = cml_pick(mine, v.y, u.y);
+        b->uz[i] = cml_pick(mine, v.z, u.z);
         b->w[i] = left;
         low |= left < CML_ROULETTE_THRESHOLD;
     }
     return low;
+}
+
+CML_PASS int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
+{
+    return cml_lanes_interact(setup, b, 1);
+}
+
+/* Where no absorption is tallied. */
+CML_PASS int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
+{
+    return cml_lanes_interact(setup, b, 0);
 }
 
 #endif

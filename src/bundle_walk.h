@@ -248,17 +248,16 @@ static void cml_scatter_volume(const struct cml_flight *f)
     }
 }
 
-/* all: every lane interacts. */
-static void cml_interact_lanes(struct cml_flight *f, int all)
+static void cml_interact_lanes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     int low;
     if (f->tally->A_rz) {
-        low = cml_bundle_interact(setup, f->b, all, 1);
+        low = cml_bundle_interact(setup, f->b);
         cml_scatter_deposits(f->b, f->tally);
         if (f->to.A_xyz) cml_scatter_volume(f);
     } else {
-        low = cml_bundle_interact(setup, f->b, all, 0);
+        low = cml_bundle_scatter(setup, f->b);
     }
     if (low) cml_for_lanes(f, cml_lanes_below_threshold(f->b) & f->live, cml_lane_roulette);
 }
@@ -276,7 +275,7 @@ static void cml_pass(struct cml_flight *f)
     cml_bundle_draw(&f->world->setup, f->b);
     const int any = cml_bundle_fly(f->b);
     if (any) cml_meet_boundaries(f, any & CML_ANY_TAIL ? cml_calm_tails(f) : 0);
-    cml_interact_lanes(f, !any);
+    cml_interact_lanes(f);
     if (f->ended) cml_refill(f);
 }
 

@@ -334,15 +334,20 @@ __attribute__((always_inline)) static inline int cml_lanes_interact(const struct
             b->cell[i] = ir * (setup.nz + 2) + iz;
             b->dw[i] = dw;
         }
-        const struct cml_vec v = cml_scatter(u, g[i], b->draw1[i], b->draw2[i]);
         b->x[i] = cml_pick(mine, p.x, from.x);
         b->y[i] = cml_pick(mine, p.y, from.y);
         b->z[i] = cml_pick(mine, p.z, from.z);
+        b->w[i] = left;
+        low |= left < CML_ROULETTE_THRESHOLD;
+    }
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) {
+        const int mine = b->task[i] == CML_LANE_INTERACT;
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+        const struct cml_vec v = cml_scatter(u, g[i], b->draw1[i], b->draw2[i]);
         b->ux[i] = cml_pick(mine, v.x, u.x);
         b->uy[i] = cml_pick(mine, v.y, u.y);
         b->uz[i] = cml_pick(mine, v.z, u.z);
-        b->w[i] = left;
-        low |= left < CML_ROULETTE_THRESHOLD;
     }
     return low;
 }

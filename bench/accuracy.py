@@ -25,6 +25,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import cml  # noqa: E402
 
 TRIAL = 100  # packets per run that show how fast the reference is
+MORE = 8  # times the packets, where noise hides a bias
 GROUPS = 10  # of radial bins, for the profile's bias
 CORES = 2
 TOTALS = ("Rd", "A", "Tt")
@@ -135,12 +136,24 @@ def photons_for(program, scene, budget):
     return max(TRIAL, int(TRIAL * budget / trial.sum("cpu_s")))
 
 
-def measure(program, scene, budget, pool):
-    """Rows of one scene, the reference first."""
-    photons = photons_for(program, scene, budget)
-    begun = [pool.submit(fly, program, scene, method, photons) for method in scene.methods]
-    flights = [(method, future.result()) for method, future in zip(scene.methods, begun)]
+def rows_of(program, scene, methods, photons, pool):
+    """Rows of the methods that the program has, all against the first."""
+    begun = [pool.submit(fly, program, scene, method, photons) for method in methods]
+    flights = [(method, future.result()) for method, future in zip(methods, begun)]
     return [row_of(scene, method, flight, flights[0][1]) for method, flight in flights if flight]
+
+
+def measure(program, scene, budget, pool):
+    """Rows of one scene, the reference first. Automatic choices whose bias the noise hides are flown again, once, with
+    more packets."""
+    photons = photons_for(program, scene, budget)
+    rows = rows_of(program, scene, scene.methods, photons, pool)
+    hidden = [row["method"] for row in accuracy_table.automatic(rows) if not accuracy_table.is_kept(row)]
+    if hidden:
+        methods = scene.methods[:1] + [method for method in scene.methods if method.name in hidden]
+        again = {row["method"]: row for row in rows_of(program, scene, methods, MORE * photons, pool)[1:]}
+        rows = [again.get(row["method"], row) for row in rows]
+    return rows
 
 
 def main():

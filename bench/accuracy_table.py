@@ -88,14 +88,25 @@ def bias_rules(rows):
             "fine the mesh; they are never chosen." % (resolved(plateau), plateau["scene"])]
 
 
+def automatic(rows):
+    return by_group(rows, "auto", "mesh-auto")
+
+
+def asked(row):
+    return number(row, "tolerance") if row["tolerance"] else TOLERANCE
+
+
+def is_kept(row):
+    """Whether the bias of a total is below the asked tolerance for certain."""
+    return abs(number(row, "bias")) + 2 * number(row, "bias_se") <= asked(row)
+
+
 def kept(rows):
     """Whether the automatic choices keep the tolerance they were given."""
-    held = [row for row in by_group(rows, "auto", "mesh-auto")]
-    limit = [number(row, "tolerance") if row["tolerance"] else TOLERANCE for row in held]
-    broken = [row for row, most in zip(held, limit)
-              if abs(number(row, "bias")) > most + 3 * number(row, "bias_se")
-              or number(row, "profile_bias") > most + 3 * number(row, "profile_se")]
-    certain = sum(abs(number(row, "bias")) + 2 * number(row, "bias_se") <= most for row, most in zip(held, limit))
+    held = automatic(rows)
+    broken = [row for row in held if abs(number(row, "bias")) > asked(row) + 3 * number(row, "bias_se")
+              or number(row, "profile_bias") > asked(row) + 3 * number(row, "profile_se")]
+    certain = sum(is_kept(row) for row in held)
     names = ", ".join("%s %s" % (row["scene"], row["method"]) for row in broken) or "none"
     return ("- `auto` and forced meshes at the asked tolerance: of %d cases %s exceed it beyond three standard errors; in %d "
             "the total's bias plus two errors is below it, in the rest the noise is not." % (len(held), names, certain))

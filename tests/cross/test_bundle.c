@@ -149,6 +149,59 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "map 5 5 0.1 0.1\nfacets\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1\n", 2000);
 }
 
+/* One of `count` values; *seed goes on to the next (Marsaglia's xorshift). */
+static double any_of(uint32_t *seed, const double *values, size_t count)
+{
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 17;
+    *seed ^= *seed << 5;
+    return values[*seed % count];
+}
+
+#define ANY(...)                                                                                             \
+    any_of(seed, (const double[]){__VA_ARGS__}, sizeof(const double[]){__VA_ARGS__} / sizeof(double))
+
+/* Rings of up to 0.02 cm where a plane would be, two times in five. */
+static int write_boundary(char *text, size_t size, uint32_t *seed)
+{
+    if (ANY(0, 0, 0, 1, 1) == 0) return 0;
+    return snprintf(text, size, "b 4 %g %g %g %g %g %g %g 0\n", ANY(0, 0.01, 0.02, -0.02),
+                    ANY(0.01, 0.1, 0.3), ANY(0, 0.02, -0.01), ANY(0.001, 0.05), ANY(0.015, -0.02),
+                    ANY(0.02, 0.2), ANY(0, 0.01));
+}
+
+static void write_scene(char *text, size_t size, int number, uint32_t *seed)
+{
+    static const char *const beams[] = {"", "beam disk 0.1\n", "beam gaussian 0.05 angle=30\n",
+                                        "beam pencil at=0.02,0.03 angle=50 azimuth=200\n",
+                                        "map 4 4 0.1 0.1\nfacets\n"};
+    const int layers = (int)ANY(1, 1, 2, 3, 4);
+    int n = snprintf(text, size, "1.0\n1\nscene%d A\n1\n%s" GRID "%d\n%g\n", number,
+                     beams[(int)ANY(0, 0, 0, 1, 2, 3, 4)], layers, ANY(1, 1, 1.33, 1.5));
+    for (int i = 0; i < layers; i++) {
+        n += write_boundary(text + n, size - (size_t)n, seed);
+        n += snprintf(text + n, size - (size_t)n, "%g %g %g %g %g\n", ANY(1, 1.33, 1.4, 1.5),
+                      ANY(0, 0.1, 1, 5), ANY(0, 1, 10, 100), ANY(-0.5, 0, 0.5, 0.9, 1), ANY(0.05, 0.2, 1));
+    }
+    n += write_boundary(text + n, size - (size_t)n, seed);
+    snprintf(text + n, size - (size_t)n, "%g\n", ANY(1, 1, 1.33, 1.5));
+}
+
+/* What nobody has thought of. */
+static void random_scenes_have_the_same_tally(void **state)
+{
+    (void)state;
+    uint32_t seed = 20261121;
+    for (int i = 0; i < 60; i++) {
+        char text[2000];
+        struct cml_scene_list list;
+        write_scene(text, sizeof text, i, &seed);
+        read_scenes(text, &list);
+        compare(&list.scenes[0], i % 3 == 2 ? CML_AS_MESH : CML_AS_AUTO, 400, i % 2 == 0);
+        cml_scene_list_clear(&list);
+    }
+}
+
 static int take_all(void *context, uint64_t *first, uint64_t *count)
 {
     uint64_t *photons = context;
@@ -200,6 +253,7 @@ int main(void)
         cmocka_unit_test(every_sample_has_the_same_tally),
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
+        cmocka_unit_test(random_scenes_have_the_same_tally),
         cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
     };
     struct cml_cpu_level levels[CML_CPU_LEVELS];

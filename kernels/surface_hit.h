@@ -19,15 +19,16 @@ struct cml_hit {
 
 #ifndef __OPENCL_VERSION__
 /* Closest crossing of a mesh (src/surface_mesh.c): p in the boundary's frame and from the beam's axis;
- * exclude is the primitive the packet stands on or -1. A crossing up to slack behind p is one at p: rounding
- * has put the packet beyond a facet that it has not crossed. straight: the packet has come through `exclude`
- * without a turn, so what lies behind that facet on the same line has been dealt with. exact: candidates are
- * tested in double, without gaps; else Embree's own triangles find the hit and only the hit is computed in
- * double, or the cells of a regular grid are walked. Returns 1 and fills *crossing when one is found with t <
- * t_max. */
+ * exclude is the primitive the packet stands on, -1 or CML_BESIDE_FACETS. A crossing up to slack behind p is
+ * one at p: rounding has put the packet beyond a facet that it has not crossed. straight: the packet has come
+ * through `exclude` without a turn, so what lies behind that facet on the same line has been dealt with.
+ * exact: candidates are tested in double, without gaps; else Embree's own triangles find the hit and only the
+ * hit is computed in double, or the cells of a regular grid are walked. Returns 1 and fills *crossing when
+ * one is found with t < t_max. ends_beside is always filled: without a crossing, whether a path that was
+ * looked at as a whole line ends within rounding of a facet. */
 struct cml_mesh_crossing {
     double t, point[3], normal[3], facet[3];
-    int primitive;
+    int primitive, ends_beside;
 };
 int cml_mesh_surface_hit(const struct cml_mesh_surface *mesh, const double p[3], const double u[3], int below,
                          double t_max, int exclude, int straight, int exact, double slack,
@@ -96,17 +97,20 @@ CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml
 }
 
 #ifndef __OPENCL_VERSION__
+/* *beside: the crossing's ends_beside. */
 CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
-                        real side, real t_max, int standing_on, int straight, struct cml_hit *hit)
+                        real side, real t_max, int standing_on, int straight, struct cml_hit *hit,
+                        int *beside)
 {
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double span =
         side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */
     const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]) + span);
     struct cml_mesh_crossing c;
-    if (!cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on, straight,
-                              sizeof(real) == sizeof(double), slack, &c))
-        return 0;
+    const int found = cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on,
+                                           straight, sizeof(real) == sizeof(double), slack, &c);
+    *beside = c.ends_beside;
+    if (!found) return 0;
     hit->t = (real)c.t;
     hit->primitive = c.primitive;
     const struct cml_vec point = {(real)c.point[0], (real)c.point[1], (real)c.point[2]};
@@ -187,9 +191,12 @@ CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *pac
             found = cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
                                   packet->boundary_events == 0, hit);
 #ifndef __OPENCL_VERSION__
-        else
-            found =
-                cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, packet->straight, hit);
+        else {
+            int beside;
+            found = cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, packet->straight,
+                                 hit, &beside);
+            if (beside) packet->beside = boundary + 1;
+        }
 #endif
     }
     if (found) hit->boundary = boundary;
@@ -202,6 +209,7 @@ CML_FN int cml_nearest(const struct cml_world *world, struct cml_packet *packet,
 {
     const int medium = packet->medium;
     int found = 0;
+    packet->beside = 0;
     if (reach.above) {
         found = cml_surface_hit(world, packet, medium - 1, packet->p, 1, reach.t_above, hit);
         if (found && hit->t < reach.t_below) reach.t_below = hit->t;

@@ -102,6 +102,10 @@ struct cml_setup {
     real disk, gauss;            /* radius of a uniform disk, 1/e^2 radius of a Gaussian; both 0: pencil */
 };
 
+/* on_primitive of a packet that has interacted within rounding of a mesh: it stands on no facet, and may be
+ * beyond one. */
+#define CML_BESIDE_FACETS (-2)
+
 struct cml_packet {
     cml_u64 index;
     struct cml_vec p, u;
@@ -113,9 +117,10 @@ struct cml_packet {
     cml_u32 bounces;       /* boundary events since the last interaction */
     cml_u32 boundary_events; /* all of them */
     int medium;
-    int on_boundary, on_primitive; /* what the packet stands on, -1: nothing */
-    int straight;                  /* it came there without a turn: equal indices */
-    int entered;                   /* has been in the material */
+    int on_boundary, on_primitive; /* what the packet stands on, -1: nothing, or CML_BESIDE_FACETS */
+    int beside;   /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none */
+    int straight; /* it came there without a turn: equal indices */
+    int entered;  /* has been in the material */
     int fate, cause;
     real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
     /* books of this packet, in weight units */

@@ -221,7 +221,8 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
 {
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
     packet->p = cml_along(packet->p, t, packet->u);
-    packet->on_boundary = -1;
+    packet->on_boundary = packet->beside - 1;
+    if (packet->beside) packet->on_primitive = CML_BESIDE_FACETS;
     packet->bounces = 0;
     if (cml_leaked(world, packet->medium, packet->p.z)) {
         cml_lose(packet, CML_LOST_LEAKED);

@@ -116,6 +116,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->on_boundary = stands ? b->on_boundary[i] : -1;
     packet->on_primitive = b->on_primitive[i];
     packet->straight = b->straight[i];
+    packet->beside = 0;
     packet->entered = b->entered[i];
     packet->fate = CML_FATE_ALIVE;
     packet->cause = CML_LOST_NOT;
@@ -151,6 +152,15 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     cml_mark_weight(f, i);
     b->medium[i] = packet->medium;
     cml_load_medium(f, i);
+}
+
+/* The lane's packet, about to interact, will stand within rounding of a mesh, as cml_interact says it. */
+static void cml_store_beside(struct cml_bundle *b, int i, const struct cml_packet *packet)
+{
+    b->touched[i] = packet->interactions + 1;
+    b->bounces[i] = 0;
+    b->on_boundary[i] = packet->beside - 1;
+    b->on_primitive[i] = CML_BESIDE_FACETS;
 }
 
 /* Inlined, so that the end goes from lane to collection without being built in memory: its members would be

@@ -60,6 +60,7 @@ static void cml_meet_or_interact(struct cml_flight *f, int i, struct cml_reach r
             cml_lose(&packet, CML_LOST_LEAKED);
         else
             cml_lane_interacts(f, i, t);
+        if (packet.beside) cml_store_beside(b, i, &packet);
     }
     cml_tally_events(&packet, f->tally);
     if (packet.fate != CML_FATE_ALIVE)

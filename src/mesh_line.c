@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q)
+void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max)
 {
     *line = (struct cml_mesh_line){.q = q,
                                    .near = 4 * q->reach,
@@ -15,7 +15,8 @@ void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q)
                                    .back = INFINITY,
                                    .exit_t = INFINITY,
                                    .beside = INFINITY,
-                                   .exit = -1};
+                                   .exit = -1,
+                                   .length = t_max};
 }
 
 /* On which side of an edge the line passes; from the lower index to the higher, so that the triangles of an
@@ -168,6 +169,17 @@ static void add_exit(struct cml_mesh_line *line, int primitive, double height)
         add_exit_at(line, primitive, closest_to_edge(q, mesh->vertex[v[k]], mesh->vertex[v[(k + 1) % 3]]));
 }
 
+/* A packet that interacts beside an edge may be beyond it, and leave where no line meets a facet. */
+static void add_end(struct cml_mesh_line *line, int primitive, double height)
+{
+    const struct cml_mesh_query *q = line->q;
+    const double left = height - line->length * cml_vec3_dot(q->direction, q->body->plane[primitive]);
+    double end[3];
+    if (line->ends_beside || !(fabs(left) <= line->near)) return;
+    for (int k = 0; k < 3; k++) end[k] = q->origin[k] + line->length * q->direction[k];
+    line->ends_beside = distance_to_triangle(q, primitive, end) <= line->near;
+}
+
 void cml_line_add(struct cml_mesh_line *line, int primitive)
 {
     const struct cml_mesh_query *q = line->q;
@@ -183,6 +195,7 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
     if (way * cml_plane_side(a, b, c, q->origin) > 0)
         add_ahead(line, primitive, way, height, distance_along(q, primitive, height));
     if (leads_away(q, cml_vec3_dot(q->direction, normal))) add_exit(line, primitive, height);
+    add_end(line, primitive, height);
 }
 
 /* The outer plane is crossed where the sheet alone does not lead from one side to the other. */
@@ -210,8 +223,9 @@ static bool lies_below(const struct cml_mesh_line *line)
     return ends_below + line->winding_ahead > 0;
 }
 
-void cml_line_decide(struct cml_mesh_line *line, double t_max, struct cml_mesh_query *q)
+void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q)
 {
+    const double t_max = line->length;
     add_outer_plane(line);
     if (lies_below(line) != (q->below != 0) && line->back > line->near && line->exit >= 0) {
         line->t = line->exit_t;

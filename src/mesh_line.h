@@ -20,17 +20,20 @@ struct cml_mesh_line {
     int primitive;     /* that facet; -1: none */
     double back;       /* distance from the closest facet ahead that leads back to the packet's side */
     double exit_t,
-        beside; /* where the line first passes beside a facet that leads away, and how far beside */
-    int exit;   /* that facet; -1: none is near the line */
+        beside;       /* where the line first passes beside a facet that leads away, and how far beside */
+    int exit;         /* that facet; -1: none is near the line */
+    double length;    /* of the path */
+    bool ends_beside; /* it ends within rounding of a facet */
 };
 
-/* Borrows q, which has gone through cml_query_begin. */
-void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q);
+/* Borrows q, which has gone through cml_query_begin. t_max: where the path ends. */
+void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max);
 
 /* Counts a triangle. All must be offered, each once, that the line meets or that lie near the packet. */
 void cml_line_add(struct cml_mesh_line *line, int primitive);
 
-/* What the packet crosses before t_max: makes it q's best, or leaves q's if that is the same place. */
-void cml_line_decide(struct cml_mesh_line *line, double t_max, struct cml_mesh_query *q);
+/* What the packet crosses before its path ends: makes it q's best, or leaves q's if that is the same place.
+ */
+void cml_line_decide(struct cml_mesh_line *line, struct cml_mesh_query *q);
 
 #endif

@@ -328,7 +328,7 @@ static bool is_over_box(const struct cml_mesh_query *q)
  * grazes it. */
 static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
 {
-    if (primitive < 0) return false;
+    if (primitive < 0) return primitive == CML_BESIDE_FACETS;
     if (primitive == CML_OUTER_PLANE) {
         const int inside =
             is_over_box(q) ? cml_query_inside_border(q, q->origin[0], q->origin[1], q->reach) : 0;

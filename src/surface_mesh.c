@@ -200,15 +200,16 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
         query_exact(surface, query);
 }
 
-/* In doubt: every triangle along the whole line, by exact signs. */
-static void query_line(const struct cml_mesh_surface *surface, struct query *query, double t_max)
+/* In doubt: every triangle along the whole line, by exact signs. Returns whether the path ends beside one. */
+static bool query_line(const struct cml_mesh_surface *surface, struct query *query, double t_max)
 {
     struct cml_mesh_line line;
     struct RTCRayHit rayhit;
-    cml_line_begin(&line, &query->ray);
+    cml_line_begin(&line, &query->ray, t_max);
     query->line = &line;
     if (aim_at_all(&query->ray, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
-    cml_line_decide(&line, t_max, &query->ray);
+    cml_line_decide(&line, &query->ray);
+    return line.ends_beside;
 }
 
 static void query_walked(const struct cml_mesh_surface *surface, struct query *query)
@@ -231,7 +232,7 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
         query_fast(surface, &query);
     if (exact || !surface->lattice.cell || !cml_grid_covers(&surface->lattice, &query.ray))
         cml_query_outer_plane(&query.ray);
-    if (cml_query_is_doubtful(&query.ray)) query_line(surface, &query, t_max);
+    crossing->ends_beside = cml_query_is_doubtful(&query.ray) && query_line(surface, &query, t_max);
     return cml_query_finish(&query.ray, p, u, crossing);
 }
 

@@ -246,6 +246,26 @@ static void a_lane_without_a_packet_ends_nothing(void **state)
     flight_close(&flight);
 }
 
+/* What a lane stands beside after its interaction, and only until the next one. */
+static void a_lane_stands_beside_facets_for_one_flight(void **state)
+{
+    (void)state;
+    static struct cml_bundle b;
+    struct cml_packet packet = {.interactions = 3, .beside = 2}, after;
+    b.interactions[0] = b.touched[0] = 3;
+    b.bounces[0] = 7;
+    cml_store_beside(&b, 0, &packet);
+    b.interactions[0]++;
+    cml_lane_packet(&b, 0, &after);
+    assert_int_equal(after.on_boundary, 1);
+    assert_int_equal(after.on_primitive, CML_BESIDE_FACETS);
+    assert_int_equal(after.bounces, 0);
+    assert_int_equal(after.beside, 0);
+    b.interactions[0]++;
+    cml_lane_packet(&b, 0, &after);
+    assert_int_equal(after.on_boundary, -1);
+}
+
 /* The same bits at every level of the processor that this machine can run. */
 int main(void)
 {
@@ -255,6 +275,7 @@ int main(void)
         cmocka_unit_test(odd_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
         cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
+        cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),
     };
     struct cml_cpu_level levels[CML_CPU_LEVELS];
     const int count = cml_cpu_levels(levels);

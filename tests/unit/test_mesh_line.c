@@ -160,6 +160,55 @@ static void a_packet_at_an_edge_leaves_by_it(void **state)
     assert_int_equal(wrong, 0);
 }
 
+/* Along an edge from the first third of it, standing on a triangle of it, to where the packet interacts, by
+ * rounding on any side. False when the path meets something. */
+static bool interacts_on_edge(const struct cml_mesh_surface *surface, struct dice *dice, bool below,
+                              double p[3])
+{
+    const int triangle = dice_below(dice, COUNT(patch.triangle));
+    const double *a = patch.vertex[patch.triangle[triangle][0]],
+                 *b = patch.vertex[patch.triangle[triangle][1]];
+    const double s = dice_between(dice, 0.1, 0.3);
+    double u[3], size = 0;
+    struct cml_mesh_crossing crossing;
+    for (int k = 0; k < 3; k++) size = hypot(size, b[k] - a[k]);
+    for (int k = 0; k < 3; k++) {
+        p[k] = (float)(a[k] + s * (b[k] - a[k]));
+        u[k] = (float)((b[k] - a[k]) / size);
+    }
+    const double t_max = size * dice_between(dice, 0.1, 0.6);
+    if (cml_mesh_surface_hit(surface, p, u, below, t_max, triangle, 1, 0, 1e-7, &crossing)) return false;
+    assert_true(crossing.ends_beside);
+    for (int k = 0; k < 3; k++) p[k] = (float)(p[k] + t_max * u[k]);
+    return true;
+}
+
+/* Fast queries of packets that have interacted on an edge: no line needs to meet a facet there. */
+static void a_packet_scattered_on_an_edge_leaves_by_it(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(12);
+    struct cml_mesh_surface *surface = rough(6);
+    int wrong = 0, flown = 0;
+    for (int n = 0; n < 100000; n++) {
+        double p[3], u[3];
+        struct cml_mesh_crossing crossing = {.t = 0.05};
+        const bool below = dice_below(&dice, 2);
+        if (!interacts_on_edge(surface, &dice, below, p)) continue;
+        dice_direction(&dice, u);
+        for (int k = 0; k < 3; k++) u[k] = (float)u[k];
+        cml_mesh_surface_hit(surface, p, u, below, 0.05, CML_BESIDE_FACETS, 0, 0, 1e-7, &crossing);
+        int beyond = 0;
+        for (int k = 1; k < 32; k++)
+            beyond += (below ? 1 : -1) * depth_below(p, u, crossing.t * k / 32) < -1e-6;
+        wrong += beyond > 0;
+        flown++;
+    }
+    cml_mesh_surface_free(surface);
+    assert_true(flown > 10000);
+    assert_int_equal(wrong, 0);
+}
+
 /* Fast queries that graze a facet, with a path that ends far beyond all of them. */
 static void a_packet_does_not_graze_its_way_through(void **state)
 {
@@ -217,9 +266,11 @@ static void signs_agree_at_a_vertex(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_straight_line_ends_where_it_ends),
-        cmocka_unit_test(a_packet_comes_out_of_a_groove), cmocka_unit_test(a_packet_at_an_edge_leaves_by_it),
-        cmocka_unit_test(a_packet_does_not_graze_its_way_through), cmocka_unit_test(signs_agree_at_a_vertex)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(a_straight_line_ends_where_it_ends),
+                                       cmocka_unit_test(a_packet_comes_out_of_a_groove),
+                                       cmocka_unit_test(a_packet_at_an_edge_leaves_by_it),
+                                       cmocka_unit_test(a_packet_scattered_on_an_edge_leaves_by_it),
+                                       cmocka_unit_test(a_packet_does_not_graze_its_way_through),
+                                       cmocka_unit_test(signs_agree_at_a_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

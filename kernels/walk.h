@@ -284,7 +284,8 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
 /* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn
  * again, with the same random number, from the facet's own normal. So is one after CML_SHADED_LIMIT events in
  * a row: between facets light turns back out of every groove, between shading normals it may run into it for
- * ever. */
+ * ever. A packet beside a tip that rounding has put before a facet it leads away from flies on: mirrored, it
+ * would run through that facet. */
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
@@ -302,6 +303,7 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_pack
     const int shaded = hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
     if ((transmitted ? leaving < 0 : leaving > 0) || (shaded && packet->bounces >= CML_SHADED_LIMIT)) {
         u = cml_boundary_direction(packet->u, hit->facet, side, n1, n2, xi, &transmitted);
+        if (!transmitted && side * cml_dot(packet->u, hit->facet) < 0) u = packet->u;
         packet->shading_overruled++;
     }
     packet->u = u;

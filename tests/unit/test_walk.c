@@ -1,5 +1,5 @@
 /* The events of kernels/walk.h that keep a mean, roulette and the rounding of absorbed weight; steps that end
- * on a plane. SPDX-License-Identifier: MIT */
+ * on a plane; facets beside a tip. SPDX-License-Identifier: MIT */
 #include "dice.h"
 #include "walk.h"
 
@@ -96,6 +96,31 @@ static void a_step_that_ends_on_a_plane_crosses_it_once(void **state)
     assert_true(crossed > 90000 && stayed > 180000);
 }
 
+/* Whatever a packet meets, it leaves on the side of the facet that it is then on, and one that leads away
+ * from the facet already, as rounding beside the tip of a cone has it, goes on as it came. */
+static void no_packet_is_reflected_into_its_facet(void **state)
+{
+    (void)state;
+    static const struct cml_surface surface = {.kind = CML_SURFACE_CONE};
+    const struct cml_world world = {.setup.stream = stream, .surfaces = &surface};
+    struct dice dice = dice_new(72);
+    long went_on = 0, crossed = 0;
+    for (cml_u64 i = 0; i < 300000; i++) {
+        const struct cml_vec facet = random_direction(&dice), u = random_direction(&dice);
+        const struct cml_hit hit = {.normal = facet, .facet = facet};
+        const real side = dice_below(&dice, 2) ? (real)1 : (real)-1, n = (real)dice_between(&dice, 0.5, 2);
+        struct cml_packet packet = {.index = i, .u = u};
+        const int transmitted = cml_reflect_or_refract(&world, &packet, &hit, side, 1, n);
+        const real leaving = side * cml_dot(packet.u, facet), came = side * cml_dot(u, facet);
+        assert_true(transmitted ? leaving > (real)-1e-6 : leaving < (real)1e-6);
+        crossed += transmitted;
+        if (!(came < 0) || transmitted) continue;
+        assert_true(packet.u.x == u.x && packet.u.y == u.y && packet.u.z == u.z);
+        went_on++;
+    }
+    assert_true(went_on > 100000 && crossed > 50000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -103,6 +128,7 @@ int main(void)
         cmocka_unit_test(heavy_packets_play_no_roulette),
         cmocka_unit_test(absorbed_weight_is_rounded_without_bias),
         cmocka_unit_test(a_step_that_ends_on_a_plane_crosses_it_once),
+        cmocka_unit_test(no_packet_is_reflected_into_its_facet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

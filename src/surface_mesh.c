@@ -170,9 +170,19 @@ static bool closest(const struct cml_mesh_surface *surface, struct query *query,
     return found;
 }
 
+/* By how much, in heights, triangles are enlarged for Embree: in single precision it lets rays pass between
+ * those that meet at a corner, most easily a ray along an edge. */
+static const float rim = 2e-5f;
+
 /* Embree's barycentric coordinates, in single precision, at least this far from every edge are clearly
  * inside. */
-static const float clearly_inside = 1e-5f;
+static const float clearly_inside = 3e-5f;
+
+/* A barycentric coordinate in the triangle itself. */
+static double unenlarged(float coordinate)
+{
+    return coordinate + 3 * (double)rim * (coordinate - 1.0 / 3);
+}
 
 /* Sine of the angle to the facet below which single precision cannot tell which facet comes first. */
 static const double grazing = 1e-2;
@@ -188,12 +198,12 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
 {
     struct cml_mesh_query *q = &query->ray;
     struct RTCRayHit rayhit;
-    double t, along;
+    double t = INFINITY, along = 0; /* for want of a hit */
     if (!aim(q, 2 * q->body->inflation, &rayhit)) return;
     const bool found = closest(surface, query, &rayhit, &t, &along);
     const float u = rayhit.hit.u, v = rayhit.hit.v, w = 1 - u - v;
     const bool inside = u > clearly_inside && v > clearly_inside && w > clearly_inside;
-    const double weight[3] = {w, u, v};
+    const double weight[3] = {unenlarged(w), unenlarged(u), unenlarged(v)};
     if (found && inside && fabs(along) > grazing)
         cml_query_take_inside(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
     else if (found || !(q->t < INFINITY) || cml_query_may_have_missed(q))
@@ -273,6 +283,19 @@ static void build_exact(struct cml_mesh_surface *surface)
     commit(surface->exact, geometry);
 }
 
+/* A triangle as Embree gets it: every side moved outwards by `rim` of its height. */
+static void enlarge(const struct cml_mesh *mesh, const uint32_t v[3], float corner[9])
+{
+    for (int axis = 0; axis < 3; axis++) {
+        double middle = 0;
+        for (int k = 0; k < 3; k++) middle += mesh->vertex[v[k]][axis] / 3;
+        for (int k = 0; k < 3; k++) {
+            const double at = mesh->vertex[v[k]][axis];
+            corner[3 * k + axis] = (float)(at + 3 * (double)rim * (at - middle));
+        }
+    }
+}
+
 /* False when Embree has no memory for the buffers; its own error then says so. */
 static bool build_fast(struct cml_mesh_surface *surface)
 {
@@ -280,15 +303,15 @@ static bool build_fast(struct cml_mesh_surface *surface)
     surface->fast = new_scene(surface);
     RTCGeometry geometry = rtcNewGeometry(surface->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), mesh->num_vertices);
+                                              3 * sizeof(float), 3 * mesh->num_triangles);
     uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
                                                 3 * sizeof(uint32_t), mesh->num_triangles);
     if (!vertices || !indices) {
         rtcReleaseGeometry(geometry);
         return false;
     }
-    for (size_t i = 0; i < 3 * mesh->num_vertices; i++) vertices[i] = (float)mesh->vertex[i / 3][i % 3];
-    for (size_t i = 0; i < 3 * mesh->num_triangles; i++) indices[i] = mesh->triangle[i / 3][i % 3];
+    for (size_t i = 0; i < mesh->num_triangles; i++) enlarge(mesh, mesh->triangle[i], vertices + 9 * i);
+    for (size_t i = 0; i < 3 * mesh->num_triangles; i++) indices[i] = (uint32_t)i;
     commit(surface->fast, geometry);
     return true;
 }

@@ -236,6 +236,37 @@ static void a_packet_does_not_graze_its_way_through(void **state)
     assert_int_equal(missed, 0);
 }
 
+/* Fast queries through a corner and on along an edge, or what rounding makes of it, that end within the
+ * depths of the mesh: nothing but the corner itself tells that they go out there. */
+static void a_packet_does_not_slip_out_along_an_edge(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(13);
+    struct cml_mesh_surface *surface = rough(7);
+    int wrong = 0, flown = 0;
+    for (int n = 0; n < 200000; n++) {
+        const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
+        const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1]];
+        const double before = exp(dice_between(&dice, -4, 0)), after = dice_between(&dice, 0.01, 0.3);
+        double p[3], u[3], size = 0;
+        struct cml_mesh_crossing crossing = {.t = before + after};
+        for (int k = 0; k < 3; k++) size = hypot(size, b[k] - a[k]);
+        for (int k = 0; k < 3; k++) p[k] = (float)(a[k] - before * (b[k] - a[k]) / size);
+        for (int k = 0; k < 3; k++) u[k] = (float)((a[k] - p[k]) / before);
+        const double depth = depth_below(p, u, 0);
+        if (fabs(depth) < 1e-5) continue;
+        cml_mesh_surface_hit(surface, p, u, depth > 0, crossing.t, -1, 0, 0, 1e-7, &crossing);
+        int beyond = 0;
+        for (int k = 1; k <= 32; k++)
+            beyond += (depth > 0 ? 1 : -1) * depth_below(p, u, crossing.t * k / 32) < -1e-5;
+        wrong += beyond > 0;
+        flown++;
+    }
+    cml_mesh_surface_free(surface);
+    assert_true(flown > 150000);
+    assert_int_equal(wrong, 0);
+}
+
 /* A line exactly through a vertex, or along an edge, passes the triangles there as one sheet. */
 static void signs_agree_at_a_vertex(void **state)
 {
@@ -271,6 +302,7 @@ int main(void)
                                        cmocka_unit_test(a_packet_at_an_edge_leaves_by_it),
                                        cmocka_unit_test(a_packet_scattered_on_an_edge_leaves_by_it),
                                        cmocka_unit_test(a_packet_does_not_graze_its_way_through),
+                                       cmocka_unit_test(a_packet_does_not_slip_out_along_an_edge),
                                        cmocka_unit_test(signs_agree_at_a_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -25,7 +25,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import cml  # noqa: E402
 
 TRIAL = 100  # packets per run that show how fast the reference is
-MORE = 8  # times the packets, where noise hides a bias
+MORE = 24  # times the packets, where noise hides a bias
 GROUPS = 10  # of radial bins, for the profile's bias
 CORES = 2
 TOTALS = ("Rd", "A", "Tt")

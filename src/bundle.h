@@ -1,8 +1,8 @@
 /* A bundle of packets as structure of arrays: the fast walk of the CPU engine.
  * A pass takes every packet one event further: to a plane, to a curved surface, or to its next interaction.
- * What most packets do is done in vector loops (bundle_pass.h); curved surfaces, roulette, ends and launches
- * are exceptions, a lane at a time (bundle_walk.h). The arithmetic is that of kernels/walk.h, so every packet
- * ends with the same bits as there; tests compare whole tallies.
+ * What most packets do is done in vector loops (bundle_pass.h), launches and exits through planes among them;
+ * curved surfaces, roulette and other ends are exceptions, a lane at a time (bundle_walk.h). The arithmetic
+ * is that of kernels/walk.h, so every packet ends with the same bits as there; tests compare whole tallies.
  * Included by engine_cpu_level.c only, which is compiled once for each level of the processor.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_H
@@ -11,7 +11,7 @@
 #include "types.h"
 
 #define CML_LANES 64 /* as many as a mask has bits: a loop's constants are set up once for all of them */
-#define CML_GROUP 16 /* where few lanes have something to do, the loops run over groups */
+#define CML_GROUP 16 /* lanes that start or leave are handled by groups */
 #define CML_GROUP_MASK 0xffffu
 
 /* What a lane does in this pass. */

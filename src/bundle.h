@@ -22,11 +22,10 @@ enum cml_lane_task {
     CML_LANE_TURN,     /* at a plane between unequal indices */
     CML_LANE_REFLECTED,
     CML_LANE_TRANSMITTED,
-    CML_LANE_EXITS,    /* goes on into an outer medium */
-    CML_LANE_NOWHERE,  /* meets no plane and never interacts, or is not a number */
-    CML_LANE_DONE,     /* had its event: to be flown */
-    CML_LANE_ENDED,    /* its packet has, until the lane is refilled */
-    CML_LANE_LAUNCHED, /* holds a new packet, its first draws not made yet */
+    CML_LANE_EXITS,   /* goes on into an outer medium */
+    CML_LANE_NOWHERE, /* meets no plane and never interacts, or is not a number */
+    CML_LANE_DONE,    /* had its event, or holds a new packet: to be flown */
+    CML_LANE_ENDED,   /* its packet has, until the lane is refilled */
 };
 
 /* What a lane needs to know of the medium it is in. Every member is 4 bytes wide. */
@@ -58,6 +57,18 @@ struct cml_bundle {
     int task[CML_LANES];
     int medium[CML_LANES], entered[CML_LANES];
     real of_medium[CML_LANE_MEDIUM_MEMBERS][CML_LANES]; /* columns of struct cml_lane_medium */
+};
+
+#define CML_FRESH 64
+
+/* The next packets of the beam, numbered and with their first draws made: entries first..end-1, in order. A
+ * group may be read from any of them. */
+struct cml_fresh {
+    int first, end;
+    _Alignas(64) cml_u32 index_low[CML_FRESH + CML_GROUP], index_high[CML_FRESH + CML_GROUP];
+    cml_u32 draw1[CML_FRESH + CML_GROUP], draw2[CML_FRESH + CML_GROUP];
+    real tau[CML_FRESH + CML_GROUP];
+    int through[CML_FRESH + CML_GROUP]; /* the boundary that all packets of the beam meet first */
 };
 
 /* Column of a member of struct cml_lane_medium. */

@@ -59,7 +59,8 @@ struct cml_flight {
     uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */
     const struct cml_range_source *source;
     int waited;          /* passes that lanes at planes have waited, summed over them */
-    uint64_t next, left; /* of the range in hand: photon indices not launched yet */
+    uint64_t next, left; /* of the range in hand: photon indices not drawn for yet */
+    struct cml_fresh fresh;
     struct cml_ends ends;
 };
 

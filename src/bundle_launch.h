@@ -1,5 +1,4 @@
-/* New packets, into the lanes of those that have ended. Their first draws are made by the next pass, which
- * draws for all lanes anyway. SPDX-License-Identifier: MIT */
+/* New packets, into the lanes of those that have ended. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_LAUNCH_H
 #define CML_BUNDLE_LAUNCH_H
 
@@ -25,29 +24,31 @@ static void cml_park_lane(struct cml_flight *f, int i)
     f->live &= ~CML_LANE_BIT(i);
 }
 
-static cml_u32 cml_first_bits(cml_u32 mask, uint64_t count)
+/* New packets are at hand. */
+static int cml_have_fresh(struct cml_flight *f)
 {
-    cml_u32 rest = mask;
-    if (count >= CML_GROUP) return mask;
-    for (; count > 0; count--) rest &= rest - 1;
-    return mask & ~rest;
+    struct cml_fresh *fresh = &f->fresh;
+    const struct cml_stream stream = f->world->setup.stream;
+    if (fresh->first < fresh->end) return 1;
+    if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
+    const int count = f->left < CML_FRESH ? (int)f->left : CML_FRESH;
+    if (cml_fresh_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, fresh))
+        for (int i = 0; i < count; i++)
+            if (!(fresh->tau[i] < CML_INFINITY))
+                fresh->tau[i] = cml_optical_depth(stream, f->next + (uint64_t)i, 0, 0);
+    f->next += (uint64_t)count;
+    f->left -= (uint64_t)count;
+    fresh->first = 0;
+    fresh->end = count;
+    return 1;
 }
 
-/* The indices of the next packets of a group's lanes; lanes for which there are none are parked. Returns the
- * others. */
-static cml_u32 cml_take_indices(struct cml_flight *f, int first, cml_u32 lanes)
+static cml_u32 cml_first_bits(cml_u32 mask, int count)
 {
-    cml_u32 rest = lanes;
-    while (rest && (f->left > 0 || f->source->next(f->source->context, &f->next, &f->left))) {
-        const cml_u32 fresh = cml_first_bits(rest, f->left);
-        const uint64_t count = (uint64_t)__builtin_popcount(fresh);
-        cml_bundle_number(f->b, f->next, first, fresh);
-        f->next += count;
-        f->left -= count;
-        rest &= ~fresh;
-    }
-    cml_for_lanes(f, (uint64_t)rest << first, cml_park_lane);
-    return lanes & ~rest;
+    cml_u32 rest = mask;
+    if (__builtin_popcount(mask) <= count) return mask;
+    for (; count > 0; count--) rest &= rest - 1;
+    return mask & ~rest;
 }
 
 /* P1 where every packet of the beam starts elsewhere, and where facets are asked for. */
@@ -99,16 +100,41 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     }
 }
 
-/* New packets for lanes of a group. */
+/* Those of a group's lanes that are to hold packets which go through the first boundary. */
+static cml_u32 cml_lanes_through(const struct cml_fresh *fresh, cml_u32 lanes)
+{
+    _Alignas(64) int through[CML_GROUP] = {0};
+    cml_group_unpack(fresh->through + fresh->first, lanes, through);
+    return cml_group_equal(through, 1);
+}
+
+/* What is at hand, for lanes of a group; there is as much. */
+static void cml_launch_fresh(struct cml_flight *f, int first, cml_u32 lanes)
+{
+    struct cml_bundle *b = f->b;
+    struct cml_fresh *fresh = &f->fresh;
+    const int at = fresh->first;
+    cml_group_unpack(fresh->index_low + at, lanes, b->index_low + first);
+    cml_group_unpack(fresh->index_high + at, lanes, b->index_high + first);
+    cml_group_unpack(fresh->draw1 + at, lanes, b->draw1 + first);
+    cml_group_unpack(fresh->draw2 + at, lanes, b->draw2 + first);
+    cml_group_unpack(fresh->tau + at, lanes, b->tau + first);
+    const cml_u32 inside = f->enters ? cml_lanes_through(fresh, lanes) : 0;
+    fresh->first += __builtin_popcount(lanes);
+    if (inside) cml_launch_like(f, &f->inside, first, inside);
+    if (lanes & ~inside) cml_launch_like(f, &f->start, first, lanes & ~inside);
+    if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
+}
+
+/* New packets for lanes of a group; those for which there are none are parked. */
 static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
 {
-    const cml_u32 fresh = cml_take_indices(f, first, lanes);
-    cml_u32 inside = f->enters ? fresh : 0;
-    if (inside && f->reflectance > 0)
-        inside &= cml_bundle_go_through(&f->world->setup, f->b, first, f->reflectance);
-    if (inside) cml_launch_like(f, &f->inside, first, inside);
-    if (fresh & ~inside) cml_launch_like(f, &f->start, first, fresh & ~inside);
-    if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)fresh << first, cml_place_lane);
+    while (lanes && cml_have_fresh(f)) {
+        const cml_u32 now = cml_first_bits(lanes, f->fresh.end - f->fresh.first);
+        cml_launch_fresh(f, first, now);
+        lanes &= ~now;
+    }
+    cml_for_lanes(f, (uint64_t)lanes << first, cml_park_lane);
 }
 
 /* Lanes whose packet has ended get new ones, as long as there are any. */

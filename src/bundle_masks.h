@@ -25,6 +25,19 @@ static inline cml_u32 cml_group_equal(const int *column, int value)
 #endif
 }
 
+/* The lanes below 0. */
+static inline cml_u32 cml_group_negative(const real *column)
+{
+#ifdef __AVX512F__
+    return _mm512_cmp_ps_mask(_mm512_loadu_ps(column), _mm512_setzero_ps(), _CMP_LT_OQ);
+#else
+    cml_u32 mask = 0;
+#pragma omp simd reduction(| : mask)
+    for (int i = 0; i < CML_GROUP; i++) mask |= (cml_u32)(column[i] < 0) << i;
+    return mask;
+#endif
+}
+
 /* The values of the lanes in the mask, side by side; what follows them in to[CML_GROUP] is undefined. */
 static inline void cml_group_pack(const void *column, cml_u32 mask, void *to)
 {
@@ -51,14 +64,16 @@ static inline void cml_group_pack_wide(const uint64_t *column, cml_u32 mask, uin
 #endif
 }
 
-/* How many lanes of the mask come before each lane of it; undefined for the others. */
-static inline void cml_group_rank(cml_u32 mask, cml_u32 *rank)
+/* Values that lie side by side, into the lanes of the mask in this order. [CML_GROUP] can be read. */
+static inline void cml_group_unpack(const void *from, cml_u32 mask, void *column)
 {
 #ifdef __AVX512F__
-    const __m512i order = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    _mm512_storeu_si512(rank, _mm512_maskz_expand_epi32((__mmask16)mask, order));
+    _mm512_storeu_si512(column, _mm512_mask_expand_epi32(_mm512_loadu_si512(column), (__mmask16)mask,
+                                                         _mm512_loadu_si512(from)));
 #else
-    for (cml_u32 next = 0; mask; mask &= mask - 1) rank[__builtin_ctz(mask)] = next++;
+    char *to = column;
+    for (const char *next = from; mask; mask &= mask - 1, next += 4)
+        memcpy(to + 4 * (size_t)__builtin_ctz(mask), next, 4);
 #endif
 }
 

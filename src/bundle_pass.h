@@ -34,47 +34,45 @@ static inline real cml_pick(int mine, real a, real b)
 /* Inlining would only mix their constants with those of their callers, and hide them from a profile. */
 #define CML_PASS static __attribute__((noinline))
 
-/* Lanes first + i with bit i of fresh: the photons from `next` on. */
-CML_PASS void cml_bundle_number(struct cml_bundle *b, uint64_t next, int first, cml_u32 fresh)
-{
-    const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32);
-    cml_u32 rank[CML_GROUP];
-    cml_group_rank(fresh, rank);
-#pragma omp simd
-    for (int k = 0; k < CML_GROUP; k++) {
-        const int i = first + k, mine = (int)(fresh >> k & 1u);
-        const cml_u32 index = low + rank[k];
-        b->index_low[i] = cml_pick_word(mine, index, b->index_low[i]);
-        b->index_high[i] = cml_pick_word(mine, high + (cml_u32)(index < low), b->index_high[i]);
-    }
-}
-
-/* The first boundary event of lanes first..first+15, between unequal indices: P5. Returns the mask of those
- * that go through. */
-CML_PASS cml_u32 cml_bundle_go_through(const struct cml_setup *setup, const struct cml_bundle *b, int first,
-                                       real reflectance)
+/* Photons from `next` on. Those that are not reflected at the first boundary go through it: P5, for unequal
+ * indices. Returns 1 when an optical depth is in the tail. */
+CML_PASS int cml_fresh_draw(const struct cml_setup *setup, uint64_t next, real reflectance,
+                            struct cml_fresh *fresh)
 {
     const struct cml_stream stream = setup->stream;
-    int through[CML_GROUP];
-#pragma omp simd
-    for (int k = 0; k < CML_GROUP; k++) {
-        const int i = first + k;
-        const struct cml_block draw =
-            cml_threefry(stream, b->index_low[i], b->index_high[i], 0, CML_PURPOSE_BOUNDARY);
-        through[k] = !(cml_uniform(draw.w[0]) <= reflectance);
+    const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32);
+    int tail = 0;
+#pragma omp simd reduction(| : tail)
+    for (int i = 0; i < CML_FRESH; i++) {
+        const cml_u32 index = low + (cml_u32)i, carried = high + (cml_u32)(index < low);
+        const struct cml_block draw = cml_threefry(stream, index, carried, 0, CML_PURPOSE_INTERACTION);
+        fresh->index_low[i] = index;
+        fresh->index_high[i] = carried;
+        fresh->tau[i] = cml_depth_or_tail(draw.w[0]);
+        fresh->draw1[i] = draw.w[1];
+        fresh->draw2[i] = draw.w[2];
+        fresh->through[i] = 1;
+        tail |= draw.w[0] == 0u;
     }
-    return cml_group_equal(through, 1);
+    if (!(reflectance > 0)) return tail;
+#pragma omp simd
+    for (int i = 0; i < CML_FRESH; i++) {
+        const struct cml_block draw =
+            cml_threefry(stream, fresh->index_low[i], fresh->index_high[i], 0, CML_PURPOSE_BOUNDARY);
+        fresh->through[i] = !(cml_uniform(draw.w[0]) <= reflectance);
+    }
+    return tail;
 }
 
-/* Lanes first + i with bit i of fresh: packets like `start`, but for indices and media. absorbed:
+/* Lanes first + i with bit i of lanes: packets like `start`, but for indices, draws and media. absorbed:
  * [CML_LANES], of the lanes' packets. */
 CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,
-                                int first, cml_u32 fresh)
+                                int first, cml_u32 lanes)
 {
     const struct cml_packet like = *start;
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
-        const int i = first + k, mine = (int)(fresh >> k & 1u);
+        const int i = first + k, mine = (int)(lanes >> k & 1u);
         b->x[i] = cml_pick(mine, like.p.x, b->x[i]);
         b->y[i] = cml_pick(mine, like.p.y, b->y[i]);
         b->z[i] = cml_pick(mine, like.p.z, b->z[i]);
@@ -92,7 +90,7 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
         b->on_primitive[i] = cml_pick_int(mine, like.on_primitive, b->on_primitive[i]);
         b->straight[i] = cml_pick_int(mine, like.straight, b->straight[i]);
         b->entered[i] = cml_pick_int(mine, like.entered, b->entered[i]);
-        b->task[i] = cml_pick_int(mine, CML_LANE_LAUNCHED, b->task[i]);
+        b->task[i] = cml_pick_int(mine, CML_LANE_DONE, b->task[i]);
         absorbed[i] = mine ? 0u : absorbed[i];
     }
 }
@@ -170,7 +168,7 @@ CML_PASS void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *
 
 enum { CML_ANY_NEAR = 1, CML_ANY_TAIL = 2 };
 
-/* All lanes: those with INTERACT or LAUNCHED get a new optical depth, then all s and INTERACT or NEAR.
+/* All lanes: those with INTERACT get a new optical depth, then all s and INTERACT or NEAR.
  * Returns CML_ANY_NEAR when any lane is near, and CML_ANY_TAIL with it when the optical depth of one is in
  * the tail.
  */
@@ -181,7 +179,7 @@ CML_PASS int cml_bundle_fly(struct cml_bundle *b)
 #pragma omp simd
     for (int i = 0; i < lanes; i++) {
         const real fresh = cml_depth_or_tail(b->draw0[i]);
-        const int task = b->task[i], mine = (task == CML_LANE_INTERACT) | (task == CML_LANE_LAUNCHED);
+        const int mine = b->task[i] == CML_LANE_INTERACT;
         b->tau[i] = cml_pick(mine, fresh, b->tau[i]);
     }
 #pragma omp simd reduction(| : any)
@@ -195,8 +193,11 @@ CML_PASS int cml_bundle_fly(struct cml_bundle *b)
     return any;
 }
 
+enum { CML_ANY_TURN = 1, CML_ANY_ODD = 2 };
+
 /* Lanes that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or TURN,
- * or back to INTERACT, or NOWHERE. Returns 1 when any is to turn. */
+ * or back to INTERACT, or NOWHERE. Returns CML_ANY_TURN when any is to turn, and CML_ANY_ODD with it when one
+ * may be odd, as below. */
 CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
 {
     const real *restrict const muts = CML_OF_MEDIUM(b, mut), *restrict const n = CML_OF_MEDIUM(b, n);
@@ -205,8 +206,8 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
     const real *restrict const planes_above = CML_OF_MEDIUM(b, plane_above);
     const real *restrict const planes_below = CML_OF_MEDIUM(b, plane_below);
     const int lanes = b->lanes;
-    int turns = 0;
-#pragma omp simd reduction(| : turns)
+    int turns = 0, odds = 0;
+#pragma omp simd reduction(| : turns, odds)
     for (int i = 0; i < lanes; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, p = {b->x[i], b->y[i], b->z[i]};
         const int task = b->task[i], mine = task == CML_LANE_NEAR, above = u.z < 0;
@@ -216,8 +217,8 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
         const int hit = mine & (u.z != 0) & (t < s), number = s * u.z == s * u.z;
         const real left = CML_FMA(-ahead, muts[i], tau), tau_left = left > 0 ? left : (real)0;
         const struct cml_vec q = cml_along(p, ahead, u);
-        const int matched = n1 == n2,
-                  missed = (s < CML_INFINITY) & number ? CML_LANE_INTERACT : CML_LANE_NOWHERE;
+        const int matched = n1 == n2, lands = (s < CML_INFINITY) & number;
+        const int missed = lands ? CML_LANE_INTERACT : CML_LANE_NOWHERE;
         const int event = hit ? (matched ? CML_LANE_TRANSMITTED : CML_LANE_TURN) : missed;
         const cml_u32 interactions = b->interactions[i], touched = b->touched[i], bounces = b->bounces[i];
         const cml_u32 row = touched == interactions ? bounces : 0u;
@@ -231,8 +232,9 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
         b->boundary_events[i] += (cml_u32)hit;
         b->on_boundary[i] = cml_pick_int(hit, -1, b->on_boundary[i]);
         turns |= hit & !matched;
+        odds |= (hit & (int)(bounces >= CML_TRAPPED_LIMIT)) | (mine & !hit & !lands);
     }
-    return turns;
+    return turns * CML_ANY_TURN + odds * CML_ANY_ODD;
 }
 
 /* Lanes with TURN: P5. */
@@ -262,53 +264,26 @@ CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *
     }
 }
 
-/* Whether lane i, after reach_planes and turn, leaves the layers; *odd: it is NOWHERE, or has bounced too
- * often. */
-static inline int cml_lane_exits(const struct cml_bundle *b, int i, int layers, int *odd)
+/* Lane i, after reach_planes and turn: it is NOWHERE, or stays and has bounced too often. */
+static inline int cml_lane_is_odd(const struct cml_bundle *b, int i, int layers)
 {
-    const int task = b->task[i], from = b->medium[i], bounces = (int)b->bounces[i];
-    const int crossed = task == CML_LANE_TRANSMITTED, event = crossed | (task == CML_LANE_REFLECTED);
-    const int medium = from + (b->uz[i] < 0 ? -crossed : crossed),
-              outside = (medium == 0) | (medium > layers);
-    *odd = (event & !outside & (bounces > (int)CML_TRAPPED_LIMIT)) | (task == CML_LANE_NOWHERE);
-    return event & outside;
+    const int task = b->task[i], from = b->medium[i], crossed = task == CML_LANE_TRANSMITTED;
+    const int medium = from + (b->uz[i] < 0 ? -crossed : crossed);
+    if (task == CML_LANE_NOWHERE) return 1;
+    if (!crossed && task != CML_LANE_REFLECTED) return 0;
+    return medium > 0 && medium <= layers && b->bounces[i] > CML_TRAPPED_LIMIT;
 }
 
-/* After reach_planes and turn: lanes that leave get EXITS. Returns 1 when any is odd. */
-CML_PASS int cml_bundle_look_behind(const struct cml_setup *setup, struct cml_bundle *b)
+/* P6: the lanes of a group that leave, TRANSMITTED into an outer medium or REFLECTED above the first layer.
+ */
+static inline cml_u32 cml_group_leaves(const struct cml_bundle *b, int first, int layers)
 {
-    const int layers = setup->num_layers, lanes = b->lanes;
-    int any = 0;
-#pragma omp simd reduction(| : any)
-    for (int i = 0; i < lanes; i++) {
-        int odd;
-        const int exits = cml_lane_exits(b, i, layers, &odd);
-        b->task[i] = exits ? CML_LANE_EXITS : b->task[i];
-        any |= odd;
-    }
-    return any;
-}
-
-/* P6: lanes first + i with bit i of exits leave through a plane. Their packets are not moved out of their
- * media any more, they end. absorbed: [CML_LANES], as above; fates: [CML_GROUP]; deposited: what they leave
- * behind in the first layer, and in the last. */
-CML_PASS void cml_bundle_exit(struct cml_bundle *b, uint64_t *absorbed, int first, cml_u32 exits, int *fates,
-                              uint64_t deposited[2])
-{
-    uint64_t above = 0, all = 0;
-#pragma omp simd reduction(+ : above, all)
-    for (int k = 0; k < CML_GROUP; k++) {
-        const int i = first + k, mine = (int)(exits >> k & 1u), upwards = b->uz[i] < 0;
-        const int gone = upwards ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
-        const uint64_t deposit = mine ? b->marked[i] - b->w[i] : 0u;
-        fates[k] = b->entered[i] ? gone : CML_FATE_SPECULAR;
-        absorbed[i] += deposit;
-        above += upwards ? deposit : 0u;
-        all += deposit;
-        b->task[i] = cml_pick_int(mine, CML_LANE_ENDED, b->task[i]);
-    }
-    deposited[0] = above;
-    deposited[1] = all - above;
+    const int *task = b->task + first, *medium = b->medium + first;
+    const cml_u32 upwards = cml_group_negative(b->uz + first);
+    const cml_u32 ends =
+        (upwards & cml_group_equal(medium, 1)) | (~upwards & cml_group_equal(medium, layers));
+    return (ends & cml_group_equal(task, CML_LANE_TRANSMITTED)) |
+           (cml_group_equal(medium, 0) & cml_group_equal(task, CML_LANE_REFLECTED));
 }
 
 /* Lanes with INTERACT: hop, drop, spin. Fills dw (0 in other lanes) and cell, where absorption is tallied.

@@ -99,18 +99,24 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     cml_load_medium(f, i);
 }
 
-/* Packets of a group that leave through a plane, into the collection of those that have ended. */
+/* P6: packets of a group that leave through a plane, into the collection of those that have ended. They are
+ * not moved out of their media any more: until the lanes are refilled they hold nothing of interest. */
 static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
     const struct cml_setup *setup = &f->world->setup;
     struct cml_ends *ends = &f->ends;
     const int at = ends->count;
-    int fates[CML_GROUP];
-    uint64_t deposited[2];
-    cml_bundle_exit(f->b, f->absorbed, first, exits, fates, deposited);
-    f->tally->A_l[1] += deposited[0];
-    f->tally->A_l[setup->num_layers] += deposited[1];
+    _Alignas(64) cml_u32 deposit[CML_GROUP];
+    _Alignas(64) int fate[CML_GROUP];
+#pragma omp simd
+    for (int k = 0; k < CML_GROUP; k++) {
+        deposit[k] = b->marked[first + k] - b->w[first + k];
+        const int gone = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
+        fate[k] = b->entered[first + k] ? gone : CML_FATE_SPECULAR;
+    }
+    cml_group_pack(deposit, exits, ends->deposit + at);
+    cml_group_pack(fate, exits, ends->fate + at);
     cml_group_pack_wide(f->absorbed + first, exits, ends->absorbed + at);
     cml_group_pack(b->x + first, exits, ends->exit_x + at);
     cml_group_pack(b->y + first, exits, ends->exit_y + at);
@@ -118,7 +124,6 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->w + first, exits, ends->w + at);
     cml_group_pack(b->interactions + first, exits, ends->interactions + at);
     cml_group_pack(b->boundary_events + first, exits, ends->boundary_events + at);
-    cml_group_pack(fates, exits, ends->fate + at);
     ends->count = at + __builtin_popcount(exits);
     f->ended |= (uint64_t)exits << first;
     if (cml_tallies_places(f->tally))
@@ -172,11 +177,8 @@ static void cml_score_planes(const struct cml_flight *f)
 
 static void cml_handle_odds(struct cml_flight *f)
 {
-    for (int i = 0; i < f->b->lanes; i++) {
-        int odd;
-        cml_lane_exits(f->b, i, f->world->setup.num_layers, &odd);
-        if (odd) cml_handle_odd(f, i);
-    }
+    for (int i = 0; i < f->b->lanes; i++)
+        if (cml_lane_is_odd(f->b, i, f->world->setup.num_layers)) cml_handle_odd(f, i);
 }
 
 /* Planes met by the lanes that are NEAR. Then they fly once more, so that they may interact in this pass as
@@ -185,15 +187,17 @@ static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
-    if (cml_bundle_reach_planes(b)) cml_bundle_turn(setup, b);
+    const int any = cml_bundle_reach_planes(b);
+    if (any & CML_ANY_TURN) cml_bundle_turn(setup, b);
     if (f->to.facets) cml_score_planes(f);
-    if (cml_bundle_look_behind(setup, b)) cml_handle_odds(f);
+    if (any & CML_ANY_ODD) cml_handle_odds(f);
     for (int first = 0; first < b->lanes; first += CML_GROUP) {
-        const cml_u32 exits = cml_group_equal(b->task + first, CML_LANE_EXITS);
-        const cml_u32 enter = cml_group_equal(b->task + first, CML_LANE_TRANSMITTED);
+        const cml_u32 exits = cml_group_leaves(b, first, setup->num_layers);
         if (exits) cml_exit_group(f, first, exits);
+        const cml_u32 enter = cml_group_equal(b->task + first, CML_LANE_TRANSMITTED) & ~exits;
         cml_for_lanes(f, (uint64_t)enter << first, cml_enter_layer);
     }
+    if (f->ended) cml_refill(f);
     cml_bundle_fly_again(b);
 }
 
@@ -210,23 +214,26 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
 
 /* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others: until they
  * have waited as many passes, summed over lanes, as the loops take time, by measurement. For arrivals at
- * random that comes close to the least cost of waiting and loops together. */
-static void cml_meet_planes(struct cml_flight *f)
+ * random that comes close to the least cost of waiting and loops together. Returns 1 when lanes have flown
+ * on. */
+static int cml_meet_planes(struct cml_flight *f)
 {
-    const int patience = f->b->lanes == CML_LANES ? 32 : 1;
+    const int patience = f->b->lanes == CML_LANES ? 45 : 1;
     f->waited += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_NEAR));
-    if (f->waited < patience) return;
+    if (f->waited < patience) return 0;
     f->waited = 0;
     cml_cross_planes(f);
+    return 1;
 }
 
 /* tails: lanes whose optical depth lies in the tail. */
 static void cml_meet_boundaries(struct cml_flight *f, uint64_t tails)
 {
     cml_for_lanes(f, tails, cml_handle_exception);
-    if (f->curves && cml_bundle_look_around(f->b, f->steepest))
-        cml_for_lanes(f, cml_lanes_with(f->b, CML_LANE_CURVED), cml_handle_exception);
-    cml_meet_planes(f);
+    do {
+        if (f->curves && cml_bundle_look_around(f->b, f->steepest))
+            cml_for_lanes(f, cml_lanes_with(f->b, CML_LANE_CURVED), cml_handle_exception);
+    } while (cml_meet_planes(f));
 }
 
 /* Into the thread's own A_rz, or into one that all threads share. */

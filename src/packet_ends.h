@@ -16,6 +16,8 @@
 struct cml_ends {
     int count;
     uint64_t absorbed[CML_ENDS];
+    cml_u32
+        deposit[CML_ENDS]; /* absorbed as well, in the layer that the packet left, and not booked there yet */
     real exit_x[CML_ENDS], exit_y[CML_ENDS], uz[CML_ENDS];
     cml_u32 w[CML_ENDS], interactions[CML_ENDS], boundary_events[CML_ENDS];
     int fate[CML_ENDS];
@@ -26,6 +28,7 @@ struct cml_ends {
 /* Sums over the collected packets; a square as its two halves of 32 bits. */
 struct cml_end_sums {
     uint64_t reflected, transmitted, specular, absorbed, interactions, boundary_events;
+    uint64_t deposited, deposited_above; /* all deposits; those of packets that were reflected */
     uint64_t reflected_low, reflected_high, transmitted_low, transmitted_high, specular_low, specular_high,
         absorbed_low, absorbed_high;
     uint64_t wide; /* bits of `absorbed` beyond 32: its squares then do not fit */
@@ -63,7 +66,7 @@ static inline struct cml_end_sums cml_ends_sum(const struct cml_ends *ends)
     struct cml_end_sums sums = {0};
     for (int i = 0; i < ends->count; i++) {
         const int fate = ends->fate[i];
-        const uint64_t w = ends->w[i], absorbed = ends->absorbed[i];
+        const uint64_t w = ends->w[i], deposit = ends->deposit[i], absorbed = ends->absorbed[i] + deposit;
         const uint64_t reflected = fate == CML_FATE_REFLECTED ? w : 0;
         const uint64_t transmitted = fate == CML_FATE_TRANSMITTED ? w : 0;
         const uint64_t specular = fate == CML_FATE_SPECULAR ? w : 0;
@@ -72,6 +75,8 @@ static inline struct cml_end_sums cml_ends_sum(const struct cml_ends *ends)
         CML_SUM_SQUARE(sums, specular, specular);
         CML_SUM_SQUARE(sums, absorbed, absorbed);
         sums.wide |= absorbed >> 32;
+        sums.deposited += deposit;
+        sums.deposited_above += fate == CML_FATE_REFLECTED ? deposit : 0;
         sums.interactions += ends->interactions[i];
         sums.boundary_events += ends->boundary_events[i];
     }
@@ -87,7 +92,10 @@ static inline cml_u128 cml_ends_absorbed_squares(const struct cml_ends *ends, co
 {
     if (!sums->wide) return cml_square_sum(sums->absorbed_low, sums->absorbed_high);
     cml_u128 sum = 0;
-    for (int i = 0; i < ends->count; i++) sum += (cml_u128)ends->absorbed[i] * ends->absorbed[i];
+    for (int i = 0; i < ends->count; i++) {
+        const uint64_t absorbed = ends->absorbed[i] + ends->deposit[i];
+        sum += (cml_u128)absorbed * absorbed;
+    }
     return sum;
 }
 
@@ -101,6 +109,8 @@ static inline void cml_ends_add_sums(const struct cml_setup *setup, const struct
     tally->book[CML_BOOK_REFLECTED] += sums.reflected;
     tally->book[CML_BOOK_TRANSMITTED] += sums.transmitted;
     tally->book[CML_BOOK_ABSORBED] += sums.absorbed;
+    tally->A_l[1] += sums.deposited_above;
+    tally->A_l[setup->num_layers] += sums.deposited - sums.deposited_above;
     tally->count[CML_COUNT_PHOTONS] += count;
     tally->count[CML_COUNT_INTERACTIONS] += sums.interactions;
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += sums.boundary_events;
@@ -198,6 +208,7 @@ static inline void cml_ends_push(const struct cml_setup *setup, struct cml_ends 
 {
     const int i = ends->count++;
     ends->absorbed[i] = end->absorbed;
+    ends->deposit[i] = 0;
     ends->exit_x[i] = end->exit_x;
     ends->exit_y[i] = end->exit_y;
     ends->uz[i] = end->uz;

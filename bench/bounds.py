@@ -1,24 +1,23 @@
-"""How close the flat scenes come to their vector loops: bounds.py PROGRAM STAGES.csv
+"""Where the time of the flat scenes goes: bounds.py BENCH_BUSY STAGES.csv
 
-STAGES.csv is what bench_stages prints. The bound of a scene is the time of the loops that its packets cannot do
-without, each with a packet in every lane that has something to do: a pass per interaction, a plane per boundary event,
-a launch and an exit per photon. What a run takes beyond that are lanes that wait, branches, and caches. Prints CSV.
+STAGES.csv is what bench_stages prints: the time of every loop per lane. bench_busy says how many lanes go through the
+loops for a photon, and how long it takes. Both together account for a photon's time, in ns: the loops of a pass, those of
+the planes, a launch and an exit. What is left are single lanes (layers entered, roulette), branches, and caches. `busy` is
+the share of lanes that had something to do there; `all_busy` is the time if all had. Prints CSV.
 
 SPDX-License-Identifier: MIT
 """
 import csv
-import json
 import os
 import statistics
 import subprocess
 import sys
-import tempfile
 
 import cases
 
-PLANE = ("reach planes", "turn", "look behind", "fly again")
+PLANE = ("reach planes", "turn", "fly again")
 ONCE = ("launch", "exit")
-ROUNDS, SECONDS = 5, 0.5
+ROUNDS = 5
 
 
 def stage_times(path):
@@ -35,30 +34,28 @@ def total(stages, names):
     return sum(found)
 
 
-def fly(program, scene, photons, folder):
-    """The program's own account of a run on one thread."""
-    command = [program, "run", scene, "--photons", str(photons), "--threads", "1", "-o", folder]
-    command += ["--checkpoint", "off", "--json"]
-    return json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
-
-
-def measure(program, scene, folder):
-    """Medians over ROUNDS runs of about SECONDS: ns, interactions and boundary events per photon."""
-    first = fly(program, scene, 20000, folder)
-    photons = max(20000, int(20000 * SECONDS / first["cpu_s"]))
-    runs = [fly(program, scene, photons, folder) for _ in range(ROUNDS)]
-    return [statistics.median(1e9 * run["cpu_s"] / photons for run in runs)] + [
-        statistics.median(run[what] / photons for run in runs) for what in ("steps", "crossings")]
+def measure(bench, scene):
+    """Medians over ROUNDS runs of what bench_busy says of a scene."""
+    runs = []
+    for _ in range(ROUNDS):
+        out = subprocess.run([bench, scene], capture_output=True, check=True, text=True).stdout
+        runs.append(list(csv.DictReader(out.splitlines()))[0])
+    return {what: statistics.median(float(run[what]) for run in runs) for what in runs[0] if what != "scene"}
 
 
 def main():
-    program, stages = sys.argv[1], stage_times(sys.argv[2])
-    print("scene,steps_per_photon,boundary_events_per_photon,bound_ns_per_step,ns_per_step,share")
-    with tempfile.TemporaryDirectory() as folder:
-        for name, path in cases.SCENES.items():
-            ns, steps, events = measure(program, os.path.join(cases.ROOT, path), folder)
-            bound = stages["whole pass"] * steps + total(stages, PLANE) * events + total(stages, ONCE)
-            print(f"{name},{steps:.2f},{events:.2f},{bound / steps:.2f},{ns / steps:.2f},{bound / ns:.2f}", flush=True)
+    bench, stages = sys.argv[1], stage_times(sys.argv[2])
+    step, plane, once = stages["whole pass"], total(stages, PLANE), total(stages, ONCE)
+    print("scene,interactions,busy_in_passes,boundary_events,busy_at_planes,passes_ns,planes_ns,launch_exit_ns,left_ns,ns,"
+          "all_busy_ns")
+    for name, path in cases.SCENES.items():
+        run = measure(bench, os.path.join(cases.ROOT, path))
+        interactions, events = run["interactions"], run["boundary_events"]
+        passes, planes = step * run["lanes_in_passes"], plane * run["lanes_at_planes"]
+        print(f"{name},{interactions:.2f},{interactions / run['lanes_in_passes']:.2f},{events:.2f},"
+              f"{events / run['lanes_at_planes']:.2f},{passes:.1f},{planes:.1f},{once:.1f},"
+              f"{run['ns'] - passes - planes - once:.1f},{run['ns']:.1f},"
+              f"{step * interactions + plane * events + once:.1f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -1,20 +1,18 @@
 #!/bin/sh
 # What the parts of the cpu engine cost on this machine:
 #     parts.sh [--build DIR] [--out DIR]
-# Builds bench_stages and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector loops alone
+# Builds bench_stages, bench_busy and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector loops alone
 # and left out, how close the flat scenes come to them, then, for rough tops and rings below which light is scattered
 # often (S6a) and seldom (S2), what a step near the boundary costs.
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"
 options "" "build out" "$@"
-program=$build/clustermcml
 [ -f "$build/CMakeCache.txt" ] || fail "$build: no build folder of cmake"
-need_program
 need python3 cmake
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-cmake --build "$build" --target bench_stages bench_queries >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
+cmake --build "$build" --target bench_stages bench_queries bench_busy >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
 mkdir -p "$out"
 
 python3 -B "$here/rough.py" mesh 3e5 0.018 "$work/rough.obj"
@@ -29,8 +27,8 @@ for medium in ("S6a", "S2"):
     echo "# $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1); load $(cut -d' ' -f1-3 /proc/loadavg)"
     "$build/bench_stages" >"$work/stages.csv"
     cat "$work/stages.csv"
-    echo "# flat scenes: the loops that they cannot do without, and what they take"
-    PYTHONPATH=$here python3 -B "$here/bounds.py" "$program" "$work/stages.csv"
+    echo "# flat scenes: per photon, what happens, and where the time goes"
+    PYTHONPATH=$here python3 -B "$here/bounds.py" "$build/bench_busy" "$work/stages.csv"
     for scene in S6a-rough S6a-rings S2-rough S2-rings; do
         echo "# $scene"
         "$build/bench_queries" "$work/$scene.mci"

@@ -16,7 +16,6 @@ enum stage {
     INTERACT_NONE,
     REACH,
     TURN,
-    BEHIND,
     FLY_AGAIN,
     EXIT,
     LAUNCH,
@@ -30,7 +29,6 @@ static const char *const names[STAGES] = {
     [INTERACT_NONE] = "interact without A_rz",
     [REACH] = "reach planes (every lane is at one)",
     [TURN] = "turn: Fresnel, reflect, refract (every lane)",
-    [BEHIND] = "look behind the plane (every lane)",
     [FLY_AGAIN] = "fly again, after a plane (every lane)",
     [EXIT] = "exit: collect the packet, its bins, books and squares (every lane)",
     [LAUNCH] = "launch (every lane)",
@@ -130,9 +128,6 @@ static void run_stage(int stage)
         break;
     case TURN:
         cml_bundle_turn(&world.setup, &bundle);
-        break;
-    case BEHIND:
-        sink = (cml_u32)cml_bundle_look_behind(&world.setup, &bundle);
         break;
     case FLY_AGAIN:
         cml_bundle_fly_again(&bundle);

@@ -64,11 +64,17 @@ CML_FN real cml_free_path(const struct cml_world *world, const struct cml_packet
     return cml_path(packet->tau, world->media[packet->medium].mfp);
 }
 
+/* How far rounding may take the depths of a path of height `step` from z. */
+CML_FN real cml_depth_slack(real z, real step)
+{
+    return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
+}
+
 /* The depths between z and the end of a path of length s, widened by rounding. */
 CML_FN void cml_depths_passed(real z, real uz, real s, real *least, real *most)
 {
     const real step = s * uz, end = z + step;
-    const real slack = 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
+    const real slack = cml_depth_slack(z, step);
     *least = (z < end ? z : end) - slack;
     *most = (z > end ? z : end) + slack;
 }

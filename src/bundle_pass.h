@@ -95,15 +95,35 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
     }
 }
 
-/* Where lane i is after its flight. Conservative: a lane that is not near a boundary cannot meet it before
- * its interaction, rounding included; what is not a number, or infinite, is near. */
+/* Which boundaries lane i may meet on a path of length s. Conservative: one that is not named here cannot be
+ * met, rounding included; what is not a number, or infinite, may meet all. A plane is met at the end of the
+ * path or before, never by a packet that stands on it and leads away. */
+struct cml_ahead {
+    int ends, plane, curved_above, curved_below; /* ends: beyond a boundary, or within its heights */
+};
+
+static inline struct cml_ahead cml_lane_ahead(const struct cml_bundle *b, int i, real s)
+{
+    const real stop_above = CML_OF_MEDIUM(b, stop_above)[i], stop_below = CML_OF_MEDIUM(b, stop_below)[i];
+    const int plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
+              plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
+    const real z = b->z[i], step = s * b->uz[i], end = z + step, slack = cml_depth_slack(z, step);
+    const int starts_above = !(z - slack > stop_above), starts_below = !(z + slack < stop_below);
+    const int ends_above = !(end - slack > stop_above), ends_below = !(end + slack < stop_below);
+    const struct cml_ahead ahead = {.ends = ends_above | ends_below,
+                                    .plane = (ends_above & plane_above) | (ends_below & plane_below),
+                                    .curved_above = (starts_above | ends_above) & !plane_above,
+                                    .curved_below = (starts_below | ends_below) & !plane_below};
+    return ahead;
+}
+
+/* Whether lane i may meet a boundary before its interaction. */
 static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, real *distance)
 {
-    real least, most;
     const real s = cml_path(tau, CML_OF_MEDIUM(b, mfp)[i]);
-    cml_depths_passed(b->z[i], b->uz[i], s, &least, &most);
+    const struct cml_ahead ahead = cml_lane_ahead(b, i, s);
     *distance = s;
-    return !((least > CML_OF_MEDIUM(b, stop_above)[i]) & (most < CML_OF_MEDIUM(b, stop_below)[i]));
+    return ahead.ends | ahead.curved_above | ahead.curved_below;
 }
 
 /* NEAR lanes that may meet a surface that is no plane get CURVED; those that can meet nothing before they
@@ -116,17 +136,12 @@ CML_PASS int cml_bundle_look_around(struct cml_bundle *b, real steepest)
 #pragma omp simd reduction(| : any)
     for (int i = 0; i < lanes; i++) {
         const real ux = b->ux[i], uy = b->uy[i], uz = b->uz[i], s = b->s[i];
-        const real stop_above = CML_OF_MEDIUM(b, stop_above)[i], stop_below = CML_OF_MEDIUM(b, stop_below)[i];
-        const int task = b->task[i], plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
-                  plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
+        const int task = b->task[i];
         const int steep = uz * uz >= steepest * steepest * (ux * ux + uy * uy);
-        real least, most;
-        cml_depths_passed(b->z[i], uz, s, &least, &most);
-        const int above = !(least > stop_above), below = !(most < stop_below);
+        const struct cml_ahead ahead = cml_lane_ahead(b, i, s);
         const int curved =
-            (above & !plane_above & !(steep & (uz > 0))) | (below & !plane_below & !(steep & (uz < 0)));
-        const int plane = (above & plane_above) | (below & plane_below);
-        const int free = !curved & !plane & (s < CML_INFINITY);
+            (ahead.curved_above & !(steep & (uz > 0))) | (ahead.curved_below & !(steep & (uz < 0)));
+        const int free = !curved & !ahead.plane & (s < CML_INFINITY);
         const int near = curved ? CML_LANE_CURVED : (free ? CML_LANE_INTERACT : CML_LANE_NEAR);
         b->task[i] = task == CML_LANE_NEAR ? near : task;
         any |= (task == CML_LANE_NEAR) & curved;

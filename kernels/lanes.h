@@ -21,8 +21,9 @@ struct cml_lanes {
     cml_u32 touched[CML_LANES]; /* the interactions before the last boundary event */
     cml_u32 draw1[CML_LANES], draw2[CML_LANES], draw3[CML_LANES]; /* words of the next interaction's block */
     real mfp[CML_LANES], absorb[CML_LANES], g[CML_LANES], bins[CML_LANES]; /* of the medium */
-    real stop_above[CML_LANES], stop_below[CML_LANES]; /* z between which there is no boundary */
-    cml_u32 live[CML_LANES];                           /* 1: holds a packet */
+    real stop_above[CML_LANES], stop_below[CML_LANES];   /* z between which there is no boundary */
+    real start_above[CML_LANES], start_below[CML_LANES]; /* the same for surfaces that are no planes */
+    cml_u32 live[CML_LANES];                             /* 1: holds a packet */
     /* of this pass */
     cml_u32 mine[CML_LANES]; /* 1: the packet flies s to its interaction */
     real s[CML_LANES];
@@ -42,13 +43,14 @@ struct cml_lanes {
 /* Number of the lowest bit set, which is that of a lane. */
 #define CML_LOWEST(mask) (CML_LANES > 1 ? 31u - clz((mask) & -(mask)) : 0u)
 
-/* Whether the packet may meet a boundary before its interaction, s away: 0 only where none can be met. What
- * is not a number, or infinite, may. */
-CML_FN cml_u32 cml_is_near(real z, real uz, real s, real stop_above, real stop_below)
+/* Whether lane i may meet a boundary before its interaction, s away: 0 only where none can be met. What is
+ * not a number, or infinite, may. A plane is met at the end of the path or before, never by a packet that
+ * stands on it and leads away. */
+CML_FN cml_u32 cml_is_near(const struct cml_lanes *l, cml_u32 i, real s)
 {
-    real least, most;
-    cml_depths_passed(z, uz, s, &least, &most);
-    return !((least > stop_above) & (most < stop_below));
+    const real z = l->z[i], step = s * l->uz[i], end = z + step, slack = cml_depth_slack(z, step);
+    return !((end - slack > l->stop_above[i]) & (end + slack < l->stop_below[i]) &
+             (z - slack > l->start_above[i]) & (z + slack < l->start_below[i]));
 }
 
 /* The block of every lane's next interaction, the optical depth of those that have none yet, and how far they
@@ -63,7 +65,7 @@ CML_PASS cml_u32 cml_fly_lanes(struct cml_stream stream, struct cml_lanes *restr
                                                    l->interactions[i], (cml_u32)CML_PURPOSE_INTERACTION);
         const real fresh = cml_depth_or_tail(draw.w[0]), old = l->tau[i], tau = old < 0 ? fresh : old;
         const real s = cml_path(tau, l->mfp[i]);
-        const cml_u32 near = cml_is_near(l->z[i], l->uz[i], s, l->stop_above[i], l->stop_below[i]);
+        const cml_u32 near = cml_is_near(l, i, s);
         const cml_u32 live = l->live[i];
         l->draw1[i] = draw.w[1];
         l->draw2[i] = draw.w[2];

@@ -64,6 +64,8 @@ CML_FN void cml_load_medium(const struct cml_world *world, struct cml_flight *f,
     l->bins[i] = medium.bins;
     l->stop_above[i] = above;
     l->stop_below[i] = below;
+    l->start_above[i] = m > 0 && cml_is_plane(world, m - 1) ? -CML_INFINITY : above;
+    l->start_below[i] = m <= world->setup.num_layers && cml_is_plane(world, m) ? CML_INFINITY : below;
 }
 
 CML_FN void cml_store_ray(struct cml_lanes *l, cml_u32 i, const struct cml_packet *packet)

@@ -70,15 +70,6 @@ CML_FN real cml_depth_slack(real z, real step)
     return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
 }
 
-/* The depths between z and the end of a path of length s, widened by rounding. */
-CML_FN void cml_depths_passed(real z, real uz, real s, real *least, real *most)
-{
-    const real step = s * uz, end = z + step;
-    const real slack = cml_depth_slack(z, step);
-    *least = (z < end ? z : end) - slack;
-    *most = (z > end ? z : end) + slack;
-}
-
 /* Distance across the beam from its axis: uniform over a disk, or a Gaussian of irradiance exp(-2 r^2 /
  * gauss^2). */
 CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 index)

@@ -10,6 +10,8 @@
 
 #include "types.h"
 
+#include <stddef.h>
+
 #define CML_LANES 64 /* as many as a mask has bits: a loop's constants are set up once for all of them */
 #define CML_GROUP 16 /* lanes that start or leave are handled by groups */
 #define CML_GROUP_MASK 0xffffu
@@ -31,11 +33,11 @@ enum cml_lane_task {
 /* What a lane needs to know of the medium it is in. Every member is 4 bytes wide. */
 struct cml_lane_medium {
     real mut, mfp, absorb, g, bins, n, n_above, n_below;
-    real span;                     /* 0 for the outer media */
     real plane_above, plane_below; /* z of the bounding planes, -+infinity for other kinds */
     real stop_above, stop_below;   /* z between which there is no boundary of any kind */
+    real span;                     /* 0 for the outer media; no lane needs it */
 };
-#define CML_LANE_MEDIUM_MEMBERS (sizeof(struct cml_lane_medium) / sizeof(real))
+#define CML_LANE_MEDIUM_MEMBERS (offsetof(struct cml_lane_medium, span) / sizeof(real))
 
 struct cml_bundle {
     int lanes; /* that take part: whole groups, fewer than CML_LANES when there are no more packets to launch

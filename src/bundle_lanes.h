@@ -75,7 +75,7 @@ static void cml_for_lanes(struct cml_flight *f, uint64_t mask, void (*handle)(st
 static void cml_load_medium(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
-    const real *row = &f->media[b->medium[i]].mut;
+    const real *restrict row = &f->media[b->medium[i]].mut;
     for (size_t k = 0; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 

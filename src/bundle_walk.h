@@ -90,11 +90,12 @@ static void cml_handle_exception(struct cml_flight *f, int i)
 static void cml_enter_layer(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
-    const int upwards = b->uz[i] < 0, medium = b->medium[i] + (upwards ? -1 : 1);
+    const int upwards = b->uz[i] < 0, medium = b->medium[i] + 1 - 2 * upwards;
+    const real span = f->media[medium].span;
     cml_mark_weight(f, i);
     b->medium[i] = medium;
     b->entered[i] = 1;
-    b->z[i] = upwards ? f->media[medium].span : (real)0;
+    b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
     b->task[i] = CML_LANE_DONE;
     cml_load_medium(f, i);
 }

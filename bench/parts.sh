@@ -1,9 +1,9 @@
 #!/bin/sh
 # What the parts of the cpu engine cost on this machine:
 #     parts.sh [--build DIR] [--out DIR]
-# Builds bench_stages, bench_busy and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector loops alone
-# and left out, how close the flat scenes come to them, then, for rough tops and rings below which light is scattered
-# often (S6a) and seldom (S2), what a step near the boundary costs.
+# Builds bench_stages, bench_busy and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector
+# loops alone and left out, where the time of the flat scenes goes, then, for rough tops and rings below which light is
+# scattered often (S6a) and seldom (S2), what a step near the boundary costs.
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"

@@ -92,13 +92,15 @@ static double inside_diagonal(double u, double v, bool falling, bool south)
 static enum verdict meet(const struct course *c, const int place[2], struct cml_lattice_cell cell, bool south,
                          const double plane[4], struct part part, double *t)
 {
-    const struct cml_mesh_query *q = c->q;
+    struct cml_mesh_query *q = c->q;
     const uint32_t facet = (south ? cell.south : cell.north) & ~CML_LATTICE_FALLING;
     const double margin = c->lattice->margin;
     const double along = cml_vec3_dot(q->direction, plane), leading_away = q->below ? along : -along;
+    const double height = plane[3] - cml_vec3_dot(q->origin, plane);
+    if (fabs(height) <= q->touch) q->doubt = true;
     if ((int)facet == q->exclude || leading_away <= -grazing) return MISSED;
     if (leading_away < grazing) return OPEN;
-    *t = (plane[3] - cml_vec3_dot(q->origin, plane)) / along;
+    *t = height / along;
     if (!(*t >= part.from && *t <= part.to)) return MISSED;
     const bool may_lie_behind = *t < q->least + start_blur * q->body->upper[0];
     const double u = at(&c->axis[0], *t) - place[0], v = at(&c->axis[1], *t) - place[1];

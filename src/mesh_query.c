@@ -222,6 +222,10 @@ void cml_query_outer_plane(struct cml_mesh_query *q)
     q->primitive = CML_OUTER_PLANE;
 }
 
+/* Sine of the angle to the outer plane below which single precision may not tell on which side of the border
+ * it is met. */
+static const double grazing_border = 1e-2;
+
 /* The border belongs to triangles and plane alike, but only the plane asks for it in double: a ray that
  * passes within the rounding of single precision of it may have been let through by both. */
 bool cml_query_may_have_missed(const struct cml_mesh_query *q)
@@ -232,6 +236,7 @@ bool cml_query_may_have_missed(const struct cml_mesh_query *q)
     if (q->below ? end < q->body->lower[2] : end > q->body->upper[2]) return true;
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
     if (!(t >= q->least) || !(t < q->t)) return false;
+    if (fabs(uz) < grazing_border) return true;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
     const int inside = cml_query_inside_border(q, x, y, d);
     return inside > 0 && inside < 4;
@@ -300,6 +305,12 @@ double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, d
     const double *plane = q->body->plane[primitive];
     *along = cml_vec3_dot(q->direction, plane);
     return (plane[3] - cml_vec3_dot(q->origin, plane)) / *along;
+}
+
+void cml_query_feel(struct cml_mesh_query *q, int primitive)
+{
+    const double *plane = q->body->plane[primitive];
+    if (fabs(plane[3] - cml_vec3_dot(q->origin, plane)) <= q->touch) q->doubt = true;
 }
 
 void cml_query_take_inside(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
@@ -388,6 +399,7 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
     q->on_edge = stands_on_edge(q, exclude);
     q->doubt = false;
     q->open = 0;
+    q->touch = exclude == -1 ? q->reach : -1;
     q->lenience = exclude >= 0 && straight ? 1 : 32;
     q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
 }

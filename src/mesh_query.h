@@ -34,6 +34,7 @@ struct cml_mesh_query {
     double reach;   /* how far rounding in all can put a crossing from where it is */
     double least;   /* -slack, or where the line crosses `exclude` when the packet came straight through it */
     double lenience; /* how many times that, for facets that the ray grazes */
+    double touch;    /* a packet this close to a facet's plane may be beyond it; -1 when it stands on one */
     int below, exclude;
     double t;         /* best so far */
     double weight[3]; /* its barycentric weights */
@@ -79,6 +80,9 @@ void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const dou
 
 /* Distance to the plane of a facet; *along is the product of direction and upward unit normal. */
 double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, double *along);
+
+/* Sets q->doubt where a packet that stands on no facet lies within rounding of this one's plane. */
+void cml_query_feel(struct cml_mesh_query *q, int primitive);
 
 /* As cml_query_take for a crossing that lies clearly inside its triangle, whose unit normal (up) the caller
  * has. */

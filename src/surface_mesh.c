@@ -46,6 +46,7 @@ static void intersect(const struct RTCIntersectFunctionNArguments *arguments)
         return;
     }
     if (primitive == q->exclude) return;
+    cml_query_feel(q, primitive);
     if (!cml_query_cross(q, primitive, &t, weight)) return;
     cml_query_take(q, primitive, t, weight);
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)arguments->rayhit;
@@ -129,25 +130,48 @@ static void query_exact(const struct cml_mesh_surface *surface, struct query *qu
     if (aim(&query->ray, 0, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
 }
 
+/* By how much, in heights, triangles are enlarged for Embree: in single precision it lets rays pass between
+ * those that meet at a corner or that they graze, most easily a ray along an edge. */
+static const float rim = 1e-3f;
+
+/* Barycentric weights in the triangle itself; Embree's coordinates are those in the enlarged one. */
+static void find_weights(float u, float v, double weight[3])
+{
+    const float coordinate[3] = {1 - u - v, u, v};
+    for (int k = 0; k < 3; k++) weight[k] = coordinate[k] + 3 * (double)rim * (coordinate[k] - 1.0 / 3);
+}
+
+/* Whether all weights are at least `least`. More than `clearly` above 0, whatever single precision does to
+ * them, they are those of a place inside, and less than that below of one outside. */
+static const double clearly = 1e-5;
+static bool is_within(const double weight[3], double least)
+{
+    return weight[0] > least && weight[1] > least && weight[2] > least;
+}
+
 /* Which of Embree's hits count: not the triangle the packet stands on, only those that lead away from its
- * side, and none behind it. */
-static bool counts(const struct cml_mesh_query *q, int primitive, double *t, double *along)
+ * side, and none behind it. Beside an edge the enlarged triangles tell of facets that the line itself passes
+ * by. */
+static bool counts(struct cml_mesh_query *q, int primitive, double *t, double *along)
 {
     *t = cml_query_facet_distance(q, primitive, along);
+    q->doubt = q->doubt || fabs(*t * *along) <= q->touch;
     return primitive != q->exclude && (q->below ? *along : -*along) > 0 && cml_query_is_ahead(q, *t, *along);
 }
 
 /* Keeps the first one ahead that leads back to the packet's side: it can only come after one that leads away.
- */
+ * Not one that the line passes beside, within the rim. */
 static void filter_hit(const struct RTCFilterFunctionNArguments *arguments)
 {
     struct cml_mesh_query *q = &((struct query *)(void *)arguments->context)->ray;
-    const int primitive = (int)((const struct RTCHit *)(const void *)arguments->hit)->primID;
-    double t, along;
+    const struct RTCHit *hit = (const struct RTCHit *)(const void *)arguments->hit;
+    const int primitive = (int)hit->primID;
+    double t, along, weight[3];
     if (counts(q, primitive, &t, &along)) return;
     arguments->valid[0] = 0;
-    if (primitive != q->exclude && (q->below ? along : -along) < 0 && t > q->reach)
-        q->back = fmin(q->back, t);
+    if (primitive == q->exclude || !((q->below ? along : -along) < 0 && t > q->reach)) return;
+    find_weights(hit->u, hit->v, weight);
+    if (is_within(weight, -clearly)) q->back = fmin(q->back, t);
 }
 
 /* The closest hit that counts; false when there is none. A filter costs Embree half as much again, so a
@@ -166,22 +190,8 @@ static bool closest(const struct cml_mesh_surface *surface, struct query *query,
     intersect_scene(surface->fast, query, rayhit, filter_hit);
     const bool found = rayhit->hit.geomID != RTC_INVALID_GEOMETRY_ID &&
                        counts(&query->ray, (int)rayhit->hit.primID, t, along);
-    query->ray.doubt = query->ray.back < (found ? *t : query->ray.t);
+    if (query->ray.back < (found ? *t : query->ray.t)) query->ray.doubt = true;
     return found;
-}
-
-/* By how much, in heights, triangles are enlarged for Embree: in single precision it lets rays pass between
- * those that meet at a corner, most easily a ray along an edge. */
-static const float rim = 2e-5f;
-
-/* Embree's barycentric coordinates, in single precision, at least this far from every edge are clearly
- * inside. */
-static const float clearly_inside = 3e-5f;
-
-/* A barycentric coordinate in the triangle itself. */
-static double unenlarged(float coordinate)
-{
-    return coordinate + 3 * (double)rim * (coordinate - 1.0 / 3);
 }
 
 /* Sine of the angle to the facet below which single precision cannot tell which facet comes first. */
@@ -201,10 +211,9 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
     double t = INFINITY, along = 0; /* for want of a hit */
     if (!aim(q, 2 * q->body->inflation, &rayhit)) return;
     const bool found = closest(surface, query, &rayhit, &t, &along);
-    const float u = rayhit.hit.u, v = rayhit.hit.v, w = 1 - u - v;
-    const bool inside = u > clearly_inside && v > clearly_inside && w > clearly_inside;
-    const double weight[3] = {unenlarged(w), unenlarged(u), unenlarged(v)};
-    if (found && inside && fabs(along) > grazing)
+    double weight[3];
+    find_weights(rayhit.hit.u, rayhit.hit.v, weight);
+    if (found && is_within(weight, clearly) && fabs(along) > grazing)
         cml_query_take_inside(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
     else if (found || !(q->t < INFINITY) || cml_query_may_have_missed(q))
         query_exact(surface, query);

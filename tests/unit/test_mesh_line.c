@@ -120,14 +120,19 @@ static void a_packet_comes_out_of_a_groove(void **state)
     assert_int_equal(lost, 0);
 }
 
-static struct cml_mesh_surface *rough(uint32_t seed)
+static struct cml_mesh_surface *surface_of_patch(enum cml_mesh_search search)
 {
-    patch_make(&patch, seed, 0.1, 0, 0, 0);
     struct cml_mesh mesh = patch_mesh(&patch);
     struct cml_mesh_surface *surface = NULL;
     struct cml_error err;
-    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_EMBREE, &surface, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, search, &surface, &err), CML_OK);
     return surface;
+}
+
+static struct cml_mesh_surface *rough(uint32_t seed, enum cml_mesh_search search)
+{
+    patch_make(&patch, seed, 0.1, 0, 0, 0);
+    return surface_of_patch(search);
 }
 
 static double depth_below(const double p[3], const double u[3], double t)
@@ -141,7 +146,7 @@ static void a_packet_at_an_edge_leaves_by_it(void **state)
 {
     (void)state;
     struct dice dice = dice_new(10);
-    struct cml_mesh_surface *surface = rough(4);
+    struct cml_mesh_surface *surface = rough(4, CML_SEARCH_EMBREE);
     int wrong = 0;
     for (int n = 0; n < 100000; n++) {
         double p[3], u[3];
@@ -183,12 +188,12 @@ static bool interacts_on_edge(const struct cml_mesh_surface *surface, struct dic
     return true;
 }
 
-/* Fast queries of packets that have interacted on an edge: no line needs to meet a facet there. */
-static void a_packet_scattered_on_an_edge_leaves_by_it(void **state)
+/* Fast queries of packets that have interacted on an edge: no line needs to meet a facet there. standing_on:
+ * what the query before knew of it. */
+static void leave_by_edges(enum cml_mesh_search search, int standing_on)
 {
-    (void)state;
     struct dice dice = dice_new(12);
-    struct cml_mesh_surface *surface = rough(6);
+    struct cml_mesh_surface *surface = rough(6, search);
     int wrong = 0, flown = 0;
     for (int n = 0; n < 100000; n++) {
         double p[3], u[3];
@@ -197,7 +202,7 @@ static void a_packet_scattered_on_an_edge_leaves_by_it(void **state)
         if (!interacts_on_edge(surface, &dice, below, p)) continue;
         dice_direction(&dice, u);
         for (int k = 0; k < 3; k++) u[k] = (float)u[k];
-        cml_mesh_surface_hit(surface, p, u, below, 0.05, CML_BESIDE_FACETS, 0, 0, 1e-7, &crossing);
+        cml_mesh_surface_hit(surface, p, u, below, 0.05, standing_on, 0, 0, 1e-7, &crossing);
         int beyond = 0;
         for (int k = 1; k < 32; k++)
             beyond += (below ? 1 : -1) * depth_below(p, u, crossing.t * k / 32) < -1e-6;
@@ -209,12 +214,26 @@ static void a_packet_scattered_on_an_edge_leaves_by_it(void **state)
     assert_int_equal(wrong, 0);
 }
 
+static void a_packet_scattered_on_an_edge_leaves_by_it(void **state)
+{
+    (void)state;
+    leave_by_edges(CML_SEARCH_EMBREE, CML_BESIDE_FACETS);
+    leave_by_edges(CML_SEARCH_AUTO, CML_BESIDE_FACETS);
+}
+
+static void a_packet_scattered_unnoticed_on_an_edge_leaves_by_it(void **state)
+{
+    (void)state;
+    leave_by_edges(CML_SEARCH_EMBREE, -1);
+    leave_by_edges(CML_SEARCH_AUTO, -1);
+}
+
 /* Fast queries that graze a facet, with a path that ends far beyond all of them. */
 static void a_packet_does_not_graze_its_way_through(void **state)
 {
     (void)state;
     struct dice dice = dice_new(11);
-    struct cml_mesh_surface *surface = rough(5);
+    struct cml_mesh_surface *surface = rough(5, CML_SEARCH_EMBREE);
     int missed = 0;
     for (int n = 0; n < 300000; n++) {
         const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
@@ -242,7 +261,7 @@ static void a_packet_does_not_slip_out_along_an_edge(void **state)
 {
     (void)state;
     struct dice dice = dice_new(13);
-    struct cml_mesh_surface *surface = rough(7);
+    struct cml_mesh_surface *surface = rough(7, CML_SEARCH_EMBREE);
     int wrong = 0, flown = 0;
     for (int n = 0; n < 200000; n++) {
         const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
@@ -265,6 +284,81 @@ static void a_packet_does_not_slip_out_along_an_edge(void **state)
     cml_mesh_surface_free(surface);
     assert_true(flown > 150000);
     assert_int_equal(wrong, 0);
+}
+
+/* Towards a place of an edge, at a small angle to a facet that has it. */
+static void graze_edge(struct dice *dice, double before, double p[3], double u[3])
+{
+    const uint32_t *v = patch.triangle[dice_below(dice, COUNT(patch.triangle))];
+    const double *a = patch.vertex[v[0]], *b = patch.vertex[v[1]], *c = patch.vertex[v[2]];
+    const double angle = exp(dice_between(dice, -9, -4)), s = dice_uniform(dice);
+    const double along = dice_between(dice, -1, 1), across = dice_between(dice, -1, 1);
+    double size = 0;
+    for (int k = 0; k < 3; k++) u[k] = along * (b[k] - a[k]) + across * (c[k] - a[k]);
+    for (int k = 0; k < 3; k++) size = hypot(size, u[k]);
+    for (int k = 0; k < 3; k++) u[k] = u[k] / size + (k == 2 ? angle : 0);
+    for (int k = 0; k < 3; k++) p[k] = (float)(a[k] + s * (b[k] - a[k]) - before * u[k]);
+    size = 0;
+    for (int k = 0; k < 3; k++) u[k] = a[k] + s * (b[k] - a[k]) - p[k];
+    for (int k = 0; k < 3; k++) size = hypot(size, u[k]);
+    for (int k = 0; k < 3; k++) u[k] = (float)(u[k] / size);
+}
+
+/* Fast queries that graze facets where they meet, with paths that end within the depths of the mesh. */
+static void a_packet_does_not_graze_its_way_between_facets(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(14);
+    struct cml_mesh_surface *surface = rough(8, CML_SEARCH_EMBREE);
+    int wrong = 0, flown = 0;
+    for (int n = 0; n < 1000000; n++) {
+        double p[3], u[3];
+        const double before = exp(dice_between(&dice, -7, -3));
+        struct cml_mesh_crossing crossing = {.t = before + exp(dice_between(&dice, -7, -3))};
+        graze_edge(&dice, before, p, u);
+        const double depth = depth_below(p, u, 0);
+        if (fabs(depth) < 1e-6) continue;
+        cml_mesh_surface_hit(surface, p, u, depth > 0, crossing.t, -1, 0, 0, 1e-7, &crossing);
+        wrong += (depth > 0 ? 1 : -1) * depth_below(p, u, crossing.t) < -2e-6;
+        flown++;
+    }
+    cml_mesh_surface_free(surface);
+    assert_true(flown > 500000);
+    assert_int_equal(wrong, 0);
+}
+
+/* Almost flat but for a spike, so that the border's depth is no round number in the mesh's own frame. */
+static struct cml_mesh_surface *spike(void)
+{
+    patch_make(&patch, 9, 1e-6, 0, 0, 0);
+    patch.vertex[GRID / 2 * (GRID + 1) + GRID / 2][2] = -0.3;
+    return surface_of_patch(CML_SEARCH_EMBREE);
+}
+
+/* Fast queries that meet the outer plane, or the mesh that ends in it, at a small angle where one becomes the
+ * other. */
+static void a_packet_does_not_graze_its_way_through_the_border(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(15);
+    struct cml_mesh_surface *surface = spike();
+    int missed = 0;
+    for (int n = 0; n < 100000; n++) {
+        const double phi = dice_between(&dice, 0, 6.283185307179586),
+                     angle = exp(dice_between(&dice, -9, -4));
+        const double before = dice_between(&dice, 0.1, 0.3), after = dice_between(&dice, 0.1, 0.3);
+        const double beside = dice_between(&dice, -1e-3, 1e-3);
+        const bool below = dice_below(&dice, 2);
+        const double u[3] = {(float)cos(phi), (float)sin(phi), (float)(below ? -angle : angle)};
+        const double p[3] = {(float)(1 + beside - before * u[0]),
+                             (float)(dice_between(&dice, -0.5, 0.5) - before * u[1]),
+                             (float)(-before * u[2])};
+        struct cml_mesh_crossing crossing;
+        if (fabs(p[0]) < 1 || (below ? 1 : -1) * depth_below(p, u, before + after) > -3e-6) continue;
+        missed += !cml_mesh_surface_hit(surface, p, u, below, before + after, -1, 0, 0, 1e-7, &crossing);
+    }
+    cml_mesh_surface_free(surface);
+    assert_int_equal(missed, 0);
 }
 
 /* A line exactly through a vertex, or along an edge, passes the triangles there as one sheet. */
@@ -301,8 +395,11 @@ int main(void)
                                        cmocka_unit_test(a_packet_comes_out_of_a_groove),
                                        cmocka_unit_test(a_packet_at_an_edge_leaves_by_it),
                                        cmocka_unit_test(a_packet_scattered_on_an_edge_leaves_by_it),
+                                       cmocka_unit_test(a_packet_scattered_unnoticed_on_an_edge_leaves_by_it),
                                        cmocka_unit_test(a_packet_does_not_graze_its_way_through),
                                        cmocka_unit_test(a_packet_does_not_slip_out_along_an_edge),
+                                       cmocka_unit_test(a_packet_does_not_graze_its_way_between_facets),
+                                       cmocka_unit_test(a_packet_does_not_graze_its_way_through_the_border),
                                        cmocka_unit_test(signs_agree_at_a_vertex)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

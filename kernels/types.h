@@ -12,12 +12,13 @@
 
 /* Weight is an integer, so that books balance to the last bit: a whole packet is 2^31 units. */
 #define CML_WEIGHT_ONE 0x80000000u
-#define CML_ROULETTE_THRESHOLD 214748u   /* 1e-4 of a packet */
-#define CML_ROULETTE_SURVIVAL 429496730u /* 0.1 of 2^32 */
-#define CML_ROULETTE_FACTOR 10u          /* 1 / 0.1 */
-#define CML_SHADED_LIMIT 1000u           /* boundary events in a row that shading normals may bend */
-#define CML_TRAPPED_LIMIT 10000u         /* boundary events in a row without interaction, in a clear medium */
-#define CML_STUCK_LIMIT 10000000u        /* the same in any medium: a packet that never gets anywhere */
+#define CML_ROULETTE_THRESHOLD 214748u     /* 1e-4 of a packet */
+#define CML_ROULETTE_SURVIVAL 429496730u   /* 0.1 of 2^32 */
+#define CML_ROULETTE_FACTOR 10u            /* 1 / 0.1 */
+#define CML_SHADED_LIMIT 1000u             /* boundary events in a row that shading normals may bend */
+#define CML_SHADED_LEAST (8 * CML_EPSILON) /* sine of the angle at which they may send light from a facet */
+#define CML_TRAPPED_LIMIT 10000u  /* boundary events in a row without interaction, in a clear medium */
+#define CML_STUCK_LIMIT 10000000u /* the same in any medium: a packet that never gets anywhere */
 
 enum cml_fate {
     CML_FATE_ALIVE,

@@ -279,10 +279,11 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
 }
 
 /* P5: unequal indices. The facet has the last word: a direction that leaves on the wrong side of it is drawn
- * again, with the same random number, from the facet's own normal. So is one after CML_SHADED_LIMIT events in
- * a row: between facets light turns back out of every groove, between shading normals it may run into it for
- * ever. A packet beside a tip that rounding has put before a facet it leads away from flies on: mirrored, it
- * would run through that facet. */
+ * again, with the same random number, from the facet's own normal. So is one in the facet's plane but for
+ * rounding, to which the facet's neighbours in that plane would hold the packet for ever, and one after
+ * CML_SHADED_LIMIT events in a row: between facets light turns back out of every groove, between shading
+ * normals it may run into it for ever. A packet beside a tip that rounding has put before a facet it leads
+ * away from flies on: mirrored, it would run through that facet. */
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
@@ -298,7 +299,9 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_pack
     struct cml_vec u = cml_boundary_direction(packet->u, hit->normal, side, n1, n2, xi, &transmitted);
     const real leaving = side * cml_dot(u, hit->facet);
     const int shaded = hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
-    if ((transmitted ? leaving < 0 : leaving > 0) || (shaded && packet->bounces >= CML_SHADED_LIMIT)) {
+    const real least = shaded ? CML_SHADED_LEAST : (real)0;
+    if ((transmitted ? leaving < least : leaving > -least) ||
+        (shaded && packet->bounces >= CML_SHADED_LIMIT)) {
         u = cml_boundary_direction(packet->u, hit->facet, side, n1, n2, xi, &transmitted);
         if (!transmitted && side * cml_dot(packet->u, hit->facet) < 0) u = packet->u;
         packet->shading_overruled++;

@@ -121,6 +121,47 @@ static void no_packet_is_reflected_into_its_facet(void **state)
     assert_true(went_on > 100000 && crossed > 50000);
 }
 
+static struct cml_vec unit(struct cml_vec v)
+{
+    const double size = sqrt((double)cml_dot(v, v));
+    return (struct cml_vec){(real)(v.x / size), (real)(v.y / size), (real)(v.z / size)};
+}
+
+/* A direction in the plane that a unit vector is normal to. */
+static struct cml_vec random_direction_in_plane(struct dice *dice, struct cml_vec normal)
+{
+    const struct cml_vec v = random_direction(dice);
+    return unit(cml_along(v, -cml_dot(v, normal), normal));
+}
+
+/* Normals that turn light into the plane of its facet but for rounding, where it would meet the facet's
+ * neighbours for ever: it leaves clearly, and the facet is counted. */
+static void no_shading_normal_turns_light_into_a_facets_plane(void **state)
+{
+    (void)state;
+    static const struct cml_surface surface = {.kind = CML_SURFACE_MESH};
+    const struct cml_world world = {.setup.stream = stream, .surfaces = &surface};
+    struct dice dice = dice_new(73);
+    long reflected = 0, crossed = 0;
+    for (cml_u64 i = 0; i < 300000; i++) {
+        const struct cml_vec facet = random_direction(&dice), along = random_direction_in_plane(&dice, facet);
+        const real side = dice_below(&dice, 2) ? (real)1 : (real)-1;
+        const real n1 = 1, n2 = dice_below(&dice, 2) ? (real)0.5 : (real)1.5, ratio = i % 2 ? 1 : n2 / n1;
+        struct cml_packet packet = {.index = i, .u = random_direction(&dice)};
+        struct cml_hit hit = {.facet = facet};
+        if (side * cml_dot(packet.u, facet) < (real)0.1) continue;
+        hit.normal = unit(cml_along(packet.u, -ratio, along));
+        if (side * cml_dot(packet.u, hit.normal) < 0)
+            hit.normal = cml_along((struct cml_vec){0, 0, 0}, -1, hit.normal);
+        const int transmitted = cml_reflect_or_refract(&world, &packet, &hit, side, n1, n2);
+        const real leaving = side * cml_dot(packet.u, facet);
+        assert_true(transmitted ? leaving > 4 * CML_EPSILON : leaving < -4 * CML_EPSILON);
+        reflected += packet.shading_overruled && !transmitted;
+        crossed += packet.shading_overruled && transmitted;
+    }
+    assert_true(reflected > 10000 && crossed > 10000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -129,6 +170,7 @@ int main(void)
         cmocka_unit_test(absorbed_weight_is_rounded_without_bias),
         cmocka_unit_test(a_step_that_ends_on_a_plane_crosses_it_once),
         cmocka_unit_test(no_packet_is_reflected_into_its_facet),
+        cmocka_unit_test(no_shading_normal_turns_light_into_a_facets_plane),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

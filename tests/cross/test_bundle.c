@@ -5,6 +5,7 @@
 
 #include "bundle_walk.h"
 #include "engine_scalar.h"
+#include "surface_mesh.h"
 
 static void expect_same_tally(const struct cml_tally *a, const struct cml_tally *b, const char *name)
 {
@@ -266,6 +267,74 @@ static void a_lane_stands_beside_facets_for_one_flight(void **state)
     assert_int_equal(after.on_boundary, -1);
 }
 
+/* A packet below boundary 0 that stands on an edge of its first facet and interacts further along it. */
+static struct cml_packet packet_on_an_edge(const struct scalar_world *scalar,
+                                           const struct cml_surface_set *surfaces)
+{
+    double middle[3], size = 0;
+    const struct cml_mesh *mesh = cml_mesh_surface_mesh(surfaces->item[0].mesh, middle);
+    const double *a = mesh->vertex[mesh->triangle[0][0]], *b = mesh->vertex[mesh->triangle[0][1]];
+    real p[3], u[3];
+    struct cml_packet packet;
+    for (int k = 0; k < 3; k++) size = hypot(size, b[k] - a[k]);
+    for (int k = 0; k < 3; k++) {
+        p[k] = (real)(a[k] + 0.3 * (b[k] - a[k]) + middle[k]);
+        u[k] = (real)((b[k] - a[k]) / size);
+    }
+    cml_launch(&scalar->world, 0, &packet);
+    packet.medium = 1;
+    packet.on_boundary = packet.on_primitive = 0;
+    packet.p = (struct cml_vec){p[0], p[1], p[2]};
+    packet.u = (struct cml_vec){u[0], u[1], u[2]};
+    packet.tau = (real)(0.1 * size) * scalar->world.media[1].mut;
+    return packet;
+}
+
+static void expect_beside(const struct cml_packet *packet)
+{
+    assert_int_equal(packet->interactions, 1);
+    assert_int_equal(packet->on_boundary, 0);
+    assert_int_equal(packet->on_primitive, CML_BESIDE_FACETS);
+}
+
+/* Lanes and packets one by one know what they stand beside after an interaction within rounding of a mesh. */
+static void an_interaction_beside_a_facet_is_remembered(void **state)
+{
+    (void)state;
+    struct cml_error err;
+    struct flight flight;
+    struct scalar_world scalar;
+    struct cml_tally tally;
+    struct cml_lane_medium media[3];
+    uint64_t photons = 1;
+    const struct cml_range_source source = {take_all, &photons};
+    const struct cml_engine_options options = {.seed = 13, .threads = 1, .reentry = true};
+    const struct flight_options with = {.engine = "cpu", .kind = CML_AS_MESH};
+    flight_open(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", &with, &flight);
+    const struct cml_scene *scene = &flight.list.scenes[0];
+    const struct cml_grid grid = cml_engine_grid(scene, &flight.surfaces, &options);
+    require_ok(cml_tally_create(&grid, &tally, &err), &err);
+    require_ok(scalar_world_create(scene, &flight.surfaces, &options, &scalar, &err), &err);
+    for (int m = 0; m < 3; m++) media[m] = cml_lane_medium_of(&scalar.world, m);
+    struct cml_bundle bundle = {0};
+    struct cml_flight f = {
+        .world = &scalar.world, .b = &bundle, .tally = &tally, .media = media, .source = &source};
+    cml_take_off(&f);
+    struct cml_packet packet = packet_on_an_edge(&scalar, &flight.surfaces), after;
+    cml_store_packet(&f, 0, &packet);
+    cml_meet_or_interact(
+        &f, 0, cml_find_reach(&scalar.world, 1, packet.p, packet.u, cml_free_path(&scalar.world, &packet)));
+    assert_int_equal(bundle.task[0], CML_LANE_INTERACT);
+    bundle.interactions[0]++;
+    cml_lane_packet(&bundle, 0, &after);
+    expect_beside(&after);
+    cml_step(&scalar.world, &f.to, &packet);
+    expect_beside(&packet);
+    scalar_world_free(&scalar);
+    cml_tally_free(&tally);
+    flight_close(&flight);
+}
+
 /* The same bits at every level of the processor that this machine can run. */
 int main(void)
 {
@@ -276,6 +345,7 @@ int main(void)
         cmocka_unit_test(random_scenes_have_the_same_tally),
         cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),
+        cmocka_unit_test(an_interaction_beside_a_facet_is_remembered),
     };
     struct cml_cpu_level levels[CML_CPU_LEVELS];
     const int count = cml_cpu_levels(levels);

@@ -9,6 +9,7 @@
 #ifndef CML_CLEARANCE_H
 #define CML_CLEARANCE_H
 
+#include "mathf.h"
 #include "types.h"
 
 /* Cell index along one axis, clamped to the rim; NaN gives 0. */
@@ -19,10 +20,15 @@ CML_FN int cml_clearance_index(const CML_GLOBAL struct cml_clearance *grid, real
     return (int)(inner < last ? inner : last);
 }
 
-/* Number of bits of n: the level whose cells are longer than n cells of level 0. */
+/* Number of bits of n < 2^24: the level whose cells are longer than n cells of level 0. In float from its
+ * exponent, which every vector unit can take. */
 CML_FN int cml_clearance_level(int n)
 {
+#ifdef CML_DOUBLE
     return n > 0 ? 32 - CML_CLZ(n) : 0;
+#else
+    return n > 0 ? (int)(cml_bits_of((float)n) >> 23) - 126 : 0;
+#endif
 }
 
 /* The depth, times side, that a packet must keep to on its way from p to p + d, of a mesh's pyramid. */
@@ -36,10 +42,9 @@ CML_FN real cml_clearance_of_box(const CML_GLOBAL struct cml_clearance *grid, co
     const int y1 = cml_clearance_index(grid, far_y > p.y ? far_y : p.y, grid->corner_y);
     const int level = cml_clearance_level((x1 - x0) | (y1 - y0)); /* as many bits as the larger one */
     const int size = grid->size >> level, offset = grid->first + grid->level_offset[level];
-    const CML_GLOBAL real *row0 = bounds + offset + (y0 >> level) * size,
-                          *row1 = bounds + offset + (y1 >> level) * size;
-    const real a = side * row0[x0 >> level], b = side * row0[x1 >> level];
-    const real c = side * row1[x0 >> level], e = side * row1[x1 >> level];
+    const int row0 = offset + (y0 >> level) * size, row1 = offset + (y1 >> level) * size;
+    const real a = side * bounds[row0 + (x0 >> level)], b = side * bounds[row0 + (x1 >> level)];
+    const real c = side * bounds[row1 + (x0 >> level)], e = side * bounds[row1 + (x1 >> level)];
     const real ab = a > b ? a : b, ce = c > e ? c : e;
     return ab > ce ? ab : ce;
 }
@@ -57,8 +62,8 @@ CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, 
         near = CML_FABS(p.x * d.y - p.y * d.x) / CML_SQRT(d.x * d.x + d.y * d.y);
     const int r0 = cml_clearance_index(grid, near - slack, 0), r1 = cml_clearance_index(grid, far + slack, 0);
     const int level = cml_clearance_level(r1 - r0);
-    const CML_GLOBAL real *cells = bounds + grid->first + grid->level_offset[level];
-    const real a = side * cells[r0 >> level], b = side * cells[r1 >> level];
+    const int offset = grid->first + grid->level_offset[level];
+    const real a = side * bounds[offset + (r0 >> level)], b = side * bounds[offset + (r1 >> level)];
     return a > b ? a : b;
 }
 

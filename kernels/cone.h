@@ -24,6 +24,16 @@ struct cml_rings {
     int n;
 };
 
+struct cml_ring {
+    real r, z, slope;
+};
+
+CML_FN struct cml_ring cml_ring_at(struct cml_rings rings, int i)
+{
+    const struct cml_ring ring = {rings.r[i], rings.z[i], rings.slope[i]};
+    return ring;
+}
+
 /* A ray relative to the field's axis, with what all rings need of it. side: +1 the packet is below the
  * surface (f > 0) and can only leave upwards, -1 above. */
 struct cml_cone_ray {
@@ -97,15 +107,14 @@ CML_FN real cml_ring_height(struct cml_rings rings, const struct cml_cone_ray *r
     return ray->side * (z - rings.z[i] - rings.slope[i] * (r - rings.r[i]));
 }
 
-/* The quadratic of ring i's cone; C is left to the root. */
+/* The quadratic of a ring's cone; C is left to the root. */
 struct cml_cone_quadratic {
     real w, A, B, D; /* D = B^2 - A C */
 };
 
-CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_rings rings, const struct cml_cone_ray *ray,
-                                                    int i)
+CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_ring ring, const struct cml_cone_ray *ray)
 {
-    const real m = rings.slope[i], mm = m * m, w = ray->p.z - rings.z[i] + m * rings.r[i];
+    const real m = ring.slope, mm = m * m, w = ray->p.z - ring.z + m * ring.r;
     const real across_x = w * ray->u.x - ray->u.z * ray->p.x, across_y = w * ray->u.y - ray->u.z * ray->p.y;
     const struct cml_cone_quadratic q = {
         w, ray->u.z * ray->u.z - mm * ray->a, w * ray->u.z - mm * ray->b,
@@ -120,7 +129,7 @@ CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_rings rings, cons
 CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
                          real *t, real *room)
 {
-    const struct cml_cone_quadratic q = cml_ring_quadratic(rings, ray, i);
+    const struct cml_cone_quadratic q = cml_ring_quadratic(cml_ring_at(rings, i), ray);
     if (!(q.A < 0)) return 0;
     const real m = rings.slope[i], middle = -q.B / q.A;
     if (!(middle > t0 && middle < t1)) return 0;
@@ -133,27 +142,36 @@ CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray,
     return 1;
 }
 
-/* The only root of ring i's cone at which the ray leaves its side: of the two roots the one where side * f
- * falls. A change of sign or a dip has shown that it is real: a discriminant below 0 is rounding, the ray
- * passes through the tip. standing: t = 0 is a root and is divided out. Returns 0 when there is none; *t may
- * lie outside the span. *room: half the distance between the two roots. */
+/* The only root of a ring's cone, of slope other than 0, at which the ray leaves its side: of the two roots
+ * the one where side * f falls. A change of sign or a dip has shown that it is real: a discriminant below 0
+ * is rounding, the ray passes through the tip. standing: t = 0 is a root and is divided out. *room: half the
+ * distance between the two roots. */
+CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray *ray, int standing,
+                                 real *room)
+{
+    const real m = ring.slope;
+    const struct cml_cone_quadratic c = cml_ring_quadratic(ring, ray);
+    const real C = standing ? (real)0 : (c.w - m * ray->r) * (c.w + m * ray->r);
+    const real root = standing ? (c.B < 0 ? -c.B : c.B) : CML_SQRT(c.D > 0 ? c.D : (real)0);
+    const real q = ray->side * m > 0 ? -c.B - root : -c.B + root;
+    const real q_other = ray->side * m > 0 ? -c.B + root : -c.B - root;
+    const int larger = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other);
+    *room = root / (c.A < 0 ? -c.A : c.A);
+    return (larger ? q : C) / (larger ? c.A : q_other);
+}
+
+/* The same for any slope. Returns 0 when there is none; *t may lie outside the span. */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t,
                          real *room)
 {
-    const real m = rings.slope[i];
+    const struct cml_ring ring = cml_ring_at(rings, i);
     *room = CML_INFINITY;
-    if (m == 0) {
+    if (ring.slope == 0) {
         if (!(ray->side * ray->u.z < 0)) return 0;
-        *t = standing ? (real)0 : (rings.z[i] - ray->p.z) / ray->u.z;
+        *t = standing ? (real)0 : (ring.z - ray->p.z) / ray->u.z;
         return 1;
     }
-    const struct cml_cone_quadratic c = cml_ring_quadratic(rings, ray, i);
-    const real C = standing ? (real)0 : (c.w - m * ray->r) * (c.w + m * ray->r);
-    const real root = standing ? (c.B < 0 ? -c.B : c.B) : (c.D > 0 ? CML_SQRT(c.D) : (real)0);
-    const real q = ray->side * m > 0 ? -c.B - root : -c.B + root;
-    const real q_other = ray->side * m > 0 ? -c.B + root : -c.B - root;
-    *t = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other) ? q / c.A : C / q_other;
-    *room = root / (c.A < 0 ? -c.A : c.A);
+    *t = cml_ring_sloped_root(ring, ray, standing, room);
     return 1;
 }
 
@@ -181,30 +199,45 @@ CML_FN real cml_ring_search(struct cml_rings rings, const struct cml_cone_ray *r
 
 /* One Newton step on the height itself: the quadratic's root loses digits where a ray from far away passes
  * close to the apex, the height at the root does not. Where the ray just touches the cone, or lies almost in
- * it, the root may have lost all of them and the step goes anywhere. It counts when it is small against
- * `room` and the distance from the axis, between which the slope changes; else the sign of the height
- * decides, step by step. A packet that stands on the ring has no sign at its start; for it the step takes
- * back what it has been beside the surface, which else would grow with every reflection along a hollow. */
+ * it, the root may have lost all of them and the step goes anywhere. It counts, and 1 is returned, when it is
+ * small against `room` and the distance from the axis, between which the slope changes. */
+CML_FN int cml_ring_newton(struct cml_ring ring, const struct cml_cone_ray *ray, real t0, real t1, real t,
+                           real room, real *better)
+{
+    const real m = ring.slope;
+    const real x = ray->p.x + t * ray->u.x, y = ray->p.y + t * ray->u.y, r = CML_SQRT(x * x + y * y);
+    const real height = ray->p.z + t * ray->u.z - ring.z - m * (r - ring.r);
+    const real rate = ray->u.z - m * (x * ray->u.x + y * ray->u.y) / r;
+    const real step = height / rate, moved = t - step;
+    const int small = 16 * (step < 0 ? -step : step) <= (room < r ? room : r);
+    *better = moved;
+    return (r > 0) & (ray->side * rate < 0) & small & (moved >= t0) & (moved <= t1);
+}
+
+/* The root after that step. Where the step does not count the sign of the height decides, step by step. A
+ * packet that stands on the ring has no sign at its start; for it the step takes back what it has been beside
+ * the surface, which else would grow with every reflection along a hollow. */
 CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
                             int standing, real t, real room)
 {
-    const real m = rings.slope[i];
-    const real x = ray->p.x + t * ray->u.x, y = ray->p.y + t * ray->u.y, r = CML_SQRT(x * x + y * y);
-    const real height = ray->p.z + t * ray->u.z - rings.z[i] - m * (r - rings.r[i]);
-    const real rate = ray->u.z - m * (x * ray->u.x + y * ray->u.y) / r;
-    const real step = height / rate, better = t - step;
-    const int small = 16 * (step < 0 ? -step : step) <= (room < r ? room : r);
-    if (r > 0 && ray->side * rate < 0 && small && better >= t0 && better <= t1) return better;
+    real better;
+    if (cml_ring_newton(cml_ring_at(rings, i), ray, t0, t1, t, room, &better)) return better;
     return standing ? t : cml_ring_search(rings, ray, i, t0, t1, t);
 }
 
-/* One span [t0, t1] of ring i. Crossed when side * f is negative at its end, or dips below 0 in between,
- * which only a convex side * f can. Returns 1 and *t in [t0, t1] when the surface is crossed. */
-CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int next,
+/* What lies nearest to a root in a span. */
+CML_FN real cml_into_span(real root, real t0, real t1)
+{
+    return root > t0 ? (root < t1 ? root : t1) : t0;
+}
+
+/* One span [t0, t1] of ring i. end: side * f at t1. Crossed when that is negative, or dips below 0 in
+ * between, which only a convex side * f can. Returns 1 and *t in [t0, t1] when the surface is crossed. */
+CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real end,
                          int standing, real t0, real t1, real *t)
 {
     real root, room;
-    if (!(cml_ring_height(rings, ray, i, next, t1) < 0)) {
+    if (!(end < 0)) {
         const int convex = ray->side * rings.slope[i] < 0;
         if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1, &root, &room)) return 0;
         t1 = root + room;
@@ -213,8 +246,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     }
     if (standing && !(root >= 0 && root <= t1))
         return 0; /* the sign at t1 was rounding: the packet has just left the ring */
-    *t = root > t0 ? (root < t1 ? root : t1) : t0;
-    *t = cml_ring_polish(rings, ray, i, t0, t1, standing, *t, room);
+    root = cml_into_span(root, t0, t1);
+    *t = cml_ring_polish(rings, ray, i, t0, t1, standing, root, room);
     return 1;
 }
 
@@ -229,40 +262,76 @@ CML_FN int cml_cone_hit_vertical(struct cml_rings rings, const struct cml_cone_r
     return *t < t_max;
 }
 
+/* A ray on its way from ring to ring, in the span [t0, t1] of one. */
+struct cml_cone_march {
+    struct cml_cone_ray ray;
+    int ring, inwards, standing;
+    real t0, t1;
+};
+
+CML_FN struct cml_cone_march cml_cone_begin(struct cml_rings rings, struct cml_vec p, struct cml_vec u,
+                                            real side, real t_min, int on_ring)
+{
+    const struct cml_cone_ray ray = cml_cone_ray_make(p, u, side);
+    const real x = p.x + t_min * u.x, y = p.y + t_min * u.y;
+    const int standing = on_ring >= 0,
+              ring = standing ? on_ring : cml_ring_of(rings, CML_SQRT(x * x + y * y));
+    const struct cml_cone_march march = {ray, ring, ray.b + t_min * ray.a < 0, standing, t_min, t_min};
+    return march;
+}
+
+enum cml_cone_verdict {
+    CML_CONE_MISSED,
+    CML_CONE_HIT,
+    CML_CONE_ENTERED, /* crossed in the span, for the first time, at its only root */
+};
+
+/* On to the first crossing before t_max: *t, on march->ring. leave_roots: most roots are left to the caller.
+ */
+CML_FN enum cml_cone_verdict cml_cone_go(struct cml_rings rings, struct cml_cone_march *march, real t_max,
+                                         int leave_roots, real *t)
+{
+    const struct cml_cone_ray *ray = &march->ray;
+    if (!(ray->a > 0))
+        return cml_cone_hit_vertical(rings, ray, march->ring, march->standing, t_max, t) ? CML_CONE_HIT
+                                                                                         : CML_CONE_MISSED;
+    for (;;) {
+        const int i = march->ring, standing = march->standing;
+        const real t0 = march->t0;
+        int next;
+        real t1 = cml_ring_exit(rings, ray, i, march->inwards, &next);
+        if (next > i) march->inwards = 0;
+        const int last = !(t1 < t_max);
+        if (last) next = -1;
+        t1 = last ? t_max : (t1 > t0 ? t1 : t0);
+        march->t1 = t1;
+        if (next < 0 && rings.slope[i] == 0) {
+            real room;
+            const int plane = cml_ring_root(rings, ray, i, standing, t, &room) && !standing && *t < t1;
+            if (plane) *t = *t > t0 ? *t : t0;
+            return plane ? CML_CONE_HIT : CML_CONE_MISSED;
+        }
+        const real end = cml_ring_height(rings, ray, i, next, t1);
+        if (leave_roots && end < 0 && !standing && rings.slope[i] != 0) return CML_CONE_ENTERED;
+        if (cml_ring_span(rings, ray, i, end, standing, t0, t1, t))
+            return *t < t_max ? CML_CONE_HIT : CML_CONE_MISSED;
+        if (next < 0) return CML_CONE_MISSED;
+        march->standing = 0;
+        march->ring = next;
+        march->t0 = t1;
+    }
+}
+
 /* The first crossing of the surface with t_min <= t < t_max (infinite allowed); there must be none before
  * t_min. p is relative to the axis and to the boundary's frame; on_ring is the ring the packet stands on, -1:
  * none, or else t_min must be 0. Returns 1, *t and *ring at a crossing, else 0. */
 CML_FN int cml_cone_hit(struct cml_rings rings, struct cml_vec p, struct cml_vec u, real side, real t_min,
                         real t_max, int on_ring, real *t, int *ring)
 {
-    const struct cml_cone_ray ray = cml_cone_ray_make(p, u, side);
-    const real x = p.x + t_min * u.x, y = p.y + t_min * u.y;
-    int standing = on_ring >= 0;
-    int i = standing ? on_ring : cml_ring_of(rings, CML_SQRT(x * x + y * y));
-    int inwards = ray.b + t_min * ray.a < 0;
-    real t0 = t_min;
-    *ring = i;
-    if (!(ray.a > 0)) return cml_cone_hit_vertical(rings, &ray, i, standing, t_max, t);
-    for (;;) {
-        int next;
-        real t1 = cml_ring_exit(rings, &ray, i, inwards, &next);
-        if (next > i) inwards = 0;
-        const int last = !(t1 < t_max);
-        if (last) next = -1;
-        t1 = last ? t_max : (t1 > t0 ? t1 : t0);
-        *ring = i;
-        if (next < 0 && rings.slope[i] == 0) {
-            real room;
-            const int plane = cml_ring_root(rings, &ray, i, standing, t, &room) && !standing && *t < t1;
-            if (plane) *t = *t > t0 ? *t : t0;
-            return plane;
-        }
-        if (cml_ring_span(rings, &ray, i, next, standing, t0, t1, t)) return *t < t_max;
-        if (next < 0) return 0;
-        standing = 0;
-        i = next;
-        t0 = t1;
-    }
+    struct cml_cone_march march = cml_cone_begin(rings, p, u, side, t_min, on_ring);
+    const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, t_max, 0, t);
+    *ring = march.ring;
+    return verdict == CML_CONE_HIT;
 }
 
 /* Unit normal of a cone of slope m at (x, y), r = sqrt(x^2 + y^2) > 0; up is against z. */

@@ -53,16 +53,32 @@ struct cml_flight {
     int enters;               /* and those that are not reflected there go on like `inside` */
     struct cml_packet inside; /* but for their indices */
     real reflectance;
+    struct cml_crowd *crowd;      /* bundle_curved.h */
     int curves;                   /* not all surfaces are planes */
     real steepest;                /* slope of those that are none */
     uint64_t live, ended;         /* masks of lanes: that hold packets; whose packet is finished */
     uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */
     const struct cml_range_source *source;
     int waited;          /* passes that lanes at planes have waited, summed over them */
+    int waited_near;     /* the same of lanes near curved surfaces */
     uint64_t next, left; /* of the range in hand: photon indices not drawn for yet */
     struct cml_fresh fresh;
     struct cml_ends ends;
 };
+
+/* Lanes that go into one vector: loops over fewer take as long. */
+#if defined(__AVX512F__)
+#define CML_VECTOR 16
+#elif defined(__AVX2__)
+#define CML_VECTOR 8
+#else
+#define CML_VECTOR 1 /* what gathers has no vectors */
+#endif
+
+static inline int cml_whole_vectors(int count)
+{
+    return (count + CML_VECTOR - 1) / CML_VECTOR * CML_VECTOR;
+}
 
 #define CML_LANE_BIT(i) ((uint64_t)1 << (i))
 

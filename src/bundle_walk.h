@@ -4,87 +4,7 @@
 #define CML_BUNDLE_WALK_H
 
 #include "bundle_launch.h"
-
-static void cml_lane_interacts(struct cml_flight *f, int i, real s)
-{
-    f->b->s[i] = s;
-    f->b->task[i] = CML_LANE_INTERACT;
-}
-
-/* As cml_nearest. */
-static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet, struct cml_reach reach,
-                        struct cml_hit *hit)
-{
-    if (!cml_is_aimed(f, packet->medium, packet->boundary_events))
-        return cml_nearest(f->world, packet, reach, hit);
-    *hit = f->first;
-    return 1;
-}
-
-/* One boundary event by kernels/walk.h, and as many more as it takes to come back into the material. Returns
- * 0 when there was none: then the packet interacts, *t further on. */
-static int cml_meet_boundary(const struct cml_flight *f, struct cml_packet *packet, struct cml_reach reach,
-                             real *t)
-{
-    const struct cml_world *world = f->world;
-    for (;;) {
-        struct cml_hit hit;
-        const real t_max = cml_free_path(world, packet);
-        if (cml_find_hit(f, packet, reach, &hit)) {
-            cml_meet(world, &f->to, packet, &hit);
-        } else if (t_max < CML_INFINITY) {
-            *t = t_max;
-            return 0;
-        } else {
-            cml_leave(world, packet);
-        }
-        const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
-        if (packet->fate != CML_FATE_ALIVE || !outside) return 1;
-        reach = cml_find_reach(world, packet->medium, packet->p, packet->u, cml_free_path(world, packet));
-    }
-}
-
-/* The lane's packet has something ahead, or nothing and never interacts. */
-static void cml_meet_or_interact(struct cml_flight *f, int i, struct cml_reach reach)
-{
-    real t;
-    struct cml_bundle *b = f->b;
-    struct cml_packet packet;
-    cml_lane_packet(b, i, &packet);
-    b->task[i] = CML_LANE_DONE;
-    if (!(cml_dot(packet.u, packet.u) < 2)) {
-        cml_lose(&packet, CML_LOST_NAN);
-    } else if (!cml_meet_boundary(f, &packet, reach, &t)) {
-        /* as in cml_interact */
-        if (cml_leaked(f->world, packet.medium, cml_along(packet.p, t, packet.u).z))
-            cml_lose(&packet, CML_LOST_LEAKED);
-        else
-            cml_lane_interacts(f, i, t);
-        if (packet.beside) cml_store_beside(b, i, &packet);
-    }
-    cml_tally_events(&packet, f->tally);
-    if (packet.fate != CML_FATE_ALIVE)
-        cml_push_end(f, i, cml_end_of(&packet));
-    else if (b->task[i] == CML_LANE_DONE)
-        cml_store_packet(f, i, &packet);
-}
-
-/* A lane that is near a curved surface, or has nothing ahead, or whose optical depth lies in the tail. */
-static void cml_handle_exception(struct cml_flight *f, int i)
-{
-    struct cml_bundle *b = f->b;
-    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
-    if (!(b->tau[i] < CML_INFINITY))
-        b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
-    const real s = cml_path(b->tau[i], CML_OF_MEDIUM(b, mfp)[i]);
-    const int aimed = cml_is_aimed(f, b->medium[i], b->boundary_events[i]);
-    const struct cml_reach ahead = {0, 1, s, s},
-                           reach = aimed ? ahead : cml_find_reach(f->world, b->medium[i], p, u, s);
-    if (reach.above || reach.below || !(s < CML_INFINITY) || !(cml_dot(u, u) < 2))
-        cml_meet_or_interact(f, i, reach);
-    else
-        cml_lane_interacts(f, i, s);
-}
+#include "bundle_meet.h"
 
 /* Through a plane into another layer. */
 static void cml_enter_layer(struct cml_flight *f, int i)
@@ -232,8 +152,7 @@ static void cml_meet_boundaries(struct cml_flight *f, uint64_t tails)
 {
     cml_for_lanes(f, tails, cml_handle_exception);
     do {
-        if (f->curves && cml_bundle_look_around(f->b, f->steepest))
-            cml_for_lanes(f, cml_lanes_with(f->b, CML_LANE_CURVED), cml_handle_exception);
+        if (f->curves && cml_bundle_look_around(f->b, f->steepest)) cml_meet_curves(f);
     } while (cml_meet_planes(f));
 }
 
@@ -321,7 +240,9 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
                                    const struct cml_range_source *source, struct cml_tally *tally)
 {
     struct cml_bundle bundle = {0};
-    struct cml_flight f = {.world = world, .b = &bundle, .tally = tally, .media = media, .source = source};
+    struct cml_crowd crowd = {0};
+    struct cml_flight f = {
+        .world = world, .b = &bundle, .crowd = &crowd, .tally = tally, .media = media, .source = source};
     cml_take_off(&f);
     cml_fly_on(&f);
 }

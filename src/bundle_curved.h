@@ -1,0 +1,147 @@
+/* Lanes near curved surfaces: what they can meet before they interact is asked for many of them in vector
+ * loops, a medium at a time. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_H
+#define CML_BUNDLE_CURVED_H
+
+#include "bundle_lanes.h"
+#include "bundle_rings.h"
+
+/* What lanes can meet of one boundary, and within which distances. */
+struct cml_reaches {
+    _Alignas(64) int meets[CML_LANES];
+    real t[CML_LANES];
+};
+
+#define CML_CROWD (CML_LANES + CML_GROUP) /* packing writes whole groups */
+
+/* Lanes of one medium side by side. size: whole vectors; what lies behind the lanes there may be anything. */
+struct cml_crowd {
+    int size;
+    _Alignas(64) real x[CML_CROWD], y[CML_CROWD], z[CML_CROWD], ux[CML_CROWD], uy[CML_CROWD], uz[CML_CROWD];
+    real s[CML_CROWD];
+    struct cml_reaches above, below;
+    struct cml_ring_hits hits_above, hits_below;
+};
+
+/* Packs lanes of one medium, in the order of their numbers. */
+static void cml_gather_crowd(const struct cml_bundle *b, uint64_t lanes, struct cml_crowd *crowd)
+{
+    int at = 0;
+    for (int first = 0; first < CML_LANES; first += CML_GROUP) {
+        const cml_u32 mask = (cml_u32)(lanes >> first) & CML_GROUP_MASK;
+        if (!mask) continue;
+        cml_group_pack(b->x + first, mask, crowd->x + at);
+        cml_group_pack(b->y + first, mask, crowd->y + at);
+        cml_group_pack(b->z + first, mask, crowd->z + at);
+        cml_group_pack(b->ux + first, mask, crowd->ux + at);
+        cml_group_pack(b->uy + first, mask, crowd->uy + at);
+        cml_group_pack(b->uz + first, mask, crowd->uz + at);
+        cml_group_pack(b->s + first, mask, crowd->s + at);
+        at += __builtin_popcount(mask);
+    }
+    crowd->size = cml_whole_vectors(at);
+}
+
+/* As cml_can_meet of a plane. depth: of the plane. */
+CML_PASS void cml_crowd_reach_plane(const struct cml_crowd *c, real depth, real side,
+                                    struct cml_reaches *ahead)
+{
+    const int size = c->size;
+#pragma omp simd
+    for (int k = 0; k < size; k++) {
+        const real z = c->z[k] - depth, uz = c->uz[k], s = c->s[k];
+        ahead->meets[k] = (side * uz < 0) & (-z / uz < s);
+        ahead->t[k] = s;
+    }
+}
+
+/* As cml_can_meet_curved, without its branches. */
+__attribute__((always_inline)) static inline void
+cml_crowd_reach_curved(const struct cml_world *world, const struct cml_surface *shared,
+                       const struct cml_crowd *c, real depth, real side, struct cml_reaches *ahead,
+                       const int rings)
+{
+    const struct cml_surface surface = *shared;
+    const struct cml_clearance *grid = &surface.clearance;
+    const real *restrict const bounds = side > 0 ? world->deepest : world->highest;
+    const real nearest = side > 0 ? surface.highest : surface.lowest;
+    const int size = c->size;
+#pragma omp simd
+    for (int k = 0; k < size; k++) {
+        const struct cml_vec p = {c->x[k], c->y[k], c->z[k] - depth}, u = {c->ux[k], c->uy[k], c->uz[k]};
+        const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
+        const int passes = inside < away * s, leads_away = cml_heads_away(&surface, u, side);
+        const int misses = ((away < 0) & passes) | ((away >= 0) & ((inside < 0) | leads_away));
+        const real t = (away >= 0) & passes ? there : s, enter = inside < 0 ? there : (real)0;
+        const real length = t - enter;
+        const struct cml_vec d = {length * u.x, length * u.y, length * u.z};
+        const struct cml_vec from = cml_from_scene_axis(world, cml_along(p, enter, u));
+        const real here = side * from.z, end = side * (from.z + d.z);
+        const real keep = rings ? cml_clearance_of_radii(grid, bounds, from, d, side)
+                                : cml_clearance_of_box(grid, bounds, from, d, side);
+        const int finite = d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY;
+        const int clear = finite & ((here < end ? here : end) > keep);
+        ahead->meets[k] = !misses & !clear;
+        ahead->t[k] = t;
+    }
+}
+
+CML_PASS void cml_crowd_reach_rings(const struct cml_world *world, const struct cml_surface *surface,
+                                    const struct cml_crowd *c, real depth, real side,
+                                    struct cml_reaches *ahead)
+{
+    cml_crowd_reach_curved(world, surface, c, depth, side, ahead, 1);
+}
+
+CML_PASS void cml_crowd_reach_mesh(const struct cml_world *world, const struct cml_surface *surface,
+                                   const struct cml_crowd *c, real depth, real side,
+                                   struct cml_reaches *ahead)
+{
+    cml_crowd_reach_curved(world, surface, c, depth, side, ahead, 0);
+}
+
+/* The medium's boundary `boundary`, seen from the side. */
+static void cml_crowd_reach(const struct cml_flight *f, int boundary, real depth, real side,
+                            struct cml_reaches *ahead)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_surface *surface = &world->surfaces[boundary];
+    if (surface->kind == CML_SURFACE_PLANE)
+        cml_crowd_reach_plane(f->crowd, depth, side, ahead);
+    else if (surface->kind == CML_SURFACE_CONE)
+        cml_crowd_reach_rings(world, surface, f->crowd, depth, side, ahead);
+    else
+        cml_crowd_reach_mesh(world, surface, f->crowd, depth, side, ahead);
+}
+
+/* As cml_find_reach, for lanes of one medium. */
+static void cml_find_reaches(const struct cml_flight *f, int medium, uint64_t lanes)
+{
+    struct cml_crowd *crowd = f->crowd;
+    cml_gather_crowd(f->b, lanes, crowd);
+    if (medium > 0) cml_crowd_reach(f, medium - 1, 0, 1, &crowd->above);
+    if (medium <= f->world->setup.num_layers)
+        cml_crowd_reach(f, medium, f->world->media[medium].span, -1, &crowd->below);
+}
+
+/* What cml_find_reaches has found for the k-th of the lanes. */
+static struct cml_reach cml_reach_of(const struct cml_flight *f, int medium, int k)
+{
+    const struct cml_crowd *crowd = f->crowd;
+    const int above = medium > 0 && crowd->above.meets[k],
+              below = medium <= f->world->setup.num_layers && crowd->below.meets[k];
+    const struct cml_reach reach = {above, below, above ? crowd->above.t[k] : crowd->s[k],
+                                    below ? crowd->below.t[k] : crowd->s[k]};
+    return reach;
+}
+
+/* Those of the lanes that are in a medium. */
+static uint64_t cml_lanes_in(const struct cml_bundle *b, uint64_t lanes, int medium)
+{
+    uint64_t mask = 0;
+    for (int first = 0; first < CML_LANES; first += CML_GROUP)
+        mask |= (uint64_t)cml_group_equal(b->medium + first, medium) << first;
+    return lanes & mask;
+}
+
+#endif

@@ -1,0 +1,291 @@
+/* Lanes at curved surfaces, and others that are exceptions. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_MEET_H
+#define CML_BUNDLE_MEET_H
+
+#include "bundle_aim.h"
+#include "bundle_curved.h"
+#include "bundle_rings.h"
+
+static void cml_lane_interacts(struct cml_flight *f, int i, real s)
+{
+    f->b->s[i] = s;
+    f->b->task[i] = CML_LANE_INTERACT;
+}
+
+/* As cml_nearest. */
+static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet, struct cml_reach reach,
+                        struct cml_hit *hit)
+{
+    if (!cml_is_aimed(f, packet->medium, packet->boundary_events))
+        return cml_nearest(f->world, packet, reach, hit);
+    *hit = f->first;
+    return 1;
+}
+
+/* One boundary event by kernels/walk.h, and as many more as it takes to come back into the material. Returns
+ * 0 when there was none: then the packet interacts, *t further on. */
+static int cml_meet_boundary(const struct cml_flight *f, struct cml_packet *packet, struct cml_reach reach,
+                             real *t)
+{
+    const struct cml_world *world = f->world;
+    for (;;) {
+        struct cml_hit hit;
+        const real t_max = cml_free_path(world, packet);
+        if (cml_find_hit(f, packet, reach, &hit)) {
+            cml_meet(world, &f->to, packet, &hit);
+        } else if (t_max < CML_INFINITY) {
+            *t = t_max;
+            return 0;
+        } else {
+            cml_leave(world, packet);
+        }
+        const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
+        if (packet->fate != CML_FATE_ALIVE || !outside) return 1;
+        reach = cml_find_reach(world, packet->medium, packet->p, packet->u, cml_free_path(world, packet));
+    }
+}
+
+/* The packet is back in the material, or has ended. */
+static void cml_put_back(struct cml_flight *f, int i, const struct cml_packet *packet)
+{
+    cml_tally_events(packet, f->tally);
+    if (packet->fate != CML_FATE_ALIVE)
+        cml_push_end(f, i, cml_end_of(packet));
+    else
+        cml_store_packet(f, i, packet);
+}
+
+/* The lane's packet has been asked for and meets nothing. */
+static void cml_lane_passes(struct cml_flight *f, int i)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
+    f->tally->count[CML_COUNT_QUERIES]++;
+    if (cml_leaked(f->world, b->medium[i], cml_along(p, b->s[i], u).z))
+        cml_end_lane(f, i, CML_FATE_LOST, CML_LOST_LEAKED);
+    else
+        cml_lane_interacts(f, i, b->s[i]);
+}
+
+/* The lane's packet has something ahead, or nothing and never interacts. */
+static void cml_meet_or_interact(struct cml_flight *f, int i, struct cml_reach reach)
+{
+    real t;
+    struct cml_bundle *b = f->b;
+    struct cml_packet packet;
+    cml_lane_packet(b, i, &packet);
+    b->task[i] = CML_LANE_DONE;
+    if (!(cml_dot(packet.u, packet.u) < 2)) {
+        cml_lose(&packet, CML_LOST_NAN);
+    } else if (!cml_meet_boundary(f, &packet, reach, &t)) {
+        /* as in cml_interact */
+        if (cml_leaked(f->world, packet.medium, cml_along(packet.p, t, packet.u).z))
+            cml_lose(&packet, CML_LOST_LEAKED);
+        else
+            cml_lane_interacts(f, i, t);
+        if (packet.beside) cml_store_beside(b, i, &packet);
+    }
+    if (b->task[i] == CML_LANE_INTERACT && packet.fate == CML_FATE_ALIVE)
+        cml_tally_events(&packet, f->tally);
+    else
+        cml_put_back(f, i, &packet);
+}
+
+/* The lane interacts after s unless something is within reach; so it does where nothing is, and it never
+ * interacts, or is not a number. */
+static void cml_go_on(struct cml_flight *f, int i, struct cml_reach reach, real s)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    if (reach.above || reach.below || !(s < CML_INFINITY) || !(cml_dot(u, u) < 2))
+        cml_meet_or_interact(f, i, reach);
+    else
+        cml_lane_interacts(f, i, s);
+}
+
+/* A lane that has nothing ahead, or whose optical depth lies in the tail, or that is aimed. */
+static void cml_handle_exception(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
+    if (!(b->tau[i] < CML_INFINITY))
+        b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
+    const real s = cml_path(b->tau[i], CML_OF_MEDIUM(b, mfp)[i]);
+    const int aimed = cml_is_aimed(f, b->medium[i], b->boundary_events[i]);
+    const struct cml_reach ahead = {0, 1, s, s},
+                           reach = aimed ? ahead : cml_find_reach(f->world, b->medium[i], p, u, s);
+    cml_go_on(f, i, reach, s);
+}
+
+/* Whether the lane's packet, which can meet what reach says, is one for cml_march_lane: in the material,
+ * about to meet rings of one boundary only, and nothing rare about it. */
+static int cml_is_of_rings(const struct cml_flight *f, int i, int medium, struct cml_reach reach)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    return reach.above != reach.below && medium > 0 && medium <= f->world->setup.num_layers &&
+           f->world->surfaces[reach.above ? medium - 1 : medium].kind == CML_SURFACE_CONE && !f->to.facets &&
+           b->boundary_events[i] > 0 && b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY &&
+           cml_dot(u, u) < 2;
+}
+
+/* A packet among those that meet rings. */
+static void cml_add_ring_hit(const struct cml_flight *f, int i, struct cml_rings rings, struct cml_vec p,
+                             const struct cml_cone_march *march, real t_max, struct cml_ring_hits *h)
+{
+    const struct cml_bundle *b = f->b;
+    const int k = h->count++;
+    h->lane[k] = i;
+    h->ring[k] = march->ring;
+    h->x[k] = p.x;
+    h->y[k] = p.y;
+    h->z[k] = p.z;
+    h->ux[k] = march->ray.u.x;
+    h->uy[k] = march->ray.u.y;
+    h->uz[k] = march->ray.u.z;
+    h->ring_r[k] = rings.r[march->ring];
+    h->ring_z[k] = rings.z[march->ring];
+    h->slope[k] = rings.slope[march->ring];
+    h->t0[k] = march->t0;
+    h->t1[k] = march->t1;
+    h->t_max[k] = t_max;
+    h->index_low[k] = b->index_low[i];
+    h->index_high[k] = b->index_high[i];
+    h->crossings[k] = b->crossings[i];
+}
+
+/* The lane's packet on its way to rings of a boundary: cml_field_hit up to the root. */
+static void cml_march_lane(struct cml_flight *f, int i, int boundary, real side, real t_max,
+                           struct cml_ring_hits *h)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_bundle *b = f->b;
+    const struct cml_rings rings = cml_rings_of(world, boundary);
+    const real depth = side < 0 ? world->media[boundary].span : (real)0;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i] - depth}, u = {b->ux[i], b->uy[i], b->uz[i]};
+    const int stands = b->touched[i] == b->interactions[i] && b->on_boundary[i] == boundary;
+    const int on_ring = stands ? b->on_primitive[i] : -1;
+    const real t_min =
+        on_ring >= 0 ? (real)0 : cml_envelope_entry(&world->surfaces[boundary], p.z, u.z, side);
+    struct cml_cone_march march =
+        cml_cone_begin(rings, cml_from_scene_axis(world, p), u, side, t_min, on_ring);
+    const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, t_max, 1, &h->t[h->count]);
+    if (verdict == CML_CONE_MISSED) {
+        cml_lane_passes(f, i);
+    } else {
+        h->known[h->count] = verdict == CML_CONE_HIT;
+        cml_add_ring_hit(f, i, rings, p, &march, t_max, h);
+    }
+}
+
+/* The lane's packet has gone through the upper or the lower surface, into outer medium `to`: out, or back. */
+static void cml_leave_lane(struct cml_flight *f, int i, int to)
+{
+    const struct cml_world *world = f->world;
+    struct cml_packet packet;
+    real t;
+    cml_lane_packet(f->b, i, &packet);
+    packet.medium = to;
+    if (world->setup.reentry) {
+        const struct cml_reach reach =
+            cml_find_reach(world, to, packet.p, packet.u, cml_free_path(world, &packet));
+        cml_meet_boundary(f, &packet, reach, &t);
+    } else {
+        cml_score_exit(&packet);
+    }
+    cml_put_back(f, i, &packet);
+}
+
+/* As cml_cross, for the k-th of the packets at rings. */
+static void cml_cross_ring(struct cml_flight *f, const struct cml_ring_hits *h, int k, int boundary,
+                           int other, int straight)
+{
+    const struct cml_world *world = f->world;
+    struct cml_bundle *b = f->b;
+    const int i = h->lane[k], from = b->medium[i], through = straight || h->through[k];
+    const int to = through ? other : from, stands = b->touched[i] == b->interactions[i];
+    const real left = CML_FMA(-h->t[k], CML_OF_MEDIUM(b, mut)[i], b->tau[i]);
+    const struct cml_vec p = {h->x[k], h->y[k], h->z[k] + (to == boundary ? world->media[to].span : (real)0)},
+                         u = {h->ux[k], h->uy[k], h->uz[k]};
+    cml_store_ray(b, i, p, u);
+    b->tau[i] = left > 0 ? left : (real)0;
+    b->bounces[i] = (stands ? b->bounces[i] : 0) + 1;
+    b->touched[i] = b->interactions[i];
+    b->crossings[i] += (cml_u32)!straight;
+    b->boundary_events[i]++;
+    b->on_boundary[i] = boundary;
+    b->on_primitive[i] = h->ring[k];
+    b->straight[i] = straight;
+    b->task[i] = CML_LANE_DONE;
+    if (to == from) return;
+    if (to == 0 || to > world->setup.num_layers) {
+        cml_leave_lane(f, i, to);
+        return;
+    }
+    cml_mark_weight(f, i);
+    b->medium[i] = to;
+    cml_load_medium(f, i);
+}
+
+/* Packets of a medium that meet rings of a boundary. */
+static void cml_meet_rings(struct cml_flight *f, int medium, real side, struct cml_ring_hits *h)
+{
+    const struct cml_world *world = f->world;
+    const int boundary = side > 0 ? medium - 1 : medium, other = side > 0 ? medium - 1 : medium + 1;
+    const real n1 = world->media[medium].n, n2 = world->media[other].n;
+    uint64_t *counts = f->tally->count;
+    if (h->count == 0) return;
+    cml_ring_hits_settle(world, side, h);
+    if (n1 != n2)
+        counts[CML_COUNT_SHADING_OVERRULED] += (uint64_t)cml_ring_hits_turn(&world->setup, side, n1, n2, h);
+    for (int k = 0; k < h->count; k++) {
+        if (h->doubtful[k]) {
+            cml_handle_exception(f, h->lane[k]);
+        } else {
+            counts[CML_COUNT_QUERIES]++;
+            cml_cross_ring(f, h, k, boundary, other, n1 == n2);
+        }
+    }
+    h->count = 0;
+}
+
+/* Lanes of one medium near a curved surface. */
+static void cml_meet_crowd(struct cml_flight *f, int medium, uint64_t lanes)
+{
+    struct cml_crowd *crowd = f->crowd;
+    int k = 0;
+    cml_find_reaches(f, medium, lanes);
+    for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
+        const int i = __builtin_ctzll(rest);
+        const struct cml_reach reach = cml_reach_of(f, medium, k);
+        if (!cml_is_of_rings(f, i, medium, reach))
+            cml_go_on(f, i, reach, f->b->s[i]);
+        else if (reach.above)
+            cml_march_lane(f, i, medium - 1, 1, reach.t_above, &crowd->hits_above);
+        else
+            cml_march_lane(f, i, medium, -1, reach.t_below, &crowd->hits_below);
+    }
+    cml_meet_rings(f, medium, 1, &crowd->hits_above);
+    cml_meet_rings(f, medium, -1, &crowd->hits_below);
+}
+
+/* Lanes near curved surfaces wait for others, as those at planes do. */
+static void cml_meet_curves(struct cml_flight *f)
+{
+    const int patience = f->b->lanes == CML_LANES ? 32 : 1;
+    uint64_t lanes = cml_lanes_with(f->b, CML_LANE_CURVED);
+    f->waited_near += __builtin_popcountll(lanes);
+    if (f->waited_near < patience) return;
+    f->waited_near = 0;
+    while (lanes) {
+        const int medium = f->b->medium[__builtin_ctzll(lanes)];
+        const uint64_t here = cml_lanes_in(f->b, lanes, medium);
+        if (f->aimed && medium == 0)
+            cml_for_lanes(f, here, cml_handle_exception);
+        else
+            cml_meet_crowd(f, medium, here);
+        lanes &= ~here;
+    }
+}
+
+#endif

@@ -216,13 +216,16 @@ CML_FN int cml_ring_newton(struct cml_ring ring, const struct cml_cone_ray *ray,
 
 /* The root after that step. Where the step does not count the sign of the height decides, step by step. A
  * packet that stands on the ring has no sign at its start; for it the step takes back what it has been beside
- * the surface, which else would grow with every reflection along a hollow. */
+ * the surface, which else would grow with every reflection along a hollow, and the sign half way tells
+ * whether it has left the surface at all before: beside a tip the root may be one of the cone's other nappe.
+ */
 CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
                             int standing, real t, real room)
 {
     real better;
     if (cml_ring_newton(cml_ring_at(rings, i), ray, t0, t1, t, room, &better)) return better;
-    return standing ? t : cml_ring_search(rings, ray, i, t0, t1, t);
+    const int apart = standing && !(cml_ring_height(rings, ray, i, -1, t / 2) < 0);
+    return cml_ring_search(rings, ray, i, apart ? t / 2 : t0, t1, t);
 }
 
 /* What lies nearest to a root in a span. */
@@ -244,8 +247,10 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     } else if (!cml_ring_root(rings, ray, i, standing, &root, &room)) {
         return 0;
     }
-    if (standing && !(root >= 0 && root <= t1))
-        return 0; /* the sign at t1 was rounding: the packet has just left the ring */
+    if (standing && !(root >= 0 && root <= t1)) {
+        const real slack = 64 * CML_EPSILON * (CML_FABS(ray->p.z) + CML_FABS(rings.z[i]) + t1);
+        if (!(end < -slack)) return 0; /* the sign at t1 was rounding: the packet has just left the ring */
+    }
     root = cml_into_span(root, t0, t1);
     *t = cml_ring_polish(rings, ray, i, t0, t1, standing, root, room);
     return 1;

@@ -8,19 +8,7 @@
 #include <stdio.h>
 #include <time.h>
 
-enum stage {
-    DRAW,
-    FLY,
-    INTERACT,
-    SCATTER,
-    INTERACT_NONE,
-    REACH,
-    TURN,
-    FLY_AGAIN,
-    EXIT,
-    LAUNCH,
-    STAGES
-};
+enum stage { DRAW, FLY, INTERACT, SCATTER, INTERACT_NONE, REACH, TURN, FLY_AGAIN, EXIT, LAUNCH, STAGES };
 static const char *const names[STAGES] = {
     [DRAW] = "draw: the block of the next interaction",
     [FLY] = "fly: optical depth, distance, nearness",
@@ -64,8 +52,8 @@ static void fill_bundle(void)
                                            .n = 1.4f,
                                            .n_above = 1,
                                            .n_below = 1,
-                                           .plane_above = -1e9f,
-                                           .plane_below = 1e9f,
+                                           .start_above = -INFINITY,
+                                           .start_below = INFINITY,
                                            .stop_above = -1e9f,
                                            .stop_below = 1e9f};
     const real *row = &medium.mut;

@@ -35,8 +35,8 @@ enum cml_lane_task {
 /* What a lane needs to know of the medium it is in. Every member is 4 bytes wide. */
 struct cml_lane_medium {
     real mut, mfp, absorb, g, bins, n, n_above, n_below;
-    real plane_above, plane_below; /* z of the bounding planes, -+infinity for other kinds */
     real stop_above, stop_below;   /* z between which there is no boundary of any kind */
+    real start_above, start_below; /* the same of surfaces that are no planes; -+infinity beside a plane */
     real span;                     /* 0 for the outer media; no lane needs it */
 };
 #define CML_LANE_MEDIUM_MEMBERS (offsetof(struct cml_lane_medium, span) / sizeof(real))

@@ -16,6 +16,8 @@ static struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, 
     const struct cml_surface *bottom = m <= world->setup.num_layers ? &world->surfaces[m] : NULL;
     const int plane_top = top && top->kind == CML_SURFACE_PLANE;
     const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE;
+    const real stop_above = top ? top->highest : -CML_INFINITY;
+    const real stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY;
     const struct cml_lane_medium lane = {
         .mut = medium->mut,
         .mfp = medium->mfp,
@@ -26,10 +28,10 @@ static struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, 
         .n_above = top ? medium[-1].n : medium->n,
         .n_below = bottom ? medium[1].n : medium->n,
         .span = medium->span,
-        .plane_above = plane_top ? (real)0 : -CML_INFINITY,
-        .plane_below = plane_bottom ? medium->span : CML_INFINITY,
-        .stop_above = top ? top->highest : -CML_INFINITY,
-        .stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY,
+        .stop_above = stop_above,
+        .stop_below = stop_below,
+        .start_above = plane_top ? -CML_INFINITY : stop_above,
+        .start_below = plane_bottom ? CML_INFINITY : stop_below,
     };
     return lane;
 }

@@ -19,8 +19,8 @@ static void cml_park_lane(struct cml_flight *f, int i)
     b->task[i] = CML_LANE_DONE;
     b->medium[i] = 0;
     CML_OF_MEDIUM(b, mfp)[i] = 1;
-    CML_OF_MEDIUM(b, stop_above)[i] = -CML_INFINITY;
-    CML_OF_MEDIUM(b, stop_below)[i] = CML_INFINITY;
+    CML_OF_MEDIUM(b, stop_above)[i] = CML_OF_MEDIUM(b, start_above)[i] = -CML_INFINITY;
+    CML_OF_MEDIUM(b, stop_below)[i] = CML_OF_MEDIUM(b, start_below)[i] = CML_INFINITY;
     f->live &= ~CML_LANE_BIT(i);
 }
 

@@ -95,25 +95,20 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
     }
 }
 
-/* Which boundaries lane i may meet on a path of length s. Conservative: one that is not named here cannot be
- * met, rounding included; what is not a number, or infinite, may meet all. A plane is met at the end of the
- * path or before, never by a packet that stands on it and leads away. */
+/* Which boundaries lane i may meet on a path of length s. Conservative: one that is not
+ * named here cannot be met, rounding included; what is not a number, or infinite, may meet all. A plane is
+ * met at the end of the path or before, never by a packet that stands on it and leads away. */
 struct cml_ahead {
-    int ends, plane, curved_above, curved_below; /* ends: beyond a boundary, or within its heights */
+    int ends_above, ends_below, starts_above, starts_below; /* beyond a boundary, or within its heights */
 };
 
 static inline struct cml_ahead cml_lane_ahead(const struct cml_bundle *b, int i, real s)
 {
-    const real stop_above = CML_OF_MEDIUM(b, stop_above)[i], stop_below = CML_OF_MEDIUM(b, stop_below)[i];
-    const int plane_above = CML_OF_MEDIUM(b, plane_above)[i] > -CML_INFINITY,
-              plane_below = CML_OF_MEDIUM(b, plane_below)[i] < CML_INFINITY;
     const real z = b->z[i], step = s * b->uz[i], end = z + step, slack = cml_depth_slack(z, step);
-    const int starts_above = !(z - slack > stop_above), starts_below = !(z + slack < stop_below);
-    const int ends_above = !(end - slack > stop_above), ends_below = !(end + slack < stop_below);
-    const struct cml_ahead ahead = {.ends = ends_above | ends_below,
-                                    .plane = (ends_above & plane_above) | (ends_below & plane_below),
-                                    .curved_above = (starts_above | ends_above) & !plane_above,
-                                    .curved_below = (starts_below | ends_below) & !plane_below};
+    const struct cml_ahead ahead = {.ends_above = !(end - slack > CML_OF_MEDIUM(b, stop_above)[i]),
+                                    .ends_below = !(end + slack < CML_OF_MEDIUM(b, stop_below)[i]),
+                                    .starts_above = !(z - slack > CML_OF_MEDIUM(b, start_above)[i]),
+                                    .starts_below = !(z + slack < CML_OF_MEDIUM(b, start_below)[i])};
     return ahead;
 }
 
@@ -123,7 +118,7 @@ static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, 
     const real s = cml_path(tau, CML_OF_MEDIUM(b, mfp)[i]);
     const struct cml_ahead ahead = cml_lane_ahead(b, i, s);
     *distance = s;
-    return ahead.ends | ahead.curved_above | ahead.curved_below;
+    return ahead.ends_above | ahead.ends_below | ahead.starts_above | ahead.starts_below;
 }
 
 /* NEAR lanes that may meet a surface that is no plane get CURVED; those that can meet nothing before they
@@ -138,10 +133,14 @@ CML_PASS int cml_bundle_look_around(struct cml_bundle *b, real steepest)
         const real ux = b->ux[i], uy = b->uy[i], uz = b->uz[i], s = b->s[i];
         const int task = b->task[i];
         const int steep = uz * uz >= steepest * steepest * (ux * ux + uy * uy);
+        const int plane_above = !(CML_OF_MEDIUM(b, start_above)[i] > -CML_INFINITY),
+                  plane_below = !(CML_OF_MEDIUM(b, start_below)[i] < CML_INFINITY);
         const struct cml_ahead ahead = cml_lane_ahead(b, i, s);
-        const int curved =
-            (ahead.curved_above & !(steep & (uz > 0))) | (ahead.curved_below & !(steep & (uz < 0)));
-        const int free = !curved & !ahead.plane & (s < CML_INFINITY);
+        const int above = (ahead.starts_above | ahead.ends_above) & !plane_above,
+                  below = (ahead.starts_below | ahead.ends_below) & !plane_below;
+        const int plane = (ahead.ends_above & plane_above) | (ahead.ends_below & plane_below);
+        const int curved = (above & !(steep & (uz > 0))) | (below & !(steep & (uz < 0)));
+        const int free = !curved & !plane & (s < CML_INFINITY);
         const int near = curved ? CML_LANE_CURVED : (free ? CML_LANE_INTERACT : CML_LANE_NEAR);
         b->task[i] = task == CML_LANE_NEAR ? near : task;
         any |= (task == CML_LANE_NEAR) & curved;
@@ -218,18 +217,23 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
     const real *restrict const muts = CML_OF_MEDIUM(b, mut), *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
                                                                         CML_OF_MEDIUM(b, n_below);
-    const real *restrict const planes_above = CML_OF_MEDIUM(b, plane_above);
-    const real *restrict const planes_below = CML_OF_MEDIUM(b, plane_below);
+    const real *restrict const stops_above = CML_OF_MEDIUM(b, stop_above);
+    const real *restrict const stops_below = CML_OF_MEDIUM(b, stop_below);
+    const real *restrict const starts_above = CML_OF_MEDIUM(b, start_above);
+    const real *restrict const starts_below = CML_OF_MEDIUM(b, start_below);
     const int lanes = b->lanes;
     int turns = 0, odds = 0;
 #pragma omp simd reduction(| : turns, odds)
     for (int i = 0; i < lanes; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, p = {b->x[i], b->y[i], b->z[i]};
         const int task = b->task[i], mine = task == CML_LANE_NEAR, above = u.z < 0;
-        const real s = b->s[i], tau = b->tau[i], below_z = planes_below[i], above_z = planes_above[i];
+        const real s = b->s[i], tau = b->tau[i], below_z = stops_below[i], above_z = stops_above[i];
+        const real start_above = starts_above[i], start_below = starts_below[i];
+        const int plane_above = !(start_above > -CML_INFINITY), plane_below = !(start_below < CML_INFINITY);
+        const int plane = (above & plane_above) | ((above ^ 1) & plane_below);
         const real na = n_above[i], nb = n_below[i], n1 = n[i], n2 = above ? na : nb;
         const real t = ((above ? above_z : below_z) - p.z) / u.z, ahead = t > 0 ? t : (real)0;
-        const int hit = mine & (u.z != 0) & (t < s), number = s * u.z == s * u.z;
+        const int hit = mine & plane & (u.z != 0) & (t < s), number = s * u.z == s * u.z;
         const real left = CML_FMA(-ahead, muts[i], tau), tau_left = left > 0 ? left : (real)0;
         const struct cml_vec q = cml_along(p, ahead, u);
         const int matched = n1 == n2, lands = (s < CML_INFINITY) & number;

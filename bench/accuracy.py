@@ -140,6 +140,9 @@ def rows_of(program, scene, methods, photons, pool):
     """Rows of the methods that the program has, all against the first."""
     begun = [pool.submit(fly, program, scene, method, photons) for method in methods]
     flights = [(method, future.result()) for method, future in zip(methods, begun)]
+    for method, flight in flights:
+        if flight and len(flight.records) != len(flights[0][1].records):
+            sys.exit("%s, %s: the program ended before its last run; it loses too many packets" % (scene.name, method.name))
     return [row_of(scene, method, flight, flights[0][1]) for method, flight in flights if flight]
 
 

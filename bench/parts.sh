@@ -17,11 +17,13 @@ mkdir -p "$out"
 
 python3 -B "$here/rough.py" mesh 3e5 0.018 "$work/rough.obj"
 python3 -B "$here/rough.py" rings 50 0.018 "$work/rings.txt"
+python3 -B "$here/rough.py" rings 1000 0.018 "$work/rings-1000.txt"
 PYTHONPATH=$here python3 -B -c '
 import sys, cases
 for medium in ("S6a", "S2"):
     cases.write_scene(medium, sys.argv[1] + "/" + medium + "-rough.mci", surface="m \"rough.obj\"")
-    cases.write_scene(medium, sys.argv[1] + "/" + medium + "-rings.mci", surface="b \"rings.txt\"")' "$work"
+    for rings in ("rings", "rings-1000"):
+        cases.write_scene(medium, f"{sys.argv[1]}/{medium}-{rings}.mci", surface=f"b \"{rings}.txt\"")' "$work"
 
 {
     echo "# $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1); load $(cut -d' ' -f1-3 /proc/loadavg)"
@@ -29,7 +31,7 @@ for medium in ("S6a", "S2"):
     cat "$work/stages.csv"
     echo "# flat scenes: per photon, what happens, and where the time goes"
     PYTHONPATH=$here python3 -B "$here/bounds.py" "$build/bench_busy" "$work/stages.csv"
-    for scene in S6a-rough S6a-rings S2-rough S2-rings; do
+    for scene in S6a-rough S6a-rings S6a-rings-1000 S2-rough S2-rings; do
         echo "# $scene"
         "$build/bench_queries" "$work/$scene.mci"
     done

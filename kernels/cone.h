@@ -247,10 +247,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     } else if (!cml_ring_root(rings, ray, i, standing, &root, &room)) {
         return 0;
     }
-    if (standing && !(root >= 0 && root <= t1)) {
-        const real slack = 64 * CML_EPSILON * (CML_FABS(ray->p.z) + CML_FABS(rings.z[i]) + t1);
-        if (!(end < -slack)) return 0; /* the sign at t1 was rounding: the packet has just left the ring */
-    }
+    if (standing && !(root >= 0 && root <= t1))
+        return 0; /* the sign at t1 was rounding: the packet has just left the ring */
     root = cml_into_span(root, t0, t1);
     *t = cml_ring_polish(rings, ray, i, t0, t1, standing, root, room);
     return 1;

@@ -24,6 +24,14 @@ static void cml_park_lane(struct cml_flight *f, int i)
     f->live &= ~CML_LANE_BIT(i);
 }
 
+/* Optical depths that cml_fresh_draw has left in the tail. */
+static void cml_fresh_draw_tails(struct cml_stream stream, uint64_t next, struct cml_fresh *fresh)
+{
+    for (int i = 0; i < CML_FRESH; i++)
+        if (!(fresh->tau[i] < CML_INFINITY))
+            fresh->tau[i] = cml_optical_depth(stream, next + (uint64_t)i, 0, 0);
+}
+
 /* New packets are at hand. */
 static int cml_have_fresh(struct cml_flight *f)
 {
@@ -33,9 +41,7 @@ static int cml_have_fresh(struct cml_flight *f)
     if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
     const int count = f->left < CML_FRESH ? (int)f->left : CML_FRESH;
     if (cml_fresh_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, fresh))
-        for (int i = 0; i < count; i++)
-            if (!(fresh->tau[i] < CML_INFINITY))
-                fresh->tau[i] = cml_optical_depth(stream, f->next + (uint64_t)i, 0, 0);
+        cml_fresh_draw_tails(stream, f->next, fresh);
     f->next += (uint64_t)count;
     f->left -= (uint64_t)count;
     fresh->first = 0;

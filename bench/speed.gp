@@ -24,8 +24,8 @@ set xlabel 'rings (cones) or triangles (mesh) of the top'
 set ylabel 'ns / step'
 set logscale xy
 set xrange [7:2e6]
-set yrange [5:3000]
-set ytics (5, 10, 20, 50, 100, 200, 500)
+set yrange [3:3000]
+set ytics (3, 5, 10, 20, 50, 100, 200, 500)
 set format x '10^{%T}'
 set key top left Left reverse samplen 3 maxrows 4 width -2
 stats series('S2-flat-plane') using 2 nooutput

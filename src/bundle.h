@@ -1,10 +1,10 @@
 /* A bundle of packets as structure of arrays: the fast walk of the CPU engine.
- * A pass takes every packet one event further: to a plane, to a curved surface, or to its next interaction.
- * What most packets do is done in vector loops (bundle_pass.h), launches and exits through planes among them,
- * and so is what lanes at curved surfaces have in common: whether they can meet them (bundle_curved.h), and
- * what becomes of those that meet rings (bundle_rings.h). Which facet or ring it is (bundle_meet.h), roulette
- * and other ends (bundle_walk.h) are exceptions, a lane at a time. The arithmetic is that of kernels/walk.h,
- * so every packet ends with the same bits as there; tests compare whole tallies.
+ * A pass takes packets to a plane, to several, or to a curved surface, and mostly on to their next
+ * interaction. What most packets do is done in vector loops (bundle_pass.h), launches and exits through
+ * planes among them, and so is what lanes at curved surfaces have in common: whether they can meet them
+ * (bundle_curved.h), and what becomes of those that meet rings (bundle_rings.h). Which facet or ring it is
+ * (bundle_meet.h), roulette and other ends (bundle_walk.h) are exceptions, a lane at a time. The arithmetic
+ * is that of kernels/walk.h, so every packet ends with the same bits as there; tests compare whole tallies.
  * Included by engine_cpu_level.c only, which is compiled once for each level of the processor.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_H
@@ -26,7 +26,6 @@ enum cml_lane_task {
     CML_LANE_TURN,     /* at a plane between unequal indices */
     CML_LANE_REFLECTED,
     CML_LANE_TRANSMITTED,
-    CML_LANE_EXITS,   /* goes on into an outer medium */
     CML_LANE_NOWHERE, /* meets no plane and never interacts, or is not a number */
     CML_LANE_DONE,    /* had its event, or holds a new packet: to be flown */
     CML_LANE_ENDED,   /* its packet has, until the lane is refilled */

@@ -287,9 +287,11 @@ static bool settle(const struct course *c, struct part part)
         }
     double leave, t, weight[3];
     if (!cml_query_approach(q, 0, &leave)) return true;
-    for (int i = 0; i < count; i++)
-        if (facets[i] != q->exclude && cml_query_cross(q, facets[i], &t, weight))
-            cml_query_take(q, facets[i], t, weight);
+    for (int i = 0; i < count; i++) {
+        if (facets[i] == q->exclude) continue;
+        cml_query_feel(q, facets[i]);
+        if (cml_query_cross(q, facets[i], &t, weight)) cml_query_take(q, facets[i], t, weight);
+    }
     return true;
 }
 

@@ -108,14 +108,22 @@ static bool leads_away(const struct cml_mesh_query *q, double along)
     return q->below ? along > 0 : along < 0;
 }
 
+static double distance_to_outer_plane(const struct cml_mesh_query *q, const double p[3], double near)
+{
+    return cml_query_inside_border(q, p[0], p[1], near) == 4 ? INFINITY : fabs(q->body->mesh.z_border - p[2]);
+}
+
 /* A crossing ahead of the packet, and further than rounding: nearer ones count together, by what is beyond
  * them, for a packet that crosses one of them may find itself before it again. */
-static void add_ahead(struct cml_mesh_line *line, int primitive, int way, double height, double t)
+static void add_ahead(struct cml_mesh_line *line, int primitive, int way, double t)
 {
-    if (!(t > line->q->reach)) return;
+    const struct cml_mesh_query *q = line->q;
+    if (!(t > q->reach)) return;
     line->winding_ahead += way;
-    if (!leads_away(line->q, way)) {
-        line->back = fmin(line->back, fabs(height));
+    if (!leads_away(q, way)) {
+        const double from = primitive == CML_OUTER_PLANE ? distance_to_outer_plane(q, q->origin, line->near)
+                                                         : distance_to_triangle(q, primitive, q->origin);
+        line->back = fmin(line->back, from);
     } else if (t < line->t) {
         line->t = t;
         line->primitive = primitive;
@@ -193,26 +201,37 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
     const int way = crosses(q, v);
     line->winding += way;
     if (way * cml_plane_side(a, b, c, q->origin) > 0)
-        add_ahead(line, primitive, way, height, distance_along(q, primitive, height));
+        add_ahead(line, primitive, way, distance_along(q, primitive, height));
     if (leads_away(q, cml_vec3_dot(q->direction, normal))) add_exit(line, primitive, height);
     add_end(line, primitive, height);
 }
 
-/* The outer plane is crossed where the sheet alone does not lead from one side to the other. */
+/* As add_exit_at, for the outer plane. */
+static void add_outer_exit_at(struct cml_mesh_line *line, double t)
+{
+    const struct cml_mesh_query *q = line->q;
+    double place[3];
+    for (int k = 0; k < 3; k++) place[k] = q->origin[k] + t * q->direction[k];
+    const double beside = distance_to_outer_plane(q, place, line->near);
+    if (!(beside <= line->near) || t + beside >= line->exit_t + line->beside) return;
+    line->exit_t = t;
+    line->beside = beside;
+    line->exit = CML_OUTER_PLANE;
+}
+
+/* The outer plane is crossed where the sheet alone does not lead from one side to the other. A line that
+ * grazes it may pass its border a little beyond it. */
 static void add_outer_plane(struct cml_mesh_line *line)
 {
     const struct cml_mesh_query *q = line->q;
     const double height = q->body->mesh.z_border - q->origin[2], uz = q->direction[2];
+    const double t = height / uz, later = t + line->near / (2 * fabs(uz));
     const int way = uz < 0 ? 1 : -1;
     if (uz == 0) return;
-    if (line->winding != way) add_ahead(line, CML_OUTER_PLANE, way, height, height / uz);
-    const double t = fmax(0, height / uz), beside = height * uz < 0 ? fabs(height) : 0;
-    const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    if (!leads_away(q, way) || beside > line->near || t + beside >= line->exit_t + line->beside) return;
-    if (cml_query_inside_border(q, x, y, line->near) == 4) return;
-    line->exit_t = t;
-    line->beside = beside;
-    line->exit = CML_OUTER_PLANE;
+    if (line->winding != way) add_ahead(line, CML_OUTER_PLANE, way, t);
+    if (!leads_away(q, way)) return;
+    add_outer_exit_at(line, fmax(0, t));
+    add_outer_exit_at(line, fmax(0, later));
 }
 
 /* Whether the packet's position, or what is just ahead of it, lies below the boundary. */

@@ -32,6 +32,7 @@ struct query {
     query_context context;
     struct cml_mesh_query ray;
     struct cml_mesh_line *line; /* NULL unless the whole line is followed */
+    bool feels;                 /* only looks for facets that the packet may be beyond */
 };
 
 static void intersect(const struct RTCIntersectFunctionNArguments *arguments)
@@ -47,6 +48,7 @@ static void intersect(const struct RTCIntersectFunctionNArguments *arguments)
     }
     if (primitive == q->exclude) return;
     cml_query_feel(q, primitive);
+    if (query->feels) return;
     if (!cml_query_cross(q, primitive, &t, weight)) return;
     cml_query_take(q, primitive, t, weight);
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)arguments->rayhit;
@@ -130,6 +132,19 @@ static void query_exact(const struct cml_mesh_surface *surface, struct query *qu
     if (aim(&query->ray, 0, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
 }
 
+/* Whether a packet that stands on no facet lies within rounding of one. A ray that grazes that facet may be
+ * told nothing of it by Embree, in whose single precision it lies behind the ray's beginning. */
+static void feel_around(const struct cml_mesh_surface *surface, struct query *query)
+{
+    struct RTCRayHit rayhit;
+    double leave;
+    if (!cml_query_approach(&query->ray, 0, &leave) || query->ray.base > 0) return;
+    aim_from_near(&query->ray, query->ray.base, &rayhit);
+    query->feels = true;
+    intersect_scene(surface->exact, query, &rayhit, NULL);
+    query->feels = false;
+}
+
 /* By how much, in heights, triangles are enlarged for Embree: in single precision it lets rays pass between
  * those that meet at a corner or that they graze, most easily a ray along an edge. */
 static const float rim = 1e-3f;
@@ -209,6 +224,7 @@ static void query_fast(const struct cml_mesh_surface *surface, struct query *que
     struct cml_mesh_query *q = &query->ray;
     struct RTCRayHit rayhit;
     double t = INFINITY, along = 0; /* for want of a hit */
+    if (q->touch >= 0) feel_around(surface, query);
     if (!aim(q, 2 * q->body->inflation, &rayhit)) return;
     const bool found = closest(surface, query, &rayhit, &t, &along);
     double weight[3];
@@ -242,6 +258,7 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
 {
     struct query query;
     query.line = NULL;
+    query.feels = false;
     cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, slack);
     if (exact || query.ray.on_edge)
         query_exact(surface, &query);

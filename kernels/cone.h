@@ -234,6 +234,12 @@ CML_FN real cml_into_span(real root, real t0, real t1)
     return root > t0 ? (root < t1 ? root : t1) : t0;
 }
 
+/* Whether rounding may have put the packet on any side of the field's tip. */
+CML_FN int cml_ring_in_tip(struct cml_rings rings, const struct cml_cone_ray *ray, int i)
+{
+    return i == 0 && rings.r[0] == 0 && ray->r <= 8 * CML_EPSILON * (CML_FABS(ray->p.z) + rings.r[1]);
+}
+
 /* One span [t0, t1] of ring i. end: side * f at t1. Crossed when that is negative, or dips below 0 in
  * between, which only a convex side * f can. Returns 1 and *t in [t0, t1] when the surface is crossed. */
 CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real end,
@@ -247,8 +253,12 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
     } else if (!cml_ring_root(rings, ray, i, standing, &root, &room)) {
         return 0;
     }
-    if (standing && !(root >= 0 && root <= t1))
-        return 0; /* the sign at t1 was rounding: the packet has just left the ring */
+    if (standing && !(root >= 0 && root <= t1)) {
+        /* the sign at t1 was rounding: the packet has just left the ring, but not where it may have been any
+         * part of it */
+        *t = t0;
+        return cml_ring_in_tip(rings, ray, i);
+    }
     root = cml_into_span(root, t0, t1);
     *t = cml_ring_polish(rings, ray, i, t0, t1, standing, root, room);
     return 1;

@@ -72,6 +72,7 @@ struct cml_fresh {
     cml_u32 draw1[CML_FRESH + CML_GROUP], draw2[CML_FRESH + CML_GROUP];
     real tau[CML_FRESH + CML_GROUP];
     int through[CML_FRESH + CML_GROUP]; /* the boundary that all packets of the beam meet first */
+    int stays[CML_FRESH];               /* does not end as the ballistic ones do */
 };
 
 /* Column of a member of struct cml_lane_medium. */

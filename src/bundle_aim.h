@@ -7,24 +7,31 @@
 
 #include "bundle_lanes.h"
 
-/* What all packets that are not reflected are like behind the first surface; nothing, where that depends on
- * their random numbers, too. */
-static void cml_find_entry(struct cml_flight *f)
+/* What packets like this are behind a boundary, if they are not reflected; 0 where that depends on their
+ * random numbers, too. */
+static int cml_send_through(const struct cml_world *world, const struct cml_packet *like,
+                            const struct cml_hit *hit, struct cml_packet *through)
 {
-    const struct cml_world *world = f->world;
-    const struct cml_hit *hit = &f->first;
-    const struct cml_vec against = hit->normal; /* up, and the beam comes down */
-    const real n1 = world->media[0].n, n2 = world->media[1].n;
     const int tries = 64;
-    real ct;
-    f->reflectance = n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(f->start.u, against), &ct);
-    for (int i = 0; i < tries && !f->enters; i++) {
-        f->inside = f->start;
-        f->inside.index = (cml_u64)i;
-        cml_cross(world, &f->inside, hit);
-        if (f->inside.shading_overruled) return;
-        f->enters = f->inside.medium == 1;
+    for (int i = 0; i < tries; i++) {
+        *through = *like;
+        through->index = (cml_u64)i;
+        cml_cross(world, through, hit);
+        if (through->shading_overruled) return 0;
+        if (through->medium != like->medium) return 1;
     }
+    return 0;
+}
+
+static real cml_reflectance_at(const struct cml_world *world, const struct cml_packet *packet,
+                               const struct cml_hit *hit)
+{
+    const int other = hit->boundary < packet->medium ? packet->medium - 1 : packet->medium + 1;
+    const real n1 = world->media[packet->medium].n, n2 = world->media[other].n;
+    const real side = other < packet->medium ? (real)1 : (real)-1;
+    const struct cml_vec up = hit->normal, against = {-side * up.x, -side * up.y, -side * up.z};
+    real ct;
+    return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
 }
 
 static void cml_aim(struct cml_flight *f)
@@ -33,7 +40,29 @@ static void cml_aim(struct cml_flight *f)
     if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
     const struct cml_reach reach = cml_find_reach(f->world, 0, packet.p, packet.u, CML_INFINITY);
     f->aimed = cml_nearest(f->world, &packet, reach, &f->first);
-    if (f->aimed && !f->to.facets) cml_find_entry(f);
+    if (!f->aimed || f->to.facets) return;
+    f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first);
+    f->enters = cml_send_through(f->world, &f->start, &f->first, &f->inside);
+}
+
+/* The next boundary is the same for all that do not interact before it, too. */
+static void cml_aim_on(struct cml_flight *f)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_packet *like = f->enters ? &f->inside : &f->start;
+    struct cml_ballistic *ballistic = &f->ballistic;
+    struct cml_packet packet = *like;
+    struct cml_hit hit;
+    if (!f->pencil || like->medium == 0 || cml_tallies_places(f->tally)) return;
+    const struct cml_reach reach = cml_find_reach(world, like->medium, like->p, like->u, CML_INFINITY);
+    if (!cml_nearest(world, &packet, reach, &hit) || !cml_is_plane(world, hit.boundary)) return;
+    if (!cml_send_through(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
+    ballistic->possible = 1;
+    ballistic->path = hit.t;
+    ballistic->mfp = world->media[like->medium].mfp;
+    ballistic->crossings = like->crossings;
+    ballistic->reflectance = cml_reflectance_at(world, like, &hit);
+    ballistic->end = cml_end_of(&packet);
 }
 
 static int cml_is_aimed(const struct cml_flight *f, int medium, cml_u32 boundary_events)

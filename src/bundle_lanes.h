@@ -42,6 +42,18 @@ struct cml_range_source {
     void *context;
 };
 
+/* Packets of a pencil beam that do not interact in their first medium, and leave the material for good behind
+ * it: all end alike. */
+struct cml_ballistic {
+    int possible;
+    real path; /* cm, in that medium */
+    real mfp;
+    cml_u32 crossings; /* before its end */
+    real reflectance;  /* there */
+    struct cml_end end;
+    uint64_t count; /* so far */
+};
+
 struct cml_flight {
     const struct cml_world *world;
     struct cml_bundle *b;
@@ -55,6 +67,7 @@ struct cml_flight {
     int enters;               /* and those that are not reflected there go on like `inside` */
     struct cml_packet inside; /* but for their indices */
     real reflectance;
+    struct cml_ballistic ballistic;
     struct cml_crowd *crowd;      /* bundle_curved.h */
     int curves;                   /* not all surfaces are planes */
     real steepest;                /* slope of those that are none */

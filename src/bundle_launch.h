@@ -32,20 +32,44 @@ static void cml_fresh_draw_tails(struct cml_stream stream, uint64_t next, struct
             fresh->tau[i] = cml_optical_depth(stream, next + (uint64_t)i, 0, 0);
 }
 
+/* Counts the ballistic ones among the first `count`, and closes up the others. Returns how many those are. */
+static int cml_drop_ballistic(struct cml_flight *f, int count)
+{
+    struct cml_fresh *fresh = &f->fresh;
+    struct cml_ballistic *like = &f->ballistic;
+    int at = 0;
+    cml_fresh_find_staying(f->world->setup.stream, like->path, like->mfp, like->crossings, like->reflectance,
+                           fresh);
+    for (int first = 0; first < count; first += CML_GROUP) {
+        const cml_u32 here = count - first < CML_GROUP ? (1u << (count - first)) - 1 : CML_GROUP_MASK;
+        const cml_u32 stay = cml_group_equal(fresh->stays + first, 1) & here;
+        cml_group_pack(fresh->index_low + first, stay, fresh->index_low + at);
+        cml_group_pack(fresh->index_high + first, stay, fresh->index_high + at);
+        cml_group_pack(fresh->tau + first, stay, fresh->tau + at);
+        cml_group_pack(fresh->draw1 + first, stay, fresh->draw1 + at);
+        cml_group_pack(fresh->draw2 + first, stay, fresh->draw2 + at);
+        cml_group_pack(fresh->through + first, stay, fresh->through + at);
+        at += __builtin_popcount(stay);
+    }
+    like->count += (uint64_t)(count - at);
+    return at;
+}
+
 /* New packets are at hand. */
 static int cml_have_fresh(struct cml_flight *f)
 {
     struct cml_fresh *fresh = &f->fresh;
     const struct cml_stream stream = f->world->setup.stream;
-    if (fresh->first < fresh->end) return 1;
-    if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
-    const int count = f->left < CML_FRESH ? (int)f->left : CML_FRESH;
-    if (cml_fresh_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, fresh))
-        cml_fresh_draw_tails(stream, f->next, fresh);
-    f->next += (uint64_t)count;
-    f->left -= (uint64_t)count;
-    fresh->first = 0;
-    fresh->end = count;
+    while (fresh->first >= fresh->end) {
+        if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
+        const int count = f->left < CML_FRESH ? (int)f->left : CML_FRESH;
+        if (cml_fresh_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, fresh))
+            cml_fresh_draw_tails(stream, f->next, fresh);
+        f->next += (uint64_t)count;
+        f->left -= (uint64_t)count;
+        fresh->first = 0;
+        fresh->end = f->ballistic.possible ? cml_drop_ballistic(f, count) : count;
+    }
     return 1;
 }
 

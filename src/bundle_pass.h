@@ -64,6 +64,20 @@ CML_PASS int cml_fresh_draw(const struct cml_setup *setup, uint64_t next, real r
     return tail;
 }
 
+/* Which of them do not end ballistically: they interact in a medium of that mean free path before `path`, or
+ * are reflected at one of the boundaries before and behind it. */
+CML_PASS void cml_fresh_find_staying(struct cml_stream stream, real path, real mfp, cml_u32 crossings,
+                                     real reflectance, struct cml_fresh *fresh)
+{
+#pragma omp simd
+    for (int i = 0; i < CML_FRESH; i++) {
+        const struct cml_block draw =
+            cml_threefry(stream, fresh->index_low[i], fresh->index_high[i], crossings, CML_PURPOSE_BOUNDARY);
+        const int interacts = !(path < cml_path(fresh->tau[i], mfp)), enters = fresh->through[i];
+        fresh->stays[i] = interacts | !enters | (cml_uniform(draw.w[0]) <= reflectance);
+    }
+}
+
 /* Lanes first + i with bit i of lanes: packets like `start`, but for indices, draws and media. absorbed:
  * [CML_LANES], of the lanes' packets. */
 CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,

@@ -222,6 +222,7 @@ static void cml_take_off(struct cml_flight *f)
     f->pencil = !(setup->disk > 0) && !(setup->gauss > 0);
     cml_place(f->world, 0, &f->start);
     cml_aim(f);
+    cml_aim_on(f);
     f->b->lanes = CML_LANES;
     for (int i = 0; i < CML_LANES; i++) f->b->medium[i] = -1; /* no columns yet */
     f->live = f->ended = ~(uint64_t)0;
@@ -231,8 +232,12 @@ static void cml_take_off(struct cml_flight *f)
 /* Until the last packet has ended. */
 static void cml_fly_on(struct cml_flight *f)
 {
+    const struct cml_setup *setup = &f->world->setup;
     while (f->live) cml_pass(f);
-    cml_ends_flush(&f->world->setup, &f->ends, f->tally);
+    cml_ends_flush(setup, &f->ends, f->tally);
+    if (f->ballistic.count == 0) return;
+    cml_ends_push(setup, &f->ends, &f->ballistic.end, f->tally);
+    cml_ends_flush_times(setup, &f->ends, f->ballistic.count, f->tally);
 }
 
 /* Everything goes into `tally`. media: [num_layers + 2]. */

@@ -99,37 +99,45 @@ static inline cml_u128 cml_ends_absorbed_squares(const struct cml_ends *ends, co
     return sum;
 }
 
+/* times: how often every packet of the collection has ended so. */
 static inline void cml_ends_add_sums(const struct cml_setup *setup, const struct cml_ends *ends,
-                                     struct cml_tally *tally)
+                                     uint64_t times, struct cml_tally *tally)
 {
     const struct cml_end_sums sums = cml_ends_sum(ends);
-    const uint64_t count = (uint64_t)ends->count, specular = setup->specular;
+    const uint64_t count = times * (uint64_t)ends->count, specular = setup->specular;
     tally->book[CML_BOOK_LAUNCHED] += count * CML_WEIGHT_ONE;
-    tally->book[CML_BOOK_SPECULAR] += count * specular + sums.specular;
-    tally->book[CML_BOOK_REFLECTED] += sums.reflected;
-    tally->book[CML_BOOK_TRANSMITTED] += sums.transmitted;
-    tally->book[CML_BOOK_ABSORBED] += sums.absorbed;
-    tally->A_l[1] += sums.deposited_above;
-    tally->A_l[setup->num_layers] += sums.deposited - sums.deposited_above;
+    tally->book[CML_BOOK_SPECULAR] += count * specular + times * sums.specular;
+    tally->book[CML_BOOK_REFLECTED] += times * sums.reflected;
+    tally->book[CML_BOOK_TRANSMITTED] += times * sums.transmitted;
+    tally->book[CML_BOOK_ABSORBED] += times * sums.absorbed;
+    tally->A_l[1] += times * sums.deposited_above;
+    tally->A_l[setup->num_layers] += times * (sums.deposited - sums.deposited_above);
     tally->count[CML_COUNT_PHOTONS] += count;
-    tally->count[CML_COUNT_INTERACTIONS] += sums.interactions;
-    tally->count[CML_COUNT_BOUNDARY_EVENTS] += sums.boundary_events;
+    tally->count[CML_COUNT_INTERACTIONS] += times * sums.interactions;
+    tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
     /* where the beam's reflection is deterministic, no packet has a random one */
     tally->square[CML_TOTAL_SPECULAR] +=
-        (cml_u128)count * specular * specular + cml_square_sum(sums.specular_low, sums.specular_high);
-    tally->square[CML_TOTAL_REFLECTED] += cml_square_sum(sums.reflected_low, sums.reflected_high);
-    tally->square[CML_TOTAL_TRANSMITTED] += cml_square_sum(sums.transmitted_low, sums.transmitted_high);
-    tally->square[CML_TOTAL_ABSORBED] += cml_ends_absorbed_squares(ends, &sums);
+        (cml_u128)count * specular * specular + times * cml_square_sum(sums.specular_low, sums.specular_high);
+    tally->square[CML_TOTAL_REFLECTED] += times * cml_square_sum(sums.reflected_low, sums.reflected_high);
+    tally->square[CML_TOTAL_TRANSMITTED] +=
+        times * cml_square_sum(sums.transmitted_low, sums.transmitted_high);
+    tally->square[CML_TOTAL_ABSORBED] += times * cml_ends_absorbed_squares(ends, &sums);
 }
 
 /* Empties the collection into the tally. */
+static inline void cml_ends_flush_times(const struct cml_setup *setup, struct cml_ends *ends, uint64_t times,
+                                        struct cml_tally *tally)
+{
+    cml_ends_find_cells(setup, ends, tally);
+    for (int i = 0; i < ends->count; i++) tally->Rd_ra[ends->cell[i]] += times * ends->scored[i];
+    cml_ends_add_sums(setup, ends, times, tally);
+    ends->count = 0;
+}
+
 static inline void cml_ends_flush(const struct cml_setup *setup, struct cml_ends *ends,
                                   struct cml_tally *tally)
 {
-    cml_ends_find_cells(setup, ends, tally);
-    for (int i = 0; i < ends->count; i++) tally->Rd_ra[ends->cell[i]] += ends->scored[i];
-    cml_ends_add_sums(setup, ends, tally);
-    ends->count = 0;
+    cml_ends_flush_times(setup, ends, 1, tally);
 }
 
 static inline void cml_ends_make_room(const struct cml_setup *setup, struct cml_ends *ends,

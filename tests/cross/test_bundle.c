@@ -212,39 +212,79 @@ static int take_all(void *context, uint64_t *first, uint64_t *count)
     return *count > 0;
 }
 
-/* One word in 2^32 puts an optical depth into the tail, and lanes without a packet draw like the others. */
-static void a_lane_without_a_packet_ends_nothing(void **state)
-{
-    (void)state;
-    struct cml_error err;
+/* A bundle to be looked into, of one layer. */
+struct bundle_flight {
     struct flight flight;
     struct scalar_world scalar;
     struct cml_tally tally;
     struct cml_lane_medium media[3];
-    uint64_t photons = CML_GROUP;
-    const struct cml_range_source source = {take_all, &photons};
+    struct cml_bundle bundle;
+    uint64_t photons;
+    struct cml_range_source source;
+    struct cml_flight f;
+};
+
+static void bundle_flight_take_off(const char *text, enum cml_representation kind, uint64_t photons,
+                                   struct bundle_flight *b)
+{
+    struct cml_error err;
     const struct cml_engine_options options = {.seed = 12, .threads = 1, .reentry = true};
-    const struct flight_options with = {.engine = "cpu"};
-    flight_open(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", &with, &flight);
-    const struct cml_scene *scene = &flight.list.scenes[0];
-    const struct cml_grid grid = cml_engine_grid(scene, &flight.surfaces, &options);
-    require_ok(cml_tally_create(&grid, &tally, &err), &err);
-    require_ok(scalar_world_create(scene, &flight.surfaces, &options, &scalar, &err), &err);
-    for (int m = 0; m < 3; m++) media[m] = cml_lane_medium_of(&scalar.world, m);
-    struct cml_bundle bundle = {0};
-    struct cml_flight f = {
-        .world = &scalar.world, .b = &bundle, .tally = &tally, .media = media, .source = &source};
-    cml_take_off(&f);
-    assert_int_equal(f.live, CML_GROUP_MASK);
-    while (f.live == CML_GROUP_MASK) cml_pass(&f);
-    const int empty = __builtin_ctzll(~f.live);
-    bundle.tau[empty] = CML_INFINITY;
-    bundle.task[empty] = CML_LANE_DONE;
-    cml_fly_on(&f);
-    assert_int_equal(tally.count[CML_COUNT_PHOTONS], CML_GROUP);
-    scalar_world_free(&scalar);
-    cml_tally_free(&tally);
-    flight_close(&flight);
+    const struct flight_options with = {.engine = "cpu", .kind = kind};
+    *b = (struct bundle_flight){.photons = photons, .source = {take_all, &b->photons}};
+    flight_open(text, &with, &b->flight);
+    const struct cml_scene *scene = &b->flight.list.scenes[0];
+    const struct cml_grid grid = cml_engine_grid(scene, &b->flight.surfaces, &options);
+    require_ok(cml_tally_create(&grid, &b->tally, &err), &err);
+    require_ok(scalar_world_create(scene, &b->flight.surfaces, &options, &b->scalar, &err), &err);
+    for (int m = 0; m < 3; m++) b->media[m] = cml_lane_medium_of(&b->scalar.world, m);
+    b->f = (struct cml_flight){.world = &b->scalar.world,
+                               .b = &b->bundle,
+                               .tally = &b->tally,
+                               .media = b->media,
+                               .source = &b->source};
+    cml_take_off(&b->f);
+}
+
+static void bundle_flight_close(struct bundle_flight *b)
+{
+    scalar_world_free(&b->scalar);
+    cml_tally_free(&b->tally);
+    flight_close(&b->flight);
+}
+
+/* One word in 2^32 puts an optical depth into the tail, and lanes without a packet draw like the others. */
+static void a_lane_without_a_packet_ends_nothing(void **state)
+{
+    (void)state;
+    static struct bundle_flight b;
+    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_AS_AUTO, CML_GROUP, &b);
+    assert_int_equal(b.f.live, CML_GROUP_MASK);
+    while (b.f.live == CML_GROUP_MASK) cml_pass(&b.f);
+    const int empty = __builtin_ctzll(~b.f.live);
+    b.bundle.tau[empty] = CML_INFINITY;
+    b.bundle.task[empty] = CML_LANE_DONE;
+    cml_fly_on(&b.f);
+    assert_int_equal(b.tally.count[CML_COUNT_PHOTONS], CML_GROUP);
+    bundle_flight_close(&b);
+}
+
+/* Thin media: most packets leave them without an interaction, and are only counted. */
+static void ballistic_light_has_the_same_tally(void **state)
+{
+    (void)state;
+    static struct bundle_flight b;
+    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_AS_AUTO, 1000, &b);
+    cml_fly_on(&b.f);
+    assert_in_range(b.f.ballistic.count, 820, 930); /* 0.98 exp(-0.11) of them */
+    bundle_flight_close(&b);
+    compare_text(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", 3000);
+    compare_text(HEAD "beam pencil angle=70 azimuth=20\n" GRID "1\n1.2\n1.34 0.1 1 0.5 0.3\n1.34\n", 3000);
+    compare_text(HEAD GRID "1\n1.6\n1.34 0 0 0 0.3\n3\n", 3000);
+    compare_text(HEAD "beam pencil angle=75\n" GRID "1\n1\n1.34 0.1 1 0.5 0.1\n0.9\n", 3000);
+    compare_text(HEAD GRID "2\n1\n1.34 0.1 1 0.5 0.1\n1.5 0.1 1 0.5 0.1\n1\n", 3000);
+    compare_text(
+        HEAD "beam pencil at=0.03,0.01\n" GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 3 0.5 0.5\n1\n", 3000);
+    compare_text(HEAD GRID "1\n1\n1.4 1 3 0.5 0.5\nb 3 0.1 0.1 -0.1 0.2 0 0\n1\n", 3000);
 }
 
 /* What a lane stands beside after its interaction, and only until the next one. */
@@ -301,38 +341,21 @@ static void expect_beside(const struct cml_packet *packet)
 static void an_interaction_beside_a_facet_is_remembered(void **state)
 {
     (void)state;
-    struct cml_error err;
-    struct flight flight;
-    struct scalar_world scalar;
-    struct cml_tally tally;
-    struct cml_lane_medium media[3];
-    uint64_t photons = 1;
-    const struct cml_range_source source = {take_all, &photons};
-    const struct cml_engine_options options = {.seed = 13, .threads = 1, .reentry = true};
-    const struct flight_options with = {.engine = "cpu", .kind = CML_AS_MESH};
-    flight_open(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", &with, &flight);
-    const struct cml_scene *scene = &flight.list.scenes[0];
-    const struct cml_grid grid = cml_engine_grid(scene, &flight.surfaces, &options);
-    require_ok(cml_tally_create(&grid, &tally, &err), &err);
-    require_ok(scalar_world_create(scene, &flight.surfaces, &options, &scalar, &err), &err);
-    for (int m = 0; m < 3; m++) media[m] = cml_lane_medium_of(&scalar.world, m);
-    struct cml_bundle bundle = {0};
-    struct cml_flight f = {
-        .world = &scalar.world, .b = &bundle, .tally = &tally, .media = media, .source = &source};
-    cml_take_off(&f);
-    struct cml_packet packet = packet_on_an_edge(&scalar, &flight.surfaces), after;
-    cml_store_packet(&f, 0, &packet);
-    cml_meet_or_interact(
-        &f, 0, cml_find_reach(&scalar.world, 1, packet.p, packet.u, cml_free_path(&scalar.world, &packet)));
-    assert_int_equal(bundle.task[0], CML_LANE_INTERACT);
-    bundle.interactions[0]++;
-    cml_lane_packet(&bundle, 0, &after);
+    static struct bundle_flight b;
+    bundle_flight_take_off(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", CML_AS_MESH, 1,
+                           &b);
+    const struct cml_world *world = &b.scalar.world;
+    struct cml_packet packet = packet_on_an_edge(&b.scalar, &b.flight.surfaces), after;
+    cml_store_packet(&b.f, 0, &packet);
+    cml_meet_or_interact(&b.f, 0,
+                         cml_find_reach(world, 1, packet.p, packet.u, cml_free_path(world, &packet)));
+    assert_int_equal(b.bundle.task[0], CML_LANE_INTERACT);
+    b.bundle.interactions[0]++;
+    cml_lane_packet(&b.bundle, 0, &after);
     expect_beside(&after);
-    cml_step(&scalar.world, &f.to, &packet);
+    cml_step(world, &b.f.to, &packet);
     expect_beside(&packet);
-    scalar_world_free(&scalar);
-    cml_tally_free(&tally);
-    flight_close(&flight);
+    bundle_flight_close(&b);
 }
 
 /* The same bits at every level of the processor that this machine can run. */
@@ -344,6 +367,7 @@ int main(void)
         cmocka_unit_test(odd_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
         cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
+        cmocka_unit_test(ballistic_light_has_the_same_tally),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),
         cmocka_unit_test(an_interaction_beside_a_facet_is_remembered),
     };

@@ -156,12 +156,13 @@ static void cml_meet_boundaries(struct cml_flight *f, uint64_t tails)
     } while (cml_meet_planes(f));
 }
 
-/* Into the thread's own A_rz, or into one that all threads share. */
+/* Into the thread's own A_rz, or into one that all threads share. By groups, which a compiler unrolls. */
 static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally)
 {
     uint64_t *A_rz = tally->A_rz;
     if (tally->grid.absorption)
-        for (int i = 0; i < b->lanes; i++) A_rz[b->cell[i]] += b->dw[i];
+        for (int first = 0; first < b->lanes; first += CML_GROUP)
+            for (int k = first; k < first + CML_GROUP; k++) A_rz[(cml_u32)b->cell[k]] += b->dw[k];
     else
         for (int i = 0; i < b->lanes; i++) cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
 }

@@ -4,7 +4,7 @@
 #define CML_BUNDLE_CURVED_H
 
 #include "bundle_lanes.h"
-#include "bundle_rings.h"
+#include "bundle_hits.h"
 
 /* What lanes can meet of one boundary, and within which distances. */
 struct cml_reaches {
@@ -20,7 +20,7 @@ struct cml_crowd {
     _Alignas(64) real x[CML_CROWD], y[CML_CROWD], z[CML_CROWD], ux[CML_CROWD], uy[CML_CROWD], uz[CML_CROWD];
     real s[CML_CROWD];
     struct cml_reaches above, below;
-    struct cml_ring_hits hits_above, hits_below;
+    struct cml_hits hits_above, hits_below;
 };
 
 /* Packs lanes of one medium, in the order of their numbers. */

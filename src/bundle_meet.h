@@ -4,7 +4,7 @@
 
 #include "bundle_aim.h"
 #include "bundle_curved.h"
-#include "bundle_rings.h"
+#include "bundle_hits.h"
 
 static void cml_lane_interacts(struct cml_flight *f, int i, real s)
 {
@@ -53,6 +53,30 @@ static void cml_put_back(struct cml_flight *f, int i, const struct cml_packet *p
         cml_push_end(f, i, cml_end_of(packet));
     else
         cml_store_packet(f, i, packet);
+}
+
+/* A packet that is outside leaves for good, or comes back into the material. */
+static void cml_come_back(const struct cml_flight *f, struct cml_packet *packet)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_reach reach =
+        cml_find_reach(world, packet->medium, packet->p, packet->u, cml_free_path(world, packet));
+    real t;
+    cml_meet_boundary(f, packet, reach, &t);
+}
+
+/* The lane's packet meets this, the first of its boundary events. */
+static void cml_meet_found(struct cml_flight *f, int i, const struct cml_hit *hit)
+{
+    const struct cml_world *world = f->world;
+    struct cml_packet packet;
+    cml_lane_packet(f->b, i, &packet);
+    f->b->task[i] = CML_LANE_DONE;
+    packet.queries = 1;
+    cml_meet(world, &f->to, &packet, hit);
+    const int outside = packet.medium == 0 || packet.medium > world->setup.num_layers;
+    if (packet.fate == CML_FATE_ALIVE && outside) cml_come_back(f, &packet);
+    cml_put_back(f, i, &packet);
 }
 
 /* The lane's packet has been asked for and meets nothing. */
@@ -117,54 +141,54 @@ static void cml_handle_exception(struct cml_flight *f, int i)
     cml_go_on(f, i, reach, s);
 }
 
-/* Whether the lane's packet, which can meet what reach says, is one for cml_march_lane: in the material,
- * about to meet rings of one boundary only, and nothing rare about it. */
-static int cml_is_of_rings(const struct cml_flight *f, int i, int medium, struct cml_reach reach)
+/* Whether the lane's packet, which can meet what reach says, is one for cml_seek_lane: in the material, about
+ * to meet one curved boundary only, and nothing rare about it. */
+static int cml_is_plain(const struct cml_flight *f, int i, int medium, struct cml_reach reach)
 {
     const struct cml_bundle *b = f->b;
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
     return reach.above != reach.below && medium > 0 && medium <= f->world->setup.num_layers &&
-           f->world->surfaces[reach.above ? medium - 1 : medium].kind == CML_SURFACE_CONE && !f->to.facets &&
+           f->world->surfaces[reach.above ? medium - 1 : medium].kind != CML_SURFACE_PLANE && !f->to.facets &&
            b->boundary_events[i] > 0 && b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY &&
            cml_dot(u, u) < 2;
 }
 
-/* A packet among those that meet rings. */
-static void cml_add_ring_hit(const struct cml_flight *f, int i, struct cml_rings rings, struct cml_vec p,
-                             const struct cml_cone_march *march, real t_max, struct cml_ring_hits *h)
+/* What the lane's packet stands on of a boundary, -1: nothing. */
+static int cml_lane_stands_on(const struct cml_bundle *b, int i, int boundary)
 {
-    const struct cml_bundle *b = f->b;
+    const int stands = b->touched[i] == b->interactions[i] && b->on_boundary[i] == boundary;
+    return stands ? b->on_primitive[i] : -1;
+}
+
+/* A packet at p among those that meet the boundary. Returns its number. */
+static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct cml_vec p, struct cml_hits *h)
+{
     const int k = h->count++;
     h->lane[k] = i;
-    h->ring[k] = march->ring;
+    h->primitive[k] = primitive;
     h->x[k] = p.x;
     h->y[k] = p.y;
     h->z[k] = p.z;
-    h->ux[k] = march->ray.u.x;
-    h->uy[k] = march->ray.u.y;
-    h->uz[k] = march->ray.u.z;
-    h->ring_r[k] = rings.r[march->ring];
-    h->ring_z[k] = rings.z[march->ring];
-    h->slope[k] = rings.slope[march->ring];
-    h->t0[k] = march->t0;
-    h->t1[k] = march->t1;
-    h->t_max[k] = t_max;
+    h->ux[k] = b->ux[i];
+    h->uy[k] = b->uy[i];
+    h->uz[k] = b->uz[i];
     h->index_low[k] = b->index_low[i];
     h->index_high[k] = b->index_high[i];
     h->crossings[k] = b->crossings[i];
+    return k;
 }
 
-/* The lane's packet on its way to rings of a boundary: cml_field_hit up to the root. */
-static void cml_march_lane(struct cml_flight *f, int i, int boundary, real side, real t_max,
-                           struct cml_ring_hits *h)
+/* The lane's packet on its way to rings of a boundary: cml_field_hit up to the root. p in the boundary's
+ * frame.
+ */
+static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
+                           struct cml_hits *h)
 {
     const struct cml_world *world = f->world;
     const struct cml_bundle *b = f->b;
     const struct cml_rings rings = cml_rings_of(world, boundary);
-    const real depth = side < 0 ? world->media[boundary].span : (real)0;
-    const struct cml_vec p = {b->x[i], b->y[i], b->z[i] - depth}, u = {b->ux[i], b->uy[i], b->uz[i]};
-    const int stands = b->touched[i] == b->interactions[i] && b->on_boundary[i] == boundary;
-    const int on_ring = stands ? b->on_primitive[i] : -1;
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    const int on_ring = cml_lane_stands_on(b, i, boundary);
     const real t_min =
         on_ring >= 0 ? (real)0 : cml_envelope_entry(&world->surfaces[boundary], p.z, u.z, side);
     struct cml_cone_march march =
@@ -172,33 +196,103 @@ static void cml_march_lane(struct cml_flight *f, int i, int boundary, real side,
     const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, t_max, 1, &h->t[h->count]);
     if (verdict == CML_CONE_MISSED) {
         cml_lane_passes(f, i);
+        return;
+    }
+    const int k = cml_add_hit(b, i, march.ring, p, h);
+    h->known[k] = verdict == CML_CONE_HIT;
+    h->ring_r[k] = rings.r[march.ring];
+    h->ring_z[k] = rings.z[march.ring];
+    h->slope[k] = rings.slope[march.ring];
+    h->t0[k] = march.t0;
+    h->t1[k] = march.t1;
+    h->t_max[k] = t_max;
+}
+
+static int cml_is_shaded(const struct cml_hit *hit)
+{
+    return hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
+}
+
+/* The lane's packet on its way to a mesh. p in the boundary's frame. */
+static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
+                           struct cml_hits *h)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    struct cml_hit hit = {.boundary = boundary};
+    int beside;
+    const int found = cml_mesh_hit(f->world, boundary, p, u, side, t_max, cml_lane_stands_on(b, i, boundary),
+                                   b->straight[i], &hit, &beside);
+    if (!found && beside) {
+        cml_handle_exception(f, i);
+    } else if (!found) {
+        cml_lane_passes(f, i);
+    } else if (cml_is_shaded(&hit)) {
+        cml_meet_found(f, i, &hit);
     } else {
-        h->known[h->count] = verdict == CML_CONE_HIT;
-        cml_add_ring_hit(f, i, rings, p, &march, t_max, h);
+        const int k = cml_add_hit(b, i, hit.primitive, hit.point, h);
+        h->t[k] = hit.t;
+        h->doubtful[k] = 0;
+        h->normal_x[k] = hit.normal.x;
+        h->normal_y[k] = hit.normal.y;
+        h->normal_z[k] = hit.normal.z;
     }
 }
 
-/* The lane's packet has gone through the upper or the lower surface, into outer medium `to`: out, or back. */
+/* The lane's packet on its way to a curved boundary. */
+static void cml_seek_lane(struct cml_flight *f, int i, int boundary, real side, real t_max,
+                          struct cml_hits *h)
+{
+    const struct cml_bundle *b = f->b;
+    const real depth = side < 0 ? f->world->media[boundary].span : (real)0;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i] - depth};
+    if (f->world->surfaces[boundary].kind == CML_SURFACE_CONE)
+        cml_march_lane(f, i, boundary, p, side, t_max, h);
+    else
+        cml_query_lane(f, i, boundary, p, side, t_max, h);
+}
+
+/* The lane's packet has gone through a boundary into outer medium `to`, and may meet it again. */
 static void cml_leave_lane(struct cml_flight *f, int i, int to)
 {
-    const struct cml_world *world = f->world;
     struct cml_packet packet;
-    real t;
     cml_lane_packet(f->b, i, &packet);
     packet.medium = to;
-    if (world->setup.reentry) {
-        const struct cml_reach reach =
-            cml_find_reach(world, to, packet.p, packet.u, cml_free_path(world, &packet));
-        cml_meet_boundary(f, &packet, reach, &t);
-    } else {
-        cml_score_exit(&packet);
-    }
+    cml_come_back(f, &packet);
     cml_put_back(f, i, &packet);
 }
 
-/* As cml_cross, for the k-th of the packets at rings. */
-static void cml_cross_ring(struct cml_flight *f, const struct cml_ring_hits *h, int k, int boundary,
-                           int other, int straight)
+/* Whether a packet that has gone through a boundary into outer medium `to` meets it never again. */
+static int cml_is_gone(const struct cml_world *world, int boundary, int to, struct cml_vec u)
+{
+    const real side = to > boundary ? (real)1 : (real)-1;
+    return !world->setup.reentry ||
+           (!(world->media[to].mfp < CML_INFINITY) && cml_heads_away(&world->surfaces[boundary], u, side));
+}
+
+/* The lane's packet, which has been in the material, has left it so, in one boundary event more. */
+static void cml_lane_goes(struct cml_flight *f, int i, int to, int primitive, struct cml_vec p,
+                          struct cml_vec u)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_end end = {
+        .index = cml_lane_index(b, i),
+        .fate = to == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED,
+        .cause = CML_LOST_NOT,
+        .w = b->w[i],
+        .interactions = b->interactions[i],
+        .boundary_events = b->boundary_events[i] + 1,
+        .exit_x = p.x,
+        .exit_y = p.y,
+        .uz = u.z,
+        .primitive = primitive,
+    };
+    cml_push_end(f, i, end);
+}
+
+/* As cml_cross, for the k-th of the packets. */
+static void cml_cross_lane(struct cml_flight *f, const struct cml_hits *h, int k, int boundary, int other,
+                           int straight)
 {
     const struct cml_world *world = f->world;
     struct cml_bundle *b = f->b;
@@ -207,6 +301,11 @@ static void cml_cross_ring(struct cml_flight *f, const struct cml_ring_hits *h, 
     const real left = CML_FMA(-h->t[k], CML_OF_MEDIUM(b, mut)[i], b->tau[i]);
     const struct cml_vec p = {h->x[k], h->y[k], h->z[k] + (to == boundary ? world->media[to].span : (real)0)},
                          u = {h->ux[k], h->uy[k], h->uz[k]};
+    const int outside = to == 0 || to > world->setup.num_layers;
+    if (outside && cml_is_gone(world, boundary, to, u)) {
+        cml_lane_goes(f, i, to, h->primitive[k], p, u);
+        return;
+    }
     cml_store_ray(b, i, p, u);
     b->tau[i] = left > 0 ? left : (real)0;
     b->bounces[i] = (stands ? b->bounces[i] : 0) + 1;
@@ -214,11 +313,11 @@ static void cml_cross_ring(struct cml_flight *f, const struct cml_ring_hits *h, 
     b->crossings[i] += (cml_u32)!straight;
     b->boundary_events[i]++;
     b->on_boundary[i] = boundary;
-    b->on_primitive[i] = h->ring[k];
+    b->on_primitive[i] = h->primitive[k];
     b->straight[i] = straight;
     b->task[i] = CML_LANE_DONE;
     if (to == from) return;
-    if (to == 0 || to > world->setup.num_layers) {
+    if (outside) {
         cml_leave_lane(f, i, to);
         return;
     }
@@ -227,23 +326,23 @@ static void cml_cross_ring(struct cml_flight *f, const struct cml_ring_hits *h, 
     cml_load_medium(f, i);
 }
 
-/* Packets of a medium that meet rings of a boundary. */
-static void cml_meet_rings(struct cml_flight *f, int medium, real side, struct cml_ring_hits *h)
+/* Packets of a medium that meet a boundary. */
+static void cml_meet_hits(struct cml_flight *f, int medium, real side, struct cml_hits *h)
 {
     const struct cml_world *world = f->world;
     const int boundary = side > 0 ? medium - 1 : medium, other = side > 0 ? medium - 1 : medium + 1;
     const real n1 = world->media[medium].n, n2 = world->media[other].n;
     uint64_t *counts = f->tally->count;
     if (h->count == 0) return;
-    cml_ring_hits_settle(world, side, h);
+    if (world->surfaces[boundary].kind == CML_SURFACE_CONE) cml_hits_settle_rings(world, side, h);
     if (n1 != n2)
-        counts[CML_COUNT_SHADING_OVERRULED] += (uint64_t)cml_ring_hits_turn(&world->setup, side, n1, n2, h);
+        counts[CML_COUNT_SHADING_OVERRULED] += (uint64_t)cml_hits_turn(&world->setup, side, n1, n2, h);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {
             cml_handle_exception(f, h->lane[k]);
         } else {
             counts[CML_COUNT_QUERIES]++;
-            cml_cross_ring(f, h, k, boundary, other, n1 == n2);
+            cml_cross_lane(f, h, k, boundary, other, n1 == n2);
         }
     }
     h->count = 0;
@@ -258,15 +357,15 @@ static void cml_meet_crowd(struct cml_flight *f, int medium, uint64_t lanes)
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
         const struct cml_reach reach = cml_reach_of(f, medium, k);
-        if (!cml_is_of_rings(f, i, medium, reach))
+        if (!cml_is_plain(f, i, medium, reach))
             cml_go_on(f, i, reach, f->b->s[i]);
         else if (reach.above)
-            cml_march_lane(f, i, medium - 1, 1, reach.t_above, &crowd->hits_above);
+            cml_seek_lane(f, i, medium - 1, 1, reach.t_above, &crowd->hits_above);
         else
-            cml_march_lane(f, i, medium, -1, reach.t_below, &crowd->hits_below);
+            cml_seek_lane(f, i, medium, -1, reach.t_below, &crowd->hits_below);
     }
-    cml_meet_rings(f, medium, 1, &crowd->hits_above);
-    cml_meet_rings(f, medium, -1, &crowd->hits_below);
+    cml_meet_hits(f, medium, 1, &crowd->hits_above);
+    cml_meet_hits(f, medium, -1, &crowd->hits_below);
 }
 
 /* Lanes near curved surfaces wait for others, as those at planes do. */

@@ -6,7 +6,7 @@
 #include "engine.h"
 
 #pragma GCC diagnostic ignored "-Wunused-function" /* of a lane, which none of these is in */
-#include "bundle_rings.h"
+#include "bundle_hits.h"
 
 static const double turn = 6.283185307179586;
 
@@ -118,7 +118,7 @@ static void end_near_root(struct dice *dice, const struct made_up *m, real side,
 }
 
 /* As cml_march_lane and cml_add_ring_hit: 0 when it meets no ring. */
-static int march(const struct made_up *m, const struct path *path, real side, struct cml_ring_hits *h)
+static int march(const struct made_up *m, const struct path *path, real side, struct cml_hits *h)
 {
     const struct cml_rings rings = cml_rings_of(&m->world, 0);
     const real t_min =
@@ -130,7 +130,7 @@ static int march(const struct made_up *m, const struct path *path, real side, st
     if (verdict == CML_CONE_MISSED) return 0;
     h->count++;
     h->known[k] = verdict == CML_CONE_HIT;
-    h->ring[k] = march.ring;
+    h->primitive[k] = march.ring;
     h->x[k] = path->p.x;
     h->y[k] = path->p.y;
     h->z[k] = path->p.z;
@@ -152,7 +152,7 @@ struct seen {
 
 /* Doubtful packets are asked for by themselves, so only that others are right matters. */
 static void compare_settled(const struct made_up *m, const struct path *path, real side,
-                            const struct cml_ring_hits *h, int k, struct seen *seen)
+                            const struct cml_hits *h, int k, struct seen *seen)
 {
     struct cml_hit hit = {0};
     const int found =
@@ -166,20 +166,20 @@ static void compare_settled(const struct made_up *m, const struct path *path, re
     }
     seen->known += h->known[k];
     seen->settled += !h->known[k];
-    if (!found || !same(hit.t, h->t[k]) || hit.primitive != h->ring[k] ||
+    if (!found || !same(hit.t, h->t[k]) || hit.primitive != h->primitive[k] ||
         !same_vector(hit.point, h->x[k], h->y[k], h->z[k]) ||
         !same_vector(hit.facet, h->normal_x[k], h->normal_y[k], h->normal_z[k]))
         fail_msg("p (%.9g %.9g %.9g) u (%.9g %.9g %.9g) t_max %.9g: t %.9g ring %d; by itself %d, t %.9g "
                  "ring %d",
                  (double)path->p.x, (double)path->p.y, (double)path->p.z, (double)path->u.x,
-                 (double)path->u.y, (double)path->u.z, (double)path->t_max, (double)h->t[k], h->ring[k],
+                 (double)path->u.y, (double)path->u.z, (double)path->t_max, (double)h->t[k], h->primitive[k],
                  found, (double)hit.t, hit.primitive);
 }
 
 /* As many packets on one side as a bundle has lanes. */
 static void meet_rings(struct dice *dice, const struct made_up *m, real side, struct seen *seen)
 {
-    static struct cml_ring_hits h;
+    static struct cml_hits h;
     static struct path path[CML_LANES];
     memset(&h, 0xff, sizeof h); /* what lies behind may be anything */
     h.count = 0;
@@ -194,7 +194,7 @@ static void meet_rings(struct dice *dice, const struct made_up *m, real side, st
         assert_false(
             cml_field_hit(&m->world, 0, next->p, next->u, side, next->t_max, next->on_ring, 0, &hit));
     }
-    cml_ring_hits_settle(&m->world, side, &h);
+    cml_hits_settle_rings(&m->world, side, &h);
     for (int k = 0; k < h.count; k++) compare_settled(m, &path[k], side, &h, k, seen);
 }
 
@@ -248,7 +248,7 @@ static struct cml_vec normal_of_any(struct dice *dice)
     return (struct cml_vec){size * up.x, size * up.y, size * up.z};
 }
 
-static void place_at_ring(struct dice *dice, real side, const double n[2], struct cml_ring_hits *h)
+static void place_at_ring(struct dice *dice, real side, const double n[2], struct cml_hits *h)
 {
     const int k = h->count++;
     const struct cml_vec up = normal_of_any(dice);
@@ -271,7 +271,7 @@ struct turned {
 
 /* Returns how many directions the facet has overruled. */
 static int compare_turned(const struct cml_world *world, real side, const double n[2],
-                          const struct cml_ring_hits *before, const struct cml_ring_hits *after, int k,
+                          const struct cml_hits *before, const struct cml_hits *after, int k,
                           struct turned *sum)
 {
     const struct cml_vec up = {before->normal_x[k], before->normal_y[k], before->normal_z[k]},
@@ -300,7 +300,7 @@ static int compare_turned(const struct cml_world *world, real side, const double
 static void packets_turn_at_rings_as_each_does_by_itself(void **state)
 {
     (void)state;
-    static struct cml_ring_hits h, before;
+    static struct cml_hits h, before;
     struct dice dice = dice_new(72);
     struct turned sum = {0};
     const struct cml_surface surface = {.kind = CML_SURFACE_CONE};
@@ -313,7 +313,7 @@ static void packets_turn_at_rings_as_each_does_by_itself(void **state)
         h.count = 0;
         while (h.count < count) place_at_ring(&dice, side, n, &h);
         before = h;
-        const int counted = cml_ring_hits_turn(&world.setup, side, (real)n[0], (real)n[1], &h);
+        const int counted = cml_hits_turn(&world.setup, side, (real)n[0], (real)n[1], &h);
         for (int k = 0; k < count; k++) overruled += compare_turned(&world, side, n, &before, &h, k, &sum);
         assert_int_equal(counted, overruled);
     }

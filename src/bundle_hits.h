@@ -1,20 +1,23 @@
-/* Packets that meet rings: roots, normals and what becomes of directions, for many packets in vector loops.
- * Which ring it is they find out one by one (cml_cone_go). SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_RINGS_H
-#define CML_BUNDLE_RINGS_H
+/* Packets that meet a curved surface: below rings roots and normals, and what becomes of directions, for many
+ * packets in vector loops. Which ring or facet it is they find out one by one. SPDX-License-Identifier: MIT
+ */
+#ifndef CML_BUNDLE_HITS_H
+#define CML_BUNDLE_HITS_H
 
 #include "bundle_lanes.h"
 #include "bundle_pass.h"
 
-/* Packets that meet rings of one boundary, from one side. Positions are in the boundary's frame, from the
- * beam's axis. What lies behind the packets may be anything. */
-struct cml_ring_hits {
+/* Packets that meet one boundary, from one side. Positions are in the boundary's frame, from the beam's axis.
+ * What lies behind the packets may be anything. */
+struct cml_hits {
     int count;
-    _Alignas(64) int lane[CML_LANES], ring[CML_LANES];
-    int known[CML_LANES]; /* t is; else it is the root in [t0, t1] */
+    _Alignas(64) int lane[CML_LANES], primitive[CML_LANES];
     real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
+    /* of rings */
+    int known[CML_LANES]; /* t is; else it is the root in [t0, t1] */
     real ring_r[CML_LANES], ring_z[CML_LANES], slope[CML_LANES];
-    real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES], t[CML_LANES];
+    real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES];
+    real t[CML_LANES];
     cml_u32 index_low[CML_LANES], index_high[CML_LANES], crossings[CML_LANES];
     /* what comes of it */
     int doubtful[CML_LANES]; /* to be asked for again, by itself */
@@ -35,7 +38,7 @@ static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct 
 
 /* Where packets meet their ring: fills t and doubtful, normals, and moves x, y, z there. As cml_field_hit for
  * a packet that is not the beam itself. */
-CML_PASS void cml_ring_hits_settle(const struct cml_world *world, real side, struct cml_ring_hits *h)
+CML_PASS void cml_hits_settle_rings(const struct cml_world *world, real side, struct cml_hits *h)
 {
     const int size = cml_whole_vectors(h->count);
     const struct cml_vec axis = {0, 0, -1};
@@ -66,8 +69,7 @@ CML_PASS void cml_ring_hits_settle(const struct cml_world *world, real side, str
 /* P5 there, between unequal indices, as cml_reflect_or_refract where normal and facet are the same: fills
  * through, and turns ux, uy, uz. Returns how many directions, of packets that are not doubtful, the facet has
  * overruled. */
-CML_PASS int cml_ring_hits_turn(const struct cml_setup *setup, real side, real n1, real n2,
-                                struct cml_ring_hits *h)
+CML_PASS int cml_hits_turn(const struct cml_setup *setup, real side, real n1, real n2, struct cml_hits *h)
 {
     const struct cml_stream stream = setup->stream;
     const int count = h->count, size = cml_whole_vectors(count);

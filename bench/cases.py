@@ -24,7 +24,7 @@ SCENES = {
 AMPLITUDE = "0.018"  # of rough tops and rings [cm]
 AMPLITUDE_A = "0.03"
 SEARCHED = "3e5"  # triangles of the rough top that is flown with Embree as well
-RINGS = (10, 50, 200, 1000)
+RINGS = (1, 10, 50, 200, 1000)
 TWO_THREADS = ("S6a", "S6a-rough-1e5", "S6a-rings-50-cone")
 ABOVE = 7  # the index above, of the lines that are neither comment nor blank; the first layer follows
 
@@ -80,6 +80,15 @@ def rough_cases(medium, numbers, amplitude, work):
     return cases
 
 
+def level_case(medium, work):
+    """A mesh without any height, flown as one: what a mesh costs before its shape does."""
+    name, obj = medium + "-level-mesh", "level.obj"
+    make_surface("mesh", 8, "0", os.path.join(work, obj))
+    path = os.path.join(work, name + ".mci")
+    write_scene(medium, path, surface='m "%s"' % obj)
+    return Case(name, medium, "level", path, ["--boundaries", "mesh"])
+
+
 def ring_cases(medium, work):
     cases = []
     for rings in RINGS:
@@ -88,7 +97,7 @@ def ring_cases(medium, work):
         name = "%s-rings-%d" % (medium, rings)
         path = os.path.join(work, name + ".mci")
         write_scene(medium, path, surface='b "%s"' % text)
-        for kind in ("cone", "mesh"):
+        for kind in ("cone", "mesh") if rings > 1 else ("cone",):
             cases.append(Case("%s-%s" % (name, kind), medium, "rings", path, ["--boundaries", kind]))
     return cases
 
@@ -102,6 +111,7 @@ def all_cases(work, quick):
         write_scene(medium, flat)
         cases.append(Case(medium, medium, "flat", flat))
         if medium in ("S2", "S6a"):
+            cases.append(level_case(medium, work))
             cases += rough_cases(medium, numbers, AMPLITUDE, work) + ring_cases(medium, work)
         if medium == "A":
             cases += rough_cases(medium, ["1e5"], AMPLITUDE_A, work)

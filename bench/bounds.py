@@ -2,8 +2,9 @@
 
 STAGES.csv is what bench_stages prints: the time of every loop per lane. bench_busy says how many lanes go through the
 loops for a photon, and how long it takes. Both together account for a photon's time, in ns: the loops of a pass, those of
-the planes, a launch and an exit. What is left are single lanes (layers entered, roulette), branches, and caches. `busy` is
-the share of lanes that had something to do there; `all_busy` is the time if all had. Prints CSV.
+the planes, a launch and an exit of those that are flown (`launched`: the others are ballistic, and only counted). What is
+left are random numbers drawn for all, single lanes (layers entered, roulette), branches, and caches. `busy` is the share of
+lanes that had something to do there; `all_busy` is the time if all had. Prints CSV.
 
 SPDX-License-Identifier: MIT
 """
@@ -46,16 +47,17 @@ def measure(bench, scene):
 def main():
     bench, stages = sys.argv[1], stage_times(sys.argv[2])
     step, plane, once = stages["whole pass"], total(stages, PLANE), total(stages, ONCE)
-    print("scene,interactions,busy_in_passes,boundary_events,busy_at_planes,passes_ns,planes_ns,launch_exit_ns,left_ns,ns,"
+    print("scene,launched,interactions,busy_in_passes,boundary_events,busy_at_planes,passes_ns,planes_ns,launch_exit_ns,left_ns,ns,"
           "all_busy_ns")
     for name, path in cases.SCENES.items():
         run = measure(bench, os.path.join(cases.ROOT, path))
-        interactions, events = run["interactions"], run["boundary_events"]
-        passes, planes = step * run["lanes_in_passes"], plane * run["lanes_at_planes"]
-        print(f"{name},{interactions:.2f},{interactions / run['lanes_in_passes']:.2f},{events:.2f},"
-              f"{events / run['lanes_at_planes']:.2f},{passes:.1f},{planes:.1f},{once:.1f},"
-              f"{run['ns'] - passes - planes - once:.1f},{run['ns']:.1f},"
-              f"{step * interactions + plane * events + once:.1f}", flush=True)
+        launched, interactions = run["launched"], run["interactions"]
+        events = run["boundary_events"] - (1 - launched)
+        passes, planes, ends = step * run["lanes_in_passes"], plane * run["lanes_at_planes"], once * launched
+        print(f"{name},{launched:.3f},{interactions:.2f},{interactions / run['lanes_in_passes']:.2f},{events:.2f},"
+              f"{events / run['lanes_at_planes']:.2f},{passes:.1f},{planes:.1f},{ends:.1f},"
+              f"{run['ns'] - passes - planes - ends:.1f},{run['ns']:.1f},"
+              f"{step * interactions + plane * events + ends:.1f}", flush=True)
 
 
 if __name__ == "__main__":

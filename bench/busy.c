@@ -1,11 +1,15 @@
 /* How busy the lanes of the CPU engine are: bench_busy SCENE.mci ... For the first run of each scene, on one
- * thread: what happens to a photon, how many lanes go through the loops of a pass and through those of the
- * planes for it, whether they have something to do there or not, and what it takes. Prints CSV.
- * SPDX-License-Identifier: MIT */
+ * thread: what happens to a photon, whether it is flown in a lane at all (ballistic ones are only counted),
+ * how many lanes go through the loops of a pass and through those of the planes for it, whether they have
+ * something to do there or not, and what it takes. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "bundle_launch.h"
+#include "bundle_pass.h"
 
-static double lanes_in_passes, lanes_at_planes;
+static double launched, lanes_in_passes, lanes_at_planes;
+
+#define cml_bundle_launch(b, start, absorbed, first, lanes)                                                  \
+    (launched += __builtin_popcount(lanes), cml_bundle_launch(b, start, absorbed, first, lanes))
+#include "bundle_launch.h"
 
 /* The loops that each pass, and each round of planes, begins with. */
 #define cml_bundle_draw(setup, b) (lanes_in_passes += (b)->lanes, cml_bundle_draw(setup, b))
@@ -33,7 +37,7 @@ static cml_status fly(void *cpu, struct cml_tally *tally, uint64_t *photons, dou
     *seconds = 0;
     for (*photons = 10000; *seconds < 0.4; *photons *= 4) {
         cml_tally_zero(tally);
-        lanes_in_passes = lanes_at_planes = 0;
+        launched = lanes_in_passes = lanes_at_planes = 0;
         const double begin = now();
         CML_TRY(cpu_run(cpu, 0, *photons, tally, err));
         *seconds = now() - begin;
@@ -45,7 +49,8 @@ static cml_status fly(void *cpu, struct cml_tally *tally, uint64_t *photons, dou
 static void report(const char *path, const struct cml_tally *tally, uint64_t photons, double seconds)
 {
     const double n = (double)photons;
-    printf("%s,%.2f,%.2f,%.2f,%.2f,%.1f\n", path, (double)tally->count[CML_COUNT_INTERACTIONS] / n,
+    printf("%s,%.3f,%.2f,%.2f,%.2f,%.2f,%.1f\n", path, launched / n,
+           (double)tally->count[CML_COUNT_INTERACTIONS] / n,
            (double)tally->count[CML_COUNT_BOUNDARY_EVENTS] / n, lanes_in_passes / n, lanes_at_planes / n,
            1e9 * seconds / n);
 }
@@ -77,7 +82,7 @@ static cml_status measure(const char *path, struct cml_error *err)
 int main(int argc, char **argv)
 {
     struct cml_error err;
-    printf("scene,interactions,boundary_events,lanes_in_passes,lanes_at_planes,ns\n");
+    printf("scene,launched,interactions,boundary_events,lanes_in_passes,lanes_at_planes,ns\n");
     for (int i = 1; i < argc; i++) {
         if (measure(argv[i], &err) == CML_OK) continue;
         fprintf(stderr, "bench_busy: %s\n", err.text);

@@ -8,17 +8,17 @@
  * bias does not shrink with the triangles, so that only the facets' is asked of the tessellation. */
 static double bias_per_deviation(const struct cml_tessellation *tessellation)
 {
-    static const double of[3][2] = {[CML_NORMALS_FACET] = {8.0, 8.0},
-                                    [CML_NORMALS_VERTEX] = {8.0, 8.0},
+    static const double of[3][2] = {[CML_NORMALS_FACET] = {8.0, 9.0},
+                                    [CML_NORMALS_VERTEX] = {8.0, 9.0},
                                     [CML_NORMALS_ANALYTIC] = {2.0, 6.0}};
     return of[tessellation->normals][tessellation->inscribed];
 }
 
 /* Time, from the same reading ("a query costs"). Cones cost less than their tessellation from one ring to
  * 1e4, and have no bias to pay for: a radial field is a mesh only where it is forced to be one. */
-#define CONE_NS 190.0
-#define RING_NS 0.01
-#define MESH_NS 470.0
+#define CONE_NS 77.0
+#define RING_NS 0.02
+#define MESH_NS 436.0
 
 struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options *options)
 {

@@ -178,9 +178,7 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
     return k;
 }
 
-/* The lane's packet on its way to rings of a boundary: cml_field_hit up to the root. p in the boundary's
- * frame.
- */
+/* The lane's packet, at p in the boundary's frame, on its way to rings: cml_field_hit up to the root. */
 static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
                            struct cml_hits *h)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "mesh_line.h"
 
+#include "mesh_facet.h"
 #include "predicate.h"
 #include "vec3.h"
 
@@ -17,90 +18,23 @@ void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, 
                                    .beside = INFINITY,
                                    .exit = -1,
                                    .length = t_max};
+    for (int k = 0; k < 3; k++) line->from[k] = q->origin[k] + q->reach * q->direction[k];
 }
 
 /* On which side of an edge the line passes; from the lower index to the higher, so that the triangles of an
  * edge get opposite signs. */
-static int side_of_edge(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
+static int side_of_edge(const struct cml_mesh_line *line, uint32_t i, uint32_t j)
 {
-    const double(*vertex)[3] = (const double(*)[3])q->body->mesh.vertex;
-    return i < j ? cml_line_side(vertex[i], vertex[j], q->origin, q->direction)
-                 : -cml_line_side(vertex[j], vertex[i], q->origin, q->direction);
+    const double(*vertex)[3] = (const double(*)[3])line->q->body->mesh.vertex;
+    return i < j ? cml_line_side(vertex[i], vertex[j], line->from, line->q->direction)
+                 : -cml_line_side(vertex[j], vertex[i], line->from, line->q->direction);
 }
 
 /* +1 when the line crosses the triangle upwards, -1 downwards, else 0. */
-static int crosses(const struct cml_mesh_query *q, const uint32_t v[3])
+static int crosses(const struct cml_mesh_line *line, const uint32_t v[3])
 {
-    const int side = side_of_edge(q, v[0], v[1]);
-    return side_of_edge(q, v[1], v[2]) == side && side_of_edge(q, v[2], v[0]) == side ? side : 0;
-}
-
-/* Sine of the angle to a facet below which its plane does not tell well where it is met. */
-static const double grazing = 1e-3;
-
-/* Edges that the line passes at smaller angles, rad, do not tell where it is inside a triangle. */
-static const double parallel = 1e-6;
-
-/* Where the line, seen along the normal, is inside the triangle; everywhere if rounding leaves nothing. */
-static void find_chord(const struct cml_mesh_query *q, int primitive, double *first, double *last)
-{
-    const struct cml_mesh *mesh = &q->body->mesh;
-    *first = -INFINITY;
-    *last = INFINITY;
-    for (int k = 0; k < 3; k++) {
-        const double *a = mesh->vertex[mesh->triangle[primitive][k]];
-        double edge[3], inwards[3], to_edge[3];
-        cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]], a, edge);
-        cml_vec3_cross(q->body->plane[primitive], edge, inwards);
-        cml_vec3_subtract(a, q->origin, to_edge);
-        const double speed = cml_vec3_dot(q->direction, inwards), t = cml_vec3_dot(to_edge, inwards) / speed;
-        const double least = parallel * sqrt(cml_vec3_dot(edge, edge));
-        if (speed > least) *first = fmax(*first, t);
-        if (speed < -least) *last = fmin(*last, t);
-    }
-    if (*first <= *last) return;
-    *first = -INFINITY;
-    *last = INFINITY;
-}
-
-/* Distance to the crossing of a triangle: nothing but the triangle itself says where a line that lies almost
- * in its plane meets it. */
-static double distance_along(const struct cml_mesh_query *q, int primitive, double height)
-{
-    double first, last;
-    const double along = cml_vec3_dot(q->direction, q->body->plane[primitive]), t = height / along;
-    if (fabs(along) > grazing) return t;
-    find_chord(q, primitive, &first, &last);
-    return fmax(first, fmin(t, last));
-}
-
-static double distance_to_segment(const double a[3], const double b[3], const double p[3])
-{
-    double edge[3], off[3];
-    cml_vec3_subtract(b, a, edge);
-    cml_vec3_subtract(p, a, off);
-    const double s = cml_vec3_dot(edge, off) / cml_vec3_dot(edge, edge);
-    for (int k = 0; k < 3; k++) off[k] -= (s > 0 ? (s < 1 ? s : 1) : 0) * edge[k];
-    return sqrt(cml_vec3_dot(off, off));
-}
-
-static double distance_to_triangle(const struct cml_mesh_query *q, int primitive, const double p[3])
-{
-    const struct cml_mesh *mesh = &q->body->mesh;
-    const double *normal = q->body->plane[primitive];
-    double nearest = INFINITY;
-    bool above = true;
-    for (int k = 0; k < 3; k++) {
-        const double *a = mesh->vertex[mesh->triangle[primitive][k]],
-                     *b = mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]];
-        double edge[3], inwards[3], off[3];
-        cml_vec3_subtract(b, a, edge);
-        cml_vec3_subtract(p, a, off);
-        cml_vec3_cross(normal, edge, inwards);
-        above = above && cml_vec3_dot(off, inwards) >= 0;
-        nearest = fmin(nearest, distance_to_segment(a, b, p));
-    }
-    return above ? fabs(normal[3] - cml_vec3_dot(p, normal)) : nearest;
+    const int side = side_of_edge(line, v[0], v[1]);
+    return side_of_edge(line, v[1], v[2]) == side && side_of_edge(line, v[2], v[0]) == side ? side : 0;
 }
 
 static bool leads_away(const struct cml_mesh_query *q, double along)
@@ -113,16 +47,19 @@ static double distance_to_outer_plane(const struct cml_mesh_query *q, const doub
     return cml_query_inside_border(q, p[0], p[1], near) == 4 ? INFINITY : fabs(q->body->mesh.z_border - p[2]);
 }
 
-/* A crossing ahead of the packet, and further than rounding: nearer ones count together, by what is beyond
- * them, for a packet that crosses one of them may find itself before it again. */
+static double distance_to(const struct cml_mesh_query *q, int primitive, double least)
+{
+    return cml_facet_crossing(q->body, primitive, q->origin, q->direction, least);
+}
+
+/* A crossing ahead, at distance t. */
 static void add_ahead(struct cml_mesh_line *line, int primitive, int way, double t)
 {
     const struct cml_mesh_query *q = line->q;
-    if (!(t > q->reach)) return;
     line->winding_ahead += way;
     if (!leads_away(q, way)) {
         const double from = primitive == CML_OUTER_PLANE ? distance_to_outer_plane(q, q->origin, line->near)
-                                                         : distance_to_triangle(q, primitive, q->origin);
+                                                         : cml_facet_distance(q->body, primitive, q->origin);
         line->back = fmin(line->back, from);
     } else if (t < line->t) {
         line->t = t;
@@ -137,29 +74,17 @@ static void add_exit_at(struct cml_mesh_line *line, int primitive, double t)
     const struct cml_mesh_query *q = line->q;
     double place[3];
     for (int k = 0; k < 3; k++) place[k] = q->origin[k] + t * q->direction[k];
-    const double beside = distance_to_triangle(q, primitive, place);
+    const double beside = cml_facet_distance(q->body, primitive, place);
     if (!(beside <= line->near) || t + beside >= line->exit_t + line->beside) return;
     line->exit_t = t;
     line->beside = beside;
     line->exit = primitive;
 }
 
-/* Where the line ahead is closest to an edge; 0 where it leaves it behind. */
-static double closest_to_edge(const struct cml_mesh_query *q, const double a[3], const double b[3])
-{
-    double edge[3], off[3];
-    cml_vec3_subtract(b, a, edge);
-    cml_vec3_subtract(q->origin, a, off);
-    const double along = cml_vec3_dot(q->direction, edge), square = cml_vec3_dot(edge, edge);
-    const double before = cml_vec3_dot(q->direction, off);
-    const double s = (cml_vec3_dot(edge, off) - along * before) / (square - along * along);
-    return fmax(0, (s > 0 ? (s < 1 ? s : 1) : 0) * along - before);
-}
-
 /* Where the line passes a facet that leads away from the packet's side: it meets it, or is closest to it at
  * an edge or at its beginning. Its plane alone does not tell: between steep walls a line that begins beyond
  * both meets their planes far from where they end. */
-static void add_exit(struct cml_mesh_line *line, int primitive, double height)
+static void add_exit(struct cml_mesh_line *line, int primitive, double t)
 {
     const struct cml_mesh_query *q = line->q;
     const struct cml_mesh *mesh = &q->body->mesh;
@@ -172,9 +97,11 @@ static void add_exit(struct cml_mesh_line *line, int primitive, double height)
     }
     if (first > line->exit_t + line->near) return;
     add_exit_at(line, primitive, 0);
-    add_exit_at(line, primitive, fmax(0, distance_along(q, primitive, height)));
-    for (int k = 0; k < 3; k++)
-        add_exit_at(line, primitive, closest_to_edge(q, mesh->vertex[v[k]], mesh->vertex[v[(k + 1) % 3]]));
+    add_exit_at(line, primitive, fmax(0, t));
+    for (int k = 0; k < 3; k++) {
+        const double *a = mesh->vertex[v[k]], *b = mesh->vertex[v[(k + 1) % 3]];
+        add_exit_at(line, primitive, cml_ray_closest_to_edge(q->origin, q->direction, a, b));
+    }
 }
 
 /* A packet that interacts beside an edge may be beyond it, and leave where no line meets a facet. */
@@ -185,7 +112,7 @@ static void add_end(struct cml_mesh_line *line, int primitive, double height)
     double end[3];
     if (line->ends_beside || !(fabs(left) <= line->near)) return;
     for (int k = 0; k < 3; k++) end[k] = q->origin[k] + line->length * q->direction[k];
-    line->ends_beside = distance_to_triangle(q, primitive, end) <= line->near;
+    line->ends_beside = cml_facet_distance(q->body, primitive, end) <= line->near;
 }
 
 void cml_line_add(struct cml_mesh_line *line, int primitive)
@@ -198,11 +125,12 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
     double to_corner[3];
     cml_vec3_subtract(a, q->origin, to_corner);
     const double height = cml_vec3_dot(to_corner, normal);
-    const int way = crosses(q, v);
+    const int way = crosses(line, v);
+    const bool ahead = way != 0 && way * cml_plane_side(a, b, c, line->from) > 0,
+               may_exit = leads_away(q, cml_vec3_dot(q->direction, normal));
     line->winding += way;
-    if (way * cml_plane_side(a, b, c, q->origin) > 0)
-        add_ahead(line, primitive, way, distance_along(q, primitive, height));
-    if (leads_away(q, cml_vec3_dot(q->direction, normal))) add_exit(line, primitive, height);
+    if (ahead) add_ahead(line, primitive, way, distance_to(q, primitive, q->reach));
+    if (may_exit) add_exit(line, primitive, distance_to(q, primitive, -INFINITY));
     add_end(line, primitive, height);
 }
 
@@ -219,6 +147,13 @@ static void add_outer_exit_at(struct cml_mesh_line *line, double t)
     line->exit = CML_OUTER_PLANE;
 }
 
+/* Whether the line still has the outer plane ahead, when it has been moved as cml_plane_side moves it. */
+static bool outer_plane_is_ahead(const struct cml_mesh_line *line)
+{
+    const double height = line->q->body->mesh.z_border - line->from[2], uz = line->q->direction[2];
+    return height != 0 ? (height > 0) == (uz > 0) : uz < 0;
+}
+
 /* The outer plane is crossed where the sheet alone does not lead from one side to the other. A line that
  * grazes it may pass its border a little beyond it. */
 static void add_outer_plane(struct cml_mesh_line *line)
@@ -228,7 +163,8 @@ static void add_outer_plane(struct cml_mesh_line *line)
     const double t = height / uz, later = t + line->near / (2 * fabs(uz));
     const int way = uz < 0 ? 1 : -1;
     if (uz == 0) return;
-    if (line->winding != way) add_ahead(line, CML_OUTER_PLANE, way, t);
+    if (line->winding != way && outer_plane_is_ahead(line))
+        add_ahead(line, CML_OUTER_PLANE, way, fmax(t, q->reach));
     if (!leads_away(q, way)) return;
     add_outer_exit_at(line, fmax(0, t));
     add_outer_exit_at(line, fmax(0, later));

@@ -3,9 +3,11 @@
  * which side of them a packet stands.
  * A line through a sheet that divides space crosses it alternately up and down. Where every sign is that of
  * the same line, moved by less than any number, that holds for what is computed too: so the crossings ahead
- * tell on which side the packet's rounded position lies. Where that is not the packet's side, it stands
- * beyond a facet by rounding. Either it comes back through that facet, which is no crossing, or it heads out:
- * through the first facet that its line passes by no more than rounding. SPDX-License-Identifier: MIT */
+ * tell on which side the packet lies: not its rounded position, but the point of its line that is ahead of it
+ * by rounding, for a packet that crosses a facet nearer than that may find itself before it again. Where that
+ * is not the packet's side, it stands beyond a facet by rounding. Either it comes back through that facet,
+ * which is no crossing, or it heads out: through the first facet that its line passes by no more than
+ * rounding. SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_LINE_H
 #define CML_MESH_LINE_H
 
@@ -13,12 +15,12 @@
 
 struct cml_mesh_line {
     const struct cml_mesh_query *q; /* borrowed */
-    double near; /* cm; what rounding can put between a packet and the facet it stands on */
-    int winding,
-        winding_ahead; /* facets crossed upwards less downwards: by the line, ahead beyond rounding */
-    double t;          /* distance of the first one ahead that leads away from the packet's side */
-    int primitive;     /* that facet; -1: none */
-    double back;       /* distance from the closest facet ahead that leads back to the packet's side */
+    double near;    /* cm; what rounding can put between a packet and the facet it stands on */
+    double from[3]; /* the point of the line ahead of the packet by rounding: what is ahead is so from here */
+    int winding, winding_ahead; /* facets crossed upwards less downwards: by the line, ahead */
+    double t;                   /* distance of the first one ahead that leads away from the packet's side */
+    int primitive;              /* that facet; -1: none */
+    double back; /* distance from the closest facet ahead that leads back to the packet's side */
     double exit_t,
         beside;       /* where the line first passes beside a facet that leads away, and how far beside */
     int exit;         /* that facet; -1: none is near the line */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "mesh_query.h"
 
+#include "mesh_facet.h"
 #include "vec3.h"
 
 #include <float.h>
@@ -39,38 +40,6 @@ static bool is_rounding(const struct cml_mesh_query *q, double product, uint32_t
     return fabs(product) <= 4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge;
 }
 
-static void facet_normal(const struct cml_mesh *mesh, int primitive, double normal[3])
-{
-    const uint32_t *v = mesh->triangle[primitive];
-    double ab[3], ac[3];
-    cml_vec3_subtract(mesh->vertex[v[1]], mesh->vertex[v[0]], ab);
-    cml_vec3_subtract(mesh->vertex[v[2]], mesh->vertex[v[0]], ac);
-    cml_vec3_cross(ab, ac, normal);
-}
-
-static void normalise(double v[3])
-{
-    const double k = 1 / sqrt(cml_vec3_dot(v, v));
-    for (int i = 0; i < 3; i++) v[i] *= k;
-}
-
-/* Distance from the near point to the triangle's plane, but never outside the triangle: at grazing incidence
- * the plane alone says little. */
-static double triangle_distance(const struct cml_mesh_query *q, const uint32_t v[3], const double normal[3],
-                                double along)
-{
-    double low = INFINITY, high = -INFINITY, t = 0;
-    for (int k = 0; k < 3; k++) {
-        double to_corner[3];
-        cml_vec3_subtract(q->body->mesh.vertex[v[k]], q->near, to_corner);
-        const double reach = cml_vec3_dot(q->direction, to_corner);
-        low = fmin(low, reach);
-        high = fmax(high, reach);
-        if (k == 0) t = cml_vec3_dot(to_corner, normal) / along;
-    }
-    return fmax(low, fmin(t, high));
-}
-
 /* Whether a crossing at t is not behind the packet. Rounding puts a packet beyond a facet by up to slack
  * across it, which is more along it: beside an edge at which it has turned, a packet may head into the next
  * facet. */
@@ -94,7 +63,6 @@ bool cml_query_cross(struct cml_mesh_query *q, int primitive, double *t, double 
 {
     const uint32_t *v = q->body->mesh.triangle[primitive];
     const double sign = q->below ? 1 : -1;
-    double normal[3];
     int close = 0;
     q->candidate_open = 0;
     for (int k = 0; k < 3; k++) {
@@ -107,13 +75,12 @@ bool cml_query_cross(struct cml_mesh_query *q, int primitive, double *t, double 
         close += rounding;
     }
     if (close == 3) q->candidate_open = 1; /* the line lies in the plane: nothing is sure */
-    facet_normal(&q->body->mesh, primitive, normal);
-    const double along = cml_vec3_dot(q->direction, normal);
+    const double along = cml_vec3_dot(q->direction, q->body->plane[primitive]);
     if (!(sign * along > 0)) return false;
-    *t = q->base + triangle_distance(q, v, normal, along);
+    *t = q->base + cml_facet_crossing(q->body, primitive, q->near, q->direction, -INFINITY);
     const double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
-    return *t >= q->least || cml_query_is_ahead(q, *t, along / sqrt(cml_vec3_dot(normal, normal)));
+    return cml_query_is_ahead(q, *t, along);
 }
 
 /* The best crossing so far. One at the same place, on a shared edge, adds its facet to the seam's mean
@@ -121,9 +88,7 @@ bool cml_query_cross(struct cml_mesh_query *q, int primitive, double *t, double 
 void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool seam = weight[0] < on_edge || weight[1] < on_edge || weight[2] < on_edge;
-    double normal[3];
-    facet_normal(&q->body->mesh, primitive, normal);
-    normalise(normal);
+    const double *normal = q->body->plane[primitive];
     if (q->on_seam && seam && fabs(t - q->t) <= q->reach) {
         for (int k = 0; k < 3; k++) q->seam[k] += normal[k];
         q->open += q->candidate_open;
@@ -242,6 +207,12 @@ bool cml_query_may_have_missed(const struct cml_mesh_query *q)
     return inside > 0 && inside < 4;
 }
 
+static void normalise(double v[3])
+{
+    const double k = 1 / sqrt(cml_vec3_dot(v, v));
+    for (int i = 0; i < 3; i++) v[i] *= k;
+}
+
 /* Upward normal of the cone that the triangle stands for. */
 static void analytic_normal(const struct cml_mesh_query *q, const double point[3], double normal[3])
 {
@@ -276,8 +247,10 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
             corner >= 0 ? mesh->vertex_normal[mesh->triangle[q->primitive][corner]][k] : q->seam[k];
     const double sign = q->below ? 1 : -1;
     const bool away = !(sign * cml_vec3_dot(q->direction, crossing->facet) > 0); /* as a mean may turn */
-    if (away) facet_normal(mesh, q->primitive, crossing->facet);
-    if (away || q->on_seam || corner >= 0) normalise(crossing->facet);
+    if (away)
+        for (int k = 0; k < 3; k++) crossing->facet[k] = q->body->plane[q->primitive][k];
+    else if (q->on_seam || corner >= 0)
+        normalise(crossing->facet);
     for (int k = 0; k < 3; k++) crossing->normal[k] = crossing->facet[k];
     if (q->on_seam) return;
     if (mesh->normals == CML_NORMALS_ANALYTIC)
@@ -290,12 +263,11 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
 static double plane_distance(const struct cml_mesh_query *q, int primitive)
 {
     const struct cml_mesh *mesh = &q->body->mesh;
-    double normal[3] = {0, 0, 1}, to_plane[3] = {0, 0, mesh->z_border - q->origin[2]};
-    if (primitive != CML_OUTER_PLANE) {
-        facet_normal(mesh, primitive, normal);
-        cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][0]], q->origin, to_plane);
-    }
-    return cml_vec3_dot(to_plane, normal) / cml_vec3_dot(q->direction, normal);
+    if (primitive == CML_OUTER_PLANE) return (mesh->z_border - q->origin[2]) / q->direction[2];
+    double to_plane[3];
+    cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][0]], q->origin, to_plane);
+    return cml_vec3_dot(to_plane, q->body->plane[primitive]) /
+           cml_vec3_dot(q->direction, q->body->plane[primitive]);
 }
 
 /* Distance in double along the ray from the triangle's plane alone; `along` is the product of direction and
@@ -335,8 +307,8 @@ static bool is_over_box(const struct cml_mesh_query *q)
 }
 
 /* Whether the packet stands so close to an edge of its facet, or to the border, that rounding may have put it
- * beyond facets that it has not met. What rounding moves across a facet is more along it, where the packet
- * grazes it. */
+ * beyond facets that it has not met, or that it was turned by a mean normal. What rounding moves across a
+ * facet is more along it, where the packet grazes it. */
 static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
 {
     if (primitive < 0) return primitive == CML_BESIDE_FACETS;
@@ -347,6 +319,7 @@ static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
     }
     const struct cml_mesh *mesh = &q->body->mesh;
     const double *normal = q->body->plane[primitive], along = fabs(cml_vec3_dot(q->direction, normal));
+    double weight[3], sum = 0;
     for (int k = 0; k < 3; k++) {
         const double *a = mesh->vertex[mesh->triangle[primitive][k]];
         double edge[3], from[3], part[3];
@@ -354,9 +327,11 @@ static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
         cml_vec3_subtract(q->origin, a, from);
         cml_vec3_cross(edge, from, part);
         const double length = fabs(edge[0]) + fabs(edge[1]) + fabs(edge[2]);
-        if (!(along * cml_vec3_dot(part, normal) > q->reach * length)) return true;
+        weight[k] = cml_vec3_dot(part, normal);
+        sum += weight[k];
+        if (!(along * weight[k] > q->reach * length)) return true;
     }
-    return false;
+    return weight[0] < on_edge * sum || weight[1] < on_edge * sum || weight[2] < on_edge * sum;
 }
 
 void cml_query_take_settled(struct cml_mesh_query *q, int primitive, double t)
@@ -426,65 +401,4 @@ int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const do
     else
         fill_normals(q, local, crossing);
     return 1;
-}
-
-/* Vertices relative to the middle of the box; queries subtract it once, in double. */
-static void centre_mesh(struct cml_mesh_body *body, double x0, double y0)
-{
-    struct cml_mesh *mesh = &body->mesh;
-    double middle[3], diagonal = 0;
-    for (int k = 0; k < 3; k++) {
-        middle[k] = 0.5 * (mesh->lower[k] + mesh->upper[k]);
-        diagonal = hypot(diagonal, mesh->upper[k] - mesh->lower[k]);
-    }
-    for (size_t i = 0; i < mesh->num_vertices; i++)
-        for (int k = 0; k < 3; k++) mesh->vertex[i][k] -= middle[k];
-    mesh->z_border -= middle[2];
-    body->inflation = 1e-6 * diagonal;
-    body->digits = 16 * DBL_EPSILON * diagonal;
-    for (int k = 0; k < 3; k++) {
-        mesh->lower[k] -= middle[k];
-        mesh->upper[k] -= middle[k];
-        body->lower[k] = mesh->lower[k] - 2 * body->inflation;
-        body->upper[k] = mesh->upper[k] + 2 * body->inflation;
-    }
-    body->centre[0] = middle[0] - x0;
-    body->centre[1] = middle[1] - y0;
-    body->centre[2] = middle[2];
-    body->axis[0] = -middle[0];
-    body->axis[1] = -middle[1];
-}
-
-/* Unit normals, up, and distances of all facets' planes: one cache line where a hit would fetch three
- * vertices. */
-static cml_status find_planes(struct cml_mesh_body *body, struct cml_error *err)
-{
-    const struct cml_mesh *mesh = &body->mesh;
-    body->plane = malloc((mesh->num_triangles + 1) * sizeof *body->plane);
-    if (!body->plane)
-        return cml_fail_memory(err, (double)(mesh->num_triangles * sizeof *body->plane), "facet planes");
-    for (size_t i = 0; i < mesh->num_triangles; i++) {
-        facet_normal(mesh, (int)i, body->plane[i]);
-        normalise(body->plane[i]);
-        body->plane[i][3] = cml_vec3_dot(body->plane[i], mesh->vertex[mesh->triangle[i][0]]);
-    }
-    return CML_OK;
-}
-
-cml_status cml_mesh_body_create(struct cml_mesh *mesh, double x0, double y0, struct cml_mesh_body *body,
-                                struct cml_error *err)
-{
-    *body = (struct cml_mesh_body){.mesh = *mesh};
-    *mesh = (struct cml_mesh){0};
-    centre_mesh(body, x0, y0);
-    CML_TRY(find_planes(body, err));
-    return cml_footprint_create(&body->mesh, &body->footprint, err);
-}
-
-void cml_mesh_body_clear(struct cml_mesh_body *body)
-{
-    free(body->plane);
-    cml_footprint_free(body->footprint);
-    cml_mesh_clear(&body->mesh);
-    *body = (struct cml_mesh_body){0};
 }

@@ -5,22 +5,9 @@
 #ifndef CML_MESH_QUERY_H
 #define CML_MESH_QUERY_H
 
-#include "footprint.h"
-#include "mesh.h"
+#include "mesh_body.h"
 #include "surface_hit.h"
 #include "surface_mesh.h"
-
-/* What is queried: a mesh centred on the origin. */
-struct cml_mesh_body {
-    struct cml_mesh mesh; /* vertices relative to centre */
-    double (*plane)[4]; /* [num_triangles] unit normal, up, and its product with any point of the triangle */
-    double centre[3];   /* in query coordinates: x and y from the beam's axis, z in the boundary's frame */
-    double axis[2];     /* the scene's z axis relative to centre: where an analytic normal is centred */
-    double lower[3], upper[3]; /* box, inflated, relative to centre */
-    double digits;             /* more than rounding in double can move a point of the mesh */
-    double inflation;          /* how much every box grows: more than the rounding of ray and box to float */
-    struct cml_footprint *footprint;
-};
 
 /* A ray on its way to its first crossing. */
 struct cml_mesh_query {
@@ -51,12 +38,6 @@ struct cml_mesh_query {
      */
     uint64_t candidate_open, open;
 };
-
-/* Takes over *mesh (prepared; left empty) and centres it. x0, y0: scene position of the queries' origin. On
- * failure the body holds what cml_mesh_body_clear frees. */
-CML_NODISCARD cml_status cml_mesh_body_create(struct cml_mesh *mesh, double x0, double y0,
-                                              struct cml_mesh_body *body, struct cml_error *err);
-void cml_mesh_body_clear(struct cml_mesh_body *body);
 
 /* Arguments as of cml_mesh_surface_hit (kernels/surface_hit.h). */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],

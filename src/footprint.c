@@ -2,6 +2,7 @@
 #include "footprint.h"
 #include "polygon.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 struct cml_footprint {
@@ -50,6 +51,26 @@ bool cml_footprint_contains(const struct cml_footprint *footprint, double x, dou
         if (edge_is_right(rows->point[edge], rows->point[next], x, y)) inside = !inside;
     }
     return inside;
+}
+
+static double distance_to_edge(const double p[2], const double q[2], double x, double y)
+{
+    const double ex = q[0] - p[0], ey = q[1] - p[1], px = x - p[0], py = y - p[1];
+    const double s = fmax(0, fmin(1, (px * ex + py * ey) / (ex * ex + ey * ey)));
+    return hypot(px - s * ex, py - s * ey);
+}
+
+bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double x, double y, double d)
+{
+    const struct cml_polygon_rows *rows = &footprint->rows;
+    if (!(y + d >= rows->y_low && y - d <= rows->y_high)) return false;
+    const size_t last = cml_polygon_row(rows, y + d);
+    for (size_t row = cml_polygon_row(rows, y - d); row <= last; row++)
+        for (size_t i = rows->first[row]; i < rows->first[row + 1]; i++) {
+            const size_t edge = rows->edge[i], next = edge + 1 < rows->num_points ? edge + 1 : 0;
+            if (distance_to_edge(rows->point[edge], rows->point[next], x, y) <= d) return true;
+        }
+    return false;
 }
 
 void cml_footprint_free(struct cml_footprint *footprint)

@@ -44,7 +44,8 @@ static bool leads_away(const struct cml_mesh_query *q, double along)
 
 static double distance_to_outer_plane(const struct cml_mesh_query *q, const double p[3], double near)
 {
-    return cml_query_inside_border(q, p[0], p[1], near) == 4 ? INFINITY : fabs(q->body->mesh.z_border - p[2]);
+    const bool is_apart = cml_query_border_side(q, p[0], p[1], near) == CML_INSIDE_BORDER;
+    return is_apart ? INFINITY : fabs(q->body->mesh.z_border - p[2]);
 }
 
 static double distance_to(const struct cml_mesh_query *q, int primitive, double least)

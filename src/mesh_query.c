@@ -164,12 +164,10 @@ bool cml_query_approach_all(struct cml_mesh_query *q, double *leave)
     return true;
 }
 
-int cml_query_inside_border(const struct cml_mesh_query *q, double x, double y, double d)
+enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d)
 {
-    int inside = 0;
-    for (int k = 0; k < 4; k++)
-        inside += cml_footprint_contains(q->body->footprint, x + (k & 1 ? d : -d), y + (k & 2 ? d : -d));
-    return inside;
+    if (cml_footprint_border_is_near(q->body->footprint, x, y, d)) return CML_AT_BORDER;
+    return cml_footprint_contains(q->body->footprint, x, y) ? CML_INSIDE_BORDER : CML_OUTSIDE_BORDER;
 }
 
 /* The plane outside the footprint, and within rounding of its border, as the triangles there reach as far. */
@@ -180,9 +178,9 @@ void cml_query_outer_plane(struct cml_mesh_query *q)
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
     if (!cml_query_is_ahead(q, t, uz) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    const int inside = cml_query_inside_border(q, x, y, fmax(q->slack, q->blur));
-    if (inside == 4) return;
-    q->doubt = q->doubt || inside > 0;
+    const enum cml_border_side side = cml_query_border_side(q, x, y, fmax(q->slack, q->blur));
+    if (side == CML_INSIDE_BORDER) return;
+    q->doubt = q->doubt || side == CML_AT_BORDER;
     q->t = t;
     q->primitive = CML_OUTER_PLANE;
 }
@@ -203,8 +201,7 @@ bool cml_query_may_have_missed(const struct cml_mesh_query *q)
     if (!(t >= q->least) || !(t < q->t)) return false;
     if (fabs(uz) < grazing_border) return true;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    const int inside = cml_query_inside_border(q, x, y, d);
-    return inside > 0 && inside < 4;
+    return cml_query_border_side(q, x, y, d) == CML_AT_BORDER;
 }
 
 static void normalise(double v[3])
@@ -312,11 +309,9 @@ static bool is_over_box(const struct cml_mesh_query *q)
 static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
 {
     if (primitive < 0) return primitive == CML_BESIDE_FACETS;
-    if (primitive == CML_OUTER_PLANE) {
-        const int inside =
-            is_over_box(q) ? cml_query_inside_border(q, q->origin[0], q->origin[1], q->reach) : 0;
-        return inside > 0;
-    }
+    if (primitive == CML_OUTER_PLANE)
+        return is_over_box(q) &&
+               cml_query_border_side(q, q->origin[0], q->origin[1], q->reach) != CML_OUTSIDE_BORDER;
     const struct cml_mesh *mesh = &q->body->mesh;
     const double *normal = q->body->plane[primitive], along = fabs(cml_vec3_dot(q->direction, normal));
     double weight[3], sum = 0;

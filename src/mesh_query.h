@@ -73,8 +73,9 @@ void cml_query_take_inside(struct cml_mesh_query *q, int primitive, const double
 /* Makes a primitive the best, at distance t, whatever was the best before. */
 void cml_query_take_settled(struct cml_mesh_query *q, int primitive, double t);
 
-/* How many of the corners of a square of side 2 d around x, y lie inside the border: 0 to 4. */
-int cml_query_inside_border(const struct cml_mesh_query *q, double x, double y, double d);
+/* Where a place lies to the mesh's border: within a distance d of it, or else outside or inside. */
+enum cml_border_side { CML_OUTSIDE_BORDER, CML_AT_BORDER, CML_INSIDE_BORDER };
+enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d);
 
 /* Lets the plane outside the footprint compete; sets q->doubt close to the border. */
 void cml_query_outer_plane(struct cml_mesh_query *q);

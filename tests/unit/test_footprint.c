@@ -93,6 +93,47 @@ static void compare_inside(const double (*point)[2], size_t n, int queries)
     cml_footprint_free(footprint);
 }
 
+static double distance_to_border(const double (*point)[2], size_t n, double x, double y)
+{
+    double nearest = INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        const double *p = point[i], *q = point[(i + 1) % n];
+        const double length = hypot(q[0] - p[0], q[1] - p[1]);
+        const double along = ((x - p[0]) * (q[0] - p[0]) + (y - p[1]) * (q[1] - p[1])) / length;
+        const double across = ((x - p[0]) * (q[1] - p[1]) - (y - p[1]) * (q[0] - p[0])) / length;
+        const double beyond = along < 0 ? along : along > length ? along - length : 0;
+        nearest = fmin(nearest, hypot(across, beyond));
+    }
+    return nearest;
+}
+
+/* At distances around the one asked for, large and small against the polygon. */
+static void finds_the_border(void **state)
+{
+    (void)state;
+    double point[40][2];
+    for (int i = 0; i < 300; i++) {
+        const size_t n = 3 + (size_t)(random_unit() * 37);
+        random_star(point, n, i % 2);
+        struct cml_footprint *footprint = make_footprint((const double(*)[2])point, n);
+        for (int k = 0; k < 300; k++) {
+            const size_t edge = (size_t)(random_unit() * (double)n), next = (edge + 1) % n;
+            const double s = random_unit(),
+                         size = hypot(point[0][0] - point[1][0], point[0][1] - point[1][1]);
+            const double off = size * exp(-20 * random_unit());
+            const double x = point[edge][0] + s * (point[next][0] - point[edge][0]) +
+                             off * (random_unit() - 0.5),
+                         y = point[edge][1] + s * (point[next][1] - point[edge][1]) +
+                             off * (random_unit() - 0.5);
+            const double distance = distance_to_border((const double(*)[2])point, n, x, y);
+            assert_true(cml_footprint_border_is_near(footprint, x, y, 1.001 * distance + 1e-12 * size));
+            if (distance > 1e-9 * size)
+                assert_false(cml_footprint_border_is_near(footprint, x, y, 0.999 * distance));
+        }
+        cml_footprint_free(footprint);
+    }
+}
+
 static void agrees_with_brute_force(void **state)
 {
     (void)state;
@@ -201,9 +242,8 @@ static void finds_contacts(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(agrees_with_brute_force),
-        cmocka_unit_test(vertices_count_once),
-        cmocka_unit_test(finds_crossings),
+        cmocka_unit_test(agrees_with_brute_force), cmocka_unit_test(finds_the_border),
+        cmocka_unit_test(vertices_count_once),     cmocka_unit_test(finds_crossings),
         cmocka_unit_test(finds_contacts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

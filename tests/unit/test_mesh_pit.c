@@ -1,4 +1,5 @@
-/* Exact queries in double precision, in a pit: along the edges to its tip, past its border, beside its tip.
+/* Queries in a pit, in double precision but for the last: along the edges to its tip, past its border, beside
+ * its tip, at a corner of its border.
  * SPDX-License-Identifier: MIT */
 #include "mesh_shapes.h"
 #include "surface_hit.h"
@@ -166,10 +167,37 @@ static void a_packet_is_mirrored_beside_the_tip(void **state)
     assert_int_equal(wrong, 0);
 }
 
+/* Fast queries of packets that crossed the plane beside a corner of the border, on their way into the pit: a
+ * corner so sharp that what is around them lies outside. */
+static void a_packet_at_a_sharp_corner_enters_the_pit(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(4);
+    const struct pit pit = pit_make(3, 0.5, 0.5 / sqrt(2));
+    int missed = 0;
+    for (int n = 0; n < 100000; n++) {
+        const double p[3] = {0.5 - dice_below(&dice, 3) * 2.98e-8, dice_between(&dice, -1, 1) * 1e-8, 0};
+        const double *corner = pit.rim[0];
+        double u[3] = {0, 0, 0};
+        for (int i = 0; i < 3; i++) {
+            const double *to = i < 2 ? pit.rim[1 + i] : pit.tip, share = dice_between(&dice, 0.01, 1);
+            for (int k = 0; k < 3; k++) u[k] += share * (to[k] - corner[k]);
+        }
+        const double size = sqrt(cml_vec3_dot(u, u));
+        for (int k = 0; k < 3; k++) u[k] = (float)(u[k] / size);
+        struct cml_mesh_crossing crossing;
+        missed += !cml_mesh_surface_hit(pit.surface, p, u, true, INFINITY, CML_OUTER_PLANE, false, false,
+                                        2.4e-7, &crossing);
+    }
+    cml_mesh_surface_free(pit.surface);
+    assert_int_equal(missed, 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_line_along_an_edge_ends_where_it_ends),
                                        cmocka_unit_test(a_packet_is_mirrored_at_the_border),
-                                       cmocka_unit_test(a_packet_is_mirrored_beside_the_tip)};
+                                       cmocka_unit_test(a_packet_is_mirrored_beside_the_tip),
+                                       cmocka_unit_test(a_packet_at_a_sharp_corner_enters_the_pit)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

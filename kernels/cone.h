@@ -56,6 +56,20 @@ CML_FN struct cml_cone_ray cml_cone_ray_make(struct cml_vec p, struct cml_vec u,
     return ray;
 }
 
+/* The depth at which ring i ends; that of the outermost is its own. */
+CML_FN real cml_ring_end(struct cml_rings rings, int i)
+{
+    return rings.z[i + 1 < rings.n ? i + 1 : i];
+}
+
+/* Depth of a place on a ring that begins and ends at these: between walls that are steep, rounding across
+ * them would else carry a packet out beyond where they meet, deeper with every reflection. */
+CML_FN real cml_onto_ring(real begin, real end, real z)
+{
+    const real low = begin < end ? begin : end, high = begin < end ? end : begin;
+    return z > low ? (z < high ? z : high) : low;
+}
+
 /* The ring whose span holds r: largest i with r_i <= r. Rings of even width are found at once. */
 CML_FN int cml_ring_of(struct cml_rings rings, real r)
 {

@@ -89,6 +89,7 @@ CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml
         return 0;
     hit->t = t;
     hit->point = cml_along(p, t, u);
+    hit->point.z = cml_onto_ring(rings.z[ring], cml_ring_end(rings, ring), hit->point.z);
     const struct cml_vec q = cml_from_scene_axis(world, hit->point);
     hit->facet = cml_cone_facet(rings, ring, q.x, q.y);
     hit->normal = first ? cml_cone_normal(rings, ring, q.x, q.y) : hit->facet;

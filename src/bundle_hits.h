@@ -15,7 +15,7 @@ struct cml_hits {
     real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
     /* of rings */
     int known[CML_LANES]; /* t is; else it is the root in [t0, t1] */
-    real ring_r[CML_LANES], ring_z[CML_LANES], slope[CML_LANES];
+    real ring_r[CML_LANES], ring_z[CML_LANES], ring_end[CML_LANES], slope[CML_LANES];
     real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES];
     real t[CML_LANES];
     cml_u32 index_low[CML_LANES], index_high[CML_LANES], crossings[CML_LANES];
@@ -59,7 +59,7 @@ CML_PASS void cml_hits_settle_rings(const struct cml_world *world, real side, st
         h->doubtful[k] = !(known | (good & (better < t_max)));
         h->x[k] = point.x;
         h->y[k] = point.y;
-        h->z[k] = point.z;
+        h->z[k] = cml_onto_ring(ring.z, h->ring_end[k], point.z);
         h->normal_x[k] = r > 0 ? up.x : axis.x;
         h->normal_y[k] = r > 0 ? up.y : axis.y;
         h->normal_z[k] = r > 0 ? up.z : axis.z;

@@ -200,6 +200,7 @@ static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml
     h->known[k] = verdict == CML_CONE_HIT;
     h->ring_r[k] = rings.r[march.ring];
     h->ring_z[k] = rings.z[march.ring];
+    h->ring_end[k] = cml_ring_end(rings, march.ring);
     h->slope[k] = rings.slope[march.ring];
     h->t0[k] = march.t0;
     h->t1[k] = march.t1;

@@ -381,6 +381,44 @@ static void a_walk_of_a_million_flights_never_slips_through(void **state)
     assert_true(walker.crossings > 10000L * FIELDS);
 }
 
+/* Grooves with walls of slope 1000, their bottoms at z = 0. */
+static struct field grooves(void)
+{
+    struct field field = {.n = 41};
+    for (int i = 0; i < field.n; i++) {
+        field.r[i] = (real)(1e-4 * i);
+        field.z[i] = (real)(i % 2 ? -0.1 : 0);
+    }
+    field_finish(&field);
+    return field;
+}
+
+/* Dropped on a groove's bottom a packet is mirrored from wall to wall until it comes up again. Its r says
+ * less than 1000 roundings about its depth. */
+static void a_packet_does_not_sink_between_walls(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(55);
+    const struct field field = grooves();
+    struct walker walker = {.worst = 0};
+    enter(&dice, &walker, &field);
+    long reflections = 0;
+    for (int n = 0; n < 2000; n++) {
+        const double r = (double)field.r[2 + 2 * dice_below(&dice, 19)], phi = dice_between(&dice, 0, 6.28);
+        const real ulps = (real)(dice_below(&dice, 5) - 2) * CML_EPSILON;
+        struct cml_vec p = {(real)(r * cos(phi)) * (1 + ulps), (real)(r * sin(phi)), (real)-1};
+        struct cml_vec u = {0, 0, 1};
+        struct cml_hit hit = {.primitive = -1};
+        for (int k = 0; k < 2000 && u.z > 0; k++, reflections++) {
+            if (!cml_field_hit(&walker.world, 0, p, u, -1, CML_INFINITY, hit.primitive, 0, &hit)) break;
+            assert_true(hit.point.z <= 0);
+            p = hit.point;
+            u = cml_reflect(u, hit.facet);
+        }
+    }
+    assert_true(reflections > 100000);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -389,6 +427,7 @@ int main(void)
         cmocka_unit_test(grazing_rays_hit_the_surface_where_it_is),
         cmocka_unit_test(a_packet_slides_along_a_hollow_on_its_surface),
         cmocka_unit_test(every_radius_finds_its_ring),
+        cmocka_unit_test(a_packet_does_not_sink_between_walls),
         cmocka_unit_test(a_walk_of_a_million_flights_never_slips_through),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -139,6 +139,7 @@ static int march(const struct made_up *m, const struct path *path, real side, st
     h->uz[k] = march.ray.u.z;
     h->ring_r[k] = rings.r[march.ring];
     h->ring_z[k] = rings.z[march.ring];
+    h->ring_end[k] = cml_ring_end(rings, march.ring);
     h->slope[k] = rings.slope[march.ring];
     h->t0[k] = march.t0;
     h->t1[k] = march.t1;

@@ -3,6 +3,7 @@
 
 #include "vec3.h"
 
+#include <float.h>
 #include <math.h>
 
 /* Edges that a line passes at smaller angles, rad, do not tell where it is inside a triangle. */
@@ -60,7 +61,10 @@ double cml_facet_crossing(const struct cml_mesh_body *body, int primitive, const
     const struct chord chord = between_edges(body, primitive, from, direction, along);
     const double low = fmin(chord.first, chord.last), high = fmax(chord.first, chord.last);
     const double t = fmax(low, fmin(cml_vec3_dot(to_corner, normal) / along, high));
-    return t >= least ? t : fmax(least, fmin(t + body->digits / fabs(along), high));
+    if (t >= least) return t;
+    double rounding = 0;
+    for (int k = 0; k < 3; k++) rounding += 4 * DBL_EPSILON * fabs(to_corner[k] * normal[k]);
+    return fmax(least, fmin(t + rounding / fabs(along), high));
 }
 
 static double distance_to_segment(const double a[3], const double b[3], const double p[3])

@@ -12,13 +12,14 @@ enum { MOST_SIDES = 50, MOST_EVENTS = 1000 };
 
 struct pit {
     int sides;
+    double rounding; /* by which crossings may be off */
     double tip[3], rim[MOST_SIDES][3];
     struct cml_mesh_surface *surface;
 };
 
 static struct pit pit_make(int sides, double radius, double depth)
 {
-    struct pit pit = {.sides = sides, .tip = {0, 0, depth}};
+    struct pit pit = {.sides = sides, .rounding = 1e-15 + 1e-16 * radius, .tip = {0, 0, depth}};
     struct cml_mesh mesh = {.num_vertices = (size_t)sides + 1, .num_triangles = (size_t)sides};
     struct cml_error err = {CML_OK, ""};
     mesh.vertex = malloc(mesh.num_vertices * sizeof *mesh.vertex);
@@ -48,21 +49,33 @@ static void mirror(const double facet[3], double u[3])
     for (int k = 0; k < 3; k++) u[k] -= 2 * along * facet[k];
 }
 
+/* Distance of a place from the plane of a wall; positive in the wall. */
+static double depth_in_wall(const struct pit *pit, int i, const double place[3])
+{
+    const double *a = pit->rim[i], *b = pit->rim[(i + 1) % pit->sides];
+    double ab[3], to_tip[3], normal[3], from[3];
+    cml_vec3_subtract(b, a, ab);
+    cml_vec3_subtract(pit->tip, a, to_tip);
+    cml_vec3_cross(ab, to_tip, normal);
+    cml_vec3_subtract(place, a, from);
+    return cml_vec3_dot(normal, from) / sqrt(cml_vec3_dot(normal, normal));
+}
+
 /* Whether a place lies below the surface by more than rounding. */
 static bool is_in_wall(const struct pit *pit, const double p[3], double t, const double u[3])
 {
     double place[3];
     for (int k = 0; k < 3; k++) place[k] = p[k] + t * u[k];
-    for (int i = 0; i < pit->sides && place[2] > 0; i++) {
-        const double *a = pit->rim[i], *b = pit->rim[(i + 1) % pit->sides];
-        double ab[3], to_tip[3], normal[3], from[3];
-        cml_vec3_subtract(b, a, ab);
-        cml_vec3_subtract(pit->tip, a, to_tip);
-        cml_vec3_cross(ab, to_tip, normal);
-        cml_vec3_subtract(place, a, from);
-        if (cml_vec3_dot(normal, from) > 1e-9) return true;
-    }
-    return false;
+    bool in_wall = false;
+    for (int i = 0; i < pit->sides; i++) in_wall = in_wall || depth_in_wall(pit, i, place) > 1e-9;
+    return place[2] > 0 && in_wall;
+}
+
+/* By how much a crossing misses the plane of what is crossed. */
+static double off_plane(const struct pit *pit, const struct cml_mesh_crossing *crossing)
+{
+    const bool outside = crossing->primitive == CML_OUTER_PLANE;
+    return fabs(outside ? crossing->point[2] : depth_in_wall(pit, crossing->primitive, crossing->point));
 }
 
 /* Flies until nothing is met: always on to the other side, or always mirrored. Whether it ends where its
@@ -76,6 +89,7 @@ static bool ends_where_it_heads(const struct pit *pit, double p[3], double u[3],
                                                 n > 0 && !mirrored, true, slack_at(p), &crossing);
         if (mirrored && !below && is_in_wall(pit, p, found ? crossing.t / 2 : 0.01, u)) return false;
         if (!found) return below == (u[2] > 0);
+        if (!mirrored && off_plane(pit, &crossing) > pit->rounding) return false;
         if (mirrored)
             mirror(crossing.facet, u);
         else
@@ -109,6 +123,30 @@ static void a_line_along_an_edge_ends_where_it_ends(void **state)
             p[k] = pit.rim[i][k] + s * (pit.tip[k] - pit.rim[i][k]) + dice_between(&dice, -1, 1) * 1e-16;
         head_for(pit.rim[i], pit.tip, u);
         for (int k = 0; k < 3; k++) u[k] = way * (u[k] + dice_between(&dice, -1, 1) * 3e-16);
+        wrong += !ends_where_it_heads(&pit, p, u, dice_below(&dice, 2), false,
+                                      dice_below(&dice, 3) ? standing_on : -1);
+    }
+    cml_mesh_surface_free(pit.surface);
+    assert_int_equal(wrong, 0);
+}
+
+/* The same in a pit so wide that rounding is large against its depth, and at small angles to its facets:
+ * crossings lie on them. */
+static void a_line_that_grazes_an_edge_ends_where_it_ends(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(5);
+    const struct pit pit = pit_make(3, 100, 0.01);
+    int wrong = 0;
+    for (int n = 0; n < 200000; n++) {
+        const int i = dice_below(&dice, 3), standing_on = dice_below(&dice, 2) ? i : (i + 2) % 3;
+        const double s = dice_between(&dice, 0.9, 0.999), angle = exp(dice_between(&dice, -16, -7)),
+                     way = dice_below(&dice, 2) ? 1 : -1;
+        double p[3], u[3];
+        for (int k = 0; k < 3; k++) p[k] = pit.rim[i][k] + s * (pit.tip[k] - pit.rim[i][k]);
+        head_for(pit.rim[i], pit.tip, u);
+        for (int k = 0; k < 3; k++) u[k] = way * (u[k] + dice_between(&dice, -1, 1) * angle);
+        head_for(p, (double[3]){p[0] + u[0], p[1] + u[1], p[2] + u[2]}, u);
         wrong += !ends_where_it_heads(&pit, p, u, dice_below(&dice, 2), false,
                                       dice_below(&dice, 3) ? standing_on : -1);
     }
@@ -196,6 +234,7 @@ static void a_packet_at_a_sharp_corner_enters_the_pit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_line_along_an_edge_ends_where_it_ends),
+                                       cmocka_unit_test(a_line_that_grazes_an_edge_ends_where_it_ends),
                                        cmocka_unit_test(a_packet_is_mirrored_at_the_border),
                                        cmocka_unit_test(a_packet_is_mirrored_beside_the_tip),
                                        cmocka_unit_test(a_packet_at_a_sharp_corner_enters_the_pit)};

@@ -11,8 +11,10 @@
 struct cpu_engine {
     struct scalar_world scalar;
     struct cml_lane_medium *media; /* [num_layers + 2] */
-    struct cml_tally *tallies;     /* one for each thread */
+    struct cml_tally *tallies;     /* one for each thread but those that score into the caller's; zero */
     int threads, num_tallies;
+    int first_apart; /* the first thread that has a tally of its own: 0 where all share a large A_rz, else 1
+                      */
     uint64_t chunk;
 };
 
@@ -33,10 +35,11 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
 {
     const struct cml_grid full = cml_engine_grid(scene, surfaces, options);
     const struct cml_grid grid = cml_grid_of_thread(&full);
+    cpu->first_apart = grid.absorption == full.absorption ? 1 : 0;
     cpu->tallies = calloc((size_t)cpu->threads, sizeof *cpu->tallies);
     if (!cpu->tallies) return cml_fail_memory(err, cpu->threads * cml_tally_bytes(&grid), "tallies");
-    for (; cpu->num_tallies < cpu->threads; cpu->num_tallies++)
-        CML_TRY(cml_tally_create(&grid, &cpu->tallies[cpu->num_tallies], err));
+    for (int thread = cpu->first_apart; thread < cpu->threads; thread++)
+        CML_TRY(cml_tally_create(&grid, &cpu->tallies[cpu->num_tallies++], err));
     return CML_OK;
 }
 
@@ -69,23 +72,44 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
 
 /* Photon indices that no thread has taken yet. */
 struct pool {
-    uint64_t first, count, chunk;
+    uint64_t first, count, chunk, threads;
     uint64_t taken; /* shared by all threads */
 };
+
+/* Towards the end less and less, so that all threads end at about the same time. */
+static uint64_t choose_chunk(const struct pool *pool)
+{
+    const uint64_t least = 16;
+    uint64_t taken;
+    if (pool->threads == 1 || pool->chunk <= least) return pool->chunk;
+#pragma omp atomic read
+    taken = pool->taken;
+    const uint64_t left = taken < pool->count ? pool->count - taken : 0, fair = left / (8 * pool->threads);
+    return fair > least ? (fair < pool->chunk ? fair : pool->chunk) : least;
+}
 
 static int take_chunk(void *context, uint64_t *first, uint64_t *count)
 {
     struct pool *pool = context;
+    const uint64_t chunk = choose_chunk(pool);
     uint64_t begin;
 #pragma omp atomic capture
     {
         begin = pool->taken;
-        pool->taken += pool->chunk;
+        pool->taken += chunk;
     }
     if (begin >= pool->count) return 0;
     *first = pool->first + begin;
-    *count = pool->count - begin < pool->chunk ? pool->count - begin : pool->chunk;
+    *count = pool->count - begin < chunk ? pool->count - begin : chunk;
     return 1;
+}
+
+/* A part, one of as many as there are threads, of what threads have scored apart. */
+static void gather_part(struct cpu_engine *cpu, struct cml_tally *tally)
+{
+    const int parts = omp_get_num_threads();
+    for (int i = 0; i < parts - cpu->first_apart; i++)
+        cml_tally_move(tally, &cpu->tallies[i], omp_get_thread_num(), parts);
 }
 
 static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
@@ -93,16 +117,17 @@ static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml
 {
     (void)err;
     struct cpu_engine *cpu = self;
-    struct pool pool = {.first = first, .count = count, .chunk = cpu->chunk};
+    struct pool pool = {
+        .first = first, .count = count, .chunk = cpu->chunk, .threads = (uint64_t)cpu->threads};
     const struct cml_range_source source = {take_chunk, &pool};
 #pragma omp parallel num_threads(cpu->threads)
     {
-        struct cml_tally *mine = &cpu->tallies[omp_get_thread_num()];
-        cml_tally_zero(mine);
-        cml_tally_borrow(mine, tally);
+        const int apart = omp_get_thread_num() - cpu->first_apart;
+        struct cml_tally *mine = apart < 0 ? tally : &cpu->tallies[apart];
+        if (apart >= 0) cml_tally_borrow(mine, tally);
         cml_bundle_walk(&cpu->scalar.world, cpu->media, &source, mine);
-#pragma omp critical
-        cml_tally_merge(tally, mine);
+#pragma omp barrier
+        gather_part(cpu, tally);
     }
     return CML_OK;
 }

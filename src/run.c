@@ -27,7 +27,8 @@ enum verdict { GO_ON, DONE, STOPPED };
 struct flight {
     const struct cml_run_setup *setup;
     struct cml_run_result *out;
-    struct cml_tally tally;
+    struct cml_tally tally; /* of the pieces that the result has not been given yet, but for their profiles */
+    uint64_t in_tally;      /* packets */
     void *engine;
     struct cml_dispatch dispatch;
     struct cml_run_state state; /* `open` is rank 0's */
@@ -39,13 +40,25 @@ struct flight {
 /* ---- flying
  * ------------------------------------------------------------------------------------------------- */
 
+/* So many packets may each cross a facet 500 times before a cell of a tally overflows. */
+#define MOST_IN_TALLY ((uint64_t)1 << 24)
+
+static void empty_tally(struct flight *flight)
+{
+    if (flight->in_tally == 0) return;
+    cml_result_add(&flight->out->result, &flight->tally);
+    cml_tally_zero(&flight->tally);
+    flight->in_tally = 0;
+}
+
 static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, uint64_t count,
                             struct cml_error *err)
 {
     const double begin = now();
-    cml_tally_zero(&flight->tally);
     CML_TRY(flight->setup->engine->run(flight->engine, first, count, &flight->tally, err));
-    cml_result_add(&flight->out->result, batch, &flight->tally);
+    cml_result_note(&flight->out->result, batch, &flight->tally);
+    flight->in_tally += count;
+    if (flight->in_tally >= MOST_IN_TALLY) empty_tally(flight);
     flight->mine.flying += now() - begin;
     flight->mine.photons += count;
     return CML_OK;
@@ -168,6 +181,7 @@ static cml_status meet(struct flight *flight, cml_status mine, struct cml_range 
     CML_TRY(cml_cluster_agree(mine, err));
     bool stop = flight->setup->checkpoint && cml_stop_requested();
     CML_TRY(cml_dispatch_return(&flight->dispatch, left, flown, &stop, err));
+    empty_tally(flight);
     CML_TRY(cml_cluster_sum(&flight->out->result, err));
     cml_status status = CML_OK;
     if (cml_cluster_rank() == 0) status = decide(flight, stop, met, verdict, err);
@@ -228,17 +242,17 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     return cml_ranges_add(&flight->state.open, (struct cml_range){0, photons}, err);
 }
 
-/* Seconds that one piece costs beyond its packets: every thread's tally is cleared and added. The first round
- * only touches the memory. */
+/* Seconds that one piece costs beyond its packets: its profiles are summed, and what threads scored apart is
+ * gathered, by all of them. The first round only touches the memory. */
 static double measure_overhead(struct flight *flight)
 {
     double begin = 0;
     for (int round = 0; round < 2; round++) {
         begin = now();
         cml_tally_zero(&flight->tally);
-        cml_result_add(&flight->out->result, 0, &flight->tally);
+        cml_result_note(&flight->out->result, 0, &flight->tally);
     }
-    return (now() - begin) * (1 + flight->out->threads);
+    return 2 * (now() - begin);
 }
 
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)

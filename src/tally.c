@@ -22,6 +22,13 @@ static size_t cells_batched(const struct cml_grid *grid)
     return CML_NUM_BATCHES * bins;
 }
 
+/* Profiles of a tally, one behind the other and with the bins beyond the grid: Rd_r and Tt_r [nr + 1], Rd_a
+ * and Tt_a [na], A_z [nz + 2] unless there is no A_rz. */
+static size_t profile_bins(const struct cml_grid *grid)
+{
+    return 2 * ((size_t)grid->nr + 1 + (size_t)grid->na) + (grid->absorption ? (size_t)grid->nz + 2 : 0);
+}
+
 static size_t cells_map(const struct cml_grid *grid)
 {
     return grid->nx > 0 ? ((size_t)grid->nx * (size_t)grid->ny + 1) * (size_t)grid->map_na : 0;
@@ -163,14 +170,27 @@ static void merge_lost(struct cml_lost_list *to, const struct cml_lost_list *fro
     for (int i = 0; i < from->count; i++) cml_lost_list_add(to, from->index[i]);
 }
 
-void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from)
+static void move_cells(uint64_t *restrict to, uint64_t *restrict from, size_t first, size_t end)
 {
-    const size_t cells = cml_tally_cells(&from->grid);
-    for (size_t i = 0; i < cells; i++) to->A_l[i] += from->A_l[i];
-    for (int i = 0; i < CML_NUM_BOOKS; i++) to->book[i] += from->book[i];
-    for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
-    for (int i = 0; i < CML_NUM_TOTALS; i++) to->square[i] += from->square[i];
+    for (size_t i = first; i < end; i++) {
+        to[i] += from[i];
+        from[i] = 0;
+    }
+}
+
+void cml_tally_move(struct cml_tally *to, struct cml_tally *from, int part, int parts)
+{
+    const size_t cells = cml_tally_cells(&from->grid), n = (size_t)parts, i = (size_t)part;
+    move_cells(to->A_l, from->A_l, cells * i / n, cells * (i + 1) / n);
+    if (part > 0) return;
+    move_cells(to->book, from->book, 0, CML_NUM_BOOKS);
+    move_cells(to->count, from->count, 0, CML_NUM_COUNTS);
+    for (int k = 0; k < CML_NUM_TOTALS; k++) {
+        to->square[k] += from->square[k];
+        from->square[k] = 0;
+    }
     merge_lost(&to->lost, &from->lost);
+    from->lost.count = 0;
 }
 
 cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, struct cml_result *result,
@@ -178,8 +198,13 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
 {
     *result = (struct cml_result){.grid = *grid, .photons = photons};
     cml_u128 *block = calloc(cells_all(grid) + cells_batched(grid), sizeof *block);
-    if (!block) return cml_fail_memory(err, cml_result_bytes(grid), "the result");
     result->A_l = block;
+    result->noted = calloc(profile_bins(grid), sizeof *result->noted);
+    result->sums = calloc(profile_bins(grid), sizeof *result->sums);
+    if (!block || !result->noted || !result->sums) {
+        cml_result_free(result);
+        return cml_fail_memory(err, cml_result_bytes(grid), "the result");
+    }
     result->Rd_ra = result->A_l + grid->num_layers + 2;
     result->Tt_ra = result->Rd_ra + cells_ra(grid);
     if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
@@ -195,16 +220,60 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
 void cml_result_free(struct cml_result *result)
 {
     free(result->A_l);
+    free(result->noted);
+    free(result->sums);
     *result = (struct cml_result){0};
 }
 
-/* Where the profiles of the batch under way go; by_row may be NULL. */
-struct margins {
-    cml_u128 *by_row, *by_column;
-};
+/* Adds to the sums of rows and columns; by_row may be NULL. */
+static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64_t *by_row,
+                      uint64_t *restrict by_column)
+{
+    for (size_t i = 0; i < rows; i++) {
+        const uint64_t *row = cells + i * columns;
+        for (size_t j = 0; j < columns; j++) by_column[j] += row[j];
+        for (size_t j = 0; by_row && j < columns; j++) by_row[i] += row[j];
+    }
+}
+
+static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
+{
+    const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
+    uint64_t *Rd_a = sums + 2 * rows, *Tt_a = Rd_a + na, *A_z = Tt_a + na;
+    memset(sums, 0, profile_bins(&tally->grid) * sizeof *sums);
+    sum_table(tally->Rd_ra, rows, na, sums, Rd_a);
+    sum_table(tally->Tt_ra, rows, na, sums + rows, Tt_a);
+    if (tally->grid.absorption) sum_table(tally->A_rz, rows, (size_t)tally->grid.nz + 2, NULL, A_z);
+}
+
+/* What has come to n bins since they were noted, after `before` bins beyond the grid, into a batch's profile
+ * of `size` bins, whose first and last take what lies beyond it. */
+static void note_bins(cml_u128 *profile, size_t size, size_t before, const uint64_t *sums,
+                      const uint64_t *noted, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const size_t bin = i < before ? 0 : i - before;
+        profile[bin < size ? bin : size - 1] += sums[i] - noted[i];
+    }
+}
+
+void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)
+{
+    const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
+    const size_t b = (size_t)batch, r = nr + 1, a = 2 * r, z = a + 2 * na;
+    uint64_t *sums = result->sums, *noted = result->noted;
+    sum_profiles(tally, sums);
+    note_bins(result->Rd_r + b * nr, nr, 0, sums, noted, r);
+    note_bins(result->Tt_r + b * nr, nr, 0, sums + r, noted + r, r);
+    note_bins(result->Rd_a + b * na, na, 0, sums + a, noted + a, na);
+    note_bins(result->Tt_a + b * na, na, 0, sums + a + na, noted + a + na, na);
+    if (result->grid.absorption) note_bins(result->A_z + b * nz, nz, 1, sums + z, noted + z, nz + 2);
+    result->sums = noted;
+    result->noted = sums;
+}
 
 /* Rd_ra or Tt_ra: what left beyond the last radius goes into the last radial bin. */
-static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *from, struct margins margins)
+static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *from)
 {
     const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na;
     for (size_t i = 0; i <= nr; i++) {
@@ -212,14 +281,12 @@ static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *f
         for (size_t ia = 0; ia < na; ia++) {
             const uint64_t cell = from[i * na + ia];
             to[ir * na + ia] += cell;
-            margins.by_row[ir] += cell;
-            margins.by_column[ia] += cell;
             if (i == nr) result->book[CML_BOOK_OVERFLOW_R] += cell;
         }
     }
 }
 
-static void add_absorption(struct cml_result *result, const uint64_t *A_rz, cml_u128 *A_z)
+static void add_absorption(struct cml_result *result, const uint64_t *A_rz)
 {
     const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
     for (size_t i = 0; i <= nr; i++) {
@@ -228,7 +295,6 @@ static void add_absorption(struct cml_result *result, const uint64_t *A_rz, cml_
             const uint64_t cell = A_rz[i * (nz + 2) + j];
             const size_t iz = j == 0 ? 0 : (j <= nz ? j - 1 : nz - 1);
             result->A_rz[ir * nz + iz] += cell;
-            A_z[iz] += cell;
             if (i == nr) result->book[CML_BOOK_OVERFLOW_R] += cell;
             if (j == 0) result->book[CML_BOOK_ABOVE] += cell;
             if (j > nz) result->book[CML_BOOK_OVERFLOW_Z] += cell;
@@ -245,21 +311,19 @@ static void add_maps(struct cml_result *result, const struct cml_tally *tally)
         if (from[i]) to[i] += from[i];
 }
 
-void cml_result_add(struct cml_result *result, int batch, const struct cml_tally *tally)
+void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_grid *grid = &result->grid;
-    const size_t nr = (size_t)grid->nr, na = (size_t)grid->na, b = (size_t)batch;
-    const struct margins reflected = {result->Rd_r + b * nr, result->Rd_a + b * na};
-    const struct margins transmitted = {result->Tt_r + b * nr, result->Tt_a + b * na};
     for (int m = 0; m < grid->num_layers + 2; m++) result->A_l[m] += tally->A_l[m];
-    add_exits(result, result->Rd_ra, tally->Rd_ra, reflected);
-    add_exits(result, result->Tt_ra, tally->Tt_ra, transmitted);
-    if (grid->absorption) add_absorption(result, tally->A_rz, result->A_z + b * (size_t)grid->nz);
+    add_exits(result, result->Rd_ra, tally->Rd_ra);
+    add_exits(result, result->Tt_ra, tally->Tt_ra);
+    if (grid->absorption) add_absorption(result, tally->A_rz);
     add_maps(result, tally);
     for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] += tally->book[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] += tally->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] += tally->square[i];
     merge_lost(&result->lost, &tally->lost);
+    memset(result->noted, 0, profile_bins(grid) * sizeof *result->noted);
 }
 
 cml_u128 *cml_result_cells(struct cml_result *result, size_t *count)

@@ -78,6 +78,8 @@ struct cml_result {
     cml_u128 count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS];
     struct cml_lost_list lost;
+    uint64_t *noted,
+        *sums; /* profiles of the tally under way: as far as noted, and to sum them anew; owned */
 };
 
 /* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra, A_rz and the maps in this order, which lie in one block from
@@ -109,16 +111,21 @@ void cml_tally_free(struct cml_tally *tally);
 /* Keeps the list sorted and, when it is full, the smallest. */
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index);
 
-/* to += from; same grid, or `from` has none of the maps and they stay as they are. */
-void cml_tally_merge(struct cml_tally *to, const struct cml_tally *from);
+/* to += from, and from = 0, but only one of several parts of that: part 0..parts - 1, which threads may do
+ * side by side, each once. Same grid, or `from` has none of the maps and they stay as they are. */
+void cml_tally_move(struct cml_tally *to, struct cml_tally *from, int part, int parts);
 
 /* A zero result for this number of photons, 1..2^48. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons,
                                            struct cml_result *result, struct cml_error *err);
 void cml_result_free(struct cml_result *result);
 
-/* Adds a tally whose packets all belong to one batch. */
-void cml_result_add(struct cml_result *result, int batch, const struct cml_tally *tally);
+/* Gives what the tally has got since it was last noted, or was zero, to the profiles of a batch: packets that
+ * all belong to that. */
+void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally);
+
+/* Adds the rest of a tally that has been noted; the next one begins at zero. */
+void cml_result_add(struct cml_result *result, const struct cml_tally *tally);
 
 /* All cells of a result as one block, for those who move or store it: *count of them, owned by the result. */
 cml_u128 *cml_result_cells(struct cml_result *result, size_t *count);

@@ -21,6 +21,7 @@ import results
 CALIBRATE_S = 0.1  # a run shorter than this says too little about the photons per second
 FOREIGN = 0.05  # of a core that others may take from a run before it is repeated
 REPEATS = 3
+THREADS_TARGET = 3  # runs on several threads are so much longer, for their ratio is within a tenth of its bound
 MOST_PHOTONS = 50000000
 
 
@@ -147,7 +148,7 @@ def main():
         todo = cases.all_cases(work, arguments.quick)
         for case in todo:
             print("\rcalibrating: %-24s" % case.name, end="", file=sys.stderr)
-            calibrate(program, mcml, case, target)
+            calibrate(program, mcml, case, target * (THREADS_TARGET if case.threads > 1 else 1))
         print(file=sys.stderr)
         measure(program, mcml, todo, arguments.rounds)
     machine = results.machine(arguments.program, todo[0].runs[0]["version"], arguments.rounds)

@@ -38,6 +38,8 @@ struct cml_lane_medium {
     real start_above, start_below; /* the same of surfaces that are no planes; -+infinity beside a plane */
     real span;                     /* 0 for the outer media; no lane needs it */
 };
+/* Those before start_above: where all boundaries are planes, the others are the same in all media. */
+#define CML_LANE_MEDIUM_FLAT (offsetof(struct cml_lane_medium, start_above) / sizeof(real))
 #define CML_LANE_MEDIUM_MEMBERS (offsetof(struct cml_lane_medium, span) / sizeof(real))
 
 struct cml_bundle {

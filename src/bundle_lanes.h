@@ -107,7 +107,9 @@ static void cml_load_medium(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
     const real *restrict row = &f->media[b->medium[i]].mut;
-    for (size_t k = 0; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
+    for (size_t k = 0; k < CML_LANE_MEDIUM_FLAT; k++) b->of_medium[k][i] = row[k];
+    if (!f->curves) return;
+    for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
 /* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost

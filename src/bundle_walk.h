@@ -225,7 +225,11 @@ static void cml_take_off(struct cml_flight *f)
     cml_aim(f);
     cml_aim_on(f);
     f->b->lanes = CML_LANES;
-    for (int i = 0; i < CML_LANES; i++) f->b->medium[i] = -1; /* no columns yet */
+    for (int i = 0; i < CML_LANES; i++) {
+        f->b->medium[i] = -1; /* no columns yet */
+        CML_OF_MEDIUM(f->b, start_above)[i] = -CML_INFINITY;
+        CML_OF_MEDIUM(f->b, start_below)[i] = CML_INFINITY;
+    }
     f->live = f->ended = ~(uint64_t)0;
     cml_refill(f);
 }

@@ -50,8 +50,9 @@ static struct chord between_edges(const struct cml_mesh_body *body, int primitiv
     return chord;
 }
 
-/* Where the line passes a corner, rounding may leave its chord with less than no length. What rounding has
- * put before `least` it may as well have put as far behind it as the facet goes on. */
+/* Where the line passes a corner, rounding may leave its chord with less than no length. A crossing that
+ * rounding has put before `least` is taken as late as rounding, and the facet, allow: one that is met at once
+ * would be met again and again. */
 double cml_facet_crossing(const struct cml_mesh_body *body, int primitive, const double from[3],
                           const double direction[3], double least)
 {

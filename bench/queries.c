@@ -51,7 +51,7 @@ static int is_below(const struct cml_world *world, struct cml_packet packet)
 {
     const struct cml_vec up = {0, 0, -1};
     const real far = 2 * (packet.p.z - world->surfaces[0].lowest) + 1;
-    const struct cml_reach straight = {1, 0, far, far};
+    const struct cml_reach straight = {{1, 0, far}, {0, 0, far}};
     struct cml_hit hit;
     packet.u = up;
     return cml_nearest(world, &packet, straight, &hit);
@@ -96,7 +96,7 @@ static void report(const struct cml_world *world)
         do place(world, placed++, &all[i].packet);
         while (!is_below(world, all[i].packet));
         find_reach(world, &all[i]);
-        if (!all[i].reach.above) continue;
+        if (!all[i].reach.above.meets) continue;
         asked[num_asked++] = all[i];
         query(world, &all[i]);
         if (sink) met[num_met++] = all[i];

@@ -67,18 +67,32 @@ CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, 
     return a > b ? a : b;
 }
 
-/* 1 when a packet on the given side (+1 below, -1 above) cannot cross the surface on its way from p to p + d.
- * p is in the boundary's frame, x and y from the scene's axis; d must be finite, or the answer is 0. */
-CML_FN int cml_is_clear(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                        struct cml_vec p, struct cml_vec d, real side)
+/* The part of a path on which a packet can meet a surface, if any: distances from its start. */
+struct cml_stretch {
+    int meets;
+    real from, to;
+};
+
+/* What is left of a stretch without what keeps clear of the surface, for a packet on the given side (+1
+ * below, -1 above) that begins it at p, in the boundary's frame, x and y from the scene's axis. Below rings
+ * its ends are cut as well, but for a 1024th of the distance, which is more than rounding; a mesh has a tree
+ * for that. Where a stretch is not finite nothing is known to be clear. */
+CML_FN struct cml_stretch cml_near_stretch(const CML_GLOBAL struct cml_clearance *grid,
+                                           const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec u,
+                                           real side, struct cml_stretch s, const int rings)
 {
-    const CML_GLOBAL struct cml_clearance *grid = &surface->clearance;
-    const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
-    const real here = side * p.z, there = side * (p.z + d.z);
-    if (grid->levels == 0 || !(d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY)) return 0;
-    const real keep = surface->kind == CML_SURFACE_CONE ? cml_clearance_of_radii(grid, bounds, p, d, side)
-                                                        : cml_clearance_of_box(grid, bounds, p, d, side);
-    return (here < there ? here : there) > keep;
+    const real length = s.to - s.from;
+    const struct cml_vec d = {length * u.x, length * u.y, length * u.z};
+    const real keep = rings ? cml_clearance_of_radii(grid, bounds, p, d, side)
+                            : cml_clearance_of_box(grid, bounds, p, d, side);
+    const real here = side * p.z - keep, end = side * (p.z + d.z) - keep;
+    const int finite = d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY;
+    const int begins_clear = finite & (here > 0), ends_clear = finite & (end > 0);
+    const real cut = CML_FMA(length, here / (here - end), s.from), late = (real)1.0009765625 * cut;
+    const real from = begins_clear ? cut : s.from, to = ends_clear & (late < s.to) ? late : s.to;
+    const struct cml_stretch left = {s.meets & !(begins_clear & ends_clear), (real)0.9990234375 * from,
+                                     rings ? to : s.to};
+    return left;
 }
 
 #endif

@@ -21,6 +21,8 @@
 
 struct cml_rings {
     CML_GLOBAL const real *r, *z, *slope; /* [n], see struct cml_world */
+    CML_GLOBAL const int *start;
+    real per_part;
     int n;
 };
 
@@ -70,13 +72,21 @@ CML_FN real cml_onto_ring(real begin, real end, real z)
     return z > low ? (z < high ? z : high) : low;
 }
 
+/* Which of the n - 1 > 0 equal parts of a field holds r. Rising with r, so rings that begin in parts before
+ * or behind also begin before or behind r, whatever rounding does. */
+CML_FN int cml_ring_part(real per_part, int n, real r)
+{
+    const int part = (int)(r * per_part);
+    return part < n - 1 ? part : n - 2;
+}
+
 /* The ring whose span holds r: largest i with r_i <= r. Rings of even width are found at once. */
 CML_FN int cml_ring_of(struct cml_rings rings, real r)
 {
     const int last = rings.n - 1;
     if (!(r < rings.r[last])) return last;
-    const int even = (int)(r * ((real)last / rings.r[last])), guess = even < last ? even : last - 1;
-    int low = rings.r[guess] <= r ? guess : 0, high = r < rings.r[guess + 1] ? guess + 1 : last;
+    const int part = cml_ring_part(rings.per_part, rings.n, r);
+    int low = rings.start[part], high = rings.start[part + 1] + 1;
     while (high - low > 1) {
         const int middle = (low + high) / 2;
         if (rings.r[middle] <= r)
@@ -86,6 +96,20 @@ CML_FN int cml_ring_of(struct cml_rings rings, real r)
     }
     return low;
 }
+
+#ifndef __OPENCL_VERSION__
+/* Fills start and returns per_part of n rings, from their radii. */
+static inline real cml_ring_starts(const real *r, int n, int *start)
+{
+    const real per_part = n > 1 ? (real)(n - 1) / r[n - 1] : (real)0;
+    int ring = 0;
+    for (int part = 0; part < n; part++) {
+        while (ring + 1 < n && cml_ring_part(per_part, n, r[ring + 1]) < part) ring++;
+        start[part] = ring;
+    }
+    return per_part;
+}
+#endif
 
 /* Where the ray leaves ring i: *next is i - 1 (inwards), i + 1 (outwards) or -1 (never, t is infinite). While
  * the ray moves inwards it crosses r_i only if its least radius |k|/sqrt(a) lies inside. Of the two forms of

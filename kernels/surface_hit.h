@@ -38,8 +38,10 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *mesh, const double p[3],
 CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
-    const struct cml_rings rings = {world->ring_r + surface->first_ring, world->ring_z + surface->first_ring,
-                                    world->ring_slope + surface->first_ring, surface->num_rings};
+    const int first = surface->first_ring;
+    const struct cml_rings rings = {world->ring_r + first,     world->ring_z + first,
+                                    world->ring_slope + first, world->ring_start + first,
+                                    surface->parts_per_cm,     surface->num_rings};
     return rings;
 }
 
@@ -67,25 +69,16 @@ CML_FN int cml_plane_hit(struct cml_vec p, struct cml_vec u, real side, real t_m
     return 1;
 }
 
-/* The distance before which a ray that comes from outside cannot meet a surface between two depths, 0 when it
- * does not come from outside; a thousandth short of them, which is more than rounding. */
-CML_FN real cml_envelope_entry(const CML_GLOBAL struct cml_surface *surface, real z, real uz, real side)
-{
-    const real t = ((side > 0 ? surface->highest : surface->lowest) - z) / uz;
-    return side * uz < 0 && t > 0 ? (real)0.9990234375 * t : (real)0;
-}
-
 /* first: the beam itself strikes. It may well be aimed at a ridge, where the mean normal holds (P1); a packet
  * later on meets one only because rounding put it there, and the ring it is on has the better normal. */
 CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
-                         real side, real t_max, int standing_on, int first, struct cml_hit *hit)
+                         real side, struct cml_stretch s, int standing_on, int first, struct cml_hit *hit)
 {
     const struct cml_rings rings = cml_rings_of(world, boundary);
-    const real t_min =
-        standing_on >= 0 ? (real)0 : cml_envelope_entry(&world->surfaces[boundary], p.z, u.z, side);
+    const real t_min = standing_on >= 0 ? (real)0 : s.from;
     real t;
     int ring;
-    if (!cml_cone_hit(rings, cml_from_scene_axis(world, p), u, side, t_min, t_max, standing_on, &t, &ring))
+    if (!cml_cone_hit(rings, cml_from_scene_axis(world, p), u, side, t_min, s.to, standing_on, &t, &ring))
         return 0;
     hit->t = t;
     hit->point = cml_along(p, t, u);
@@ -132,69 +125,76 @@ CML_FN int cml_heads_away(const CML_GLOBAL struct cml_surface *surface, struct c
     return (side * u.z > 0) & (u.z * u.z >= steepest * steepest * (u.x * u.x + u.y * u.y));
 }
 
-/* Whether a packet can meet a curved surface within *t_max, which is shortened to where that ends; p in the
- * boundary's frame. side: +1 the packet is below it, -1 above. */
-CML_FN int cml_can_meet_curved(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                               struct cml_vec p, struct cml_vec u, real side, real *t_max)
+/* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
+ * below it, -1 above. */
+CML_FN struct cml_stretch cml_can_meet_curved(const struct cml_world *world,
+                                              const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
+                                              struct cml_vec u, real side, real t_max)
 {
+    const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
     const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
     const real inside = side * (nearest - p.z), away = side * u.z;
-    const int passes = inside < away * *t_max; /* that depth */
-    if (away < 0 ? passes : (inside < 0) | cml_heads_away(surface, u, side)) return 0;
-    const real there = inside / away, enter = inside < 0 ? there : (real)0;
-    if ((away >= 0) & passes) *t_max = there;
-    const real length = *t_max - enter;
-    const struct cml_vec part = {length * u.x, length * u.y, length * u.z};
-    return !cml_is_clear(world, surface, cml_from_scene_axis(world, cml_along(p, enter, u)), part, side);
+    const int passes = inside < away * t_max; /* that depth */
+    struct cml_stretch s = {0, 0, t_max};
+    if (away < 0 ? passes : (inside < 0) | cml_heads_away(surface, u, side)) return s;
+    const real there = inside / away;
+    s.meets = 1;
+    if (inside < 0) s.from = there;
+    if ((away >= 0) & passes) s.to = there;
+    const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, s.from, u));
+    return cml_near_stretch(&surface->clearance, bounds, start, u, side, s,
+                            surface->kind == CML_SURFACE_CONE);
 }
 
 /* The same for any kind of surface. */
-CML_FN int cml_can_meet(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                        struct cml_vec p, struct cml_vec u, real side, real *t_max)
+CML_FN struct cml_stretch cml_can_meet(const struct cml_world *world,
+                                       const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
+                                       struct cml_vec u, real side, real t_max)
 {
-    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) return side * u.z < 0 && -p.z / u.z < *t_max;
+    if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
+        const struct cml_stretch s = {side * u.z < 0 && -p.z / u.z < t_max, 0, t_max};
+        return s;
+    }
     return cml_can_meet_curved(world, surface, p, u, side, t_max);
 }
 
-/* What a packet can meet of the boundaries of its medium, and within which distances. */
+/* Where a packet can meet the boundaries of its medium. */
 struct cml_reach {
-    int above, below;
-    real t_above, t_below;
+    struct cml_stretch above, below;
 };
 
 CML_FN struct cml_reach cml_find_reach(const struct cml_world *world, int medium, struct cml_vec p,
                                        struct cml_vec u, real t_max)
 {
-    int above = 0, below = 0;
-    real t_above = t_max, t_below = t_max;
-    if (medium > 0) above = cml_can_meet(world, &world->surfaces[medium - 1], p, u, 1, &t_above);
+    const struct cml_stretch none = {0, 0, t_max};
+    struct cml_reach reach = {none, none};
+    if (medium > 0) reach.above = cml_can_meet(world, &world->surfaces[medium - 1], p, u, 1, t_max);
     if (medium <= world->setup.num_layers) {
         p.z -= world->media[medium].span;
-        below = cml_can_meet(world, &world->surfaces[medium], p, u, -1, &t_below);
+        reach.below = cml_can_meet(world, &world->surfaces[medium], p, u, -1, t_max);
     }
-    const struct cml_reach reach = {above, below, t_above, t_below}; /* filled at once: it is loaded as one */
     return reach;
 }
 
 /* Crossing of one boundary that the packet can meet; p in that boundary's frame. Without one *hit stays as it
  * is. */
 CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *packet, int boundary,
-                           struct cml_vec p, real side, real t_max, struct cml_hit *hit)
+                           struct cml_vec p, real side, struct cml_stretch s, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
     const int standing_on = packet->on_boundary == boundary ? packet->on_primitive : -1;
     int found = 0;
     if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
-        found = cml_plane_hit(p, packet->u, side, t_max, hit);
+        found = cml_plane_hit(p, packet->u, side, s.to, hit);
     } else {
         packet->queries++;
         if (surface->kind == CML_SURFACE_CONE)
-            found = cml_field_hit(world, boundary, p, packet->u, side, t_max, standing_on,
+            found = cml_field_hit(world, boundary, p, packet->u, side, s, standing_on,
                                   packet->boundary_events == 0, hit);
 #ifndef __OPENCL_VERSION__
         else {
             int beside;
-            found = cml_mesh_hit(world, boundary, p, packet->u, side, t_max, standing_on, packet->straight,
+            found = cml_mesh_hit(world, boundary, p, packet->u, side, s.to, standing_on, packet->straight,
                                  hit, &beside);
             if (beside) packet->beside = boundary + 1;
         }
@@ -211,14 +211,14 @@ CML_FN int cml_nearest(const struct cml_world *world, struct cml_packet *packet,
     const int medium = packet->medium;
     int found = 0;
     packet->beside = 0;
-    if (reach.above) {
-        found = cml_surface_hit(world, packet, medium - 1, packet->p, 1, reach.t_above, hit);
-        if (found && hit->t < reach.t_below) reach.t_below = hit->t;
+    if (reach.above.meets) {
+        found = cml_surface_hit(world, packet, medium - 1, packet->p, 1, reach.above, hit);
+        if (found && hit->t < reach.below.to) reach.below.to = hit->t;
     }
-    if (reach.below) {
+    if (reach.below.meets) {
         struct cml_vec p = packet->p;
         p.z -= world->media[medium].span;
-        found |= cml_surface_hit(world, packet, medium, p, -1, reach.t_below, hit);
+        found |= cml_surface_hit(world, packet, medium, p, -1, reach.below, hit);
     }
     return found;
 }

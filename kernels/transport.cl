@@ -222,7 +222,7 @@ CML_FN void cml_fly(const struct cml_world *world, const struct cml_deposits *to
 __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void
 cml_transport(const struct cml_setup setup, const struct cml_windows windows, const struct cml_launch launch,
               __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
-              __global const real *rings, __global const real *clearance,
+              __global const real *rings, __global const int *ring_starts, __global const real *clearance,
               __global struct cml_control *control, __global struct cml_packet *packets,
               __global struct cml_device_fate *fates, __global cml_u64 *cells, __local cml_u64 *near)
 {
@@ -232,6 +232,7 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
                                     rings,
                                     rings + launch.rings,
                                     rings + 2 * launch.rings,
+                                    ring_starts,
                                     clearance,
                                     clearance + launch.clearance_cells};
     const struct cml_deposits to = {windows, near, cells, control};

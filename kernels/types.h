@@ -56,10 +56,10 @@ struct cml_medium {
 
 #define CML_CLEARANCE_LEVELS 11
 
-/* See clearance.h. levels 0: there is none. */
+/* Of a curved surface, see clearance.h. */
 struct cml_clearance {
-    int levels, size; /* size = 2^(levels - 1) */
-    int first;        /* of level 0 in world.deepest and world.highest */
+    int size;  /* cells along an axis on level 0, a power of two */
+    int first; /* of level 0 in world.deepest and world.highest */
     int level_offset[CML_CLEARANCE_LEVELS];
     real corner_x, corner_y, per_cell; /* cm from the scene's axis, cells per cm */
 };
@@ -76,7 +76,8 @@ struct cml_map {
 /* A boundary. lowest and highest bound its depth in its own frame: lowest <= z <= highest everywhere. */
 struct cml_surface {
     int kind;
-    int first_ring, num_rings; /* CML_SURFACE_CONE: slices of ring_r, ring_z, ring_slope */
+    int first_ring, num_rings; /* CML_SURFACE_CONE: slices of ring_r, ring_z, ring_slope, ring_start */
+    real parts_per_cm;         /* of ring_start */
     real lowest, highest;
     real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
     struct cml_clearance clearance;
@@ -131,12 +132,14 @@ struct cml_packet {
 };
 
 /* Everything a walk reads. Rings: r rising from 0, z = depth at r in the boundary's frame, slope dz/dr to the
- * next ring (0 behind the last: the outer plane). */
+ * next ring (0 behind the last: the outer plane). Its radius cut into as many equal parts as there are rings
+ * before the last, start[k] is the last ring that begins in a part before k, or 0. */
 struct cml_world {
     struct cml_setup setup;
     CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2] */
     CML_GLOBAL const struct cml_surface *surfaces; /* [num_layers + 1] */
     CML_GLOBAL const real *ring_r, *ring_z, *ring_slope;
+    CML_GLOBAL const int *ring_start;
     CML_GLOBAL const real *deepest,
         *highest; /* pyramids of all surfaces: greatest and least z of each cell */
 #ifndef __OPENCL_VERSION__

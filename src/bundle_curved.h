@@ -6,10 +6,10 @@
 #include "bundle_lanes.h"
 #include "bundle_hits.h"
 
-/* What lanes can meet of one boundary, and within which distances. */
-struct cml_reaches {
+/* Where lanes can meet one boundary. */
+struct cml_stretches {
     _Alignas(64) int meets[CML_LANES];
-    real t[CML_LANES];
+    real from[CML_LANES], to[CML_LANES];
 };
 
 #define CML_CROWD (CML_LANES + CML_GROUP) /* packing writes whole groups */
@@ -19,7 +19,7 @@ struct cml_crowd {
     int size;
     _Alignas(64) real x[CML_CROWD], y[CML_CROWD], z[CML_CROWD], ux[CML_CROWD], uy[CML_CROWD], uz[CML_CROWD];
     real s[CML_CROWD];
-    struct cml_reaches above, below;
+    struct cml_stretches above, below;
     struct cml_hits hits_above, hits_below;
 };
 
@@ -44,21 +44,22 @@ static void cml_gather_crowd(const struct cml_bundle *b, uint64_t lanes, struct 
 
 /* As cml_can_meet of a plane. depth: of the plane. */
 CML_PASS void cml_crowd_reach_plane(const struct cml_crowd *c, real depth, real side,
-                                    struct cml_reaches *ahead)
+                                    struct cml_stretches *ahead)
 {
     const int size = c->size;
 #pragma omp simd
     for (int k = 0; k < size; k++) {
         const real z = c->z[k] - depth, uz = c->uz[k], s = c->s[k];
         ahead->meets[k] = (side * uz < 0) & (-z / uz < s);
-        ahead->t[k] = s;
+        ahead->from[k] = 0;
+        ahead->to[k] = s;
     }
 }
 
 /* As cml_can_meet_curved, without its branches. */
 __attribute__((always_inline)) static inline void
 cml_crowd_reach_curved(const struct cml_world *world, const struct cml_surface *shared,
-                       const struct cml_crowd *c, real depth, real side, struct cml_reaches *ahead,
+                       const struct cml_crowd *c, real depth, real side, struct cml_stretches *ahead,
                        const int rings)
 {
     const struct cml_surface surface = *shared;
@@ -72,39 +73,39 @@ cml_crowd_reach_curved(const struct cml_world *world, const struct cml_surface *
         const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
         const int passes = inside < away * s, leads_away = cml_heads_away(&surface, u, side);
         const int misses = ((away < 0) & passes) | ((away >= 0) & ((inside < 0) | leads_away));
-        const real t = (away >= 0) & passes ? there : s, enter = inside < 0 ? there : (real)0;
-        const real length = t - enter;
-        const struct cml_vec d = {length * u.x, length * u.y, length * u.z};
-        const struct cml_vec from = cml_from_scene_axis(world, cml_along(p, enter, u));
-        const real here = side * from.z, end = side * (from.z + d.z);
-        const real keep = rings ? cml_clearance_of_radii(grid, bounds, from, d, side)
-                                : cml_clearance_of_box(grid, bounds, from, d, side);
-        const int finite = d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY;
-        const int clear = finite & ((here < end ? here : end) > keep);
-        ahead->meets[k] = !misses & !clear;
-        ahead->t[k] = t;
+        const struct cml_stretch within = {!misses, inside < 0 ? there : (real)0,
+                                           (away >= 0) & passes ? there : s};
+        const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, within.from, u));
+        const struct cml_stretch near = cml_near_stretch(grid, bounds, start, u, side, within, rings);
+        ahead->meets[k] = near.meets;
+        ahead->from[k] = near.from;
+        ahead->to[k] = near.to;
     }
 }
 
 CML_PASS void cml_crowd_reach_rings(const struct cml_world *world, const struct cml_surface *surface,
                                     const struct cml_crowd *c, real depth, real side,
-                                    struct cml_reaches *ahead)
+                                    struct cml_stretches *ahead)
 {
     cml_crowd_reach_curved(world, surface, c, depth, side, ahead, 1);
 }
 
 CML_PASS void cml_crowd_reach_mesh(const struct cml_world *world, const struct cml_surface *surface,
                                    const struct cml_crowd *c, real depth, real side,
-                                   struct cml_reaches *ahead)
+                                   struct cml_stretches *ahead)
 {
     cml_crowd_reach_curved(world, surface, c, depth, side, ahead, 0);
 }
 
-/* The medium's boundary `boundary`, seen from the side. */
+/* The medium's boundary `boundary`, if there is one, seen from the side. */
 static void cml_crowd_reach(const struct cml_flight *f, int boundary, real depth, real side,
-                            struct cml_reaches *ahead)
+                            struct cml_stretches *ahead)
 {
     const struct cml_world *world = f->world;
+    if (boundary < 0 || boundary > world->setup.num_layers) {
+        memset(ahead->meets, 0, sizeof ahead->meets);
+        return;
+    }
     const struct cml_surface *surface = &world->surfaces[boundary];
     if (surface->kind == CML_SURFACE_PLANE)
         cml_crowd_reach_plane(f->crowd, depth, side, ahead);
@@ -119,20 +120,14 @@ static void cml_find_reaches(const struct cml_flight *f, int medium, uint64_t la
 {
     struct cml_crowd *crowd = f->crowd;
     cml_gather_crowd(f->b, lanes, crowd);
-    if (medium > 0) cml_crowd_reach(f, medium - 1, 0, 1, &crowd->above);
-    if (medium <= f->world->setup.num_layers)
-        cml_crowd_reach(f, medium, f->world->media[medium].span, -1, &crowd->below);
+    cml_crowd_reach(f, medium - 1, 0, 1, &crowd->above);
+    cml_crowd_reach(f, medium, f->world->media[medium].span, -1, &crowd->below);
 }
 
-/* What cml_find_reaches has found for the k-th of the lanes. */
-static struct cml_reach cml_reach_of(const struct cml_flight *f, int medium, int k)
+static struct cml_stretch cml_stretch_of(const struct cml_stretches *of, int k)
 {
-    const struct cml_crowd *crowd = f->crowd;
-    const int above = medium > 0 && crowd->above.meets[k],
-              below = medium <= f->world->setup.num_layers && crowd->below.meets[k];
-    const struct cml_reach reach = {above, below, above ? crowd->above.t[k] : crowd->s[k],
-                                    below ? crowd->below.t[k] : crowd->s[k]};
-    return reach;
+    const struct cml_stretch s = {of->meets[k], of->from[k], of->to[k]};
+    return s;
 }
 
 /* Those of the lanes that are in a medium. */

@@ -121,7 +121,7 @@ static void cml_go_on(struct cml_flight *f, int i, struct cml_reach reach, real 
 {
     const struct cml_bundle *b = f->b;
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-    if (reach.above || reach.below || !(s < CML_INFINITY) || !(cml_dot(u, u) < 2))
+    if (reach.above.meets || reach.below.meets || !(s < CML_INFINITY) || !(cml_dot(u, u) < 2))
         cml_meet_or_interact(f, i, reach);
     else
         cml_lane_interacts(f, i, s);
@@ -136,19 +136,20 @@ static void cml_handle_exception(struct cml_flight *f, int i)
         b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
     const real s = cml_path(b->tau[i], CML_OF_MEDIUM(b, mfp)[i]);
     const int aimed = cml_is_aimed(f, b->medium[i], b->boundary_events[i]);
-    const struct cml_reach ahead = {0, 1, s, s},
+    const struct cml_reach ahead = {{0, 0, s}, {1, 0, s}},
                            reach = aimed ? ahead : cml_find_reach(f->world, b->medium[i], p, u, s);
     cml_go_on(f, i, reach, s);
 }
 
-/* Whether the lane's packet, which can meet what reach says, is one for cml_seek_lane: in the material, about
- * to meet one curved boundary only, and nothing rare about it. */
-static int cml_is_plain(const struct cml_flight *f, int i, int medium, struct cml_reach reach)
+/* Whether the lane's packet is one for cml_seek_lane: in the material, about to meet no boundary but this
+ * one, which is curved, and nothing rare about it. */
+static int cml_is_plain(const struct cml_flight *f, int i, int boundary)
 {
     const struct cml_bundle *b = f->b;
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-    return reach.above != reach.below && medium > 0 && medium <= f->world->setup.num_layers &&
-           f->world->surfaces[reach.above ? medium - 1 : medium].kind != CML_SURFACE_PLANE && !f->to.facets &&
+    const int medium = b->medium[i];
+    return medium > 0 && medium <= f->world->setup.num_layers &&
+           f->world->surfaces[boundary].kind != CML_SURFACE_PLANE && !f->to.facets &&
            b->boundary_events[i] > 0 && b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY &&
            cml_dot(u, u) < 2;
 }
@@ -179,19 +180,18 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
 }
 
 /* The lane's packet, at p in the boundary's frame, on its way to rings: cml_field_hit up to the root. */
-static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
-                           struct cml_hits *h)
+static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side,
+                           struct cml_stretch s, struct cml_hits *h)
 {
     const struct cml_world *world = f->world;
     const struct cml_bundle *b = f->b;
     const struct cml_rings rings = cml_rings_of(world, boundary);
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
     const int on_ring = cml_lane_stands_on(b, i, boundary);
-    const real t_min =
-        on_ring >= 0 ? (real)0 : cml_envelope_entry(&world->surfaces[boundary], p.z, u.z, side);
+    const real t_min = on_ring >= 0 ? (real)0 : s.from;
     struct cml_cone_march march =
         cml_cone_begin(rings, cml_from_scene_axis(world, p), u, side, t_min, on_ring);
-    const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, t_max, 1, &h->t[h->count]);
+    const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, s.to, 1, &h->t[h->count]);
     if (verdict == CML_CONE_MISSED) {
         cml_lane_passes(f, i);
         return;
@@ -204,7 +204,7 @@ static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml
     h->slope[k] = rings.slope[march.ring];
     h->t0[k] = march.t0;
     h->t1[k] = march.t1;
-    h->t_max[k] = t_max;
+    h->t_max[k] = s.to;
 }
 
 static int cml_is_shaded(const struct cml_hit *hit)
@@ -239,16 +239,16 @@ static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml
 }
 
 /* The lane's packet on its way to a curved boundary. */
-static void cml_seek_lane(struct cml_flight *f, int i, int boundary, real side, real t_max,
+static void cml_seek_lane(struct cml_flight *f, int i, int boundary, real side, struct cml_stretch s,
                           struct cml_hits *h)
 {
     const struct cml_bundle *b = f->b;
     const real depth = side < 0 ? f->world->media[boundary].span : (real)0;
     const struct cml_vec p = {b->x[i], b->y[i], b->z[i] - depth};
     if (f->world->surfaces[boundary].kind == CML_SURFACE_CONE)
-        cml_march_lane(f, i, boundary, p, side, t_max, h);
+        cml_march_lane(f, i, boundary, p, side, s, h);
     else
-        cml_query_lane(f, i, boundary, p, side, t_max, h);
+        cml_query_lane(f, i, boundary, p, side, s.to, h);
 }
 
 /* The lane's packet has gone through a boundary into outer medium `to`, and may meet it again. */
@@ -355,13 +355,14 @@ static void cml_meet_crowd(struct cml_flight *f, int medium, uint64_t lanes)
     cml_find_reaches(f, medium, lanes);
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
-        const struct cml_reach reach = cml_reach_of(f, medium, k);
-        if (!cml_is_plain(f, i, medium, reach))
+        const struct cml_reach reach = {cml_stretch_of(&crowd->above, k), cml_stretch_of(&crowd->below, k)};
+        const int above = reach.above.meets;
+        if (above == reach.below.meets || !cml_is_plain(f, i, above ? medium - 1 : medium))
             cml_go_on(f, i, reach, f->b->s[i]);
-        else if (reach.above)
-            cml_seek_lane(f, i, medium - 1, 1, reach.t_above, &crowd->hits_above);
+        else if (above)
+            cml_seek_lane(f, i, medium - 1, 1, reach.above, &crowd->hits_above);
         else
-            cml_seek_lane(f, i, medium, -1, reach.t_below, &crowd->hits_below);
+            cml_seek_lane(f, i, medium, -1, reach.below, &crowd->hits_below);
     }
     cml_meet_hits(f, medium, 1, &crowd->hits_above);
     cml_meet_hits(f, medium, -1, &crowd->hits_below);

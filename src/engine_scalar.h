@@ -17,7 +17,8 @@ struct scalar_world {
     struct cml_world world;
     struct cml_medium *media;
     struct cml_surface *surfaces;
-    real *rings;     /* ring_r, ring_z, ring_slope one behind the other */
+    real *rings; /* ring_r, ring_z, ring_slope one behind the other */
+    int *ring_starts;
     real *clearance; /* deepest, highest one behind the other */
     const struct cml_mesh_surface **meshes;
 };
@@ -27,6 +28,7 @@ static void scalar_world_free(struct scalar_world *to)
     free(to->media);
     free(to->surfaces);
     free(to->rings);
+    free(to->ring_starts);
     free(to->clearance);
     free(to->meshes);
 }
@@ -53,10 +55,13 @@ static cml_status scalar_world_allocate(const struct cml_surface_set *surfaces, 
     to->media = calloc(boundaries + 1, sizeof *to->media);
     to->surfaces = calloc(boundaries, sizeof *to->surfaces);
     to->rings = calloc(3 * rings + 1, sizeof *to->rings);
+    to->ring_starts = calloc(rings + 1, sizeof *to->ring_starts);
     to->meshes = calloc(boundaries, sizeof *to->meshes);
     to->clearance = calloc(2 * cells + 1, sizeof *to->clearance);
-    if (to->media && to->surfaces && to->rings && to->meshes && to->clearance) return CML_OK;
-    return cml_fail_memory(err, (double)((3 * rings + 2 * cells) * sizeof(real)), "the scene");
+    if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->clearance)
+        return CML_OK;
+    return cml_fail_memory(err, (double)((3 * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)),
+                           "the scene");
 }
 
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -85,6 +90,7 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
     size_t ring = 0;
     for (int b = 0; b < from->count; b++) {
         const struct cml_surface_def *def = &from->item[b];
+        const size_t first = ring;
         to->surfaces[b].kind = kind_of[def->kind];
         to->surfaces[b].first_ring = (int)ring;
         to->surfaces[b].num_rings = def->num_rings;
@@ -97,10 +103,13 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
             to->rings[total + ring] = (real)def->z[i];
             to->rings[2 * total + ring] = (real)def->slope[i];
         }
+        to->surfaces[b].parts_per_cm =
+            cml_ring_starts(to->rings + first, def->num_rings, to->ring_starts + first);
     }
     to->world.ring_r = to->rings;
     to->world.ring_z = to->rings + total;
     to->world.ring_slope = to->rings + 2 * total;
+    to->world.ring_start = to->ring_starts;
 }
 
 /* What escapes from a plane is in the map already. */
@@ -127,7 +136,6 @@ static void copy_clearance(const struct cml_surface_set *from, struct scalar_wor
         const struct cml_clearance_map *map = &from->item[b].clearance;
         struct cml_clearance *grid = &to->surfaces[b].clearance;
         int offset = 0;
-        grid->levels = map->levels;
         grid->size = map->size;
         grid->first = (int)first;
         grid->corner_x = (real)map->corner[0];

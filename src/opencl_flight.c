@@ -110,8 +110,9 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
                                 const void *content, struct cml_error *err)
 {
     static const char *const names[CML_NUM_BUFFERS] = {
-        "memory for media",    "memory for surfaces", "memory for rings", "memory for clearance",
-        "memory for counters", "memory for packets",  "memory for fates", "memory for tallies"};
+        "memory for media",        "memory for surfaces",  "memory for rings",
+        "memory for rings' parts", "memory for clearance", "memory for counters",
+        "memory for packets",      "memory for fates",     "memory for tallies"};
     cl_int code = CL_SUCCESS;
     if (flight->buffer[which]) clReleaseMemObject(flight->buffer[which]);
     flight->buffer[which] =
@@ -193,6 +194,8 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
     CML_TRY(
         create_buffer(flight, CML_BUFFER_SURFACES, surfaces * sizeof *scene->surfaces, scene->surfaces, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_RINGS, 3 * scene->num_rings * sizeof(float), scene->rings, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_RING_STARTS, scene->num_rings * sizeof(int), scene->ring_starts,
+                          err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CLEARANCE, 2 * scene->clearance_cells * sizeof(float),
                           scene->clearance, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));

@@ -59,6 +59,7 @@ struct cml_opencl_scene {
     const struct cml_medium *media;
     const struct cml_surface *surfaces;
     const float *rings, *clearance; /* [3][num_rings], [2][clearance_cells] */
+    const int *ring_starts;         /* [num_rings] */
     size_t num_rings, clearance_cells;
     bool only_planes;
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
@@ -70,6 +71,7 @@ enum {
     CML_BUFFER_MEDIA,
     CML_BUFFER_SURFACES,
     CML_BUFFER_RINGS,
+    CML_BUFFER_RING_STARTS,
     CML_BUFFER_CLEARANCE,
     CML_BUFFER_CONTROL,
     CML_BUFFER_PACKETS,

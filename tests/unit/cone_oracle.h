@@ -11,20 +11,22 @@
 #define MAX_RINGS 64
 
 struct field {
-    real r[MAX_RINGS], z[MAX_RINGS], slope[MAX_RINGS];
-    int n;
+    real r[MAX_RINGS], z[MAX_RINGS], slope[MAX_RINGS], parts_per_cm;
+    int n, start[MAX_RINGS];
     double steepest, deepest; /* largest |slope|, |z| */
 };
 
 static inline struct cml_rings rings_of(const struct field *field)
 {
-    const struct cml_rings rings = {field->r, field->z, field->slope, field->n};
+    const struct cml_rings rings = {field->r, field->z, field->slope, field->start, field->parts_per_cm,
+                                    field->n};
     return rings;
 }
 
-/* Slopes from the samples, as the engines make them. */
+/* Slopes and parts from the samples, as the engines make them. */
 static inline void field_finish(struct field *field)
 {
+    field->parts_per_cm = cml_ring_starts(field->r, field->n, field->start);
     field->steepest = field->deepest = 0;
     for (int i = 0; i < field->n; i++) {
         const double dz = i + 1 < field->n ? (double)field->z[i + 1] - (double)field->z[i] : 0;

@@ -120,7 +120,8 @@ static void random_rays_hit_where_the_oracle_says(void **state)
 
 static struct cml_surface surface_of(const struct field *field)
 {
-    struct cml_surface surface = {.kind = CML_SURFACE_CONE, .num_rings = field->n};
+    struct cml_surface surface = {
+        .kind = CML_SURFACE_CONE, .num_rings = field->n, .parts_per_cm = field->parts_per_cm};
     surface.lowest = surface.highest = field->z[0];
     for (int i = 1; i < field->n; i++) {
         if (field->z[i] < surface.lowest) surface.lowest = field->z[i];
@@ -138,8 +139,14 @@ static struct cml_vec point_outside(struct dice *dice, const struct field *field
     return p;
 }
 
-/* The march may begin where the ray comes to the depths of the field: nothing changes but the time it takes.
- */
+/* A little before the ray comes to the field's depths, 0 when it does not come from outside. */
+static real depths_entry(const struct cml_surface *surface, real z, real uz, real side)
+{
+    const real t = ((side > 0 ? surface->highest : surface->lowest) - z) / uz;
+    return side * uz < 0 && t > 0 ? (real)0.9990234375 * t : (real)0;
+}
+
+/* The march may begin there: nothing changes but the time it takes. */
 static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
 {
     (void)state;
@@ -155,7 +162,7 @@ static void rays_from_outside_hit_what_the_whole_march_hits(void **state)
             const struct ray ray = ray_of(p, u, 1);
             const real side = ray_height(&field, &ray, 0) > 0 ? 1 : -1;
             const real t_max = dice_below(&dice, 3) ? (real)dice_between(&dice, 0, 40) : CML_INFINITY;
-            const real t_min = cml_envelope_entry(&surface, p.z, u.z, side);
+            const real t_min = depths_entry(&surface, p.z, u.z, side);
             real t[2] = {0, 0};
             int ring[2];
             const int whole = cml_cone_hit(rings_of(&field), p, u, side, 0, t_max, -1, &t[0], &ring[0]);
@@ -254,6 +261,7 @@ static void every_radius_finds_its_ring(void **state)
     for (int n = 0; n < 2000; n++) {
         struct field field = field_random(&dice, 1);
         for (int i = 0; n % 2 && i < field.n; i++) field.r[i] = (real)(i * 0.01);
+        field_finish(&field);
         const double last = (double)field.r[field.n - 1];
         for (int k = 0; k < 200; k++) {
             const real on = field.r[dice_below(&dice, field.n)];
@@ -293,6 +301,7 @@ static void enter(struct dice *dice, struct walker *walker, const struct field *
     walker->world.ring_r = field->r;
     walker->world.ring_z = field->z;
     walker->world.ring_slope = field->slope;
+    walker->world.ring_start = field->start;
     walker->packet.index++;
     place(dice, walker);
 }
@@ -345,8 +354,9 @@ static void fly(struct dice *dice, struct walker *walker)
     const double free_path = -log(dice_uniform(dice)) * (dice_below(dice, 2) ? 10 : 0.2);
     struct cml_hit hit = {.t = (real)free_path};
     walker->flights++;
-    const int found = cml_field_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side,
-                                    (real)free_path, packet->on_primitive, 0, &hit);
+    const struct cml_stretch s = {1, 0, hit.t};
+    const int found = cml_field_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side, s,
+                                    packet->on_primitive, 0, &hit);
     packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
     packet->on_primitive = found ? hit.primitive : -1;
     look(walker, (double)hit.t);
@@ -410,7 +420,8 @@ static void a_packet_does_not_sink_between_walls(void **state)
         struct cml_vec u = {0, 0, 1};
         struct cml_hit hit = {.primitive = -1};
         for (int k = 0; k < 2000 && u.z > 0; k++, reflections++) {
-            if (!cml_field_hit(&walker.world, 0, p, u, -1, CML_INFINITY, hit.primitive, 0, &hit)) break;
+            const struct cml_stretch s = {1, 0, CML_INFINITY};
+            if (!cml_field_hit(&walker.world, 0, p, u, -1, s, hit.primitive, 0, &hit)) break;
             assert_true(hit.point.z <= 0);
             p = hit.point;
             u = cml_reflect(u, hit.facet);

@@ -49,13 +49,15 @@ static void make_up(struct dice *dice, struct made_up *m)
     for (int i = 0; i < COUNT(z); i++) z[i] = small_number(dice);
     struct field *field = &m->field;
     *field = dice_below(dice, 2) ? field_random(dice, dice_below(dice, 3) ? 10 : 0.5) : field_of(3, r, z);
-    m->surface = (struct cml_surface){.kind = CML_SURFACE_CONE, .num_rings = field->n};
+    m->surface = (struct cml_surface){
+        .kind = CML_SURFACE_CONE, .num_rings = field->n, .parts_per_cm = field->parts_per_cm};
     m->surface.lowest = (real)-field->deepest;
     m->surface.highest = (real)field->deepest;
     m->world = (struct cml_world){.surfaces = &m->surface,
                                   .ring_r = field->r,
                                   .ring_z = field->z,
                                   .ring_slope = field->slope,
+                                  .ring_start = field->start,
                                   .setup = {.stream = dice->stream, .x0 = (real)0.3, .y0 = (real)-0.1}};
 }
 
@@ -64,6 +66,12 @@ struct path {
     real t_max;
     int on_ring; /* that it stands on, or -1 */
 };
+
+static int field_hit(const struct made_up *m, const struct path *path, real side, struct cml_hit *hit)
+{
+    const struct cml_stretch s = {1, 0, path->t_max};
+    return cml_field_hit(&m->world, 0, path->p, path->u, side, s, path->on_ring, 0, hit);
+}
 
 /* A direction to a place of ring i at radius r > 0 and azimuth 0: any; almost in the cone; almost along the
  * cone's line to the tip. */
@@ -112,7 +120,7 @@ static void end_near_root(struct dice *dice, const struct made_up *m, real side,
 {
     struct cml_hit hit;
     if (dice_below(dice, 2)) return;
-    if (!cml_field_hit(&m->world, 0, path->p, path->u, side, CML_INFINITY, path->on_ring, 0, &hit)) return;
+    if (!field_hit(m, path, side, &hit)) return;
     if (hit.t > 0) path->t_max = hit.t;
     for (int n = dice_below(dice, 4); n > 0; n--) path->t_max = nextafterf(path->t_max, CML_INFINITY);
 }
@@ -121,11 +129,9 @@ static void end_near_root(struct dice *dice, const struct made_up *m, real side,
 static int march(const struct made_up *m, const struct path *path, real side, struct cml_hits *h)
 {
     const struct cml_rings rings = cml_rings_of(&m->world, 0);
-    const real t_min =
-        path->on_ring >= 0 ? (real)0 : cml_envelope_entry(&m->surface, path->p.z, path->u.z, side);
     const int k = h->count;
     struct cml_cone_march march =
-        cml_cone_begin(rings, cml_from_scene_axis(&m->world, path->p), path->u, side, t_min, path->on_ring);
+        cml_cone_begin(rings, cml_from_scene_axis(&m->world, path->p), path->u, side, 0, path->on_ring);
     const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, path->t_max, 1, &h->t[k]);
     if (verdict == CML_CONE_MISSED) return 0;
     h->count++;
@@ -156,8 +162,7 @@ static void compare_settled(const struct made_up *m, const struct path *path, re
                             const struct cml_hits *h, int k, struct seen *seen)
 {
     struct cml_hit hit = {0};
-    const int found =
-        cml_field_hit(&m->world, 0, path->p, path->u, side, path->t_max, path->on_ring, 0, &hit);
+    const int found = field_hit(m, path, side, &hit);
     if (h->doubtful[k]) {
         assert_false(h->known[k]);
         seen->at_once += found && !(hit.t > 0);
@@ -192,8 +197,7 @@ static void meet_rings(struct dice *dice, const struct made_up *m, real side, st
         end_near_root(dice, m, side, next);
         if (march(m, next, side, &h)) continue;
         seen->missed++;
-        assert_false(
-            cml_field_hit(&m->world, 0, next->p, next->u, side, next->t_max, next->on_ring, 0, &hit));
+        assert_false(field_hit(m, next, side, &hit));
     }
     cml_hits_settle_rings(&m->world, side, &h);
     for (int k = 0; k < h.count; k++) compare_settled(m, &path[k], side, &h, k, seen);

@@ -363,7 +363,9 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     double z[] = {-1, -0.75, 0, -0.25}, slope[] = {0.5, 1.5, -0.25, 0};
     const struct cml_radial radial = {4, r, h};
     const struct cml_tessellation options = {1e-3, CML_NORMALS_ANALYTIC, false};
-    const struct cml_rings rings = {r, z, slope, 4};
+    int start[4];
+    const double parts_per_cm = cml_ring_starts(r, 4, start);
+    const struct cml_rings rings = {r, z, slope, start, parts_per_cm, 4};
     struct cml_mesh mesh;
     struct cml_mesh_surface *surface;
     struct cml_error err;

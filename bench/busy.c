@@ -18,64 +18,29 @@ static double launched, lanes_in_passes, lanes_at_planes;
 #define CML_LEVEL busy
 #include "engine_cpu_level.c"
 
-#include "mci.h"
+#include "fly_scene.h"
 
-#include <stdio.h>
-#include <time.h>
-
-static double now(void)
+static void reset(void)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    launched = lanes_in_passes = lanes_at_planes = 0;
 }
 
-/* As many photons as take about half a second, counted from 0; their time in seconds. */
-static cml_status fly(void *cpu, struct cml_tally *tally, uint64_t *photons, double *seconds,
-                      struct cml_error *err)
+static void report(const char *path, const struct bench_flight *flight)
 {
-    *seconds = 0;
-    for (*photons = 10000; *seconds < 0.4; *photons *= 4) {
-        cml_tally_zero(tally);
-        launched = lanes_in_passes = lanes_at_planes = 0;
-        const double begin = now();
-        CML_TRY(cpu_run(cpu, 0, *photons, tally, err));
-        *seconds = now() - begin;
-        if (*seconds >= 0.4) break;
-    }
-    return CML_OK;
-}
-
-static void report(const char *path, const struct cml_tally *tally, uint64_t photons, double seconds)
-{
-    const double n = (double)photons;
+    const double n = (double)flight->photons;
+    const uint64_t *count = flight->tally.count;
     printf("%s,%.3f,%.2f,%.2f,%.2f,%.2f,%.1f\n", path, launched / n,
-           (double)tally->count[CML_COUNT_INTERACTIONS] / n,
-           (double)tally->count[CML_COUNT_BOUNDARY_EVENTS] / n, lanes_in_passes / n, lanes_at_planes / n,
-           1e9 * seconds / n);
+           (double)count[CML_COUNT_INTERACTIONS] / n, (double)count[CML_COUNT_BOUNDARY_EVENTS] / n,
+           lanes_in_passes / n, lanes_at_planes / n, 1e9 * flight->seconds / n);
 }
 
 static cml_status measure(const char *path, struct cml_error *err)
 {
-    struct cml_scene_list list;
-    struct cml_surface_set surfaces;
-    struct cml_tally tally;
-    const struct cml_surface_options how = {.force = CML_AS_AUTO, .tessellation = {.tolerance = 1e-3}};
-    const struct cml_engine_options options = {.seed = 1, .threads = 1, .reentry = true, .absorption = true};
-    uint64_t photons;
-    double seconds;
-    void *cpu;
-    CML_TRY(cml_mci_read(path, &list, err));
-    CML_TRY(cml_surfaces_create(&list.scenes[0], &how, &surfaces, err));
-    const struct cml_grid grid = cml_engine_grid(&list.scenes[0], &surfaces, &options);
-    CML_TRY(cml_tally_create(&grid, &tally, err));
-    CML_TRY(cpu_open(&list.scenes[0], &surfaces, &options, &cpu, err));
-    CML_TRY(fly(cpu, &tally, &photons, &seconds, err));
-    report(path, &tally, photons, seconds);
-    cpu_close(cpu);
-    cml_tally_free(&tally);
-    cml_surfaces_free(&surfaces);
-    cml_scene_list_clear(&list);
+    struct bench_flight flight;
+    CML_TRY(bench_open(path, CML_AS_AUTO, &flight, err));
+    CML_TRY(bench_fly(&flight, reset, err));
+    report(path, &flight);
+    bench_close(&flight);
     return CML_OK;
 }
 

@@ -2,8 +2,8 @@
 """What bounds the speed of the cpu engine: limits.py SPEED.csv PARTS.txt README.md rewrites the tables there.
 
 SPEED.csv is of speed.sh with --mcml, PARTS.txt of parts.sh on the same machine. The first table says how many times as
-fast as original MCML the engine would be without one of its stages; the second what a curved boundary costs before its
-shape does, and how that grows with rings and triangles.
+fast as original MCML the engine would be without one of its stages; the others, of a medium each, how much of its speed with a plane on top it would keep below a curved
+top without one of the parts that come with it.
 SPDX-License-Identifier: MIT
 """
 import csv
@@ -14,12 +14,13 @@ import results
 BEGIN, END = "<!-- written by bench/limits.py -->", "<!-- until here -->"
 LEFT_OUT = (("planes", "planes_ns"), ("launches and exits", "launch_exit_ns"), ("what is left", "left_ns"))
 LOOPS = (("the draws", "draw"), ("the tally", "scatter"))
-CURVED = ("level-mesh", "rough-1e3", "rough-1e5", "rough-3e5", "rough-1e6", "rings-1-cone", "rings-10-cone",
-          "rings-50-cone", "rings-200-cone", "rings-1000-cone")
+PARTS = (("looking around", "around"), ("looking ahead", "ahead"), ("march or walk", "seek"), ("turning", "turn"),
+         ("crossing", "cross"))
+MEDIA = ("S2", "S6a")
 
 
 def read_parts(path):
-    """(stages by first word, flat scenes by name) of a parts.txt."""
+    """(stages by first word, flat scenes by name, curved tops by name) of a parts.txt."""
     sections, current = {}, None
     with open(path, newline="") as stream:
         for line in stream:
@@ -28,9 +29,12 @@ def read_parts(path):
             else:
                 current.append(line)
     tables = [list(csv.DictReader(lines)) for lines in sections.values()]
-    stages = next(table for table in tables if table and "stage" in table[0])
-    scenes = next(table for table in tables if table and "scene" in table[0])
-    return {row["stage"].split()[0].strip(":"): row for row in stages}, {row["scene"]: row for row in scenes}
+
+    def table_of(key):
+        return next(table for table in tables if table and key in table[0])
+
+    return ({row["stage"].split()[0].strip(":"): row for row in table_of("stage")},
+            {row["scene"]: row for row in table_of("scene")}, {row["top"]: row for row in table_of("top")})
 
 
 def line(cells):
@@ -54,22 +58,17 @@ def flat_table(stages, scenes, speed):
     return lines
 
 
-def curved_table(speed):
-    titles = ["top"] + [what for medium in ("S2", "S6a")
-                        for what in ("%s: of the plane's steps per second" % medium, "queries per photon",
-                                     "ns per query beyond the plane's time")]
+def curved_table(medium, tops, speed):
+    """How much of the plane's steps per second are left: measured, and without parts of the time of a photon."""
+    titles = [medium + " below", "queries per photon", "ns per photon", "of the plane's steps per second"]
+    titles += ["without " + name for name, _ in PARTS] + ["without all five"]
     lines = [line(titles), "|---" * len(titles) + "|"]
-    for top in CURVED:
-        cells = [top]
-        for medium in ("S2", "S6a"):
-            row, flat = speed.get("%s-%s" % (medium, top)), speed[medium]
-            if row is None:
-                cells += ["-"] * 3
-                continue
-            steps = float(row["steps_per_photon"])
-            queries, beyond = steps * float(row["query_share"]), float(row["ns_per_step"]) - float(flat["ns_per_step"])
-            cells += ["%.2f" % (1 / float(row["to_flat"])), "%.2f" % queries, "%.0f" % (steps * beyond / queries)]
-        lines.append(line(cells))
+    for name, parts in tops.items():
+        if not name.startswith(medium + "-") or name not in speed:
+            continue
+        ns, share, saved = float(parts["ns"]), 1 / float(speed[name]["to_flat"]), [float(parts[key]) for _, key in PARTS]
+        lines.append(line([name[len(medium) + 1:], parts["queries"], "%.0f" % ns]
+                          + ["%.2f" % (share * ns / (ns - part)) for part in [0] + saved + [sum(saved)]]))
     return lines
 
 
@@ -88,11 +87,14 @@ def main():
     if len(sys.argv) != 4:
         sys.exit("usage: limits.py SPEED.csv PARTS.txt README.md")
     header, table = results.read_csv(sys.argv[1])
-    stages, scenes = read_parts(sys.argv[2])
+    stages, scenes, tops = read_parts(sys.argv[2])
     speed = {row["case"]: row for row in table if row["threads"] == "1"}
     about = dict(header)
     fresh = ["Measured: %s; %s." % (about["program"], about["machine"]), ""]
-    rewrite(sys.argv[3], fresh + flat_table(stages, scenes, speed) + [""] + curved_table(speed))
+    fresh += flat_table(stages, scenes, speed)
+    for medium in MEDIA:
+        fresh += [""] + curved_table(medium, tops, speed)
+    rewrite(sys.argv[3], fresh)
 
 
 if __name__ == "__main__":

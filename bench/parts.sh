@@ -1,9 +1,9 @@
 #!/bin/sh
 # What the parts of the cpu engine cost on this machine:
 #     parts.sh [--build DIR] [--out DIR]
-# Builds bench_stages, bench_busy and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector
-# loops alone and left out, where the time of the flat scenes goes, then, for rough tops and rings below which light is
-# scattered often (S6a) and seldom (S2), what a step near the boundary costs.
+# Builds bench_stages, bench_busy, bench_curved and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector
+# loops alone and left out, where the time of the flat scenes goes, then, below rough tops and rings where light is
+# scattered often (S6a) and seldom (S2), where it goes there, and what a step near the boundary costs by itself.
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"
@@ -12,7 +12,7 @@ options "" "build out" "$@"
 need python3 cmake
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-cmake --build "$build" --target bench_stages bench_queries bench_busy >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
+cmake --build "$build" --target bench_stages bench_queries bench_busy bench_curved >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
 mkdir -p "$out"
 
 python3 -B "$here/rough.py" mesh 3e5 0.018 "$work/rough.obj"
@@ -31,6 +31,8 @@ for medium in ("S6a", "S2"):
     cat "$work/stages.csv"
     echo "# flat scenes: per photon, what happens, and where the time goes"
     PYTHONPATH=$here python3 -B "$here/bounds.py" "$build/bench_busy" "$work/stages.csv"
+    echo "# curved tops: per photon, where the time goes"
+    PYTHONPATH=$here python3 -B "$here/curved.py" "$build/bench_curved" "$work"
     for scene in S6a-rough S6a-rings S6a-rings-1000 S2-rough S2-rings; do
         echo "# $scene"
         "$build/bench_queries" "$work/$scene.mci"

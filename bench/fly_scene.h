@@ -1,0 +1,63 @@
+/* A scene of a bench on one thread of an engine that was compiled with the bench: included behind
+ * engine_cpu_level.c. SPDX-License-Identifier: MIT */
+#ifndef CML_BENCH_FLY_SCENE_H
+#define CML_BENCH_FLY_SCENE_H
+
+#include "mci.h"
+
+#include <stdio.h>
+#include <time.h>
+
+static double now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+struct bench_flight {
+    struct cml_scene_list list;
+    struct cml_surface_set surfaces;
+    struct cml_tally tally;
+    void *cpu;
+    uint64_t photons;
+    double seconds; /* of all photons */
+};
+
+/* The first run of a file; boundaries that are not flat as `force` says. */
+static cml_status bench_open(const char *path, enum cml_representation force, struct bench_flight *flight,
+                             struct cml_error *err)
+{
+    const struct cml_surface_options how = {.force = force, .tessellation = {.tolerance = 1e-3}};
+    const struct cml_engine_options options = {.seed = 1, .threads = 1, .reentry = true, .absorption = true};
+    *flight = (struct bench_flight){0};
+    CML_TRY(cml_mci_read(path, &flight->list, err));
+    const struct cml_scene *scene = &flight->list.scenes[0];
+    CML_TRY(cml_surfaces_create(scene, &how, &flight->surfaces, err));
+    const struct cml_grid grid = cml_engine_grid(scene, &flight->surfaces, &options);
+    CML_TRY(cml_tally_create(&grid, &flight->tally, err));
+    return cpu_open(scene, &flight->surfaces, &options, &flight->cpu, err);
+}
+
+static void bench_close(struct bench_flight *flight)
+{
+    cpu_close(flight->cpu);
+    cml_tally_free(&flight->tally);
+    cml_surfaces_free(&flight->surfaces);
+    cml_scene_list_clear(&flight->list);
+}
+
+/* As many photons as take about half a second, counted from 0, into a clean tally. */
+static cml_status bench_fly(struct bench_flight *flight, void (*reset)(void), struct cml_error *err)
+{
+    for (flight->photons = 10000;; flight->photons *= 4) {
+        cml_tally_zero(&flight->tally);
+        reset();
+        const double begin = now();
+        CML_TRY(cpu_run(flight->cpu, 0, flight->photons, &flight->tally, err));
+        flight->seconds = now() - begin;
+        if (flight->seconds >= 0.4) return CML_OK;
+    }
+}
+
+#endif

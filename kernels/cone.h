@@ -337,6 +337,68 @@ enum cml_cone_verdict {
     CML_CONE_ENTERED, /* crossed in the span, for the first time, at its only root */
 };
 
+#ifndef __OPENCL_VERSION__
+/* A march that goes on for as many spans looks at as many together. */
+#define CML_CONE_ALONE 3
+#define CML_CONE_TOGETHER 16
+
+/* Spans in which the march, which stands on no ring, provably meets nothing, by the arithmetic of
+ * cml_cone_go: they end before t_max, on its side, and the ray comes nowhere closest to their cones. Goes on
+ * to the first other, and returns how many there were. There are as many rings that way. */
+__attribute__((always_inline)) static inline int
+cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_max, const int inwards)
+{
+    const struct cml_cone_ray ray = march->ray;
+    const int from = march->ring, rising = ray.b > 0, outwards = !inwards;
+    real t[CML_CONE_TOGETHER + 1];
+    int keeps_side[CML_CONE_TOGETHER], first = CML_CONE_TOGETHER;
+    t[0] = march->t0;
+#pragma omp simd
+    for (int k = 0; k < CML_CONE_TOGETHER; k++) {
+        const int at = inwards ? from - k : from + 1 + k; /* whose radius ends the span */
+        const real r = rings.r[at], gap = (r - ray.r) * (r + ray.r);
+        const real turning = ray.a * r * r - ray.k * ray.k,
+                   square = outwards & rising ? ray.b * ray.b + ray.a * gap : turning;
+        const real root = CML_SQRT(square > 0 ? square : (real)0);
+        const real in = (ray.r - r) * (ray.r + r) / (root - ray.b),
+                   out = (rising ? gap : root - ray.b) / (rising ? root + ray.b : ray.a),
+                   end = inwards ? in : out;
+        const real z = ray.p.z + end * ray.u.z;
+        keeps_side[k] = (ray.side * (z - rings.z[at]) < 0 ? 0 : 1) & (outwards | (square > 0));
+        t[k + 1] = end;
+    }
+#pragma omp simd reduction(min : first)
+    for (int k = 0; k < CML_CONE_TOGETHER; k++) {
+        const int i = inwards ? from - k : from + k;
+        const real m = rings.slope[i], mm = m * m, w = ray.p.z - rings.z[i] + m * rings.r[i];
+        const real A = ray.u.z * ray.u.z - mm * ray.a, B = w * ray.u.z - mm * ray.b, middle = -B / A;
+        const int closest = (ray.side * m < 0) & (A < 0) & (middle > t[k]) & (middle < t[k + 1]);
+        const int passes = keeps_side[k] & (t[k] < t[k + 1]) & (t[k + 1] < t_max) & !closest;
+        const int stop = k + passes * CML_CONE_TOGETHER;
+        first = stop < first ? stop : first;
+    }
+    march->ring = inwards ? from - first : from + first;
+    march->t0 = t[first];
+    return first;
+}
+
+__attribute__((noinline, unused)) static void cml_cone_skip(struct cml_rings rings,
+                                                            struct cml_cone_march *march, real t_max)
+{
+    int skipped;
+    do {
+        const int enough =
+            march->inwards ? march->ring >= CML_CONE_TOGETHER : march->ring + CML_CONE_TOGETHER < rings.n;
+        if (!enough) return;
+        skipped = march->inwards ? cml_cone_skip_way(rings, march, t_max, 1)
+                                 : cml_cone_skip_way(rings, march, t_max, 0);
+    } while (skipped == CML_CONE_TOGETHER);
+}
+#else
+#define CML_CONE_ALONE 1
+#define cml_cone_skip(rings, march, t_max) ((void)0) /* others of a work group would wait */
+#endif
+
 /* On to the first crossing before t_max: *t, on march->ring. leave_roots: most roots are left to the caller.
  */
 CML_FN enum cml_cone_verdict cml_cone_go(struct cml_rings rings, struct cml_cone_march *march, real t_max,
@@ -346,7 +408,7 @@ CML_FN enum cml_cone_verdict cml_cone_go(struct cml_rings rings, struct cml_cone
     if (!(ray->a > 0))
         return cml_cone_hit_vertical(rings, ray, march->ring, march->standing, t_max, t) ? CML_CONE_HIT
                                                                                          : CML_CONE_MISSED;
-    for (;;) {
+    for (int spans = 1;; spans++) {
         const int i = march->ring, standing = march->standing;
         const real t0 = march->t0;
         int next;
@@ -370,6 +432,7 @@ CML_FN enum cml_cone_verdict cml_cone_go(struct cml_rings rings, struct cml_cone
         march->standing = 0;
         march->ring = next;
         march->t0 = t1;
+        if (spans % CML_CONE_ALONE == 0) cml_cone_skip(rings, march, t_max);
     }
 }
 

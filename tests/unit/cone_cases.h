@@ -378,6 +378,23 @@ static void even_on_a_ridge_the_facet_is_that_of_one_ring(void **state)
     assert_true(tip.x == 0 && tip.y == 0 && tip.z == -1);
 }
 
+static void every_radius_finds_its_ring(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(54);
+    for (int n = 0; n < 2000; n++) {
+        struct field field = field_random(&dice, 1);
+        for (int i = 0; n % 2 && i < field.n; i++) field.r[i] = (real)(i * 0.01);
+        field_finish(&field);
+        const double last = (double)field.r[field.n - 1];
+        for (int k = 0; k < 200; k++) {
+            const real on = field.r[dice_below(&dice, field.n)];
+            const real r = dice_below(&dice, 2) ? on : (real)dice_between(&dice, 0, 1.2 * last);
+            assert_int_equal(cml_ring_of(rings_of(&field), r), field_ring(&field, r));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -404,6 +421,7 @@ int main(void)
         cmocka_unit_test(normals_are_those_of_finite_differences),
         cmocka_unit_test(the_tip_and_a_ridge_have_mean_normals),
         cmocka_unit_test(even_on_a_ridge_the_facet_is_that_of_one_ring),
+        cmocka_unit_test(every_radius_finds_its_ring),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

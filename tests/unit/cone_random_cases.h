@@ -254,21 +254,62 @@ static void a_packet_slides_along_a_hollow_on_its_surface(void **state)
     assert_true(sum < 0.15 * (double)hits);
 }
 
-static void every_radius_finds_its_ring(void **state)
+/* cml_cone_hit from t = 0, but span by span. Returns how many spans it took. */
+static int march_alone(struct cml_rings rings, struct cml_vec p, struct cml_vec u, real side, real t_max,
+                       int *hit, real *t, int *ring)
+{
+    struct cml_cone_march march = cml_cone_begin(rings, p, u, side, 0, -1);
+    for (int spans = 1;; spans++) {
+        int next;
+        const real exit = cml_ring_exit(rings, &march.ray, march.ring, march.inwards, &next);
+        if (next > march.ring) march.inwards = 0;
+        if (!(exit < t_max)) next = -1;
+        const real t1 = next < 0 ? t_max : (exit > march.t0 ? exit : march.t0);
+        const real end = cml_ring_height(rings, &march.ray, march.ring, next, t1);
+        *ring = march.ring;
+        *hit = cml_ring_span(rings, &march.ray, march.ring, end, 0, march.t0, t1, t) && *t < t_max;
+        if (*hit || next < 0) return spans;
+        march.ring = next;
+        march.t0 = t1;
+    }
+}
+
+/* Rings of even width on a slope, some deeper by rounding's share or by much. */
+static struct field field_of_many(struct dice *dice)
+{
+    struct field field = {.n = MAX_RINGS};
+    const double slope = dice_between(dice, -0.2, 0.2), rough = dice_below(dice, 2) ? 1e-3 : 1e-6;
+    for (int i = 0; i < field.n; i++) {
+        field.r[i] = (real)(0.02 * i);
+        field.z[i] = (real)(0.02 * slope * i + rough * dice_between(dice, -1, 1));
+    }
+    field_finish(&field);
+    return field;
+}
+
+/* A march over many rings looks at several together, and meets what it would meet alone. */
+static void a_march_over_many_rings_misses_none(void **state)
 {
     (void)state;
-    struct dice dice = dice_new(54);
-    for (int n = 0; n < 2000; n++) {
-        struct field field = field_random(&dice, 1);
-        for (int i = 0; n % 2 && i < field.n; i++) field.r[i] = (real)(i * 0.01);
-        field_finish(&field);
-        const double last = (double)field.r[field.n - 1];
-        for (int k = 0; k < 200; k++) {
-            const real on = field.r[dice_below(&dice, field.n)];
-            const real r = dice_below(&dice, 2) ? on : (real)dice_between(&dice, 0, 1.2 * last);
-            assert_int_equal(cml_ring_of(rings_of(&field), r), field_ring(&field, r));
-        }
+    struct dice dice = dice_new(57);
+    long hits = 0, far = 0;
+    for (int n = 0; n < 100000; n++) {
+        const struct field field = n % 2 ? field_of_many(&dice) : field_random(&dice, 0.1);
+        const struct cml_vec p = random_point(&dice, &field), u = towards_an_edge(&dice, &field, p);
+        const struct ray ray = ray_of(p, u, 1);
+        const real side = ray_height(&field, &ray, 0) > 0 ? 1 : -1, t_max = (real)dice_between(&dice, 0, 4);
+        real t[2] = {0, 0};
+        int ring[2], alone;
+        const int spans = march_alone(rings_of(&field), p, u, side, t_max, &alone, &t[0], &ring[0]);
+        const int hit = cml_cone_hit(rings_of(&field), p, u, side, 0, t_max, -1, &t[1], &ring[1]);
+        if (field.slope[ring[0]] == 0) continue; /* level rings are met otherwise */
+        assert_int_equal(hit, alone);
+        assert_true(!hit || (t[0] == t[1] && ring[0] == ring[1]));
+        hits += hit;
+        far += spans > 24;
     }
+    printf("%ld hits, %ld marches over more than 24 rings\n", hits, far);
+    assert_true(hits > 30000 && far > 10000);
 }
 
 /* ---- walks ---- */
@@ -437,7 +478,7 @@ int main(void)
         cmocka_unit_test(rays_from_outside_hit_what_the_whole_march_hits),
         cmocka_unit_test(grazing_rays_hit_the_surface_where_it_is),
         cmocka_unit_test(a_packet_slides_along_a_hollow_on_its_surface),
-        cmocka_unit_test(every_radius_finds_its_ring),
+        cmocka_unit_test(a_march_over_many_rings_misses_none),
         cmocka_unit_test(a_packet_does_not_sink_between_walls),
         cmocka_unit_test(a_walk_of_a_million_flights_never_slips_through),
     };

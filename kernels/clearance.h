@@ -89,7 +89,7 @@ CML_FN struct cml_stretch cml_near_stretch(const CML_GLOBAL struct cml_clearance
     const int finite = d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY;
     const int begins_clear = finite & (here > 0), ends_clear = finite & (end > 0);
     const real cut = CML_FMA(length, here / (here - end), s.from), late = (real)1.0009765625 * cut;
-    const real from = begins_clear ? cut : s.from, to = ends_clear & (late < s.to) ? late : s.to;
+    const real from = begins_clear ? cut : s.from, to = (ends_clear & (late < s.to)) ? late : s.to;
     const struct cml_stretch left = {s.meets & !(begins_clear & ends_clear), (real)0.9990234375 * from,
                                      rings ? to : s.to};
     return left;

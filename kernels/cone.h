@@ -358,7 +358,7 @@ cml_cone_skip_way(struct cml_rings rings, struct cml_cone_march *march, real t_m
         const int at = inwards ? from - k : from + 1 + k; /* whose radius ends the span */
         const real r = rings.r[at], gap = (r - ray.r) * (r + ray.r);
         const real turning = ray.a * r * r - ray.k * ray.k,
-                   square = outwards & rising ? ray.b * ray.b + ray.a * gap : turning;
+                   square = (outwards & rising) ? ray.b * ray.b + ray.a * gap : turning;
         const real root = CML_SQRT(square > 0 ? square : (real)0);
         const real in = (ray.r - r) * (ray.r + r) / (root - ray.b),
                    out = (rising ? gap : root - ray.b) / (rising ? root + ray.b : ray.a),

@@ -21,8 +21,8 @@
 
 struct cml_rings {
     CML_GLOBAL const real *r, *z, *slope; /* [n], see struct cml_world */
-    CML_GLOBAL const int *start;
-    real per_part;
+    CML_GLOBAL const int *start;          /* [n], of the parts that cml_ring_part numbers */
+    real per_part;                        /* parts per cm */
     int n;
 };
 

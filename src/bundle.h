@@ -3,8 +3,9 @@
  * interaction. What most packets do is done in vector loops (bundle_pass.h), launches and exits through
  * planes among them, and so is what lanes at curved surfaces have in common: whether they can meet them
  * (bundle_curved.h), and what becomes of those that do (bundle_hits.h). Which facet or ring it is
- * (bundle_meet.h), roulette and other ends (bundle_walk.h) are exceptions, a lane at a time. The arithmetic
- * is that of kernels/walk.h, so every packet ends with the same bits as there; tests compare whole tallies.
+ * (bundle_meet.h), what is rare there (bundle_alone.h), roulette and other ends (bundle_walk.h) are
+ * exceptions, a lane at a time. The arithmetic is that of kernels/walk.h, so every packet ends with the same
+ * bits as there; tests compare whole tallies.
  * Included by engine_cpu_level.c only, which is compiled once for each level of the processor.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_H

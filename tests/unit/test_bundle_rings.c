@@ -125,7 +125,7 @@ static void end_near_root(struct dice *dice, const struct made_up *m, real side,
     for (int n = dice_below(dice, 4); n > 0; n--) path->t_max = nextafterf(path->t_max, CML_INFINITY);
 }
 
-/* As cml_march_lane and cml_add_ring_hit: 0 when it meets no ring. */
+/* As cml_march_lane and cml_add_hit, from the path's start: 0 when it meets no ring. */
 static int march(const struct made_up *m, const struct path *path, real side, struct cml_hits *h)
 {
     const struct cml_rings rings = cml_rings_of(&m->world, 0);

@@ -7,7 +7,8 @@ struct cml_cores {
     unsigned char bits[128]; /* one bit per core: masks of several processes can be joined by or */
 };
 
-/* The mask of the calling thread; empty when the system does not tell. */
+/* All cores that threads of this process may run on, wherever OpenMP bound the calling one; empty when the
+ * system does not tell. */
 void cml_cores_mine(struct cml_cores *cores);
 
 /* Number of cores in a mask. */

@@ -39,4 +39,9 @@ test "$flown" = 10000 || complain "the ranks' photons are $flown: $(cat "$work/o
 test "$(grep -c '^clustermcml' "$work/out")" -eq 1 || complain "more than one banner: $(cat "$work/out")"
 ranks 2 check samples/fig5.mci >"$work/out" || complain "check on 2 ranks"
 test "$(grep -c fig5.mco "$work/out")" -eq 1 || complain "check spoke twice"
+
+# all cores of the rank, wherever OpenMP bound its main thread
+(export OMP_PROC_BIND=true; unset OMP_NUM_THREADS OMP_PLACES
+    ranks 1 samples/fig5.mci --photons 1e4 -o "$work" --json >"$work/out" 2>"$work/err")
+grep -q "\"threads\":$(env -u OMP_NUM_THREADS nproc)[,}]" "$work/out" || complain "bound by OpenMP: $(cat "$work/out" "$work/err")"
 finish

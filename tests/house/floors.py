@@ -23,7 +23,7 @@ FOREIGN = {
     "tiny_obj_loader.h": "obj_tiny",
     "immintrin.h": "bundle_masks",
     "jansson.h": "report compare_report",
-    "omp.h": "engine_cpu_level",
+    "omp.h": "cores engine_cpu_level",
     "CL/*": "opencl_parts",
     "getopt.h": "options",
     "hdf5*.h": "fields",

@@ -1,0 +1,35 @@
+#!/bin/sh
+# Without --threads as many threads as the process may use cores, even where OpenMP binds its threads before main begins;
+# a note where more are asked for than the process may use.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+unset OMP_NUM_THREADS OMP_PLACES OMP_PROC_BIND
+cores=$(nproc)
+first=$(taskset -cp $$ | sed 's/.*: *\([0-9]*\).*/\1/')
+
+threads_of() { # COMMAND...: prints the number of threads, leaves notes in $work/err
+    "$@" samples/fig5.mci --photons 1e3 --json -o "$work" 2>"$work/err" | sed 's/.*"threads":\([0-9]*\).*/\1/'
+}
+
+expect_threads() { # WHAT NUMBER COMMAND...
+    what=$1 number=$2
+    shift 2
+    found=$(threads_of "$@")
+    test "$found" = "$number" || complain "$what: $found threads, not $number: $(cat "$work/err")"
+}
+
+expect_silence() { # WHAT
+    test ! -s "$work/err" || complain "$1: $(cat "$work/err")"
+}
+
+expect_threads "no word about threads" "$cores" "$program"
+expect_silence "no word about threads"
+for bind in true spread close; do
+    expect_threads "OMP_PROC_BIND=$bind" "$cores" env OMP_PROC_BIND=$bind "$program"
+    expect_threads "OMP_PROC_BIND=$bind, asked for" "$cores" env OMP_PROC_BIND=$bind OMP_NUM_THREADS="$cores" "$program"
+    expect_silence "OMP_PROC_BIND=$bind, asked for"
+done
+expect_threads "bound to one core" 1 taskset -c "$first" "$program"
+expect_threads "two threads on one core" 2 taskset -c "$first" env OMP_NUM_THREADS=2 "$program"
+grep -q '^clustermcml: note: 2 threads on 1 core ' "$work/err" || complain "two threads on one core: $(cat "$work/err")"
+finish

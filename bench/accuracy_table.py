@@ -8,6 +8,7 @@ import math
 import os
 import sys
 
+import block
 import results
 
 REFERENCE = "reference"
@@ -187,19 +188,6 @@ def reading(header, rows):
                 failing["method"], number(failing, "failures_per_1e9"))]
 
 
-MARKS = ("<!-- written by bench/accuracy_table.py -->", "<!-- until here -->")
-
-
-def rewrite(readme, lines):
-    with open(readme) as stream:
-        old = stream.read().split("\n")
-    if any(mark not in old for mark in MARKS):
-        sys.exit("%s: no lines %s and %s" % (readme, *MARKS))
-    first, last = (old.index(mark) for mark in MARKS)
-    with open(readme, "w") as stream:
-        stream.write("\n".join(old[:first + 1] + lines + old[last:]))
-
-
 def biased(row):
     """Whether the bias of the totals is resolved."""
     return abs(number(row, "bias")) > 3 * number(row, "bias_se") and number(row, "bias_se") > 0
@@ -261,7 +249,7 @@ def main(arguments):
     if len(arguments) == 1:
         sys.stdout.write(text(header, rows))
     elif len(arguments) == 2:
-        rewrite(arguments[1], reading(header, rows))
+        block.replace(arguments[1], "accuracy_table.py", reading(header, rows))
     else:
         series(rows, arguments[2])
 

@@ -6,6 +6,8 @@ import csv
 import os
 import sys
 
+import block
+
 EVENTS = ("lost", "wrong", "missed", "spurious", "nan")
 METHODS = ("reference-cone", "cpu-cone", "reference-mesh", "cpu-mesh")
 SAME = {"reference": "reference-cone", "cpu": "cpu-cone"}  # planes stand in the columns of the cones
@@ -54,7 +56,6 @@ def natural_flights(cells):
 # --- the table in README ---
 
 RESULTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "results")
-MARKS = ("<!-- written by bench/atlas_table.py -->", "<!-- until here -->")
 AIMS = (("edges, ridges, vertices, tips; within 2 ulp", "edge vertex drop"),
         ("along an edge, in the surface", "along"),
         ("1e-2 to 1e-4 rad from a face", "1e-2 1e-3 1e-4"),
@@ -109,15 +110,8 @@ def readme_lines(quick, natural):
 
 
 def rewrite(readme):
-    with open(readme, encoding="utf-8") as file:
-        lines = file.read().split("\n")
-    if MARKS[0] not in lines:
-        sys.exit(f"{readme}: no line {MARKS[0]}")
-    first = lines.index(MARKS[0])
-    last = lines.index(MARKS[1], first)
-    fresh = list(readme_lines(read_cells("atlas-quick.csv") + read_cells("atlas-large.csv"), read_cells("atlas-natural.csv")))
-    with open(readme, "w", encoding="utf-8") as file:
-        file.write("\n".join(lines[:first + 1] + fresh + lines[last:]))
+    aimed = read_cells("atlas-quick.csv") + read_cells("atlas-large.csv")
+    block.replace(readme, "atlas_table.py", readme_lines(aimed, read_cells("atlas-natural.csv")))
 
 
 def main():

@@ -9,9 +9,9 @@ SPDX-License-Identifier: MIT
 import csv
 import sys
 
+import block
 import results
 
-BEGIN, END = "<!-- written by bench/limits.py -->", "<!-- until here -->"
 LEFT_OUT = (("planes", "planes_ns"), ("launches and exits", "launch_exit_ns"), ("what is left", "left_ns"))
 LOOPS = (("the draws", "draw"), ("the tally", "scatter"))
 PARTS = (("looking around", "around"), ("looking ahead", "ahead"), ("march or walk", "seek"), ("turning", "turn"),
@@ -72,17 +72,6 @@ def curved_table(medium, tops, speed):
     return lines
 
 
-def rewrite(readme, fresh):
-    with open(readme) as stream:
-        text = stream.read()
-    if BEGIN not in text:
-        sys.exit("%s: no line %s" % (readme, BEGIN))
-    before, rest = text.split(BEGIN, 1)
-    after = rest.split(END, 1)[1]
-    with open(readme, "w") as stream:
-        stream.write(before + BEGIN + "\n" + "\n".join(fresh) + "\n" + END + after)
-
-
 def main():
     if len(sys.argv) != 4:
         sys.exit("usage: limits.py SPEED.csv PARTS.txt README.md")
@@ -94,7 +83,7 @@ def main():
     fresh += flat_table(stages, scenes, speed)
     for medium in MEDIA:
         fresh += [""] + curved_table(medium, tops, speed)
-    rewrite(sys.argv[3], fresh)
+    block.replace(sys.argv[3], "limits.py", fresh)
 
 
 if __name__ == "__main__":

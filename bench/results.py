@@ -13,6 +13,7 @@ import statistics
 import subprocess
 import sys
 
+import block
 import cases
 
 README_ROWS = ("S1", "S2", "S3", "S4", "S5", "S6a", "S6b", "S6a-rough-1e3", "S6a-rough-1e5", "S6a-rough-1e6",
@@ -164,32 +165,21 @@ def text(header, table):
     return "\n".join(lines) + "\n"
 
 
-def rewrite(readme, header, table):
-    """Puts the chosen rows into the table of the README that begins with our titles."""
-    chosen = [cells(row) for row in table if row["case"] in README_ROWS and row["threads"] == "1"]
-    drop = TITLES.index("threads")
-    begin = "| " + " | ".join(TITLES[:drop] + TITLES[drop + 1:]) + " |"
-    with open(readme) as stream:
-        lines = stream.read().split("\n")
-    if begin not in lines:
-        sys.exit("%s: no line %s" % (readme, begin))
-    first = lines.index(begin) + 2
-    last = first
-    while last < len(lines) and lines[last].startswith("|"):
-        last += 1
-    about = dict(header)
+def readme_lines(header, table):
+    """What was measured, and a table of the chosen rows without the column of threads."""
+    about, drop = dict(header), TITLES.index("threads")
     gains = ["%s %s" % (row["case"], ranged(row, "one_to_threads", 2)) for row in table if row["one_to_threads"] != ""]
-    measured = "Measured: %s; %s; %s; median (least-most) of %s rounds. Two threads over one: %s." % (
+    yield "Measured: %s; %s; %s; median (least-most) of %s rounds. Two threads over one: %s." % (
         about["program"], about["machine"], about["compiler"], about["rounds"], ", ".join(gains))
-    lines = [measured if line.startswith("Measured: ") else line for line in lines]
-    fresh = ["| " + " | ".join(line[:drop] + line[drop + 1:]) + " |" for line in chosen]
-    if measured not in lines:
-        sys.exit("%s: no line that begins with Measured: " % readme)
-    with open(readme, "w") as stream:
-        stream.write("\n".join(lines[:first] + fresh + lines[last:]))
+    yield ""
+    titles = TITLES[:drop] + TITLES[drop + 1:]
+    yield "| " + " | ".join(titles) + " |"
+    yield "|---" * len(titles) + "|"
+    for line in (cells(row) for row in table if row["case"] in README_ROWS and row["threads"] == "1"):
+        yield "| " + " | ".join(line[:drop] + line[drop + 1:]) + " |"
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit("usage: results.py CSV README.md")
-    rewrite(sys.argv[2], *read_csv(sys.argv[1]))
+    block.replace(sys.argv[2], "results.py", readme_lines(*read_csv(sys.argv[1])))

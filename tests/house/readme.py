@@ -8,6 +8,7 @@ import tempfile
 RESULTS = "bench/results/"
 COMMANDS = (["bench/results.py", RESULTS + "amd-epyc-2core.csv"],
             ["bench/accuracy_table.py", RESULTS + "accuracy-amd-epyc-2core.csv"],
+            ["bench/mmc.py", "--readme", RESULTS + "mmc-amd-epyc-2core.md"],
             ["bench/atlas_table.py", "--readme"])
 
 failed = False

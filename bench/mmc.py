@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Times clustermcml against MMC on one core: mmc.py PROGRAM MMC DIRECTORY [--rounds N].
+
+A slab with ten scatterings per cm below rough tops of 1e3, 1e4 and 1e5 triangles. Both tally the absorbed light, with the
+same roulette, and only flights count: reading, building and writing are left out. They take turns, and ratios are taken
+within a round. Beside the speed stands the absorbed share of the light that entered, which must be the same.
+Writes DIRECTORY/mmc.md. As `mmc.py --readme MMC.md README.md` it puts that into README.
+
+SPDX-License-Identifier: MIT
+"""
+import argparse
+import math
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+
+import block
+import cases
+import results
+import speed
+import tetrahedra
+
+TRIANGLES = ("1e3", "1e4", "1e5")
+SECONDS = 0.7  # of a run
+ROULETTE = "1e-4"  # the weight below which it is played, as in MCML
+TITLES = ("triangles", "tetrahedra", "photons/s", "MMC's photons/s", "ratio", "absorbed of what entered", "by MMC", "lost")
+
+
+class Pair:
+    """The same slab for both programs, and what they did with it."""
+
+    def __init__(self, triangles, work):
+        self.case = cases.rough_cases("A", [triangles], cases.AMPLITUDE_A, work)[0]
+        self.obj = os.path.join(work, "rough-%s-%s.obj" % (triangles, cases.AMPLITUDE_A))
+        self.stem = os.path.join(work, "slab-" + triangles)
+        self.tetrahedra = 0
+        self.mmc_photons = 10000
+        self.mmc_runs = []  # (photons per second, absorbed share)
+
+
+def entry(program, scene):
+    """(position [cm], direction) of a packet that has just entered, moved on by a micrometre so as to be inside."""
+    text = subprocess.run([program, "trace", scene, "0"], capture_output=True, text=True, check=True).stdout
+    words = next(line.split() for line in text.split("\n") if " transmit " in line)
+    position, direction = ([float(word) for word in words[first:first + 3]] for first in (3, 6))
+    return [x + 1e-4 * u for x, u in zip(position, direction)], direction
+
+
+def prepare(program, pair):
+    layer = [float(word) for word in cases.data_lines("A")[cases.ABOVE + 1].split()]
+    mesh = tetrahedra.fill(pair.obj, layer[-1], pair.stem)
+    pair.tetrahedra = len(mesh[1])
+    tetrahedra.write_mmc(mesh, layer, *entry(program, pair.case.path), pair.stem + ".json")
+
+
+def plain(command, **options):
+    """What a command prints, without colours."""
+    text = subprocess.run(command, capture_output=True, text=True, **options).stdout
+    return re.sub(r"\x1b\[[0-9;]*m", "", text)
+
+
+def version(mmc):
+    found = re.search(r"\$Rev::[ $]*(v[\w.]+)", plain([mmc, "--version"]))  # exits with 1
+    return found.group(1) if found else "?"
+
+
+def fly_mmc(mmc, pair, seed):
+    """(photons per second, absorbed share of the light), as MMC prints them."""
+    command = [mmc, "-f", pair.stem + ".json", "-c", "sse", "-G", "-1", "-M", "S", "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
+               "-d", "0", "-n", str(pair.mmc_photons), "-E", str(seed)]
+    text = plain(command, cwd=os.path.dirname(pair.stem), env=dict(os.environ, OMP_NUM_THREADS="1"), check=True)
+    rate, absorbed = (re.search(pattern, text) for pattern in (r"([\d.]+) photon/ms", r"absorbed: +([\d.]+)%"))
+    if not rate or not absorbed:
+        sys.exit("%s: printed no photons per ms, or no absorbed share:\n%s" % (mmc, text))
+    return 1e3 * float(rate.group(1)), float(absorbed.group(1)) / 100
+
+
+def calibrate(program, mmc, pair):
+    speed.calibrate(program, None, pair.case, SECONDS)
+    pair.mmc_photons = speed.two_digits(SECONDS * fly_mmc(mmc, pair, 1)[0])
+
+
+def measure(program, mmc, pairs, rounds):
+    for index in range(rounds):
+        for pair in pairs if index % 2 == 0 else pairs[::-1]:
+            pair.case.runs.append(speed.fly_alone(program, pair.case, pair.case.photons, index + 1))
+            pair.mmc_runs.append(fly_mmc(mmc, pair, index + 1))
+
+
+def absorbed(pair):
+    """((share, standard error) of ours, the same of MMC) of the light that entered."""
+    n = len(pair.case.runs)
+    shares = [run["A"] / (1 - run["Rsp"]) for run in pair.case.runs]
+    error = math.sqrt(sum((run["A_se"] / (1 - run["Rsp"])) ** 2 for run in pair.case.runs)) / n
+    theirs = [share for _, share in pair.mmc_runs]
+    return (statistics.fmean(shares), error), (statistics.fmean(theirs), statistics.stdev(theirs) / math.sqrt(n))
+
+
+def row(pair):
+    ours, theirs = [run["photons_per_s"] for run in pair.case.runs], [rate for rate, _ in pair.mmc_runs]
+    ratios = [a / b for a, b in zip(ours, theirs)]
+    return [str(pair.case.runs[0]["boundaries"][0]["primitives"]), str(pair.tetrahedra),
+            "%.3g" % statistics.median(ours), "%.3g" % statistics.median(theirs),
+            "%.1f (%.1f-%.1f)" % (statistics.median(ratios), min(ratios), max(ratios)),
+            *("%.5f ± %.5f" % share for share in absorbed(pair)), str(sum(run["lost"] for run in pair.case.runs))]
+
+
+def report(program, mmc, pairs, rounds):
+    about = dict(results.machine(program, pairs[0].case.runs[0]["version"], rounds))
+    yield "Measured: %s; MMC %s; %s; median (least-most) of %d rounds, one thread." % (
+        about["program"], version(mmc), about["machine"], rounds)
+    yield ""
+    yield "| " + " | ".join(TITLES) + " |"
+    yield "|---" * len(TITLES) + "|"
+    for pair in pairs:
+        yield "| " + " | ".join(row(pair)) + " |"
+
+
+def bench(arguments):
+    with tempfile.TemporaryDirectory() as work:
+        program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
+        mmc = os.path.abspath(arguments.mmc)
+        pairs = [Pair(triangles, work) for triangles in TRIANGLES]
+        for pair in pairs:
+            prepare(program, pair)
+            calibrate(program, mmc, pair)
+        measure(program, mmc, pairs, arguments.rounds)
+        lines = list(report(arguments.program, mmc, pairs, arguments.rounds))
+    os.makedirs(arguments.directory, exist_ok=True)
+    with open(os.path.join(arguments.directory, "mmc.md"), "w", encoding="utf-8") as stream:
+        stream.write("\n".join(lines) + "\n")
+    print("\n".join(lines))
+
+
+def main():
+    if sys.argv[1:2] == ["--readme"] and len(sys.argv) == 4:
+        with open(sys.argv[2], encoding="utf-8") as stream:
+            block.replace(sys.argv[3], "mmc.py", stream.read().rstrip("\n").split("\n"))
+        return
+    parser = argparse.ArgumentParser(description="Times clustermcml against MMC.")
+    parser.add_argument("program")
+    parser.add_argument("mmc")
+    parser.add_argument("directory")
+    parser.add_argument("--rounds", type=int, default=5)
+    arguments = parser.parse_args()
+    if arguments.rounds < 5:
+        parser.error("fewer than 5 rounds make no median")
+    bench(arguments)
+
+
+if __name__ == "__main__":
+    main()

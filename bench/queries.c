@@ -60,7 +60,7 @@ static int is_below(const struct cml_world *world, struct cml_packet packet)
 static void find_reach(const struct cml_world *world, struct near_packet *near)
 {
     const struct cml_packet *p = &near->packet;
-    near->reach = cml_find_reach(world, 1, p->p, p->u, p->tau * world->media[1].mfp);
+    near->reach = cml_find_reach(world, p, p->tau * world->media[1].mfp);
 }
 
 static void query(const struct cml_world *world, struct near_packet *near)

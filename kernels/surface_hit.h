@@ -117,26 +117,35 @@ CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_
 }
 #endif
 
-/* Whether a direction cannot cross the surface anywhere: it rises or falls more steeply than any part of it.
- */
-CML_FN int cml_heads_away(const CML_GLOBAL struct cml_surface *surface, struct cml_vec u, real side)
+/* The slope from which on packets that leave a curved surface to their side of it meet it never again: that
+ * of its steepest part, and of a packet that stands on a ring that of all it sees from there. */
+CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                        real side, int standing_on)
 {
-    const real steepest = surface->steepest;
-    return (side * u.z > 0) & (u.z * u.z >= steepest * steepest * (u.x * u.x + u.y * u.y));
+    if (surface->kind != CML_SURFACE_CONE || standing_on < 0) return surface->steepest;
+    return (side > 0 ? world->ring_horizon_below
+                     : world->ring_horizon_above)[surface->first_ring + standing_on];
+}
+
+/* Whether a direction leads away from the surface, and as steeply as that. */
+CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
+{
+    return (side * u.z > 0) & (u.z * u.z >= horizon * horizon * (u.x * u.x + u.y * u.y));
 }
 
 /* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
- * below it, -1 above. */
+ * below it, -1 above. standing_on: what of it, -1 or CML_BESIDE_FACETS. */
 CML_FN struct cml_stretch cml_can_meet_curved(const struct cml_world *world,
                                               const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
-                                              struct cml_vec u, real side, real t_max)
+                                              struct cml_vec u, real side, int standing_on, real t_max)
 {
+    const real horizon = cml_horizon(world, surface, side, standing_on);
     const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
     const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
     const real inside = side * (nearest - p.z), away = side * u.z;
     const int passes = inside < away * t_max; /* that depth */
     struct cml_stretch s = {0, 0, t_max};
-    if (away < 0 ? passes : (inside < 0) | cml_heads_away(surface, u, side)) return s;
+    if (away < 0 ? passes : (inside < 0) | cml_heads_away(horizon, u, side)) return s;
     const real there = inside / away;
     s.meets = 1;
     if (inside < 0) s.from = there;
@@ -149,13 +158,13 @@ CML_FN struct cml_stretch cml_can_meet_curved(const struct cml_world *world,
 /* The same for any kind of surface. */
 CML_FN struct cml_stretch cml_can_meet(const struct cml_world *world,
                                        const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
-                                       struct cml_vec u, real side, real t_max)
+                                       struct cml_vec u, real side, int standing_on, real t_max)
 {
     if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
         const struct cml_stretch s = {side * u.z < 0 && -p.z / u.z < t_max, 0, t_max};
         return s;
     }
-    return cml_can_meet_curved(world, surface, p, u, side, t_max);
+    return cml_can_meet_curved(world, surface, p, u, side, standing_on, t_max);
 }
 
 /* Where a packet can meet the boundaries of its medium. */
@@ -163,15 +172,26 @@ struct cml_reach {
     struct cml_stretch above, below;
 };
 
-CML_FN struct cml_reach cml_find_reach(const struct cml_world *world, int medium, struct cml_vec p,
-                                       struct cml_vec u, real t_max)
+/* What the packet stands on of a boundary: -1 nothing, or CML_BESIDE_FACETS. */
+CML_FN int cml_stands_on(const struct cml_packet *packet, int boundary)
 {
+    return packet->on_boundary == boundary ? packet->on_primitive : -1;
+}
+
+CML_FN struct cml_reach cml_find_reach(const struct cml_world *world, const struct cml_packet *packet,
+                                       real t_max)
+{
+    const int medium = packet->medium;
     const struct cml_stretch none = {0, 0, t_max};
     struct cml_reach reach = {none, none};
-    if (medium > 0) reach.above = cml_can_meet(world, &world->surfaces[medium - 1], p, u, 1, t_max);
+    struct cml_vec p = packet->p;
+    if (medium > 0)
+        reach.above = cml_can_meet(world, &world->surfaces[medium - 1], p, packet->u, 1,
+                                   cml_stands_on(packet, medium - 1), t_max);
     if (medium <= world->setup.num_layers) {
         p.z -= world->media[medium].span;
-        reach.below = cml_can_meet(world, &world->surfaces[medium], p, u, -1, t_max);
+        reach.below = cml_can_meet(world, &world->surfaces[medium], p, packet->u, -1,
+                                   cml_stands_on(packet, medium), t_max);
     }
     return reach;
 }
@@ -182,7 +202,7 @@ CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *pac
                            struct cml_vec p, real side, struct cml_stretch s, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
-    const int standing_on = packet->on_boundary == boundary ? packet->on_primitive : -1;
+    const int standing_on = cml_stands_on(packet, boundary);
     int found = 0;
     if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
         found = cml_plane_hit(p, packet->u, side, s.to, hit);

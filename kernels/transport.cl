@@ -150,7 +150,7 @@ CML_FN cml_u32 cml_meet_lane(const struct cml_world *world, const struct cml_dep
     if (!(packet->tau < CML_INFINITY))
         packet->tau = cml_optical_depth(world->setup.stream, packet->index, packet->interactions, 0u);
     const real t = cml_free_path(world, packet);
-    const struct cml_reach reach = cml_find_reach(world, packet->medium, packet->p, packet->u, t);
+    const struct cml_reach reach = cml_find_reach(world, packet, t);
     if (!(cml_dot(packet->u, packet->u) < 2)) {
         cml_lose(packet, CML_LOST_NAN);
     } else if (cml_nearest(world, packet, reach, &hit)) {
@@ -232,6 +232,8 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
                                     rings,
                                     rings + launch.rings,
                                     rings + 2 * launch.rings,
+                                    rings + 3 * launch.rings,
+                                    rings + 4 * launch.rings,
                                     ring_starts,
                                     clearance,
                                     clearance + launch.clearance_cells};

@@ -54,6 +54,7 @@ struct cml_medium {
     real bins;  /* the same in bins of dz */
 };
 
+#define CML_RING_ROWS 5 /* ring_r, ring_z, ring_slope and both horizons, one behind the other */
 #define CML_CLEARANCE_LEVELS 11
 
 /* Of a curved surface, see clearance.h. */
@@ -76,7 +77,7 @@ struct cml_map {
 /* A boundary. lowest and highest bound its depth in its own frame: lowest <= z <= highest everywhere. */
 struct cml_surface {
     int kind;
-    int first_ring, num_rings; /* CML_SURFACE_CONE: slices of ring_r, ring_z, ring_slope, ring_start */
+    int first_ring, num_rings; /* CML_SURFACE_CONE: slices of the arrays of rings */
     real parts_per_cm;         /* of ring_start */
     real lowest, highest;
     real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
@@ -133,12 +134,14 @@ struct cml_packet {
 
 /* Everything a walk reads. Rings: r rising from 0, z = depth at r in the boundary's frame, slope dz/dr to the
  * next ring (0 behind the last: the outer plane). Its radius cut into as many equal parts as there are rings
- * before the last, start[k] is the last ring that begins in a part before k, or 0. */
+ * before the last, start[k] is the last ring that begins in a part before k, or 0. Their horizon, seen from
+ * the side of the medium above or below: a packet that stands on a ring and leaves it for good when it rises
+ * or falls that steeply; see src/horizon.h. */
 struct cml_world {
     struct cml_setup setup;
     CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2] */
     CML_GLOBAL const struct cml_surface *surfaces; /* [num_layers + 1] */
-    CML_GLOBAL const real *ring_r, *ring_z, *ring_slope;
+    CML_GLOBAL const real *ring_r, *ring_z, *ring_slope, *ring_horizon_above, *ring_horizon_below;
     CML_GLOBAL const int *ring_start;
     CML_GLOBAL const real *deepest,
         *highest; /* pyramids of all surfaces: greatest and least z of each cell */

@@ -442,7 +442,7 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
 {
     const real t_max = cml_free_path(world, packet);
     struct cml_hit hit = {0}; /* filled where it is used, which not every compiler sees */
-    const struct cml_reach reach = cml_find_reach(world, packet->medium, packet->p, packet->u, t_max);
+    const struct cml_reach reach = cml_find_reach(world, packet, t_max);
     if (cml_nearest(world, packet, reach, &hit))
         cml_meet(world, to, packet, &hit);
     else if (t_max < CML_INFINITY)

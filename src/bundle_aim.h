@@ -38,7 +38,7 @@ static void cml_aim(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
     if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
-    const struct cml_reach reach = cml_find_reach(f->world, 0, packet.p, packet.u, CML_INFINITY);
+    const struct cml_reach reach = cml_find_reach(f->world, &packet, CML_INFINITY);
     f->aimed = cml_nearest(f->world, &packet, reach, &f->first);
     if (!f->aimed || f->to.facets) return;
     f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first);
@@ -54,7 +54,7 @@ static void cml_aim_on(struct cml_flight *f)
     struct cml_packet packet = *like;
     struct cml_hit hit;
     if (!f->pencil || like->medium == 0 || cml_tallies_places(f->tally)) return;
-    const struct cml_reach reach = cml_find_reach(world, like->medium, like->p, like->u, CML_INFINITY);
+    const struct cml_reach reach = cml_find_reach(world, like, CML_INFINITY);
     if (!cml_nearest(world, &packet, reach, &hit) || !cml_is_plane(world, hit.boundary)) return;
     if (!cml_send_through(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
     ballistic->possible = 1;

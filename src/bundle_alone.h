@@ -41,7 +41,7 @@ static int cml_meet_boundary(const struct cml_flight *f, struct cml_packet *pack
         }
         const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
         if (packet->fate != CML_FATE_ALIVE || !outside) return 1;
-        reach = cml_find_reach(world, packet->medium, packet->p, packet->u, cml_free_path(world, packet));
+        reach = cml_find_reach(world, packet, cml_free_path(world, packet));
     }
 }
 
@@ -59,8 +59,7 @@ static void cml_put_back(struct cml_flight *f, int i, const struct cml_packet *p
 static void cml_come_back(const struct cml_flight *f, struct cml_packet *packet)
 {
     const struct cml_world *world = f->world;
-    const struct cml_reach reach =
-        cml_find_reach(world, packet->medium, packet->p, packet->u, cml_free_path(world, packet));
+    const struct cml_reach reach = cml_find_reach(world, packet, cml_free_path(world, packet));
     real t;
     cml_meet_boundary(f, packet, reach, &t);
 }
@@ -131,13 +130,14 @@ static void cml_go_on(struct cml_flight *f, int i, struct cml_reach reach, real 
 static void cml_handle_exception(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
-    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
+    struct cml_packet packet;
     if (!(b->tau[i] < CML_INFINITY))
         b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
     const real s = cml_path(b->tau[i], CML_OF_MEDIUM(b, mfp)[i]);
     const int aimed = cml_is_aimed(f, b->medium[i], b->boundary_events[i]);
-    const struct cml_reach ahead = {{0, 0, s}, {1, 0, s}},
-                           reach = aimed ? ahead : cml_find_reach(f->world, b->medium[i], p, u, s);
+    const struct cml_reach ahead = {{0, 0, s}, {1, 0, s}};
+    cml_lane_packet(b, i, &packet);
+    const struct cml_reach reach = aimed ? ahead : cml_find_reach(f->world, &packet, s);
     cml_go_on(f, i, reach, s);
 }
 

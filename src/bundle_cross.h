@@ -15,12 +15,14 @@ static void cml_leave_lane(struct cml_flight *f, int i, int to)
     cml_put_back(f, i, &packet);
 }
 
-/* Whether a packet that has gone through a boundary into outer medium `to` meets it never again. */
-static int cml_is_gone(const struct cml_world *world, int boundary, int to, struct cml_vec u)
+/* Whether a packet that has gone through a primitive of a boundary into outer medium `to` meets the boundary
+ * never again. */
+static int cml_is_gone(const struct cml_world *world, int boundary, int primitive, int to, struct cml_vec u)
 {
     const real side = to > boundary ? (real)1 : (real)-1;
+    const real horizon = cml_horizon(world, &world->surfaces[boundary], side, primitive);
     return !world->setup.reentry ||
-           (!(world->media[to].mfp < CML_INFINITY) && cml_heads_away(&world->surfaces[boundary], u, side));
+           (!(world->media[to].mfp < CML_INFINITY) && cml_heads_away(horizon, u, side));
 }
 
 /* The lane's packet, which has been in the material, has left it so, in one boundary event more. */
@@ -55,7 +57,7 @@ static void cml_cross_lane(struct cml_flight *f, const struct cml_hits *h, int k
     const struct cml_vec p = {h->x[k], h->y[k], h->z[k] + (to == boundary ? world->media[to].span : (real)0)},
                          u = {h->ux[k], h->uy[k], h->uz[k]};
     const int outside = to == 0 || to > world->setup.num_layers;
-    if (outside && cml_is_gone(world, boundary, to, u)) {
+    if (outside && cml_is_gone(world, boundary, h->primitive[k], to, u)) {
         cml_lane_goes(f, i, to, h->primitive[k], p, u);
         return;
     }

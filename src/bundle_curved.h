@@ -71,7 +71,7 @@ cml_crowd_reach_curved(const struct cml_world *world, const struct cml_surface *
     for (int k = 0; k < size; k++) {
         const struct cml_vec p = {c->x[k], c->y[k], c->z[k] - depth}, u = {c->ux[k], c->uy[k], c->uz[k]};
         const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
-        const int passes = inside < away * s, leads_away = cml_heads_away(&surface, u, side);
+        const int passes = inside < away * s, leads_away = cml_heads_away(surface.steepest, u, side);
         const int misses = ((away < 0) & passes) | ((away >= 0) & ((inside < 0) | leads_away));
         const struct cml_stretch within = {!misses, inside < 0 ? there : (real)0,
                                            (away >= 0) & passes ? there : s};

@@ -5,6 +5,7 @@
 #define CML_ENGINE_SCALAR_H
 
 #include "engine.h"
+#include "horizon.h"
 #include "packet_ends.h"
 #include "surface_facets.h"
 #include "walk.h"
@@ -17,7 +18,7 @@ struct scalar_world {
     struct cml_world world;
     struct cml_medium *media;
     struct cml_surface *surfaces;
-    real *rings; /* ring_r, ring_z, ring_slope one behind the other */
+    real *rings; /* [CML_RING_ROWS][rings of all boundaries] */
     int *ring_starts;
     real *clearance; /* deepest, highest one behind the other */
     const struct cml_mesh_surface **meshes;
@@ -54,14 +55,14 @@ static cml_status scalar_world_allocate(const struct cml_surface_set *surfaces, 
     const size_t cells = count_clearance_cells(surfaces);
     to->media = calloc(boundaries + 1, sizeof *to->media);
     to->surfaces = calloc(boundaries, sizeof *to->surfaces);
-    to->rings = calloc(3 * rings + 1, sizeof *to->rings);
+    to->rings = calloc(CML_RING_ROWS * rings + 1, sizeof *to->rings);
     to->ring_starts = calloc(rings + 1, sizeof *to->ring_starts);
     to->meshes = calloc(boundaries, sizeof *to->meshes);
     to->clearance = calloc(2 * cells + 1, sizeof *to->clearance);
     if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->clearance)
         return CML_OK;
-    return cml_fail_memory(err, (double)((3 * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)),
-                           "the scene");
+    return cml_fail_memory(
+        err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
 }
 
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -83,6 +84,24 @@ static void copy_media(const struct cml_scene *scene, const struct cml_surface_s
     }
 }
 
+/* Rings of one surface, the first of them at `first`. Returns ring_start's parts per cm. */
+static real copy_rings(const struct cml_surface_def *from, size_t first, size_t total,
+                       struct scalar_world *to)
+{
+    const int n = from->num_rings;
+    int *start = to->ring_starts + first; /* scratch, before it is filled */
+    real *r = to->rings + first, *z = r + total, *slope = z + total, *above = slope + total,
+         *below = above + total;
+    for (int i = 0; i < n; i++) {
+        r[i] = (real)from->r[i];
+        z[i] = (real)from->z[i];
+        slope[i] = (real)from->slope[i];
+    }
+    cml_ring_horizons(r, z, n, -1, start, above);
+    cml_ring_horizons(r, z, n, 1, start, below);
+    return cml_ring_starts(r, n, start);
+}
+
 static void copy_surfaces(const struct cml_surface_set *from, struct scalar_world *to)
 {
     static const int kind_of[] = {CML_SURFACE_PLANE, CML_SURFACE_CONE, CML_SURFACE_MESH};
@@ -90,7 +109,6 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
     size_t ring = 0;
     for (int b = 0; b < from->count; b++) {
         const struct cml_surface_def *def = &from->item[b];
-        const size_t first = ring;
         to->surfaces[b].kind = kind_of[def->kind];
         to->surfaces[b].first_ring = (int)ring;
         to->surfaces[b].num_rings = def->num_rings;
@@ -98,17 +116,14 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
         to->surfaces[b].highest = (real)def->highest;
         to->surfaces[b].steepest = (real)(1.00001 * def->steepest + 1e-6); /* more than rounding can turn */
         to->meshes[b] = def->mesh;
-        for (int i = 0; i < def->num_rings; i++, ring++) {
-            to->rings[ring] = (real)def->r[i];
-            to->rings[total + ring] = (real)def->z[i];
-            to->rings[2 * total + ring] = (real)def->slope[i];
-        }
-        to->surfaces[b].parts_per_cm =
-            cml_ring_starts(to->rings + first, def->num_rings, to->ring_starts + first);
+        if (def->num_rings) to->surfaces[b].parts_per_cm = copy_rings(def, ring, total, to);
+        ring += (size_t)def->num_rings;
     }
     to->world.ring_r = to->rings;
     to->world.ring_z = to->rings + total;
     to->world.ring_slope = to->rings + 2 * total;
+    to->world.ring_horizon_above = to->rings + 3 * total;
+    to->world.ring_horizon_below = to->rings + 4 * total;
     to->world.ring_start = to->ring_starts;
 }
 

@@ -193,7 +193,8 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
         create_buffer(flight, CML_BUFFER_MEDIA, (surfaces + 1) * sizeof *scene->media, scene->media, err));
     CML_TRY(
         create_buffer(flight, CML_BUFFER_SURFACES, surfaces * sizeof *scene->surfaces, scene->surfaces, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_RINGS, 3 * scene->num_rings * sizeof(float), scene->rings, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_RINGS, CML_RING_ROWS * scene->num_rings * sizeof(float),
+                          scene->rings, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_RING_STARTS, scene->num_rings * sizeof(int), scene->ring_starts,
                           err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CLEARANCE, 2 * scene->clearance_cells * sizeof(float),

@@ -58,7 +58,7 @@ struct cml_opencl_scene {
     struct cml_setup setup;
     const struct cml_medium *media;
     const struct cml_surface *surfaces;
-    const float *rings, *clearance; /* [3][num_rings], [2][clearance_cells] */
+    const float *rings, *clearance; /* [CML_RING_ROWS][num_rings], [2][clearance_cells] */
     const int *ring_starts;         /* [num_rings] */
     size_t num_rings, clearance_cells;
     bool only_planes;

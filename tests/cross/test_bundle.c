@@ -347,8 +347,7 @@ static void an_interaction_beside_a_facet_is_remembered(void **state)
     const struct cml_world *world = &b.scalar.world;
     struct cml_packet packet = packet_on_an_edge(&b.scalar, &b.flight.surfaces), after;
     cml_store_packet(&b.f, 0, &packet);
-    cml_meet_or_interact(&b.f, 0,
-                         cml_find_reach(world, 1, packet.p, packet.u, cml_free_path(world, &packet)));
+    cml_meet_or_interact(&b.f, 0, cml_find_reach(world, &packet, cml_free_path(world, &packet)));
     assert_int_equal(b.bundle.task[0], CML_LANE_INTERACT);
     b.bundle.interactions[0]++;
     cml_lane_packet(&b.bundle, 0, &after);

@@ -150,7 +150,8 @@ static void a_steep_direction_crosses_nothing(void **state)
             real length;
             const real side = i & 1 ? (real)1 : (real)-1;
             random_step(&bench, 0.6, 0.1, &p, &u, &length);
-            if (!cml_heads_away(&bench.scalar.world.surfaces[0], u, side) || !is_on_side(&bench, p, side))
+            if (!cml_heads_away(bench.scalar.world.surfaces[0].steepest, u, side) ||
+                !is_on_side(&bench, p, side))
                 continue;
             away++;
             assert_false(crosses(&bench, p, u, side, CML_INFINITY));

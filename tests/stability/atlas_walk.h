@@ -233,7 +233,7 @@ static void step(struct walker *walker)
     const struct cml_packet from = *packet;
     const real t_max = cml_free_path(walker->world, packet);
     struct cml_hit hit;
-    const struct cml_reach reach = cml_find_reach(walker->world, packet->medium, packet->p, packet->u, t_max);
+    const struct cml_reach reach = cml_find_reach(walker->world, packet, t_max);
     walker->count->steps++;
     walker->before = fmax(walker->before, size_of(from.p));
     bool there = true;

@@ -134,9 +134,9 @@ struct cml_packet {
 
 /* Everything a walk reads. Rings: r rising from 0, z = depth at r in the boundary's frame, slope dz/dr to the
  * next ring (0 behind the last: the outer plane). Its radius cut into as many equal parts as there are rings
- * before the last, start[k] is the last ring that begins in a part before k, or 0. Their horizon, seen from
- * the side of the medium above or below: a packet that stands on a ring and leaves it for good when it rises
- * or falls that steeply; see src/horizon.h. */
+ * before the last, start[k] is the last ring that begins in a part before k, or 0. Horizons, seen
+ * from above and from below: a packet that stands on a ring, and from there rises or falls so steeply, meets
+ * the field never again (src/horizon.h). */
 struct cml_world {
     struct cml_setup setup;
     CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2] */

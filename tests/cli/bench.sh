@@ -34,6 +34,8 @@ done
 test "$scripts" -ge 8 || complain "only $scripts scripts in bench"
 expect_refusal "--photons 1e: not a number" bench/scaling.sh --photons 1e
 expect_refusal "--rounds 0: not a number" bench/speed.sh --rounds 0
+expect_refusal "--mmc is missing" bench/mmc.sh --program "$program"
+expect_refusal "$work/none is no program" bench/mmc.sh --program "$program" --mmc "$work/none"
 expect_refusal "$work is no program" bench/speed.sh --program "$work"
 expect_refusal "none.csv: cannot be read" bench/accuracy.sh --draw none.csv "$work/none.svg"
 

@@ -37,7 +37,7 @@ static void report(const char *path, const struct bench_flight *flight)
 static cml_status measure(const char *path, struct cml_error *err)
 {
     struct bench_flight flight;
-    CML_TRY(bench_open(path, CML_AS_AUTO, &flight, err));
+    CML_TRY(bench_open(path, CML_SURFACE_AUTO, &flight, err));
     CML_TRY(bench_fly(&flight, reset, err));
     report(path, &flight);
     bench_close(&flight);

@@ -108,7 +108,7 @@ static void report(const char *path, const struct bench_flight *flight, double n
            whole(AROUND, clocks) / n, whole(AHEAD, clocks) / n, seek / n, turn / n, cross / n);
 }
 
-static cml_status measure(const char *path, enum cml_representation force, struct cml_error *err)
+static cml_status measure(const char *path, enum cml_surface_kind force, struct cml_error *err)
 {
     struct bench_flight flight;
     const struct clocks clocks = time_clocks();
@@ -129,7 +129,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: bench_curved SCENE.mci cone|mesh\n");
         return 2;
     }
-    if (measure(argv[1], strcmp(argv[2], "mesh") == 0 ? CML_AS_MESH : CML_AS_CONE, &err) == CML_OK) return 0;
+    if (measure(argv[1], strcmp(argv[2], "mesh") == 0 ? CML_SURFACE_MESH : CML_SURFACE_CONE, &err) == CML_OK) return 0;
     fprintf(stderr, "bench_curved: %s\n", err.text);
     return 2;
 }

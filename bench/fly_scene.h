@@ -25,7 +25,7 @@ struct bench_flight {
 };
 
 /* The first run of a file; boundaries that are not flat as `force` says. */
-static cml_status bench_open(const char *path, enum cml_representation force, struct bench_flight *flight,
+static cml_status bench_open(const char *path, enum cml_surface_kind force, struct bench_flight *flight,
                              struct cml_error *err)
 {
     const struct cml_surface_options how = {.force = force, .tessellation = {.tolerance = 1e-3}};

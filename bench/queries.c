@@ -117,8 +117,8 @@ int main(int argc, char **argv)
     struct cml_surface_set surfaces;
     struct scalar_world world;
     const struct cml_engine_options options = {.seed = 1, .reentry = true};
-    struct cml_surface_options how = {.force = CML_AS_AUTO, .tessellation = {.tolerance = 1e-3}};
-    if (argc > 2) how.force = strcmp(argv[2], "--mesh") == 0 ? CML_AS_MESH : CML_AS_CONE;
+    struct cml_surface_options how = {.force = CML_SURFACE_AUTO, .tessellation = {.tolerance = 1e-3}};
+    if (argc > 2) how.force = strcmp(argv[2], "--mesh") == 0 ? CML_SURFACE_MESH : CML_SURFACE_CONE;
     const char *path = argc > 1 ? argv[1] : "samples/shapes/hinoise.mci";
     cml_status status = cml_mci_read(path, &list, &err);
     if (status == CML_OK) status = cml_surfaces_create(&list.scenes[0], &how, &surfaces, &err);

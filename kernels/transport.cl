@@ -1,7 +1,7 @@
-/* The walk of walk.h on an OpenCL device. Every work-item flies CML_LANES packets (1 on a GPU), takes the
- * next index from a counter that all share when a packet ends, and stops after a bounded number of events;
- * its packets wait in global memory for the next launch. SPDX-License-Identifier: MIT */
-#include "lanes.h"
+/* The walk of walk.h on an OpenCL device. Every work-item flies CML_DEVICE_LANES packets (1 on a GPU), takes
+ * the next index from a counter that all share when a packet ends, and stops after a bounded number of
+ * events; its packets wait in global memory for the next launch. SPDX-License-Identifier: MIT */
+#include "device_lanes.h"
 
 CML_FN int cml_take(__global struct cml_control *control, cml_u64 *index)
 {
@@ -27,22 +27,22 @@ CML_FN void cml_write_fate(const struct cml_packet *packet, __global struct cml_
 /* Whether the item can do anything in this launch. */
 CML_FN int cml_has_work(__global struct cml_control *control, __global const struct cml_packet *saved)
 {
-    for (int lane = 0; lane < CML_LANES; lane++)
+    for (int lane = 0; lane < CML_DEVICE_LANES; lane++)
         if (saved[lane].fate == CML_FATE_ALIVE) return 1;
     return *(volatile __global cml_u32 *)&control->taken < control->count;
 }
 
 /* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the books up
  * to the last mark. */
-struct cml_flight {
-    struct cml_lanes lanes;
-    struct cml_packet packets[CML_LANES];
+struct cml_device_flight {
+    struct cml_device_lanes lanes;
+    struct cml_packet packets[CML_DEVICE_LANES];
     cml_u32 alive; /* packets */
 };
 
 /* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
  * weight: to be called before either changes. */
-CML_FN void cml_mark_weight(const struct cml_deposits *to, struct cml_flight *f, cml_u32 i)
+CML_FN void cml_device_mark_weight(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
     const cml_u32 deposited = f->lanes.marked[i] - f->lanes.w[i];
     if (deposited) cml_add_to_layer(to, f->packets[i].medium, deposited);
@@ -50,9 +50,9 @@ CML_FN void cml_mark_weight(const struct cml_deposits *to, struct cml_flight *f,
     f->lanes.marked[i] = f->lanes.w[i];
 }
 
-CML_FN void cml_load_medium(const struct cml_world *world, struct cml_flight *f, cml_u32 i)
+CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
-    struct cml_lanes *l = &f->lanes;
+    struct cml_device_lanes *l = &f->lanes;
     const int m = f->packets[i].medium;
     const struct cml_medium medium = world->media[m];
     real above = -CML_INFINITY, below = CML_INFINITY;
@@ -68,7 +68,7 @@ CML_FN void cml_load_medium(const struct cml_world *world, struct cml_flight *f,
     l->start_below[i] = m <= world->setup.num_layers && cml_is_plane(world, m) ? CML_INFINITY : below;
 }
 
-CML_FN void cml_store_ray(struct cml_lanes *l, cml_u32 i, const struct cml_packet *packet)
+CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i, const struct cml_packet *packet)
 {
     l->x[i] = packet->p.x;
     l->y[i] = packet->p.y;
@@ -80,24 +80,24 @@ CML_FN void cml_store_ray(struct cml_lanes *l, cml_u32 i, const struct cml_packe
 }
 
 /* The packet into its lane. */
-CML_FN void cml_load_lane(const struct cml_world *world, struct cml_flight *f, cml_u32 i)
+CML_FN void cml_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
-    struct cml_lanes *l = &f->lanes;
+    struct cml_device_lanes *l = &f->lanes;
     const struct cml_packet *packet = &f->packets[i];
     l->index_low[i] = (cml_u32)packet->index;
     l->index_high[i] = (cml_u32)(packet->index >> 32);
-    cml_store_ray(l, i, packet);
+    cml_device_store_ray(l, i, packet);
     l->w[i] = l->marked[i] = packet->w;
     l->interactions[i] = packet->interactions;
     l->touched[i] = packet->interactions - (packet->bounces == 0);
     l->live[i] = packet->fate == CML_FATE_ALIVE;
-    cml_load_medium(world, f, i);
+    cml_device_load_medium(world, f, i);
 }
 
 /* The packet as its lane has it. */
-CML_FN void cml_read_lane(struct cml_flight *f, cml_u32 i)
+CML_FN void cml_read_lane(struct cml_device_flight *f, cml_u32 i)
 {
-    const struct cml_lanes *l = &f->lanes;
+    const struct cml_device_lanes *l = &f->lanes;
     struct cml_packet *packet = &f->packets[i];
     const struct cml_vec p = {l->x[i], l->y[i], l->z[i]}, u = {l->ux[i], l->uy[i], l->uz[i]};
     packet->p = p;
@@ -112,23 +112,23 @@ CML_FN void cml_read_lane(struct cml_flight *f, cml_u32 i)
 }
 
 /* Back into the lane what boundary events can change. medium: the packet's before. */
-CML_FN void cml_store_event(const struct cml_world *world, struct cml_flight *f, cml_u32 i, int medium)
+CML_FN void cml_store_event(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i, int medium)
 {
-    struct cml_lanes *l = &f->lanes;
+    struct cml_device_lanes *l = &f->lanes;
     const struct cml_packet *packet = &f->packets[i];
-    cml_store_ray(l, i, packet);
+    cml_device_store_ray(l, i, packet);
     l->touched[i] = packet->interactions;
-    if (packet->medium != medium) cml_load_medium(world, f, i);
+    if (packet->medium != medium) cml_device_load_medium(world, f, i);
 }
 
 /* The lane's flight into the tallies, and the next packet into the lane if there is one. */
 CML_FN void cml_replace(const struct cml_world *world, const struct cml_deposits *to,
                         struct cml_launch launch, __global struct cml_device_fate *fates,
-                        struct cml_flight *f, cml_u32 i)
+                        struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
-    cml_mark_weight(to, f, i);
+    cml_device_mark_weight(to, f, i);
     cml_score(&world->setup, packet, to);
     if (launch.record) cml_write_fate(packet, fates + (packet->index - to->control->first));
     if (cml_take(to->control, &index))
@@ -141,7 +141,7 @@ CML_FN void cml_replace(const struct cml_world *world, const struct cml_deposits
 /* A lane that may meet a boundary has its event there, or is to interact after all. Returns 1 when its packet
  * has ended. */
 CML_FN cml_u32 cml_meet_lane(const struct cml_world *world, const struct cml_deposits *to,
-                             struct cml_flight *f, cml_u32 i)
+                             struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
     struct cml_hit hit;
@@ -154,7 +154,7 @@ CML_FN cml_u32 cml_meet_lane(const struct cml_world *world, const struct cml_dep
     if (!(cml_dot(packet->u, packet->u) < 2)) {
         cml_lose(packet, CML_LOST_NAN);
     } else if (cml_nearest(world, packet, reach, &hit)) {
-        cml_mark_weight(to, f, i);
+        cml_device_mark_weight(to, f, i);
         cml_meet(world, to, packet, &hit);
     } else if (t < CML_INFINITY) {
         f->lanes.s[i] = t;
@@ -169,10 +169,10 @@ CML_FN cml_u32 cml_meet_lane(const struct cml_world *world, const struct cml_dep
 }
 
 /* P8, likewise. */
-CML_FN cml_u32 cml_roulette_lane(const struct cml_deposits *to, struct cml_flight *f, cml_u32 i)
+CML_FN cml_u32 cml_roulette_lane(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
-    cml_mark_weight(to, f, i);
+    cml_device_mark_weight(to, f, i);
     cml_read_lane(f, i);
     cml_roulette(packet);
     f->lanes.w[i] = f->lanes.marked[i] = packet->w;
@@ -180,15 +180,16 @@ CML_FN cml_u32 cml_roulette_lane(const struct cml_deposits *to, struct cml_fligh
 }
 
 /* One event of every packet. */
-CML_FN void cml_pass(const struct cml_world *world, const struct cml_deposits *to, struct cml_launch launch,
-                     __global struct cml_device_fate *fates, struct cml_flight *f)
+CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_deposits *to,
+                            struct cml_launch launch, __global struct cml_device_fate *fates,
+                            struct cml_device_flight *f)
 {
     cml_u32 ended = 0;
-    const cml_u32 near_lanes = cml_fly_lanes(world->setup.stream, &f->lanes);
+    const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
         ended |= cml_meet_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
-    const cml_u32 low_lanes = cml_interact_lanes(&world->setup, &f->lanes);
-    if (world->setup.tally_absorption) cml_deposit_lanes(to, &f->lanes);
+    const cml_u32 low_lanes = cml_device_interact(&world->setup, &f->lanes);
+    if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
     for (cml_u32 rest = low_lanes; rest; rest &= rest - 1)
         ended |= cml_roulette_lane(to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     for (cml_u32 rest = ended; rest; rest &= rest - 1)
@@ -199,9 +200,9 @@ CML_FN void cml_pass(const struct cml_world *world, const struct cml_deposits *t
 CML_FN void cml_fly(const struct cml_world *world, const struct cml_deposits *to, struct cml_launch launch,
                     __global struct cml_packet *saved, __global struct cml_device_fate *fates)
 {
-    struct cml_flight flight;
+    struct cml_device_flight flight;
     flight.alive = 0;
-    for (cml_u32 i = 0; i < CML_LANES; i++) {
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         cml_u64 index;
         struct cml_packet *packet = &flight.packets[i];
         *packet = saved[i];
@@ -210,9 +211,9 @@ CML_FN void cml_fly(const struct cml_world *world, const struct cml_deposits *to
         cml_load_lane(world, &flight, i);
     }
     for (cml_u32 step = 0; step < launch.steps && flight.alive; step++)
-        cml_pass(world, to, launch, fates, &flight);
-    for (cml_u32 i = 0; i < CML_LANES; i++) {
-        cml_mark_weight(to, &flight, i);
+        cml_device_pass(world, to, launch, fates, &flight);
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
+        cml_device_mark_weight(to, &flight, i);
         cml_read_lane(&flight, i);
         saved[i] = flight.packets[i];
     }
@@ -240,11 +241,11 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
     const struct cml_deposits to = {windows, near, cells, control};
     const size_t item = get_global_id(0);
 #if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */
-    if (!cml_has_work(control, packets + item * CML_LANES)) return;
+    if (!cml_has_work(control, packets + item * CML_DEVICE_LANES)) return;
 #endif
     cml_clear_near(near, launch.near_cells);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < launch.items) cml_fly(&world, &to, launch, packets + item * CML_LANES, fates);
+    if (item < launch.items) cml_fly(&world, &to, launch, packets + item * CML_DEVICE_LANES, fates);
     barrier(CLK_LOCAL_MEM_FENCE);
     cml_flush_window(&to, windows.sums);
     cml_flush_window(&to, windows.reflected);

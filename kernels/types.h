@@ -40,7 +40,12 @@ enum cml_lost_cause {
     CML_NUM_LOST_CAUSES
 };
 
-enum cml_surface_kind { CML_SURFACE_PLANE, CML_SURFACE_CONE, CML_SURFACE_MESH };
+enum cml_surface_kind {
+    CML_SURFACE_PLANE,
+    CML_SURFACE_CONE,
+    CML_SURFACE_MESH,
+    CML_SURFACE_AUTO, /* the kind of no surface: asks the host to choose one */
+};
 
 struct cml_medium {
     real n;      /* refractive index */

@@ -10,20 +10,26 @@
 #include "surface_hit.h"
 #include "types.h"
 
-/* A device has the deposits and cml_next_flight of its own, included before: its cells are shared by many
- * packets, and it draws for many together. */
-#ifndef CML_APART
-#include "deposits.h"
+#ifdef __OPENCL_VERSION__
+#include "device_deposits.h"
+#else
+#include "host_deposits.h"
+#endif
 
-/* P2: the block of the next interaction and the optical depth to it. */
+/* P2: the block of the next interaction and the optical depth to it. A device draws for many packets together
+ * before their next step (device_lanes.h); a depth below 0 asks for it. */
 CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
 {
+#ifdef __OPENCL_VERSION__
+    (void)world;
+    packet->tau = -1;
+#else
     packet->draw =
         cml_draw(world->setup.stream, packet->index, CML_PURPOSE_INTERACTION, packet->interactions);
     packet->tau =
         cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
-}
 #endif
+}
 
 /* P4. */
 CML_FN void cml_turn(real g, struct cml_packet *packet)

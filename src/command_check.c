@@ -91,7 +91,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     print_map(scene);
     cml_report_boundaries(stdout, "  ", scene, &surfaces);
     for (int b = 0; b <= scene->num_layers; b++)
-        if (surfaces.item[b].kind != CML_AS_PLANE || surfaces.item[b].expectation.bias > 0)
+        if (surfaces.item[b].kind != CML_SURFACE_PLANE || surfaces.item[b].expectation.bias > 0)
             printf("  boundary %d: expected bias %.2g, about %.0f ns per query, built in %.3g s, %.3g MiB "
                    "with its clearance map\n",
                    b, surfaces.item[b].expectation.bias, surfaces.item[b].expectation.query_ns,

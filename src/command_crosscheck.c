@@ -110,7 +110,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
     return status;
 }
 
-static bool has_kind(const struct cml_surface_set *surfaces, enum cml_representation kind)
+static bool has_kind(const struct cml_surface_set *surfaces, enum cml_surface_kind kind)
 {
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind == kind) return true;
@@ -128,8 +128,8 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
                                     .num_sides = 1,
                                     .sides = {{"cpu (cones)", &cml_engine_cpu, chosen, true}}};
     setup.options.run = (uint32_t)index;
-    if (!has_kind(chosen, CML_AS_CONE)) setup.sides[0].name = "cpu (planes)";
-    if (has_kind(meshes, CML_AS_MESH))
+    if (!has_kind(chosen, CML_SURFACE_CONE)) setup.sides[0].name = "cpu (planes)";
+    if (has_kind(meshes, CML_SURFACE_MESH))
         setup.sides[setup.num_sides++] =
             (struct cml_check_side){"cpu (mesh)", &cml_engine_cpu, meshes, false};
     setup.sides[setup.num_sides++] = (struct cml_check_side){"opencl", &cml_engine_opencl, chosen, true};
@@ -142,7 +142,7 @@ static cml_status check_scene(const struct cml_options *options, struct cml_scen
 {
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;
-    as_mesh.force = CML_AS_MESH;
+    as_mesh.force = CML_SURFACE_MESH;
     scene->map = (struct cml_map_def){0};
     scene->facets = false;
     CML_TRY(cml_surfaces_create(scene, &options->surface, &chosen, err));

@@ -27,7 +27,7 @@ cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_l
                            struct cml_error *err)
 {
     CML_TRY(cml_mci_read(options->operands[0], list, err));
-    const bool flat = options->ignore_heightfields || options->surface.force == CML_AS_PLANE;
+    const bool flat = options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE;
     for (int i = 0; flat && i < list->count; i++) cml_scene_flatten(&list->scenes[i]);
     const cml_status status = finish_all(options, list, err);
     if (status != CML_OK) cml_scene_list_clear(list);

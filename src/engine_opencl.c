@@ -26,7 +26,7 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
                                 struct cml_error *err)
 {
     for (int b = 0; b < surfaces->count; b++)
-        if (surfaces->item[b].kind == CML_AS_MESH)
+        if (surfaces->item[b].kind == CML_SURFACE_MESH)
             return cml_fail(
                 err, CML_E_INPUT,
                 "%s: boundary %d is a mesh (expected planes and heightfields; the opencl engine flies no "
@@ -65,7 +65,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
         .group = options->group,
     };
     for (int b = 0; b < surfaces->count; b++)
-        if (surfaces->item[b].kind != CML_AS_PLANE) scene.only_planes = false;
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE) scene.only_planes = false;
     return scene;
 }
 
@@ -157,7 +157,7 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
     return CML_OK;
 }
 
-/* kernels/device.h says what lies where in the block. */
+/* kernels/device_layout.h says what lies where in the block. */
 static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tally *tally)
 {
     for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] += cells[CML_CELL_BOOK + (cml_u32)i];

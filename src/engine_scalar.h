@@ -104,12 +104,11 @@ static real copy_rings(const struct cml_surface_def *from, size_t first, size_t 
 
 static void copy_surfaces(const struct cml_surface_set *from, struct scalar_world *to)
 {
-    static const int kind_of[] = {CML_SURFACE_PLANE, CML_SURFACE_CONE, CML_SURFACE_MESH};
     const size_t total = count_rings(from);
     size_t ring = 0;
     for (int b = 0; b < from->count; b++) {
         const struct cml_surface_def *def = &from->item[b];
-        to->surfaces[b].kind = kind_of[def->kind];
+        to->surfaces[b].kind = (int)def->kind;
         to->surfaces[b].first_ring = (int)ring;
         to->surfaces[b].num_rings = def->num_rings;
         to->surfaces[b].lowest = (real)def->lowest;
@@ -139,8 +138,9 @@ static void set_facets(const struct cml_surface_set *from, const struct cml_map_
         range->count = (int)cml_surface_facets(&from->item[b], map);
         first += range->count;
     }
-    if (from->item[0].kind != CML_AS_PLANE) to->world.setup.outer_facets[0] = to->surfaces[0].facets;
-    if (from->item[last].kind != CML_AS_PLANE) to->world.setup.outer_facets[1] = to->surfaces[last].facets;
+    if (from->item[0].kind != CML_SURFACE_PLANE) to->world.setup.outer_facets[0] = to->surfaces[0].facets;
+    if (from->item[last].kind != CML_SURFACE_PLANE)
+        to->world.setup.outer_facets[1] = to->surfaces[last].facets;
 }
 
 static void copy_clearance(const struct cml_surface_set *from, struct scalar_world *to)
@@ -177,8 +177,8 @@ static double deterministic_specular(const struct cml_scene *scene, const struct
 {
     const struct cml_medium_def *m = scene->media;
     const double r1 = pow((m[0].n - m[1].n) / (m[0].n + m[1].n), 2);
-    const bool glass =
-        m[1].mua == 0 && m[1].mus == 0 && scene->num_layers > 1 && surfaces->item[1].kind == CML_AS_PLANE;
+    const bool glass = m[1].mua == 0 && m[1].mus == 0 && scene->num_layers > 1 &&
+                       surfaces->item[1].kind == CML_SURFACE_PLANE;
     *medium = glass ? 2 : 1;
     if (!glass) return r1;
     const double r2 = pow((m[1].n - m[2].n) / (m[1].n + m[2].n), 2);
@@ -207,7 +207,7 @@ static void set_launch(const struct cml_scene *scene, const struct cml_surface_s
     setup->disk = (real)(beam->kind == CML_BEAM_DISK ? beam->radius : 0);
     setup->gauss = (real)(beam->kind == CML_BEAM_GAUSSIAN ? beam->radius : 0);
     setup->launch_z = (real)(2 * top->lowest - top->highest);
-    if (top->kind == CML_AS_PLANE && beam->angle == 0)
+    if (top->kind == CML_SURFACE_PLANE && beam->angle == 0)
         setup->specular =
             (cml_u32)lrint(deterministic_specular(scene, surfaces, &setup->launch_medium) * CML_WEIGHT_ONE);
 }

@@ -97,7 +97,7 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     char *options = malloc(size);
     if (!options) return cml_fail_memory(err, (double)size, "the compiler's options");
     snprintf(
-        options, size, "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_LANES=%u%s%s%s %s",
+        options, size, "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s %s",
         flight->group, flight->lanes, info->exact_division ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
         info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "", extra);
     const cml_status status =

@@ -6,7 +6,7 @@
 #define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
-#include "device.h"
+#include "device_layout.h"
 #include "opencl.h"
 
 #include <stddef.h>

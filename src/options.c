@@ -239,7 +239,7 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     }
     if (key == KEY_BOUNDARIES) {
         CML_TRY(choose("boundaries", value, kinds, &choice, err));
-        options->surface.force = (enum cml_representation)choice;
+        options->surface.force = (enum cml_surface_kind)choice;
     } else if (key == KEY_NORMALS) {
         CML_TRY(choose("normals", value, normals, &choice, err));
         tessellation->normals = (enum cml_normals)choice;
@@ -353,7 +353,7 @@ static void set_defaults(struct cml_options *options)
     options->engine_options.absorption = true;
     options->checkpoint_interval = 60;
     options->patience = 60;
-    options->surface.force = CML_AS_AUTO;
+    options->surface.force = CML_SURFACE_AUTO;
     options->surface.tolerance = 1e-3;
     options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
 }

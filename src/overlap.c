@@ -15,9 +15,9 @@ struct shape {
     int number;
     const struct cml_boundary *boundary;
     bool is_mesh, is_plane;
-    struct cml_field field; /* unless is_mesh */
-    struct cml_sheet sheet; /* of every mesh, for its own sake even when flat */
-    double top, bottom;     /* least and greatest z */
+    struct cml_radial_surface field; /* unless is_mesh */
+    struct cml_sheet sheet;          /* of every mesh, for its own sake even when flat */
+    double top, bottom;              /* least and greatest z */
 };
 
 static double zero[1];
@@ -26,13 +26,13 @@ static const struct cml_radial level = {1, zero, zero};
 static void make_plane(struct shape *shape, double z)
 {
     shape->is_plane = true;
-    shape->field = (struct cml_field){&level, z};
+    shape->field = (struct cml_radial_surface){&level, z};
     shape->top = shape->bottom = z;
 }
 
 static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
 {
-    shape->field = (struct cml_field){radial, z};
+    shape->field = (struct cml_radial_surface){radial, z};
     shape->top = INFINITY;
     shape->bottom = -INFINITY;
     for (int i = 0; i < radial->n; i++) {
@@ -71,7 +71,7 @@ struct phrase {
 static struct phrase name_part(uint32_t triangle, int boundary)
 {
     struct phrase phrase;
-    if (triangle == CML_OUTER_PLANE)
+    if (triangle == CML_SHEET_OUTER_PLANE)
         snprintf(phrase.text, sizeof phrase.text, "the outer plane of boundary %d", boundary);
     else
         snprintf(phrase.text, sizeof phrase.text, "triangle %u of boundary %d", (unsigned)triangle, boundary);
@@ -90,34 +90,34 @@ static cml_status fail_deep(const struct cml_scene *scene, const struct shape *u
 }
 
 static cml_status fail_self(const struct cml_scene *scene, const struct shape *shape,
-                            const struct cml_meeting *meeting, struct cml_error *err)
+                            const struct cml_sheet_overlap *overlap, struct cml_error *err)
 {
     char where[16] = "", with[64];
     const int line = shape->boundary->line;
-    const double *at = meeting->at;
+    const double *at = overlap->at;
     if (line > 0) snprintf(where, sizeof where, ":%d", line);
-    if (meeting->triangle[1] == CML_OUTER_PLANE)
-        snprintf(with, sizeof with, "triangle %u and its outer plane", (unsigned)meeting->triangle[0]);
+    if (overlap->triangle[1] == CML_SHEET_OUTER_PLANE)
+        snprintf(with, sizeof with, "triangle %u and its outer plane", (unsigned)overlap->triangle[0]);
     else
-        snprintf(with, sizeof with, "triangles %u and %u", (unsigned)meeting->triangle[0],
-                 (unsigned)meeting->triangle[1]);
+        snprintf(with, sizeof with, "triangles %u and %u", (unsigned)overlap->triangle[0],
+                 (unsigned)overlap->triangle[1]);
     return cml_fail(err, CML_E_INPUT, "%s%s: boundary %d %s itself at (%g %g %g) cm: %s", scene->file, where,
-                    shape->number, meeting->contact == CML_CROSS ? "crosses" : "touches", at[0], at[1], at[2],
+                    shape->number, overlap->contact == CML_CROSS ? "crosses" : "touches", at[0], at[1], at[2],
                     with);
 }
 
 static cml_status compare_sheets(const struct cml_scene *scene, const struct shape *upper,
                                  const struct shape *lower, struct cml_error *err)
 {
-    struct cml_meeting meeting;
-    cml_sheet_against_sheet(&upper->sheet, &lower->sheet, &meeting);
-    if (meeting.contact == CML_APART) return CML_OK;
-    const double *at = meeting.at;
-    if (meeting.depth > 0.0) return fail_deep(scene, upper, lower, at, meeting.depth, err);
-    const struct phrase one = name_part(meeting.triangle[0], upper->number);
-    const struct phrase other = name_part(meeting.triangle[1], lower->number);
+    struct cml_sheet_overlap overlap;
+    cml_sheet_against_sheet(&upper->sheet, &lower->sheet, &overlap);
+    if (overlap.contact == CML_APART) return CML_OK;
+    const double *at = overlap.at;
+    if (overlap.depth > 0.0) return fail_deep(scene, upper, lower, at, overlap.depth, err);
+    const struct phrase one = name_part(overlap.triangle[0], upper->number);
+    const struct phrase other = name_part(overlap.triangle[1], lower->number);
     return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d %s at (%g %g %g) cm: %s and %s", scene->file,
-                    upper->number, lower->number, meeting.contact == CML_CROSS ? "cross" : "touch", at[0],
+                    upper->number, lower->number, overlap.contact == CML_CROSS ? "cross" : "touch", at[0],
                     at[1], at[2], one.text, other.text);
 }
 
@@ -126,13 +126,13 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
 {
     struct cml_closest closest = {.gap = INFINITY};
     if (upper->is_mesh)
-        cml_field_against_mesh(&lower->field, upper->sheet.mesh, upper->sheet.footprint, upper->boundary->z,
-                               true, &closest);
+        cml_radial_against_mesh(&lower->field, upper->sheet.mesh, upper->sheet.footprint, upper->boundary->z,
+                                true, &closest);
     else if (lower->is_mesh)
-        cml_field_against_mesh(&upper->field, lower->sheet.mesh, lower->sheet.footprint, lower->boundary->z,
-                               false, &closest);
+        cml_radial_against_mesh(&upper->field, lower->sheet.mesh, lower->sheet.footprint, lower->boundary->z,
+                                false, &closest);
     else
-        cml_field_against_field(&upper->field, &lower->field, &closest);
+        cml_radial_against_radial(&upper->field, &lower->field, &closest);
     const double *at = closest.at;
     if (closest.gap < -closest.rounding) return fail_deep(scene, upper, lower, at, -closest.gap, err);
     if (closest.gap > closest.rounding || (upper->is_plane && lower->is_plane)) return CML_OK;
@@ -150,10 +150,10 @@ static cml_status compare(const struct cml_scene *scene, const struct shape *upp
 
 static cml_status check_self(const struct cml_scene *scene, const struct shape *shape, struct cml_error *err)
 {
-    struct cml_meeting meeting;
+    struct cml_sheet_overlap overlap;
     if (shape->boundary->form != CML_FORM_MESH) return CML_OK;
-    cml_sheet_against_itself(&shape->sheet, &meeting);
-    return meeting.contact == CML_APART ? CML_OK : fail_self(scene, shape, &meeting, err);
+    cml_sheet_against_itself(&shape->sheet, &overlap);
+    return overlap.contact == CML_APART ? CML_OK : fail_self(scene, shape, &overlap, err);
 }
 
 static cml_status check(const struct cml_scene *scene, struct shape *shapes, struct cml_error *err)

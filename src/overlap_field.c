@@ -17,16 +17,16 @@ static void look(struct cml_closest *closest, double x, double y, double upper, 
     closest->rounding = 8.0 * DBL_EPSILON * size;
 }
 
-static void look_at_radius(const struct cml_field *upper, const struct cml_field *lower, double r,
-                           struct cml_closest *closest)
+static void look_at_radius(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
+                           double r, struct cml_closest *closest)
 {
     const double above = cml_radial_height(upper->radial, r), below = cml_radial_height(lower->radial, r);
     const double size = fabs(upper->z) + fabs(above) + fabs(lower->z) + fabs(below);
     look(closest, r, 0.0, upper->z - above, lower->z - below, size);
 }
 
-void cml_field_against_field(const struct cml_field *upper, const struct cml_field *lower,
-                             struct cml_closest *closest)
+void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
+                               struct cml_closest *closest)
 {
     for (int i = 0; i < upper->radial->n; i++) look_at_radius(upper, lower, upper->radial->r[i], closest);
     for (int i = 0; i < lower->radial->n; i++) look_at_radius(upper, lower, lower->radial->r[i], closest);
@@ -205,9 +205,9 @@ static double least_gap(const struct comparison *c, const double *const v[3], do
     return c->mesh_is_upper ? field_top - (c->z_mesh + bottom) : c->z_mesh + top - field_bottom;
 }
 
-void cml_field_against_mesh(const struct cml_field *field, const struct cml_mesh *mesh,
-                            const struct cml_footprint *footprint, double z, bool mesh_is_upper,
-                            struct cml_closest *closest)
+void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
+                             const struct cml_footprint *footprint, double z, bool mesh_is_upper,
+                             struct cml_closest *closest)
 {
     const struct comparison c = {field->radial, z, field->z, mesh_is_upper, closest};
     double top = INFINITY, bottom = -INFINITY;

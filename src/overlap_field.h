@@ -10,7 +10,7 @@
 #include <stdbool.h>
 
 /* z(r) = z - h(r), cm. A plane is a field of one sample of height 0. */
-struct cml_field {
+struct cml_radial_surface {
     const struct cml_radial *radial;
     double z;
 };
@@ -23,14 +23,14 @@ struct cml_closest {
 };
 
 /* Both piecewise linear in r, so the radii of both settle it. */
-void cml_field_against_field(const struct cml_field *upper, const struct cml_field *lower,
-                             struct cml_closest *closest);
+void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
+                               struct cml_closest *closest);
 
 /* A mesh in its boundary's frame at depth `z`, with its outer plane. Exact: over a triangle the gap is
  * extremal at its vertices, on its edges where they cross rings or where the gap is stationary, or where a
  * ring runs along the triangle's steepest direction; on the outer plane at the rings. */
-void cml_field_against_mesh(const struct cml_field *field, const struct cml_mesh *mesh,
-                            const struct cml_footprint *footprint, double z, bool mesh_is_upper,
-                            struct cml_closest *closest);
+void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
+                             const struct cml_footprint *footprint, double z, bool mesh_is_upper,
+                             struct cml_closest *closest);
 
 #endif

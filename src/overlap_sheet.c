@@ -60,20 +60,20 @@ static void corners(const struct cml_sheet *sheet, uint32_t i, const double *v[3
 }
 
 /* Keeps the stronger of two contacts. */
-static void note(struct cml_meeting *meeting, enum cml_contact contact, const double at[3], uint32_t i,
+static void note(struct cml_sheet_overlap *overlap, enum cml_contact contact, const double at[3], uint32_t i,
                  uint32_t j)
 {
-    if (contact <= meeting->contact) return;
-    meeting->contact = contact;
-    memcpy(meeting->at, at, sizeof meeting->at);
-    meeting->triangle[0] = i;
-    meeting->triangle[1] = j;
+    if (contact <= overlap->contact) return;
+    overlap->contact = contact;
+    memcpy(overlap->at, at, sizeof overlap->at);
+    overlap->triangle[0] = i;
+    overlap->triangle[1] = j;
 }
 
-/* What a search for meeting triangles needs. */
+/* What a search for triangles that overlap needs. */
 struct search {
     const struct cml_sheet *a, *b;
-    struct cml_meeting *meeting;
+    struct cml_sheet_overlap *overlap;
 };
 
 static bool compare_strangers(void *context, uint32_t i, uint32_t j)
@@ -84,7 +84,7 @@ static bool compare_strangers(void *context, uint32_t i, uint32_t j)
     corners(search->a, i, a);
     corners(search->b, j, b);
     const enum cml_contact contact = cml_triangle_contact(a, b, 0, at);
-    if (contact != CML_APART) note(search->meeting, contact, at, i, j);
+    if (contact != CML_APART) note(search->overlap, contact, at, i, j);
     return contact == CML_CROSS;
 }
 
@@ -118,7 +118,7 @@ static bool compare_relatives(void *context, uint32_t i, uint32_t j)
     corners(search->a, j, b);
     const int shared = common_corners_first(search->a->mesh, i, j, a, b);
     const enum cml_contact contact = cml_triangle_contact(a, b, shared, at);
-    if (contact != CML_APART) note(search->meeting, contact, at, i < j ? i : j, i < j ? j : i);
+    if (contact != CML_APART) note(search->overlap, contact, at, i < j ? i : j, i < j ? j : i);
     return contact == CML_CROSS;
 }
 
@@ -158,17 +158,17 @@ static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, 
     return cml_footprint_contains(sheet->footprint, at[0], at[1]) ? CML_APART : CML_TOUCH;
 }
 
-void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_meeting *meeting)
+void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_overlap *overlap)
 {
-    memset(meeting, 0, sizeof *meeting);
-    struct search search = {sheet, sheet, meeting};
+    memset(overlap, 0, sizeof *overlap);
+    struct search search = {sheet, sheet, overlap};
     if (cml_boxtree_own_pairs(sheet->tree, compare_relatives, &search)) return;
     for (size_t i = 0; i < sheet->mesh->num_triangles; i++) {
         double at[3];
         const uint32_t t = (uint32_t)i;
         const enum cml_contact flat = flat_contact(sheet, t, at);
         const enum cml_contact contact = flat == CML_APART ? plane_contact(sheet, sheet, t, at) : flat;
-        if (contact != CML_APART) note(meeting, contact, at, t, CML_OUTER_PLANE);
+        if (contact != CML_APART) note(overlap, contact, at, t, CML_SHEET_OUTER_PLANE);
     }
 }
 
@@ -238,63 +238,65 @@ static double wrong_by(const struct cml_sheet *sheet, const double *point, bool 
     return column.nearest;
 }
 
-static void deepen(struct cml_meeting *meeting, double depth, double x, double y, double z)
+static void deepen(struct cml_sheet_overlap *overlap, double depth, double x, double y, double z)
 {
-    if (!(depth > meeting->depth)) return;
-    meeting->contact = CML_CROSS;
-    meeting->depth = depth;
-    meeting->at[0] = x;
-    meeting->at[1] = y;
-    meeting->at[2] = z;
+    if (!(depth > overlap->depth)) return;
+    overlap->contact = CML_CROSS;
+    overlap->depth = depth;
+    overlap->at[0] = x;
+    overlap->at[1] = y;
+    overlap->at[2] = z;
 }
 
 static void compare_vertices(const struct cml_sheet *upper, const struct cml_sheet *lower,
-                             struct cml_meeting *meeting)
+                             struct cml_sheet_overlap *overlap)
 {
     for (size_t i = 0; i < upper->mesh->num_vertices; i++) {
         const double *v = upper->vertex[i];
-        if (v[2] > lower->top) deepen(meeting, wrong_by(lower, v, false), v[0], v[1], v[2]);
+        if (v[2] > lower->top) deepen(overlap, wrong_by(lower, v, false), v[0], v[1], v[2]);
     }
     for (size_t i = 0; i < lower->mesh->num_vertices; i++) {
         const double *v = lower->vertex[i];
         if (!(v[2] < upper->bottom)) continue;
         const double depth = wrong_by(upper, v, true);
-        deepen(meeting, depth, v[0], v[1], v[2] + depth);
+        deepen(overlap, depth, v[0], v[1], v[2] + depth);
     }
 }
 
 /* The outer planes have the last word on the order; the place is a corner of the box around both sheets. */
 static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet *lower,
-                           struct cml_meeting *meeting)
+                           struct cml_sheet_overlap *overlap)
 {
     const double at[3] = {fmax(upper->mesh->upper[0], lower->mesh->upper[0]),
                           fmax(upper->mesh->upper[1], lower->mesh->upper[1]), upper->z_plane};
-    deepen(meeting, upper->z_plane - lower->z_plane, at[0], at[1], at[2]);
-    if (upper->z_plane == lower->z_plane) note(meeting, CML_TOUCH, at, CML_OUTER_PLANE, CML_OUTER_PLANE);
+    deepen(overlap, upper->z_plane - lower->z_plane, at[0], at[1], at[2]);
+    if (upper->z_plane == lower->z_plane)
+        note(overlap, CML_TOUCH, at, CML_SHEET_OUTER_PLANE, CML_SHEET_OUTER_PLANE);
 }
 
 static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_sheet *other, bool sheet_first,
-                               struct cml_meeting *meeting)
+                               struct cml_sheet_overlap *overlap)
 {
-    for (size_t i = 0; i < sheet->mesh->num_triangles && meeting->contact != CML_CROSS; i++) {
+    for (size_t i = 0; i < sheet->mesh->num_triangles && overlap->contact != CML_CROSS; i++) {
         double at[3];
         const uint32_t t = (uint32_t)i;
         const enum cml_contact contact = plane_contact(sheet, other, t, at);
         if (contact != CML_APART)
-            note(meeting, contact, at, sheet_first ? t : CML_OUTER_PLANE, sheet_first ? CML_OUTER_PLANE : t);
+            note(overlap, contact, at, sheet_first ? t : CML_SHEET_OUTER_PLANE,
+                 sheet_first ? CML_SHEET_OUTER_PLANE : t);
     }
 }
 
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
-                             struct cml_meeting *meeting)
+                             struct cml_sheet_overlap *overlap)
 {
-    memset(meeting, 0, sizeof *meeting);
+    memset(overlap, 0, sizeof *overlap);
     if (upper->bottom < lower->top) return;
-    compare_vertices(upper, lower, meeting);
-    compare_planes(upper, lower, meeting);
-    if (meeting->contact == CML_CROSS) return;
-    struct search search = {upper, lower, meeting};
+    compare_vertices(upper, lower, overlap);
+    compare_planes(upper, lower, overlap);
+    if (overlap->contact == CML_CROSS) return;
+    struct search search = {upper, lower, overlap};
     if (cml_boxtree_pairs(upper->tree, lower->tree, compare_strangers, &search)) return;
-    compare_with_plane(upper, lower, true, meeting);
-    compare_with_plane(lower, upper, false, meeting);
+    compare_with_plane(upper, lower, true, overlap);
+    compare_with_plane(lower, upper, false, overlap);
 }

@@ -30,9 +30,9 @@ CML_NODISCARD cml_status cml_sheet_create(const struct cml_mesh *mesh, double z,
 
 void cml_sheet_clear(struct cml_sheet *sheet);
 
-#define CML_OUTER_PLANE UINT32_MAX /* stands for a triangle in a meeting */
+#define CML_SHEET_OUTER_PLANE UINT32_MAX /* stands for a triangle in a overlap */
 
-struct cml_meeting {
+struct cml_sheet_overlap {
     enum cml_contact contact;
     double at[3];         /* in the scene's frame, cm */
     double depth;         /* how far the upper sheet reaches below the lower one here, cm; 0: not known */
@@ -41,11 +41,11 @@ struct cml_meeting {
 
 /* Triangles that meet elsewhere than at their common corners, or that meet the outer plane outside the
  * border. */
-void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_meeting *meeting);
+void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_overlap *overlap);
 
 /* `upper` must lie above `lower` everywhere. Finds the deepest vertex on the wrong side; only where all are
  * right, triangles that meet all the same. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
-                             struct cml_meeting *meeting);
+                             struct cml_sheet_overlap *overlap);
 
 #endif

@@ -16,9 +16,9 @@ void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_sc
     static const char *const unit_of[] = {"", "rings", "triangles"};
     for (int b = 0; b < surfaces->count; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];
-        fprintf(stream, "%sboundary %d: %s at z = %g cm", prefix, b, cml_representation_name(def->kind),
+        fprintf(stream, "%sboundary %d: %s at z = %g cm", prefix, b, cml_surface_kind_name(def->kind),
                 def->depth);
-        if (def->kind != CML_AS_PLANE)
+        if (def->kind != CML_SURFACE_PLANE)
             fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
         fprintf(stream, " (%s)", def->reason);
         if (scene->boundaries[b].file) fprintf(stream, " from %s", scene->boundaries[b].file);
@@ -109,7 +109,7 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
         const struct cml_expectation *expect = &def->expectation;
         json_t *bias = isfinite(expect->bias) ? json_real(expect->bias) : json_null();
         json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind",
-                                              cml_representation_name(def->kind), "reason", def->reason,
+                                              cml_surface_kind_name(def->kind), "reason", def->reason,
                                               "primitives", (json_int_t)def->primitives, "build_s",
                                               def->build_seconds, "MiB", def->bytes / 1048576, "bias", bias,
                                               "query_ns", expect->query_ns, "deviation", expect->deviation));

@@ -364,7 +364,7 @@ static const cml_u128 *facets_of(const struct cml_report *report, int b)
 
 static bool is_plane(const struct cml_report *report, int b)
 {
-    return report->surfaces->item[b].kind == CML_AS_PLANE;
+    return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
 }
 
 static const struct {

@@ -144,7 +144,7 @@ static void fill_map(struct cml_catalogue *catalogue)
     const struct cml_surface_set *surfaces = catalogue->report->surfaces;
     cml_catalogue_map(catalogue);
     for (int b = 0; b < surfaces->count; b++)
-        if (surfaces->item[b].kind == CML_AS_PLANE) add_facets(catalogue, b);
+        if (surfaces->item[b].kind == CML_SURFACE_PLANE) add_facets(catalogue, b);
 }
 
 /* Both images lie where the scene has them, z down. */
@@ -190,7 +190,7 @@ static cml_status write_boundaries(struct cml_report *report, const char *path, 
 {
     char suffix[64];
     for (int b = 0; report->scene->facets && b < report->surfaces->count; b++) {
-        if (report->surfaces->item[b].kind == CML_AS_PLANE) continue;
+        if (report->surfaces->item[b].kind == CML_SURFACE_PLANE) continue;
         snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
         CML_TRY(next_file(report, path, suffix, err));
         CML_TRY(write_boundary(report, b, last_file(report), err));

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-const char *cml_representation_name(enum cml_representation kind)
+const char *cml_surface_kind_name(enum cml_surface_kind kind)
 {
     static const char *const names[] = {"plane", "cone", "mesh", "auto"};
     return names[kind];
@@ -16,7 +16,7 @@ const char *cml_representation_name(enum cml_representation kind)
 
 static void make_plane(double depth, const char *reason, struct cml_surface_def *def)
 {
-    def->kind = CML_AS_PLANE;
+    def->kind = CML_SURFACE_PLANE;
     def->depth = depth;
     def->primitives = 1;
     snprintf(def->reason, sizeof def->reason, "%s", reason);
@@ -27,7 +27,7 @@ static cml_status make_cones(const struct cml_radial *field, int given, double d
                              struct cml_surface_def *def, struct cml_error *err)
 {
     const size_t n = (size_t)field->n;
-    def->kind = CML_AS_CONE;
+    def->kind = CML_SURFACE_CONE;
     def->depth = depth;
     def->num_rings = field->n;
     def->primitives = n;
@@ -72,7 +72,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
                             enum cml_mesh_search search, const char *reason, struct cml_surface_def *def,
                             struct cml_error *err)
 {
-    def->kind = CML_AS_MESH;
+    def->kind = CML_SURFACE_MESH;
     def->depth = depth;
     def->steepest = steepest_facet(mesh);
     def->lowest = fmin(mesh->lower[2], mesh->z_border);
@@ -120,7 +120,7 @@ static cml_status represent_best(const struct cml_scene *scene, const struct cml
     const struct cml_surface_options own = options_for(scene, options);
     double mut[2];
     read_mut(scene, boundary, mut);
-    if (cml_choose_radial(merged, mut, &own, &def->expectation) == CML_AS_CONE)
+    if (cml_choose_radial(merged, mut, &own, &def->expectation) == CML_SURFACE_CONE)
         return make_cones(merged, boundary->radial.n, boundary->z, def, err);
     make_plane(boundary->z - merged->h[merged->n - 1], "radial heightfield: effect below the tolerance", def);
     return CML_OK;
@@ -131,7 +131,7 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
                                   struct cml_error *err)
 {
     const struct cml_radial *field = &boundary->radial;
-    const bool forced = options->force == CML_AS_CONE || options->force == CML_AS_MESH;
+    const bool forced = options->force == CML_SURFACE_CONE || options->force == CML_SURFACE_MESH;
     double mut[2];
     if (field->n == 1 || (!forced && cml_radial_is_flat(field))) {
         make_plane(boundary->z - field->h[0], "flat heightfield", def);
@@ -139,8 +139,8 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
     }
     read_mut(scene, boundary, mut);
     if (forced) def->expectation = cml_choice_expect(options->force, field, mut, options);
-    if (options->force == CML_AS_CONE) return make_cones(field, field->n, boundary->z, def, err);
-    if (options->force == CML_AS_MESH)
+    if (options->force == CML_SURFACE_CONE) return make_cones(field, field->n, boundary->z, def, err);
+    if (options->force == CML_SURFACE_MESH)
         return make_tessellated(field, boundary->z, scene, options, "radial heightfield, tessellated", def,
                                 err);
     struct cml_radial merged;
@@ -168,15 +168,15 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
                                  struct cml_error *err)
 {
     double z;
-    if (options->force == CML_AS_CONE)
+    if (options->force == CML_SURFACE_CONE)
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: --boundaries cone cannot represent a mesh (expected auto or mesh)",
                         scene->file, boundary->line);
-    if (options->force == CML_AS_AUTO && cml_mesh_is_flat(&boundary->mesh, &z)) {
+    if (options->force == CML_SURFACE_AUTO && cml_mesh_is_flat(&boundary->mesh, &z)) {
         make_plane(boundary->z + z, "flat mesh", def);
         return CML_OK;
     }
-    if (options->force == CML_AS_AUTO &&
+    if (options->force == CML_SURFACE_AUTO &&
         mesh_may_be_plane(scene, boundary, options, &def->expectation.bias)) {
         make_plane(boundary->z + boundary->mesh.z_border, "mesh: effect below the tolerance", def);
         return CML_OK;
@@ -200,7 +200,7 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
 {
     if (boundary->form == CML_FORM_PLANE)
         make_plane(boundary->z, boundary->line ? "flat" : "no surface given", def);
-    else if (options->force == CML_AS_PLANE)
+    else if (options->force == CML_SURFACE_PLANE)
         make_plane(boundary->z, "surface ignored as asked", def);
     else if (boundary->form == CML_FORM_RADIAL)
         return represent_field(scene, boundary, options, def, err);

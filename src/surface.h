@@ -14,15 +14,15 @@
 /* One represented boundary, in its own frame, whose z = 0 lies at `depth` in the scene. Owns everything in
  * it. */
 struct cml_surface_def {
-    enum cml_representation kind;
+    enum cml_surface_kind kind;
     char reason[96];        /* why this kind, for people */
     double depth;           /* of the frame; for a plane that of the plane itself */
     double steepest;        /* at least the slope of every part, infinite where it is upright or overhangs */
     double lowest, highest; /* lowest <= z <= highest everywhere */
     uint64_t primitives;    /* rings or triangles, 1 for a plane */
-    int num_rings;          /* CML_AS_CONE */
+    int num_rings;          /* CML_SURFACE_CONE */
     double *r, *z, *slope;  /* [num_rings] see kernels/types.h */
-    struct cml_mesh_surface *mesh;      /* CML_AS_MESH */
+    struct cml_mesh_surface *mesh;      /* CML_SURFACE_MESH */
     struct cml_clearance_map clearance; /* of cones and meshes */
     struct cml_expectation expectation;
     double build_seconds, bytes; /* what representing it took: tree, rings, clearance map */
@@ -40,7 +40,7 @@ CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
 
 void cml_surfaces_free(struct cml_surface_set *set);
 
-const char *cml_representation_name(enum cml_representation kind);
+const char *cml_surface_kind_name(enum cml_surface_kind kind);
 
 /* The mesh of a boundary as cml_surfaces_create would give it to Embree, tessellated or loaded; empty (no
  * triangles) for a plane. For `clustermcml mesh`. */

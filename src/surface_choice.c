@@ -52,11 +52,11 @@ struct cml_expectation cml_choice_expect_mesh(void)
     return (struct cml_expectation){.query_ns = MESH_NS};
 }
 
-struct cml_expectation cml_choice_expect(enum cml_representation kind, const struct cml_radial *radial,
+struct cml_expectation cml_choice_expect(enum cml_surface_kind kind, const struct cml_radial *radial,
                                          const double mut[2], const struct cml_surface_options *options)
 {
-    if (kind == CML_AS_PLANE) return (struct cml_expectation){.bias = plane_bias(radial, mut)};
-    if (kind == CML_AS_CONE) return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * radial->n};
+    if (kind == CML_SURFACE_PLANE) return (struct cml_expectation){.bias = plane_bias(radial, mut)};
+    if (kind == CML_SURFACE_CONE) return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * radial->n};
     const struct cml_tessellation tessellation = cml_choice_tessellation(options);
     struct cml_expectation expectation = cml_choice_expect_mesh();
     expectation.deviation = tessellation.tolerance;
@@ -66,12 +66,12 @@ struct cml_expectation cml_choice_expect(enum cml_representation kind, const str
     return expectation;
 }
 
-enum cml_representation cml_choose_radial(const struct cml_radial *radial, const double mut[2],
-                                          const struct cml_surface_options *options,
-                                          struct cml_expectation *expectation)
+enum cml_surface_kind cml_choose_radial(const struct cml_radial *radial, const double mut[2],
+                                        const struct cml_surface_options *options,
+                                        struct cml_expectation *expectation)
 {
-    *expectation = cml_choice_expect(CML_AS_PLANE, radial, mut, options);
-    if (options->may_flatten && expectation->bias <= options->tolerance) return CML_AS_PLANE;
-    *expectation = cml_choice_expect(CML_AS_CONE, radial, mut, options);
-    return CML_AS_CONE;
+    *expectation = cml_choice_expect(CML_SURFACE_PLANE, radial, mut, options);
+    if (options->may_flatten && expectation->bias <= options->tolerance) return CML_SURFACE_PLANE;
+    *expectation = cml_choice_expect(CML_SURFACE_CONE, radial, mut, options);
+    return CML_SURFACE_CONE;
 }

@@ -7,12 +7,11 @@
 #include "radial.h"
 #include "surface_mesh.h"
 #include "tessellate.h"
-
-enum cml_representation { CML_AS_PLANE, CML_AS_CONE, CML_AS_MESH, CML_AS_AUTO };
+#include "types.h"
 
 struct cml_surface_options {
-    enum cml_representation
-        force; /* CML_AS_AUTO: choose; CML_AS_CONE leaves meshes meshes and planes planes */
+    enum cml_surface_kind
+        force; /* CML_SURFACE_AUTO: choose; CML_SURFACE_CONE leaves meshes meshes and planes planes */
     struct cml_tessellation tessellation;
     double tolerance; /* relative bias asked of totals and profiles; tessellation.tolerance follows from it.
                        * 0: tessellation.tolerance counts as it stands */
@@ -37,16 +36,16 @@ double cml_choice_plane_bias(double height, double steepest, double mut);
 
 /* What cones or a mesh of this field cost, and how biased they are. mut [1/cm]: of the media above and below.
  */
-struct cml_expectation cml_choice_expect(enum cml_representation kind, const struct cml_radial *radial,
+struct cml_expectation cml_choice_expect(enum cml_surface_kind kind, const struct cml_radial *radial,
                                          const double mut[2], const struct cml_surface_options *options);
 
 /* Of a triangle mesh as the user gave it. */
 struct cml_expectation cml_choice_expect_mesh(void);
 
-/* CML_AS_PLANE or CML_AS_CONE for a merged, curved field (radial->n >= 2); *expectation is that of the
- * choice. options->force is CML_AS_AUTO. */
-enum cml_representation cml_choose_radial(const struct cml_radial *radial, const double mut[2],
-                                          const struct cml_surface_options *options,
-                                          struct cml_expectation *expectation);
+/* CML_SURFACE_PLANE or CML_SURFACE_CONE for a merged, curved field (radial->n >= 2); *expectation is that of
+ * the choice. options->force is CML_SURFACE_AUTO. */
+enum cml_surface_kind cml_choose_radial(const struct cml_radial *radial, const double mut[2],
+                                        const struct cml_surface_options *options,
+                                        struct cml_expectation *expectation);
 
 #endif

@@ -12,8 +12,8 @@ static const double pi = 3.14159265358979323846;
 /* The last ring of cones is the outer plane already. */
 size_t cml_surface_facets(const struct cml_surface_def *def, const struct cml_map_def *map)
 {
-    if (def->kind == CML_AS_PLANE) return map->nx > 0 ? (size_t)map->nx * (size_t)map->ny + 1 : 0;
-    return (size_t)def->primitives + (def->kind == CML_AS_MESH ? 1 : 0);
+    if (def->kind == CML_SURFACE_PLANE) return map->nx > 0 ? (size_t)map->nx * (size_t)map->ny + 1 : 0;
+    return (size_t)def->primitives + (def->kind == CML_SURFACE_MESH ? 1 : 0);
 }
 
 static double triangle_area(const struct cml_mesh *mesh, size_t i)
@@ -30,8 +30,8 @@ double cml_surface_facet_area(const struct cml_surface_def *def, const struct cm
 {
     if (facet + 1 >= cml_surface_facets(def, map)) return INFINITY;
     double middle[3];
-    if (def->kind == CML_AS_PLANE) return map->dx * map->dy;
-    if (def->kind == CML_AS_MESH) return triangle_area(cml_mesh_surface_mesh(def->mesh, middle), facet);
+    if (def->kind == CML_SURFACE_PLANE) return map->dx * map->dy;
+    if (def->kind == CML_SURFACE_MESH) return triangle_area(cml_mesh_surface_mesh(def->mesh, middle), facet);
     const double *r = def->r + facet, *z = def->z + facet;
     return pi * (r[0] + r[1]) * hypot(r[1] - r[0], z[1] - z[0]);
 }
@@ -97,7 +97,7 @@ static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces
 cml_status cml_surface_faces(const struct cml_surface_def *def, struct cml_faces *faces, size_t *per_facet,
                              struct cml_error *err)
 {
-    const bool mesh = def->kind == CML_AS_MESH;
+    const bool mesh = def->kind == CML_SURFACE_MESH;
     *per_facet = mesh ? 1 : segments_of((size_t)def->num_rings - 1);
     return mesh ? mesh_faces(def, faces, err) : ring_faces(def, faces, err);
 }

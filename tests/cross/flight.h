@@ -39,7 +39,7 @@ static inline void read_scenes(const char *text, struct cml_scene_list *list)
 
 struct flight_options {
     const char *engine;
-    enum cml_representation kind;
+    enum cml_surface_kind kind;
     double tolerance;
     bool inscribed;
     enum cml_normals normals;

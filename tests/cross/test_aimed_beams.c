@@ -58,7 +58,7 @@ static void note_entry(void *context, const struct cml_trace_event *event)
  */
 static void expect_depth(const char *engine, const char *mesh, const double place[3])
 {
-    const struct flight_options with = {.engine = engine, .kind = CML_AS_AUTO};
+    const struct flight_options with = {.engine = engine, .kind = CML_SURFACE_AUTO};
     const double limit = strcmp(engine, "cpu") == 0 ? 2e-7 : 1e-14;
     char text[1024];
     struct flight flight;
@@ -70,7 +70,7 @@ static void expect_depth(const char *engine, const char *mesh, const double plac
              "0.5\n1\n",
              place[0], place[1], mesh);
     flight_open(text, &with, &flight);
-    assert_int_equal(flight.surfaces.item[1].kind, CML_AS_MESH);
+    assert_int_equal(flight.surfaces.item[1].kind, CML_SURFACE_MESH);
     require_ok(flight.engine->trace(flight.self, 0, note_entry, &entry, &end, &err), &err);
     if (end.fate != CML_FATE_TRANSMITTED || entry.count != 1 || !(fabs(entry.z - (1 - place[2])) < limit))
         fail_msg("%s, %s at (%g, %g): %s, %d crossings, the last at %.15g, expected one at %.15g", engine,
@@ -115,7 +115,7 @@ static void open_slab(const char *engine, double angle, double n_above, double n
                       struct flight *flight)
 {
     char text[256];
-    const struct flight_options with = {.engine = engine, .kind = CML_AS_AUTO};
+    const struct flight_options with = {.engine = engine, .kind = CML_SURFACE_AUTO};
     snprintf(text, sizeof text,
              "1.0\n1\nslab A\n1\nbeam pencil angle=%.17g azimuth=30\n0.01 0.01\n1 1 1\n1\n%.17g\n%.17g 0 0 0 "
              "0.5\n%.17g\n",
@@ -208,15 +208,15 @@ static void what_enters_a_clear_body_beyond_the_critical_angle_is_trapped(void *
 {
     (void)state;
     for (int e = 0; e < 2; e++)
-        for (int kind = CML_AS_CONE; kind <= CML_AS_MESH; kind++) {
+        for (int kind = CML_SURFACE_CONE; kind <= CML_SURFACE_MESH; kind++) {
             char what[64];
             struct flight flight;
             const struct flight_options with = {
-                .engine = engines[e], .kind = (enum cml_representation)kind, .normals = CML_NORMALS_ANALYTIC};
+                .engine = engines[e], .kind = (enum cml_surface_kind)kind, .normals = CML_NORMALS_ANALYTIC};
             flight_open("1.0\n1\ntrap A\n1\nbeam pencil at=0.05,0\n0.01 0.01\n1 1 1\n1\n1\n"
                         "b 2 0.17320508075688773 0.1 0 0\n2 0 0 0 0.5\n1\n",
                         &with, &flight);
-            snprintf(what, sizeof what, "trapped, %s, %s", engines[e], cml_representation_name(with.kind));
+            snprintf(what, sizeof what, "trapped, %s, %s", engines[e], cml_surface_kind_name(with.kind));
             expect_share(&flight, CML_FATE_TRAPPED, 1 - fresnel(60, 1, 2), 400, what);
             flight_close(&flight);
         }

@@ -39,8 +39,7 @@ static struct cml_tally fly_bundles(const struct cml_scene *scene, const struct 
     return tally;
 }
 
-static void compare(const struct cml_scene *scene, enum cml_representation kind, uint64_t photons,
-                    bool reentry)
+static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry)
 {
     struct cml_error err;
     struct cml_surface_set surfaces;
@@ -63,7 +62,7 @@ static void compare(const struct cml_scene *scene, enum cml_representation kind,
     cml_surfaces_free(&surfaces);
 }
 
-static void compare_file(const char *path, enum cml_representation kind, uint64_t photons)
+static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t photons)
 {
     struct cml_error err;
     struct cml_scene_list list;
@@ -96,19 +95,19 @@ static void every_sample_has_the_same_tally(void **state)
         assert_int_equal(glob(full, 0, NULL, &found), 0);
         for (size_t k = 0; k < found.gl_pathc; k++) {
             const char *path = found.gl_pathv[k] + root;
-            compare_file(path, CML_AS_AUTO, photons_of(path));
+            compare_file(path, CML_SURFACE_AUTO, photons_of(path));
         }
         globfree(&found);
     }
-    compare_file("shapes/hinoise.mci", CML_AS_MESH, 4000);
-    compare_file("shapes/flat50.mci", CML_AS_CONE, 4000);
+    compare_file("shapes/hinoise.mci", CML_SURFACE_MESH, 4000);
+    compare_file("shapes/flat50.mci", CML_SURFACE_CONE, 4000);
 }
 
 static void compare_text(const char *text, uint64_t photons)
 {
     struct cml_scene_list list;
     read_scenes(text, &list);
-    compare(&list.scenes[0], CML_AS_AUTO, photons, true);
+    compare(&list.scenes[0], CML_SURFACE_AUTO, photons, true);
     cml_scene_list_clear(&list);
 }
 
@@ -129,9 +128,9 @@ static void maps_and_facets_have_the_same_tally(void **state)
         scene->map = (struct cml_map_def){
             .nx = 17, .ny = 10, .dx = 0.03, .dy = 0.05, .angles = i % 2 == 0, .volume = true, .top = -0.05};
         scene->facets = true;
-        compare(scene, CML_AS_AUTO, 4000, true);
-        compare(scene, CML_AS_AUTO, 1000, false);
-        compare(scene, CML_AS_MESH, 1000, true);
+        compare(scene, CML_SURFACE_AUTO, 4000, true);
+        compare(scene, CML_SURFACE_AUTO, 1000, false);
+        compare(scene, CML_SURFACE_MESH, 1000, true);
         cml_scene_list_clear(&list);
     }
 }
@@ -214,7 +213,7 @@ static void random_scenes_have_the_same_tally(void **state)
         struct cml_scene_list list;
         write_scene(text, sizeof text, i, &seed);
         read_scenes(text, &list);
-        compare(&list.scenes[0], i % 3 == 2 ? CML_AS_MESH : CML_AS_AUTO, 400, i % 2 == 0);
+        compare(&list.scenes[0], i % 3 == 2 ? CML_SURFACE_MESH : CML_SURFACE_AUTO, 400, i % 2 == 0);
         cml_scene_list_clear(&list);
     }
 }
@@ -240,7 +239,7 @@ struct bundle_flight {
     struct cml_flight f;
 };
 
-static void bundle_flight_take_off(const char *text, enum cml_representation kind, uint64_t photons,
+static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind, uint64_t photons,
                                    struct bundle_flight *b)
 {
     struct cml_error err;
@@ -273,7 +272,7 @@ static void a_lane_without_a_packet_ends_nothing(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_AS_AUTO, CML_GROUP, &b);
+    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_SURFACE_AUTO, CML_GROUP, &b);
     assert_int_equal(b.f.live, CML_GROUP_MASK);
     while (b.f.live == CML_GROUP_MASK) cml_pass(&b.f);
     const int empty = __builtin_ctzll(~b.f.live);
@@ -289,7 +288,7 @@ static void ballistic_light_has_the_same_tally(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_AS_AUTO, 1000, &b);
+    bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_SURFACE_AUTO, 1000, &b);
     cml_fly_on(&b.f);
     assert_in_range(b.f.ballistic.count, 820, 930); /* 0.98 exp(-0.11) of them */
     bundle_flight_close(&b);
@@ -358,8 +357,8 @@ static void an_interaction_beside_a_facet_is_remembered(void **state)
 {
     (void)state;
     static struct bundle_flight b;
-    bundle_flight_take_off(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n", CML_AS_MESH, 1,
-                           &b);
+    bundle_flight_take_off(HEAD GRID "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n",
+                           CML_SURFACE_MESH, 1, &b);
     const struct cml_world *world = &b.scalar.world;
     struct cml_packet packet = packet_on_an_edge(&b.scalar, &b.flight.surfaces), after;
     cml_store_packet(&b.f, 0, &packet);

@@ -13,7 +13,7 @@ struct bench {
     uint64_t draws;
 };
 
-static void bench_open(const char *line, enum cml_representation kind, struct bench *bench)
+static void bench_open(const char *line, enum cml_surface_kind kind, struct bench *bench)
 {
     struct cml_error err;
     char text[4096];
@@ -81,7 +81,7 @@ static int meets_the_same(const struct bench *bench, struct cml_vec p, struct cm
 
 static long steps = 300000; /* per scene; the first argument of the program */
 
-static void expect_conservative(const char *line, enum cml_representation kind, double reach)
+static void expect_conservative(const char *line, enum cml_surface_kind kind, double reach)
 {
     struct bench bench;
     bench_open(line, kind, &bench);
@@ -118,13 +118,13 @@ static void expect_conservative(const char *line, enum cml_representation kind, 
 static void a_clear_step_crosses_nothing(void **state)
 {
     (void)state;
-    expect_conservative(NOISE, CML_AS_CONE, 0.6);
-    expect_conservative(NOISE, CML_AS_MESH, 0.6);
-    expect_conservative("b 2 0.3 0.001 0 0", CML_AS_CONE, 0.01);
-    expect_conservative(MESH("ridges.obj"), CML_AS_AUTO, 1.2);
-    expect_conservative(MESH("overhang.obj"), CML_AS_AUTO, 0.8);
-    expect_conservative(MESH("wedge.obj"), CML_AS_AUTO, 0.8);
-    expect_conservative(MESH("spikes.obj") " shift=0.3,0,0", CML_AS_AUTO, 0.8);
+    expect_conservative(NOISE, CML_SURFACE_CONE, 0.6);
+    expect_conservative(NOISE, CML_SURFACE_MESH, 0.6);
+    expect_conservative("b 2 0.3 0.001 0 0", CML_SURFACE_CONE, 0.01);
+    expect_conservative(MESH("ridges.obj"), CML_SURFACE_AUTO, 1.2);
+    expect_conservative(MESH("overhang.obj"), CML_SURFACE_AUTO, 0.8);
+    expect_conservative(MESH("wedge.obj"), CML_SURFACE_AUTO, 0.8);
+    expect_conservative(MESH("spikes.obj") " shift=0.3,0,0", CML_SURFACE_AUTO, 0.8);
 }
 
 /* Cones believe the side they are told, so it has to be true; triangles look at directions alone. */
@@ -144,7 +144,7 @@ static void a_steep_direction_crosses_nothing(void **state)
     for (int k = 0; k < 3; k++) {
         struct bench bench;
         long away = 0;
-        bench_open(lines[k], CML_AS_AUTO, &bench);
+        bench_open(lines[k], CML_SURFACE_AUTO, &bench);
         for (int i = 0; i < 200000; i++) {
             struct cml_vec p, u;
             real length;
@@ -165,7 +165,7 @@ static void a_steep_direction_crosses_nothing(void **state)
 static void expect_exact(const char *line, bool walked)
 {
     struct bench bench;
-    bench_open(line, CML_AS_AUTO, &bench);
+    bench_open(line, CML_SURFACE_AUTO, &bench);
     const struct cml_mesh_surface *mesh = bench.scalar.world.meshes[0];
     assert_int_equal(cml_mesh_surface_is_walked(mesh), walked);
     long hits = 0, different = 0;

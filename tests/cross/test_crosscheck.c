@@ -36,7 +36,8 @@ static struct cml_check_pair check(uint64_t photons, bool same_geometry, uint64_
     struct cml_surface_set surfaces;
     struct cml_check_result result;
     struct cml_error err;
-    const struct cml_surface_options surface = {.force = CML_AS_AUTO, .tessellation = {.tolerance = 1e-3}};
+    const struct cml_surface_options surface = {.force = CML_SURFACE_AUTO,
+                                                .tessellation = {.tolerance = 1e-3}};
     changed.fates = changed_fates;
     read_scenes(scene, &list);
     require_ok(cml_surfaces_create(list.scenes, &surface, &surfaces, &err), &err);

@@ -25,7 +25,7 @@ static void expect_close(double value, double expected, const char *what)
 }
 
 /* Plane entry, light leaves at a cone of base angle a: deviation asin(n sin a) - a, away from the axis. */
-static void expect_axicon(const char *engine, enum cml_representation kind, double n, double deviation)
+static void expect_axicon(const char *engine, enum cml_surface_kind kind, double n, double deviation)
 {
     char text[512];
     struct flight flight;
@@ -50,9 +50,9 @@ static void axicon_deviates_by_its_formula(void **state)
     (void)state;
     static const char *const engines[] = {"reference", "cpu"};
     for (int e = 0; e < 2; e++)
-        for (int kind = CML_AS_CONE; kind <= CML_AS_MESH; kind++) {
-            expect_axicon(engines[e], (enum cml_representation)kind, 1.33, 0.058523175);
-            expect_axicon(engines[e], (enum cml_representation)kind, 1.5, 0.088978397);
+        for (int kind = CML_SURFACE_CONE; kind <= CML_SURFACE_MESH; kind++) {
+            expect_axicon(engines[e], (enum cml_surface_kind)kind, 1.33, 0.058523175);
+            expect_axicon(engines[e], (enum cml_surface_kind)kind, 1.5, 0.088978397);
         }
 }
 
@@ -62,7 +62,7 @@ static void expect_wedge(const char *engine)
     char text[512];
     struct flight flight;
     const double n = 1.5, x = 0.05, tilt = atan(1.0 / 7), inside = tilt - asin(sin(tilt) / n);
-    const struct flight_options with = {.engine = engine, .kind = CML_AS_AUTO};
+    const struct flight_options with = {.engine = engine, .kind = CML_SURFACE_AUTO};
     snprintf(
         text, sizeof text,
         "1.0\n1\nwedge A\n1\nbeam pencil at=%.17g,0.02\n0.01 0.01\n1 1 1\n1\n1\nm \"%s/meshes/wedge.obj\"\n"
@@ -89,7 +89,7 @@ static void expect_prism(const char *engine)
 {
     char text[512];
     struct flight flight;
-    const struct flight_options with = {.engine = engine, .kind = CML_AS_AUTO};
+    const struct flight_options with = {.engine = engine, .kind = CML_SURFACE_AUTO};
     snprintf(text, sizeof text,
              "1.0\n1\nprism A\n1\nbeam pencil at=0.11,0.03\n0.01 0.01\n1 1 1\n1\n1\n1.5 0 0 0 0.5\n"
              "m \"%s/meshes/prism.obj\" up=-z\n1\n",
@@ -111,7 +111,7 @@ static void prism_returns_the_ray_by_total_reflection(void **state)
 
 /* Disk beam on a hill of slope m, matched below: T = Fresnel * mean over the disk of exp(-mua path), with
  * path = (d + h(r)) / cos(delta), delta the bend at the hill's flank. */
-static void expect_absorbing_hill(const char *engine, enum cml_representation kind)
+static void expect_absorbing_hill(const char *engine, enum cml_surface_kind kind)
 {
     const double H = 0.1, R = 0.5, d = 0.4, mua = 3, n = 1.4, photons = 100000;
     const double i = atan(H / R), t = asin(sin(i) / n), k = mua / cos(i - t), s = k * H / R;
@@ -131,7 +131,7 @@ static void expect_absorbing_hill(const char *engine, enum cml_representation ki
         transmitted += fly(&flight, photon).fate == CML_FATE_TRANSMITTED;
     const double p = transmitted / photons, error = sqrt(expected * (1 - expected) / photons);
     print_message("absorbing hill, %s, %s: T = %.5f +- %.5f, expected %.5f\n", engine,
-                  cml_representation_name(kind), p, error, expected);
+                  cml_surface_kind_name(kind), p, error, expected);
     assert_true(fabs(p - expected) < 4.5 * error);
     flight_close(&flight);
 }
@@ -139,15 +139,15 @@ static void expect_absorbing_hill(const char *engine, enum cml_representation ki
 static void absorbing_hill_transmits_the_integral(void **state)
 {
     (void)state;
-    expect_absorbing_hill("reference", CML_AS_CONE);
-    expect_absorbing_hill("reference", CML_AS_MESH);
-    expect_absorbing_hill("cpu", CML_AS_CONE);
-    expect_absorbing_hill("cpu", CML_AS_MESH);
+    expect_absorbing_hill("reference", CML_SURFACE_CONE);
+    expect_absorbing_hill("reference", CML_SURFACE_MESH);
+    expect_absorbing_hill("cpu", CML_SURFACE_CONE);
+    expect_absorbing_hill("cpu", CML_SURFACE_MESH);
 }
 
 /* A pencil beam on the tip of a cone: nothing may prefer an azimuth. Moments cos and sin of k phi of the exit
  * points, k = 1..8 (the mesh's innermost ring has 8 segments); level 1e-4 over all. */
-static void expect_symmetric(const char *engine, enum cml_representation kind)
+static void expect_symmetric(const char *engine, enum cml_surface_kind kind)
 {
     enum { ORDERS = 8 };
     const struct flight_options with = {.engine = engine, .kind = kind, .normals = CML_NORMALS_ANALYTIC};
@@ -171,16 +171,16 @@ static void expect_symmetric(const char *engine, enum cml_representation kind)
     for (int k = 0; k < 2 * ORDERS; k++)
         if (!(fabs(moment[k]) / sqrt(exits / 2) < 4.7))
             fail_msg("%s, %s: azimuthal moment %d is %.2f standard errors", engine,
-                     cml_representation_name(kind), k / 2 + 1, moment[k] / sqrt(exits / 2));
+                     cml_surface_kind_name(kind), k / 2 + 1, moment[k] / sqrt(exits / 2));
     flight_close(&flight);
 }
 
 static void pencil_beam_on_a_tip_is_symmetric(void **state)
 {
     (void)state;
-    expect_symmetric("cpu", CML_AS_CONE);
-    expect_symmetric("cpu", CML_AS_MESH);
-    expect_symmetric("reference", CML_AS_MESH);
+    expect_symmetric("cpu", CML_SURFACE_CONE);
+    expect_symmetric("cpu", CML_SURFACE_MESH);
+    expect_symmetric("reference", CML_SURFACE_MESH);
 }
 
 int main(void)

@@ -14,7 +14,7 @@ struct shot {
     struct cml_tally tally;
 };
 
-static void shoot(const char *text, const char *engine, enum cml_representation kind, uint64_t photons,
+static void shoot(const char *text, const char *engine, enum cml_surface_kind kind, uint64_t photons,
                   struct shot *shot)
 {
     struct cml_error err;
@@ -88,9 +88,9 @@ static void sums_are_the_totals(void **state)
     (void)state;
     static const char *const engines[] = {"cpu", "reference"};
     for (int e = 0; e < COUNT(engines); e++)
-        for (int kind = CML_AS_CONE; kind <= CML_AS_MESH; kind++) {
+        for (int kind = CML_SURFACE_CONE; kind <= CML_SURFACE_MESH; kind++) {
             struct shot shot;
-            shoot(rough, engines[e], (enum cml_representation)kind, 4000, &shot);
+            shoot(rough, engines[e], (enum cml_surface_kind)kind, 4000, &shot);
             expect_totals(&shot);
             clear(&shot);
         }
@@ -104,7 +104,7 @@ static void flat_rings_are_radial_bins(void **state)
     struct shot shot;
     shoot("1.0\n1\nflat A\n1000\nbeam pencil angle=1\nfacets\n0.1 0.1\n1 4 1\n1\n1\n"
           "b 4 0 0.1 0 0.1 0 0.1 0 0\n1.4 0.5 20 0.5 0.3\nb 4 0 0.1 0 0.1 0 0.1 0 0\n1\n",
-          "cpu", CML_AS_CONE, 40000, &shot);
+          "cpu", CML_SURFACE_CONE, 40000, &shot);
     const struct cml_tally *t = &shot.tally;
     assert_int_equal(t->grid.facets, 8);
     for (int i = 0; i < 4; i++) { /* the fourth ring is all that lies outside */
@@ -129,7 +129,7 @@ static void layers_of_the_volume_are_depth_bins(void **state)
     (void)state;
     const size_t nz = 4, pixels = 9;
     struct shot shot;
-    shoot(HILL(""), "cpu", CML_AS_AUTO, 4000, &shot);
+    shoot(HILL(""), "cpu", CML_SURFACE_AUTO, 4000, &shot);
     const struct cml_tally *t = &shot.tally;
     uint64_t sideways = 0, beyond = 0;
     for (size_t i = 0; i <= (size_t)t->grid.nr; i++)
@@ -146,7 +146,7 @@ static void layers_of_the_volume_are_depth_bins(void **state)
     assert_true(beyond > 0 && sideways > 0);
     assert_int_equal(t->A_xyz[nz * pixels], beyond + sideways);
     struct shot raised;
-    shoot(HILL(" top=-0.1"), "cpu", CML_AS_AUTO, 4000, &raised);
+    shoot(HILL(" top=-0.1"), "cpu", CML_SURFACE_AUTO, 4000, &raised);
     uint64_t above = 0; /* the hill is a layer of its own now, and all others lie one deeper */
     for (size_t i = 0; i < pixels; i++) above += raised.tally.A_xyz[i];
     assert_true(above > 0);
@@ -164,7 +164,7 @@ static void the_flux_through_planes_is_what_the_books_say(void **state)
         struct shot shot;
         shoot("1.0\n1\nflux A\n1000\nfacets\nmap 3 4 0.1 0.1\n0.1 0.1\n1 1 1\n3\n1\n1.5 0 0 0 0.1\n"
               "1.4 0.5 20 0.8 0.05\n1.3 1 5 0 0.1\n1.2\n",
-              engines[e], CML_AS_AUTO, 3000, &shot);
+              engines[e], CML_SURFACE_AUTO, 3000, &shot);
         const struct cml_tally *t = &shot.tally;
         uint64_t net[4];
         for (int b = 0; b < 4; b++) {
@@ -195,7 +195,7 @@ static void the_irradiance_of_a_slope_is_the_cosine(void **state)
     struct shot shot;
     shoot("1.0\n1\nhill A\n1000\nbeam disk 0.5\nfacets\n0.1 0.1\n1 1 1\n1\n1\n"
           "b 3 0.3 0.1 0.25 0.2 0 0\n1 0 0 0 0.3\n1\n",
-          "cpu", CML_AS_CONE, photons, &shot);
+          "cpu", CML_SURFACE_CONE, photons, &shot);
     const struct cml_surface_def *hill = &shot.flight.surfaces.item[0];
     const double beam = 3.14159265358979 * 0.25;
     assert_int_equal(shot.tally.grid.facets, 3);
@@ -217,12 +217,12 @@ static void the_irradiance_of_a_slope_is_the_cosine(void **state)
 static void faces_have_their_areas(void **state)
 {
     (void)state;
-    for (int kind = CML_AS_CONE; kind <= CML_AS_MESH; kind++) {
+    for (int kind = CML_SURFACE_CONE; kind <= CML_SURFACE_MESH; kind++) {
         struct shot shot;
         struct cml_faces faces;
         struct cml_error err;
         size_t per_facet;
-        shoot(rough, "cpu", (enum cml_representation)kind, 1, &shot);
+        shoot(rough, "cpu", (enum cml_surface_kind)kind, 1, &shot);
         const struct cml_surface_def *def = &shot.flight.surfaces.item[2];
         const struct cml_map_def *map = &shot.flight.list.scenes[0].map;
         const size_t facets = num_facets(&shot, 2);
@@ -239,7 +239,7 @@ static void faces_have_their_areas(void **state)
         for (size_t i = 0; i + 1 < facets; i++) areas += cml_surface_facet_area(def, map, i);
         assert_true(fabs(fabs(flat) / (3.14159265358979 * 0.16) - 1) < 2e-3);
         const double exact = 3.14159265358979 * (0.2 * hypot(0.2, 0.2) + 0.6 * hypot(0.2, 0.1));
-        assert_true(fabs(areas / exact - 1) < (kind == CML_AS_CONE ? 1e-14 : 1e-2));
+        assert_true(fabs(areas / exact - 1) < (kind == CML_SURFACE_CONE ? 1e-14 : 1e-2));
         assert_true(fabs(faces.point[0][2] - 0.6) < 1e-12); /* the tip, 0.1 cm below the nominal depth */
         assert_true(isinf(cml_surface_facet_area(def, map, facets - 1)));
         cml_surface_faces_free(&faces);

@@ -20,7 +20,7 @@ static void stack_scene(double scale, double shift, bool field, char *text, size
 static void expect_same(const char *first, const char *second, const char *engine, uint64_t photons,
                         uint64_t allowed, const char *what)
 {
-    const struct flight_options with = {.engine = engine, .kind = CML_AS_AUTO};
+    const struct flight_options with = {.engine = engine, .kind = CML_SURFACE_AUTO};
     struct flight a, b;
     flight_open(first, &with, &a);
     flight_open(second, &with, &b);

@@ -23,7 +23,7 @@ static void split_scene(const char *boundary, char *text, size_t size)
              boundary);
 }
 
-static void expect_no_change(const char *boundary, const char *engine, enum cml_representation kind,
+static void expect_no_change(const char *boundary, const char *engine, enum cml_surface_kind kind,
                              uint64_t photons, uint64_t allowed)
 {
     char text[2048];
@@ -35,7 +35,7 @@ static void expect_no_change(const char *boundary, const char *engine, enum cml_
     const uint64_t different = count_different(&a, &b, photons);
     if (different > allowed)
         fail_msg("%s, %s: %llu of %llu packets changed (at most %llu may): %s", engine,
-                 cml_representation_name(kind), (unsigned long long)different, (unsigned long long)photons,
+                 cml_surface_kind_name(kind), (unsigned long long)different, (unsigned long long)photons,
                  (unsigned long long)allowed, boundary);
     flight_close(&a);
     flight_close(&b);
@@ -44,13 +44,13 @@ static void expect_no_change(const char *boundary, const char *engine, enum cml_
 static void expect_no_change_any_shape(const char *engine, uint64_t photons, uint64_t allowed)
 {
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
-        expect_no_change(shapes[i], engine, CML_AS_CONE, photons, allowed);
-        expect_no_change(shapes[i], engine, CML_AS_MESH, photons, allowed);
+        expect_no_change(shapes[i], engine, CML_SURFACE_CONE, photons, allowed);
+        expect_no_change(shapes[i], engine, CML_SURFACE_MESH, photons, allowed);
     }
     for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
         char line[512];
         snprintf(line, sizeof line, "m \"%s/meshes/%s\" scale=0.5", CML_SOURCE_DIR, meshes[i]);
-        expect_no_change(line, engine, CML_AS_AUTO, photons, allowed);
+        expect_no_change(line, engine, CML_SURFACE_AUTO, photons, allowed);
     }
 }
 

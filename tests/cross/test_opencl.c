@@ -23,7 +23,8 @@ enum { num_scenes = sizeof scenes / sizeof *scenes };
 static void set_up(const char *text, struct bench *bench)
 {
     struct cml_error err;
-    const struct cml_surface_options surface = {.force = CML_AS_AUTO, .tessellation = {.tolerance = 1e-3}};
+    const struct cml_surface_options surface = {.force = CML_SURFACE_AUTO,
+                                                .tessellation = {.tolerance = 1e-3}};
     read_scenes(text, &bench->list);
     require_ok(cml_surfaces_create(bench->list.scenes, &surface, &bench->surfaces, &err), &err);
     bench->options = (struct cml_engine_options){.seed = 7, .reentry = true, .absorption = true};

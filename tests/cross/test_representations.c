@@ -12,20 +12,20 @@ static const char *const flat_scene =
     "b 3 -0.03 0.1 -0.03 0.1 -0.03 0\n1.5 1 10 0 0.3\n"
     "b 2 0 0.3 0 0\n1\n";
 
-static void expect_same_fates(const char *engine, enum cml_representation kind, uint64_t photons,
+static void expect_same_fates(const char *engine, enum cml_surface_kind kind, uint64_t photons,
                               uint64_t allowed)
 {
     struct flight plane, other;
-    const struct flight_options as_plane = {.engine = engine, .kind = CML_AS_AUTO};
+    const struct flight_options as_plane = {.engine = engine, .kind = CML_SURFACE_AUTO};
     const struct flight_options as_other = {.engine = engine, .kind = kind, .normals = CML_NORMALS_ANALYTIC};
     flight_open(flat_scene, &as_plane, &plane);
     flight_open(flat_scene, &as_other, &other);
-    assert_int_equal(plane.surfaces.item[0].kind, CML_AS_PLANE);
+    assert_int_equal(plane.surfaces.item[0].kind, CML_SURFACE_PLANE);
     assert_int_equal(other.surfaces.item[0].kind, kind);
     const uint64_t different = count_different(&plane, &other, photons);
     if (different > allowed)
         fail_msg("%s: %llu of %llu packets differ between plane and %s", engine,
-                 (unsigned long long)different, (unsigned long long)photons, cml_representation_name(kind));
+                 (unsigned long long)different, (unsigned long long)photons, cml_surface_kind_name(kind));
     flight_close(&plane);
     flight_close(&other);
 }
@@ -33,15 +33,15 @@ static void expect_same_fates(const char *engine, enum cml_representation kind, 
 static void flat_cones_are_the_plane(void **state)
 {
     (void)state;
-    expect_same_fates("reference", CML_AS_CONE, 20000, 2);
-    expect_same_fates("cpu", CML_AS_CONE, 40000, 4);
+    expect_same_fates("reference", CML_SURFACE_CONE, 20000, 2);
+    expect_same_fates("cpu", CML_SURFACE_CONE, 40000, 4);
 }
 
 static void flat_mesh_is_the_plane(void **state)
 {
     (void)state;
-    expect_same_fates("reference", CML_AS_MESH, 20000, 2);
-    expect_same_fates("cpu", CML_AS_MESH, 40000, 4);
+    expect_same_fates("reference", CML_SURFACE_MESH, 20000, 2);
+    expect_same_fates("cpu", CML_SURFACE_MESH, 40000, 4);
 }
 
 /* Hill H = 0.1, R = 0.5 cm under a disk beam of its size: the scene of the measured bias of inscribed n-gons,
@@ -57,7 +57,7 @@ struct bias {
 static struct bias absorbed_bias(const struct flight_options *mesh_options, uint64_t photons)
 {
     struct flight cone, mesh;
-    const struct flight_options as_cone = {.engine = "reference", .kind = CML_AS_CONE};
+    const struct flight_options as_cone = {.engine = "reference", .kind = CML_SURFACE_CONE};
     double sum = 0, squares = 0;
     flight_open(hill_scene, &as_cone, &cone);
     flight_open(hill_scene, mesh_options, &mesh);
@@ -82,7 +82,7 @@ static double tolerance_of(int n, bool inscribed)
 static struct bias bias_of(int n, bool inscribed, enum cml_normals normals, uint64_t photons)
 {
     const struct flight_options options = {.engine = "reference",
-                                           .kind = CML_AS_MESH,
+                                           .kind = CML_SURFACE_MESH,
                                            .tolerance = tolerance_of(n, inscribed),
                                            .inscribed = inscribed,
                                            .normals = normals};

@@ -10,15 +10,15 @@
 
 struct method {
     const char *name;
-    enum cml_representation force;
+    enum cml_surface_kind force;
     bool in_double;
 };
 
 static const struct method methods[] = {
-    {"reference", CML_AS_AUTO, true},      {"cpu", CML_AS_AUTO, false},
-    {"reference-cone", CML_AS_CONE, true}, {"cpu-cone", CML_AS_CONE, false},
-    {"reference-mesh", CML_AS_MESH, true}, {"cpu-mesh", CML_AS_MESH, false},
-    {"cpu-plane", CML_AS_PLANE, false},
+    {"reference", CML_SURFACE_AUTO, true},      {"cpu", CML_SURFACE_AUTO, false},
+    {"reference-cone", CML_SURFACE_CONE, true}, {"cpu-cone", CML_SURFACE_CONE, false},
+    {"reference-mesh", CML_SURFACE_MESH, true}, {"cpu-mesh", CML_SURFACE_MESH, false},
+    {"cpu-plane", CML_SURFACE_PLANE, false},
 };
 
 static const char *const aims[NUM_AIMS] = {"face", "edge", "vertex", "drop", "along", "graze"};
@@ -80,7 +80,7 @@ static cml_status fly_file(const char *path, const struct method *method, struct
     struct cml_scene_list list;
     CML_TRY(cml_mci_read(path, &list, err));
     flight->scene = &list.scenes[0];
-    if (method->force == CML_AS_PLANE) cml_scene_flatten(&list.scenes[0]);
+    if (method->force == CML_SURFACE_PLANE) cml_scene_flatten(&list.scenes[0]);
     cml_status status = cml_scene_check_overlap(&list.scenes[0], err);
     if (status == CML_OK) status = fly(method, flight, count, err);
     cml_scene_list_clear(&list);

@@ -109,7 +109,7 @@ static struct place choose_place(struct walker *walker, int boundary)
         [AIM_DROP] = PLACE_VERTEX, [AIM_ALONG] = PLACE_EDGE, [AIM_GRAZE] = PLACE_FACE};
     struct place place =
         oracle_place(&walker->flight->oracle[boundary], kinds[walker->flight->aim], &walker->dice);
-    if (walker->flight->surfaces->item[boundary].kind != CML_AS_PLANE) return place;
+    if (walker->flight->surfaces->item[boundary].kind != CML_SURFACE_PLANE) return place;
     for (int axis = 0; axis < 2; axis++) place.point[axis] *= walker->scale;
     place.size = walker->scale;
     return place;

@@ -16,9 +16,9 @@ static void reach_to(struct oracle *oracle, double z)
 void oracle_create(const struct cml_surface_def *def, struct oracle *oracle)
 {
     *oracle = (struct oracle){.def = def, .highest = INFINITY, .lowest = -INFINITY};
-    if (def->kind == CML_AS_PLANE) reach_to(oracle, 0);
-    for (int i = 0; def->kind == CML_AS_CONE && i < def->num_rings; i++) reach_to(oracle, def->z[i]);
-    if (def->kind != CML_AS_MESH) return;
+    if (def->kind == CML_SURFACE_PLANE) reach_to(oracle, 0);
+    for (int i = 0; def->kind == CML_SURFACE_CONE && i < def->num_rings; i++) reach_to(oracle, def->z[i]);
+    if (def->kind != CML_SURFACE_MESH) return;
     const struct cml_mesh *mesh = cml_mesh_surface_mesh(def->mesh, oracle->middle);
     for (size_t i = 0; i < mesh->num_vertices; i++) reach_to(oracle, mesh->vertex[i][2] + oracle->middle[2]);
     oracle_grid_create(mesh, MOST_IN_CELL, &oracle->grid);
@@ -208,14 +208,15 @@ bool oracle_below(const struct oracle *oracle, const double q[3])
 {
     if (q[2] < oracle->highest) return false;
     if (q[2] > oracle->lowest) return true;
-    if (oracle->def->kind == CML_AS_MESH) return below_mesh(oracle, q);
-    return q[2] > (oracle->def->kind == CML_AS_CONE ? depth_of_rings(oracle->def, hypot(q[0], q[1])) : 0);
+    if (oracle->def->kind == CML_SURFACE_MESH) return below_mesh(oracle, q);
+    return q[2] >
+           (oracle->def->kind == CML_SURFACE_CONE ? depth_of_rings(oracle->def, hypot(q[0], q[1])) : 0);
 }
 
 bool oracle_near(const struct oracle *oracle, const double q[3], double distance)
 {
-    if (oracle->def->kind == CML_AS_MESH) return near_mesh(oracle, q, distance);
-    if (oracle->def->kind == CML_AS_CONE) return near_rings(oracle->def, q, distance);
+    if (oracle->def->kind == CML_SURFACE_MESH) return near_mesh(oracle, q, distance);
+    if (oracle->def->kind == CML_SURFACE_CONE) return near_rings(oracle->def, q, distance);
     return fabs(q[2]) <= distance;
 }
 
@@ -271,8 +272,8 @@ static struct place place_on_rings(const struct cml_surface_def *def, enum place
 
 struct place oracle_place(const struct oracle *oracle, enum place_kind kind, struct dice *dice)
 {
-    if (oracle->def->kind == CML_AS_MESH) return place_on_mesh(oracle, kind, dice);
-    if (oracle->def->kind == CML_AS_CONE) return place_on_rings(oracle->def, kind, dice);
+    if (oracle->def->kind == CML_SURFACE_MESH) return place_on_mesh(oracle, kind, dice);
+    if (oracle->def->kind == CML_SURFACE_CONE) return place_on_rings(oracle->def, kind, dice);
     const struct place place = {
         {dice_between(dice, -1, 1), dice_between(dice, -1, 1), 0}, {0, 0, -1}, {1, 0, 0}, 1};
     return place;

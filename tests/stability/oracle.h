@@ -11,7 +11,7 @@
 /* One boundary, in its own frame but with x and y of the scene. Borrows the arrays of the surface. */
 struct oracle {
     const struct cml_surface_def *def;
-    struct oracle_grid grid; /* CML_AS_MESH */
+    struct oracle_grid grid; /* CML_SURFACE_MESH */
     double middle[3];        /* of the mesh's coordinates */
     double highest, lowest;  /* z of its topmost and its deepest point; above and below nothing is asked */
 };

@@ -19,7 +19,7 @@ static const char *const hills = "1.0\n1\nh.mco A\n1000\n0.01 0.02\n20 20 10\n2\
 static const char *const glass = "1.0\n1\ng.mco A\n1000\n0.01 0.02\n20 20 10\n3\n1.0\n"
                                  "1.5 0 0 0 0.1\n1.4 0.5 50 0.9 0.1\n1.5 0 0 0 0.1\n1.0\n";
 
-static void represent(struct bench *bench, enum cml_representation force)
+static void represent(struct bench *bench, enum cml_surface_kind force)
 {
     const struct cml_surface_options options = {.force = force,
                                                 .tessellation = {1e-2, CML_NORMALS_ANALYTIC, false}};
@@ -29,7 +29,7 @@ static void represent(struct bench *bench, enum cml_representation force)
     assert_int_equal(status, CML_OK);
 }
 
-static struct bench set_up(void **state, const char *text, enum cml_representation force)
+static struct bench set_up(void **state, const char *text, enum cml_surface_kind force)
 {
     struct bench bench = {.options = {.seed = 5, .threads = 1, .reentry = true, .absorption = true}};
     case_read_ok(state, text, &bench.list);
@@ -55,8 +55,11 @@ static struct cml_tally fly(const struct bench *bench, const struct cml_engine *
 
 static const struct {
     const char *const *text;
-    enum cml_representation force;
-} scenes[] = {{&planes, CML_AS_AUTO}, {&hills, CML_AS_AUTO}, {&hills, CML_AS_MESH}, {&glass, CML_AS_AUTO}};
+    enum cml_surface_kind force;
+} scenes[] = {{&planes, CML_SURFACE_AUTO},
+              {&hills, CML_SURFACE_AUTO},
+              {&hills, CML_SURFACE_MESH},
+              {&glass, CML_SURFACE_AUTO}};
 enum { num_scenes = sizeof scenes / sizeof scenes[0] };
 
 static void threads_and_chunks_do_not_change_a_bit(void **state)
@@ -102,7 +105,7 @@ static void ranges_add_up_to_the_whole(void **state)
 
 static void one_packet_and_none_and_a_far_index_work(void **state)
 {
-    struct bench bench = set_up(state, hills, CML_AS_AUTO);
+    struct bench bench = set_up(state, hills, CML_SURFACE_AUTO);
     struct cml_tally one = fly(&bench, &cml_engine_cpu, 1), none = fly(&bench, &cml_engine_cpu, 0);
     assert_books_balance(&one, 1);
     assert_int_equal(none.count[CML_COUNT_PHOTONS], 0);
@@ -120,7 +123,7 @@ static void one_packet_and_none_and_a_far_index_work(void **state)
 
 static void seed_and_run_number_change_the_packets(void **state)
 {
-    struct bench bench = set_up(state, planes, CML_AS_AUTO);
+    struct bench bench = set_up(state, planes, CML_SURFACE_AUTO);
     struct cml_tally tally[4];
     for (int i = 0; i < 4; i++) {
         bench.options.seed = i == 1 ? 6 : (i == 2 ? 5 + ((uint64_t)1 << 32) : 5);
@@ -149,7 +152,7 @@ static void a_trace_is_the_packet_of_the_run(void **state)
         [CML_FATE_TRANSMITTED] = CML_BOOK_TRANSMITTED,
         [CML_FATE_SPECULAR] = CML_BOOK_SPECULAR,
     };
-    struct bench bench = set_up(state, hills, CML_AS_AUTO);
+    struct bench bench = set_up(state, hills, CML_SURFACE_AUTO);
     for (uint64_t index = 0; index < 200; index++) {
         const struct cml_engine *engine = engines[index & 1];
         struct cml_tally tally = empty_tally(&bench);

@@ -25,7 +25,7 @@ static void make_pair(struct pair *pair, double power, double height, double she
         }
     struct cml_mesh mesh = patch_mesh(&patch);
     struct cml_error err = {CML_OK, ""};
-    *pair = (struct pair){.def = {.kind = CML_AS_MESH}};
+    *pair = (struct pair){.def = {.kind = CML_SURFACE_MESH}};
     assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_AUTO, &pair->def.mesh, &err), CML_OK);
     oracle_create(&pair->def, &pair->indexed);
     oracle_create(&pair->def, &pair->listed);

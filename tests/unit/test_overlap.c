@@ -219,7 +219,7 @@ static void test_mesh_and_field(void **state)
 }
 
 /* Least gap over a fine lattice of every triangle and of the surroundings. */
-static double least_gap(const struct cml_mesh *mesh, double z, const struct cml_field *field)
+static double least_gap(const struct cml_mesh *mesh, double z, const struct cml_radial_surface *field)
 {
     double least = INFINITY;
     for (size_t t = 0; t < mesh->num_triangles; t++)
@@ -247,10 +247,10 @@ static void test_field_against_dense_sampling(void **state)
             h[i] = 0.3 * draw();
         }
         const struct cml_radial rings = {8, r, h};
-        const struct cml_field field = {&rings, 0.5};
+        const struct cml_radial_surface field = {&rings, 0.5};
         struct cml_closest closest = {.gap = INFINITY};
         assert_int_equal(cml_footprint_create(&made, &footprint, &err), CML_OK);
-        cml_field_against_mesh(&field, &made, footprint, 0.0, true, &closest);
+        cml_radial_against_mesh(&field, &made, footprint, 0.0, true, &closest);
         const double sampled = least_gap(&made, 0.0, &field);
         assert_true(closest.gap <= sampled + 1e-15);
         assert_true(closest.gap > sampled - 0.05); /* the lattice misses the extremum by a little */
@@ -392,10 +392,10 @@ static void test_edges_cross_between_vertices(void **state)
     for (int i = 0; i < 2; i++) cml_mesh_clear(&both[i].mesh);
 }
 
-static struct cml_meeting check_self(struct cml_mesh *made)
+static struct cml_sheet_overlap check_self(struct cml_mesh *made)
 {
     struct cml_sheet sheet_made;
-    struct cml_meeting meeting;
+    struct cml_sheet_overlap meeting;
     struct cml_error err;
     assert_int_equal(cml_sheet_create(made, 0.0, &sheet_made, &err), CML_OK);
     cml_sheet_against_itself(&sheet_made, &meeting);
@@ -418,13 +418,13 @@ static void test_self(void **state)
     made = pulled(7, under, 3);
     assert_int_equal(check_self(&made).contact, CML_APART);
     made = pulled(6, loop, 3);
-    struct cml_meeting meeting = check_self(&made);
+    struct cml_sheet_overlap meeting = check_self(&made);
     assert_int_equal(meeting.contact, CML_CROSS);
     assert_true(fabs(meeting.at[0]) < 1e-15 && fabs(meeting.at[2] + 1.0 / 3.0) < 1e-15);
     made = pulled(8, poke, 3);
     meeting = check_self(&made);
     assert_int_equal(meeting.contact, CML_CROSS);
-    assert_int_equal(meeting.triangle[1], CML_OUTER_PLANE);
+    assert_int_equal(meeting.triangle[1], CML_SHEET_OUTER_PLANE);
     assert_true(meeting.at[2] == 0.0 && meeting.at[0] <= -3.0);
 }
 

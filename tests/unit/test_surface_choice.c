@@ -14,7 +14,7 @@
 
 #define STANDARD                                                                                             \
     {                                                                                                        \
-        .force = CML_AS_AUTO, .tessellation = {.normals = CML_NORMALS_ANALYTIC}, .tolerance = 1e-3           \
+        .force = CML_SURFACE_AUTO, .tessellation = {.normals = CML_NORMALS_ANALYTIC}, .tolerance = 1e-3      \
     }
 
 /* n samples of a zigzag of this height over half a centimetre, ending at 0. */
@@ -34,13 +34,13 @@ static struct zigzag make_zigzag(int n, double height)
     return z;
 }
 
-static enum cml_representation choose(int n, double height, double mut,
-                                      const struct cml_surface_options *options,
-                                      struct cml_expectation *expectation)
+static enum cml_surface_kind choose(int n, double height, double mut,
+                                    const struct cml_surface_options *options,
+                                    struct cml_expectation *expectation)
 {
     const double both[2] = {0, mut};
     struct zigzag z = make_zigzag(n, height);
-    const enum cml_representation kind = cml_choose_radial(&z.radial, both, options, expectation);
+    const enum cml_surface_kind kind = cml_choose_radial(&z.radial, both, options, expectation);
     free(z.numbers);
     return kind;
 }
@@ -51,9 +51,9 @@ static void few_rings_and_many_are_cones_without_bias(void **state)
     (void)state;
     const struct cml_surface_options options = STANDARD;
     struct cml_expectation few, many;
-    assert_int_equal(choose(50, 0.05, 1, &options, &few), CML_AS_CONE);
+    assert_int_equal(choose(50, 0.05, 1, &options, &few), CML_SURFACE_CONE);
     assert_true(few.bias == 0 && few.query_ns > 0 && few.deviation == 0);
-    assert_int_equal(choose(10001, 0.001, 1, &options, &many), CML_AS_CONE);
+    assert_int_equal(choose(10001, 0.001, 1, &options, &many), CML_SURFACE_CONE);
     assert_true(many.bias == 0 && many.query_ns > few.query_ns);
     assert_true(many.query_ns < cml_choice_expect_mesh().query_ns);
 }
@@ -63,14 +63,14 @@ static void a_plane_only_when_asked_and_small(void **state)
     (void)state;
     struct cml_surface_options options = STANDARD;
     struct cml_expectation expectation;
-    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_AS_CONE);
+    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_SURFACE_CONE);
     options.may_flatten = true;
-    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_AS_PLANE);
+    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_SURFACE_PLANE);
     assert_true(expectation.bias > 0 && expectation.bias <= options.tolerance);
-    assert_int_equal(choose(50, 1e-6, 1e5, &options, &expectation), CML_AS_CONE);
-    assert_int_equal(choose(50, 0.05, 1, &options, &expectation), CML_AS_CONE);
+    assert_int_equal(choose(50, 1e-6, 1e5, &options, &expectation), CML_SURFACE_CONE);
+    assert_int_equal(choose(50, 0.05, 1, &options, &expectation), CML_SURFACE_CONE);
     options.tolerance = 1e-5;
-    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_AS_CONE);
+    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_SURFACE_CONE);
 }
 
 /* A forced mesh keeps the tolerance that is asked for; without one the tessellation's own counts. */
@@ -85,7 +85,8 @@ static void the_tolerance_picks_the_tessellation(void **state)
         struct cml_mesh mesh;
         struct cml_error err;
         const struct cml_tessellation fine = cml_choice_tessellation(&options);
-        const struct cml_expectation mesh_of_it = cml_choice_expect(CML_AS_MESH, &z.radial, mut, &options);
+        const struct cml_expectation mesh_of_it =
+            cml_choice_expect(CML_SURFACE_MESH, &z.radial, mut, &options);
         assert_true(fine.tolerance < options.tolerance && mesh_of_it.deviation == fine.tolerance);
         assert_true(mesh_of_it.bias <= options.tolerance * (1 + 1e-12));
         assert_int_equal(cml_tessellate(&z.radial, &fine, &mesh, &err), CML_OK);
@@ -94,7 +95,7 @@ static void the_tolerance_picks_the_tessellation(void **state)
         cml_mesh_clear(&mesh);
     }
     options.tessellation.normals = CML_NORMALS_VERTEX; /* whose bias does not shrink */
-    assert_true(isinf(cml_choice_expect(CML_AS_MESH, &z.radial, mut, &options).bias));
+    assert_true(isinf(cml_choice_expect(CML_SURFACE_MESH, &z.radial, mut, &options).bias));
     options.tolerance = 0;
     options.tessellation.tolerance = 0.01;
     assert_true(cml_choice_tessellation(&options).tolerance == 0.01);
@@ -126,22 +127,22 @@ static void every_boundary_chooses_for_itself(void **state)
     struct cml_scene_list list;
     struct cml_surface_set set;
     represent(text, &options, &list, &set);
-    assert_int_equal(set.item[0].kind, CML_AS_PLANE);
+    assert_int_equal(set.item[0].kind, CML_SURFACE_PLANE);
     assert_true(set.item[0].expectation.bias == 0);
-    assert_int_equal(set.item[1].kind, CML_AS_CONE);
+    assert_int_equal(set.item[1].kind, CML_SURFACE_CONE);
     cml_surfaces_free(&set);
     cml_scene_list_clear(&list);
     options.may_flatten = true;
     represent(text, &options, &list, &set);
-    assert_int_equal(set.item[1].kind, CML_AS_PLANE);
+    assert_int_equal(set.item[1].kind, CML_SURFACE_PLANE);
     assert_true(set.item[1].depth == 0.8);
     assert_true(set.item[1].expectation.bias > 0);
-    assert_int_equal(set.item[2].kind, CML_AS_CONE);
+    assert_int_equal(set.item[2].kind, CML_SURFACE_CONE);
     cml_surfaces_free(&set);
     list.scenes[0].facets = true; /* whose rings were asked for */
     struct cml_error err;
     assert_int_equal(cml_surfaces_create(&list.scenes[0], &options, &set, &err), CML_OK);
-    assert_int_equal(set.item[1].kind, CML_AS_CONE);
+    assert_int_equal(set.item[1].kind, CML_SURFACE_CONE);
     cml_surfaces_free(&set);
     cml_scene_list_clear(&list);
 }

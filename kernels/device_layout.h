@@ -1,8 +1,8 @@
 /* What the host and an OpenCL device hand each other, read by both; the host compares the layout of every
  * struct with the device's before the first packet flies.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_DEVICE_H
-#define CML_DEVICE_H
+#ifndef CML_DEVICE_LAYOUT_H
+#define CML_DEVICE_LAYOUT_H
 
 #include "books.h"
 #include "types.h"

@@ -2,51 +2,56 @@
  * With several lanes, for a CPU, compilers make vector loops of them; with one, for a GPU, the arrays are
  * registers. The arithmetic is that of walk.h. What few packets do, boundaries, roulette and ends, is done a
  * lane at a time (transport.cl). OpenCL C only. SPDX-License-Identifier: MIT */
-#ifndef CML_LANES_H
-#define CML_LANES_H
+#ifndef CML_DEVICE_LANES_H
+#define CML_DEVICE_LANES_H
 
-#include "score.h"
+#include "device_score.h"
 
-#if CML_LANES > 32
+#if CML_DEVICE_LANES > 32
 #error "masks of lanes have 32 bits"
 #endif
 
-struct cml_lanes {
-    cml_u32 index_low[CML_LANES], index_high[CML_LANES];
-    real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
-    real tau[CML_LANES]; /* below 0: to be drawn; infinite: to be drawn from the tail */
-    cml_u32 w[CML_LANES];
-    cml_u32 marked[CML_LANES]; /* weight when the deposits since were last added to a book */
-    cml_u32 interactions[CML_LANES];
-    cml_u32 touched[CML_LANES]; /* the interactions before the last boundary event */
-    cml_u32 draw1[CML_LANES], draw2[CML_LANES], draw3[CML_LANES]; /* words of the next interaction's block */
-    real mfp[CML_LANES], absorb[CML_LANES], g[CML_LANES], bins[CML_LANES]; /* of the medium */
-    real stop_above[CML_LANES], stop_below[CML_LANES];   /* z between which there is no boundary */
-    real start_above[CML_LANES], start_below[CML_LANES]; /* the same for surfaces that are no planes */
-    cml_u32 live[CML_LANES];                             /* 1: holds a packet */
+struct cml_device_lanes {
+    cml_u32 index_low[CML_DEVICE_LANES], index_high[CML_DEVICE_LANES];
+    real x[CML_DEVICE_LANES], y[CML_DEVICE_LANES], z[CML_DEVICE_LANES], ux[CML_DEVICE_LANES],
+        uy[CML_DEVICE_LANES], uz[CML_DEVICE_LANES];
+    real tau[CML_DEVICE_LANES]; /* below 0: to be drawn; infinite: to be drawn from the tail */
+    cml_u32 w[CML_DEVICE_LANES];
+    cml_u32 marked[CML_DEVICE_LANES]; /* weight when the deposits since were last added to a book */
+    cml_u32 interactions[CML_DEVICE_LANES];
+    cml_u32 touched[CML_DEVICE_LANES]; /* the interactions before the last boundary event */
+    cml_u32 draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
+        draw3[CML_DEVICE_LANES]; /* words of the next interaction's block */
+    real mfp[CML_DEVICE_LANES], absorb[CML_DEVICE_LANES], g[CML_DEVICE_LANES],
+        bins[CML_DEVICE_LANES]; /* of the medium */
+    real stop_above[CML_DEVICE_LANES],
+        stop_below[CML_DEVICE_LANES]; /* z between which there is no boundary */
+    real start_above[CML_DEVICE_LANES],
+        start_below[CML_DEVICE_LANES]; /* the same for surfaces that are no planes */
+    cml_u32 live[CML_DEVICE_LANES];    /* 1: holds a packet */
     /* of this pass */
-    cml_u32 mine[CML_LANES]; /* 1: the packet flies s to its interaction */
-    real s[CML_LANES];
-    cml_u32 dw[CML_LANES];
-    cml_u32 cell[CML_LANES]; /* of A_rz */
+    cml_u32 mine[CML_DEVICE_LANES]; /* 1: the packet flies s to its interaction */
+    real s[CML_DEVICE_LANES];
+    cml_u32 dw[CML_DEVICE_LANES];
+    cml_u32 cell[CML_DEVICE_LANES]; /* of A_rz */
 };
 
-#if CML_LANES > 1
-#define CML_PASS static __attribute__((noinline)) /* by itself the loop is made a vector loop */
+#if CML_DEVICE_LANES > 1
+#define CML_DEVICE_LOOP static __attribute__((noinline)) /* by itself the loop is made a vector loop */
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
 #pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than it looks for them */
 #else
-#define CML_PASS CML_FN
+#define CML_DEVICE_LOOP CML_FN
 #define CML_AT_ONCE
 #endif
 
 /* Number of the lowest bit set, which is that of a lane. */
-#define CML_LOWEST(mask) (CML_LANES > 1 ? 31u - clz((mask) & -(mask)) : 0u)
+#define CML_LOWEST(mask) (CML_DEVICE_LANES > 1 ? 31u - clz((mask) & -(mask)) : 0u)
 
 /* Whether lane i may meet a boundary before its interaction, s away: 0 only where none can be met. What is
  * not a number, or infinite, may. A plane is met at the end of the path or before, never by a packet that
  * stands on it and leads away. */
-CML_FN cml_u32 cml_is_near(const struct cml_lanes *l, cml_u32 i, real s)
+CML_FN cml_u32 cml_is_near(const struct cml_device_lanes *l, cml_u32 i, real s)
 {
     const real z = l->z[i], step = s * l->uz[i], end = z + step, slack = cml_depth_slack(z, step);
     return !((end - slack > l->stop_above[i]) & (end + slack < l->stop_below[i]) &
@@ -56,11 +61,11 @@ CML_FN cml_u32 cml_is_near(const struct cml_lanes *l, cml_u32 i, real s)
 /* The block of every lane's next interaction, the optical depth of those that have none yet, and how far they
  * go. A lane whose last event was no interaction draws the block that it has. Returns the mask of the live
  * lanes that may meet a boundary; the other live lanes are to interact. */
-CML_PASS cml_u32 cml_fly_lanes(struct cml_stream stream, struct cml_lanes *restrict l)
+CML_DEVICE_LOOP cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 near_lanes = 0;
     CML_AT_ONCE
-    for (cml_u32 i = 0; i < CML_LANES; i++) {
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         const struct cml_block draw = cml_threefry(stream, l->index_low[i], l->index_high[i],
                                                    l->interactions[i], (cml_u32)CML_PURPOSE_INTERACTION);
         const real fresh = cml_depth_or_tail(draw.w[0]), old = l->tau[i], tau = old < 0 ? fresh : old;
@@ -80,11 +85,12 @@ CML_PASS cml_u32 cml_fly_lanes(struct cml_stream stream, struct cml_lanes *restr
 
 /* P3 and P4 of the lanes that interact: fills dw and, where absorption is tallied, cell. Returns the mask of
  * those that are below the roulette's threshold. */
-CML_PASS cml_u32 cml_interact_lanes(const struct cml_setup *restrict setup, struct cml_lanes *restrict l)
+CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict setup,
+                                            struct cml_device_lanes *restrict l)
 {
     cml_u32 low_lanes = 0;
     CML_AT_ONCE
-    for (cml_u32 i = 0; i < CML_LANES; i++) {
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         const cml_u32 mine = l->mine[i], w = l->w[i];
         const struct cml_vec u = {l->ux[i], l->uy[i], l->uz[i]}, from = {l->x[i], l->y[i], l->z[i]};
         const struct cml_vec p = cml_along(from, l->s[i], u);
@@ -107,9 +113,9 @@ CML_PASS cml_u32 cml_interact_lanes(const struct cml_setup *restrict setup, stru
     return low_lanes;
 }
 
-CML_FN void cml_deposit_lanes(const struct cml_deposits *to, const struct cml_lanes *l)
+CML_FN void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
 {
-    for (cml_u32 i = 0; i < CML_LANES; i++)
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++)
         if (l->mine[i]) cml_add_to_cell(to, (int)l->cell[i], l->dw[i]);
 }
 

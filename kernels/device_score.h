@@ -1,19 +1,9 @@
 /* A finished packet's entry into the tallies of an OpenCL device: books, counts, squares and exit bins, which
  * src/packet_ends.h adds up on the host, for many packets at once. OpenCL C only.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_SCORE_H
-#define CML_SCORE_H
+#ifndef CML_DEVICE_SCORE_H
+#define CML_DEVICE_SCORE_H
 
-#include "cells.h"
-
-/* lanes.h draws for many packets together before their next step; a depth below 0 asks for it. */
-CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
-{
-    (void)world;
-    packet->tau = -1;
-}
-
-#define CML_APART
 #include "walk.h"
 
 CML_FN enum cml_book cml_book_of(int fate)

@@ -1,12 +1,13 @@
-/* The tallies of an OpenCL device: 64-bit cells that many work-items add to. OpenCL C only.
+/* The tallies of an OpenCL device: 64-bit cells that many work-items add to. One of the two sinks that walk.h
+ * may write to; the other is the host's (host_deposits.h). OpenCL C only.
  * Integers only, so neither the order nor the place of the additions can show.
  * CML_TWO_WORDS adds to a cell as two 32-bit words with a carry, for devices without
  * cl_khr_int64_base_atomics. CML_GROUP_SIZE is the number of work-items that share local memory.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_CELLS_H
-#define CML_CELLS_H
+#ifndef CML_DEVICE_DEPOSITS_H
+#define CML_DEVICE_DEPOSITS_H
 
-#include "device.h"
+#include "device_layout.h"
 
 #ifdef CML_TWO_WORDS
 #define CML_ATOMIC_ADD(space, cell, amount)                                                                  \

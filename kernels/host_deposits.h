@@ -1,7 +1,8 @@
-/* Where the host's walks put what packets leave behind. A device has its own, of the same names (cells.h).
+/* Where a walk on the host puts what packets leave behind: one of the two sinks that walk.h may write to; the
+ * other is an OpenCL device's (device_deposits.h). Both define struct cml_deposits and the same functions.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_DEPOSITS_H
-#define CML_DEPOSITS_H
+#ifndef CML_HOST_DEPOSITS_H
+#define CML_HOST_DEPOSITS_H
 
 #include "facet.h"
 #include "port.h"

@@ -17,24 +17,6 @@ struct cml_hit {
     struct cml_vec facet;  /* unit, up: decides on which side a direction goes */
 };
 
-#ifndef __OPENCL_VERSION__
-/* Closest crossing of a mesh (src/surface_mesh.c): p in the boundary's frame and from the beam's axis;
- * exclude is the primitive the packet stands on, -1 or CML_BESIDE_FACETS. A crossing up to slack behind p is
- * one at p: rounding has put the packet beyond a facet that it has not crossed. straight: the packet has come
- * through `exclude` without a turn, so what lies behind that facet on the same line has been dealt with.
- * exact: candidates are tested in double, without gaps; else Embree's own triangles find the hit and only the
- * hit is computed in double, or the cells of a regular grid are walked. Returns 1 and fills *crossing when
- * one is found with t < t_max. ends_beside is always filled: without a crossing, whether a path that was
- * looked at as a whole line ends within rounding of a facet. */
-struct cml_mesh_crossing {
-    double t, point[3], normal[3], facet[3];
-    int primitive, ends_beside;
-};
-int cml_mesh_surface_hit(const struct cml_mesh_surface *mesh, const double p[3], const double u[3], int below,
-                         double t_max, int exclude, int straight, int exact, double slack,
-                         struct cml_mesh_crossing *crossing);
-#endif
-
 CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
@@ -101,8 +83,8 @@ CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_
         side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */
     const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]) + span);
     struct cml_mesh_crossing c;
-    const int found = cml_mesh_surface_hit(world->meshes[boundary], dp, du, side > 0, t_max, standing_on,
-                                           straight, sizeof(real) == sizeof(double), slack, &c);
+    const int found = world->intersect_mesh(world->meshes[boundary], dp, du, side > 0, t_max, standing_on,
+                                            straight, sizeof(real) == sizeof(double), slack, &c);
     *beside = c.ends_beside;
     if (!found) return 0;
     hit->t = (real)c.t;

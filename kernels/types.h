@@ -7,8 +7,10 @@
 #define CML_TYPES_H
 
 #include "facet.h"
+#include "mesh_crossing.h"
 #include "port.h"
 #include "rng.h"
+#include "surface_kind.h"
 
 /* Weight is an integer, so that books balance to the last bit: a whole packet is 2^31 units. */
 #define CML_WEIGHT_ONE 0x80000000u
@@ -38,13 +40,6 @@ enum cml_lost_cause {
     CML_LOST_STUCK,      /* CML_STUCK_LIMIT boundary events without an interaction */
     CML_LOST_LEAKED,     /* found beyond the envelope of a boundary it never crossed */
     CML_NUM_LOST_CAUSES
-};
-
-enum cml_surface_kind {
-    CML_SURFACE_PLANE,
-    CML_SURFACE_CONE,
-    CML_SURFACE_MESH,
-    CML_SURFACE_AUTO, /* the kind of no surface: asks the host to choose one */
 };
 
 struct cml_medium {
@@ -110,10 +105,6 @@ struct cml_setup {
     real disk, gauss;            /* radius of a uniform disk, 1/e^2 radius of a Gaussian; both 0: pencil */
 };
 
-/* on_primitive of a packet that has interacted within rounding of a mesh: it stands on no facet, and may be
- * beyond one. */
-#define CML_BESIDE_FACETS (-2)
-
 struct cml_packet {
     cml_u64 index;
     struct cml_vec p, u;
@@ -151,6 +142,7 @@ struct cml_world {
     CML_GLOBAL const real *deepest,
         *highest; /* pyramids of all surfaces: greatest and least z of each cell */
 #ifndef __OPENCL_VERSION__
+    cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* [num_layers + 1], NULL where the surface is no mesh */
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
     void *on_event_context;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cluster.h"
 
+#include "clock.h"
 #include "cores.h"
 #include "launcher.h"
 
@@ -50,13 +51,6 @@ static struct {
            .silent = -1,
            .lock = PTHREAD_MUTEX_INITIALIZER,
            .desk = PTHREAD_MUTEX_INITIALIZER};
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void nap(double seconds)
 {
@@ -202,9 +196,9 @@ static void check_silence(void)
 
 static void *attend(void *unused)
 {
-    double last = now();
+    double last = cml_now();
     while (!atomic_load(&world.leaving)) {
-        const double time = now();
+        const double time = cml_now();
         world.clock +=
             time - last < 0.1 ? time - last : 0.1; /* a stopped process does not count its own sleep */
         last = time;

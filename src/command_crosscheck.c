@@ -2,8 +2,10 @@
  * SPDX-License-Identifier: MIT */
 #include "command.h"
 
+#include "atomic_file.h"
 #include "cluster.h"
 #include "crosscheck.h"
+#include "engines.h"
 #include "text.h"
 
 #include <math.h>
@@ -122,17 +124,17 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
                                  const struct cml_surface_set *chosen, const struct cml_surface_set *meshes,
                                  struct cml_error *err)
 {
+    const struct cml_engine *cpu = cml_engine_find("cpu"), *opencl = cml_engine_find("opencl");
     struct cml_check_setup setup = {.scene = scene,
                                     .options = options->engine_options,
                                     .photons = options->photons ? options->photons : scene->photons,
                                     .num_sides = 1,
-                                    .sides = {{"cpu (cones)", &cml_engine_cpu, chosen, true}}};
+                                    .sides = {{"cpu (cones)", cpu, chosen, true}}};
     setup.options.run = (uint32_t)index;
     if (!has_kind(chosen, CML_SURFACE_CONE)) setup.sides[0].name = "cpu (planes)";
     if (has_kind(meshes, CML_SURFACE_MESH))
-        setup.sides[setup.num_sides++] =
-            (struct cml_check_side){"cpu (mesh)", &cml_engine_cpu, meshes, false};
-    setup.sides[setup.num_sides++] = (struct cml_check_side){"opencl", &cml_engine_opencl, chosen, true};
+        setup.sides[setup.num_sides++] = (struct cml_check_side){"cpu (mesh)", cpu, meshes, false};
+    setup.sides[setup.num_sides++] = (struct cml_check_side){"opencl", opencl, chosen, true};
     return check_and_dump(options, &setup, err);
 }
 

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "command.h"
 
+#include "atomic_file.h"
 #include "checkpoint.h"
 #include "cluster.h"
 #include "cores.h"
@@ -9,6 +10,7 @@
 #include "report.h"
 #include "stop.h"
 #include "text.h"
+#include "version.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -4,19 +4,6 @@
 #include "surface_facets.h"
 #include "types.h"
 
-#include <stddef.h>
-#include <string.h>
-
-static const struct cml_engine *const engines[] = {&cml_engine_cpu, &cml_engine_reference, &cml_engine_opencl,
-                                                   NULL};
-
-const struct cml_engine *cml_engine_find(const char *name)
-{
-    for (int i = 0; engines[i]; i++)
-        if (strcmp(engines[i]->name, name) == 0) return engines[i];
-    return NULL;
-}
-
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 const struct cml_engine_options *options)
 {

@@ -61,29 +61,9 @@ struct cml_engine {
     void (*close)(void *self);
 };
 
-extern const struct cml_engine
-    cml_engine_reference;                      /* double, one packet at a time, one thread: the oracle */
-extern const struct cml_engine cml_engine_cpu; /* float, OpenMP; the best of the levels below */
-
-/* The CPU engine is compiled for several levels of the processor, which differ in speed only. Fills in those
- * that this machine can run, the best one first, and returns their number. */
-#define CML_CPU_LEVELS 3
-struct cml_cpu_level {
-    const char *name; /* "x86-64-v4", "x86-64-v3", "baseline" */
-    const struct cml_engine *engine;
-};
-int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS]);
-
-/* float, planes and heightfields on OpenCL devices. Without a device, or built without OpenCL, open fails
- * with CML_E_DEVICE; with a mesh boundary, a map, volume or facets with CML_E_INPUT. */
-extern const struct cml_engine cml_engine_opencl;
-
 /* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 const struct cml_engine_options *options);
-
-/* By name; NULL when there is none. */
-const struct cml_engine *cml_engine_find(const char *name);
 
 const char *cml_fate_name(int fate);
 const char *cml_lost_cause_name(int cause);

@@ -1,6 +1,8 @@
 /* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
  * SPDX-License-Identifier: MIT */
 #include "engine_scalar.h"
+
+#include "engine_opencl.h"
 #include "opencl_parts.h"
 
 struct opencl_engine {

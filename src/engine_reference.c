@@ -1,5 +1,6 @@
-/* The oracle: double precision, one packet at a time, one thread.
- * SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT */
+#include "engine_reference.h"
+
 #define CML_DOUBLE
 #include "engine_scalar.h"
 

@@ -262,6 +262,7 @@ static cml_status scalar_world_create(const struct cml_scene *scene, const struc
     to->world.media = to->media;
     to->world.surfaces = to->surfaces;
     to->world.meshes = to->meshes;
+    to->world.intersect_mesh = cml_mesh_surface_hit;
     set_up(scene, surfaces, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     return CML_OK;

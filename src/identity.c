@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "identity.h"
 
-#include "report.h"
+#include "version.h"
 
 #include <inttypes.h>
 #include <stdlib.h>

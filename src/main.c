@@ -1,6 +1,8 @@
 /* Finds the command, runs it, prints its error and turns its status into the exit code.
  * SPDX-License-Identifier: MIT */
 #include "cluster.h"
+
+#include "version.h"
 #include "command.h"
 #include "report.h"
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "mco.h"
+
+#include "atomic_file.h"
+#include "constants.h"
 #include "mco_sections.h"
 #include "text.h"
 
@@ -105,17 +108,15 @@ void cml_mco_clear(struct cml_mco *mco)
     *mco = (struct cml_mco){0};
 }
 
-static const double pi = 3.14159265358979323846;
-
 double cml_mco_ring_area(double dr, int i)
 {
-    return 2 * pi * (i + 0.5) * dr * dr;
+    return 2 * CML_PI * (i + 0.5) * dr * dr;
 }
 
 double cml_mco_solid_angle(int na, int i)
 {
-    const double da = pi / 2 / na;
-    return 2 * pi * sin((i + 0.5) * da) * da;
+    const double da = CML_PI / 2 / na;
+    return 2 * CML_PI * sin((i + 0.5) * da) * da;
 }
 
 /* The hours are those of the seconds as printed: computed from the unrounded time they could not be found

@@ -1,6 +1,7 @@
 /* Vertex normals and statistics of a mesh. SPDX-License-Identifier: MIT */
 #include "mesh_parts.h"
 
+#include "constants.h"
 #include "vec3.h"
 
 #include <math.h>
@@ -51,7 +52,6 @@ static void add_triangle(struct cml_mesh *mesh, size_t t)
 static void add_outer_plane(struct cml_mesh *mesh)
 {
     const size_t n = mesh->num_border;
-    const double pi = 3.14159265358979323846;
     for (size_t i = 0; i < n; i++) {
         const double *before = mesh->vertex[mesh->border[(i + n - 1) % n]];
         const double *here = mesh->vertex[mesh->border[i]];
@@ -60,7 +60,7 @@ static void add_outer_plane(struct cml_mesh *mesh)
         const double v[2] = {after[0] - here[0], after[1] - here[1]};
         const double turned = atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]);
         /* The loop runs in the negative sense: a convex corner turns by less than 0. */
-        mesh->vertex_normal[mesh->border[i]][2] -= pi - turned;
+        mesh->vertex_normal[mesh->border[i]][2] -= CML_PI - turned;
     }
 }
 

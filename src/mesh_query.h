@@ -6,8 +6,7 @@
 #define CML_MESH_QUERY_H
 
 #include "mesh_body.h"
-#include "surface_hit.h"
-#include "surface_mesh.h"
+#include "mesh_crossing.h"
 
 /* A ray on its way to its first crossing. */
 struct cml_mesh_query {
@@ -39,7 +38,7 @@ struct cml_mesh_query {
     uint64_t candidate_open, open;
 };
 
-/* Arguments as of cml_mesh_surface_hit (kernels/surface_hit.h). */
+/* Arguments as of cml_mesh_surface_hit (kernels/mesh_crossing.h). */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
                      const double u[3], int below, double t_max, int exclude, int straight, double slack);
 

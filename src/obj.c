@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "obj.h"
+
+#include "atomic_file.h"
 #include "obj_polygon.h"
 #include "obj_scan.h"
 #include "obj_tiny.h"

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "opencl_parts.h"
 
+#include "atomic_file.h"
 #include "text.h"
 
 #include <errno.h>

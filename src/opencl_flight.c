@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "opencl_parts.h"
 
+#include "clock.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #define LAUNCH_SECONDS 0.05     /* watchdogs of displays wait seconds; the host looks in between */
 #define GPU_GROUP 128           /* work-items */
@@ -14,13 +15,6 @@
 #define NEAR_BYTES_SHARED 16384 /* local memory of a group: several groups share a unit's */
 #define NEAR_BYTES_ALONE 98304  /* of a single work-item: it stays in a core's cache */
 #define MOST_STEPS (1u << 20)
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static uint32_t smaller(uint64_t a, uint64_t b)
 {
@@ -297,7 +291,7 @@ bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
 cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t local = flight->group, global = (flight->launch.items + local - 1) / local * local;
-    flight->begin = now();
+    flight->begin = cml_now();
     flight->control.alive = 0;
     flight->control.num_lost = 0;
     CML_CL(&flight->device, "the kernel's arguments",
@@ -328,7 +322,7 @@ cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml
 {
     CML_TRY(
         cml_opencl_flight_read(flight, CML_BUFFER_CONTROL, &flight->control, sizeof flight->control, err));
-    adapt(flight, now() - flight->begin);
+    adapt(flight, cml_now() - flight->begin);
     return CML_OK;
 }
 

@@ -1,6 +1,7 @@
 /* What stands in for the opencl engine in a program built without OpenCL.
  * SPDX-License-Identifier: MIT */
-#include "engine.h"
+#include "engine_opencl.h"
+
 #include "opencl.h"
 
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "options.h"
 
+#include "engines.h"
 #include "text.h"
 
 #include <getopt.h>
@@ -345,7 +346,7 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
 
 static void set_defaults(struct cml_options *options)
 {
-    *options = (struct cml_options){.engine = &cml_engine_cpu};
+    *options = (struct cml_options){.engine = cml_engine_find("cpu")};
     options->alpha = 0.01;
     options->engine_options.seed = 1;
     options->run = 1;

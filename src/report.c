@@ -1,14 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "report.h"
 
+#include "version.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
-
-const char *cml_version(void)
-{
-    return CML_GIT[0] ? CML_VERSION " (" CML_GIT ")" : CML_VERSION;
-}
 
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
                            const struct cml_surface_set *surfaces)

@@ -60,6 +60,4 @@ void cml_report_ranks(FILE *stream, const struct cml_run_result *run);
 CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,
                                          struct cml_error *err);
 
-const char *cml_version(void); /* "0.1.0 (git hash)" */
-
 #endif

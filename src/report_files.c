@@ -1,8 +1,11 @@
 /* Which files a run leaves, and what goes into them.
  * SPDX-License-Identifier: MIT */
 #include "report_parts.h"
+
+#include "report_faces.h"
 #include "surface_facets.h"
 #include "text.h"
+#include "version.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -175,14 +178,14 @@ static cml_status write_boundary(const struct cml_report *report, int b, const c
     struct cml_catalogue catalogue;
     struct cml_faces faces;
     size_t per_facet;
-    CML_TRY(cml_surface_faces(&report->surfaces->item[b], &faces, &per_facet, err));
+    CML_TRY(cml_report_faces(&report->surfaces->item[b], &faces, &per_facet, err));
     cml_status status = cml_catalogue_create(report, &catalogue, err);
     if (status == CML_OK) {
         cml_catalogue_facets(&catalogue, b, "", per_facet);
         status = cml_vtp_write(path, &faces, catalogue.fields, catalogue.num_fields, err);
         cml_catalogue_free(&catalogue);
     }
-    cml_surface_faces_free(&faces);
+    cml_report_faces_free(&faces);
     return status;
 }
 

@@ -1,13 +1,14 @@
 /* From tallies to the numbers of an .mco file.
  * SPDX-License-Identifier: MIT */
 #include "report.h"
+
+#include "constants.h"
 #include "report_parts.h"
+#include "version.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-static const double pi = 3.14159265358979323846;
 
 /* Factors from weight per photon to what MCML writes [manual eqs 4.11-4.14; observed on 1.2.2]. */
 struct scaling {
@@ -27,8 +28,8 @@ double cml_solid_angle(const struct cml_scene *scene, int ia)
 
 double cml_projected_solid_angle(const struct cml_scene *scene, int ia)
 {
-    const double da = pi / 2 / scene->na;
-    return 2 * pi * sin(da / 2) * sin(2 * (ia + 0.5) * da);
+    const double da = CML_PI / 2 / scene->na;
+    return 2 * CML_PI * sin(da / 2) * sin(2 * (ia + 0.5) * da);
 }
 
 static double batch_sum(const cml_u128 *profile, int n, int i)

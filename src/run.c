@@ -2,6 +2,7 @@
 #include "run.h"
 
 #include "checkpoint.h"
+#include "clock.h"
 #include "cluster.h"
 #include "dispatch.h"
 #include "stop.h"
@@ -9,13 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static double processor(void)
 {
@@ -54,12 +48,12 @@ static void empty_tally(struct flight *flight)
 static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, uint64_t count,
                             struct cml_error *err)
 {
-    const double begin = now();
+    const double begin = cml_now();
     CML_TRY(flight->setup->engine->run(flight->engine, first, count, &flight->tally, err));
     cml_result_note(&flight->out->result, batch, &flight->tally);
     flight->in_tally += count;
     if (flight->in_tally >= MOST_IN_TALLY) empty_tally(flight);
-    flight->mine.flying += now() - begin;
+    flight->mine.flying += cml_now() - begin;
     flight->mine.photons += count;
     return CML_OK;
 }
@@ -78,7 +72,8 @@ static cml_status fly_range(struct flight *flight, struct cml_range *range, stru
         CML_TRY(fly_piece(flight, batch, range->first, count, err));
         range->first += count;
         range->count -= count;
-        if ((flight->setup->checkpoint && cml_stop_requested()) || now() > flight->due) cml_cluster_call();
+        if ((flight->setup->checkpoint && cml_stop_requested()) || cml_now() > flight->due)
+            cml_cluster_call();
     }
     return CML_OK;
 }
@@ -87,7 +82,8 @@ static void show_progress(struct flight *flight, uint64_t just_flown)
 {
     const struct cml_run_setup *setup = flight->setup;
     const struct cml_progress progress = {cml_dispatch_flown(&flight->dispatch) + just_flown,
-                                          flight->state.end, flight->state.seconds + now() - flight->begin};
+                                          flight->state.end,
+                                          flight->state.seconds + cml_now() - flight->begin};
     if (setup->on_progress && cml_cluster_rank() == 0) setup->on_progress(setup->context, &progress);
 }
 
@@ -97,9 +93,9 @@ static cml_status fly(struct flight *flight, struct cml_range *left, uint64_t *f
 {
     for (;;) {
         struct cml_range taken;
-        const double begin = now();
+        const double begin = cml_now();
         CML_TRY(cml_dispatch_take(&flight->dispatch, *flown, &taken, err));
-        const double answered = now();
+        const double answered = cml_now();
         flight->mine.asking += answered - begin;
         *flown = 0;
         if (taken.count == 0) return CML_OK;
@@ -108,7 +104,7 @@ static cml_status fly(struct flight *flight, struct cml_range *left, uint64_t *f
         CML_TRY(fly_range(flight, left, err));
         *flown = taken.count - left->count;
         if (left->count > 0) return CML_OK;
-        cml_dispatch_timed(&flight->dispatch, taken, now() - answered);
+        cml_dispatch_timed(&flight->dispatch, taken, cml_now() - answered);
         show_progress(flight, *flown);
     }
 }
@@ -122,14 +118,14 @@ static cml_status write_checkpoint(struct flight *flight, bool stop, double begi
 {
     const struct cml_run_setup *setup = flight->setup;
     struct cml_run_state state = flight->state;
-    state.seconds += now() - flight->begin;
+    state.seconds += cml_now() - flight->begin;
     cml_status status =
         cml_checkpoint_write(setup->checkpoint, setup->identity, &state, &flight->out->result, err);
     if (status != CML_OK && !stop) {
         if (setup->on_note) setup->on_note(setup->context, err->text);
         status = CML_OK;
     }
-    flight->due = now() + fmax(setup->interval, 20 * (now() - begin));
+    flight->due = cml_now() + fmax(setup->interval, 20 * (cml_now() - begin));
     return status;
 }
 
@@ -155,7 +151,7 @@ static cml_status decide(struct flight *flight, bool stop, double begin, enum ve
     if (flight->state.open.total == 0) CML_TRY(begin_round(flight, err));
     if (flight->state.open.total == 0)
         *verdict = DONE;
-    else if (flight->setup->checkpoint && (stop || now() > flight->due))
+    else if (flight->setup->checkpoint && (stop || cml_now() > flight->due))
         return write_checkpoint(flight, stop, begin, err);
     return CML_OK;
 }
@@ -174,9 +170,9 @@ static cml_status follow(struct flight *flight, enum verdict *verdict, struct cm
 static cml_status meet(struct flight *flight, cml_status mine, struct cml_range left, uint64_t flown,
                        enum verdict *verdict, struct cml_error *err)
 {
-    const double begin = now();
+    const double begin = cml_now();
     CML_TRY(cml_cluster_meet(err));
-    const double met = now();
+    const double met = cml_now();
     flight->mine.waiting += met - begin;
     CML_TRY(cml_cluster_agree(mine, err));
     bool stop = flight->setup->checkpoint && cml_stop_requested();
@@ -187,7 +183,7 @@ static cml_status meet(struct flight *flight, cml_status mine, struct cml_range 
     if (cml_cluster_rank() == 0) status = decide(flight, stop, met, verdict, err);
     CML_TRY(cml_cluster_agree(status, err));
     CML_TRY(follow(flight, verdict, err));
-    flight->mine.meeting += now() - met;
+    flight->mine.meeting += cml_now() - met;
     return CML_OK;
 }
 
@@ -248,11 +244,11 @@ static double measure_overhead(struct flight *flight)
 {
     double begin = 0;
     for (int round = 0; round < 2; round++) {
-        begin = now();
+        begin = cml_now();
         cml_tally_zero(&flight->tally);
         cml_result_note(&flight->out->result, 0, &flight->tally);
     }
-    return 2 * (now() - begin);
+    return 2 * (cml_now() - begin);
 }
 
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
@@ -275,7 +271,7 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
     if (!out->rank)
         status = cml_fail_memory(err, out->ranks * (double)sizeof *out->rank, "the ranks' reports");
     CML_TRY(cml_cluster_agree(status, err));
-    flight->mine.elapsed = now() - flight->begin;
+    flight->mine.elapsed = cml_now() - flight->begin;
     flight->mine.processor = processor() - flight->mine.processor;
     out->seconds = flight->state.seconds + flight->mine.elapsed;
     return cml_cluster_gather(&flight->mine, sizeof flight->mine, out->rank, err);
@@ -290,7 +286,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     flight->out->finished = verdict == DONE;
     if (verdict == DONE) return CML_OK;
     flight->dispatch.flown = flight->state.end - flight->state.open.total;
-    flight->begin = now();
+    flight->begin = cml_now();
     flight->mine.processor = processor();
     flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint
                       ? flight->begin + flight->setup->interval

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface.h"
 
+#include "clock.h"
 #include "radial.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 const char *cml_surface_kind_name(enum cml_surface_kind kind)
 {
@@ -209,20 +209,13 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
     return CML_OK;
 }
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 static cml_status represent_timed(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                   const struct cml_surface_options *options, struct cml_surface_def *def,
                                   struct cml_error *err)
 {
-    const double begin = now();
+    const double begin = cml_now();
     CML_TRY(represent(scene, boundary, options, def, err));
-    def->build_seconds = now() - begin;
+    def->build_seconds = cml_now() - begin;
     def->bytes =
         3 * (double)def->num_rings * sizeof *def->r + 2 * (double)def->clearance.cells * sizeof(float);
     if (def->mesh) def->bytes += cml_mesh_surface_bytes(def->mesh);

@@ -5,9 +5,9 @@
 #define CML_SURFACE_CHOICE_H
 
 #include "radial.h"
+#include "surface_kind.h"
 #include "surface_mesh.h"
 #include "tessellate.h"
-#include "types.h"
 
 struct cml_surface_options {
     enum cml_surface_kind

@@ -11,18 +11,15 @@
 #define CML_SURFACE_MESH_H
 
 #include "mesh.h"
-
-struct cml_mesh_surface; /* immutable once built; queries may run in parallel */
-
-/* Primitive number of the outer plane in a crossing. */
-#define CML_OUTER_PLANE 0x7fffffff
+#include "mesh_crossing.h"
 
 enum cml_mesh_search {
     CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid, Embree's triangles elsewhere */
     CML_SEARCH_EMBREE, /* always Embree's triangles */
 };
 
-/* Takes over *mesh (prepared; left empty). x0, y0: scene position of the origin from which queries count x
+/* A struct cml_mesh_surface is immutable once built; queries may run in parallel.
+ * Takes over *mesh (prepared; left empty). x0, y0: scene position of the origin from which queries count x
  * and y. Vertices are centred in double before anything is rounded. search: how the fast query finds facets.
  * CML_E_DEVICE when Embree fails, CML_E_INPUT for memory. */
 CML_NODISCARD cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0,
@@ -42,7 +39,10 @@ double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
 /* The mesh, borrowed. Its vertices are relative to *middle in the boundary's frame (x and y of the scene). */
 const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3]);
 
-/* The query itself, cml_mesh_surface_hit, is declared in kernels/surface_hit.h, where the walk reads it. */
+/* The query itself, as kernels/mesh_crossing.h describes it. */
+int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
+                         int below, double t_max, int exclude, int straight, int exact, double slack,
+                         struct cml_mesh_crossing *crossing);
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */
 const char *cml_mesh_library(void);

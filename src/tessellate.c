@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "tessellate.h"
 
+#include "constants.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +12,6 @@
 #define MOST_TRIANGLES 0x1p26 /* refused beyond */
 #define NEEDLE_BUDGET 4e6     /* triangles; the needle rule is relaxed to stay below */
 #define NEEDLE 16.0           /* an arc longer than this many ring widths makes needles */
-#define RING_PI 3.14159265358979323846
 
 /* One tessellation in progress; the counts are whole numbers, in double because absurd requests must not
  * wrap. */
@@ -24,7 +25,7 @@ struct rings {
 /* Radius of a ring's vertices over that of its circle. */
 static double vertex_factor(const struct cml_tessellation *options, double segments)
 {
-    const double step = 2.0 * RING_PI / segments;
+    const double step = 2.0 * CML_PI / segments;
     return options->inscribed ? 1.0 : sqrt(step / sin(step));
 }
 
@@ -32,7 +33,7 @@ static double vertex_factor(const struct cml_tessellation *options, double segme
  * cancel; the area-preserving vertex is further out than the middle of an edge is inside. */
 static double deviation(const struct cml_tessellation *options, double segments)
 {
-    const double step = 2.0 * RING_PI / segments;
+    const double step = 2.0 * CML_PI / segments;
     if (options->inscribed) return 2.0 * pow(sin(0.25 * step), 2.0);
     if (step < 0.01) return step * step / 12.0 * (1.0 + 0.075 * step * step);
     return vertex_factor(options, segments) - 1.0;
@@ -60,7 +61,7 @@ static double segments_of_ring(const struct rings *rings, int i, double needle)
     while (segments < MOST_SEGMENTS && radial->r[i] * deviation(rings->options, segments) > allowed)
         segments *= 2.0;
     const double arc = longest_arc(radial, i, needle);
-    while (segments < MOST_SEGMENTS && 2.0 * RING_PI * radial->r[i] > arc * segments) segments *= 2.0;
+    while (segments < MOST_SEGMENTS && 2.0 * CML_PI * radial->r[i] > arc * segments) segments *= 2.0;
     return segments;
 }
 
@@ -72,7 +73,7 @@ static bool strip_is_open(const struct rings *rings, int i)
     if (n[i] == n[i + 1]) return true;
     const double inner = r[i] * vertex_factor(rings->options, n[i]);
     double outer = r[i + 1] * vertex_factor(rings->options, n[i + 1]);
-    if (n[i] > n[i + 1]) outer *= cos(RING_PI / n[i + 1]);
+    if (n[i] > n[i + 1]) outer *= cos(CML_PI / n[i + 1]);
     return outer - inner >= 0.5 * (r[i + 1] - r[i]);
 }
 
@@ -134,7 +135,7 @@ static void unit_point(size_t k, size_t segments, double point[2])
 {
     const size_t quarter = segments / 4, turn = k / quarter, rest = k % quarter;
     const bool mirror = rest > quarter / 2;
-    const double angle = 2.0 * RING_PI * (double)(mirror ? quarter - rest : rest) / (double)segments;
+    const double angle = 2.0 * CML_PI * (double)(mirror ? quarter - rest : rest) / (double)segments;
     const bool diagonal = 2 * rest == quarter;
     const double near = diagonal ? sqrt(0.5) : cos(angle);
     const double far = diagonal ? sqrt(0.5) : sin(angle);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "vtk.h"
 
+#include "atomic_file.h"
 #include "text.h"
 
 #include <inttypes.h>

@@ -5,7 +5,7 @@
 
 #include "../lib/require.h"
 
-#include "engine.h"
+#include "engines.h"
 #include "mci.h"
 #include "types.h"
 

@@ -4,6 +4,7 @@
 #include "flight.h"
 
 #include "bundle_walk.h"
+#include "engine_cpu.h"
 #include "engine_scalar.h"
 #include "surface_mesh.h"
 

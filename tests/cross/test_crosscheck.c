@@ -3,6 +3,7 @@
 #include "flight.h"
 
 #include "crosscheck.h"
+#include "engine_cpu.h"
 
 static const char *const scene = "1.0\n1\nscene A\n1000\n0.01 0.02\n20 30 10\n1\n1\n1.4 1 20 0.5 0.2\n1\n";
 
@@ -13,7 +14,7 @@ static double more_absorbed;
 static cml_status changed_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                                 struct cml_error *err)
 {
-    const cml_status status = cml_engine_cpu.fates(self, first, count, records, err);
+    const cml_status status = cml_engine_cpu()->fates(self, first, count, records, err);
     for (uint64_t i = 0; i < count; i++) {
         if ((first + i) % period != 0) continue;
         records[i].interactions += more_steps;
@@ -31,7 +32,7 @@ static void count_packet(void *context, uint64_t photon, const struct cml_fate_r
 
 static struct cml_check_pair check(uint64_t photons, bool same_geometry, uint64_t *told)
 {
-    struct cml_engine changed = cml_engine_cpu;
+    struct cml_engine changed = *cml_engine_cpu();
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
     struct cml_check_result result;
@@ -41,14 +42,14 @@ static struct cml_check_pair check(uint64_t photons, bool same_geometry, uint64_
     changed.fates = changed_fates;
     read_scenes(scene, &list);
     require_ok(cml_surfaces_create(list.scenes, &surface, &surfaces, &err), &err);
-    const struct cml_check_setup setup = {
-        .scene = list.scenes,
-        .options = {.seed = 3, .reentry = true, .absorption = true},
-        .photons = photons,
-        .num_sides = 2,
-        .sides = {{"cpu", &cml_engine_cpu, &surfaces, true}, {"changed", &changed, &surfaces, same_geometry}},
-        .on_difference = count_packet,
-        .context = told};
+    const struct cml_check_setup setup = {.scene = list.scenes,
+                                          .options = {.seed = 3, .reentry = true, .absorption = true},
+                                          .photons = photons,
+                                          .num_sides = 2,
+                                          .sides = {{"cpu", cml_engine_cpu(), &surfaces, true},
+                                                    {"changed", &changed, &surfaces, same_geometry}},
+                                          .on_difference = count_packet,
+                                          .context = told};
     *told = 0;
     require_ok(cml_crosscheck(&setup, &result, &err), &err);
     const struct cml_check_pair pair = result.pairs[1];

@@ -2,6 +2,7 @@
  * boundary. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
+#include "report_faces.h"
 #include "surface_facets.h"
 
 #include <math.h>
@@ -226,7 +227,7 @@ static void faces_have_their_areas(void **state)
         const struct cml_surface_def *def = &shot.flight.surfaces.item[2];
         const struct cml_map_def *map = &shot.flight.list.scenes[0].map;
         const size_t facets = num_facets(&shot, 2);
-        require_ok(cml_surface_faces(def, &faces, &per_facet, &err), &err);
+        require_ok(cml_report_faces(def, &faces, &per_facet, &err), &err);
         assert_int_equal(faces.num_faces, (facets - 1) * per_facet);
         double flat = 0, areas = 0;
         for (size_t i = 0; i < faces.num_faces; i++) { /* seen from above, by the shoelace rule */
@@ -242,7 +243,7 @@ static void faces_have_their_areas(void **state)
         assert_true(fabs(areas / exact - 1) < (kind == CML_SURFACE_CONE ? 1e-14 : 1e-2));
         assert_true(fabs(faces.point[0][2] - 0.6) < 1e-12); /* the tip, 0.1 cm below the nominal depth */
         assert_true(isinf(cml_surface_facet_area(def, map, facets - 1)));
-        cml_surface_faces_free(&faces);
+        cml_report_faces_free(&faces);
         clear(&shot);
     }
 }

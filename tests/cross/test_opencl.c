@@ -3,6 +3,8 @@
 #include "../lib/bench.h"
 #include "flight.h"
 
+#include "engine_cpu.h"
+#include "engine_opencl.h"
 #include "opencl.h"
 #include "run.h"
 
@@ -50,8 +52,8 @@ static void fates_are_those_of_the_cpu(void **state)
         struct cml_error err;
         int differ = 0;
         set_up(scenes[s], &bench);
-        void *cpu = open_engine(&bench, &cml_engine_cpu), *opencl = open_engine(&bench, &cml_engine_opencl);
-        require_ok(cml_engine_cpu.fates(cpu, 77, packets, a, &err), &err);
+        void *cpu = open_engine(&bench, cml_engine_cpu()), *opencl = open_engine(&bench, &cml_engine_opencl);
+        require_ok(cml_engine_cpu()->fates(cpu, 77, packets, a, &err), &err);
         require_ok(cml_engine_opencl.fates(opencl, 77, packets, b, &err), &err);
         for (int i = 0; i < packets; i++)
             differ += a[i].fate != b[i].fate || a[i].interactions != b[i].interactions ||
@@ -59,7 +61,7 @@ static void fates_are_those_of_the_cpu(void **state)
                       a[i].absorbed != b[i].absorbed;
         printf("scene %d: %d of %d packets differ\n", s, differ, (int)packets);
         assert_true(differ * 10000 <= packets);
-        cml_engine_cpu.close(cpu);
+        cml_engine_cpu()->close(cpu);
         cml_engine_opencl.close(opencl);
         tear_down(&bench);
     }
@@ -174,16 +176,16 @@ static void a_trace_shows_the_events_of_the_cpu(void **state)
     struct cml_error err;
     struct cml_fate_record ra, rb;
     set_up(scenes[2], &bench);
-    void *cpu = open_engine(&bench, &cml_engine_cpu), *opencl = open_engine(&bench, &cml_engine_opencl);
+    void *cpu = open_engine(&bench, cml_engine_cpu()), *opencl = open_engine(&bench, &cml_engine_opencl);
     int differ = 0;
     for (uint64_t index = 0; index < 20; index++) {
         a.count = b.count = 0;
-        require_ok(cml_engine_cpu.trace(cpu, index, note_event, &a, &ra, &err), &err);
+        require_ok(cml_engine_cpu()->trace(cpu, index, note_event, &a, &ra, &err), &err);
         require_ok(cml_engine_opencl.trace(opencl, index, note_event, &b, &rb, &err), &err);
         differ += strcmp(a.what, b.what) != 0 || ra.fate != rb.fate || ra.weight != rb.weight;
     }
     assert_true(differ <= 1);
-    cml_engine_cpu.close(cpu);
+    cml_engine_cpu()->close(cpu);
     cml_engine_opencl.close(opencl);
     tear_down(&bench);
 }

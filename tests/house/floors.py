@@ -10,10 +10,10 @@ import sys
 FLOORS = [
     (6, "main options command command_*"),
     (5, "run report report_* plot plot_* crosscheck cluster cluster_alone dispatch checkpoint identity gnuplot compare compare_*"),
-    (4, "engine engine_cpu engine_cpu_level engine_reference engine_scalar engine_opencl horizon opencl opencl_* packet_ends bundle bundle_*"),
+    (4, "engine engines engine_cpu engine_cpu_level engine_reference engine_scalar engine_opencl horizon opencl opencl_* packet_ends bundle bundle_*"),
     (3, "surface surface_* mesh_query mesh_line lattice grid_walk clearance fields vtk vti mci mci_* obj obj_* mco mco_* gsf esri curve"),
     (2, "scene mesh mesh_body mesh_border mesh_clean mesh_facet mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally ranges heightmap heightmap_*"),
-    (1, "status text vec3 field inputs stop launcher cores significance"),
+    (1, "status atomic_file clock constants version text vec3 field inputs stop launcher cores significance"),
 ]
 KERNEL_FLOOR = 0  # everything in kernels/
 

@@ -5,7 +5,7 @@
  * Ends with 2 and a message when the program refuses the scene or the method cannot represent it.
  * SPDX-License-Identifier: MIT */
 #include "atlas.h"
-#include "engine.h"
+#include "engine_cpu.h"
 #include "mci.h"
 
 struct method {

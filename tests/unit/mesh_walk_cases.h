@@ -102,6 +102,7 @@ static void check_walk(uint32_t seed, double roughness, enum cml_mesh_search sea
     const struct cml_medium media[] = {{.n = 1}};
     walker.world.media = media;
     walker.world.meshes = meshes;
+    walker.world.intersect_mesh = cml_mesh_surface_hit;
     walker.world.surfaces = surfaces;
     place(&dice, &walker);
     for (long n = 0; n < flights; n++) fly(&dice, &walker);

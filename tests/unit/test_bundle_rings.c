@@ -3,7 +3,7 @@
  * Whole tallies do not show these, they are too rare. Compiled once for each level of the processor.
  * SPDX-License-Identifier: MIT */
 #include "cone_oracle.h"
-#include "engine.h"
+#include "engine_cpu.h"
 
 #pragma GCC diagnostic ignored "-Wunused-function" /* of a lane, which none of these is in */
 #include "bundle_hits.h"

@@ -3,6 +3,8 @@
 #include "../lib/bench.h"
 #include "mci_case.h"
 
+#include "engine_cpu.h"
+#include "engine_reference.h"
 #include "run.h"
 #include "types.h"
 
@@ -68,12 +70,12 @@ static void threads_and_chunks_do_not_change_a_bit(void **state)
     static const uint64_t chunks[] = {0, 0, 0, 1, 1000000, 1000};
     for (int s = 0; s < num_scenes; s++) {
         struct bench bench = set_up(state, *scenes[s].text, scenes[s].force);
-        struct cml_tally one = fly(&bench, &cml_engine_cpu, PACKETS / 8);
+        struct cml_tally one = fly(&bench, cml_engine_cpu(), PACKETS / 8);
         assert_books_balance(&one, PACKETS / 8);
         for (int i = 0; i < 6; i++) {
             bench.options.threads = threads[i];
             bench.options.chunk = chunks[i];
-            struct cml_tally other = fly(&bench, &cml_engine_cpu, PACKETS / 8);
+            struct cml_tally other = fly(&bench, cml_engine_cpu(), PACKETS / 8);
             expect_same(&one, &other, *scenes[s].text);
             cml_tally_free(&other);
         }
@@ -84,7 +86,7 @@ static void threads_and_chunks_do_not_change_a_bit(void **state)
 
 static void ranges_add_up_to_the_whole(void **state)
 {
-    static const struct cml_engine *const engines[] = {&cml_engine_cpu, &cml_engine_reference};
+    const struct cml_engine *const engines[] = {cml_engine_cpu(), &cml_engine_reference};
     static const uint64_t cuts[] = {0, 1, 31, 32, 1000, 2999, 3000};
     for (int s = 0; s < num_scenes; s++)
         for (int e = 0; e < 2; e++) {
@@ -106,12 +108,12 @@ static void ranges_add_up_to_the_whole(void **state)
 static void one_packet_and_none_and_a_far_index_work(void **state)
 {
     struct bench bench = set_up(state, hills, CML_SURFACE_AUTO);
-    struct cml_tally one = fly(&bench, &cml_engine_cpu, 1), none = fly(&bench, &cml_engine_cpu, 0);
+    struct cml_tally one = fly(&bench, cml_engine_cpu(), 1), none = fly(&bench, cml_engine_cpu(), 0);
     assert_books_balance(&one, 1);
     assert_int_equal(none.count[CML_COUNT_PHOTONS], 0);
     struct cml_tally far = empty_tally(&bench), near = empty_tally(&bench);
-    add_range(&bench, &cml_engine_cpu, ((uint64_t)1 << 48) - 100, 100, &far);
-    add_range(&bench, &cml_engine_cpu, ((uint64_t)1 << 32) - 100, 100, &near);
+    add_range(&bench, cml_engine_cpu(), ((uint64_t)1 << 48) - 100, 100, &far);
+    add_range(&bench, cml_engine_cpu(), ((uint64_t)1 << 32) - 100, 100, &near);
     assert_books_balance(&far, 100);
     assert_true(memcmp(far.book, near.book, sizeof far.book) != 0);
     cml_tally_free(&one);
@@ -128,7 +130,7 @@ static void seed_and_run_number_change_the_packets(void **state)
     for (int i = 0; i < 4; i++) {
         bench.options.seed = i == 1 ? 6 : (i == 2 ? 5 + ((uint64_t)1 << 32) : 5);
         bench.options.run = i == 3;
-        tally[i] = fly(&bench, &cml_engine_cpu, 500);
+        tally[i] = fly(&bench, cml_engine_cpu(), 500);
     }
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < i; k++)
@@ -146,7 +148,7 @@ static void on_event(void *context, const struct cml_trace_event *event)
 /* A packet traced alone ends as it did in the run, with or without someone looking. */
 static void a_trace_is_the_packet_of_the_run(void **state)
 {
-    static const struct cml_engine *const engines[] = {&cml_engine_cpu, &cml_engine_reference};
+    const struct cml_engine *const engines[] = {cml_engine_cpu(), &cml_engine_reference};
     static const enum cml_book books[CML_NUM_FATES] = {
         [CML_FATE_REFLECTED] = CML_BOOK_REFLECTED,
         [CML_FATE_TRANSMITTED] = CML_BOOK_TRANSMITTED,
@@ -201,12 +203,12 @@ static void the_unit_of_length_does_not_change_a_bit(void **state)
     static const int powers[] = {-20, -3, 7, 20};
     for (int s = 0; s < num_scenes; s++) {
         struct bench bench = set_up(state, *scenes[s].text, scenes[s].force);
-        struct cml_tally one = fly(&bench, &cml_engine_cpu, 2000);
+        struct cml_tally one = fly(&bench, cml_engine_cpu(), 2000);
         for (int i = 0; i < 4; i++) {
             cml_surfaces_free(&bench.surfaces);
             rescale(bench.list.scenes, powers[i]);
             represent(&bench, scenes[s].force);
-            struct cml_tally other = fly(&bench, &cml_engine_cpu, 2000);
+            struct cml_tally other = fly(&bench, cml_engine_cpu(), 2000);
             expect_same(&one, &other, *scenes[s].text);
             cml_tally_free(&other);
             rescale(bench.list.scenes, -powers[i]);
@@ -221,20 +223,20 @@ static void the_engines_agree_packet_by_packet(void **state)
 {
     for (int s = 0; s < num_scenes; s++) {
         struct bench bench = set_up(state, *scenes[s].text, scenes[s].force);
-        void *cpu = open_engine(&bench, &cml_engine_cpu),
+        void *cpu = open_engine(&bench, cml_engine_cpu()),
              *reference = open_engine(&bench, &cml_engine_reference);
         int differ = 0;
         const int packets = s < 2 ? PACKETS : PACKETS / 4;
         for (int index = 0; index < packets; index++) {
             struct cml_fate_record a, b;
             struct cml_error err;
-            assert_int_equal(cml_engine_cpu.trace(cpu, (uint64_t)index, NULL, NULL, &a, &err), CML_OK);
+            assert_int_equal(cml_engine_cpu()->trace(cpu, (uint64_t)index, NULL, NULL, &a, &err), CML_OK);
             assert_int_equal(cml_engine_reference.trace(reference, (uint64_t)index, NULL, NULL, &b, &err),
                              CML_OK);
             differ += a.fate != b.fate || a.interactions != b.interactions ||
                       a.boundary_events != b.boundary_events;
         }
-        cml_engine_cpu.close(cpu);
+        cml_engine_cpu()->close(cpu);
         cml_engine_reference.close(reference);
         printf("scene %d: %d of %d packets differ\n", s, differ, packets);
         assert_true(differ * 1000 <= packets);

@@ -3,6 +3,7 @@
 #include "heightmap.h"
 #include "mesh_shapes.h"
 #include "scene.h"
+#include "surface_mesh.h"
 #include "grid_walk.h"
 #include "tessellate.h"
 

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "atomic_file.h"
 #include "text.h"
 
 static char directory[64];

@@ -1,0 +1,16 @@
+/* Wall time. Only how long something took may follow from it, never a result.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_CLOCK_H
+#define CML_CLOCK_H
+
+#include <time.h>
+
+/* Seconds since some moment in the past, from a clock that nobody sets back. */
+static inline double cml_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+#endif

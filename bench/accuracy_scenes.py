@@ -155,7 +155,7 @@ def stack_scene(work):
 
 
 def cost_scene(rings, work):
-    """What rings and triangles cost, for the constants of src/surface_choice.c."""
+    """What rings and triangles cost, for the constants of src/surface/surface_choice.c."""
     name = "S2-rings-%d" % rings
     path = os.path.join(work, name + ".mci")
     cases.make_surface("rings", rings, cases.AMPLITUDE, path + ".txt")

@@ -75,7 +75,7 @@ def worst(rows, key):
 
 
 def bias_rules(rows):
-    """Lines on how the bias of tessellations grows with their deviation: the constants of src/surface_choice.c."""
+    """Lines on how the bias of tessellations grows with their deviation: the constants of src/surface/surface_choice.c."""
     shares, plateau = [], worst([row for row in rows if row["group"].startswith("mesh-vertex") and row["tolerance"]
                                  and number(row, "tolerance") <= 1e-3], resolved)
     for group in ("mesh-analytic-area", "mesh-analytic-inscribed", "mesh-facet-area", "mesh-facet-inscribed"):

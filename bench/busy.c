@@ -3,20 +3,20 @@
  * how many lanes go through the loops of a pass and through those of the planes for it, whether they have
  * something to do there or not, and what it takes. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "bundle_pass.h"
+#include "engine/cpu/bundle_loops.h"
 
 static double launched, lanes_in_passes, lanes_at_planes;
 
 #define cml_bundle_launch(b, start, absorbed, first, lanes)                                                  \
     (launched += __builtin_popcount(lanes), cml_bundle_launch(b, start, absorbed, first, lanes))
-#include "bundle_launch.h"
+#include "engine/cpu/bundle_launch.h"
 
 /* The loops that each pass, and each round of planes, begins with. */
 #define cml_bundle_draw(setup, b) (lanes_in_passes += (b)->lanes, cml_bundle_draw(setup, b))
 #define cml_bundle_reach_planes(b) (lanes_at_planes += (b)->lanes, cml_bundle_reach_planes(b))
 
 #define CML_LEVEL busy
-#include "engine_cpu_level.c"
+#include "engine/cpu/engine_cpu_level.c"
 
 #include "fly_scene.h"
 

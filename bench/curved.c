@@ -6,8 +6,8 @@
  * back. The whole is flown without clocks, and the parts once more with them, less what the clocks take.
  * Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "bundle_curved.h"
-#include "bundle_pass.h"
+#include "engine/cpu/bundle_curved_reach.h"
+#include "engine/cpu/bundle_loops.h"
 
 #include <string.h>
 #include <time.h>
@@ -47,13 +47,13 @@ static int answer;
 #define cml_hits_turn(setup, side, n1, n2, h) TIMED_ANSWER(TURN, cml_hits_turn(setup, side, n1, n2, h))
 #define cml_find_reaches(f, medium, lanes) TIMED(AHEAD, cml_find_reaches(f, medium, lanes))
 #define cml_bundle_look_around(b, steepest) TIMED_ANSWER(AROUND, cml_bundle_look_around(b, steepest))
-#include "bundle_cross.h"
+#include "engine/cpu/bundle_curved_cross.h"
 #define cml_meet_hits(f, medium, side, h) TIMED(HITS, cml_meet_hits(f, medium, side, h))
-#include "bundle_meet.h"
+#include "engine/cpu/bundle_curved_search.h"
 #define cml_meet_curves(f) TIMED(CURVES, cml_meet_curves(f))
 
 #define CML_LEVEL curved
-#include "engine_cpu_level.c"
+#include "engine/cpu/engine_cpu_level.c"
 
 #include "fly_scene.h"
 

@@ -3,7 +3,7 @@
 #ifndef CML_BENCH_FLY_SCENE_H
 #define CML_BENCH_FLY_SCENE_H
 
-#include "mci.h"
+#include "input/mci.h"
 
 #include <stdio.h>
 #include <time.h>

@@ -4,8 +4,8 @@
  * one after the other, so that each stands alone. Prints CSV.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "engine_scalar.h"
-#include "mci.h"
+#include "engine/scalar_walk.h"
+#include "input/mci.h"
 
 #include <stdio.h>
 #include <string.h>

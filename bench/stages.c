@@ -3,7 +3,7 @@
  * is the bound that boundaries, launches and ends come on top of. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_LEVEL stages
-#include "engine_cpu_level.c"
+#include "engine/cpu/engine_cpu_level.c"
 
 #include <stdio.h>
 #include <time.h>

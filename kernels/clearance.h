@@ -4,8 +4,8 @@
  * rim also stand for everything outside. A step looks at the at most four cells that cover its box on the
  * level where four are enough. Below rings, over the radius: size cells, the last one for everything outside;
  * every further level joins two, and a step looks at the at most two cells that cover its radii. Bounds are
- * widened by rounding's share when they are built (src/clearance.c), so a step found clear cannot cross.
- * SPDX-License-Identifier: MIT */
+ * widened by rounding's share when they are built (src/surface/clearance_map.c), so a step found clear cannot
+ * cross. SPDX-License-Identifier: MIT */
 #ifndef CML_CLEARANCE_H
 #define CML_CLEARANCE_H
 

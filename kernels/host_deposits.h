@@ -7,7 +7,7 @@
 #include "facet.h"
 #include "port.h"
 
-/* Arrays of weight units (see src/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:
+/* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:
  * [num_layers + 2] by medium. All threads', too large for a copy each: A_xyz: [nz ny nx + 1] or NULL, facets:
  * [facets of all boundaries][CML_FACET_SCORES] or NULL. */
 struct cml_deposits {

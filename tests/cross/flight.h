@@ -5,8 +5,8 @@
 
 #include "../lib/require.h"
 
-#include "engines.h"
-#include "mci.h"
+#include "engine/engines.h"
+#include "input/mci.h"
 #include "types.h"
 
 #include <stdio.h>

@@ -3,10 +3,10 @@
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "bundle_walk.h"
-#include "engine_cpu.h"
-#include "engine_scalar.h"
-#include "surface_mesh.h"
+#include "engine/cpu/bundle_walk.h"
+#include "engine/cpu/engine_cpu.h"
+#include "engine/scalar_walk.h"
+#include "surface/mesh/mesh_surface.h"
 
 #include <glob.h>
 

@@ -3,7 +3,7 @@
  * the exact one gives. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "engine_scalar.h"
+#include "engine/scalar_walk.h"
 
 struct bench {
     struct cml_scene_list list;

@@ -2,8 +2,8 @@
  * boundary. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "report_faces.h"
-#include "surface_facets.h"
+#include "output/report_faces.h"
+#include "surface/surface_facets.h"
 
 #include <math.h>
 

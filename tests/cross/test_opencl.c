@@ -3,10 +3,10 @@
 #include "../lib/bench.h"
 #include "flight.h"
 
-#include "engine_cpu.h"
-#include "engine_opencl.h"
-#include "opencl.h"
-#include "run.h"
+#include "engine/cpu/engine_cpu.h"
+#include "engine/opencl/engine_opencl.h"
+#include "engine/opencl/opencl.h"
+#include "run/run.h"
 
 #define HEAD "1.0\n1\nscene A\n1000\n"
 #define GRID "0.01 0.02\n20 30 10\n"

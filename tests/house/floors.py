@@ -1,40 +1,54 @@
-"""A source file includes its own floor and those below, never above; foreign libraries stay behind one file each.
+"""A source file includes its own room and those below, never above; modules include each other in no circle; foreign
+libraries stay behind one file each; no room grows over 20 files.
 
-The table below is the only list of floors. A file that stands in none of its rows is an error: decide first where
-it belongs. Runs in the source directory."""
+ROOMS below is the only list of rooms and of what each may use. A file in no room is an error: decide first where it
+belongs. A module is a source file with its header. Runs in the source directory."""
 import fnmatch
 import os
 import re
 import sys
 
-FLOORS = [
-    (6, "main options command command_*"),
-    (5, "run report report_* plot plot_* crosscheck cluster cluster_alone dispatch checkpoint identity gnuplot compare compare_*"),
-    (4, "engine engines engine_cpu engine_cpu_level engine_reference engine_scalar engine_opencl horizon opencl opencl_* packet_ends bundle bundle_*"),
-    (3, "surface surface_* mesh_query mesh_line lattice grid_walk clearance fields vtk vti mci mci_* obj obj_* mco mco_* gsf esri curve"),
-    (2, "scene mesh mesh_body mesh_border mesh_clean mesh_facet mesh_measure mesh_parts mesh_topology radial polygon footprint boxtree predicate triangle overlap overlap_* tessellate tally ranges heightmap heightmap_*"),
-    (1, "status atomic_file clock constants version text vec3 field inputs stop launcher cores significance"),
-]
-KERNEL_FLOOR = 0  # everything in kernels/
+MOST_FILES = 20
 
-# Headers of libraries and of rarer parts of POSIX, and the only files that may include them.
+# Lowest first. A room may use itself, those it names, and nothing else; a folder is one room, but for the files named.
+ROOMS = {
+    "kernels": "",
+    "src/base": "",
+    "src/geometry": "src/base",
+    "src/tally": "src/base kernels/books.h kernels/facet.h",
+    "src/scene": "src/geometry src/base kernels/facet.h",
+    "src/input": "src/scene src/geometry src/base kernels/facet.h",
+    "src/surface/mesh": "src/geometry src/base kernels",
+    "src/surface": "src/surface/mesh src/scene src/geometry src/base kernels",
+    "src/engine": "src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/engine/cpu": "src/engine src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/engine/opencl": "src/engine src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
+    "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
+    "src/output": "src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
+    "src/plot": "src/output src/base",
+    "src/cli": "src/plot src/output src/run src/engine src/engine/engines src/engine/cpu src/engine/opencl src/surface "
+               "src/surface/mesh src/input src/scene src/tally src/geometry src/base kernels",
+}
+
+# Headers of libraries and of rarer parts of POSIX, and the only modules that may include them.
 FOREIGN = {
-    "embree*": "surface_mesh",
-    "tiny_obj_loader.h": "obj_tiny",
-    "immintrin.h": "bundle_masks",
-    "jansson.h": "report compare_report",
-    "omp.h": "cores engine_cpu_level",
-    "CL/*": "opencl_parts",
-    "getopt.h": "options",
-    "hdf5*.h": "fields",
-    "sys/resource.h": "command_load",
-    "spawn.h": "gnuplot",
-    "signal.h": "gnuplot stop",
-    "mpi.h": "cluster",
-    "pthread.h": "cluster dispatch",
-    "sched.h": "cluster cores",
-    "zlib.h": "checkpoint identity",
-    "sys/wait.h": "gnuplot",
+    "embree*": "src/surface/mesh/mesh_surface",
+    "tiny_obj_loader.h": "src/input/obj_tiny",
+    "immintrin.h": "src/engine/cpu/bundle_masks",
+    "jansson.h": "src/output/report src/output/report_json src/plot/compare_report",
+    "omp.h": "src/run/cores src/engine/cpu/engine_cpu_level",
+    "CL/*": "src/engine/opencl/opencl_parts",
+    "getopt.h": "src/cli/options",
+    "hdf5*.h": "src/output/hdf5_file",
+    "sys/resource.h": "src/cli/command_load",
+    "spawn.h": "src/plot/gnuplot",
+    "signal.h": "src/plot/gnuplot src/run/stop",
+    "mpi.h": "src/run/cluster",
+    "pthread.h": "src/run/cluster src/run/work_ranges",
+    "sched.h": "src/run/cluster src/run/cores",
+    "zlib.h": "src/run/checkpoint src/run/identity",
+    "sys/wait.h": "src/plot/gnuplot",
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())
@@ -44,71 +58,164 @@ CXX_COMMON = set("cmath cstddef cstdint cstdio cstdlib cstring exception fstream
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
 
-def floor_of(path):
-    directory, name = os.path.split(path)
-    if directory == "kernels":
-        return KERNEL_FLOOR
-    stem = os.path.splitext(name)[0]
-    for floor, patterns in FLOORS:
-        if any(fnmatch.fnmatchcase(stem, pattern) for pattern in patterns.split()):
-            return floor
+def module_of(path):
+    return path.rsplit(".", 1)[0]
+
+
+def room_of(path):
+    """The room of a file; None where it has none."""
+    module = module_of(path)
+    return module if module in ROOMS else (os.path.dirname(path) if os.path.dirname(path) in ROOMS else None)
+
+
+def ours(header, files):
+    """The file that a quoted include names: by its path from src, or of kernels by its name."""
+    for path in ("src/" + header, "kernels/" + header):
+        if path in files:
+            return path
     return None
 
 
+def may_use(path, target):
+    room, other = room_of(path), room_of(target)
+    return room == other or other in ROOMS[room].split() or target in ROOMS[room].split()
+
+
 def may_include(path, header):
-    stem, extension = os.path.splitext(os.path.basename(path))
     for pattern, owners in FOREIGN.items():
         if fnmatch.fnmatchcase(header, pattern):
-            return stem in owners.split()
+            return module_of(path) in owners.split()
     if path.startswith("kernels/"):
         return header in KERNEL_COMMON
-    return header in COMMON or (extension == ".cpp" and header in CXX_COMMON)
+    return header in COMMON or (path.endswith(".cpp") and header in CXX_COMMON)
+
+
+def includes(path, text, files):
+    """(file of ours or None, header as written, bracket) of every include. An include by a device only and one by the
+    host only may name different files; both count."""
+    for bracket, header in INCLUDE.findall(text):
+        yield (ours(header, files) if bracket == '"' else None), header, bracket
+
+
+def check_file(path, text, files):
+    if room_of(path) is None:
+        return [f"{path}: in no room (decide where it belongs: tests/house/floors.py lists them)"]
+    complaints = []
+    for target, header, bracket in includes(path, text, files):
+        if target is None and bracket == '"':
+            complaints.append(f"{path}: includes \"{header}\", which is not here")
+        elif target is None and not may_include(path, header):
+            complaints.append(f"{path}: may not include <{header}>")
+        elif target is not None and room_of(target) is not None and not may_use(path, target):
+            complaints.append(f"{path}: {room_of(path)} may not use {target}")
+    return complaints
+
+
+def find_circle(graph):
+    """What includes itself round and round, or nothing. graph: {name: names it includes}."""
+    done, path = set(), []
+
+    def visit(module):
+        if module in path:
+            return path[path.index(module):] + [module]
+        if module in done:
+            return []
+        path.append(module)
+        for other in sorted(graph.get(module, ())):
+            circle = visit(other)
+            if circle:
+                return circle
+        done.add(path.pop())
+        return []
+
+    for module in sorted(graph):
+        circle = visit(module)
+        if circle:
+            return circle
+    return []
+
+
+def graph_of(files):
+    """{module: modules it includes}. A header without a source file stands for what it includes."""
+    direct = {}
+    for path, text in files.items():
+        targets = {module_of(target) for target, _, _ in includes(path, text, files) if target}
+        direct.setdefault(module_of(path), set()).update(targets)
+    bare = {module for module in direct if not any(module + end in files for end in (".c", ".cpp", ".cl"))}
+
+    def expand(module, seen):
+        for other in direct[module] - seen:
+            seen.add(other)
+            if other in bare:
+                expand(other, seen)
+        return seen
+
+    return {module: expand(module, set()) - bare - {module} for module in direct if module not in bare}
+
+
+def check_circles(files):
+    headers = {path: text for path, text in files.items() if path.endswith(".h")}
+    circle = find_circle({path: {target for target, _, _ in includes(path, text, files) if target}
+                          for path, text in headers.items()}) or find_circle(graph_of(files))
+    return ["a circle: " + " -> ".join(circle)] if circle else []
+
+
+def check_sizes(files):
+    counts = {}
+    for path in files:
+        counts[os.path.dirname(path)] = counts.get(os.path.dirname(path), 0) + 1
+    return [f"{room}: {count} files, at most {MOST_FILES}" for room, count in sorted(counts.items())
+            if count > MOST_FILES]
 
 
 def check(files):
     """files: {path: text}. Returns the complaints."""
-    complaints = []
-    ours = {os.path.basename(path): path for path in files}
-    for path, text in sorted(files.items()):
-        floor = floor_of(path)
-        if floor is None:
-            complaints.append(f"{path}: on no floor (add it to the table in tests/house/floors.py)")
-            continue
-        for bracket, header in INCLUDE.findall(text):
-            if header in ours:
-                above = floor_of(ours[header])
-                if above is not None and above > floor:
-                    complaints.append(f"{path}: floor {floor} includes {header} of floor {above}")
-            elif bracket == '"':
-                complaints.append(f"{path}: includes \"{header}\", which is not here")
-            elif not may_include(path, header):
-                complaints.append(f"{path}: may not include <{header}>")
-    return complaints
+    complaints = [complaint for path, text in sorted(files.items()) for complaint in check_file(path, text, files)]
+    complaints += check_sizes(files)
+    return complaints or check_circles(files)  # an include from above often closes a circle: one complaint is enough
 
 
 def check_the_check():
-    """A check that cannot fail is none."""
-    sound = {"src/run.c": '#include "run.h"\n#include <stdio.h>\n', "src/run.h": '#include "engine.h"\n',
-             "src/engine.h": '#include "rng.h"\n', "kernels/rng.h": "#include <stdint.h>\n"}
+    """A check that cannot fail is none. Each of these must be the only complaint."""
+    sound = {"src/run/run.c": '#include "run/run.h"\n#include <stdio.h>\n',
+             "src/run/run.h": '#include "engine/engine.h"\n', "src/engine/engine.h": '#include "rng.h"\n',
+             "src/surface/clearance.h": '#include "clearance.h"\n', "kernels/rng.h": "#include <stdint.h>\n",
+             "kernels/clearance.h": "", "src/tally/tally.h": ""}
     assert check(sound) == [], check(sound)
-    for path, text in [("src/tally.h", '#include "run.h"\n'), ("kernels/rng.h", '#include "engine.h"\n'),
-                       ("src/run.c", "#include <embree3/rtcore.h>\n"), ("src/run.c", "#include <jansson.h>\n"),
-                       ("src/novelty.c", ""), ("src/run.c", '#include "missing.h"\n'),
-                       ("kernels/rng.h", "#include <stdlib.h>\n"), ("src/run.c", "#include <vector>\n")]:
-        assert len(check({**sound, path: text})) == 1, (path, text)
+    for path, text in [("src/tally/tally.h", '#include "run/run.h"\n'), ("kernels/rng.h", '#include "engine/engine.h"\n'),
+                       # of two headers of one name, the one of the room above
+                       ("src/tally/tally.h", '#include "surface/clearance.h"\n'),
+                       ("src/run/run.c", "#include <embree3/rtcore.h>\n"), ("src/run/run.c", "#include <jansson.h>\n"),
+                       ("src/novelty.c", ""), ("src/run/run.c", '#include "run/missing.h"\n'),
+                       ("kernels/rng.h", "#include <stdlib.h>\n"), ("src/run/run.c", "#include <vector>\n"),
+                       ("src/run/stop.h", '#include "run/stop.h"\n'),
+                       ("src/run/stop.c", '#include "run/stop.h"\n#include "run/cores.h"\n')]:
+        files = {**sound, path: text}
+        if path == "src/run/stop.c":  # a circle by sources alone
+            files["src/run/stop.h"], files["src/run/cores.h"] = "", ""
+            files["src/run/cores.c"] = '#include "run/stop.h"\n'
+        assert len(check(files)) == 1, (path, text, check(files))
+    crowded = {f"src/base/file{i}.h": "" for i in range(MOST_FILES + 1)}
+    assert len(check(crowded)) == 1, check(crowded)
+
+
+def read_all():
+    files = {}
+    for top in ("src", "kernels"):
+        for folder, _, names in os.walk(top):
+            for name in names:
+                if name.endswith((".c", ".h", ".cpp", ".cl")):
+                    path = folder + "/" + name
+                    with open(path, encoding="utf-8") as file:
+                        files[path] = file.read()
+    return files
 
 
 def main():
     check_the_check()
-    files = {}
-    for directory in ("src", "kernels"):
-        for name in os.listdir(directory):
-            if name.endswith((".c", ".h", ".cpp", ".cl")):
-                path = directory + "/" + name
-                with open(path, encoding="utf-8") as file:
-                    files[path] = file.read()
+    files = read_all()
     complaints = check(files)
-    print("\n".join(complaints) or f"{len(files)} files keep to their floors")
+    print("\n".join(complaints) or f"{len(files)} files keep to their rooms")
     sys.exit(1 if complaints else 0)
 
 

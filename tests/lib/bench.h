@@ -5,8 +5,8 @@
 
 #include "require.h"
 
-#include "engine.h"
-#include "mci.h"
+#include "engine/engine.h"
+#include "input/mci.h"
 
 #include <string.h>
 

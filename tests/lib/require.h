@@ -3,7 +3,7 @@
 #ifndef CML_TEST_REQUIRE_H
 #define CML_TEST_REQUIRE_H
 
-#include "status.h"
+#include "base/status.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

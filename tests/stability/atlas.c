@@ -5,8 +5,8 @@
  * Ends with 2 and a message when the program refuses the scene or the method cannot represent it.
  * SPDX-License-Identifier: MIT */
 #include "atlas.h"
-#include "engine_cpu.h"
-#include "mci.h"
+#include "engine/cpu/engine_cpu.h"
+#include "input/mci.h"
 
 struct method {
     const char *name;

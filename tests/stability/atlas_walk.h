@@ -3,8 +3,8 @@
  * A position counts as in its medium when it lies on the right side of both boundaries, or within the
  * rounding of its coordinates of the one that it is beyond. SPDX-License-Identifier: MIT */
 #include "atlas.h"
-#include "engine_scalar.h"
-#include "vec3.h"
+#include "engine/scalar_walk.h"
+#include "geometry/vec3.h"
 
 #include <time.h>
 

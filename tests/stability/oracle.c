@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "oracle.h"
 
-#include "vec3.h"
+#include "geometry/vec3.h"
 
 #include <math.h>
 

@@ -6,7 +6,7 @@
 #include "../unit/dice.h"
 
 #include "oracle_grid.h"
-#include "surface.h"
+#include "surface/surface.h"
 
 /* One boundary, in its own frame but with x and y of the scene. Borrows the arrays of the surface. */
 struct oracle {

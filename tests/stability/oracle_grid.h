@@ -5,7 +5,7 @@
 #ifndef STABILITY_ORACLE_GRID_H
 #define STABILITY_ORACLE_GRID_H
 
-#include "mesh.h"
+#include "geometry/mesh.h"
 
 struct oracle_box {
     double low[2], high[2];

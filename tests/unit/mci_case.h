@@ -4,7 +4,7 @@
 #define MCI_CASE_H
 
 #include "case_files.h"
-#include "mci.h"
+#include "input/mci.h"
 
 static inline void case_write(void **state, const char *name, const char *text)
 {

@@ -4,7 +4,7 @@
 #define MCO_CASE_H
 
 #include "case_files.h"
-#include "mco.h"
+#include "output/mco.h"
 
 #define CASE_HEAD                                                                                            \
     "A1 \t# Version number of the file format.\n\n####\n# Data categories include: \n# InParm, RAT, \n"      \

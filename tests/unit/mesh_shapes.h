@@ -4,7 +4,7 @@
 #define MESH_SHAPES_H
 
 #include "dice.h"
-#include "mesh.h"
+#include "geometry/mesh.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
  * only ever carried along; the patch's regular grid tells without a search where the packet really is.
  * SPDX-License-Identifier: MIT */
 #include "mesh_shapes.h"
-#include "surface_mesh.h"
+#include "surface/mesh/mesh_surface.h"
 #include "walk.h"
 
 static const double eps = (double)CML_EPSILON;

@@ -4,7 +4,7 @@
 #define TALLY_CASES_H
 
 #include "dice.h"
-#include "tally.h"
+#include "tally/tally.h"
 
 #include <math.h>
 

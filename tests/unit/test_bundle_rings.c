@@ -3,10 +3,10 @@
  * Whole tallies do not show these, they are too rare. Compiled once for each level of the processor.
  * SPDX-License-Identifier: MIT */
 #include "cone_oracle.h"
-#include "engine_cpu.h"
+#include "engine/cpu/engine_cpu.h"
 
 #pragma GCC diagnostic ignored "-Wunused-function" /* of a lane, which none of these is in */
-#include "bundle_hits.h"
+#include "engine/cpu/bundle_curved_hits.h"
 
 static const double turn = 6.283185307179586;
 

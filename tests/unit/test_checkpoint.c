@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "checkpoint.h"
+#include "run/checkpoint.h"
 #include "dice.h"
 
 #include <sys/stat.h>

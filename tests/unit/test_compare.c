@@ -11,8 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "compare.h"
-#include "significance.h"
+#include "plot/compare.h"
+#include "base/significance.h"
 
 enum { NZ = 4, NR = 6, NA = 3 };
 static const char *const names[2] = {"a.mco", "b.mco"};

@@ -3,9 +3,9 @@
 #include "../lib/bench.h"
 #include "mci_case.h"
 
-#include "engine_cpu.h"
-#include "engine_reference.h"
-#include "run.h"
+#include "engine/cpu/engine_cpu.h"
+#include "engine/engine_reference.h"
+#include "run/run.h"
 #include "types.h"
 
 #include <math.h>

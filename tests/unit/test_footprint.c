@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "footprint.h"
-#include "polygon.h"
+#include "geometry/footprint.h"
+#include "geometry/polygon.h"
 
 static uint64_t random_state = 1;
 

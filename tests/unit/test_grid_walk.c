@@ -1,11 +1,11 @@
 /* The walk over a regular grid against the exact query of the same mesh. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
-#include "heightmap.h"
+#include "scene/heightmap.h"
 #include "mesh_shapes.h"
-#include "scene.h"
-#include "surface_mesh.h"
-#include "grid_walk.h"
-#include "tessellate.h"
+#include "scene/scene.h"
+#include "surface/mesh/mesh_surface.h"
+#include "surface/mesh/grid_walk.h"
+#include "surface/tessellate.h"
 
 static struct patch patch;
 

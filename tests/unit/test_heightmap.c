@@ -1,6 +1,6 @@
 /* Heightmaps as meshes: every claim of heightmap.h, against brute force. SPDX-License-Identifier: MIT */
 #include "dice.h"
-#include "heightmap.h"
+#include "scene/heightmap.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
  * of those that leave a little less steeply from some place of the ring, some do. SPDX-License-Identifier:
  * MIT */
 #include "cone_oracle.h"
-#include "horizon.h"
+#include "surface/ring_horizon.h"
 #include "surface_hit.h"
 
 #define FIELDS 300

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "inputs.h"
+#include "base/input_files.h"
 #include "dice.h"
 
 #include <unistd.h>

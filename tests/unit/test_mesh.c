@@ -11,7 +11,7 @@
 
 #include <cmocka.h>
 
-#include "mesh.h"
+#include "geometry/mesh.h"
 
 /* A small generator of its own, so that a failing case comes back. */
 static uint32_t random_state;

@@ -1,10 +1,10 @@
 /* Queries beside vertices and edges: whatever rounding has done to a packet's position, a line that goes
  * straight on must end on the side where it ends. SPDX-License-Identifier: MIT */
 #include "mesh_shapes.h"
-#include "predicate.h"
-#include "surface_mesh.h"
+#include "geometry/predicate.h"
+#include "surface/mesh/mesh_surface.h"
 #include "surface_hit.h"
-#include "vec3.h"
+#include "geometry/vec3.h"
 
 #include <float.h>
 

@@ -3,8 +3,8 @@
  * SPDX-License-Identifier: MIT */
 #include "mesh_shapes.h"
 #include "surface_hit.h"
-#include "surface_mesh.h"
-#include "vec3.h"
+#include "surface/mesh/mesh_surface.h"
+#include "geometry/vec3.h"
 
 #include <float.h>
 

@@ -12,9 +12,9 @@
 
 #include <cmocka.h>
 
-#include "obj.h"
-#include "obj_polygon.h"
-#include "text.h"
+#include "input/obj.h"
+#include "input/obj_polygon.h"
+#include "base/text.h"
 
 static const struct cml_obj_options centimetres = {.unit = 1, .scale = 1};
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-#include "overlap_field.h"
-#include "overlap_sheet.h"
-#include "radial.h"
-#include "scene.h"
+#include "scene/overlap_radial.h"
+#include "scene/overlap_sheet.h"
+#include "scene/radial.h"
+#include "scene/scene.h"
 
 #include <math.h>
 #include <setjmp.h>

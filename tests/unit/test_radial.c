@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "radial.h"
+#include "scene/radial.h"
 
 #include <float.h>
 #include <math.h>

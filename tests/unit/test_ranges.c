@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "ranges.h"
+#include "tally/ranges.h"
 #include "dice.h"
 
 static struct cml_error err;

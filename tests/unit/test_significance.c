@@ -7,7 +7,7 @@
 #include <cmocka.h>
 #include <math.h>
 
-#include "significance.h"
+#include "base/significance.h"
 
 static void assert_near(double value, double expected, double relative)
 {

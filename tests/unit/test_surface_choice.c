@@ -1,6 +1,6 @@
 /* What auto takes for which boundary, and how fine. SPDX-License-Identifier: MIT */
-#include "mci.h"
-#include "surface.h"
+#include "input/mci.h"
+#include "surface/surface.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -1,11 +1,11 @@
 /* The mesh query against every triangle in long double. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
-#include "lattice.h"
+#include "surface/mesh/grid_mesh.h"
 #include "mesh_shapes.h"
-#include "scene.h"
+#include "scene/scene.h"
 #include "surface_hit.h"
-#include "surface_mesh.h"
-#include "tessellate.h"
+#include "surface/mesh/mesh_surface.h"
+#include "surface/tessellate.h"
 
 static struct patch patch;
 

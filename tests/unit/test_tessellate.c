@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "tessellate.h"
+#include "surface/tessellate.h"
 
 #include <float.h>
 #include <math.h>

@@ -10,8 +10,8 @@
 
 #include <cmocka.h>
 
-#include "atomic_file.h"
-#include "text.h"
+#include "base/atomic_file.h"
+#include "base/text.h"
 
 static char directory[64];
 

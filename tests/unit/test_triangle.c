@@ -1,8 +1,8 @@
 /* The triangle test against separating axes in whole numbers, the predicates against 128-bit determinants.
  * SPDX-License-Identifier: MIT */
-#include "boxtree.h"
-#include "predicate.h"
-#include "triangle.h"
+#include "geometry/box_tree.h"
+#include "geometry/predicate.h"
+#include "geometry/triangle.h"
 
 #include <float.h>
 #include <math.h>

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-#include "vti.h"
-#include "vtk.h"
+#include "plot/vti.h"
+#include "output/vtk.h"
 
 #define IMAGE(kind, extent)                                                                                  \
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" " kind ">\n"                       \

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/input_files.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* data[size] and a final NUL, copied. */
+static char *copy_data(const char *data, size_t size)
+{
+    char *copy = malloc(size + 1);
+    if (!copy) return NULL;
+    memcpy(copy, data, size);
+    copy[size] = '\0';
+    return copy;
+}
+
+static cml_status append(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
+                         struct cml_error *err)
+{
+    struct cml_input *larger = realloc(inputs->item, (inputs->count + 1) * sizeof *larger);
+    if (!larger) return cml_fail_memory(err, (double)size, "a copy of an input file");
+    inputs->item = larger;
+    const struct cml_input input = {strdup(path), copy_data(data, size), size};
+    larger[inputs->count++] = input;
+    if (input.path && input.data) return CML_OK;
+    return cml_fail_memory(err, (double)size, "a copy of an input file");
+}
+
+static cml_status record(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
+{
+    CML_TRY(cml_text_from_file(NULL, path, data, size, err));
+    return append(context, path, *data, *size, err);
+}
+
+static cml_status replay(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
+{
+    const struct cml_inputs *inputs = context;
+    for (size_t i = 0; i < inputs->count; i++) {
+        if (strcmp(inputs->item[i].path, path) != 0) continue;
+        *size = inputs->item[i].size;
+        *data = copy_data(inputs->item[i].data, *size);
+        return *data ? CML_OK : cml_fail_memory(err, (double)*size, "an input file");
+    }
+    return cml_fail(err, CML_E_INPUT, "%s: rank 0 did not read this file", cml_text_name(path));
+}
+
+void cml_inputs_record(struct cml_inputs *inputs)
+{
+    *inputs = (struct cml_inputs){0};
+    cml_text_set_source(record, inputs);
+}
+
+void cml_inputs_replay(struct cml_inputs *inputs)
+{
+    cml_text_set_source(replay, inputs);
+}
+
+void cml_inputs_release(void)
+{
+    cml_text_set_source(NULL, NULL);
+}
+
+cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size, struct cml_error *err)
+{
+    FILE *out = open_memstream(block, size);
+    if (!out) return cml_fail_memory(err, 1, "the input files");
+    for (size_t i = 0; i < inputs->count; i++) {
+        const struct cml_input *input = &inputs->item[i];
+        fwrite(input->path, 1, strlen(input->path) + 1, out);
+        fwrite(&input->size, sizeof input->size, 1, out);
+        fwrite(input->data, 1, input->size, out);
+    }
+    const int failed = ferror(out);
+    if (fclose(out) == 0 && !failed) return CML_OK;
+    return cml_fail_memory(err, (double)*size, "the input files");
+}
+
+cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs, struct cml_error *err)
+{
+    *inputs = (struct cml_inputs){0};
+    const char *end = block + size;
+    while (block < end) {
+        const char *path = block;
+        size_t length = 0;
+        block += strlen(path) + 1;
+        memcpy(&length, block, sizeof length);
+        block += sizeof length;
+        CML_TRY(append(inputs, path, block, length, err));
+        block += length;
+    }
+    return CML_OK;
+}
+
+void cml_inputs_clear(struct cml_inputs *inputs)
+{
+    for (size_t i = 0; i < inputs->count; i++) {
+        free(inputs->item[i].path);
+        free(inputs->item[i].data);
+    }
+    free(inputs->item);
+    *inputs = (struct cml_inputs){0};
+}

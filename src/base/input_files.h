@@ -1,0 +1,37 @@
+/* The input files of this process, remembered as they are read: what rank 0 sends to the others, who read
+ * from memory what it read from disk, and what a checkpoint is compared with. SPDX-License-Identifier: MIT */
+#ifndef CML_INPUT_FILES_H
+#define CML_INPUT_FILES_H
+
+#include "base/text.h"
+
+struct cml_input {
+    char *path; /* as it was asked for */
+    char *data; /* [size], and a final NUL */
+    size_t size;
+};
+
+struct cml_inputs {
+    size_t count;
+    struct cml_input *item; /* [count], in the order of reading */
+};
+
+/* From here on cml_text_read remembers every file that it reads; `inputs` begins empty and must outlive this.
+ */
+void cml_inputs_record(struct cml_inputs *inputs);
+
+/* From here on cml_text_read finds files in `inputs` and nowhere else. */
+void cml_inputs_replay(struct cml_inputs *inputs);
+
+/* From here on cml_text_read reads the file system again. */
+void cml_inputs_release(void);
+
+/* All files as one block, the caller's to free, and back. cml_inputs_unpack trusts its block. */
+CML_NODISCARD cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size,
+                                         struct cml_error *err);
+CML_NODISCARD cml_status cml_inputs_unpack(const char *block, size_t size, struct cml_inputs *inputs,
+                                           struct cml_error *err);
+
+void cml_inputs_clear(struct cml_inputs *inputs);
+
+#endif

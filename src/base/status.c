@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+/* A message is one line: whatever the user wrote into a file must not be able to break it or drive a
+ * terminal. */
+static void make_one_line(char *text)
+{
+    for (unsigned char *c = (unsigned char *)text; *c; c++)
+        if (*c < 0x20 || *c == 0x7f) *c = '?';
+}
+
+cml_status cml_fail(struct cml_error *err, cml_status status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    vsnprintf(err->text, sizeof err->text, format, args);
+    va_end(args);
+    make_one_line(err->text);
+    err->status = status;
+    return status;
+}
+
+cml_status cml_fail_field(struct cml_error *err, const char *file, int line, const char *field,
+                          const char *value, const char *expected)
+{
+    char where[32] = "";
+    if (line > 0) snprintf(where, sizeof where, ":%d", line);
+    if (!value || !*value)
+        return cml_fail(err, CML_E_INPUT, "%s%s: %s is missing (expected %s)", file, where, field, expected);
+    return cml_fail(err, CML_E_INPUT, "%s%s: %s = %.80s (expected %s)", file, where, field, value, expected);
+}
+
+cml_status cml_fail_memory(struct cml_error *err, double bytes, const char *what)
+{
+    return cml_fail(err, CML_E_INPUT, "out of memory: %.0f MiB for %s", bytes / 1048576.0, what);
+}

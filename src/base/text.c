@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/text.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char blanks[] = " \t\v\f\r";
+
+static cml_status read_stream(FILE *stream, const char *path, char **data, size_t *size,
+                              struct cml_error *err)
+{
+    size_t capacity = 1 << 16;
+    *data = malloc(capacity);
+    *size = 0;
+    while (*data) {
+        *size += fread(*data + *size, 1, capacity - 1 - *size, stream);
+        if (*size < capacity - 1) break;
+        capacity *= 2;
+        char *larger = realloc(*data, capacity);
+        if (!larger) free(*data);
+        *data = larger;
+    }
+    if (!*data) return cml_fail_memory(err, (double)capacity, "the input file");
+    (*data)[*size] = '\0';
+    if (!ferror(stream)) return CML_OK;
+    const int reason = errno;
+    free(*data);
+    *data = NULL;
+    return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", cml_text_name(path), strerror(reason));
+}
+
+const char *cml_text_name(const char *path)
+{
+    return strcmp(path, "-") == 0 ? "standard input" : path;
+}
+
+cml_status cml_text_from_file(void *context, const char *path, char **data, size_t *size,
+                              struct cml_error *err)
+{
+    (void)context;
+    const bool standard = strcmp(path, "-") == 0;
+    FILE *stream = standard ? stdin : fopen(path, "rb");
+    if (!stream) return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
+    const cml_status status = read_stream(stream, path, data, size, err);
+    if (!standard) fclose(stream);
+    return status;
+}
+
+static cml_text_source *text_source = cml_text_from_file;
+static void *text_source_context;
+
+void cml_text_set_source(cml_text_source *source, void *context)
+{
+    text_source = source ? source : cml_text_from_file;
+    text_source_context = context;
+}
+
+cml_status cml_text_read_bytes(const char *path, struct cml_text *text, struct cml_error *err)
+{
+    *text = (struct cml_text){0};
+    CML_TRY(cml_text_copy(cml_text_name(path), &text->path, err));
+    const cml_status status = text_source(text_source_context, path, &text->data, &text->size, err);
+    if (status != CML_OK) cml_text_clear(text);
+    return status;
+}
+
+cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err)
+{
+    CML_TRY(cml_text_read_bytes(path, text, err));
+    if (strlen(text->data) == text->size) return CML_OK;
+    const cml_status status = cml_fail(
+        err, CML_E_INPUT, "%s: cannot be read (it holds a NUL byte, so it is not a text file)", text->path);
+    cml_text_clear(text);
+    return status;
+}
+
+void cml_text_clear(struct cml_text *text)
+{
+    free(text->path);
+    free(text->data);
+    *text = (struct cml_text){0};
+}
+
+char *cml_text_next(struct cml_text *text)
+{
+    if (text->cursor >= text->size) return NULL;
+    char *line = text->data + text->cursor;
+    char *end = strchr(line, '\n');
+    if (!end) end = text->data + text->size;
+    text->cursor = (size_t)(end - text->data) + 1;
+    *end = '\0';
+    if (end > line && end[-1] == '\r') end[-1] = '\0';
+    text->line++;
+    return line;
+}
+
+char *cml_text_word(char **cursor)
+{
+    char *word = *cursor + strspn(*cursor, blanks);
+    if (!*word) {
+        *cursor = word;
+        return NULL;
+    }
+    char *close = *word == '"' ? strchr(word + 1, '"') : NULL;
+    char *end = close ? close : word + strcspn(word, blanks);
+    *cursor = *end ? end + 1 : end;
+    *end = '\0';
+    return close ? word + 1 : word;
+}
+
+bool cml_parse_double(const char *word, double *value)
+{
+    if (word[strspn(word, "+-.0123456789eE")] != '\0') return false;
+    char *end = NULL;
+    const double number = strtod(word, &end);
+    if (end == word || *end || !isfinite(number)) return false;
+    *value = number;
+    return true;
+}
+
+bool cml_parse_count(const char *word, uint64_t *value)
+{
+    double number = 0;
+    if (!cml_parse_double(word, &number)) return false;
+    if (number < 0 || number > 9007199254740992.0 || number != floor(number)) return false;
+    *value = (uint64_t)number;
+    return true;
+}
+
+bool cml_parse_int(const char *word, int *value)
+{
+    if (word[strspn(word, "+-0123456789")] != '\0') return false;
+    char *end = NULL;
+    errno = 0;
+    const long number = strtol(word, &end, 10);
+    if (end == word || *end || errno || number < INT_MIN || number > INT_MAX) return false;
+    *value = (int)number;
+    return true;
+}
+
+cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err)
+{
+    *copy = strdup(text);
+    return *copy ? CML_OK : cml_fail_memory(err, (double)strlen(text), "a name");
+}
+
+cml_status cml_path_beside(const char *beside, const char *name, char **path, struct cml_error *err)
+{
+    const char *slash = strrchr(beside, '/');
+    if (!slash || name[0] == '/') return cml_text_copy(name, path, err);
+    const size_t directory = (size_t)(slash - beside) + 1;
+    *path = malloc(directory + strlen(name) + 1);
+    if (!*path) return cml_fail_memory(err, (double)directory, "a path");
+    memcpy(*path, beside, directory);
+    strcpy(*path + directory, name);
+    return CML_OK;
+}

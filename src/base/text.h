@@ -1,0 +1,69 @@
+/* Text in: the line reader and strict numbers. Knows nothing of any format.
+ * Numbers are read in the "C" locale (the program never calls setlocale).
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TEXT_H
+#define CML_TEXT_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/* A whole file in memory, handed out line by line. Owned by the caller; free with cml_text_clear. */
+struct cml_text {
+    char *path;    /* as given; "standard input" for "-" */
+    char *data;    /* size bytes and a final NUL */
+    size_t size;   /* bytes read */
+    size_t cursor; /* first byte that cml_text_next has not handed out */
+    int line;      /* number of the line handed out last, from 1 */
+};
+
+/* Reads `path` ("-" is standard input). CML_E_INPUT when it cannot be opened or read, holds a NUL byte, or is
+ * a directory: "PATH: cannot be read (REASON)". On failure *text is cleared. */
+CML_NODISCARD cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err);
+
+/* The same for a file that is not text: NUL bytes are data. */
+CML_NODISCARD cml_status cml_text_read_bytes(const char *path, struct cml_text *text, struct cml_error *err);
+
+void cml_text_clear(struct cml_text *text);
+
+/* Where cml_text_read gets its bytes: size bytes and a final NUL, owned by the caller. NULL stands for
+ * cml_text_from_file, the file system and standard input. One source serves the whole process; set it before
+ * reading, from one thread. */
+typedef cml_status cml_text_source(void *context, const char *path, char **data, size_t *size,
+                                   struct cml_error *err);
+cml_text_source cml_text_from_file;
+void cml_text_set_source(cml_text_source *source, void *context);
+
+/* A path as messages name it: "standard input" for "-". */
+const char *cml_text_name(const char *path);
+
+/* The next line without its line end (LF or CRLF; the last line needs none); NULL at the end of the file.
+ * The line is NUL-terminated in place and may be changed by the caller until cml_text_clear. */
+char *cml_text_next(struct cml_text *text);
+
+/* Cuts the next word (a run of non-blanks) out of *cursor: NUL-terminates it in place and moves *cursor
+ * behind it. Returns NULL when only blanks are left. A word that begins with '"' runs to the closing '"' and
+ * loses both; when the closing one is missing the word is returned with its opening '"', so that the caller's
+ * check refuses it. */
+char *cml_text_word(char **cursor);
+
+/* Whole-word conversions: true, and *value set, only when the entire word is one number.
+ * cml_parse_double takes decimal and exponent forms only: no hexadecimal, no nan, no inf, nothing that
+ * overflows. cml_parse_count takes 0 <= n <= 2^53, also written like 1e7 or 2.5e3 (must be whole).
+ * cml_parse_int takes decimal digits with an optional sign in the range of int. */
+bool cml_parse_double(const char *word, double *value);
+bool cml_parse_count(const char *word, uint64_t *value);
+bool cml_parse_int(const char *word, int *value);
+
+/* strdup that reports through err. */
+CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml_error *err);
+
+/* Joins the directory of `beside` with `name`, unless name is absolute: how a file named inside another is
+ * found. */
+CML_NODISCARD cml_status cml_path_beside(const char *beside, const char *name, char **path,
+                                         struct cml_error *err);
+
+#endif

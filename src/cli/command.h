@@ -1,0 +1,43 @@
+/* The commands of the program; each takes the parsed options and returns what becomes the exit code.
+ * options->operands[0] is the first word after the command's name.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_COMMAND_H
+#define CML_COMMAND_H
+
+#include "base/input_files.h"
+#include "cli/options.h"
+
+CML_NODISCARD cml_status cml_command_run(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_check(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err);
+
+/* What run, check, mesh and trace begin with: the one operand as a list of scenes, flattened when asked,
+ * checked for overlap. CML_E_INPUT when there is not exactly one operand. */
+CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
+                                         struct cml_error *err);
+
+/* The same on all ranks: rank 0 reads the files and sends their bytes to the others. *inputs are the bytes,
+ * the caller's to clear. Collective. */
+CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *options,
+                                                struct cml_scene_list *list, struct cml_inputs *inputs,
+                                                struct cml_error *err);
+
+/* CML_E_INPUT with the figure when the run would take more memory than the machine has. surfaces NULL: they
+ * are not made yet, and facets do not count. */
+CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
+                                          const struct cml_surface_set *surfaces, struct cml_error *err);
+
+/* One line: the most memory that the run will hold. */
+void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
+                      const struct cml_surface_set *surfaces);
+
+/* The output file of a scene: its name below the output directory. *path is the caller's to free. */
+CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                                         struct cml_error *err);
+
+#endif

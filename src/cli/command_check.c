@@ -1,0 +1,115 @@
+/* clustermcml check: everything that can be said of a file without flying a photon.
+ * SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "output/report.h"
+
+#include <math.h>
+
+static void print_media(const struct cml_scene *scene)
+{
+    printf("  %-8s %10s %10s %10s %10s %10s %12s\n", "medium", "n", "mua 1/cm", "mus 1/cm", "g", "d cm",
+           "mfp cm");
+    for (int m = 0; m <= scene->num_layers + 1; m++) {
+        const struct cml_medium_def *medium = &scene->media[m];
+        if (m == 0 || m > scene->num_layers) {
+            printf("  %-8s %10g\n", m == 0 ? "above" : "below", medium->n);
+            continue;
+        }
+        printf("  %-8d %10g %10g %10g %10g %10g %12g\n", m, medium->n, medium->mua, medium->mus, medium->g,
+               medium->d, 1 / (medium->mua + medium->mus));
+    }
+}
+
+/* What was measured, and what was made of it. A skirt steeper than the scan comes from a scan that is not
+ * level. */
+static void print_heightmap(const struct cml_heightmap_notes *notes)
+{
+    const struct cml_relief *relief = &notes->relief;
+    printf("    heightmap of %d x %d heights, %g x %g cm apart: rms height %g cm, rms slope %g, peak to "
+           "valley %g cm, "
+           "mean %g cm\n",
+           notes->nx, notes->ny, notes->dx, notes->dy, relief->rms, relief->slope_rms,
+           relief->highest - relief->lowest, relief->mean);
+    printf("    simplified to %zu of %zu triangles, height error <= %.3g cm (tolerance %.3g cm), rms slope "
+           "error "
+           "%.3g\n",
+           notes->triangles, 2 * notes->cells, notes->height_error, notes->tolerance, notes->slope_error);
+    printf("    skirt of %g x %g cm around it to the rim's mean height %g cm: up to %.3g cm\n",
+           notes->skirt[0], notes->skirt[1], notes->rim_mean, notes->rim_step);
+}
+
+/* A mesh much wider or thinner than the layers was probably given in other units. */
+static void print_mesh(const struct cml_scene *scene, int b)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    const struct cml_mesh *mesh = &boundary->mesh;
+    struct cml_mesh_summary s;
+    cml_mesh_summarise(mesh, &s);
+    printf("    box %g x %g x %g cm, rms height %g cm, peak to valley %g cm, rms slope %g, steepest %g\n",
+           mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1], mesh->upper[2] - mesh->lower[2],
+           s.z_rms, s.peak_to_valley, s.slope_rms, s.slope_max);
+    printf("    %zu triangles, edges %g cm (median), %g cm (shortest)\n", mesh->num_triangles, s.edge_median,
+           s.edge_min);
+    if (boundary->map_notes.cells > 0) print_heightmap(&boundary->map_notes);
+    const struct cml_mesh_notes *notes = &boundary->mesh_notes;
+    if (notes->welded + notes->degenerate + notes->unused + notes->flipped > 0)
+        printf("    welded %zu bit-equal vertices, dropped %zu degenerate triangles and %zu unused vertices, "
+               "turned %zu triangles\n",
+               notes->welded, notes->degenerate, notes->unused, notes->flipped);
+    double thickness = 0;
+    for (int l = 1; l <= scene->num_layers; l++) thickness += scene->media[l].d;
+    const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
+    if (width > 100 * thickness || s.peak_to_valley > thickness)
+        printf("    warning: the mesh is %g cm wide and %g cm high over layers of %g cm: is units= right?\n",
+               width, s.peak_to_valley, thickness);
+    const double ulp = 1.2e-7 * width;
+    if (ulp > 1e-4 * s.edge_min)
+        printf("    warning: single precision resolves %g cm here, more than 1e-4 of the shortest edge\n",
+               ulp);
+}
+
+static void print_map(const struct cml_scene *scene)
+{
+    const struct cml_map_def *map = &scene->map;
+    if (map->nx > 0)
+        printf("  map: nx %d x %g cm, ny %d x %g cm%s%s\n", map->nx, map->dx, map->ny, map->dy,
+               map->angles ? ", na angle bins in each pixel" : "",
+               map->volume ? ", and nz layers of voxels" : "");
+    if (scene->facets) printf("  facets: irradiance and exitance of every boundary\n");
+}
+
+static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
+                              struct cml_error *err)
+{
+    struct cml_surface_set surfaces;
+    CML_TRY(cml_surfaces_create(scene, &options->surface, &surfaces, err));
+    printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
+    print_media(scene);
+    printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
+           scene->na);
+    print_map(scene);
+    cml_report_boundaries(stdout, "  ", scene, &surfaces);
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (surfaces.item[b].kind != CML_SURFACE_PLANE || surfaces.item[b].expectation.bias > 0)
+            printf("  boundary %d: expected bias %.2g, about %.0f ns per query, built in %.3g s, %.3g MiB "
+                   "with its clearance map\n",
+                   b, surfaces.item[b].expectation.bias, surfaces.item[b].expectation.query_ns,
+                   surfaces.item[b].build_seconds, surfaces.item[b].bytes / 1048576);
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
+    cml_print_memory(options, scene, &surfaces);
+    cml_surfaces_free(&surfaces);
+    return CML_OK;
+}
+
+cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
+{
+    struct cml_scene_list list;
+    CML_TRY(cml_load_scenes(options, &list, err));
+    cml_status status = CML_OK;
+    for (int i = 0; status == CML_OK && i < list.count; i++)
+        status = check_scene(options, &list.scenes[i], err);
+    cml_scene_list_clear(&list);
+    return status;
+}

@@ -1,0 +1,174 @@
+/* clustermcml crosscheck: cones, mesh and OpenCL on the same photon indices.
+ * SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "base/atomic_file.h"
+#include "run/cluster.h"
+#include "run/crosscheck.h"
+#include "engine/engines.h"
+#include "base/text.h"
+
+#include <math.h>
+#include <stdio.h>
+
+struct dump {
+    FILE *stream;
+    const struct cml_check_setup *setup;
+};
+
+static void dump_packet(void *context, uint64_t photon, const struct cml_fate_record *records)
+{
+    const struct dump *dump = context;
+    fprintf(dump->stream, "%llu", (unsigned long long)photon);
+    for (int s = 0; s < dump->setup->num_sides; s++)
+        fprintf(dump->stream, "  %-11s %8u %8u %.9f", cml_fate_name(records[s].fate), records[s].interactions,
+                records[s].boundary_events, records[s].weight * CML_WEIGHT_UNIT);
+    fputc('\n', dump->stream);
+}
+
+static void dump_head(const struct dump *dump)
+{
+    const struct cml_check_setup *setup = dump->setup;
+    fprintf(dump->stream,
+            "# %s, seed %llu: photons whose fates or steps differ; each can be flown alone: "
+            "clustermcml trace %s PHOTON\n# photon, then fate, interactions, boundary events and weight of",
+            setup->scene->output, (unsigned long long)setup->options.seed, setup->scene->file);
+    for (int s = 0; s < setup->num_sides; s++)
+        fprintf(dump->stream, "%s %s", s ? ";" : "", setup->sides[s].name);
+    fputc('\n', dump->stream);
+}
+
+static void print_side(const struct cml_check_side *side, const struct cml_result *result)
+{
+    printf("  %-12s Rsp %.6f  Rd %.6f +- %.6f  A %.6f +- %.6f  Tt %.6f +- %.6f  lost %llu, residue %.17g\n",
+           side->name, cml_result_share(result, CML_BOOK_SPECULAR),
+           cml_result_share(result, CML_BOOK_REFLECTED), cml_result_error(result, CML_TOTAL_REFLECTED),
+           cml_result_share(result, CML_BOOK_ABSORBED), cml_result_error(result, CML_TOTAL_ABSORBED),
+           cml_result_share(result, CML_BOOK_TRANSMITTED), cml_result_error(result, CML_TOTAL_TRANSMITTED),
+           (unsigned long long)cml_result_lost(result), cml_result_residue(result));
+}
+
+static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)
+{
+    static const char *const names[CML_NUM_TOTALS] = {"Rsp", "Rd", "Tt", "A"};
+    const uint64_t differ = setup->photons - pair->equal;
+    printf("%s against %s: %s\n", setup->sides[s].name, setup->sides[0].name,
+           pair->agrees ? "agree" : "DISAGREE");
+    printf("  equal fates and steps: %.6g %% (%llu of %llu packets differ%s)\n",
+           100 * (double)pair->equal / (double)setup->photons, (unsigned long long)differ,
+           (unsigned long long)setup->photons,
+           setup->sides[s].same_geometry ? ", at most 0.01 % may" : "; another geometry");
+    for (int t = 0; t < CML_NUM_TOTALS; t++)
+        printf("  %-3s %+.3e +- %.1e  z = %+.2f\n", names[t], pair->total[t].mean, pair->total[t].error,
+               pair->total[t].z);
+    if (pair->worst_profile)
+        printf("  worst bin: %s[%d], z = %+.2f, of %d values\n", pair->worst_profile, pair->worst_bin,
+               pair->worst_z, pair->values);
+    else
+        printf("  worst bin: none, all %d values are equal\n", pair->values);
+}
+
+static void print_all(const struct cml_check_setup *setup, const struct cml_check_result *result,
+                      double tolerance)
+{
+    printf("%s: %g photons, seed %llu, mesh at tolerance %g\n", setup->scene->output, (double)setup->photons,
+           (unsigned long long)setup->options.seed, tolerance);
+    for (int s = 0; s < setup->num_sides; s++) print_side(&setup->sides[s], &result->runs[s].result);
+    for (int s = 1; s < setup->num_sides; s++) print_pair(setup, s, &result->pairs[s]);
+}
+
+static cml_status verdict(const struct cml_check_setup *setup, const struct cml_check_result *result,
+                          struct cml_error *err)
+{
+    int disagree = 0;
+    for (int s = 1; s < setup->num_sides; s++) disagree += !result->pairs[s].agrees;
+    if (!disagree) return CML_OK;
+    return cml_fail(err, CML_E_DIFFER, "%s: %d of %d comparisons disagree", setup->scene->output, disagree,
+                    setup->num_sides - 1);
+}
+
+static cml_status check_and_dump(const struct cml_options *options, struct cml_check_setup *setup,
+                                 struct cml_error *err)
+{
+    struct cml_file file = {0};
+    struct dump dump = {NULL, setup};
+    struct cml_check_result result;
+    if (options->dump) {
+        CML_TRY(cml_file_create(options->dump, &file, err));
+        dump.stream = file.stream;
+        dump_head(&dump);
+        setup->on_difference = dump_packet;
+        setup->context = &dump;
+    }
+    cml_status status = cml_crosscheck(setup, &result, err);
+    if (status != CML_OK) {
+        if (options->dump) cml_file_abort(&file);
+        return status;
+    }
+    if (options->dump) status = cml_file_commit(&file, err);
+    if (!options->quiet) print_all(setup, &result, options->surface.tolerance);
+    if (status == CML_OK) status = verdict(setup, &result, err);
+    cml_check_clear(&result);
+    return status;
+}
+
+static bool has_kind(const struct cml_surface_set *surfaces, enum cml_surface_kind kind)
+{
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind == kind) return true;
+    return false;
+}
+
+/* The mesh's side is left out where it would be planes again. */
+static cml_status check_surfaces(const struct cml_options *options, const struct cml_scene *scene, int index,
+                                 const struct cml_surface_set *chosen, const struct cml_surface_set *meshes,
+                                 struct cml_error *err)
+{
+    const struct cml_engine *cpu = cml_engine_find("cpu"), *opencl = cml_engine_find("opencl");
+    struct cml_check_setup setup = {.scene = scene,
+                                    .options = options->engine_options,
+                                    .photons = options->photons ? options->photons : scene->photons,
+                                    .num_sides = 1,
+                                    .sides = {{"cpu (cones)", cpu, chosen, true}}};
+    setup.options.run = (uint32_t)index;
+    if (!has_kind(chosen, CML_SURFACE_CONE)) setup.sides[0].name = "cpu (planes)";
+    if (has_kind(meshes, CML_SURFACE_MESH))
+        setup.sides[setup.num_sides++] = (struct cml_check_side){"cpu (mesh)", cpu, meshes, false};
+    setup.sides[setup.num_sides++] = (struct cml_check_side){"opencl", opencl, chosen, true};
+    return check_and_dump(options, &setup, err);
+}
+
+/* Maps, volume and facets are neither compared nor recorded: the opencl engine would refuse them. */
+static cml_status check_scene(const struct cml_options *options, struct cml_scene *scene, int index,
+                              struct cml_error *err)
+{
+    struct cml_surface_set chosen, meshes;
+    struct cml_surface_options as_mesh = options->surface;
+    as_mesh.force = CML_SURFACE_MESH;
+    scene->map = (struct cml_map_def){0};
+    scene->facets = false;
+    CML_TRY(cml_surfaces_create(scene, &options->surface, &chosen, err));
+    cml_status status = cml_surfaces_create(scene, &as_mesh, &meshes, err);
+    if (status == CML_OK) {
+        status = check_surfaces(options, scene, index, &chosen, &meshes, err);
+        cml_surfaces_free(&meshes);
+    }
+    cml_surfaces_free(&chosen);
+    return status;
+}
+
+cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err)
+{
+    struct cml_scene_list list;
+    if (cml_cluster_size() > 1)
+        return cml_fail(err, CML_E_INPUT, "crosscheck: %d ranks (expected one process)", cml_cluster_size());
+    CML_TRY(cml_load_scenes(options, &list, err));
+    cml_status status = CML_OK;
+    if (options->dump && list.count > 1)
+        status = cml_fail(err, CML_E_INPUT, "crosscheck: %s has %d runs (expected one with --dump)",
+                          options->operands[0], list.count);
+    for (int i = 0; status == CML_OK && i < list.count; i++)
+        status = check_scene(options, &list.scenes[i], i, err);
+    cml_scene_list_clear(&list);
+    return status;
+}

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "run/cluster.h"
+#include "input/mci.h"
+#include "output/report.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/* What is checked is what will fly: heightmaps at the tolerance. */
+static cml_status finish_all(const struct cml_options *options, struct cml_scene_list *list,
+                             struct cml_error *err)
+{
+    for (int i = 0; i < list->count; i++) {
+        CML_TRY(cml_scene_simplify(&list->scenes[i], options->surface.tolerance, err));
+        CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
+    }
+    return CML_OK;
+}
+
+cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
+                           struct cml_error *err)
+{
+    CML_TRY(cml_mci_read(options->operands[0], list, err));
+    const bool flat = options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE;
+    for (int i = 0; flat && i < list->count; i++) cml_scene_flatten(&list->scenes[i]);
+    const cml_status status = finish_all(options, list, err);
+    if (status != CML_OK) cml_scene_list_clear(list);
+    return status;
+}
+
+static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
+{
+    char *block = NULL;
+    size_t size = 0;
+    cml_status status = CML_OK;
+    const bool first = cml_cluster_rank() == 0;
+    if (first) status = cml_inputs_pack(inputs, &block, &size, err);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = cml_cluster_share_block(&block, &size, err);
+    if (status == CML_OK && !first) status = cml_inputs_unpack(block, size, inputs, err);
+    free(block);
+    return status;
+}
+
+static cml_status load_shared(const struct cml_options *options, struct cml_scene_list *list,
+                              struct cml_inputs *inputs, struct cml_error *err)
+{
+    const bool first = cml_cluster_rank() == 0;
+    cml_status status = CML_OK;
+    cml_inputs_record(inputs);
+    if (first) status = cml_load_scenes(options, list, err);
+    CML_TRY(cml_cluster_agree(status, err));
+    if (cml_cluster_size() > 1) status = share_inputs(inputs, err);
+    cml_inputs_replay(inputs);
+    if (status == CML_OK && !first) status = cml_load_scenes(options, list, err);
+    return cml_cluster_agree(status, err);
+}
+
+cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_scene_list *list,
+                                  struct cml_inputs *inputs, struct cml_error *err)
+{
+    *list = (struct cml_scene_list){0};
+    const cml_status status = load_shared(options, list, inputs, err);
+    cml_inputs_release();
+    if (status == CML_OK) return CML_OK;
+    cml_scene_list_clear(list);
+    cml_inputs_clear(inputs);
+    return status;
+}
+
+cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                           struct cml_error *err)
+{
+    if (!options->output || name[0] == '/') return cml_text_copy(name, path, err);
+    const size_t size = strlen(options->output) + strlen(name) + 2;
+    *path = malloc(size);
+    if (!*path) return cml_fail_memory(err, (double)size, "a path");
+    strcpy(*path, options->output);
+    strcat(*path, "/");
+    strcat(*path, name);
+    return CML_OK;
+}
+
+struct memory {
+    double held, tallies, output; /* bytes on this machine: so far, by the photons' flight, by writing
+                                   * the results */
+};
+
+static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
+                               const struct cml_surface_set *surfaces)
+{
+    const struct cml_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
+    const int asked = options->engine_options.threads;
+    const int threads = asked > 0 ? asked : options->engine->threads(NULL);
+    const double ranks = cml_cluster_local_size();
+    struct rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    const struct memory memory = {1024.0 * (double)usage.ru_maxrss * ranks,
+                                  cml_run_bytes(&grid, threads) * ranks, cml_report_bytes(&grid)};
+    return memory;
+}
+
+cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
+                            const struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    const struct memory memory = memory_of(options, scene, surfaces);
+    const double bytes = memory.held + memory.tallies + memory.output, gib = 1073741824.0;
+    const double most = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
+    if (bytes < most) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: %s takes %.3g GiB (expected at most this machine's %.3g GiB)",
+                    scene->file, scene->output, bytes / gib, most / gib);
+}
+
+void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
+                      const struct cml_surface_set *surfaces)
+{
+    const struct memory memory = memory_of(options, scene, surfaces);
+    const double mib = 1048576;
+    printf("  memory: at most %.0f MiB (tallies %.3g MiB, writing %.3g MiB)\n",
+           (memory.held + memory.tallies + memory.output) / mib, memory.tallies / mib, memory.output / mib);
+}

@@ -1,0 +1,43 @@
+/* clustermcml mesh: every boundary as an OBJ file, as it would go to Embree.
+ * SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "input/obj.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static cml_status write_boundary(const struct cml_options *options, const struct cml_scene *scene, int b,
+                                 struct cml_error *err)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    struct cml_mesh mesh;
+    CML_TRY(cml_boundary_mesh(boundary, &options->surface, &mesh, err));
+    if (mesh.num_triangles == 0) {
+        printf("boundary %d: plane z = %g cm, no file\n", b, boundary->z);
+        return CML_OK;
+    }
+    char name[4096], comment[256];
+    char *path = NULL;
+    snprintf(name, sizeof name, "%.4000s.boundary%d.obj", scene->output, b);
+    snprintf(comment, sizeof comment, "boundary %d of %.150s, cm, heights up, nominal depth %.17g cm", b,
+             scene->output, boundary->z);
+    cml_status status = cml_output_path(options, name, &path, err);
+    if (status == CML_OK) status = cml_obj_write(path, &mesh, comment, err);
+    if (status == CML_OK) printf("boundary %d: %zu triangles -> %s\n", b, mesh.num_triangles, path);
+    free(path);
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
+cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err)
+{
+    struct cml_scene_list list;
+    CML_TRY(cml_load_scenes(options, &list, err));
+    cml_status status = CML_OK;
+    for (int i = 0; i < list.count; i++)
+        for (int b = 0; status == CML_OK && b <= list.scenes[i].num_layers; b++)
+            status = write_boundary(options, &list.scenes[i], b, err);
+    cml_scene_list_clear(&list);
+    return status;
+}

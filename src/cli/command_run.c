@@ -1,0 +1,332 @@
+/* clustermcml run: every run of a file, one result each.
+ * SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "base/atomic_file.h"
+#include "run/checkpoint.h"
+#include "run/cluster.h"
+#include "run/cores.h"
+#include "run/identity.h"
+#include "output/report.h"
+#include "run/stop.h"
+#include "base/text.h"
+#include "base/version.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Progress goes to standard error: a bar that redraws itself on a terminal, a line every tenth elsewhere. */
+struct display {
+    bool quiet, terminal;
+    int tenths; /* lines printed so far */
+};
+
+static void draw_bar(const struct cml_progress *p)
+{
+    char bar[31];
+    const double share = (double)p->done / (double)p->total, speed = (double)p->done / p->seconds;
+    const int full = (int)(share * (sizeof bar - 1));
+    for (int i = 0; i < (int)sizeof bar - 1; i++) bar[i] = i < full ? '#' : '.';
+    bar[sizeof bar - 1] = '\0';
+    fprintf(stderr, "\r[%s] %3.0f %%  %.3g photons/s  %.0f s left   ", bar, 100 * share, speed,
+            (double)(p->total - p->done) / speed);
+    if (p->done == p->total) fprintf(stderr, "\r\033[K");
+    fflush(stderr);
+}
+
+static void show_progress(void *context, const struct cml_progress *p)
+{
+    struct display *display = context;
+    if (display->quiet) return;
+    if (display->terminal) {
+        draw_bar(p);
+        return;
+    }
+    const int tenths = (int)(10 * p->done / p->total);
+    if (tenths <= display->tenths || p->seconds < 10) return;
+    display->tenths = tenths;
+    fprintf(stderr, "%d %%, %.0f s\n", 10 * tenths, p->seconds);
+}
+
+/* Rank 0 speaks for all. */
+static void show_note(void *context, const char *text)
+{
+    (void)context;
+    if (cml_cluster_rank() == 0) fprintf(stderr, "clustermcml: note: %s\n", text);
+}
+
+static cml_status publish(const struct cml_options *options, struct cml_report *report, struct cml_error *err)
+{
+    char *path = NULL;
+    CML_TRY(cml_output_path(options, report->scene->output, &path, err));
+    cml_status status = cml_report_write(report, path, err);
+    free(path);
+    if (status == CML_OK && options->json) status = cml_report_json(stdout, report, err);
+    if (status == CML_OK && !options->quiet && !options->json) {
+        cml_report_summary(stdout, report);
+        if (options->verbose) cml_report_ranks(stdout, report->run);
+        for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
+    }
+    cml_report_clear(report);
+    return status == CML_OK ? cml_run_verdict(report->scene, &report->run->result, err) : status;
+}
+
+static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
+{
+    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
+    const struct cml_scene *scene = setup->scene;
+    printf("%s: %g photons, %d layer%s, %s engine, seed %llu\n", scene->output, (double)setup->photons,
+           scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
+           (unsigned long long)setup->options.seed);
+    cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
+    if (cml_report_wants_fields(scene) && !cml_report_has_fields())
+        printf("  no .h5 file: this program was built without HDF5\n");
+    cml_print_memory(options, scene, setup->surfaces);
+    fflush(stdout);
+}
+
+/* What all runs of one call share. */
+struct session {
+    const struct cml_options *options;
+    struct cml_scene_list list;
+    char *inputs; /* lines of their identity */
+};
+
+/* Options that differ between ranks would mix two runs in one result. */
+static cml_status check_same(const char *identity, struct cml_error *err)
+{
+    char *first = (char *)identity;
+    size_t size = strlen(identity) + 1;
+    CML_TRY(cml_cluster_share_block(&first, &size, err));
+    cml_status status = CML_OK;
+    if (strcmp(first, identity) != 0)
+        status = cml_fail(err, CML_E_INPUT,
+                          "rank %d has another program or other options than rank 0 (expected the same)",
+                          cml_cluster_rank());
+    if (first != identity) free(first);
+    return cml_cluster_agree(status, err);
+}
+
+static void note_old_checkpoint(const struct cml_options *options, const char *path)
+{
+    if (options->resume || access(path, F_OK) != 0) return;
+    char text[512];
+    snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew", path);
+    show_note(NULL, text);
+}
+
+static cml_status publish_run(const struct session *session, int index, const struct cml_run_setup *setup,
+                              const struct cml_run_result *run, struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    if (cml_cluster_rank() != 0) return CML_OK;
+    if (run->finished) {
+        if (!options->quiet && !options->json) printf("  finished before\n");
+        return CML_OK;
+    }
+    struct cml_report report = {.scene = setup->scene,
+                                .surfaces = setup->surfaces,
+                                .run = run,
+                                .engine = setup->engine,
+                                .seed = setup->options.seed,
+                                .run_index = setup->options.run,
+                                .reentry = setup->options.reentry,
+                                .command = options->command};
+    CML_TRY(publish(options, &report, err));
+    if (!setup->checkpoint || index + 1 == session->list.count) return CML_OK;
+    const struct cml_run_state nothing = {.begin = 0};
+    return cml_checkpoint_write(setup->checkpoint, setup->identity, &nothing, NULL, err);
+}
+
+static cml_status fly(const struct session *session, int index, struct cml_run_setup *setup,
+                      struct cml_error *err)
+{
+    struct cml_run_result run;
+    if (setup->checkpoint && cml_cluster_rank() == 0)
+        note_old_checkpoint(session->options, setup->checkpoint);
+    announce(session->options, setup);
+    CML_TRY(check_same(setup->identity, err));
+    CML_TRY(cml_run(setup, &run, err));
+    cml_status status = publish_run(session, index, setup, &run, err);
+    cml_run_result_free(&run);
+    return cml_cluster_agree(status, err);
+}
+
+static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
+                                  char **path, struct cml_error *err)
+{
+    char *output = NULL;
+    CML_TRY(cml_output_path(options, scene->output, &output, err));
+    const cml_status status = cml_checkpoint_path(output, path, err);
+    free(output);
+    return status;
+}
+
+/* Everything that may fail on one rank alone happens before the ranks agree. */
+static cml_status prepare(const struct session *session, int index, struct cml_surface_set *surfaces,
+                          char **checkpoint, char **identity, struct cml_run_setup *setup,
+                          struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    CML_TRY(cml_surfaces_create(setup->scene, &options->surface, surfaces, err));
+    CML_TRY(cml_check_memory(options, setup->scene, surfaces, err));
+    setup->surfaces = surfaces;
+    setup->options.run = (uint32_t)index;
+    CML_TRY(cml_identity_of(setup, &options->surface, options->ignore_heightfields, session->inputs, identity,
+                            err));
+    setup->identity = *identity;
+    if (options->checkpoint_interval > 0 || options->resume)
+        CML_TRY(checkpoint_path(options, setup->scene, checkpoint, err));
+    setup->checkpoint = *checkpoint;
+    return CML_OK;
+}
+
+static cml_status run_scene(const struct session *session, int index, struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    const struct cml_scene *scene = &session->list.scenes[index];
+    struct display display = {.quiet = options->quiet || options->json, .terminal = isatty(STDERR_FILENO)};
+    struct cml_run_setup setup = {.scene = scene,
+                                  .engine = options->engine,
+                                  .options = options->engine_options,
+                                  .photons = options->photons ? options->photons : scene->photons,
+                                  .target_error = options->target_error,
+                                  .interval = options->checkpoint_interval,
+                                  .resume = options->resume,
+                                  .on_progress = show_progress,
+                                  .on_note = show_note,
+                                  .context = &display};
+    struct cml_surface_set surfaces = {0};
+    char *checkpoint = NULL, *identity = NULL;
+    cml_status status = prepare(session, index, &surfaces, &checkpoint, &identity, &setup, err);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = fly(session, index, &setup, err);
+    cml_surfaces_free(&surfaces);
+    free(checkpoint);
+    free(identity);
+    return status;
+}
+
+static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
+{
+    char *name = NULL;
+    struct cml_file file;
+    CML_TRY(suffix ? cml_report_path(path, suffix, &name, err) : cml_text_copy(path, &name, err));
+    const cml_status status = cml_file_create(name, &file, err);
+    free(name);
+    CML_TRY(status);
+    cml_file_abort(&file);
+    return CML_OK;
+}
+
+/* The files of a run; of those beside the .mco the one with the longest name. */
+static cml_status check_files(const struct cml_options *options, const struct cml_scene *scene,
+                              struct cml_error *err)
+{
+    const bool more = scene->map.nx > 0 || scene->facets;
+    char *path = NULL;
+    if (scene->format == 'B' && !cml_report_has_fields())
+        return cml_fail_field(err, scene->file, scene->line, "format", "B",
+                              "A: this program was built without HDF5");
+    CML_TRY(cml_output_path(options, scene->output, &path, err));
+    cml_status status = check_writable(path, scene->format == 'B' ? ".h5" : NULL, err);
+    if (status == CML_OK && more) status = check_writable(path, ".boundary10000.vtp", err);
+    free(path);
+    return status;
+}
+
+/* Two runs may not write the same file beside their .mco. */
+static cml_status check_stems(const struct cml_scene_list *list, int last, struct cml_error *err)
+{
+    const struct cml_scene *scene = &list->scenes[last];
+    for (int i = 0; i < last; i++) {
+        if (!cml_report_same_stem(list->scenes[i].output, scene->output)) continue;
+        if (!cml_report_wants_fields(&list->scenes[i]) || !cml_report_wants_fields(scene)) continue;
+        return cml_fail_field(err, scene->file, scene->line, "output name", scene->output,
+                              "another name: an earlier run has the same but for its ending");
+    }
+    return CML_OK;
+}
+
+/* Found before the photons fly, not after: an output that cannot be written, a grid that does not fit. */
+static cml_status check_output(const struct session *session, int index, struct cml_error *err)
+{
+    const struct cml_scene *scene = &session->list.scenes[index];
+    CML_TRY(cml_check_memory(session->options, scene, NULL, err));
+    CML_TRY(check_stems(&session->list, index, err));
+    return cml_cluster_rank() == 0 ? check_files(session->options, scene, err) : CML_OK;
+}
+
+static cml_status check_outputs(const struct session *session, struct cml_error *err)
+{
+    cml_status status = CML_OK;
+    for (int i = 0; status == CML_OK && i < session->list.count; i++) status = check_output(session, i, err);
+    return cml_cluster_agree(status, err);
+}
+
+static void warn_of_binding(int threads)
+{
+    struct cml_cores cores;
+    char text[160];
+    cml_cores_mine(&cores);
+    const int count = cml_cores_count(&cores);
+    if (threads <= count) return;
+    snprintf(text, sizeof text,
+             "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
+             count, count == 1 ? "" : "s");
+    show_note(NULL, text);
+}
+
+/* Threads as asked for; 0 leaves it to OpenMP, that is OMP_NUM_THREADS or the affinity mask, but ranks that
+ * share the cores of a machine share them evenly. */
+static int choose_threads(const struct cml_options *options)
+{
+    const char *environment = getenv("OMP_NUM_THREADS");
+    int threads = options->engine_options.threads;
+    if (threads == 0 && environment && !cml_parse_int(environment, &threads)) return 0;
+    warn_of_binding(threads);
+    return threads > 0 ? threads : cml_cluster_fair_cores();
+}
+
+/* A finished run needs no checkpoint. */
+static void remove_checkpoints(const struct session *session)
+{
+    struct cml_error ignored;
+    for (int i = 0; cml_cluster_rank() == 0 && i < session->list.count; i++) {
+        char *path = NULL;
+        if (checkpoint_path(session->options, &session->list.scenes[i], &path, &ignored) == CML_OK)
+            cml_checkpoint_remove(path);
+        free(path);
+    }
+}
+
+static cml_status run_all(const struct session *session, struct cml_error *err)
+{
+    const struct cml_options *options = session->options;
+    CML_TRY(check_outputs(session, err));
+    if (options->checkpoint_interval > 0) cml_stop_watch();
+    if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
+        printf("clustermcml %s, %d rank%s\n", cml_version(), cml_cluster_size(),
+               cml_cluster_size() == 1 ? "" : "s");
+    for (int i = 0; i < session->list.count; i++) CML_TRY(run_scene(session, i, err));
+    if (options->checkpoint_interval > 0 || options->resume) remove_checkpoints(session);
+    return CML_OK;
+}
+
+cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
+{
+    struct cml_options mine = *options;
+    struct session session = {.options = &mine};
+    struct cml_inputs inputs;
+    mine.engine_options.threads = choose_threads(options);
+    mine.engine_options.local_rank = cml_cluster_local_rank();
+    CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
+    cml_status status = cml_identity_inputs(&inputs, &session.inputs, err);
+    cml_inputs_clear(&inputs);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = run_all(&session, err);
+    free(session.inputs);
+    cml_scene_list_clear(&session.list);
+    return status;
+}

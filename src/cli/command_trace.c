@@ -1,0 +1,66 @@
+/* clustermcml trace: every event of one photon, on any engine.
+ * SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "base/text.h"
+#include "types.h"
+
+#include <stdio.h>
+
+static void print_event(void *context, const struct cml_trace_event *event)
+{
+    long *row = context;
+    printf("%6ld  %-8s %6d  %15.9g %15.9g %15.9g  %12.9f %12.9f %12.9f  %.9g\n", (*row)++, event->what,
+           event->medium, event->position[0], event->position[1], event->position[2], event->direction[0],
+           event->direction[1], event->direction[2], event->weight);
+}
+
+static cml_status trace(const struct cml_options *options, const struct cml_scene *scene, void *engine,
+                        uint64_t photon, struct cml_error *err)
+{
+    struct cml_fate_record record;
+    long row = 0;
+    printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
+           options->engine->name, (unsigned long long)options->engine_options.seed);
+    printf("#%5s  %-8s %6s  %15s %15s %15s  %12s %12s %12s  %s\n", "event", "what", "medium", "x cm", "y cm",
+           "z cm", "ux", "uy", "uz", "weight");
+    CML_TRY(options->engine->trace(engine, photon, print_event, &row, &record, err));
+    printf("# %s", cml_fate_name(record.fate));
+    if (record.fate == CML_FATE_LOST) printf(" (%s)", cml_lost_cause_name(record.cause));
+    printf(" after %u interactions and %u boundary events, last outside contact at x = %.9g, y = %.9g cm\n",
+           record.interactions, record.boundary_events, record.exit[0], record.exit[1]);
+    return CML_OK;
+}
+
+static cml_status trace_scene(const struct cml_options *options, const struct cml_scene *scene,
+                              uint64_t photon, struct cml_error *err)
+{
+    struct cml_surface_set surfaces;
+    struct cml_engine_options engine_options = options->engine_options;
+    void *engine = NULL;
+    engine_options.run = (uint32_t)options->run - 1;
+    CML_TRY(cml_surfaces_create(scene, &options->surface, &surfaces, err));
+    cml_status status = options->engine->open(scene, &surfaces, &engine_options, &engine, err);
+    if (status == CML_OK) status = trace(options, scene, engine, photon, err);
+    options->engine->close(engine);
+    cml_surfaces_free(&surfaces);
+    return status;
+}
+
+cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err)
+{
+    uint64_t photon = 0;
+    if (!cml_parse_count(options->operands[1], &photon))
+        return cml_fail(err, CML_E_INPUT, "trace: photon %s (expected an index from 0)",
+                        options->operands[1]);
+    struct cml_scene_list list;
+    CML_TRY(cml_load_scenes(options, &list, err));
+    cml_status status = CML_OK;
+    if (options->run > (uint64_t)list.count)
+        status = cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
+                          (unsigned long long)options->run, list.count, options->operands[0]);
+    else
+        status = trace_scene(options, &list.scenes[options->run - 1], photon, err);
+    cml_scene_list_clear(&list);
+    return status;
+}

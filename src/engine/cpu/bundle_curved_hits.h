@@ -1,0 +1,98 @@
+/* Packets that meet a curved surface: below rings roots and normals, and what becomes of directions, for many
+ * packets in vector loops. Which ring or facet it is they find out one by one. SPDX-License-Identifier: MIT
+ */
+#ifndef CML_BUNDLE_CURVED_HITS_H
+#define CML_BUNDLE_CURVED_HITS_H
+
+#include "engine/cpu/bundle_lanes.h"
+#include "engine/cpu/bundle_loops.h"
+
+/* Packets that meet one boundary, from one side. Positions are in the boundary's frame, from the beam's axis.
+ * What lies behind the packets may be anything. */
+struct cml_hits {
+    int count;
+    _Alignas(64) int lane[CML_LANES], primitive[CML_LANES];
+    real x[CML_LANES], y[CML_LANES], z[CML_LANES], ux[CML_LANES], uy[CML_LANES], uz[CML_LANES];
+    /* of rings */
+    int known[CML_LANES]; /* t is; else it is the root in [t0, t1] */
+    real ring_r[CML_LANES], ring_z[CML_LANES], ring_end[CML_LANES], slope[CML_LANES];
+    real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES];
+    real t[CML_LANES];
+    cml_u32 index_low[CML_LANES], index_high[CML_LANES], crossings[CML_LANES];
+    /* what comes of it */
+    int doubtful[CML_LANES]; /* to be asked for again, by itself */
+    int through[CML_LANES];
+    real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES];
+};
+
+/* As cml_ring_span where the ray enters and does not stand on the ring, of slope other than 0: the root, or 0
+ * where that takes a search. */
+static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct cml_vec u, real side, real t0,
+                                 real t1, real *root)
+{
+    const struct cml_cone_ray ray = cml_cone_ray_make(p, u, side);
+    real room;
+    const real first = cml_into_span(cml_ring_sloped_root(ring, &ray, 0, &room), t0, t1);
+    return cml_ring_newton(ring, &ray, t0, t1, first, room, root);
+}
+
+/* Where packets meet their ring: fills t and doubtful, normals, and moves x, y, z there. As cml_field_hit for
+ * a packet that is not the beam itself. */
+CML_PASS void cml_hits_settle_rings(const struct cml_world *world, real side, struct cml_hits *h)
+{
+    const int size = cml_whole_vectors(h->count);
+    const struct cml_vec axis = {0, 0, -1};
+#pragma omp simd
+    for (int k = 0; k < size; k++) {
+        const struct cml_vec p = {h->x[k], h->y[k], h->z[k]}, u = {h->ux[k], h->uy[k], h->uz[k]};
+        const struct cml_ring ring = {h->ring_r[k], h->ring_z[k], h->slope[k]};
+        const real given = h->t[k], t_max = h->t_max[k];
+        const int known = h->known[k];
+        real better;
+        const int good =
+            cml_entry_root(ring, cml_from_scene_axis(world, p), u, side, h->t0[k], h->t1[k], &better);
+        const real t = known ? given : better;
+        const struct cml_vec point = cml_along(p, t, u), q = cml_from_scene_axis(world, point);
+        const real r = CML_SQRT(q.x * q.x + q.y * q.y);
+        const struct cml_vec up = cml_cone_normal_of_slope(ring.slope, q.x, q.y, r);
+        h->t[k] = t;
+        h->doubtful[k] = !(known | (good & (better < t_max)));
+        h->x[k] = point.x;
+        h->y[k] = point.y;
+        h->z[k] = cml_onto_ring(ring.z, h->ring_end[k], point.z);
+        h->normal_x[k] = r > 0 ? up.x : axis.x;
+        h->normal_y[k] = r > 0 ? up.y : axis.y;
+        h->normal_z[k] = r > 0 ? up.z : axis.z;
+    }
+}
+
+/* P5 there, between unequal indices, as cml_reflect_or_refract where normal and facet are the same: fills
+ * through, and turns ux, uy, uz. Returns how many directions, of packets that are not doubtful, the facet has
+ * overruled. */
+CML_PASS int cml_hits_turn(const struct cml_setup *setup, real side, real n1, real n2, struct cml_hits *h)
+{
+    const struct cml_stream stream = setup->stream;
+    const int count = h->count, size = cml_whole_vectors(count);
+    int overruled = 0;
+#pragma omp simd reduction(+ : overruled)
+    for (int k = 0; k < size; k++) {
+        const struct cml_vec u = {h->ux[k], h->uy[k], h->uz[k]};
+        const struct cml_vec up = {h->normal_x[k], h->normal_y[k], h->normal_z[k]};
+        const struct cml_block draw =
+            cml_threefry(stream, h->index_low[k], h->index_high[k], h->crossings[k], CML_PURPOSE_BOUNDARY);
+        int through;
+        const struct cml_vec v =
+            cml_boundary_direction(u, up, side, n1, n2, cml_uniform(draw.w[0]), &through);
+        const real leaving = side * cml_dot(v, up);
+        const int wrong = (through & (leaving < 0)) | (!through & (leaving > 0));
+        const int goes_on = wrong & !through & (side * cml_dot(u, up) < 0);
+        h->ux[k] = goes_on ? u.x : v.x;
+        h->uy[k] = goes_on ? u.y : v.y;
+        h->uz[k] = goes_on ? u.z : v.z;
+        h->through[k] = through;
+        overruled += wrong & !h->doubtful[k] & (k < count);
+    }
+    return overruled;
+}
+
+#endif

@@ -1,0 +1,158 @@
+/* Lanes near curved boundaries: which of them meet one, and where. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_SEARCH_H
+#define CML_BUNDLE_CURVED_SEARCH_H
+
+#include "engine/cpu/bundle_curved_cross.h"
+#include "engine/cpu/bundle_curved_reach.h"
+
+/* Whether the lane's packet is one for cml_seek_lane: in the material, about to meet no boundary but this
+ * one, which is curved, and nothing rare about it. */
+static int cml_is_plain(const struct cml_flight *f, int i, int boundary)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    const int medium = b->medium[i];
+    return medium > 0 && medium <= f->world->setup.num_layers &&
+           f->world->surfaces[boundary].kind != CML_SURFACE_PLANE && !f->to.facets &&
+           b->boundary_events[i] > 0 && b->bounces[i] < CML_TRAPPED_LIMIT && b->s[i] < CML_INFINITY &&
+           cml_dot(u, u) < 2;
+}
+
+/* What the lane's packet stands on of a boundary, -1: nothing. */
+static int cml_lane_stands_on(const struct cml_bundle *b, int i, int boundary)
+{
+    const int stands = b->touched[i] == b->interactions[i] && b->on_boundary[i] == boundary;
+    return stands ? b->on_primitive[i] : -1;
+}
+
+/* A packet at p among those that meet the boundary. Returns its number. */
+static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct cml_vec p, struct cml_hits *h)
+{
+    const int k = h->count++;
+    h->lane[k] = i;
+    h->primitive[k] = primitive;
+    h->x[k] = p.x;
+    h->y[k] = p.y;
+    h->z[k] = p.z;
+    h->ux[k] = b->ux[i];
+    h->uy[k] = b->uy[i];
+    h->uz[k] = b->uz[i];
+    h->index_low[k] = b->index_low[i];
+    h->index_high[k] = b->index_high[i];
+    h->crossings[k] = b->crossings[i];
+    return k;
+}
+
+/* The lane's packet, at p in the boundary's frame, on its way to rings: cml_field_hit up to the root. */
+static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side,
+                           struct cml_stretch s, struct cml_hits *h)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_bundle *b = f->b;
+    const struct cml_rings rings = cml_rings_of(world, boundary);
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    const int on_ring = cml_lane_stands_on(b, i, boundary);
+    const real t_min = on_ring >= 0 ? (real)0 : s.from;
+    struct cml_cone_march march =
+        cml_cone_begin(rings, cml_from_scene_axis(world, p), u, side, t_min, on_ring);
+    const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, s.to, 1, &h->t[h->count]);
+    if (verdict == CML_CONE_MISSED) {
+        cml_lane_passes(f, i);
+        return;
+    }
+    const int k = cml_add_hit(b, i, march.ring, p, h);
+    h->known[k] = verdict == CML_CONE_HIT;
+    h->ring_r[k] = rings.r[march.ring];
+    h->ring_z[k] = rings.z[march.ring];
+    h->ring_end[k] = cml_ring_end(rings, march.ring);
+    h->slope[k] = rings.slope[march.ring];
+    h->t0[k] = march.t0;
+    h->t1[k] = march.t1;
+    h->t_max[k] = s.to;
+}
+
+static int cml_is_shaded(const struct cml_hit *hit)
+{
+    return hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
+}
+
+/* The lane's packet on its way to a mesh. p in the boundary's frame. */
+static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
+                           struct cml_hits *h)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    struct cml_hit hit = {.boundary = boundary};
+    int beside;
+    const int found = cml_mesh_hit(f->world, boundary, p, u, side, t_max, cml_lane_stands_on(b, i, boundary),
+                                   b->straight[i], &hit, &beside);
+    if (!found && beside) {
+        cml_handle_exception(f, i);
+    } else if (!found) {
+        cml_lane_passes(f, i);
+    } else if (cml_is_shaded(&hit)) {
+        cml_meet_found(f, i, &hit);
+    } else {
+        const int k = cml_add_hit(b, i, hit.primitive, hit.point, h);
+        h->t[k] = hit.t;
+        h->doubtful[k] = 0;
+        h->normal_x[k] = hit.normal.x;
+        h->normal_y[k] = hit.normal.y;
+        h->normal_z[k] = hit.normal.z;
+    }
+}
+
+/* The lane's packet on its way to a curved boundary. */
+static void cml_seek_lane(struct cml_flight *f, int i, int boundary, real side, struct cml_stretch s,
+                          struct cml_hits *h)
+{
+    const struct cml_bundle *b = f->b;
+    const real depth = side < 0 ? f->world->media[boundary].span : (real)0;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i] - depth};
+    if (f->world->surfaces[boundary].kind == CML_SURFACE_CONE)
+        cml_march_lane(f, i, boundary, p, side, s, h);
+    else
+        cml_query_lane(f, i, boundary, p, side, s.to, h);
+}
+
+/* Lanes of one medium near a curved surface. */
+static void cml_meet_crowd(struct cml_flight *f, int medium, uint64_t lanes)
+{
+    struct cml_crowd *crowd = f->crowd;
+    int k = 0;
+    cml_find_reaches(f, medium, lanes);
+    for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
+        const int i = __builtin_ctzll(rest);
+        const struct cml_reach reach = {cml_stretch_of(&crowd->above, k), cml_stretch_of(&crowd->below, k)};
+        const int above = reach.above.meets;
+        if (above == reach.below.meets || !cml_is_plain(f, i, above ? medium - 1 : medium))
+            cml_go_on(f, i, reach, f->b->s[i]);
+        else if (above)
+            cml_seek_lane(f, i, medium - 1, 1, reach.above, &crowd->hits_above);
+        else
+            cml_seek_lane(f, i, medium, -1, reach.below, &crowd->hits_below);
+    }
+    cml_meet_hits(f, medium, 1, &crowd->hits_above);
+    cml_meet_hits(f, medium, -1, &crowd->hits_below);
+}
+
+/* Lanes near curved surfaces wait for others, as those at planes do. */
+static void cml_meet_curves(struct cml_flight *f)
+{
+    const int patience = f->b->lanes == CML_LANES ? 32 : 1;
+    uint64_t lanes = cml_lanes_with(f->b, CML_LANE_CURVED);
+    f->waited_near += __builtin_popcountll(lanes);
+    if (f->waited_near < patience) return;
+    f->waited_near = 0;
+    while (lanes) {
+        const int medium = f->b->medium[__builtin_ctzll(lanes)];
+        const uint64_t here = cml_lanes_in(f->b, lanes, medium);
+        if (f->aimed && medium == 0)
+            cml_for_lanes(f, here, cml_handle_exception);
+        else
+            cml_meet_crowd(f, medium, here);
+        lanes &= ~here;
+    }
+}
+
+#endif

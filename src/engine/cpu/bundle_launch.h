@@ -1,0 +1,182 @@
+/* New packets, into the lanes of those that have ended. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_LAUNCH_H
+#define CML_BUNDLE_LAUNCH_H
+
+#include "engine/cpu/bundle_pencil.h"
+#include "engine/cpu/bundle_lanes.h"
+#include "engine/cpu/bundle_loops.h"
+
+#include <string.h>
+
+/* A lane without a packet takes part in every loop, and does nothing in any. */
+static void cml_park_lane(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_vec nowhere = {0, 0, 0}, down = {0, 0, 1};
+    cml_store_ray(b, i, nowhere, down);
+    b->tau[i] = 0;
+    b->w[i] = b->marked[i] = 0;
+    b->task[i] = CML_LANE_DONE;
+    b->medium[i] = 0;
+    CML_OF_MEDIUM(b, mfp)[i] = 1;
+    CML_OF_MEDIUM(b, stop_above)[i] = CML_OF_MEDIUM(b, start_above)[i] = -CML_INFINITY;
+    CML_OF_MEDIUM(b, stop_below)[i] = CML_OF_MEDIUM(b, start_below)[i] = CML_INFINITY;
+    f->live &= ~CML_LANE_BIT(i);
+}
+
+/* Optical depths that cml_fresh_draw has left in the tail. */
+static void cml_fresh_draw_tails(struct cml_stream stream, uint64_t next, struct cml_fresh *fresh)
+{
+    for (int i = 0; i < CML_FRESH; i++)
+        if (!(fresh->tau[i] < CML_INFINITY))
+            fresh->tau[i] = cml_optical_depth(stream, next + (uint64_t)i, 0, 0);
+}
+
+/* Counts the ballistic ones among the first `count`, and closes up the others. Returns how many those are. */
+static int cml_drop_ballistic(struct cml_flight *f, int count)
+{
+    struct cml_fresh *fresh = &f->fresh;
+    struct cml_ballistic *like = &f->ballistic;
+    int at = 0;
+    cml_fresh_find_staying(f->world->setup.stream, like->path, like->mfp, like->crossings, like->reflectance,
+                           fresh);
+    for (int first = 0; first < count; first += CML_GROUP) {
+        const cml_u32 here = count - first < CML_GROUP ? (1u << (count - first)) - 1 : CML_GROUP_MASK;
+        const cml_u32 stay = cml_group_equal(fresh->stays + first, 1) & here;
+        cml_group_pack(fresh->index_low + first, stay, fresh->index_low + at);
+        cml_group_pack(fresh->index_high + first, stay, fresh->index_high + at);
+        cml_group_pack(fresh->tau + first, stay, fresh->tau + at);
+        cml_group_pack(fresh->draw1 + first, stay, fresh->draw1 + at);
+        cml_group_pack(fresh->draw2 + first, stay, fresh->draw2 + at);
+        cml_group_pack(fresh->through + first, stay, fresh->through + at);
+        at += __builtin_popcount(stay);
+    }
+    like->count += (uint64_t)(count - at);
+    return at;
+}
+
+/* New packets are at hand. */
+static int cml_have_fresh(struct cml_flight *f)
+{
+    struct cml_fresh *fresh = &f->fresh;
+    const struct cml_stream stream = f->world->setup.stream;
+    while (fresh->first >= fresh->end) {
+        if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
+        const int count = f->left < CML_FRESH ? (int)f->left : CML_FRESH;
+        if (cml_fresh_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, fresh))
+            cml_fresh_draw_tails(stream, f->next, fresh);
+        f->next += (uint64_t)count;
+        f->left -= (uint64_t)count;
+        fresh->first = 0;
+        fresh->end = f->ballistic.possible ? cml_drop_ballistic(f, count) : count;
+    }
+    return 1;
+}
+
+static cml_u32 cml_first_bits(cml_u32 mask, int count)
+{
+    cml_u32 rest = mask;
+    if (__builtin_popcount(mask) <= count) return mask;
+    for (; count > 0; count--) rest &= rest - 1;
+    return mask & ~rest;
+}
+
+/* P1 where every packet of the beam starts elsewhere, and where facets are asked for. */
+static void cml_place_lane(struct cml_flight *f, int i)
+{
+    struct cml_packet *start = &f->start;
+    if (!f->pencil) {
+        cml_place(f->world, cml_lane_index(f->b, i), start);
+        cml_store_ray(f->b, i, start->p, start->u);
+    }
+    if (f->to.facets) cml_score_launch(f->world, &f->to, start);
+}
+
+/* Lane `from` into lane `to`, which holds no packet. All columns are 4 bytes wide and follow one another. */
+static void cml_move_lane(struct cml_flight *f, int from, int to)
+{
+    const size_t first = offsetof(struct cml_bundle, x), column = sizeof f->b->x;
+    for (size_t k = first; k + column <= sizeof *f->b; k += column) {
+        char *lanes = (char *)f->b + k;
+        memcpy(lanes + sizeof(real) * (size_t)to, lanes + sizeof(real) * (size_t)from, sizeof(real));
+    }
+    f->absorbed[to] = f->absorbed[from];
+    f->live |= CML_LANE_BIT(to);
+}
+
+/* Nothing is left to launch: the packets in flight move together, so that passes need not go over lanes
+ * without one. */
+static void cml_close_ranks(struct cml_flight *f)
+{
+    const int lanes = (__builtin_popcountll(f->live) + CML_GROUP - 1) / CML_GROUP * CML_GROUP;
+    if (lanes == f->b->lanes) return;
+    for (int from = lanes; from < f->b->lanes; from++) {
+        if (f->live >> from & 1u) cml_move_lane(f, from, __builtin_ctzll(~f->live));
+        cml_park_lane(f, from);
+    }
+    f->b->lanes = lanes;
+}
+
+/* Packets like `start` for lanes of a group, which mostly are in its medium already. */
+static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start, int first, cml_u32 fresh)
+{
+    struct cml_bundle *b = f->b;
+    cml_u32 elsewhere = fresh & ~cml_group_equal(b->medium + first, start->medium);
+    cml_bundle_launch(b, start, f->absorbed, first, fresh);
+    for (; elsewhere; elsewhere &= elsewhere - 1) {
+        const int i = first + __builtin_ctz(elsewhere);
+        b->medium[i] = start->medium;
+        cml_load_medium(f, i);
+    }
+}
+
+/* Those of a group's lanes that are to hold packets which go through the first boundary. */
+static cml_u32 cml_lanes_through(const struct cml_fresh *fresh, cml_u32 lanes)
+{
+    _Alignas(64) int through[CML_GROUP] = {0};
+    cml_group_unpack(fresh->through + fresh->first, lanes, through);
+    return cml_group_equal(through, 1);
+}
+
+/* What is at hand, for lanes of a group; there is as much. */
+static void cml_launch_fresh(struct cml_flight *f, int first, cml_u32 lanes)
+{
+    struct cml_bundle *b = f->b;
+    struct cml_fresh *fresh = &f->fresh;
+    const int at = fresh->first;
+    cml_group_unpack(fresh->index_low + at, lanes, b->index_low + first);
+    cml_group_unpack(fresh->index_high + at, lanes, b->index_high + first);
+    cml_group_unpack(fresh->draw1 + at, lanes, b->draw1 + first);
+    cml_group_unpack(fresh->draw2 + at, lanes, b->draw2 + first);
+    cml_group_unpack(fresh->tau + at, lanes, b->tau + first);
+    const cml_u32 inside = f->enters ? cml_lanes_through(fresh, lanes) : 0;
+    fresh->first += __builtin_popcount(lanes);
+    if (inside) cml_launch_like(f, &f->inside, first, inside);
+    if (lanes & ~inside) cml_launch_like(f, &f->start, first, lanes & ~inside);
+    if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
+}
+
+/* New packets for lanes of a group; those for which there are none are parked. */
+static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
+{
+    while (lanes && cml_have_fresh(f)) {
+        const cml_u32 now = cml_first_bits(lanes, f->fresh.end - f->fresh.first);
+        cml_launch_fresh(f, first, now);
+        lanes &= ~now;
+    }
+    cml_for_lanes(f, (uint64_t)lanes << first, cml_park_lane);
+}
+
+/* Lanes whose packet has ended get new ones, as long as there are any. */
+static void cml_refill(struct cml_flight *f)
+{
+    const uint64_t ended = f->ended;
+    f->ended = 0;
+    for (int first = 0; first < CML_LANES; first += CML_GROUP) {
+        const cml_u32 lanes = (cml_u32)(ended >> first) & CML_GROUP_MASK;
+        if (lanes) cml_launch_group(f, first, lanes);
+    }
+    if (ended & ~f->live) cml_close_ranks(f);
+}
+
+#endif

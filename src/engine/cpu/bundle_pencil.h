@@ -1,0 +1,73 @@
+/* Where packets of a pencil beam begin. Those that start above a surface that is no plane all meet it at the
+ * same place and angle: both are asked for once (at a vertex of a mesh, where all facets there have their
+ * say, it takes long to tell), and so is what becomes of the packets that go through.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_PENCIL_H
+#define CML_BUNDLE_PENCIL_H
+
+#include "engine/cpu/bundle_lanes.h"
+
+/* What packets like this are behind a boundary, if they are not reflected; 0 where that depends on their
+ * random numbers, too. */
+static int cml_send_through(const struct cml_world *world, const struct cml_packet *like,
+                            const struct cml_hit *hit, struct cml_packet *through)
+{
+    const int tries = 64;
+    for (int i = 0; i < tries; i++) {
+        *through = *like;
+        through->index = (cml_u64)i;
+        cml_cross(world, through, hit);
+        if (through->shading_overruled) return 0;
+        if (through->medium != like->medium) return 1;
+    }
+    return 0;
+}
+
+static real cml_reflectance_at(const struct cml_world *world, const struct cml_packet *packet,
+                               const struct cml_hit *hit)
+{
+    const int other = hit->boundary < packet->medium ? packet->medium - 1 : packet->medium + 1;
+    const real n1 = world->media[packet->medium].n, n2 = world->media[other].n;
+    const real side = other < packet->medium ? (real)1 : (real)-1;
+    const struct cml_vec up = hit->normal, against = {-side * up.x, -side * up.y, -side * up.z};
+    real ct;
+    return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
+}
+
+static void cml_aim(struct cml_flight *f)
+{
+    struct cml_packet packet = f->start;
+    if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
+    const struct cml_reach reach = cml_find_reach(f->world, &packet, CML_INFINITY);
+    f->aimed = cml_nearest(f->world, &packet, reach, &f->first);
+    if (!f->aimed || f->to.facets) return;
+    f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first);
+    f->enters = cml_send_through(f->world, &f->start, &f->first, &f->inside);
+}
+
+/* The next boundary is the same for all that do not interact before it, too. */
+static void cml_aim_on(struct cml_flight *f)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_packet *like = f->enters ? &f->inside : &f->start;
+    struct cml_ballistic *ballistic = &f->ballistic;
+    struct cml_packet packet = *like;
+    struct cml_hit hit;
+    if (!f->pencil || like->medium == 0 || cml_tallies_places(f->tally)) return;
+    const struct cml_reach reach = cml_find_reach(world, like, CML_INFINITY);
+    if (!cml_nearest(world, &packet, reach, &hit) || !cml_is_plane(world, hit.boundary)) return;
+    if (!cml_send_through(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
+    ballistic->possible = 1;
+    ballistic->path = hit.t;
+    ballistic->mfp = world->media[like->medium].mfp;
+    ballistic->crossings = like->crossings;
+    ballistic->reflectance = cml_reflectance_at(world, like, &hit);
+    ballistic->end = cml_end_of(&packet);
+}
+
+static int cml_is_aimed(const struct cml_flight *f, int medium, cml_u32 boundary_events)
+{
+    return f->aimed && medium == 0 && boundary_events == 0;
+}
+
+#endif

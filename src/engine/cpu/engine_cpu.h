@@ -1,0 +1,21 @@
+/* The engine `cpu`: float, OpenMP threads, bundles of packets in vector loops.
+ * It is compiled for several levels of the processor, which differ in speed only, and the best one that this
+ * machine can run is chosen when the program starts. SPDX-License-Identifier: MIT */
+#ifndef CML_ENGINE_CPU_H
+#define CML_ENGINE_CPU_H
+
+#include "engine/engine.h"
+
+/* Of the best level. */
+const struct cml_engine *cml_engine_cpu(void);
+
+#define CML_CPU_LEVELS 3
+struct cml_cpu_level {
+    const char *name; /* "x86-64-v4", "x86-64-v3", "baseline" */
+    const struct cml_engine *engine;
+};
+
+/* Fills in the levels that this machine can run, the best one first, and returns their number. */
+int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS]);
+
+#endif

@@ -1,0 +1,71 @@
+/* What an engine is: open a scene, run ranges of photon indices, close.
+ * A range is the only unit of work: threads, ranks, devices, restarts and replays are ranges, and the tally
+ * of a range depends on nothing but scene, options and range. SPDX-License-Identifier: MIT */
+#ifndef CML_ENGINE_H
+#define CML_ENGINE_H
+
+#include "scene/scene.h"
+#include "base/status.h"
+#include "surface/surface.h"
+#include "tally/tally.h"
+
+struct cml_engine_options {
+    uint64_t seed;
+    uint32_t run;    /* number of the run within its file, so that runs of one file are independent */
+    int threads;     /* 0: as many as OpenMP would use */
+    uint64_t chunk;  /* packets a thread takes at a time; 0: chosen by the engine. Never changes a result */
+    bool reentry;    /* P6 */
+    bool absorption; /* tally A_rz */
+    /* opencl */
+    const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
+    int local_rank;     /* for that: this process's number among those of its machine */
+    const char *build_options; /* for the device's compiler, behind ours; NULL: none */
+    int group;                 /* work-items per group; 0: chosen by the device */
+};
+
+/* How one packet ended. */
+struct cml_fate_record {
+    int fate, cause; /* enum cml_fate, enum cml_lost_cause of kernels/types.h */
+    uint32_t weight; /* left at the end, 2^-31 of a packet */
+    uint32_t interactions, boundary_events;
+    double specular, absorbed; /* shares of a packet: split off before the launch, left on the way */
+    double exit[2];            /* x, y of the scene, cm, where it touched the surface last, from outside */
+    double direction[3];       /* opencl: of an absorbed packet that before its last interaction */
+};
+
+/* One line of a trace: the packet after the event. */
+struct cml_trace_event {
+    const char *what;   /* "launch", "interact", "reflect", "transmit", "end" */
+    int medium;         /* 0..L+1 */
+    double position[3]; /* of the scene, cm */
+    double direction[3];
+    double weight; /* share of a packet */
+};
+typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
+
+struct cml_engine {
+    const char *name, *description;
+    /* The scene and its surfaces must outlive the engine. */
+    cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                       const struct cml_engine_options *options, void **self, struct cml_error *err);
+    /* Adds packets [first, first + count) to the tally; count <= CML_TALLY_MAX_PHOTONS. */
+    cml_status (*run)(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
+                      struct cml_error *err);
+    /* Flies packet `index` alone. on_event may be NULL. */
+    cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,
+                        struct cml_fate_record *record, struct cml_error *err);
+    /* How packets [first, first + count) end, without a tally: records[count]. */
+    cml_status (*fates)(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
+                        struct cml_error *err);
+    int (*threads)(const void *self); /* NULL: as many as it takes unless told */
+    void (*close)(void *self);
+};
+
+/* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */
+struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                const struct cml_engine_options *options);
+
+const char *cml_fate_name(int fate);
+const char *cml_lost_cause_name(int cause);
+
+#endif

@@ -1,0 +1,304 @@
+/* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
+ * SPDX-License-Identifier: MIT */
+#include "engine/scalar_walk.h"
+
+#include "engine/opencl/engine_opencl.h"
+#include "engine/opencl/opencl_parts.h"
+
+struct opencl_engine {
+    struct scalar_world scalar; /* what the devices have copies of */
+    int count;
+    struct cml_opencl_flight *flights; /* [count] */
+    uint64_t chunk;                    /* packets a device is given at a time; 0: by what is left */
+    uint64_t *cells;                   /* of one device */
+};
+
+static void opencl_close(void *self)
+{
+    struct opencl_engine *engine = self;
+    if (!engine) return;
+    for (int i = 0; i < engine->count; i++) cml_opencl_flight_close(&engine->flights[i]);
+    scalar_world_free(&engine->scalar);
+    free(engine->flights);
+    free(engine->cells);
+    free(engine);
+}
+
+static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                struct cml_error *err)
+{
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind == CML_SURFACE_MESH)
+            return cml_fail(
+                err, CML_E_INPUT,
+                "%s: boundary %d is a mesh (expected planes and heightfields; the opencl engine flies no "
+                "meshes)",
+                scene->file, b);
+    return CML_OK;
+}
+
+static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
+{
+    const bool map = scene->map.nx > 0;
+    if (!map && !scene->facets) return CML_OK;
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s:%d: a %s line and --engine opencl, which records no maps, volumes or facets (expected "
+        "--engine cpu)",
+        scene->file, map ? scene->map.line : scene->line, map ? "map" : "facets");
+}
+
+static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
+                                        const struct cml_surface_set *surfaces,
+                                        const struct cml_engine_options *options, const struct cml_grid *grid)
+{
+    struct cml_opencl_scene scene = {
+        .setup = engine->scalar.world.setup,
+        .media = engine->scalar.media,
+        .surfaces = engine->scalar.surfaces,
+        .rings = engine->scalar.rings,
+        .ring_starts = engine->scalar.ring_starts,
+        .clearance = engine->scalar.clearance,
+        .num_rings = count_rings(surfaces),
+        .clearance_cells = count_clearance_cells(surfaces),
+        .only_planes = true,
+        .cells = cml_tally_cells(grid),
+        .build_options = options->build_options,
+        .group = options->group,
+    };
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE) scene.only_planes = false;
+    return scene;
+}
+
+static cml_status open_flights(const struct cml_opencl_device *devices, int count,
+                               const struct cml_opencl_scene *scene, struct opencl_engine *engine,
+                               struct cml_error *err)
+{
+    engine->flights = calloc((size_t)count, sizeof *engine->flights);
+    if (!engine->flights) return cml_fail_memory(err, count * (double)sizeof *engine->flights, "devices");
+    for (; engine->count < count; engine->count++)
+        CML_TRY(cml_opencl_flight_open(&devices[engine->count], scene, &engine->flights[engine->count], err));
+    engine->cells = calloc(engine->flights[0].num_cells, sizeof *engine->cells);
+    if (!engine->cells) return cml_fail_memory(err, (double)engine->flights[0].num_cells * 8, "tallies");
+    return CML_OK;
+}
+
+static cml_status open_engine(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                              const struct cml_engine_options *options, struct opencl_engine *engine,
+                              struct cml_error *err)
+{
+    const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
+    struct cml_opencl_device *devices = NULL;
+    int count = 0;
+    CML_TRY(refuse_meshes(scene, surfaces, err));
+    CML_TRY(refuse_maps(scene, err));
+    CML_TRY(cml_opencl_select(options->device, options->local_rank, &devices, &count, err));
+    cml_status status = scalar_world_create(scene, surfaces, options, &engine->scalar, err);
+    if (status == CML_OK) {
+        const struct cml_opencl_scene job = scene_of(engine, surfaces, options, &grid);
+        status = open_flights(devices, count, &job, engine, err);
+    }
+    free(devices);
+    return status;
+}
+
+static cml_status opencl_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                              const struct cml_engine_options *options, void **self, struct cml_error *err)
+{
+    struct opencl_engine *engine = calloc(1, sizeof *engine);
+    *self = NULL;
+    if (!engine) return cml_fail_memory(err, sizeof *engine, "an engine");
+    engine->chunk = options->chunk;
+    const cml_status status = open_engine(scene, surfaces, options, engine, err);
+    if (status != CML_OK)
+        opencl_close(engine);
+    else
+        *self = engine;
+    return status;
+}
+
+/* Indices that no device has been given yet. */
+struct pool {
+    uint64_t first, count;
+};
+
+/* One device takes all; several take ever smaller parts, so that they end together. */
+static void give(const struct opencl_engine *engine, struct cml_opencl_flight *flight, struct pool *pool)
+{
+    const uint64_t share = engine->count > 1 ? pool->count / (2 * (uint64_t)engine->count) : pool->count;
+    const uint64_t least = flight->most_items;
+    uint64_t part = engine->chunk ? engine->chunk : (share > least ? share : least);
+    if (part > pool->count) part = pool->count;
+    cml_opencl_flight_give(flight, pool->first, part);
+    pool->first += part;
+    pool->count -= part;
+}
+
+/* One launch on every device that has work. */
+static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, int *active,
+                             struct cml_tally *tally, struct cml_error *err)
+{
+    bool started[64] = {false};
+    *active = 0;
+    for (int i = 0; i < engine->count; i++) {
+        struct cml_opencl_flight *flight = &engine->flights[i];
+        if (pool->count > 0 && cml_opencl_flight_dry(flight)) give(engine, flight, pool);
+        if (cml_opencl_flight_done(flight)) continue;
+        CML_TRY(cml_opencl_flight_start(flight, err));
+        started[i] = true;
+        ++*active;
+    }
+    for (int i = 0; i < engine->count; i++) {
+        struct cml_opencl_flight *flight = &engine->flights[i];
+        if (!started[i]) continue;
+        CML_TRY(cml_opencl_flight_finish(flight, err));
+        for (cml_u32 k = 0; tally && k < flight->control.num_lost && k < CML_LOST_KEPT; k++)
+            cml_lost_list_add(&tally->lost, flight->control.lost[k]);
+    }
+    return CML_OK;
+}
+
+/* kernels/device_layout.h says what lies where in the block. */
+static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tally *tally)
+{
+    for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] += cells[CML_CELL_BOOK + (cml_u32)i];
+    for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] += cells[CML_CELL_COUNT + (cml_u32)i];
+    for (int i = 0; i < CML_NUM_TOTALS; i++) {
+        const uint64_t *square = &cells[CML_CELL_SQUARE + 3u * (cml_u32)i];
+        tally->square[i] += square[0] + ((cml_u128)square[1] << 32) + ((cml_u128)square[2] << 64);
+    }
+    for (uint64_t i = CML_CELL_LAYER; i < num_cells; i++) tally->A_l[i - CML_CELL_LAYER] += cells[i];
+}
+
+static cml_status opencl_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
+                             struct cml_error *err)
+{
+    struct opencl_engine *engine = self;
+    struct pool pool = {first, count};
+    int active = 1;
+    for (int i = 0; i < engine->count; i++)
+        CML_TRY(cml_opencl_flight_begin(&engine->flights[i], count, 0, err));
+    while (active > 0) CML_TRY(launch_all(engine, &pool, &active, tally, err));
+    for (int i = 0; i < engine->count; i++) {
+        CML_TRY(cml_opencl_flight_collect(&engine->flights[i], engine->cells, err));
+        add_cells(engine->cells, engine->flights[i].num_cells, tally);
+    }
+    return CML_OK;
+}
+
+static void copy_record(const struct cml_setup *setup, const struct cml_device_fate *from,
+                        struct cml_fate_record *to)
+{
+    *to = (struct cml_fate_record){
+        .fate = from->fate,
+        .cause = from->cause,
+        .weight = from->w,
+        .interactions = from->interactions,
+        .boundary_events = from->boundary_events,
+        .specular = setup->specular * CML_WEIGHT_UNIT,
+        .absorbed = (double)from->absorbed * CML_WEIGHT_UNIT,
+        .exit = {from->exit_x + setup->x0, from->exit_y + setup->y0},
+        .direction = {from->u.x, from->u.y, from->u.z},
+    };
+}
+
+/* The first device's buffer of fates as records. */
+static cml_status read_records(struct opencl_engine *engine, uint64_t count, struct cml_fate_record *records,
+                               struct cml_error *err)
+{
+    const size_t bytes = count * sizeof(struct cml_device_fate);
+    struct cml_device_fate *fates = malloc(bytes);
+    if (!fates) return cml_fail_memory(err, (double)bytes, "fates");
+    const cml_status status = cml_opencl_flight_read(engine->flights, CML_BUFFER_FATES, fates, bytes, err);
+    for (uint64_t i = 0; status == CML_OK && i < count; i++)
+        copy_record(&engine->scalar.world.setup, &fates[i], &records[i]);
+    free(fates);
+    return status;
+}
+
+/* Flies packets on the first device, whose tallies are then thrown away. */
+static cml_status opencl_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
+                               struct cml_error *err)
+{
+    struct opencl_engine *engine = self;
+    struct cml_opencl_flight *flight = engine->flights;
+    CML_TRY(cml_opencl_flight_begin(flight, count, count, err));
+    cml_opencl_flight_give(flight, first, count);
+    while (!cml_opencl_flight_done(flight)) {
+        CML_TRY(cml_opencl_flight_start(flight, err));
+        CML_TRY(cml_opencl_flight_finish(flight, err));
+    }
+    CML_TRY(cml_opencl_flight_collect(flight, engine->cells, err));
+    return read_records(engine, count, records, err);
+}
+
+/* What an event was, from the packet before and after it. */
+static const char *event_name(const struct cml_packet *before, const struct cml_packet *after)
+{
+    if (after->interactions > before->interactions) return "interact";
+    if (after->boundary_events == before->boundary_events) return "end";
+    return after->medium == before->medium ? "reflect" : "transmit";
+}
+
+static void tell(const struct scalar_world *scalar, const char *what, const struct cml_packet *packet,
+                 cml_trace_function *on_event, void *context)
+{
+    struct tracing tracing = {&scalar->world, on_event, context};
+    if (on_event) forward_event(&tracing, what, packet);
+}
+
+/* One item, one step per launch, and a look at the packet after each. */
+static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight *flight, uint64_t index,
+                         cml_trace_function *on_event, void *context, struct cml_error *err)
+{
+    struct cml_packet before, after;
+    cml_launch(&engine->scalar.world, index, &before);
+    tell(&engine->scalar, "launch", &before, on_event, context);
+    cml_opencl_flight_give(flight, index, 1);
+    do {
+        flight->launch.steps = 1;
+        CML_TRY(cml_opencl_flight_start(flight, err));
+        CML_TRY(cml_opencl_flight_finish(flight, err));
+        CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_PACKETS, &after, sizeof after, err));
+        const char *what = event_name(&before, &after);
+        if (strcmp(what, "end") != 0) tell(&engine->scalar, what, &after, on_event, context);
+        before = after;
+    } while (!cml_opencl_flight_done(flight));
+    tell(&engine->scalar, "end", &after, on_event, context);
+    return CML_OK;
+}
+
+static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
+                               struct cml_fate_record *record, struct cml_error *err)
+{
+    struct opencl_engine *engine = self;
+    struct cml_opencl_flight *flight = engine->flights;
+    const cml_u32 steps = flight->launch.steps;
+    if (!on_event) return opencl_fates(self, index, 1, record, err);
+    CML_TRY(cml_opencl_flight_begin(flight, 1, 1, err));
+    const cml_status status = follow(engine, flight, index, on_event, context, err);
+    flight->launch.steps = steps;
+    CML_TRY(status);
+    CML_TRY(cml_opencl_flight_collect(flight, engine->cells, err));
+    return read_records(engine, 1, record, err);
+}
+
+static int opencl_threads(const void *self)
+{
+    const struct opencl_engine *engine = self;
+    unsigned units = 0;
+    for (int i = 0; engine && i < engine->count; i++) units += engine->flights[i].device.info.units;
+    return (int)units;
+}
+
+const struct cml_engine cml_engine_opencl = {
+    .name = "opencl",
+    .description = "single precision, planes and heightfields on OpenCL devices",
+    .open = opencl_open,
+    .run = opencl_run,
+    .trace = opencl_trace,
+    .fates = opencl_fates,
+    .threads = opencl_threads,
+    .close = opencl_close,
+};

@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+#include "engine/opencl/opencl_parts.h"
+
+#include "base/clock.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LAUNCH_SECONDS 0.05     /* watchdogs of displays wait seconds; the host looks in between */
+#define GPU_GROUP 128           /* work-items */
+#define GPU_ITEMS_PER_UNIT 2048 /* what a compute unit can keep in flight at most */
+#define CPU_ITEMS_PER_UNIT 32   /* PoCL hands groups to its threads by the 32 */
+#define LANES_ALONE 16          /* packets of a single work-item: as many as a vector has floats */
+#define NEAR_BYTES_SHARED 16384 /* local memory of a group: several groups share a unit's */
+#define NEAR_BYTES_ALONE 98304  /* of a single work-item: it stays in a core's cache */
+#define MOST_STEPS (1u << 20)
+
+static uint32_t smaller(uint64_t a, uint64_t b)
+{
+    return (uint32_t)(a < b ? a : b);
+}
+
+/* A group of one has its local memory to itself, adds without atomics and flies several packets, which a
+ * compiler can turn and draw in vectors: what suits a CPU. Items of larger groups fly one packet each. */
+static void choose_sizes(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight)
+{
+    const struct cml_opencl_info *info = &flight->device.info;
+    const bool gpu = strcmp(info->type, "GPU") == 0;
+    flight->group = scene->group > 0 ? (uint32_t)scene->group : (gpu ? GPU_GROUP : 1);
+    if (info->largest_group && flight->group > info->largest_group) flight->group = info->largest_group;
+    const uint32_t items = info->units * (gpu ? GPU_ITEMS_PER_UNIT : CPU_ITEMS_PER_UNIT);
+    const uint32_t groups = items / flight->group;
+    flight->lanes = flight->group == 1 ? LANES_ALONE : 1;
+    flight->most_items = flight->group * (groups > info->units ? groups : info->units);
+    flight->launch.rings = (uint32_t)scene->num_rings;
+    flight->launch.clearance_cells = (uint32_t)scene->clearance_cells;
+    flight->launch.steps = 256;
+}
+
+static struct cml_window place(uint64_t *first, uint64_t cells, uint64_t near, uint32_t *near_used)
+{
+    const struct cml_window window = {*first, *near_used, smaller(cells, near)};
+    *first += cells;
+    *near_used += window.count;
+    return window;
+}
+
+/* Sums come first, then the exits near the axis, then as much of A_rz as there is room for. */
+static struct cml_windows place_windows(const struct cml_opencl_scene *scene,
+                                        struct cml_opencl_flight *flight)
+{
+    const struct cml_setup *setup = &scene->setup;
+    const uint64_t room = (flight->group == 1 ? NEAR_BYTES_ALONE : NEAR_BYTES_SHARED);
+    const uint64_t local = flight->device.info.local_memory / 2;
+    const uint64_t near = (room < local ? room : local) / sizeof(uint64_t); /* 2048 at least on any device */
+    const uint64_t exits = ((uint64_t)setup->nr + 1) * (uint64_t)setup->na;
+    const uint64_t layers = (uint64_t)setup->num_layers + 2;
+    uint64_t first = 0;
+    uint32_t used = 0;
+    struct cml_windows windows;
+    windows.sums = place(&first, CML_CELL_LAYER + layers, CML_CELL_LAYER + near / 2, &used);
+    windows.reflected = place(&first, exits, (near - used) / 8, &used);
+    windows.transmitted = place(&first, exits, (near - used) / 8, &used);
+    windows.absorbed = place(&first, scene->cells - layers - 2 * exits, near - used, &used);
+    flight->num_cells = first;
+    flight->launch.near_cells = used;
+    return windows;
+}
+
+static cml_status check_memory(const struct cml_opencl_flight *flight, struct cml_error *err)
+{
+    const struct cml_opencl_info *info = &flight->device.info;
+    const double mib = 1048576, block = (double)flight->num_cells * sizeof(uint64_t);
+    const double all = block + (double)flight->most_items * flight->lanes * sizeof(struct cml_packet);
+    if (block <= (double)info->largest && all <= (double)info->memory) return CML_OK;
+    return cml_fail(
+        err, CML_E_DEVICE,
+        "opencl device %d (%s): tallies and packets take %.4g MiB (expected at most %.4g MiB, %.4g MiB "
+        "in one piece)",
+        flight->device.number, info->name, all / mib, (double)info->memory / mib,
+        (double)info->largest / mib);
+}
+
+static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
+                        struct cml_error *err)
+{
+    const struct cml_opencl_info *info = &flight->device.info;
+    const char *extra = scene->build_options ? scene->build_options : "";
+    const size_t size = strlen(extra) + 256;
+    char *options = malloc(size);
+    if (!options) return cml_fail_memory(err, (double)size, "the compiler's options");
+    snprintf(
+        options, size, "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s %s",
+        flight->group, flight->lanes, info->exact_division ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+        info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "", extra);
+    const cml_status status =
+        cml_opencl_program(&flight->device, flight->context, options, &flight->program, err);
+    free(options);
+    return status;
+}
+
+static cml_status create_buffer(struct cml_opencl_flight *flight, int which, size_t bytes,
+                                const void *content, struct cml_error *err)
+{
+    static const char *const names[CML_NUM_BUFFERS] = {
+        "memory for media",        "memory for surfaces",  "memory for rings",
+        "memory for rings' parts", "memory for clearance", "memory for counters",
+        "memory for packets",      "memory for fates",     "memory for tallies"};
+    cl_int code = CL_SUCCESS;
+    if (flight->buffer[which]) clReleaseMemObject(flight->buffer[which]);
+    flight->buffer[which] =
+        clCreateBuffer(flight->context, CL_MEM_READ_WRITE, bytes ? bytes : 8, NULL, &code);
+    CML_CL(&flight->device, names[which], code, err);
+    if (content && bytes)
+        CML_CL(&flight->device, names[which],
+               clEnqueueWriteBuffer(flight->queue, flight->buffer[which], CL_TRUE, 0, bytes, content, 0, NULL,
+                                    NULL),
+               err);
+    return CML_OK;
+}
+
+cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, void *to, size_t bytes,
+                                  struct cml_error *err)
+{
+    CML_CL(&flight->device, "reading results",
+           clEnqueueReadBuffer(flight->queue, flight->buffer[buffer], CL_TRUE, 0, bytes, to, 0, NULL, NULL),
+           err);
+    return CML_OK;
+}
+
+/* The device's sizes and offsets of what both sides read must be ours. */
+static cml_status shake_hands(struct cml_opencl_flight *flight, struct cml_error *err)
+{
+    static const cml_u32 ours[CML_LAYOUT_ENTRIES] = CML_LAYOUT;
+    const size_t one = 1;
+    cml_u32 theirs[CML_LAYOUT_ENTRIES] = {0};
+    cl_int code = CL_SUCCESS;
+    CML_TRY(create_buffer(flight, CML_BUFFER_FATES, sizeof theirs, theirs, err));
+    const cl_kernel kernel = clCreateKernel(flight->program, "cml_layout", &code);
+    CML_CL(&flight->device, "the kernel cml_layout", code, err);
+    code = clSetKernelArg(kernel, 0, sizeof(cl_mem), &flight->buffer[CML_BUFFER_FATES]);
+    if (code == CL_SUCCESS)
+        code = clEnqueueNDRangeKernel(flight->queue, kernel, 1, NULL, &one, &one, 0, NULL, NULL);
+    clReleaseKernel(kernel);
+    CML_CL(&flight->device, "the kernel cml_layout", code, err);
+    CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_FATES, theirs, sizeof theirs, err));
+    for (int i = 0; i < CML_LAYOUT_ENTRIES; i++)
+        if (theirs[i] != ours[i])
+            return cml_fail(
+                err, CML_E_DEVICE,
+                "opencl device %d (%s): layout entry %d is %u, on the host %u: its compiler lays out "
+                "structs in another way",
+                flight->device.number, flight->device.info.name, i, theirs[i], ours[i]);
+    return CML_OK;
+}
+
+/* No packet is under way anywhere. */
+static cml_status clear_packets(struct cml_opencl_flight *flight, struct cml_error *err)
+{
+    const size_t count = (size_t)flight->most_items * flight->lanes,
+                 bytes = count * sizeof(struct cml_packet);
+    struct cml_packet *packets = calloc(count, sizeof *packets);
+    if (!packets) return cml_fail_memory(err, (double)bytes, "packets");
+    for (size_t i = 0; i < count; i++) packets[i].fate = CML_FATE_ABSORBED;
+    const cml_status status = create_buffer(flight, CML_BUFFER_PACKETS, bytes, packets, err);
+    free(packets);
+    return status;
+}
+
+static cml_status clear_cells(struct cml_opencl_flight *flight, struct cml_error *err)
+{
+    const cl_ulong zero = 0;
+    CML_CL(&flight->device, "memory for tallies",
+           clEnqueueFillBuffer(flight->queue, flight->buffer[CML_BUFFER_CELLS], &zero, sizeof zero, 0,
+                               flight->num_cells * sizeof zero, 0, NULL, NULL),
+           err);
+    return CML_OK;
+}
+
+static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
+                                 struct cml_error *err)
+{
+    const size_t surfaces = (size_t)scene->setup.num_layers + 1;
+    CML_TRY(create_buffer(flight, CML_BUFFER_CONTROL, sizeof flight->control, &flight->control, err));
+    CML_TRY(
+        create_buffer(flight, CML_BUFFER_MEDIA, (surfaces + 1) * sizeof *scene->media, scene->media, err));
+    CML_TRY(
+        create_buffer(flight, CML_BUFFER_SURFACES, surfaces * sizeof *scene->surfaces, scene->surfaces, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_RINGS, CML_RING_ROWS * scene->num_rings * sizeof(float),
+                          scene->rings, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_RING_STARTS, scene->num_rings * sizeof(int), scene->ring_starts,
+                          err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_CLEARANCE, 2 * scene->clearance_cells * sizeof(float),
+                          scene->clearance, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));
+    CML_TRY(clear_cells(flight, err));
+    return clear_packets(flight, err);
+}
+
+/* Arguments 0, 1 and 2 are structs, then come the buffers in the order of their names, then local memory. */
+static cml_status set_arguments(const struct cml_opencl_scene *scene, const struct cml_windows *windows,
+                                struct cml_opencl_flight *flight, struct cml_error *err)
+{
+    cl_int code = CL_SUCCESS;
+    flight->kernel = clCreateKernel(flight->program, "cml_transport", &code);
+    CML_CL(&flight->device, "the kernel cml_transport", code, err);
+    code = clSetKernelArg(flight->kernel, 0, sizeof scene->setup, &scene->setup);
+    if (code == CL_SUCCESS) code = clSetKernelArg(flight->kernel, 1, sizeof *windows, windows);
+    for (cl_uint i = 0; code == CL_SUCCESS && i < CML_NUM_BUFFERS; i++)
+        code = clSetKernelArg(flight->kernel, 3 + i, sizeof(cl_mem), &flight->buffer[i]);
+    if (code == CL_SUCCESS)
+        code = clSetKernelArg(flight->kernel, 3 + CML_NUM_BUFFERS,
+                              flight->launch.near_cells * sizeof(uint64_t), NULL);
+    CML_CL(&flight->device, "the kernel's arguments", code, err);
+    return CML_OK;
+}
+
+static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
+                              struct cml_error *err)
+{
+    const struct cml_opencl_device *device = &flight->device;
+    cl_int code = CL_SUCCESS;
+    choose_sizes(scene, flight);
+    const struct cml_windows windows = place_windows(scene, flight);
+    CML_TRY(check_memory(flight, err));
+    flight->context = clCreateContext(NULL, 1, &device->id, NULL, NULL, &code);
+    CML_CL(device, "a context", code, err);
+    flight->queue = clCreateCommandQueue(flight->context, device->id, 0, &code);
+    CML_CL(device, "a queue", code, err);
+    CML_TRY(build(scene, flight, err));
+    CML_TRY(shake_hands(flight, err));
+    CML_TRY(create_buffers(scene, flight, err));
+    return set_arguments(scene, &windows, flight, err);
+}
+
+cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
+                                  const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
+                                  struct cml_error *err)
+{
+    *flight = (struct cml_opencl_flight){.device = *device};
+    const cml_status status = open_device(scene, flight, err);
+    if (status != CML_OK) cml_opencl_flight_close(flight);
+    return status;
+}
+
+void cml_opencl_flight_close(struct cml_opencl_flight *flight)
+{
+    for (int i = 0; i < CML_NUM_BUFFERS; i++)
+        if (flight->buffer[i]) clReleaseMemObject(flight->buffer[i]);
+    if (flight->kernel) clReleaseKernel(flight->kernel);
+    if (flight->program) clReleaseProgram(flight->program);
+    if (flight->queue) clReleaseCommandQueue(flight->queue);
+    if (flight->context) clReleaseContext(flight->context);
+    *flight = (struct cml_opencl_flight){0};
+}
+
+cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t photons, uint64_t records,
+                                   struct cml_error *err)
+{
+    flight->launch.items = smaller((photons + flight->lanes - 1) / flight->lanes, flight->most_items);
+    flight->launch.record = records > 0;
+    flight->control = (struct cml_control){0};
+    if (records <= flight->fates) return CML_OK;
+    CML_TRY(create_buffer(flight, CML_BUFFER_FATES, records * sizeof(struct cml_device_fate), NULL, err));
+    flight->fates = records;
+    CML_CL(&flight->device, "the kernel's arguments",
+           clSetKernelArg(flight->kernel, 3 + CML_BUFFER_FATES, sizeof(cl_mem),
+                          &flight->buffer[CML_BUFFER_FATES]),
+           err);
+    return CML_OK;
+}
+
+void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t count)
+{
+    flight->control.first = first;
+    flight->control.count = (uint32_t)count;
+    flight->control.taken = 0;
+}
+
+bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight)
+{
+    return flight->control.taken >= flight->control.count;
+}
+
+bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
+{
+    return cml_opencl_flight_dry(flight) && flight->control.alive == 0;
+}
+
+cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err)
+{
+    const size_t local = flight->group, global = (flight->launch.items + local - 1) / local * local;
+    flight->begin = cml_now();
+    flight->control.alive = 0;
+    flight->control.num_lost = 0;
+    CML_CL(&flight->device, "the kernel's arguments",
+           clSetKernelArg(flight->kernel, 2, sizeof flight->launch, &flight->launch), err);
+    CML_CL(&flight->device, "writing counters",
+           clEnqueueWriteBuffer(flight->queue, flight->buffer[CML_BUFFER_CONTROL], CL_TRUE, 0,
+                                sizeof flight->control, &flight->control, 0, NULL, NULL),
+           err);
+    CML_CL(&flight->device, "launching the kernel",
+           clEnqueueNDRangeKernel(flight->queue, flight->kernel, 1, NULL, &global, &local, 0, NULL, NULL),
+           err);
+    CML_CL(&flight->device, "launching the kernel", clFlush(flight->queue), err);
+    return CML_OK;
+}
+
+/* What the launch would have taken had all items been busy to its end is at most this. */
+static void adapt(struct cml_opencl_flight *flight, double seconds)
+{
+    const uint32_t alive = flight->control.alive, items = flight->launch.items * flight->lanes;
+    uint32_t *steps = &flight->launch.steps;
+    if (alive == 0) return;
+    const double full = seconds * items / alive;
+    if (full < LAUNCH_SECONDS / 2 && *steps < MOST_STEPS) *steps *= 2;
+    if (full > LAUNCH_SECONDS * 2 && alive == items && *steps > 1) *steps /= 2;
+}
+
+cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err)
+{
+    CML_TRY(
+        cml_opencl_flight_read(flight, CML_BUFFER_CONTROL, &flight->control, sizeof flight->control, err));
+    adapt(flight, cml_now() - flight->begin);
+    return CML_OK;
+}
+
+cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells, struct cml_error *err)
+{
+    CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_CELLS, cells, flight->num_cells * sizeof *cells, err));
+    return clear_cells(flight, err);
+}

@@ -1,0 +1,126 @@
+/* What the files of the opencl engine share; the only file that includes OpenCL's header.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_OPENCL_PARTS_H
+#define CML_OPENCL_PARTS_H
+
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+#include "device_layout.h"
+#include "engine/opencl/opencl.h"
+
+#include <stddef.h>
+
+struct cml_opencl_device {
+    int number; /* as `devices` counts */
+    cl_device_id id;
+    struct cml_opencl_info info;
+};
+
+/* All devices with their handles; *list is the caller's to free. */
+CML_NODISCARD cml_status cml_opencl_find(struct cml_opencl_device **list, int *count, struct cml_error *err);
+
+/* The devices that `--device` names: "i", "i,j" or "all"; NULL: cml_opencl_default for the local rank. A
+ * device may be named twice and then serves twice. CML_E_INPUT for what is no number, CML_E_DEVICE for a
+ * device that is not there. */
+CML_NODISCARD cml_status cml_opencl_select(const char *wanted, int local_rank,
+                                           struct cml_opencl_device **list, int *count,
+                                           struct cml_error *err);
+
+/* "opencl device 0 (NAME): WHAT: CL_NAME_OF_CODE". Returns CML_E_DEVICE. */
+CML_NODISCARD cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *what,
+                                         cl_int code, struct cml_error *err);
+
+/* Returns from the calling function when an OpenCL call fails. */
+#define CML_CL(device, what, call, err)                                                                      \
+    do {                                                                                                     \
+        const cl_int cml_cl_code_ = (call);                                                                  \
+        if (cml_cl_code_ != CL_SUCCESS) return cml_opencl_fail(device, what, cml_cl_code_, err);             \
+    } while (0)
+
+/* The kernel text, all headers in it, put together when the program was built. */
+extern const char cml_opencl_text[];
+extern const size_t cml_opencl_text_size;
+
+/* Builds the kernel text for one device, or takes the binary that an earlier run left in the user's cache
+ * directory. A compiler's complaint goes to standard error in full, its first line into err. */
+CML_NODISCARD cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context,
+                                            const char *options, cl_program *program, struct cml_error *err);
+
+/* The cache of program binaries: one file per key, $XDG_CACHE_HOME/clustermcml or ~/.cache/clustermcml. A
+ * file of another key, cut short or changed, is as good as none. load returns NULL, else size bytes for the
+ * caller to free; store says nothing when it fails. */
+unsigned char *cml_opencl_cache_load(const char *key, size_t *size);
+void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t size);
+
+/* What all devices are given of a scene; arrays are borrowed. */
+struct cml_opencl_scene {
+    struct cml_setup setup;
+    const struct cml_medium *media;
+    const struct cml_surface *surfaces;
+    const float *rings, *clearance; /* [CML_RING_ROWS][num_rings], [2][clearance_cells] */
+    const int *ring_starts;         /* [num_rings] */
+    size_t num_rings, clearance_cells;
+    bool only_planes;
+    uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
+    const char *build_options; /* NULL: none */
+    int group;                 /* 0: chosen */
+};
+
+enum {
+    CML_BUFFER_MEDIA,
+    CML_BUFFER_SURFACES,
+    CML_BUFFER_RINGS,
+    CML_BUFFER_RING_STARTS,
+    CML_BUFFER_CLEARANCE,
+    CML_BUFFER_CONTROL,
+    CML_BUFFER_PACKETS,
+    CML_BUFFER_FATES,
+    CML_BUFFER_CELLS,
+    CML_NUM_BUFFERS
+};
+
+/* One device in use. */
+struct cml_opencl_flight {
+    struct cml_opencl_device device;
+    cl_context context;
+    cl_command_queue queue;
+    cl_program program;
+    cl_kernel kernel;
+    cl_mem buffer[CML_NUM_BUFFERS];
+    uint64_t num_cells;                /* of the block */
+    uint32_t group, most_items, lanes; /* lanes: packets of a work-item */
+    size_t fates;                      /* records that its buffer has room for */
+    struct cml_launch launch;
+    struct cml_control control;
+    double begin; /* of the launch under way, s */
+};
+
+/* On failure everything is released. */
+CML_NODISCARD cml_status cml_opencl_flight_open(const struct cml_opencl_device *device,
+                                                const struct cml_opencl_scene *scene,
+                                                struct cml_opencl_flight *flight, struct cml_error *err);
+void cml_opencl_flight_close(struct cml_opencl_flight *flight);
+
+/* Readies the device for about `photons` packets; records are wanted of so many. */
+CML_NODISCARD cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t photons,
+                                                 uint64_t records, struct cml_error *err);
+
+/* Hands over indices; only when it has taken all earlier ones. */
+void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t count);
+bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight);  /* has taken all its indices */
+bool cml_opencl_flight_done(const struct cml_opencl_flight *flight); /* and no packet is under way */
+
+/* One launch: start returns at once, finish waits, reads the counters and adapts the next launch's length. */
+CML_NODISCARD cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err);
+CML_NODISCARD cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err);
+
+/* Reads one buffer from its start. */
+CML_NODISCARD cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, void *to,
+                                                size_t bytes, struct cml_error *err);
+
+/* Reads the block of cells (num_cells) and clears it on the device. */
+CML_NODISCARD cml_status cml_opencl_flight_collect(struct cml_opencl_flight *flight, uint64_t *cells,
+                                                   struct cml_error *err);
+
+#endif

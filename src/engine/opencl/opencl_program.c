@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+#include "engine/opencl/opencl_parts.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The whole build log on standard error, its first line that speaks of an error into the message. */
+static cml_status fail_build(const struct cml_opencl_device *device, cl_program program, cl_int code,
+                             struct cml_error *err)
+{
+    size_t size = 0;
+    char *log = NULL;
+    if (clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, 0, NULL, &size) == CL_SUCCESS)
+        log = calloc(1, size + 1);
+    if (!log ||
+        clGetProgramBuildInfo(program, device->id, CL_PROGRAM_BUILD_LOG, size, log, NULL) != CL_SUCCESS ||
+        log[0] == '\0') {
+        free(log);
+        return cml_opencl_fail(device, "building the kernel", code, err);
+    }
+    fprintf(stderr, "%s%s", log, log[strlen(log) - 1] == '\n' ? "" : "\n");
+    const char *line = strstr(log, "error");
+    while (line && line > log && line[-1] != '\n') line--;
+    if (!line) line = log;
+    const cml_status status =
+        cml_fail(err, CML_E_DEVICE, "opencl device %d (%s): the kernel does not compile: %.*s",
+                 device->number, device->info.name, (int)strcspn(line, "\n"), line);
+    free(log);
+    return status;
+}
+
+/* Everything that a binary depends on; the caller frees it. */
+static char *key_of(const struct cml_opencl_device *device, const char *options)
+{
+    const struct cml_opencl_info *info = &device->info;
+    const size_t size = cml_opencl_text_size + strlen(options) + sizeof *info;
+    char *key = malloc(size);
+    if (key)
+        snprintf(key, size, "%s\n%s\n%s\n%s\n%s\n%s\n%s", info->platform, info->name, info->vendor,
+                 info->version, info->driver, options, cml_opencl_text);
+    return key;
+}
+
+static bool build_from_cache(const struct cml_opencl_device *device, cl_context context, const char *key,
+                             const char *options, cl_program *program)
+{
+    size_t size = 0;
+    unsigned char *binary = cml_opencl_cache_load(key, &size);
+    const unsigned char *binaries[] = {binary};
+    cl_int sound = CL_SUCCESS, code = CL_SUCCESS;
+    if (!binary) return false;
+    *program = clCreateProgramWithBinary(context, 1, &device->id, &size, binaries, &sound, &code);
+    free(binary);
+    if (code != CL_SUCCESS) return false;
+    if (sound == CL_SUCCESS && clBuildProgram(*program, 1, &device->id, options, NULL, NULL) == CL_SUCCESS)
+        return true;
+    clReleaseProgram(*program);
+    return false;
+}
+
+static void keep(const char *key, cl_program program)
+{
+    size_t size = 0;
+    if (clGetProgramInfo(program, CL_PROGRAM_BINARY_SIZES, sizeof size, &size, NULL) != CL_SUCCESS || !size)
+        return;
+    unsigned char *binary = malloc(size);
+    if (binary && clGetProgramInfo(program, CL_PROGRAM_BINARIES, sizeof binary, &binary, NULL) == CL_SUCCESS)
+        cml_opencl_cache_store(key, binary, size);
+    free(binary);
+}
+
+static cml_status build_from_text(const struct cml_opencl_device *device, cl_context context,
+                                  const char *options, cl_program *program, struct cml_error *err)
+{
+    const char *text = cml_opencl_text;
+    cl_int code = CL_SUCCESS;
+    *program = clCreateProgramWithSource(context, 1, &text, &cml_opencl_text_size, &code);
+    CML_CL(device, "the kernel's text", code, err);
+    code = clBuildProgram(*program, 1, &device->id, options, NULL, NULL);
+    if (code == CL_SUCCESS) return CML_OK;
+    const cml_status status = fail_build(device, *program, code, err);
+    clReleaseProgram(*program);
+    *program = NULL;
+    return status;
+}
+
+cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
+                              cl_program *program, struct cml_error *err)
+{
+    char *key = key_of(device, options);
+    cml_status status = CML_OK;
+    if (!key || !build_from_cache(device, context, key, options, program)) {
+        status = build_from_text(device, context, options, program, err);
+        if (key && status == CML_OK) keep(key, *program);
+    }
+    free(key);
+    return status;
+}

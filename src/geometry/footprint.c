@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+#include "geometry/footprint.h"
+#include "geometry/polygon.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct cml_footprint {
+    struct cml_polygon_rows rows;
+};
+
+cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprint **footprint,
+                                struct cml_error *err)
+{
+    const size_t n = mesh->num_border;
+    *footprint = NULL;
+    struct cml_footprint *made = malloc(sizeof *made);
+    double(*point)[2] = malloc(n * sizeof *point);
+    cml_status status = CML_OK;
+    if (!made || !point) {
+        status = cml_fail_memory(err, 16.0 * (double)n, "the footprint of a mesh");
+    } else {
+        for (size_t i = 0; i < n; i++)
+            for (int k = 0; k < 2; k++) point[i][k] = mesh->vertex[mesh->border[i]][k];
+        status = cml_polygon_rows_build(point, n, &made->rows, err);
+    }
+    free(point);
+    if (status != CML_OK)
+        free(made);
+    else
+        *footprint = made;
+    return status;
+}
+
+/* Whether the ray from (x, y) along +x meets the edge; half-open in y, so that it counts a vertex between two
+ * edges once. */
+static bool edge_is_right(const double p[2], const double q[2], double x, double y)
+{
+    if ((p[1] > y) == (q[1] > y)) return false;
+    return x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
+}
+
+bool cml_footprint_contains(const struct cml_footprint *footprint, double x, double y)
+{
+    const struct cml_polygon_rows *rows = &footprint->rows;
+    if (!(y >= rows->y_low && y <= rows->y_high)) return false;
+    const size_t row = cml_polygon_row(rows, y);
+    bool inside = false;
+    for (size_t i = rows->first[row]; i < rows->first[row + 1]; i++) {
+        const size_t edge = rows->edge[i], next = edge + 1 < rows->num_points ? edge + 1 : 0;
+        if (edge_is_right(rows->point[edge], rows->point[next], x, y)) inside = !inside;
+    }
+    return inside;
+}
+
+static double distance_to_edge(const double p[2], const double q[2], double x, double y)
+{
+    const double ex = q[0] - p[0], ey = q[1] - p[1], px = x - p[0], py = y - p[1];
+    const double s = fmax(0, fmin(1, (px * ex + py * ey) / (ex * ex + ey * ey)));
+    return hypot(px - s * ex, py - s * ey);
+}
+
+bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double x, double y, double d)
+{
+    const struct cml_polygon_rows *rows = &footprint->rows;
+    if (!(y + d >= rows->y_low && y - d <= rows->y_high)) return false;
+    const size_t last = cml_polygon_row(rows, y + d);
+    for (size_t row = cml_polygon_row(rows, y - d); row <= last; row++)
+        for (size_t i = rows->first[row]; i < rows->first[row + 1]; i++) {
+            const size_t edge = rows->edge[i], next = edge + 1 < rows->num_points ? edge + 1 : 0;
+            if (distance_to_edge(rows->point[edge], rows->point[next], x, y) <= d) return true;
+        }
+    return false;
+}
+
+void cml_footprint_free(struct cml_footprint *footprint)
+{
+    if (!footprint) return;
+    cml_polygon_rows_clear(&footprint->rows);
+    free(footprint);
+}

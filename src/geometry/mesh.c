@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+#include "geometry/mesh_parts.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void cml_mesh_clear(struct cml_mesh *mesh)
+{
+    free(mesh->vertex);
+    free(mesh->triangle);
+    free(mesh->border);
+    free(mesh->vertex_normal);
+    free(mesh->slope);
+    *mesh = (struct cml_mesh){0};
+}
+
+/* A copy of size bytes; NULL stays NULL and is no failure. */
+static void *duplicate(const void *data, size_t size, bool *good)
+{
+    if (!data) return NULL;
+    void *copy = malloc(size ? size : 1);
+    if (copy)
+        memcpy(copy, data, size);
+    else
+        *good = false;
+    return copy;
+}
+
+cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to, struct cml_error *err)
+{
+    bool good = true;
+    *to = *from;
+    to->vertex = duplicate(from->vertex, from->num_vertices * sizeof *from->vertex, &good);
+    to->triangle = duplicate(from->triangle, from->num_triangles * sizeof *from->triangle, &good);
+    to->border = duplicate(from->border, from->num_border * sizeof *from->border, &good);
+    to->vertex_normal = duplicate(from->vertex_normal, from->num_vertices * sizeof *from->vertex, &good);
+    to->slope = duplicate(from->slope, from->num_triangles * sizeof *from->slope, &good);
+    if (good) return CML_OK;
+    cml_mesh_clear(to);
+    return cml_fail_memory(err, 48.0 * (double)from->num_vertices + 12.0 * (double)from->num_triangles,
+                           "a copy of a mesh");
+}
+
+cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_error *err,
+                         const char *format, ...)
+{
+    char message[640], where[32] = "";
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    const size_t length = strlen(message);
+    if (work->notes.degenerate > 0) /* a sliver that joined two faces leaves a slit behind */
+        snprintf(message + length, sizeof message - length, "; %zu faces of zero area were dropped",
+                 work->notes.degenerate);
+    if (!work->source || !work->source->path) return cml_fail(err, CML_E_INPUT, "%s", message);
+    if (line > 0) snprintf(where, sizeof where, ":%d", line);
+    return cml_fail(err, CML_E_INPUT, "%s%s: %s", work->source->path, where, message);
+}
+
+int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t)
+{
+    if (!work->source || !work->source->triangle_line) return 0;
+    return work->source->triangle_line[work->origin ? work->origin[t] : t];
+}
+
+const char *cml_mesh_place(const double position[3], char text[112])
+{
+    snprintf(text, 112, "(%.6g, %.6g, height %.6g) cm", position[0], position[1], 0.0 - position[2]);
+    return text;
+}
+
+static void find_box(struct cml_mesh *mesh)
+{
+    for (int k = 0; k < 3; k++) mesh->lower[k] = mesh->upper[k] = mesh->vertex[0][k];
+    for (size_t i = 1; i < mesh->num_vertices; i++) {
+        for (int k = 0; k < 3; k++) {
+            mesh->lower[k] = fmin(mesh->lower[k], mesh->vertex[i][k]);
+            mesh->upper[k] = fmax(mesh->upper[k], mesh->vertex[i][k]);
+        }
+    }
+}
+
+static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    CML_TRY(cml_mesh_clean(work, err));
+    find_box(mesh);
+    CML_TRY(cml_mesh_join(work, err));
+    CML_TRY(cml_mesh_agree(work, err));
+    CML_TRY(cml_mesh_check_fans(work, err));
+    CML_TRY(cml_mesh_find_border(work, err));
+    find_box(mesh); /* the border has moved onto its plane */
+    return cml_mesh_find_normals(mesh, err);
+}
+
+cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
+                            struct cml_mesh_notes *notes, struct cml_error *err)
+{
+    struct cml_mesh_work work = {.mesh = mesh, .source = source};
+    free(mesh->border);
+    free(mesh->vertex_normal);
+    mesh->border = NULL;
+    mesh->vertex_normal = NULL;
+    const cml_status status = prepare_steps(&work, err);
+    free(work.origin);
+    free(work.mate);
+    if (notes) *notes = work.notes;
+    return status;
+}
+
+bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z)
+{
+    for (size_t i = 1; i < mesh->num_vertices; i++)
+        if (mesh->vertex[i][2] != mesh->vertex[0][2]) return false;
+    *z = mesh->vertex[0][2];
+    return true;
+}

@@ -1,0 +1,83 @@
+/* Triangle meshes that serve as one boundary: data, orientation, border, footprint, diagnosis.
+ * A boundary mesh is one orientable 2-manifold sheet with exactly one border loop, which lies on one
+ * horizontal plane; outside the border's footprint the boundary goes on as that plane to infinity. It need
+ * not be a height function. Coordinates are those of the boundary's frame: x, y of the scene, z down, z = 0
+ * at the boundary's nominal depth, [cm]. Knows no files and no rays. SPDX-License-Identifier: MIT */
+#ifndef CML_MESH_H
+#define CML_MESH_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* Which normal the physics uses at a hit. The facet always decides on which side a packet is. */
+enum cml_normals {
+    CML_NORMALS_FACET,
+    CML_NORMALS_VERTEX,   /* interpolated angle-weighted vertex normals */
+    CML_NORMALS_ANALYTIC, /* of the cone that the triangle stands for (tessellated heightfields only) */
+};
+
+struct cml_mesh {
+    size_t num_vertices, num_triangles;
+    double (*vertex)[3];     /* [num_vertices] cm */
+    uint32_t (*triangle)[3]; /* [num_triangles] counter-clockwise seen from above: cross(b-a, c-a) points up
+                              * (z < 0) wherever the sheet is a height function; see cml_mesh_prepare */
+    uint32_t *border;        /* [num_border] vertex indices of the border loop, from the lowest one on, along
+                              * the winding of the triangles: its signed area in (x, y) is negative */
+    size_t num_border;
+    double z_border;           /* depth of the border's plane in the boundary's frame, cm */
+    double lower[3], upper[3]; /* bounding box, cm */
+    enum cml_normals normals;
+    double (*vertex_normal)[3]; /* [num_vertices] unit, angle-weighted, pointing up; at the border the outer
+                                 * plane counts with its own angle; always present after prepare */
+    double *slope; /* [num_triangles] dz/dr of the cone, only with CML_NORMALS_ANALYTIC, else NULL */
+};
+
+void cml_mesh_clear(struct cml_mesh *mesh);
+
+/* Copies into a new mesh; used where a boundary hands its mesh on. */
+CML_NODISCARD cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to,
+                                       struct cml_error *err);
+
+/* What a loader knows of where things stand in its file, so that messages can point there. */
+struct cml_mesh_source {
+    const char *path;
+    const int *vertex_line;   /* [num_vertices] or NULL */
+    const int *triangle_line; /* [num_triangles] or NULL */
+};
+
+/* What cml_mesh_prepare changed; printed by `check`. */
+struct cml_mesh_notes {
+    size_t welded;     /* vertices that were bit-equal to another one */
+    size_t degenerate; /* triangles of zero area that were dropped */
+    size_t unused;     /* vertices that no triangle uses, dropped */
+    size_t flipped;    /* triangles whose winding was turned */
+};
+
+/* Makes a soup of vertices and triangles a boundary: welds bit-equal vertices, drops degenerate triangles and
+ * unused vertices, checks that it is one connected orientable 2-manifold sheet with one border loop on one
+ * horizontal plane (within 1e-9 of the box's largest extent; z_border becomes their mean and the border's
+ * vertices are put exactly on it), orients all triangles so that "up" is the side of the medium above (the
+ * border's outer plane decides), computes box, border, vertex normals. Vertices and triangles keep their
+ * order, so that a prepared mesh comes through unchanged; a coordinate of -0.0 becomes 0.0. `source` and
+ * `notes` may be NULL. Errors (CML_E_INPUT) name path, line and place: x, y and height (-z) in cm. Crossings
+ * of the sheet with itself or with its outer plane are not looked for. After an error *mesh can only be
+ * cleared. */
+CML_NODISCARD cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
+                                          struct cml_mesh_notes *notes, struct cml_error *err);
+
+/* True when every vertex lies at the same depth: the boundary is then the plane z = *z. */
+bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);
+
+/* Height and spacing statistics for `check`. */
+struct cml_mesh_summary {
+    double z_mean, z_rms, peak_to_valley; /* cm; weighted with the triangles' projected area; rms about the
+                                           * mean */
+    double slope_rms, slope_max;          /* [-], infinite where there are vertical walls */
+    double edge_median, edge_min;         /* cm; NaN when memory runs out */
+};
+void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary);
+
+#endif

@@ -1,0 +1,148 @@
+/* Makes a clean index list of a soup of vertices and triangles. SPDX-License-Identifier: MIT */
+#include "geometry/mesh_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define EMPTY UINT32_MAX
+
+static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    for (size_t i = 0; i < mesh->num_vertices; i++) {
+        const double *p = mesh->vertex[i];
+        if (isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2])) continue;
+        const int line = work->source && work->source->vertex_line ? work->source->vertex_line[i] : 0;
+        return cml_mesh_fail(work, line, err, "vertex %zu is too large (expected finite coordinates in cm)",
+                             i + 1);
+    }
+    return CML_OK;
+}
+
+static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    if (mesh->num_triangles == 0) return cml_mesh_fail(work, 0, err, "the mesh has no faces");
+    if (mesh->num_triangles > (size_t)1 << 30 || mesh->num_vertices >= EMPTY)
+        return cml_mesh_fail(work, 0, err, "the mesh has %zu triangles (expected at most 2^30)",
+                             mesh->num_triangles);
+    for (size_t t = 0; t < mesh->num_triangles; t++)
+        for (int k = 0; k < 3; k++)
+            if (mesh->triangle[t][k] >= mesh->num_vertices)
+                return cml_mesh_fail(work, cml_mesh_triangle_line(work, t), err,
+                                     "a face uses vertex %.0f (expected 1 to %zu)",
+                                     (double)mesh->triangle[t][k] + 1, mesh->num_vertices);
+    return CML_OK;
+}
+
+static size_t hash_vertex(const double p[3])
+{
+    uint64_t bits[3];
+    memcpy(bits, p, sizeof bits);
+    uint64_t h = bits[0] * 0x9e3779b97f4a7c15u;
+    h = ((h ^ h >> 32) + bits[1]) * 0xbf58476d1ce4e5b9u;
+    h = ((h ^ h >> 29) + bits[2]) * 0x94d049bb133111ebu;
+    return (size_t)(h ^ h >> 31);
+}
+
+/* same[i] becomes the first vertex that is equal to vertex i. */
+static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t mask, uint32_t *same)
+{
+    size_t welded = 0;
+    for (size_t i = 0; i < mesh->num_vertices; i++) {
+        const double *p = mesh->vertex[i];
+        size_t slot = hash_vertex(p) & mask;
+        while (table[slot] != EMPTY && memcmp(mesh->vertex[table[slot]], p, sizeof mesh->vertex[0]) != 0)
+            slot = (slot + 1) & mask;
+        if (table[slot] == EMPTY) table[slot] = (uint32_t)i;
+        same[i] = table[slot];
+        welded += same[i] != i;
+    }
+    return welded;
+}
+
+static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    /* -0.0 + 0.0 = 0.0: equal coordinates have equal bits from here on. */
+    for (size_t i = 0; i < mesh->num_vertices; i++)
+        for (int k = 0; k < 3; k++) mesh->vertex[i][k] += 0.0;
+    size_t size = 16;
+    while (size < 2 * mesh->num_vertices) size *= 2;
+    uint32_t *table = malloc(size * sizeof *table);
+    uint32_t *same = malloc((mesh->num_vertices + 1) * sizeof *same);
+    if (table && same) {
+        memset(table, 0xff, size * sizeof *table);
+        work->notes.welded = find_equal(mesh, table, size - 1, same);
+        for (size_t t = 0; t < mesh->num_triangles; t++)
+            for (int k = 0; k < 3; k++) mesh->triangle[t][k] = same[mesh->triangle[t][k]];
+    }
+    const bool good = table && same;
+    free(table);
+    free(same);
+    return good ? CML_OK : cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
+}
+
+bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
+{
+    const uint32_t *corner = mesh->triangle[t];
+    if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) return true;
+    const double *a = mesh->vertex[corner[0]], *b = mesh->vertex[corner[1]], *c = mesh->vertex[corner[2]];
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) {
+        u[k] = b[k] - a[k];
+        v[k] = c[k] - a[k];
+    }
+    return u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0];
+}
+
+static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    work->origin = malloc(mesh->num_triangles * sizeof *work->origin);
+    if (!work->origin) return cml_fail_memory(err, 4.0 * (double)mesh->num_triangles, "the faces of a mesh");
+    size_t kept = 0;
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        if (cml_mesh_is_degenerate(mesh, t)) continue;
+        memmove(mesh->triangle[kept], mesh->triangle[t], sizeof mesh->triangle[0]);
+        if (mesh->slope) mesh->slope[kept] = mesh->slope[t];
+        work->origin[kept++] = (uint32_t)t;
+    }
+    if (kept == 0) return cml_mesh_fail(work, 0, err, "every face of the mesh has zero area");
+    work->notes.degenerate = mesh->num_triangles - kept;
+    mesh->num_triangles = kept;
+    return CML_OK;
+}
+
+/* Numbers the vertices that triangles use, in their old order, and packs them. */
+static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    uint32_t *number = malloc(mesh->num_vertices * sizeof *number);
+    if (!number) return cml_fail_memory(err, 4.0 * (double)mesh->num_vertices, "the vertices of a mesh");
+    memset(number, 0xff, mesh->num_vertices * sizeof *number);
+    for (size_t t = 0; t < mesh->num_triangles; t++)
+        for (int k = 0; k < 3; k++) number[mesh->triangle[t][k]] = 0;
+    uint32_t used = 0;
+    for (size_t i = 0; i < mesh->num_vertices; i++) {
+        if (number[i] == EMPTY) continue;
+        memmove(mesh->vertex[used], mesh->vertex[i], sizeof mesh->vertex[0]);
+        number[i] = used++;
+    }
+    for (size_t t = 0; t < mesh->num_triangles; t++)
+        for (int k = 0; k < 3; k++) mesh->triangle[t][k] = number[mesh->triangle[t][k]];
+    free(number);
+    work->notes.unused = mesh->num_vertices - work->notes.welded - used;
+    mesh->num_vertices = used;
+    return CML_OK;
+}
+
+cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err)
+{
+    CML_TRY(check_vertices(work, err));
+    CML_TRY(check_triangles(work, err));
+    CML_TRY(weld(work, err));
+    CML_TRY(drop_degenerate(work, err));
+    return drop_unused(work, err);
+}

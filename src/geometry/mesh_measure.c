@@ -1,0 +1,161 @@
+/* Vertex normals and statistics of a mesh. SPDX-License-Identifier: MIT */
+#include "geometry/mesh_parts.h"
+
+#include "base/constants.h"
+#include "geometry/vec3.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static double length(const double a[3])
+{
+    return sqrt(cml_vec3_dot(a, a));
+}
+
+static void add_scaled(double sum[3], double factor, const double a[3])
+{
+    for (int k = 0; k < 3; k++) sum[k] += factor * a[k];
+}
+
+/* The cross product of two edges: points up, twice the area long. */
+static void area_vector(const struct cml_mesh *mesh, size_t t, double out[3])
+{
+    double u[3], v[3];
+    const double *a = mesh->vertex[mesh->triangle[t][0]];
+    cml_vec3_subtract(mesh->vertex[mesh->triangle[t][1]], a, u);
+    cml_vec3_subtract(mesh->vertex[mesh->triangle[t][2]], a, v);
+    cml_vec3_cross(u, v, out);
+}
+
+static double angle_between(const double u[3], const double v[3])
+{
+    double normal[3];
+    cml_vec3_cross(u, v, normal);
+    return atan2(length(normal), cml_vec3_dot(u, v));
+}
+
+static void add_triangle(struct cml_mesh *mesh, size_t t)
+{
+    const uint32_t *corner = mesh->triangle[t];
+    double normal[3], u[3], v[3];
+    area_vector(mesh, t, normal);
+    const double size = length(normal);
+    if (!(size > 0)) return;
+    for (int k = 0; k < 3; k++) {
+        cml_vec3_subtract(mesh->vertex[corner[(k + 1) % 3]], mesh->vertex[corner[k]], u);
+        cml_vec3_subtract(mesh->vertex[corner[(k + 2) % 3]], mesh->vertex[corner[k]], v);
+        add_scaled(mesh->vertex_normal[corner[k]], angle_between(u, v) / size, normal);
+    }
+}
+
+/* The outer plane meets the sheet at the border with all of the angle outside the footprint. */
+static void add_outer_plane(struct cml_mesh *mesh)
+{
+    const size_t n = mesh->num_border;
+    for (size_t i = 0; i < n; i++) {
+        const double *before = mesh->vertex[mesh->border[(i + n - 1) % n]];
+        const double *here = mesh->vertex[mesh->border[i]];
+        const double *after = mesh->vertex[mesh->border[(i + 1) % n]];
+        const double u[2] = {here[0] - before[0], here[1] - before[1]};
+        const double v[2] = {after[0] - here[0], after[1] - here[1]};
+        const double turned = atan2(u[0] * v[1] - u[1] * v[0], u[0] * v[0] + u[1] * v[1]);
+        /* The loop runs in the negative sense: a convex corner turns by less than 0. */
+        mesh->vertex_normal[mesh->border[i]][2] -= CML_PI - turned;
+    }
+}
+
+cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
+{
+    mesh->vertex_normal = calloc(mesh->num_vertices, sizeof *mesh->vertex_normal);
+    if (!mesh->vertex_normal)
+        return cml_fail_memory(err, 24.0 * (double)mesh->num_vertices, "the normals of a mesh");
+    for (size_t t = 0; t < mesh->num_triangles; t++) add_triangle(mesh, t);
+    add_outer_plane(mesh);
+    for (size_t i = 0; i < mesh->num_vertices; i++) {
+        double *normal = mesh->vertex_normal[i];
+        const double size = length(normal);
+        if (!(size > 0)) normal[2] = -1; /* opposite facets cancel: any normal is as good */
+        for (int k = 0; k < 3 && size > 0; k++) normal[k] /= size;
+    }
+    return CML_OK;
+}
+
+static int compare_doubles(const void *left, const void *right)
+{
+    const double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+static double edge_length(const struct cml_mesh *mesh, uint32_t a, uint32_t b)
+{
+    double along[3];
+    cml_vec3_subtract(mesh->vertex[b], mesh->vertex[a], along);
+    return length(along);
+}
+
+/* Lengths of all edges, each once: inner edges are met in both directions, border edges in one. */
+static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
+{
+    size_t count = 0;
+    for (uint32_t e = 0; e < 3 * mesh->num_triangles; e++) {
+        const uint32_t a = cml_half_edge_from(mesh, e), b = cml_half_edge_to(mesh, e);
+        if (a < b) lengths[count++] = edge_length(mesh, a, b);
+    }
+    for (size_t i = 0; i < mesh->num_border; i++) {
+        const uint32_t a = mesh->border[i], b = mesh->border[(i + 1) % mesh->num_border];
+        if (a > b) lengths[count++] = edge_length(mesh, a, b);
+    }
+    return count;
+}
+
+static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
+{
+    double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);
+    summary->edge_median = summary->edge_min = NAN;
+    if (!lengths) return;
+    const size_t count = list_lengths(mesh, lengths);
+    qsort(lengths, count, sizeof *lengths, compare_doubles);
+    summary->edge_min = lengths[0];
+    summary->edge_median = 0.5 * (lengths[(count - 1) / 2] + lengths[count / 2]);
+    free(lengths);
+}
+
+/* Integral of z - reference, and of its square, over a triangle's projection of unit area. */
+static void height_moments(const struct cml_mesh *mesh, size_t t, double reference, double moment[2])
+{
+    double z[3];
+    for (int k = 0; k < 3; k++) z[k] = mesh->vertex[mesh->triangle[t][k]][2] - reference;
+    moment[0] = (z[0] + z[1] + z[2]) / 3;
+    moment[1] = (z[0] * (z[0] + z[1]) + z[1] * (z[1] + z[2]) + z[2] * (z[2] + z[0])) / 6;
+}
+
+/* Area-weighted sums over the projected triangles: [0] area, [1] z, [2] z^2, [3] slope^2. */
+static void sum_heights(const struct cml_mesh *mesh, double reference, double sum[4],
+                        struct cml_mesh_summary *summary)
+{
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        double area[3], moment[2];
+        area_vector(mesh, t, area);
+        const double flat = fabs(area[2]), slope = hypot(area[0], area[1]) / flat;
+        if (!(length(area) > 0)) continue;
+        height_moments(mesh, t, reference, moment);
+        sum[0] += flat;
+        sum[1] += flat * moment[0];
+        sum[2] += flat * moment[1];
+        sum[3] += flat > 0 ? flat * slope * slope : INFINITY;
+        summary->slope_max = fmax(summary->slope_max, slope);
+    }
+}
+
+void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
+{
+    *summary = (struct cml_mesh_summary){0};
+    double sum[4] = {0}, centered[4] = {0};
+    sum_heights(mesh, mesh->z_border, sum, summary);
+    summary->z_mean = mesh->z_border + sum[1] / sum[0];
+    summary->slope_rms = sqrt(sum[3] / sum[0]);
+    sum_heights(mesh, summary->z_mean, centered, summary);
+    summary->z_rms = sqrt(centered[2] / centered[0]);
+    summary->peak_to_valley = mesh->upper[2] - mesh->lower[2];
+    summarise_edges(mesh, summary);
+}

@@ -1,0 +1,61 @@
+/* The steps of cml_mesh_prepare, shared only by the mesh_*.c files. Each expects the ones above it to have
+ * succeeded. SPDX-License-Identifier: MIT */
+#ifndef CML_MESH_PARTS_H
+#define CML_MESH_PARTS_H
+
+#include "geometry/mesh.h"
+
+#define CML_NO_MATE UINT32_MAX
+
+/* Half-edge 3t + k runs from vertex k to vertex k + 1 (mod 3) of triangle t; corner 3t + k is at vertex k. */
+struct cml_mesh_work {
+    struct cml_mesh *mesh;
+    const struct cml_mesh_source *source; /* or NULL */
+    struct cml_mesh_notes notes;
+    uint32_t *origin; /* [num_triangles] number of the triangle before any was dropped */
+    uint32_t *mate;   /* [3 num_triangles] half-edge on the other side, or CML_NO_MATE at the border */
+};
+
+/* Refuses what is not finite or out of range; welds; drops degenerate triangles and unused vertices. */
+CML_NODISCARD cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_error *err);
+
+/* Whether triangle t uses a vertex twice or has an area of exactly zero. */
+bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
+
+/* Finds the mates; refuses an edge with more than two triangles. */
+CML_NODISCARD cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err);
+
+/* Turns triangles until all agree with the first; refuses several parts and sheets with one side. */
+CML_NODISCARD cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err);
+
+/* Refuses a vertex whose triangles are not one fan. */
+CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err);
+
+/* Finds the border loop, refuses holes, closed bodies, a border that is not horizontal or crosses itself;
+ * turns the whole sheet when its border says that it is upside down. */
+CML_NODISCARD cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err);
+
+/* mesh->vertex_normal from triangles and border. */
+CML_NODISCARD cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err);
+
+/* "PATH:LINE: MESSAGE" with the parts that `work` knows; line <= 0 is left out. */
+CML_NODISCARD CML_PRINTF(4, 5) cml_status
+    cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_error *err, const char *format, ...);
+
+/* Line of triangle t in its file, 0 when unknown. */
+int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t);
+
+/* A position for a message, "(x, y, height h) cm"; returns `text`. */
+const char *cml_mesh_place(const double position[3], char text[112]);
+
+static inline uint32_t cml_half_edge_from(const struct cml_mesh *mesh, uint32_t edge)
+{
+    return mesh->triangle[edge / 3][edge % 3];
+}
+
+static inline uint32_t cml_half_edge_to(const struct cml_mesh *mesh, uint32_t edge)
+{
+    return mesh->triangle[edge / 3][(edge % 3 + 1) % 3];
+}
+
+#endif

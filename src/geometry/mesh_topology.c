@@ -1,0 +1,213 @@
+/* How the triangles of a mesh hang together. SPDX-License-Identifier: MIT */
+#include "geometry/mesh_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static cml_status no_memory(const struct cml_mesh *mesh, struct cml_error *err)
+{
+    return cml_fail_memory(err, 36.0 * (double)mesh->num_triangles, "the edges of a mesh");
+}
+
+/* A half-edge in the list of its lower vertex. */
+struct spoke {
+    uint32_t higher, edge;
+};
+
+static int compare_spokes(const void *left, const void *right)
+{
+    const struct spoke *a = left, *b = right;
+    if (a->higher != b->higher) return a->higher < b->higher ? -1 : 1;
+    return a->edge < b->edge ? -1 : a->edge > b->edge;
+}
+
+static uint32_t lower_end(const struct cml_mesh *mesh, uint32_t edge)
+{
+    const uint32_t a = cml_half_edge_from(mesh, edge), b = cml_half_edge_to(mesh, edge);
+    return a < b ? a : b;
+}
+
+/* Counting sort of all half-edges by their lower vertex; first[v] becomes the end of v's list. */
+static void list_spokes(const struct cml_mesh *mesh, size_t *first, struct spoke *spokes)
+{
+    const uint32_t num_edges = (uint32_t)(3 * mesh->num_triangles);
+    for (uint32_t e = 0; e < num_edges; e++) first[lower_end(mesh, e) + 1]++;
+    for (size_t v = 0; v < mesh->num_vertices; v++) first[v + 1] += first[v];
+    for (uint32_t e = 0; e < num_edges; e++) {
+        const uint32_t low = lower_end(mesh, e);
+        const uint32_t a = cml_half_edge_from(mesh, e), b = cml_half_edge_to(mesh, e);
+        spokes[first[low]++] = (struct spoke){.higher = a + b - low, .edge = e};
+    }
+}
+
+static cml_status refuse_edge(const struct cml_mesh_work *work, uint32_t edge, size_t count,
+                              struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    char from[112], to[112];
+    return cml_mesh_fail(work, cml_mesh_triangle_line(work, edge / 3), err,
+                         "the edge from %s to %s belongs to %zu faces (expected 1 or 2: a sheet)",
+                         cml_mesh_place(mesh->vertex[cml_half_edge_from(mesh, edge)], from),
+                         cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, edge)], to), count);
+}
+
+/* Mates the half-edges of one lower vertex: equal other ends have become neighbours by sorting. */
+static cml_status join_spokes(struct cml_mesh_work *work, struct spoke *spokes, size_t count,
+                              struct cml_error *err)
+{
+    qsort(spokes, count, sizeof *spokes, compare_spokes);
+    for (size_t i = 0, next; i < count; i = next) {
+        for (next = i + 1; next < count && spokes[next].higher == spokes[i].higher;) next++;
+        if (next - i > 2) return refuse_edge(work, spokes[i + 2].edge, next - i, err);
+        if (next - i < 2) continue;
+        work->mate[spokes[i].edge] = spokes[i + 1].edge;
+        work->mate[spokes[i + 1].edge] = spokes[i].edge;
+    }
+    return CML_OK;
+}
+
+cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    const size_t num_edges = 3 * mesh->num_triangles;
+    work->mate = malloc(num_edges * sizeof *work->mate);
+    struct spoke *spokes = malloc(num_edges * sizeof *spokes);
+    size_t *first = calloc(mesh->num_vertices + 1, sizeof *first);
+    cml_status status = CML_OK;
+    if (!work->mate || !spokes || !first) {
+        status = no_memory(mesh, err);
+    } else {
+        memset(work->mate, 0xff, num_edges * sizeof *work->mate);
+        list_spokes(mesh, first, spokes);
+        for (size_t v = 0, begin = 0; v < mesh->num_vertices && status == CML_OK; begin = first[v++])
+            status = join_spokes(work, spokes + begin, first[v] - begin, err);
+    }
+    free(spokes);
+    free(first);
+    return status;
+}
+
+enum { AS_IT_IS, TURNED, UNVISITED };
+
+/* The mate of a half-edge of a triangle that agrees runs the other way. */
+static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t, uint8_t *state,
+                                   uint32_t *queue, size_t *tail, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    for (uint32_t edge = 3 * t; edge < 3 * t + 3; edge++) {
+        const uint32_t mate = work->mate[edge];
+        if (mate == CML_NO_MATE) continue;
+        const bool same_way = cml_half_edge_from(mesh, edge) == cml_half_edge_from(mesh, mate);
+        const uint8_t wanted = (uint8_t)(state[t] ^ (same_way ? 1 : 0));
+        const uint32_t other = mate / 3;
+        char place[112];
+        if (state[other] == UNVISITED) {
+            state[other] = wanted;
+            queue[(*tail)++] = other;
+        } else if (state[other] != wanted) {
+            return cml_mesh_fail(work, cml_mesh_triangle_line(work, t), err,
+                                 "the mesh has only one side, like a Moebius strip: it closes wrongly at %s "
+                                 "(expected an orientable sheet)",
+                                 cml_mesh_place(mesh->vertex[cml_half_edge_from(mesh, edge)], place));
+        }
+    }
+    return CML_OK;
+}
+
+static cml_status visit_all(const struct cml_mesh_work *work, uint8_t *state, uint32_t *queue,
+                            struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    size_t head = 0, tail = 0, parts = 0;
+    uint32_t second = 0;
+    for (uint32_t seed = 0; seed < mesh->num_triangles; seed++) {
+        if (state[seed] != UNVISITED) continue;
+        if (++parts == 2) second = seed;
+        state[seed] = AS_IT_IS;
+        queue[tail++] = seed;
+        while (head < tail) CML_TRY(visit_neighbours(work, queue[head++], state, queue, &tail, err));
+    }
+    if (parts == 1) return CML_OK;
+    char place[112];
+    return cml_mesh_fail(work, cml_mesh_triangle_line(work, second), err,
+                         "the mesh falls into %zu separate parts, the second from %s on (expected one "
+                         "connected sheet)",
+                         parts, cml_mesh_place(mesh->vertex[mesh->triangle[second][0]], place));
+}
+
+/* A turned triangle (a, c, b) has its half-edges 0 and 2 exchanged. */
+static void turn_triangles(struct cml_mesh_work *work, const uint8_t *state)
+{
+    struct cml_mesh *mesh = work->mesh;
+    uint32_t *mate = work->mate;
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        if (state[t] != TURNED) continue;
+        work->notes.flipped++;
+        uint32_t *corner = mesh->triangle[t];
+        const uint32_t second = corner[1], edge = mate[3 * t];
+        corner[1] = corner[2];
+        corner[2] = second;
+        mate[3 * t] = mate[3 * t + 2];
+        mate[3 * t + 2] = edge;
+    }
+    for (size_t e = 0; e < 3 * mesh->num_triangles; e++)
+        if (mate[e] != CML_NO_MATE && state[mate[e] / 3] == TURNED)
+            mate[e] = mate[e] / 3 * 3 + 2 - mate[e] % 3;
+}
+
+cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err)
+{
+    const size_t num_triangles = work->mesh->num_triangles;
+    uint8_t *state = malloc(num_triangles);
+    uint32_t *queue = malloc(num_triangles * sizeof *queue);
+    cml_status status = CML_OK;
+    if (!state || !queue) {
+        status = no_memory(work->mesh, err);
+    } else {
+        memset(state, UNVISITED, num_triangles);
+        status = visit_all(work, state, queue, err);
+        if (status == CML_OK) turn_triangles(work, state);
+    }
+    free(state);
+    free(queue);
+    return status;
+}
+
+/* Marks the corners of the fan around the vertex of corner `start`: over incoming half-edges one way round,
+ * and over outgoing ones the other way where the border stopped the first. */
+static void mark_fan(const uint32_t *mate, uint32_t start, uint8_t *marked)
+{
+    uint32_t corner = start;
+    do {
+        marked[corner] = 1;
+        corner = mate[corner / 3 * 3 + (corner + 2) % 3];
+    } while (corner != CML_NO_MATE && corner != start);
+    if (corner == start) return;
+    for (uint32_t incoming = mate[start]; incoming != CML_NO_MATE; incoming = mate[corner]) {
+        corner = incoming / 3 * 3 + (incoming + 1) % 3;
+        marked[corner] = 1;
+    }
+}
+
+cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    const uint32_t num_corners = (uint32_t)(3 * mesh->num_triangles);
+    uint8_t *marked = calloc(num_corners, 1), *has_fan = calloc(mesh->num_vertices, 1);
+    cml_status status = marked && has_fan ? CML_OK : no_memory(mesh, err);
+    for (uint32_t c = 0; c < num_corners && status == CML_OK; c++) {
+        if (marked[c]) continue;
+        const uint32_t vertex = cml_half_edge_from(mesh, c);
+        char place[112];
+        if (has_fan[vertex])
+            status = cml_mesh_fail(work, cml_mesh_triangle_line(work, c / 3), err,
+                                   "the mesh touches itself at the vertex %s (expected one fan of faces "
+                                   "around every vertex)",
+                                   cml_mesh_place(mesh->vertex[vertex], place));
+        has_fan[vertex] = 1;
+        mark_fan(work->mate, c, marked);
+    }
+    free(marked);
+    free(has_fan);
+    return status;
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/gsf.h"
+
+#include "base/text.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+static const char magic[] = "Gwyddion Simple Field 1.0\n";
+
+struct field {
+    struct cml_text text;
+    size_t header; /* bytes before the first NUL */
+    int xres, yres;
+    double xreal, yreal;
+    double xy_unit, z_unit; /* cm; 0: not in the file */
+    struct cml_error *err;
+};
+
+static cml_status fail(const struct field *f, const char *name, const char *value, const char *expected)
+{
+    return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
+}
+
+static char *trim(char *text)
+{
+    text += strspn(text, " \t");
+    size_t length = strlen(text);
+    while (length > 0 && strchr(" \t", text[length - 1])) text[--length] = '\0';
+    return text;
+}
+
+static cml_status read_resolution(const struct field *f, const char *name, const char *value, int *resolution)
+{
+    if (*resolution != 0) return fail(f, name, value, "this line only once");
+    if (cml_parse_int(value, resolution) && *resolution >= 2) return CML_OK;
+    return fail(f, name, value, "a whole number of 2 or more");
+}
+
+static cml_status read_size(const struct field *f, const char *name, const char *value, double *size)
+{
+    if (*size != 0) return fail(f, name, value, "this line only once");
+    if (cml_parse_double(value, size) && *size >= 1e-30 && *size <= 1e30) return CML_OK;
+    return fail(f, name, value, "a length of 1e-30..1e30");
+}
+
+static cml_status read_unit(const struct field *f, const char *name, const char *value, double *unit)
+{
+    static const struct {
+        const char *name;
+        double cm;
+    } units[] = {{"m", 100},          {"dm", 10},          {"cm", 1},    {"mm", 0.1},  {"um", 1e-4},
+                 {"\xc2\xb5m", 1e-4}, {"\xce\xbcm", 1e-4}, {"nm", 1e-7}, {"pm", 1e-10}};
+    if (*unit != 0) return fail(f, name, value, "this line only once");
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strcmp(value, units[i].name) == 0) *unit = units[i].cm;
+    return *unit > 0 ? CML_OK : fail(f, name, value, "a unit of length: m, dm, cm, mm, um, nm or pm");
+}
+
+/* Fields that this program does not need may have any name. */
+static cml_status read_line(struct field *f, char *line)
+{
+    char *equals = strchr(line, '=');
+    if (!equals) return fail(f, "header line", line, "name = value");
+    *equals = '\0';
+    const char *name = trim(line), *value = trim(equals + 1);
+    if (strcmp(name, "XRes") == 0) return read_resolution(f, name, value, &f->xres);
+    if (strcmp(name, "YRes") == 0) return read_resolution(f, name, value, &f->yres);
+    if (strcmp(name, "XReal") == 0) return read_size(f, name, value, &f->xreal);
+    if (strcmp(name, "YReal") == 0) return read_size(f, name, value, &f->yreal);
+    if (strcmp(name, "XYUnits") == 0) return read_unit(f, name, value, &f->xy_unit);
+    if (strcmp(name, "ZUnits") == 0) return read_unit(f, name, value, &f->z_unit);
+    return CML_OK;
+}
+
+static cml_status read_header(struct field *f)
+{
+    const size_t size = sizeof magic - 1;
+    struct cml_text *text = &f->text;
+    f->header = strlen(text->data);
+    if (text->size < size || memcmp(text->data, magic, size) != 0)
+        return cml_fail(f->err, CML_E_INPUT,
+                        "%s:1: no such file format (expected \"Gwyddion Simple Field 1.0\")", text->path);
+    if (f->header == text->size)
+        return cml_fail(f->err, CML_E_INPUT, "%s: no NUL byte ends the header", text->path);
+    (void)cml_text_next(text);
+    while (text->cursor < f->header) CML_TRY(read_line(f, cml_text_next(text)));
+    return CML_OK;
+}
+
+static cml_status check_header(const struct field *f)
+{
+    const char *path = f->text.path;
+    if (f->xres == 0) return cml_fail_field(f->err, path, 0, "XRes", NULL, "the number of columns");
+    if (f->yres == 0) return cml_fail_field(f->err, path, 0, "YRes", NULL, "the number of rows");
+    if (f->xreal == 0)
+        return cml_fail_field(f->err, path, 0, "XReal", NULL, "the width, without which slopes are unknown");
+    if (f->yreal == 0)
+        return cml_fail_field(f->err, path, 0, "YReal", NULL, "the height, without which slopes are unknown");
+    return CML_OK;
+}
+
+/* The file's units, or the one given for a file without any. */
+static cml_status settle_units(struct field *f, double unit)
+{
+    const bool inside = f->xy_unit > 0 && f->z_unit > 0, none = f->xy_unit == 0 && f->z_unit == 0;
+    const char *path = f->text.path;
+    if (inside && unit == 0) return CML_OK;
+    if (!none && unit > 0)
+        return cml_fail(f->err, CML_E_INPUT, "%s: the file has its own units (expected no units= beside it)",
+                        path);
+    if (unit == 0)
+        return cml_fail_field(f->err, path, 0, f->xy_unit == 0 ? "XYUnits" : "ZUnits", NULL,
+                              "units in the file, or units= on the m line when it has none");
+    f->xy_unit = f->z_unit = unit;
+    return CML_OK;
+}
+
+/* Where the heights begin: the next multiple of 4 behind the header, which is not one itself. */
+static cml_status find_heights(const struct field *f, size_t *begin)
+{
+    const struct cml_text *text = &f->text;
+    *begin = (f->header / 4 + 1) * 4;
+    for (size_t i = f->header; i < *begin && i < text->size; i++)
+        if (text->data[i] != '\0')
+            return cml_fail(f->err, CML_E_INPUT,
+                            "%s: byte %zu is not NUL (expected NUL bytes up to byte %zu)", text->path, i + 1,
+                            *begin);
+    const double expected = 4.0 * f->xres * f->yres;
+    const double found = text->size > *begin ? (double)(text->size - *begin) : 0;
+    if (found == expected) return CML_OK;
+    return cml_fail(f->err, CML_E_INPUT,
+                    "%s: %.0f bytes of heights behind byte %zu (expected %.0f: 4 x %d x %d)", text->path,
+                    found, *begin, expected, f->xres, f->yres);
+}
+
+static double float_at(const char *data)
+{
+    const unsigned char *byte = (const unsigned char *)data;
+    uint32_t word = 0;
+    for (int i = 3; i >= 0; i--) word = word << 8 | byte[i];
+    float value = 0;
+    memcpy(&value, &word, sizeof value);
+    return (double)value;
+}
+
+static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
+{
+    size_t begin = 0;
+    CML_TRY(find_heights(f, &begin));
+    CML_TRY(cml_heightmap_allocate(f->text.path, f->xres, f->yres, map, f->err));
+    map->dx = f->xreal / f->xres * f->xy_unit;
+    map->dy = f->yreal / f->yres * f->xy_unit;
+    for (size_t i = 0; i < (size_t)f->xres * (size_t)f->yres; i++)
+        map->h[i] = float_at(f->text.data + begin + 4 * i) * f->z_unit;
+    return cml_heightmap_check(f->text.path, map, f->err);
+}
+
+cml_status cml_gsf_read(const char *path, double unit, struct cml_heightmap *map, struct cml_error *err)
+{
+    struct field f = {.err = err};
+    *map = (struct cml_heightmap){0};
+    CML_TRY(cml_text_read_bytes(path, &f.text, err));
+    cml_status status = read_header(&f);
+    if (status == CML_OK) status = check_header(&f);
+    if (status == CML_OK) status = settle_units(&f, unit);
+    if (status == CML_OK) status = read_heights(&f, map);
+    cml_text_clear(&f.text);
+    if (status == CML_OK)
+        cml_heightmap_settle(map);
+    else
+        cml_heightmap_clear(map);
+    return status;
+}

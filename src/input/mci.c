@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/mci.h"
+
+#include "input/mci_boundary.h"
+#include "input/mci_lines.h"
+#include "input/mci_map.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_RUNS 32767
+#define MAX_LAYERS 100000
+#define MAX_CELLS 2147483648.0
+#define MIN_INDEX 0.01
+#define MAX_INDEX 100
+
+/* Where the reader stands decides which of our own lines may come before the next data line. */
+enum stage {
+    STAGE_NAME,  /* none, and a bare keyword is a name */
+    STAGE_RUN,   /* beam, map, facets */
+    STAGE_ABOVE, /* none */
+    STAGE_LAYERS /* b and m */
+};
+
+static bool is_of_run(enum cml_mci_kind kind)
+{
+    return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS;
+}
+
+static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
+                                 const char *instead)
+{
+    const char *name = kind == CML_MCI_BEAM ? "beam" : kind == CML_MCI_MAP ? "map" : "facets";
+    char expected[200];
+    if (kind == CML_MCI_UNKNOWN)
+        snprintf(expected, sizeof expected, "b, m, beam, map or facets behind #@");
+    else if (is_of_run(kind))
+        snprintf(expected, sizeof expected,
+                 "%s; a %s line stands between a run's first line and its number of layers", instead, name);
+    else
+        snprintf(expected, sizeof expected,
+                 "%s; a boundary line stands before the layer, or the n below, whose top it is", instead);
+    return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+}
+
+static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
+                                struct cml_scene *scene)
+{
+    if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, &scene->beam);
+    return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
+}
+
+/* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the
+ * number of the boundary that lies before it. */
+static cml_status seek(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene, int b,
+                       const char *field)
+{
+    for (;;) {
+        enum cml_mci_kind kind;
+        CML_TRY(cml_mci_next(reader, stage != STAGE_NAME, &kind));
+        if (kind == CML_MCI_DATA) return CML_OK;
+        if (kind == CML_MCI_END)
+            return cml_mci_fail(reader, field, NULL, "a line for it, but the file ends here");
+        if (is_of_run(kind) && stage == STAGE_RUN)
+            CML_TRY(read_run_line(reader, kind, scene));
+        else if ((kind == CML_MCI_B || kind == CML_MCI_M) && stage == STAGE_LAYERS)
+            CML_TRY(cml_mci_boundary(reader, kind, b, &scene->boundaries[b]));
+        else
+            return fail_misplaced(reader, kind, field);
+    }
+}
+
+static cml_status check_output(const struct cml_mci_reader *reader, const struct cml_scene_list *list,
+                               const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    const char *last = slash ? slash + 1 : name;
+    /* 250 bytes leave room for ".tmp" in a directory entry. */
+    if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0 || strlen(last) > 250 ||
+        *name == '"')
+        return cml_mci_fail(reader, "output name", name, "a file name of 1..250 bytes");
+    for (const char *c = name; *c; c++)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f)
+            return cml_mci_fail(reader, "output name", name, "a file name without control characters");
+    for (int i = 0; i < list->count - 1; i++) {
+        if (strcmp(list->scenes[i].output, name) != 0) continue;
+        char expected[80];
+        snprintf(expected, sizeof expected, "another name than that of the run in line %d",
+                 list->scenes[i].line);
+        return cml_mci_fail(reader, "output name", name, expected);
+    }
+    return CML_OK;
+}
+
+static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scene_list *list,
+                            struct cml_scene *scene)
+{
+    CML_TRY(seek(reader, STAGE_NAME, scene, 0, "output name"));
+    scene->line = reader->text.line;
+    CML_TRY(cml_text_copy(reader->text.path, &scene->file, reader->err));
+    const char *name = cml_text_word(&reader->cursor);
+    CML_TRY(check_output(reader, list, name));
+    CML_TRY(cml_text_copy(name, &scene->output, reader->err));
+    cml_mci_cut_comment(reader->cursor); /* only here: a name may hold a '#' */
+    const char *format = cml_text_word(&reader->cursor);
+    if (!format || !strchr("AaBb", format[0]) || format[1])
+        return cml_mci_fail(reader, "format", format, "A or B");
+    scene->format = strchr("Aa", format[0]) ? 'A' : 'B';
+    return CML_OK;
+}
+
+/* The memory is judged before anything asks for it. */
+static cml_status check_cells(const struct cml_mci_reader *reader, const double *bins)
+{
+    const double nz = bins[0], nr = bins[1], na = bins[2];
+    const double cells = nr * nz + 2 * nr * na + nz + 2 * nr + 2 * na;
+    if (cells <= MAX_CELLS) return CML_OK;
+    char value[80], expected[120];
+    snprintf(value, sizeof value, "%.0f %.0f %.0f", nz, nr, na);
+    snprintf(expected, sizeof expected, "at most 2^31 cells in all arrays together; these are %.3g, %.3g GiB",
+             cells, cells * 8 / 1073741824.0);
+    return cml_mci_fail(reader, "nz nr na", value, expected);
+}
+
+static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    static const struct cml_mci_field photons = {"photons", 1, 281474976710656.0, true,
+                                                 "a whole number of 1..2^48"};
+    static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9";
+    static const struct cml_mci_field steps[] = {{"dz", CML_MCI_TINY, CML_MCI_HUGE, false, length},
+                                                 {"dr", CML_MCI_TINY, CML_MCI_HUGE, false, length}};
+    static const struct cml_mci_field bins[] = {
+        {"nz", 1, 1e9, true, count}, {"nr", 1, 1e9, true, count}, {"na", 1, 1e9, true, count}};
+    double values[3];
+    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "photons"));
+    CML_TRY(cml_mci_numbers(reader, NULL, &photons, 1, values));
+    scene->photons = (uint64_t)values[0];
+    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "dz dr"));
+    CML_TRY(cml_mci_numbers(reader, NULL, steps, 2, values));
+    scene->dz = values[0];
+    scene->dr = values[1];
+    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "nz nr na"));
+    CML_TRY(cml_mci_numbers(reader, NULL, bins, 3, values));
+    CML_TRY(check_cells(reader, values));
+    scene->nz = (int)values[0];
+    scene->nr = (int)values[1];
+    scene->na = (int)values[2];
+    return CML_OK;
+}
+
+static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    static const struct cml_mci_field field = {"number of layers", 1, MAX_LAYERS, true,
+                                               "a whole number of 1..100000"};
+    double number = 0;
+    CML_TRY(seek(reader, STAGE_RUN, scene, 0, field.name));
+    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &number));
+    scene->num_layers = (int)number;
+    const size_t layers = (size_t)scene->num_layers;
+    scene->media = calloc(layers + 2, sizeof *scene->media);
+    scene->boundaries = calloc(layers + 1, sizeof *scene->boundaries);
+    if (scene->media && scene->boundaries) return CML_OK;
+    return cml_fail_memory(reader->err,
+                           (double)layers * (double)(sizeof *scene->media + sizeof *scene->boundaries),
+                           "the layers");
+}
+
+static const char index_range[] = "a refractive index of 0.01..100";
+
+static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *scene, bool above)
+{
+    const struct cml_mci_field field = {above ? "n above" : "n below", MIN_INDEX, MAX_INDEX, false,
+                                        index_range};
+    struct cml_medium_def *medium = &scene->media[above ? 0 : scene->num_layers + 1];
+    CML_TRY(seek(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
+    return cml_mci_numbers(reader, NULL, &field, 1, &medium->n);
+}
+
+static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
+{
+    static const char coefficient[] = "a coefficient of 0..1e30 1/cm";
+    static const struct cml_mci_field fields[] = {
+        {"n", MIN_INDEX, MAX_INDEX, false, index_range},
+        {"mua", 0, CML_MCI_HUGE, false, coefficient},
+        {"mus", 0, CML_MCI_HUGE, false, coefficient},
+        {"g", -1, 1, false, "an anisotropy of -1..1"},
+        {"d", 0, CML_MCI_HUGE, false, "a thickness of 0..1e30 cm"},
+    };
+    char owner[32];
+    double values[5];
+    snprintf(owner, sizeof owner, "layer %d", layer);
+    CML_TRY(seek(reader, STAGE_LAYERS, scene, layer - 1, owner));
+    CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
+    scene->media[layer] = (struct cml_medium_def){
+        .n = values[0], .mua = values[1], .mus = values[2], .g = values[3], .d = values[4]};
+    return CML_OK;
+}
+
+static cml_status read_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    CML_TRY(allocate_layers(reader, scene));
+    CML_TRY(read_ambient(reader, scene, true));
+    for (int layer = 1; layer <= scene->num_layers; layer++) {
+        CML_TRY(read_layer(reader, scene, layer));
+        scene->boundaries[layer].z = scene->boundaries[layer - 1].z + scene->media[layer].d;
+    }
+    return read_ambient(reader, scene, false);
+}
+
+/* The scene joins the list before it is complete, so that clearing the list frees what was read of it. */
+static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list *list)
+{
+    if ((list->count & (list->count - 1)) == 0) { /* a power of two is full */
+        const size_t capacity = list->count ? 2 * (size_t)list->count : 1;
+        struct cml_scene *larger = realloc(list->scenes, capacity * sizeof *larger);
+        if (!larger) return cml_fail_memory(reader->err, (double)(capacity * sizeof *larger), "the runs");
+        list->scenes = larger;
+    }
+    struct cml_scene *scene = &list->scenes[list->count++];
+    *scene = (struct cml_scene){0};
+    cml_mci_forget(reader);
+    CML_TRY(read_name(reader, list, scene));
+    CML_TRY(read_head(reader, scene));
+    CML_TRY(read_layers(reader, scene));
+    CML_TRY(cml_mci_check_map(reader, scene));
+    scene->text = cml_mci_take_kept(reader);
+    return CML_OK;
+}
+
+/* Whatever follows the last run is ignored, as in the original: it may be a run switched off by the number of
+ * runs. But a boundary line right behind n below was meant for this run. */
+static cml_status check_rest(struct cml_mci_reader *reader)
+{
+    enum cml_mci_kind kind;
+    CML_TRY(cml_mci_next(reader, true, &kind));
+    if (kind != CML_MCI_B && kind != CML_MCI_M) return CML_OK;
+    return fail_misplaced(reader, kind, "the end of the run");
+}
+
+static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)
+{
+    static const struct cml_mci_field field = {"number of runs", 1, MAX_RUNS, true,
+                                               "a whole number of 1..32767"};
+    double runs = 0;
+    CML_TRY(seek(reader, STAGE_NAME, NULL, 0, "file version"));
+    CML_TRY(seek(reader, STAGE_NAME, NULL, 0, field.name));
+    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &runs));
+    while (list->count < (int)runs) CML_TRY(read_run(reader, list));
+    return check_rest(reader);
+}
+
+cml_status cml_mci_read(const char *path, struct cml_scene_list *list, struct cml_error *err)
+{
+    struct cml_mci_reader reader;
+    *list = (struct cml_scene_list){0};
+    cml_status status = cml_mci_open(path, &reader, err);
+    if (status == CML_OK) status = read_file(&reader, list);
+    cml_mci_close(&reader);
+    if (status != CML_OK) cml_scene_list_clear(list);
+    return status;
+}

@@ -1,0 +1,17 @@
+/* The lines of .mci files that original MCML does not know: b, m and beam.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_MCI_BOUNDARY_H
+#define CML_MCI_BOUNDARY_H
+
+#include "input/mci_lines.h"
+#include "scene/scene.h"
+
+/* Reads the current b or m line (cursor behind the keyword) and the file that it may name into *boundary,
+ * which is number `index`. What was allocated before a failure belongs to *boundary. */
+CML_NODISCARD cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
+                                          struct cml_boundary *boundary);
+
+/* Reads the current beam line. */
+CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_beam *beam);
+
+#endif

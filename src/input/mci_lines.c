@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/mci_lines.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char blanks[] = " \t\v\f\r";
+
+cml_status cml_mci_open(const char *path, struct cml_mci_reader *reader, struct cml_error *err)
+{
+    *reader = (struct cml_mci_reader){.err = err};
+    CML_TRY(cml_text_read(path, &reader->text, err));
+    /* Editors on Windows write a byte order mark; before a comment it would make that line the version. */
+    if (strncmp(reader->text.data, "\xEF\xBB\xBF", 3) == 0) reader->text.cursor = 3;
+    return CML_OK;
+}
+
+void cml_mci_close(struct cml_mci_reader *reader)
+{
+    cml_text_clear(&reader->text);
+    free(reader->kept);
+    *reader = (struct cml_mci_reader){0};
+}
+
+void cml_mci_forget(struct cml_mci_reader *reader)
+{
+    reader->kept_size = 0;
+    reader->kept_last = 0;
+}
+
+char *cml_mci_take_kept(struct cml_mci_reader *reader)
+{
+    char *kept = reader->kept;
+    reader->kept = NULL;
+    reader->kept_capacity = 0;
+    cml_mci_forget(reader);
+    return kept;
+}
+
+const char *cml_mci_raw(const struct cml_mci_reader *reader)
+{
+    return reader->kept + reader->kept_last;
+}
+
+/* Words are cut out of the line in place, so the copy must be made before. */
+static cml_status keep_line(struct cml_mci_reader *reader, const char *line)
+{
+    const size_t length = strlen(line);
+    const size_t needed = reader->kept_size + length + 2;
+    if (needed > reader->kept_capacity) {
+        const size_t capacity = 2 * needed;
+        char *larger = realloc(reader->kept, capacity);
+        if (!larger) return cml_fail_memory(reader->err, (double)capacity, "the lines of a run");
+        reader->kept = larger;
+        reader->kept_capacity = capacity;
+    }
+    if (reader->kept_size > 0) reader->kept[reader->kept_size++] = '\n';
+    reader->kept_last = reader->kept_size;
+    memcpy(reader->kept + reader->kept_last, line, length + 1);
+    reader->kept_size += length;
+    return CML_OK;
+}
+
+/* "#@ beam" is ours and "#@ baem" an error, but a rule of "#@@@@" or a lone "#@" is somebody's ornament. */
+static bool is_marked(const char *text)
+{
+    if (text[0] != '#' || text[1] != '@') return false;
+    const size_t gap = strspn(text + 2, blanks);
+    const char first = text[2 + gap];
+    return gap ? first != '\0' : first >= 'a' && first <= 'z';
+}
+
+/* Moves *cursor behind the keyword when there is one. */
+static enum cml_mci_kind take_keyword(char **cursor)
+{
+    static const struct {
+        const char *word;
+        enum cml_mci_kind kind;
+    } keywords[] = {{"b", CML_MCI_B},
+                    {"m", CML_MCI_M},
+                    {"beam", CML_MCI_BEAM},
+                    {"map", CML_MCI_MAP},
+                    {"facets", CML_MCI_FACETS}};
+    char *word = *cursor + strspn(*cursor, blanks);
+    const size_t length = strcspn(word, blanks);
+    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++) {
+        if (strlen(keywords[i].word) != length || memcmp(word, keywords[i].word, length) != 0) continue;
+        *cursor = word + length;
+        return keywords[i].kind;
+    }
+    return CML_MCI_DATA;
+}
+
+cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
+{
+    char *line = NULL;
+    bool marked = false;
+    *kind = CML_MCI_END;
+    do {
+        line = cml_text_next(&reader->text);
+        if (!line) return CML_OK;
+        reader->cursor = line + strspn(line, blanks);
+        marked = is_marked(reader->cursor);
+    } while (!marked && (*reader->cursor == '#' || *reader->cursor == '\0'));
+    CML_TRY(keep_line(reader, line));
+    if (marked) reader->cursor += 2;
+    *kind = marked || keywords ? take_keyword(&reader->cursor) : CML_MCI_DATA;
+    if (marked && *kind == CML_MCI_DATA) *kind = CML_MCI_UNKNOWN;
+    return CML_OK;
+}
+
+void cml_mci_cut_comment(char *text)
+{
+    bool quoted = false;
+    for (; *text; text++) {
+        if (*text == '"') quoted = !quoted;
+        if (*text == '#' && !quoted) *text = '\0';
+        if (!*text) return;
+    }
+}
+
+cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, const char *value,
+                        const char *expected)
+{
+    return cml_fail_field(reader->err, reader->text.path, reader->text.line, field, value, expected);
+}
+
+bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value)
+{
+    double number = 0;
+    uint64_t count = 0;
+    if (!cml_parse_double(word, &number)) return false;
+    if (field->whole && !cml_parse_count(word, &count)) return false;
+    if (number < field->lowest || number > field->highest) return false;
+    *value = number;
+    return true;
+}
+
+static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
+                              const struct cml_mci_field *field, double *value)
+{
+    const char *word = cml_text_word(&reader->cursor);
+    if (word && cml_mci_parse(field, word, value)) return CML_OK;
+    char name[80];
+    snprintf(name, sizeof name, "%s%s%s", owner ? owner : "", owner ? ": " : "", field->name);
+    return cml_mci_fail(reader, name, word, field->expected);
+}
+
+cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
+                           const struct cml_mci_field *fields, int count, double *values)
+{
+    cml_mci_cut_comment(reader->cursor);
+    for (int i = 0; i < count; i++) CML_TRY(read_number(reader, owner, &fields[i], &values[i]));
+    double surplus = 0;
+    const char *word = cml_text_word(&reader->cursor);
+    if (!word || !cml_parse_double(word, &surplus)) return CML_OK;
+    char name[80];
+    snprintf(name, sizeof name, "%s%snumber after %s", owner ? owner : "", owner ? ": " : "",
+             fields[count - 1].name);
+    return cml_mci_fail(reader, name, word, "the end of the line or a comment");
+}

@@ -1,0 +1,78 @@
+/* Lines and numbers of .mci files: what mci.c (grammar), mci_boundary.c (b, m, beam) and mci_map.c (map,
+ * facets) stand on. Hands out data lines, tells the lines that original MCML does not know, reads the fields
+ * of a line against their allowed ranges, and keeps the run's lines as written. SPDX-License-Identifier: MIT
+ */
+#ifndef CML_MCI_LINES_H
+#define CML_MCI_LINES_H
+
+#include "base/status.h"
+#include "base/text.h"
+
+/* Beyond these a float overflows somewhere in the transport; nobody's tissue is a light year thick. */
+#define CML_MCI_HUGE 1e30
+#define CML_MCI_TINY 1e-30
+
+struct cml_mci_reader {
+    struct cml_text text;
+    struct cml_error *err;
+    char *cursor; /* what is left of the current line */
+    char *kept;   /* the lines handed out since cml_mci_forget, joined with line feeds */
+    size_t kept_size, kept_capacity;
+    size_t kept_last; /* where in `kept` the current line begins */
+};
+
+enum cml_mci_kind {
+    CML_MCI_DATA,
+    CML_MCI_B,
+    CML_MCI_M,
+    CML_MCI_BEAM,
+    CML_MCI_MAP,
+    CML_MCI_FACETS,
+    CML_MCI_UNKNOWN, /* "#@ " and then none of the above */
+    CML_MCI_END,     /* of the file */
+};
+
+/* A number with its allowed range; `expected` says the range in words. */
+struct cml_mci_field {
+    const char *name;
+    double lowest, highest;
+    bool whole; /* also written like 1e7 */
+    const char *expected;
+};
+
+CML_NODISCARD cml_status cml_mci_open(const char *path, struct cml_mci_reader *reader, struct cml_error *err);
+void cml_mci_close(struct cml_mci_reader *reader);
+
+/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, beam, map and facets also count
+ * without
+ * "#@ " before them (an output may be named "b"). The cursor stands behind the keyword, or at the start of a
+ * data line. */
+CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
+
+/* The current line as written. Valid until the next call of cml_mci_next. */
+const char *cml_mci_raw(const struct cml_mci_reader *reader);
+
+/* Starts the memory of lines anew: a run begins with the next line. */
+void cml_mci_forget(struct cml_mci_reader *reader);
+
+/* Hands the lines kept to the caller, who frees them. */
+char *cml_mci_take_kept(struct cml_mci_reader *reader);
+
+/* Ends the text at the first '#' outside quotes. A number may be glued to it ("0.1#dz"), as in the original.
+ */
+void cml_mci_cut_comment(char *text);
+
+/* cml_fail_field at the current line. */
+CML_NODISCARD cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field,
+                                      const char *value, const char *expected);
+
+/* True when the entire word is a number in the field's range. */
+bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value);
+
+/* Reads `count` numbers from the current data line. Short line, word for a number, number out of range, and a
+ * number too many are errors; text behind the fields is a comment. Messages name a field "OWNER: NAME", or
+ * "NAME" when owner is NULL. */
+CML_NODISCARD cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
+                                         const struct cml_mci_field *fields, int count, double *values);
+
+#endif

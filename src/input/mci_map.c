@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/mci_map.h"
+
+#include "facet.h"
+
+#include <string.h>
+
+static cml_status read_pixels(struct cml_mci_reader *reader, struct cml_map_def *map)
+{
+    static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9";
+    static const struct cml_mci_field fields[] = {{"map: nx", 1, 1e9, true, count},
+                                                  {"map: ny", 1, 1e9, true, count},
+                                                  {"map: dx", CML_MCI_TINY, CML_MCI_HUGE, false, length},
+                                                  {"map: dy", CML_MCI_TINY, CML_MCI_HUGE, false, length}};
+    double values[4];
+    for (int i = 0; i < 4; i++) {
+        const char *word = cml_text_word(&reader->cursor);
+        if (!word || !cml_mci_parse(&fields[i], word, &values[i]))
+            return cml_mci_fail(reader, fields[i].name, word, fields[i].expected);
+    }
+    map->nx = (int)values[0];
+    map->ny = (int)values[1];
+    map->dx = values[2];
+    map->dy = values[3];
+    return CML_OK;
+}
+
+static cml_status read_word(struct cml_mci_reader *reader, const char *word, struct cml_map_def *map)
+{
+    static const struct cml_mci_field top = {"map: top", -CML_MCI_HUGE, CML_MCI_HUGE, false,
+                                             "a depth of -1e30..1e30 cm"};
+    if (strcmp(word, "angles") == 0) {
+        map->angles = true;
+        return CML_OK;
+    }
+    if (strcmp(word, "volume") == 0) {
+        map->volume = true;
+        return CML_OK;
+    }
+    if (strncmp(word, "top=", 4) != 0)
+        return cml_mci_fail(reader, "map: option", word, "angles, volume or top=");
+    if (!map->volume) return cml_mci_fail(reader, "map: option", word, "volume before it");
+    return cml_mci_parse(&top, word + 4, &map->top) ? CML_OK
+                                                    : cml_mci_fail(reader, top.name, word + 4, top.expected);
+}
+
+cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_map_def *map)
+{
+    if (map->nx > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one map line per run");
+    map->line = reader->text.line;
+    cml_mci_cut_comment(reader->cursor);
+    CML_TRY(read_pixels(reader, map));
+    for (;;) {
+        const char *word = cml_text_word(&reader->cursor);
+        if (!word) return CML_OK;
+        CML_TRY(read_word(reader, word, map));
+    }
+}
+
+cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets)
+{
+    if (*facets) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one facets line per run");
+    *facets = true;
+    cml_mci_cut_comment(reader->cursor);
+    const char *word = cml_text_word(&reader->cursor);
+    if (!word) return CML_OK;
+    return cml_mci_fail(reader, "text after facets", word, "the end of the line or a # comment");
+}
+
+cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    const struct cml_map_def *map = &scene->map;
+    const double pixels = (double)map->nx * map->ny, most = 2147483648.0;
+    const double layers =
+        (map->volume ? scene->nz : 0) + (scene->facets ? CML_FACET_SCORES * (scene->num_layers + 1.0) : 0);
+    const double cells = pixels * (4.0 * (map->angles ? scene->na : 1) + layers);
+    if (cells <= most) return CML_OK;
+    char value[64], expected[120];
+    snprintf(value, sizeof value, "%d %d", map->nx, map->ny);
+    snprintf(expected, sizeof expected,
+             "at most 2^31 cells in maps and volume together; these are %.3g, %.3g GiB", cells,
+             cells * 24 / 1073741824.0);
+    return cml_fail_field(reader->err, scene->file, map->line, "map: nx ny", value, expected);
+}

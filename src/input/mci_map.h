@@ -1,0 +1,19 @@
+/* The lines of .mci files that ask for more than original MCML tallies: map and facets.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_MCI_MAP_H
+#define CML_MCI_MAP_H
+
+#include "input/mci_lines.h"
+#include "scene/scene.h"
+
+/* Reads the current line "map nx ny dx dy [angles] [volume] [top=z]", cursor behind the keyword. */
+CML_NODISCARD cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_map_def *map);
+
+/* Reads the current line "facets", cursor behind it. */
+CML_NODISCARD cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets);
+
+/* Once nz and na are known: refuses more cells in maps and volume than an array may have, in figures. */
+CML_NODISCARD cml_status cml_mci_check_map(const struct cml_mci_reader *reader,
+                                           const struct cml_scene *scene);
+
+#endif

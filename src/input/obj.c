@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/obj.h"
+
+#include "base/atomic_file.h"
+#include "input/obj_polygon.h"
+#include "input/obj_scan.h"
+#include "input/obj_tiny.h"
+#include "base/text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static cml_status no_memory(const struct cml_obj_scan *scan, struct cml_error *err)
+{
+    return cml_fail_memory(err, 28.0 * (double)scan->num_corners, "the faces of a mesh");
+}
+
+static cml_status read_corners(const struct cml_text *text, const struct cml_obj_scan *scan, uint32_t *corner,
+                               struct cml_error *err)
+{
+    const size_t count = cml_obj_tiny_corners(text->data, text->size, corner, scan->num_corners);
+    if (count != scan->num_corners)
+        return cml_fail(err, CML_E_INPUT, "%s: tinyobjloader cannot read the faces", text->path);
+    for (size_t f = 0, i = 0; f < scan->num_faces; f++)
+        for (size_t end = i + scan->face_size[f]; i < end; i++)
+            if (corner[i] >= scan->num_vertices)
+                return cml_fail(err, CML_E_INPUT, "%s:%d: corner of the face = %.0f (expected 1 to %zu)",
+                                text->path, scan->face_line[f], (double)corner[i] + 1, scan->num_vertices);
+    return CML_OK;
+}
+
+static cml_status split_face(const char *path, const struct cml_obj_scan *scan, size_t face,
+                             const uint32_t *corner, uint32_t (*triangle)[3], struct cml_error *err)
+{
+    const uint32_t size = scan->face_size[face];
+    if (size == 3) {
+        memcpy(triangle[0], corner, sizeof triangle[0]);
+        return CML_OK;
+    }
+    if (size > CML_OBJ_MAX_CORNERS)
+        return cml_fail(err, CML_E_INPUT, "%s:%d: the face has %u corners (expected 3 to %d)", path,
+                        scan->face_line[face], size, CML_OBJ_MAX_CORNERS);
+    const char *why = cml_obj_split((const double(*)[3])scan->vertex, corner, size, triangle);
+    if (!why) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: the face %s (expected a triangle or a planar convex polygon; triangulate it when "
+                    "exporting)",
+                    path, scan->face_line[face], why);
+}
+
+/* Triangles wound as in the frame with z down: the turn of the height's sign mirrors them. */
+static cml_status split_faces(const char *path, const struct cml_obj_scan *scan, const uint32_t *corner,
+                              struct cml_mesh *mesh, int *triangle_line, struct cml_error *err)
+{
+    for (size_t f = 0; f < scan->num_faces; corner += scan->face_size[f++]) {
+        const size_t begin = mesh->num_triangles;
+        CML_TRY(split_face(path, scan, f, corner, mesh->triangle + begin, err));
+        mesh->num_triangles += scan->face_size[f] - 2;
+        for (size_t t = begin; t < mesh->num_triangles; t++) {
+            const uint32_t second = mesh->triangle[t][1];
+            mesh->triangle[t][1] = mesh->triangle[t][2];
+            mesh->triangle[t][2] = second;
+            triangle_line[t] = scan->face_line[f];
+        }
+    }
+    return CML_OK;
+}
+
+static cml_status build_triangles(const struct cml_text *text, const struct cml_obj_scan *scan,
+                                  struct cml_mesh *mesh, int **triangle_line, struct cml_error *err)
+{
+    const size_t count = scan->num_corners - 2 * scan->num_faces;
+    uint32_t *corner = malloc(scan->num_corners * sizeof *corner);
+    mesh->triangle = malloc(count * sizeof *mesh->triangle);
+    *triangle_line = malloc(count * sizeof **triangle_line);
+    cml_status status = CML_OK;
+    if (!corner || !mesh->triangle || !*triangle_line) status = no_memory(scan, err);
+    if (status == CML_OK) status = read_corners(text, scan, corner, err);
+    if (status == CML_OK) status = split_faces(text->path, scan, corner, mesh, *triangle_line, err);
+    free(corner);
+    return status;
+}
+
+/* File axes to x, y, height: rotations, so that nothing is mirrored. */
+static void turn_axes(enum cml_up_axis up, const double file[3], double out[3])
+{
+    const double turned[3][3] = {
+        [CML_UP_Z] = {file[0], file[1], file[2]},
+        [CML_UP_Y] = {file[0], -file[2], file[1]},
+        [CML_UP_MINUS_Z] = {file[0], -file[1], -file[2]},
+    };
+    memcpy(out, turned[up], sizeof turned[up]);
+}
+
+static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *options)
+{
+    const double factor = options->unit * options->scale;
+    for (size_t i = 0; i < mesh->num_vertices; i++) {
+        double turned[3];
+        turn_axes(options->up, mesh->vertex[i], turned);
+        for (int k = 0; k < 3; k++) mesh->vertex[i][k] = turned[k] * factor + options->shift[k];
+        mesh->vertex[i][2] = -mesh->vertex[i][2];
+    }
+}
+
+static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
+                             const struct cml_obj_options *options, struct cml_mesh *mesh,
+                             struct cml_mesh_notes *notes, struct cml_error *err)
+{
+    int *triangle_line = NULL;
+    CML_TRY(cml_obj_scan_text(text, scan, err));
+    cml_status status = build_triangles(text, scan, mesh, &triangle_line, err);
+    if (status == CML_OK) {
+        mesh->vertex = scan->vertex;
+        mesh->num_vertices = scan->num_vertices;
+        mesh->normals = options->normals;
+        scan->vertex = NULL;
+        place_vertices(mesh, options);
+        const struct cml_mesh_source source = {
+            .path = text->path, .vertex_line = scan->vertex_line, .triangle_line = triangle_line};
+        status = cml_mesh_prepare(mesh, &source, notes, err);
+    }
+    free(triangle_line);
+    return status;
+}
+
+cml_status cml_obj_read(const char *path, const struct cml_obj_options *options, struct cml_mesh *mesh,
+                        struct cml_mesh_notes *notes, struct cml_error *err)
+{
+    struct cml_text text;
+    struct cml_obj_scan scan = {0};
+    *mesh = (struct cml_mesh){0};
+    CML_TRY(cml_text_read(path, &text, err));
+    const cml_status status = build_mesh(&text, &scan, options, mesh, notes, err);
+    cml_obj_scan_clear(&scan);
+    cml_text_clear(&text);
+    if (status != CML_OK) cml_mesh_clear(mesh);
+    return status;
+}
+
+static void write_comment(FILE *stream, const char *comment)
+{
+    fputs("# ", stream);
+    for (const char *c = comment; *c; c++) {
+        fputc(*c, stream);
+        if (*c == '\n') fputs("# ", stream);
+    }
+    fputc('\n', stream);
+}
+
+cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
+                         struct cml_error *err)
+{
+    struct cml_file file;
+    CML_TRY(cml_file_create(path, &file, err));
+    if (comment && *comment) write_comment(file.stream, comment);
+    /* 0.0 - z, because -z would write a height of zero as -0. */
+    for (size_t i = 0; i < mesh->num_vertices; i++)
+        fprintf(file.stream, "v %.17g %.17g %.17g\n", mesh->vertex[i][0], mesh->vertex[i][1],
+                0.0 - mesh->vertex[i][2]);
+    for (size_t t = 0; t < mesh->num_triangles; t++)
+        fprintf(file.stream, "f %u %u %u\n", mesh->triangle[t][0] + 1, mesh->triangle[t][2] + 1,
+                mesh->triangle[t][1] + 1);
+    return cml_file_commit(&file, err);
+}

@@ -1,0 +1,30 @@
+/* Reader of Wavefront OBJ files as boundary meshes.
+ * tinyobjloader parses; because it turns `nan` and `0,0` into 0 and keeps faces whose indices are out of
+ * range, a strict scan of the text refuses these first, with line numbers. SPDX-License-Identifier: MIT */
+#ifndef CML_OBJ_H
+#define CML_OBJ_H
+
+#include "geometry/mesh.h"
+
+enum cml_up_axis { CML_UP_Z, CML_UP_Y, CML_UP_MINUS_Z };
+
+struct cml_obj_options {
+    double unit;     /* cm per unit of the file; cm 1, mm 0.1, um 1e-4, m 100 */
+    double scale;    /* applied to the file's coordinates, > 0 */
+    double shift[3]; /* cm, added after the scale, in the file's axes turned to z up */
+    enum cml_up_axis up;
+    enum cml_normals normals;
+};
+
+/* A prepared mesh in the boundary's frame: z = -(Z_obj * unit * scale + shift_z) for up = z. On failure
+ * (CML_E_INPUT, file and line) *mesh is cleared. */
+CML_NODISCARD cml_status cml_obj_read(const char *path, const struct cml_obj_options *options,
+                                      struct cml_mesh *mesh, struct cml_mesh_notes *notes,
+                                      struct cml_error *err);
+
+/* Writes a mesh as OBJ, heights up (Z_obj = -z), 17 digits: cml_obj_read gives the same doubles back.
+ * `comment` stands above, every line behind a '#'; NULL: none. Atomic (text.h); CML_E_IO on failure. */
+CML_NODISCARD cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
+                                       struct cml_error *err);
+
+#endif

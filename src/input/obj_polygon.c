@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/obj_polygon.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+struct polygon {
+    const double (*vertex)[3];
+    const uint32_t *corner;
+    size_t size;
+    double normal[3]; /* unit */
+    double extent;    /* largest side of the box */
+};
+
+static const double *point(const struct polygon *p, size_t i)
+{
+    return p->vertex[p->corner[i % p->size]];
+}
+
+/* cross(b - a, c - a) */
+static void area_vector(const double a[3], const double b[3], const double c[3], double out[3])
+{
+    for (int k = 0; k < 3; k++) {
+        const int i = (k + 1) % 3, j = (k + 2) % 3;
+        out[k] = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
+    }
+}
+
+static double signed_area(const struct polygon *p, size_t a, size_t b, size_t c)
+{
+    double area[3];
+    area_vector(point(p, a), point(p, b), point(p, c), area);
+    return area[0] * p->normal[0] + area[1] * p->normal[1] + area[2] * p->normal[2];
+}
+
+static bool find_plane(struct polygon *p)
+{
+    for (size_t i = 1; i + 1 < p->size; i++) {
+        double area[3];
+        area_vector(point(p, 0), point(p, i), point(p, i + 1), area);
+        for (int k = 0; k < 3; k++) p->normal[k] += area[k];
+    }
+    for (size_t i = 0; i < p->size; i++)
+        for (int k = 0; k < 3; k++) p->extent = fmax(p->extent, fabs(point(p, i)[k] - point(p, 0)[k]));
+    const double length = hypot(hypot(p->normal[0], p->normal[1]), p->normal[2]);
+    if (!(length > 0) || !isfinite(length)) return false;
+    for (int k = 0; k < 3; k++) p->normal[k] /= length;
+    return true;
+}
+
+static bool is_planar(const struct polygon *p)
+{
+    for (size_t i = 1; i < p->size; i++) {
+        double height = 0;
+        for (int k = 0; k < 3; k++) height += (point(p, i)[k] - point(p, 0)[k]) * p->normal[k];
+        if (fabs(height) > 1e-9 * p->extent) return false;
+    }
+    return true;
+}
+
+/* Convex: no corner turns right, and all turns together go round once (a star goes round twice). */
+static bool is_convex(const struct polygon *p)
+{
+    double turned = 0;
+    for (size_t i = 0; i < p->size; i++) {
+        const double sine = signed_area(p, i, i + 1, i + 2);
+        double cosine = 0;
+        for (int k = 0; k < 3; k++)
+            cosine += (point(p, i + 1)[k] - point(p, i)[k]) * (point(p, i + 2)[k] - point(p, i + 1)[k]);
+        if (sine < -1e-12 * p->extent * p->extent) return false;
+        turned += atan2(sine, cosine);
+    }
+    return fabs(turned) < 9; /* 2 pi, not 4 pi */
+}
+
+static double smallest_triangle(const struct polygon *p, size_t apex)
+{
+    double smallest = INFINITY;
+    for (size_t i = 1; i + 1 < p->size; i++)
+        smallest = fmin(smallest, signed_area(p, apex, apex + i, apex + i + 1));
+    return smallest;
+}
+
+const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
+                          uint32_t (*triangle)[3])
+{
+    struct polygon p = {.vertex = vertex, .corner = corner, .size = size};
+    if (!find_plane(&p)) return "has no area";
+    if (!is_planar(&p)) return "is not planar";
+    if (!is_convex(&p)) return "is not convex";
+    size_t apex = 0;
+    double largest = 0;
+    for (size_t i = 0; i < size; i++) {
+        const double smallest = smallest_triangle(&p, i);
+        if (!(smallest > largest)) continue;
+        largest = smallest;
+        apex = i;
+    }
+    if (!(largest > 0)) return "cannot be split into triangles that meet in one corner";
+    for (size_t i = 1; i + 1 < size; i++) {
+        triangle[i - 1][0] = corner[apex];
+        triangle[i - 1][1] = corner[(apex + i) % size];
+        triangle[i - 1][2] = corner[(apex + i + 1) % size];
+    }
+    return NULL;
+}

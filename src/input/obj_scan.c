@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/obj_scan.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void cml_obj_scan_clear(struct cml_obj_scan *scan)
+{
+    free(scan->vertex);
+    free(scan->vertex_line);
+    free(scan->face_size);
+    free(scan->face_line);
+    *scan = (struct cml_obj_scan){0};
+}
+
+/* One logical line: with its continuations, and the number of its first physical line. */
+struct line {
+    const char *path;
+    int number;
+    char *text, *end;
+};
+
+/* Grows two arrays that are filled side by side. */
+static cml_status grow(size_t count, size_t *capacity, void **first, size_t first_size, void **second,
+                       size_t second_size, struct cml_error *err)
+{
+    if (count < *capacity) return CML_OK;
+    const size_t larger = *capacity ? 2 * *capacity : 1024;
+    void *a = realloc(*first, larger * first_size);
+    if (a) *first = a;
+    void *b = a ? realloc(*second, larger * second_size) : NULL;
+    if (b) *second = b;
+    if (!b) return cml_fail_memory(err, (double)(larger * (first_size + second_size)), "a mesh");
+    *capacity = larger;
+    return CML_OK;
+}
+
+static char *cut_word(char **cursor)
+{
+    char *word = *cursor + strspn(*cursor, " ");
+    if (!*word) return NULL;
+    char *end = word + strcspn(word, " ");
+    *cursor = *end ? end + 1 : end;
+    *end = '\0';
+    return word;
+}
+
+static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_obj_scan *scan,
+                              struct cml_error *err)
+{
+    static const char *const axis[] = {"x of the vertex", "y of the vertex", "z of the vertex"};
+    double p[3];
+    for (int k = 0; k < 3; k++) {
+        const char *word = cut_word(&cursor);
+        if (!word || !cml_parse_double(word, &p[k]))
+            return cml_fail_field(err, line->path, line->number, axis[k], word, "a finite number");
+    }
+    double ignored;
+    for (const char *word = cut_word(&cursor); word; word = cut_word(&cursor))
+        if (!cml_parse_double(word, &ignored))
+            return cml_fail_field(err, line->path, line->number, "weight or colour of the vertex", word,
+                                  "a finite number");
+    void *vertex = scan->vertex, *lines = scan->vertex_line;
+    const cml_status status = grow(scan->num_vertices, &scan->vertex_capacity, &vertex, sizeof *scan->vertex,
+                                   &lines, sizeof *scan->vertex_line, err);
+    scan->vertex = vertex;
+    scan->vertex_line = lines;
+    CML_TRY(status);
+    memcpy(scan->vertex[scan->num_vertices], p, sizeof p);
+    scan->vertex_line[scan->num_vertices++] = line->number;
+    return CML_OK;
+}
+
+/* Whether the word is v, v/t, v//n or v/t/n with whole numbers; *number becomes v. */
+static bool parse_corner(const char *word, int *number)
+{
+    char part[3][16] = {"", "", ""};
+    int count = 0;
+    for (;; word++) {
+        const size_t length = strcspn(word, "/");
+        if (count == 3 || length >= sizeof part[0]) return false;
+        memcpy(part[count++], word, length);
+        word += length;
+        if (!*word) break;
+    }
+    int ignored;
+    if (!cml_parse_int(part[0], number)) return false;
+    if (count == 2 && !part[1][0]) return false;
+    if (part[1][0] && !cml_parse_int(part[1], &ignored)) return false;
+    return count < 3 || cml_parse_int(part[2], &ignored);
+}
+
+static cml_status scan_corner(const struct line *line, const char *word, size_t num_vertices,
+                              struct cml_error *err)
+{
+    int number = 0;
+    if (!parse_corner(word, &number))
+        return cml_fail_field(err, line->path, line->number, "corner of the face", word,
+                              "a vertex number, as in 3, 3/1, 3//2 or 3/1/2");
+    if (number == 0)
+        return cml_fail_field(err, line->path, line->number, "corner of the face", word,
+                              "a vertex number from 1 on");
+    if (number < 0 && (size_t)(-(long)number) > num_vertices)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: corner of the face = %s (only %zu vertices stand before it)", line->path,
+                        line->number, word, num_vertices);
+    return CML_OK;
+}
+
+static cml_status scan_face(const struct line *line, char *cursor, struct cml_obj_scan *scan,
+                            struct cml_error *err)
+{
+    uint32_t corners = 0;
+    for (const char *word = cut_word(&cursor); word; word = cut_word(&cursor)) {
+        CML_TRY(scan_corner(line, word, scan->num_vertices, err));
+        corners++;
+    }
+    if (corners < 3)
+        return cml_fail(err, CML_E_INPUT, "%s:%d: the face has %u corners (expected 3 or more)", line->path,
+                        line->number, corners);
+    void *sizes = scan->face_size, *lines = scan->face_line;
+    const cml_status status = grow(scan->num_faces, &scan->face_capacity, &sizes, sizeof *scan->face_size,
+                                   &lines, sizeof *scan->face_line, err);
+    scan->face_size = sizes;
+    scan->face_line = lines;
+    CML_TRY(status);
+    scan->face_size[scan->num_faces] = corners;
+    scan->face_line[scan->num_faces++] = line->number;
+    scan->num_corners += corners;
+    return CML_OK;
+}
+
+/* A backslash at the end of a vertex or face joins the next line to it. The characters between become blanks,
+ * so that the text stays one line for the next reader too. */
+static void join_continuations(struct cml_text *text, struct line *line)
+{
+    while (line->end > line->text && line->end[-1] == '\\') {
+        line->end[-1] = ' ';
+        char *more = cml_text_next(text);
+        if (!more) return;
+        memset(line->end, ' ', (size_t)(more - line->end));
+        line->end = more + strlen(more);
+    }
+}
+
+/* Comments and all kinds of blanks become spaces. */
+static void make_plain(struct line *line)
+{
+    char *comment = strchr(line->text, '#');
+    if (comment) memset(comment, ' ', (size_t)(line->end - comment));
+    for (char *c = line->text; c < line->end; c++)
+        if (strchr("\t\v\f\r", *c)) *c = ' ';
+}
+
+/* Undoes what cutting into lines and words did, for the next reader. */
+static void restore_line(const struct cml_text *text, const struct line *line)
+{
+    char *stop = text->data + (text->cursor < text->size ? text->cursor : text->size);
+    for (char *c = line->text; c < stop; c++)
+        if (!*c) *c = ' ';
+    if (text->cursor <= text->size) text->data[text->cursor - 1] = '\n';
+}
+
+static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_obj_scan *scan,
+                            struct cml_error *err)
+{
+    if (strchr(line->text, '\r'))
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: a carriage return inside the line (expected line ends LF or CR LF)",
+                        line->path, line->number);
+    char *word = line->text + strspn(line->text, " \t\v\f");
+    const size_t length = strcspn(word, " \t\v\f\\");
+    const bool is_vertex = length == 1 && word[0] == 'v', is_face = length == 1 && word[0] == 'f';
+    if (!is_vertex && !is_face) {
+        memset(line->text, ' ', (size_t)(line->end - line->text));
+    } else {
+        if (!strchr(word, '#')) join_continuations(text, line);
+        make_plain(line);
+        CML_TRY(is_vertex ? scan_vertex(line, word + 1, scan, err) : scan_face(line, word + 1, scan, err));
+    }
+    restore_line(text, line);
+    return CML_OK;
+}
+
+cml_status cml_obj_scan_text(struct cml_text *text, struct cml_obj_scan *scan, struct cml_error *err)
+{
+    *scan = (struct cml_obj_scan){0};
+    for (char *start = cml_text_next(text); start; start = cml_text_next(text)) {
+        struct line line = {.path = text->path, .number = text->line, .text = start};
+        line.end = start + strlen(start);
+        CML_TRY(scan_line(text, &line, scan, err));
+    }
+    if (scan->num_faces == 0)
+        return cml_fail(err, CML_E_INPUT, "%s: no faces (expected lines like `f 1 2 3`)", text->path);
+    if (scan->num_vertices >= UINT32_MAX || scan->num_corners >= UINT32_MAX)
+        return cml_fail(err, CML_E_INPUT, "%s: too many vertices or faces (expected fewer than 2^32)",
+                        text->path);
+    return CML_OK;
+}

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: MIT */
+#include "output/hdf5_file.h"
+
+#include "base/atomic_file.h"
+#include "base/text.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#ifdef CML_HDF5
+#include <hdf5.h>
+#include <hdf5_hl.h>
+
+#define CHUNK ((size_t)1 << 17) /* values: what is in memory at a time */
+
+/* The library's calls return a negative number when they fail; the first failure is remembered. */
+struct writer {
+    hid_t file;
+    bool failed;
+    double *buffer; /* [CHUNK] */
+};
+
+static void check(struct writer *w, int64_t returned)
+{
+    if (returned < 0) w->failed = true;
+}
+
+static void put_text(struct writer *w, hid_t object, const char *name, const char *text)
+{
+    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+    check(w, H5Tset_size(type, strlen(text) + 1));
+    check(w, H5Tset_cset(type, H5T_CSET_UTF8));
+    const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+    check(w, attribute);
+    check(w, H5Awrite(attribute, type, text));
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Tclose(type);
+}
+
+static void put_number(struct writer *w, hid_t object, const char *name, double number)
+{
+    const hid_t space = H5Screate(H5S_SCALAR);
+    const hid_t attribute = H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+    check(w, attribute);
+    check(w, H5Awrite(attribute, H5T_NATIVE_DOUBLE, &number));
+    H5Aclose(attribute);
+    H5Sclose(space);
+}
+
+/* The last axes whole, as far as they fit into a chunk, then part of one axis: so a chunk holds successive
+ * values, and is written, filtered and forgotten at once. */
+static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
+{
+    size_t room = CHUNK;
+    for (int i = field->num_axes - 1; i >= 0; i--) {
+        chunk[i] = field->axis[i]->n < room ? field->axis[i]->n : room;
+        room = chunk[i] < field->axis[i]->n ? 1 : room / (size_t)chunk[i];
+    }
+}
+
+static hid_t create_dataset(struct writer *w, const struct cml_field *field, const hsize_t *chunk)
+{
+    hsize_t size[CML_FIELD_AXES];
+    for (int i = 0; i < field->num_axes; i++) size[i] = field->axis[i]->n;
+    const hid_t space =
+        field->num_axes ? H5Screate_simple(field->num_axes, size, NULL) : H5Screate(H5S_SCALAR);
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    check(w, H5Pset_obj_track_times(properties, false));
+    if (field->num_axes) {
+        check(w, H5Pset_chunk(properties, field->num_axes, chunk));
+        check(w, H5Pset_shuffle(properties));
+        check(w, H5Pset_deflate(properties, 1));
+    }
+    const hid_t type = field->single ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
+    const hid_t dataset = H5Dcreate2(w->file, field->name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    check(w, dataset);
+    H5Pclose(properties);
+    H5Sclose(space);
+    return dataset;
+}
+
+/* One chunk, cut off at the end of the array. Returns how many values that was. */
+static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_field *field,
+                          const hsize_t *start, const hsize_t *chunk, size_t begin)
+{
+    hsize_t size[CML_FIELD_AXES];
+    size_t count = 1;
+    for (int i = 0; i < field->num_axes; i++) {
+        const hsize_t left = field->axis[i]->n - start[i];
+        size[i] = left < chunk[i] ? left : chunk[i];
+        count *= (size_t)size[i];
+    }
+    field->values(field->context, begin, count, w->buffer);
+    const hid_t there = H5Dget_space(dataset), here = H5Screate_simple(field->num_axes, size, NULL);
+    check(w, H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, size, NULL));
+    check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT, w->buffer));
+    H5Sclose(here);
+    H5Sclose(there);
+    return count;
+}
+
+static void write_values(struct writer *w, hid_t dataset, const struct cml_field *field, const hsize_t *chunk)
+{
+    hsize_t start[CML_FIELD_AXES] = {0};
+    for (size_t begin = 0; !w->failed && begin < cml_field_size(field);) {
+        begin += write_chunk(w, dataset, field, start, chunk, begin);
+        int axis = field->num_axes - 1;
+        for (; axis >= 0; axis--) { /* the next chunk, like an odometer */
+            start[axis] += chunk[axis];
+            if (start[axis] < field->axis[axis]->n) break;
+            start[axis] = 0;
+        }
+    }
+}
+
+static void axis_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_axis *axis = context;
+    for (size_t i = 0; i < count; i++) out[i] = axis->first + (double)(begin + i) * axis->step;
+}
+
+static void describe(struct writer *w, hid_t dataset, const struct cml_field *field)
+{
+    put_text(w, dataset, "long_name", field->long_name);
+    put_text(w, dataset, "units", field->units);
+    if (field->errors) put_text(w, dataset, "ancillary_variables", field->errors);
+}
+
+static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field *field)
+{
+    field->values(field->context, 0, 1, w->buffer);
+    check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, w->buffer));
+}
+
+static hid_t write_dataset(struct writer *w, const struct cml_field *field)
+{
+    hsize_t chunk[CML_FIELD_AXES] = {1, 1, 1};
+    choose_chunk(field, chunk);
+    const hid_t dataset = create_dataset(w, field, chunk);
+    if (w->failed) return dataset;
+    describe(w, dataset, field);
+    if (field->num_axes)
+        write_values(w, dataset, field, chunk);
+    else
+        write_scalar(w, dataset, field);
+    return dataset;
+}
+
+/* The axis as a dimension scale, opened; made when no field before needed it. */
+static hid_t open_axis(struct writer *w, const struct cml_axis *axis)
+{
+    if (H5Lexists(w->file, axis->name, H5P_DEFAULT) > 0) return H5Dopen2(w->file, axis->name, H5P_DEFAULT);
+    struct cml_field field = {.long_name = axis->long_name,
+                              .units = axis->units,
+                              .num_axes = 1,
+                              .axis = {axis},
+                              .values = axis_values,
+                              .context = axis};
+    strncpy(field.name, axis->name, sizeof field.name - 1);
+    const hid_t dataset = write_dataset(w, &field);
+    check(w, H5DSset_scale(dataset, axis->name));
+    return dataset;
+}
+
+static void write_field(struct writer *w, const struct cml_field *field)
+{
+    const hid_t dataset = write_dataset(w, field);
+    for (int i = 0; i < field->num_axes && !w->failed; i++) {
+        const hid_t scale = open_axis(w, field->axis[i]);
+        check(w, H5DSattach_scale(dataset, scale, (unsigned)i));
+        H5Dclose(scale);
+    }
+    H5Dclose(dataset);
+}
+
+static void write_all(struct writer *w, const struct cml_attribute *attributes, int num_attributes,
+                      const struct cml_field *fields, int num_fields)
+{
+    for (int i = 0; i < num_attributes && !w->failed; i++) {
+        if (attributes[i].value)
+            put_text(w, w->file, attributes[i].name, attributes[i].value);
+        else
+            put_number(w, w->file, attributes[i].name, attributes[i].number);
+    }
+    for (int i = 0; i < num_fields && !w->failed; i++) write_field(w, &fields[i]);
+}
+
+bool cml_fields_available(void)
+{
+    return true;
+}
+
+/* The format of HDF5 1.8, where an attribute (the input text) may be longer than 64 KiB. */
+static void create_file(struct writer *w, const char *path)
+{
+    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
+    const hid_t access = H5Pcreate(H5P_FILE_ACCESS), root = H5Pcreate(H5P_FILE_CREATE);
+    check(w, H5Pset_obj_track_times(root, false));
+    check(w, H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18));
+    w->file = H5Fcreate(path, H5F_ACC_TRUNC, root, access);
+    check(w, w->file);
+    H5Pclose(root);
+    H5Pclose(access);
+}
+
+static cml_status finish(const struct writer *w, struct cml_file *file, struct cml_error *err)
+{
+    if (!w->failed) return cml_file_commit(file, err);
+    const cml_status status =
+        cml_fail(err, CML_E_IO, "%s: cannot be written (HDF5 failed: is the disk full?)", file->path);
+    cml_file_abort(file);
+    return status;
+}
+
+/* HDF5 opens the temporary file once more by its name; the commit syncs and renames that same file. */
+cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
+                            const struct cml_field *fields, int num_fields, struct cml_error *err)
+{
+    struct cml_file file;
+    struct writer w = {.buffer = malloc(CHUNK * sizeof *w.buffer)};
+    if (!w.buffer) return cml_fail_memory(err, CHUNK * sizeof *w.buffer, "an HDF5 file");
+    cml_status status = cml_file_create(path, &file, err);
+    if (status == CML_OK) {
+        create_file(&w, file.temporary);
+        write_all(&w, attributes, num_attributes, fields, num_fields);
+        check(&w, H5Fclose(w.file));
+        status = finish(&w, &file, err);
+    }
+    free(w.buffer);
+    return status;
+}
+
+#else
+
+bool cml_fields_available(void)
+{
+    return false;
+}
+
+cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
+                            const struct cml_field *fields, int num_fields, struct cml_error *err)
+{
+    (void)attributes, (void)num_attributes, (void)fields, (void)num_fields;
+    return cml_fail(err, CML_E_INPUT, "%s: this program was built without HDF5", path);
+}
+
+#endif

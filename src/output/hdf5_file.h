@@ -1,0 +1,27 @@
+/* Writer of HDF5 files: fields on named axes, as h5py, xarray, MATLAB and Octave read them unaided.
+ * Axes are datasets and dimension scales of their own; units, long names and the names of error fields
+ * (`ancillary_variables`) are attributes as in the CF conventions; data are shuffled and deflated in chunks.
+ * No times are stored: the same fields give the same bytes. The only place that includes hdf5.h.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_HDF5_FILE_H
+#define CML_HDF5_FILE_H
+
+#include "output/field.h"
+#include "base/status.h"
+
+/* An attribute of the whole file; value NULL: `number` counts. */
+struct cml_attribute {
+    const char *name, *value;
+    double number;
+};
+
+/* False when the program was built without HDF5. */
+bool cml_fields_available(void);
+
+/* Writes to `path` atomically (text.h): whatever happens, it holds the old or the complete new file. Axes are
+ * those that the fields name; two axes of one name are one. CML_E_IO when it cannot be written. */
+CML_NODISCARD cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes,
+                                          int num_attributes, const struct cml_field *fields, int num_fields,
+                                          struct cml_error *err);
+
+#endif

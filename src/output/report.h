@@ -1,0 +1,63 @@
+/* What a run says of itself: the .mco file, the summary for people, the JSON line for programs.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_REPORT_H
+#define CML_REPORT_H
+
+#include "output/mco.h"
+#include "run/run.h"
+
+struct cml_report {
+    const struct cml_scene *scene;
+    const struct cml_surface_set *surfaces;
+    const struct cml_run_result *run;
+    const struct cml_engine *engine;
+    uint64_t seed;
+    uint32_t run_index; /* from 0 */
+    bool reentry;
+    const char *command; /* line, for provenance */
+    int num_files;
+    char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */
+};
+
+/* Writes all results of a run: `path` (.mco), or the stem of `path` with ".h5" when the scene's format is B;
+ * with maps or facets also STEM.h5, STEM.map.vti, STEM.volume.vti, STEM.boundary<b>.vtp. Each file is the old
+ * or the complete new one at any moment. report->files lists them. CML_E_IO when one could not be written;
+ * those before it are then there. */
+CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
+
+void cml_report_clear(struct cml_report *report);
+
+/* Bytes that cml_report_write holds at its peak besides the results. */
+double cml_report_bytes(const struct cml_grid *grid);
+
+/* Whether a scene asks for a .h5 file, this program can write one, and two outputs share their stem. */
+bool cml_report_wants_fields(const struct cml_scene *scene);
+bool cml_report_has_fields(void);
+bool cml_report_same_stem(const char *a, const char *b);
+
+/* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the
+ * caller's to free; CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,
+                                         struct cml_error *err);
+
+/* Scales the tallies as original MCML does and adds our own sections behind Tt_ra: boundaries, seed, engine,
+ * standard errors, books. Nothing in it depends on time, threads or chunks but `user_time`. *mco is the
+ * caller's to clear. */
+CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco,
+                                        struct cml_error *err);
+
+/* One line per boundary, each behind the prefix: number, kind, primitives, reason. */
+void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                           const struct cml_surface_set *surfaces);
+
+/* Rsp, Rd, A, Tt with standard errors, books, speed. */
+void cml_report_summary(FILE *stream, const struct cml_report *report);
+
+/* One line per rank: packets, and where its time went; and the shares of all together. */
+void cml_report_ranks(FILE *stream, const struct cml_run_result *run);
+
+/* One object on one line, keys as documented in README. */
+CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,
+                                         struct cml_error *err);
+
+#endif

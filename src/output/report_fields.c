@@ -1,0 +1,441 @@
+/* Tallies as fields: names, units, axes, and the arithmetic from weights to densities.
+ * SPDX-License-Identifier: MIT */
+#include "output/report_parts.h"
+#include "surface/surface_facets.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* --- where values come from ------------------------------------------------------------------------------
+ */
+
+static double per_photon(const struct cml_field_source *source)
+{
+    return CML_WEIGHT_UNIT / (double)source->report->run->result.photons;
+}
+
+static void array_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    memcpy(out, source->array + begin, count * sizeof *out);
+}
+
+static void number_value(const void *context, size_t begin, size_t count, double *out)
+{
+    (void)begin, (void)count;
+    *out = ((const struct cml_field_source *)context)->number;
+}
+
+static void profile_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++)
+        out[i] = cml_profile_error(source->report, &source->profile, (int)(begin + i));
+}
+
+static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
+{
+    cml_u128 sum = 0;
+    for (size_t a = 0; a < na; a++) sum += cells[pixel * na + a];
+    return sum;
+}
+
+static void pixel_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    const double k = per_photon(source) * source->scale;
+    for (size_t i = 0; i < count; i++)
+        out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
+}
+
+static void pixel_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    const struct cml_result *result = &source->report->run->result;
+    for (size_t i = 0; i < count; i++)
+        out[i] =
+            source->scale * cml_result_once_error(result, sum_of_pixel(source->cells, begin + i, source->na),
+                                                  sum_of_pixel(source->squares, begin + i, source->na));
+}
+
+/* Bins of pixel and angle, per projected solid angle. */
+static void angle_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    const double k = per_photon(source) * source->scale;
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ = (double)source->cells[i] * k /
+                 cml_projected_solid_angle(source->report->scene, (int)(i % source->na));
+}
+
+static void angle_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ = cml_result_once_error(&source->report->run->result, source->cells[i], source->squares[i]) *
+                 source->scale / cml_projected_solid_angle(source->report->scene, (int)(i % source->na));
+}
+
+static double facet_area(const struct cml_field_source *source, size_t facet)
+{
+    return cml_surface_facet_area(source->surface, &source->report->scene->map, facet);
+}
+
+static void facet_areas(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++) out[i] = facet_area(source, begin + i);
+}
+
+static void facet_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++) {
+        const size_t facet = (begin + i) / source->per_facet;
+        out[i] =
+            (double)source->cells[facet * CML_FACET_SCORES] * per_photon(source) / facet_area(source, facet);
+    }
+}
+
+static void facet_errors(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++) {
+        const size_t facet = (begin + i) / source->per_facet, cell = facet * CML_FACET_SCORES;
+        out[i] =
+            cml_result_once_error(&source->report->run->result, source->cells[cell], source->squares[cell]) /
+            facet_area(source, facet);
+    }
+}
+
+/* --- the list --------------------------------------------------------------------------------------------
+ */
+
+static void set_axes(struct cml_catalogue *c)
+{
+    const struct cml_scene *scene = c->report->scene;
+    const struct cml_map_def *map = &scene->map;
+    const double da = 1.57079632679489661923 / scene->na;
+    c->layer = (struct cml_axis){"layer", "layer, from 1", "1", (size_t)scene->num_layers, 1, 1};
+    c->r = (struct cml_axis){"r",           "distance from the z axis, middle of the bin",
+                             "cm",          (size_t)scene->nr,
+                             scene->dr / 2, scene->dr};
+    c->z =
+        (struct cml_axis){"z", "depth, middle of the bin", "cm", (size_t)scene->nz, scene->dz / 2, scene->dz};
+    c->alpha = (struct cml_axis){
+        "alpha", "angle from the outward vertical, middle of the bin", "rad", (size_t)scene->na, da / 2, da};
+    c->x = (struct cml_axis){
+        "x", "x, middle of the pixel", "cm", (size_t)map->nx, (0.5 - 0.5 * map->nx) * map->dx, map->dx};
+    c->y = (struct cml_axis){
+        "y", "y, middle of the pixel", "cm", (size_t)map->ny, (0.5 - 0.5 * map->ny) * map->dy, map->dy};
+    c->z_volume = (struct cml_axis){"z_volume",        "depth, middle of the voxel", "cm",
+                                    (size_t)scene->nz, map->top + scene->dz / 2,     scene->dz};
+}
+
+static void set_facet_axes(struct cml_catalogue *c)
+{
+    const struct cml_surface_set *surfaces = c->report->surfaces;
+    for (int b = 0; b < surfaces->count; b++) {
+        const size_t facets = cml_surface_facets(&surfaces->item[b], &c->report->scene->map);
+        snprintf(c->facet_names[b], sizeof *c->facet_names, "boundary%d_facet", b);
+        c->facet[b] = (struct cml_axis){
+            c->facet_names[b], "triangle, or ring, from 0", "1", facets ? facets - 1 : 0, 0, 1};
+    }
+}
+
+/* Room for the results, the map's eight fields, and fourteen for every boundary. */
+cml_status cml_catalogue_create(const struct cml_report *report, struct cml_catalogue *c,
+                                struct cml_error *err)
+{
+    const size_t boundaries = (size_t)report->surfaces->count, capacity = 64 + 14 * boundaries;
+    *c = (struct cml_catalogue){.report = report, .capacity = (int)capacity};
+    c->fields = calloc(capacity, sizeof *c->fields);
+    c->sources = calloc(capacity, sizeof *c->sources);
+    c->facet = calloc(boundaries, sizeof *c->facet);
+    c->facet_names = calloc(boundaries, sizeof *c->facet_names);
+    if (!c->fields || !c->sources || !c->facet || !c->facet_names) {
+        cml_catalogue_free(c);
+        return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
+                               "a list of fields");
+    }
+    set_axes(c);
+    set_facet_axes(c);
+    return CML_OK;
+}
+
+void cml_catalogue_free(struct cml_catalogue *c)
+{
+    free(c->fields);
+    free(c->sources);
+    free(c->facet);
+    free(c->facet_names);
+    *c = (struct cml_catalogue){0};
+}
+
+static struct cml_field_source *add(struct cml_catalogue *c, const char *name, const char *long_name,
+                                    const char *units, cml_field_values *values)
+{
+    struct cml_field *field = &c->fields[c->num_fields];
+    struct cml_field_source *source = &c->sources[c->num_fields++];
+    source->report = c->report;
+    source->scale = 1;
+    source->per_facet = 1;
+    snprintf(field->name, sizeof field->name, "%s", name);
+    field->long_name = long_name;
+    field->units = units;
+    field->values = values;
+    field->context = source;
+    return source;
+}
+
+/* Axes of the field added last, slowest first. */
+static void along(struct cml_catalogue *c, const struct cml_axis *a, const struct cml_axis *b,
+                  const struct cml_axis *d)
+{
+    const struct cml_axis *axes[CML_FIELD_AXES] = {a, b, d};
+    struct cml_field *field = &c->fields[c->num_fields - 1];
+    for (int i = 0; i < CML_FIELD_AXES && axes[i]; i++) field->axis[field->num_axes++] = axes[i];
+}
+
+static void add_number(struct cml_catalogue *c, const char *name, const char *long_name, double number)
+{
+    add(c, name, long_name, "1", number_value)->number = number;
+}
+
+/* The field added last has its standard errors in the one that is added next, NAME_se. */
+static struct cml_field_source *add_errors(struct cml_catalogue *c, cml_field_values *values)
+{
+    struct cml_field *of = &c->fields[c->num_fields - 1];
+    char name[sizeof of->name];
+    snprintf(name, sizeof name, "%.50s_se", of->name);
+    struct cml_field_source *source = add(c, name, "standard error", of->units, values);
+    struct cml_field *errors = &c->fields[c->num_fields - 1];
+    memcpy(errors->axis, of->axis, sizeof of->axis);
+    errors->num_axes = of->num_axes;
+    errors->single = of->single;
+    *source = c->sources[c->num_fields - 2];
+    of->errors = errors->name;
+    return source;
+}
+
+/* --- what an .mco file holds -----------------------------------------------------------------------------
+ */
+
+static void add_totals(struct cml_catalogue *c)
+{
+    static const struct {
+        const char *name, *long_name;
+        enum cml_book book;
+        enum cml_total total;
+    } totals[] = {
+        {"Rsp", "specular reflectance", CML_BOOK_SPECULAR, CML_TOTAL_SPECULAR},
+        {"Rd", "diffuse reflectance", CML_BOOK_REFLECTED, CML_TOTAL_REFLECTED},
+        {"A", "absorbed fraction", CML_BOOK_ABSORBED, CML_TOTAL_ABSORBED},
+        {"Tt", "transmittance", CML_BOOK_TRANSMITTED, CML_TOTAL_TRANSMITTED},
+    };
+    const struct cml_result *result = &c->report->run->result;
+    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
+        add_number(c, totals[i].name, totals[i].long_name, cml_result_share(result, totals[i].book));
+        add_errors(c, number_value)->number = cml_result_error(result, totals[i].total);
+    }
+}
+
+static void add_books(struct cml_catalogue *c)
+{
+    static const char *const names[CML_NUM_BOOKS] = {"book_launched",   "book_gained",      "book_specular",
+                                                     "book_reflected",  "book_transmitted", "book_absorbed",
+                                                     "book_roulette",   "book_trapped",     "book_lost",
+                                                     "book_overflow_r", "book_overflow_z",  "book_above"};
+    const struct cml_result *result = &c->report->run->result;
+    for (int i = 0; i < CML_NUM_BOOKS; i++)
+        add_number(c, names[i], cml_book_text((enum cml_book)i), cml_result_share(result, (enum cml_book)i));
+    add_number(c, "residue", "launched + gained - all fates, in 2^-31 packets", cml_result_residue(result));
+    add_number(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
+}
+
+static void add_array(struct cml_catalogue *c, const char *name, const char *long_name, const char *units,
+                      const double *array, const struct cml_axis *slow, const struct cml_axis *fast)
+{
+    add(c, name, long_name, units, array_values)->array = array;
+    along(c, slow, fast, NULL);
+}
+
+static void add_profile(struct cml_catalogue *c, const struct cml_profile *profile, const char *long_name,
+                        const double *array, const struct cml_axis *axis)
+{
+    if (!profile->batches) return;
+    add_array(c, profile->name, long_name, profile->units, array, axis, NULL);
+    add_errors(c, profile_errors)->profile = *profile;
+}
+
+void cml_catalogue_results(struct cml_catalogue *c, const struct cml_mco *mco)
+{
+    struct cml_profile profiles[CML_PROFILES];
+    cml_report_profiles(c->report, profiles);
+    add_totals(c);
+    add_books(c);
+    add_array(c, "A_l", "absorption by layer", "1", mco->A_l, &c->layer, NULL);
+    add_profile(c, &profiles[0], "absorption by depth; what lies outside is in the outermost bins", mco->A_z,
+                &c->z);
+    add_profile(c, &profiles[1], "diffuse reflectance by radius; the last bin holds what lies beyond",
+                mco->Rd_r, &c->r);
+    add_profile(c, &profiles[2], "diffuse reflectance by angle", mco->Rd_a, &c->alpha);
+    add_profile(c, &profiles[3], "transmittance by radius; the last bin holds what lies beyond", mco->Tt_r,
+                &c->r);
+    add_profile(c, &profiles[4], "transmittance by angle", mco->Tt_a, &c->alpha);
+    if (c->report->run->result.A_rz)
+        add_array(c, "A_rz", "absorption by radius and depth", "1/cm3", mco->A_rz, &c->r, &c->z);
+    add_array(c, "Rd_ra", "diffuse reflectance by radius and angle", "1/(cm2 sr)", mco->Rd_ra, &c->r,
+              &c->alpha);
+    add_array(c, "Tt_ra", "transmittance by radius and angle", "1/(cm2 sr)", mco->Tt_ra, &c->r, &c->alpha);
+}
+
+/* --- maps, volume, facets --------------------------------------------------------------------------------
+ */
+
+static void add_pixels(struct cml_catalogue *c, const char *name, const char *long_name,
+                       const cml_u128 *cells, const cml_u128 *squares, bool angles)
+{
+    const struct cml_map_def *map = &c->report->scene->map;
+    struct cml_field_source *source =
+        add(c, name, long_name, angles ? "1/(cm2 sr)" : "1/cm2", angles ? angle_values : pixel_values);
+    source->cells = cells;
+    source->squares = squares;
+    source->na = (size_t)c->report->run->result.grid.map_na;
+    source->scale = 1 / (map->dx * map->dy);
+    along(c, &c->y, &c->x, angles ? &c->alpha : NULL);
+    c->fields[c->num_fields - 1].single = true;
+    add_errors(c, angles ? angle_errors : pixel_errors);
+}
+
+void cml_catalogue_map(struct cml_catalogue *c)
+{
+    const struct cml_result *r = &c->report->run->result;
+    if (!r->Rd_xya) return;
+    add_pixels(c, "Rd_xy", "diffuse reflectance", r->Rd_xya, r->Rd_xya2, false);
+    add_pixels(c, "Tt_xy", "transmittance", r->Tt_xya, r->Tt_xya2, false);
+    if (!c->report->scene->map.angles) return;
+    add_pixels(c, "Rd_xya", "diffuse reflectance by angle", r->Rd_xya, r->Rd_xya2, true);
+    add_pixels(c, "Tt_xya", "transmittance by angle", r->Tt_xya, r->Tt_xya2, true);
+}
+
+void cml_catalogue_volume(struct cml_catalogue *c)
+{
+    const struct cml_result *result = &c->report->run->result;
+    const struct cml_scene *scene = c->report->scene;
+    if (!result->A_xyz) return;
+    struct cml_field_source *source = add(c, "A_xyz", "absorption", "1/cm3", pixel_values);
+    source->cells = result->A_xyz;
+    source->na = 1;
+    source->scale = 1 / (scene->map.dx * scene->map.dy * scene->dz);
+    along(c, &c->z_volume, &c->y, &c->x);
+    c->fields[c->num_fields - 1].single = true;
+}
+
+void cml_catalogue_outside(struct cml_catalogue *c)
+{
+    const struct cml_result *r = &c->report->run->result;
+    const struct cml_grid *grid = &r->grid;
+    const size_t pixels = (size_t)grid->nx * (size_t)grid->ny, na = (size_t)grid->map_na;
+    const double per = CML_WEIGHT_UNIT / (double)r->photons;
+    if (!r->Rd_xya) return;
+    add_number(c, "Rd_outside", "diffuse reflectance outside the map",
+               (double)sum_of_pixel(r->Rd_xya, pixels, na) * per);
+    add_number(c, "Tt_outside", "transmittance outside the map",
+               (double)sum_of_pixel(r->Tt_xya, pixels, na) * per);
+    if (r->A_xyz)
+        add_number(c, "A_outside", "absorbed fraction outside the volume",
+                   (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
+}
+
+static size_t num_facets(const struct cml_report *report, int b)
+{
+    return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
+}
+
+/* The scores of a boundary's first facet; NULL when none are kept. */
+static const cml_u128 *facets_of(const struct cml_report *report, int b)
+{
+    size_t first = 0;
+    if (!report->run->result.facets || num_facets(report, b) == 0) return NULL;
+    for (int i = 0; i < b; i++) first += num_facets(report, i);
+    return report->run->result.facets + first * CML_FACET_SCORES;
+}
+
+static bool is_plane(const struct cml_report *report, int b)
+{
+    return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
+}
+
+static const struct {
+    const char *name, *long_name;
+    enum cml_facet_score score;
+} scores[] = {
+    {"irradiance_above", "irradiance from the medium above", CML_FACET_IRRADIANCE_ABOVE},
+    {"irradiance_below", "irradiance from the medium below", CML_FACET_IRRADIANCE_BELOW},
+    {"exitance_above", "radiant exitance into the medium above", CML_FACET_EXITANCE_ABOVE},
+    {"exitance_below", "radiant exitance into the medium below", CML_FACET_EXITANCE_BELOW},
+    {"", "", CML_FACET_ESCAPED},
+};
+
+/* Name of a score of boundary b; NULL where nothing can escape, or the map has it. */
+static const char *score_name(const struct cml_report *report, int b, size_t i)
+{
+    if (scores[i].score != CML_FACET_ESCAPED) return scores[i].name;
+    if (is_plane(report, b)) return NULL;
+    return b == 0 ? "Rd" : (b == report->scene->num_layers ? "Tt" : NULL);
+}
+
+static const char *score_text(int b, size_t i)
+{
+    if (scores[i].score != CML_FACET_ESCAPED) return scores[i].long_name;
+    return b == 0 ? "diffuse reflectance by what it touched last" : "transmittance by what it touched last";
+}
+
+/* Axes of the field added last. */
+static void along_facets(struct cml_catalogue *c, int b)
+{
+    if (is_plane(c->report, b))
+        along(c, &c->y, &c->x, NULL);
+    else
+        along(c, &c->facet[b], NULL, NULL);
+}
+
+void cml_catalogue_facets(struct cml_catalogue *c, int b, const char *prefix, size_t per_facet)
+{
+    const cml_u128 *first = facets_of(c->report, b);
+    char name[64];
+    if (!first) return;
+    c->facet[b].n = (num_facets(c->report, b) - 1) * per_facet;
+    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) {
+        if (!score_name(c->report, b, i)) continue;
+        snprintf(name, sizeof name, "%s%s", prefix, score_name(c->report, b, i));
+        struct cml_field_source *source = add(c, name, score_text(b, i), "1/cm2", facet_values);
+        source->cells = first + scores[i].score;
+        source->squares = first + CML_FACET_ESCAPED_SQUARES;
+        source->surface = &c->report->surfaces->item[b];
+        source->per_facet = per_facet;
+        along_facets(c, b);
+        c->fields[c->num_fields - 1].single = true;
+        if (scores[i].score == CML_FACET_ESCAPED) add_errors(c, facet_errors);
+    }
+}
+
+void cml_catalogue_outer_plane(struct cml_catalogue *c, int b, const char *prefix)
+{
+    const struct cml_surface_def *surface = &c->report->surfaces->item[b];
+    const cml_u128 *first = facets_of(c->report, b);
+    char name[64];
+    if (!first) return;
+    const cml_u128 *outer = first + (num_facets(c->report, b) - 1) * CML_FACET_SCORES;
+    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) {
+        if (!score_name(c->report, b, i)) continue;
+        snprintf(name, sizeof name, "%souter_%s", prefix, score_name(c->report, b, i));
+        add_number(c, name, score_text(b, i),
+                   (double)outer[scores[i].score] * CML_WEIGHT_UNIT / (double)c->report->run->result.photons);
+    }
+    if (is_plane(c->report, b)) return;
+    snprintf(name, sizeof name, "%sarea", prefix);
+    add(c, name, "area of the facet", "cm2", facet_areas)->surface = surface;
+    along(c, &c->facet[b], NULL, NULL);
+}

@@ -1,0 +1,242 @@
+/* Which files a run leaves, and what goes into them.
+ * SPDX-License-Identifier: MIT */
+#include "output/report_parts.h"
+
+#include "output/report_faces.h"
+#include "surface/surface_facets.h"
+#include "base/text.h"
+#include "base/version.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static size_t stem_length(const char *path)
+{
+    const size_t length = strlen(path);
+    if (length > 4 && strcasecmp(path + length - 4, ".mco") == 0) return length - 4;
+    if (length > 3 && strcasecmp(path + length - 3, ".h5") == 0) return length - 3;
+    return length;
+}
+
+bool cml_report_same_stem(const char *a, const char *b)
+{
+    return stem_length(a) == stem_length(b) && strncmp(a, b, stem_length(a)) == 0;
+}
+
+bool cml_report_wants_fields(const struct cml_scene *scene)
+{
+    return scene->format == 'B' || scene->map.nx > 0 || scene->facets;
+}
+
+bool cml_report_has_fields(void)
+{
+    return cml_fields_available();
+}
+
+cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
+{
+    const size_t length = stem_length(path), size = length + strlen(suffix) + 1;
+    *result = malloc(size);
+    if (!*result) return cml_fail_memory(err, (double)size, "a path");
+    snprintf(*result, size, "%.*s%s", (int)length, path, suffix);
+    return CML_OK;
+}
+
+void cml_report_clear(struct cml_report *report)
+{
+    for (int i = 0; i < report->num_files; i++) free(report->files[i]);
+    free(report->files);
+    report->num_files = 0;
+    report->files = NULL;
+}
+
+/* The name of the next file; it counts as written, for a run that fails says so anyway. */
+static cml_status next_file(struct cml_report *report, const char *path, const char *suffix,
+                            struct cml_error *err)
+{
+    char **larger = realloc(report->files, (size_t)(report->num_files + 1) * sizeof *larger);
+    if (!larger) return cml_fail_memory(err, sizeof *larger, "a list of files");
+    report->files = larger;
+    CML_TRY(suffix ? cml_report_path(path, suffix, &larger[report->num_files], err)
+                   : cml_text_copy(path, &larger[report->num_files], err));
+    report->num_files++;
+    return CML_OK;
+}
+
+static const char *last_file(const struct cml_report *report)
+{
+    return report->files[report->num_files - 1];
+}
+
+#define ATTRIBUTES 12
+
+/* Where the numbers come from. No times: the same run gives the same bytes. */
+static void fill_attributes(const struct cml_report *report, const char *boundaries,
+                            struct cml_attribute attributes[ATTRIBUTES])
+{
+    const struct cml_scene *scene = report->scene;
+    const struct cml_attribute all[ATTRIBUTES] = {
+        {"title", scene->output, 0},
+        {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
+        {"version", cml_version(), 0},
+        {"command", report->command, 0},
+        {"engine", report->engine->name, 0},
+        {"input_file", scene->file, 0},
+        {"input", scene->text, 0},
+        {"boundaries", boundaries, 0},
+        {"seed", NULL, (double)report->seed},
+        {"run", NULL, report->run_index + 1},
+        {"reentry", NULL, report->reentry},
+        {"photons", NULL, (double)report->run->result.photons},
+    };
+    memcpy(attributes, all, sizeof all);
+}
+
+static cml_status describe_boundaries(const struct cml_report *report, char **text, struct cml_error *err)
+{
+    size_t size = 0;
+    FILE *out = open_memstream(text, &size);
+    if (!out) return cml_fail_memory(err, 1, "the boundaries in words");
+    cml_report_boundaries(out, "", report->scene, report->surfaces);
+    return fclose(out) == 0 ? CML_OK : cml_fail_memory(err, (double)size, "the boundaries in words");
+}
+
+static void add_facets(struct cml_catalogue *catalogue, int b)
+{
+    char prefix[32];
+    snprintf(prefix, sizeof prefix, "boundary%d_", b);
+    cml_catalogue_facets(catalogue, b, prefix, 1);
+}
+
+static void fill_catalogue(struct cml_catalogue *catalogue, const struct cml_mco *mco)
+{
+    char prefix[32];
+    cml_catalogue_results(catalogue, mco);
+    cml_catalogue_map(catalogue);
+    cml_catalogue_volume(catalogue);
+    cml_catalogue_outside(catalogue);
+    for (int b = 0; b <= catalogue->report->scene->num_layers; b++) {
+        snprintf(prefix, sizeof prefix, "boundary%d_", b);
+        add_facets(catalogue, b);
+        cml_catalogue_outer_plane(catalogue, b, prefix);
+    }
+}
+
+static cml_status write_h5(const struct cml_report *report, const struct cml_mco *mco, const char *path,
+                           struct cml_error *err)
+{
+    struct cml_catalogue catalogue;
+    struct cml_attribute attributes[ATTRIBUTES];
+    char *boundaries = NULL;
+    CML_TRY(describe_boundaries(report, &boundaries, err));
+    cml_status status = cml_catalogue_create(report, &catalogue, err);
+    if (status == CML_OK) {
+        fill_catalogue(&catalogue, mco);
+        fill_attributes(report, boundaries, attributes);
+        status = cml_fields_write(path, attributes, ATTRIBUTES, catalogue.fields, catalogue.num_fields, err);
+        cml_catalogue_free(&catalogue);
+    }
+    free(boundaries);
+    return status;
+}
+
+/* The facets of planes are pixels. */
+static void fill_map(struct cml_catalogue *catalogue)
+{
+    const struct cml_surface_set *surfaces = catalogue->report->surfaces;
+    cml_catalogue_map(catalogue);
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind == CML_SURFACE_PLANE) add_facets(catalogue, b);
+}
+
+/* Both images lie where the scene has them, z down. */
+static cml_status write_image(const struct cml_report *report, bool volume, const char *path,
+                              struct cml_error *err)
+{
+    const struct cml_scene *scene = report->scene;
+    const struct cml_map_def *map = &scene->map;
+    const struct cml_image image = {
+        .n = {(size_t)map->nx, (size_t)map->ny, volume ? (size_t)scene->nz : 0},
+        .origin = {-0.5 * map->nx * map->dx, -0.5 * map->ny * map->dy, volume ? map->top : 0},
+        .spacing = {map->dx, map->dy, scene->dz},
+    };
+    struct cml_catalogue catalogue;
+    CML_TRY(cml_catalogue_create(report, &catalogue, err));
+    if (volume)
+        cml_catalogue_volume(&catalogue);
+    else
+        fill_map(&catalogue);
+    const cml_status status = cml_vti_write(path, &image, catalogue.fields, catalogue.num_fields, err);
+    cml_catalogue_free(&catalogue);
+    return status;
+}
+
+static cml_status write_boundary(const struct cml_report *report, int b, const char *path,
+                                 struct cml_error *err)
+{
+    struct cml_catalogue catalogue;
+    struct cml_faces faces;
+    size_t per_facet;
+    CML_TRY(cml_report_faces(&report->surfaces->item[b], &faces, &per_facet, err));
+    cml_status status = cml_catalogue_create(report, &catalogue, err);
+    if (status == CML_OK) {
+        cml_catalogue_facets(&catalogue, b, "", per_facet);
+        status = cml_vtp_write(path, &faces, catalogue.fields, catalogue.num_fields, err);
+        cml_catalogue_free(&catalogue);
+    }
+    cml_report_faces_free(&faces);
+    return status;
+}
+
+static cml_status write_boundaries(struct cml_report *report, const char *path, struct cml_error *err)
+{
+    char suffix[64];
+    for (int b = 0; report->scene->facets && b < report->surfaces->count; b++) {
+        if (report->surfaces->item[b].kind == CML_SURFACE_PLANE) continue;
+        snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
+        CML_TRY(next_file(report, path, suffix, err));
+        CML_TRY(write_boundary(report, b, last_file(report), err));
+    }
+    return CML_OK;
+}
+
+static cml_status write_tables(struct cml_report *report, const char *path, const struct cml_mco *mco,
+                               struct cml_error *err)
+{
+    const bool ascii = report->scene->format == 'A';
+    if (ascii) {
+        CML_TRY(next_file(report, path, NULL, err));
+        CML_TRY(cml_mco_write(last_file(report), mco, err));
+    }
+    if (!cml_report_wants_fields(report->scene) || !cml_fields_available()) return CML_OK;
+    CML_TRY(next_file(report, path, ".h5", err));
+    return write_h5(report, mco, last_file(report), err);
+}
+
+cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
+{
+    const struct cml_grid *grid = &report->run->result.grid;
+    struct cml_mco mco;
+    CML_TRY(cml_report_mco(report, &mco, err));
+    const cml_status status = write_tables(report, path, &mco, err);
+    cml_mco_clear(&mco);
+    CML_TRY(status);
+    if (grid->nx > 0) {
+        CML_TRY(next_file(report, path, ".map.vti", err));
+        CML_TRY(write_image(report, false, last_file(report), err));
+    }
+    if (grid->volume) {
+        CML_TRY(next_file(report, path, ".volume.vti", err));
+        CML_TRY(write_image(report, true, last_file(report), err));
+    }
+    return write_boundaries(report, path, err);
+}
+
+/* The .mco's arrays in double precision, its text, and the writers' buffers. */
+double cml_report_bytes(const struct cml_grid *grid)
+{
+    const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
+                         2.0 * grid->na + grid->num_layers;
+    return cells * sizeof(double) + 8.0 * 1048576;
+}

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+#include "output/vtk.h"
+
+#include "base/atomic_file.h"
+#include "base/text.h"
+
+#include <inttypes.h>
+
+/* One array of the appended data: its description goes into the header, with the place of its bytes. */
+struct layout {
+    FILE *out;
+    uint64_t offset; /* of the next array behind the underscore */
+};
+
+static void describe(struct layout *layout, const char *type, const char *name, size_t components,
+                     uint64_t bytes)
+{
+    fprintf(layout->out,
+            "        <DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%zu\" format=\"appended\" "
+            "offset=\"%" PRIu64 "\"/>\n",
+            type, name, components, layout->offset);
+    layout->offset += sizeof bytes + bytes;
+}
+
+static void describe_fields(struct layout *layout, const struct cml_field *fields, int num_fields,
+                            size_t cells)
+{
+    fprintf(layout->out, "      <CellData>\n");
+    for (int i = 0; i < num_fields; i++) {
+        const size_t size = cml_field_size(&fields[i]);
+        describe(layout, "Float32", fields[i].name, size / cells, size * sizeof(float));
+    }
+    fprintf(layout->out, "      </CellData>\n");
+}
+
+static void put_size(FILE *out, uint64_t bytes)
+{
+    fwrite(&bytes, sizeof bytes, 1, out);
+}
+
+static void put_field(FILE *out, const struct cml_field *field)
+{
+    enum { BLOCK = 1024 };
+    double values[BLOCK];
+    float rounded[BLOCK];
+    const size_t size = cml_field_size(field);
+    put_size(out, size * sizeof *rounded);
+    for (size_t begin = 0; begin < size; begin += BLOCK) {
+        const size_t count = size - begin < BLOCK ? size - begin : BLOCK;
+        field->values(field->context, begin, count, values);
+        for (size_t i = 0; i < count; i++) rounded[i] = (float)values[i];
+        fwrite(rounded, sizeof *rounded, count, out);
+    }
+}
+
+static void begin_file(FILE *out, const char *type)
+{
+    const uint16_t one = 1;
+    const bool little = *(const unsigned char *)&one == 1;
+    fprintf(out,
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"%s\" version=\"1.0\" byte_order=\"%s\" "
+            "header_type=\"UInt64\">\n  <%s",
+            type, little ? "LittleEndian" : "BigEndian", type);
+}
+
+static void begin_data(FILE *out, const char *type)
+{
+    fprintf(out, "    </Piece>\n  </%s>\n  <AppendedData encoding=\"raw\">\n   _", type);
+}
+
+static cml_status end_file(struct cml_file *file, struct cml_error *err)
+{
+    fprintf(file->stream, "\n  </AppendedData>\n</VTKFile>\n");
+    return cml_file_commit(file, err);
+}
+
+cml_status cml_vti_write(const char *path, const struct cml_image *image, const struct cml_field *fields,
+                         int num_fields, struct cml_error *err)
+{
+    struct cml_file file;
+    CML_TRY(cml_file_create(path, &file, err));
+    FILE *out = file.stream;
+    char extent[96];
+    struct layout layout = {.out = out};
+    snprintf(extent, sizeof extent, "0 %zu 0 %zu 0 %zu", image->n[0], image->n[1], image->n[2]);
+    begin_file(out, "ImageData");
+    fprintf(out, " WholeExtent=\"%s\" Origin=\"%.17g %.17g %.17g\" Spacing=\"%.17g %.17g %.17g\">\n", extent,
+            image->origin[0], image->origin[1], image->origin[2], image->spacing[0], image->spacing[1],
+            image->spacing[2]);
+    fprintf(out, "    <Piece Extent=\"%s\">\n", extent);
+    describe_fields(&layout, fields, num_fields, image->n[0] * image->n[1] * (image->n[2] ? image->n[2] : 1));
+    begin_data(out, "ImageData");
+    for (int i = 0; i < num_fields; i++) put_field(out, &fields[i]);
+    return end_file(&file, err);
+}
+
+static void describe_faces(struct layout *layout, const struct cml_faces *faces)
+{
+    fprintf(layout->out, "      <Points>\n");
+    describe(layout, "Float64", "Points", 3, faces->num_points * sizeof *faces->point);
+    fprintf(layout->out, "      </Points>\n      <Polys>\n");
+    describe(layout, "UInt32", "connectivity", 1,
+             faces->num_faces * (size_t)faces->corners * sizeof *faces->corner);
+    describe(layout, "Int64", "offsets", 1, faces->num_faces * sizeof(int64_t));
+    fprintf(layout->out, "      </Polys>\n");
+}
+
+static void put_faces(FILE *out, const struct cml_faces *faces)
+{
+    const size_t corners = faces->num_faces * (size_t)faces->corners;
+    put_size(out, faces->num_points * sizeof *faces->point);
+    fwrite(faces->point, sizeof *faces->point, faces->num_points, out);
+    put_size(out, corners * sizeof *faces->corner);
+    fwrite(faces->corner, sizeof *faces->corner, corners, out);
+    put_size(out, faces->num_faces * sizeof(int64_t));
+    for (size_t i = 1; i <= faces->num_faces; i++) {
+        const int64_t end = (int64_t)i * faces->corners;
+        fwrite(&end, sizeof end, 1, out);
+    }
+}
+
+cml_status cml_vtp_write(const char *path, const struct cml_faces *faces, const struct cml_field *fields,
+                         int num_fields, struct cml_error *err)
+{
+    struct cml_file file;
+    CML_TRY(cml_file_create(path, &file, err));
+    FILE *out = file.stream;
+    struct layout layout = {.out = out};
+    begin_file(out, "PolyData");
+    fprintf(out, ">\n    <Piece NumberOfPoints=\"%zu\" NumberOfPolys=\"%zu\">\n", faces->num_points,
+            faces->num_faces);
+    describe_faces(&layout, faces);
+    describe_fields(&layout, fields, num_fields, faces->num_faces);
+    begin_data(out, "PolyData");
+    put_faces(out, faces);
+    for (int i = 0; i < num_fields; i++) put_field(out, &fields[i]);
+    return end_file(&file, err);
+}

@@ -1,0 +1,34 @@
+/* Writer of VTK's XML files for ParaView and VTK: images (.vti) and faces (.vtp) with fields on their cells.
+ * Raw appended data: the header is text, the numbers follow in binary, values as 32-bit floats, points as
+ * 64-bit.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_VTK_H
+#define CML_VTK_H
+
+#include "output/field.h"
+#include "base/status.h"
+
+#include <stdint.h>
+
+/* n[0] n[1] n[2] cells along x, y, z, x fastest; n[2] = 0: one flat layer of cells. */
+struct cml_image {
+    size_t n[3];
+    double origin[3], spacing[3]; /* corner of the first cell, size of a cell */
+};
+
+/* Faces of three or four corners each. */
+struct cml_faces {
+    size_t num_points, num_faces;
+    int corners;
+    double (*point)[3]; /* [num_points] */
+    uint32_t *corner;   /* [num_faces][corners] */
+};
+
+/* Both write atomically (text.h); CML_E_IO on failure. A field has as many values as there are cells, or a
+ * multiple: then so many components per cell, the component fastest. */
+CML_NODISCARD cml_status cml_vti_write(const char *path, const struct cml_image *image,
+                                       const struct cml_field *fields, int num_fields, struct cml_error *err);
+CML_NODISCARD cml_status cml_vtp_write(const char *path, const struct cml_faces *faces,
+                                       const struct cml_field *fields, int num_fields, struct cml_error *err);
+
+#endif

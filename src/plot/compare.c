@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT */
+#include "plot/compare.h"
+
+#include "base/significance.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {
+    {"Rsp", "-", NULL},          {"Rd", "-", NULL},           {"A", "-", NULL},
+    {"Tt", "-", NULL},           {"A_z", "1/cm", "z [cm]"},   {"Rd_r", "1/cm2", "r [cm]"},
+    {"Rd_a", "1/sr", "a [rad]"}, {"Tt_r", "1/cm2", "r [cm]"}, {"Tt_a", "1/sr", "a [rad]"},
+};
+
+enum { NUM_TOTALS = 4, BATCHES = 64 };
+
+/* One quantity of both files, in weight per launched packet. */
+struct quantity {
+    enum cml_quantity which;
+    const struct cml_mco *mco[2];
+    double packets[2];
+    int bins;
+    const double *value[2]; /* [bins] as in the file */
+    double *error[2];       /* [bins] as in the file, NULL: none */
+};
+
+/* Neighbouring bins taken together. */
+struct group {
+    int first, last;
+    double measure;               /* value times measure is weight per packet */
+    double mean[2];               /* weight per packet */
+    double squares[2], linear[2]; /* sums of the bins' errors */
+    double rounding;              /* variance of the difference from printed digits */
+};
+
+/* What a group says: the variances of both means, and how many packets of the mean weight the smaller run has
+ * in it. */
+struct spread {
+    double variance[2];   /* of each mean */
+    double of_difference; /* of the difference of the means, without rounding */
+    double packets;
+    double freedom;
+};
+
+/* ---- the files ---- */
+
+static bool is_total(enum cml_quantity which)
+{
+    return which < CML_QUANTITY_A_z;
+}
+
+static const double *profile_of(const struct cml_mco *mco, enum cml_quantity which)
+{
+    const double *const profiles[CML_NUM_QUANTITIES] = {&mco->Rsp, &mco->Rd,  &mco->A,   &mco->Tt, mco->A_z,
+                                                        mco->Rd_r, mco->Rd_a, mco->Tt_r, mco->Tt_a};
+    return profiles[which];
+}
+
+static int bins_of(const struct cml_mco *mco, enum cml_quantity which)
+{
+    if (is_total(which)) return 1;
+    if (which == CML_QUANTITY_A_z) return mco->nz;
+    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? mco->nr : mco->na;
+}
+
+/* Width of a bin on its axis. */
+static double width_of(const struct cml_mco *mco, enum cml_quantity which)
+{
+    if (is_total(which)) return 0;
+    if (which == CML_QUANTITY_A_z) return mco->dz;
+    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? mco->dr : acos(0.0) / mco->na;
+}
+
+static double measure_of(const struct cml_mco *mco, enum cml_quantity which, int i)
+{
+    if (is_total(which)) return 1;
+    if (which == CML_QUANTITY_A_z) return mco->dz;
+    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? cml_mco_ring_area(mco->dr, i)
+                                                                    : cml_mco_solid_angle(mco->na, i);
+}
+
+/* Fewer packets than batches make no error. */
+static bool has_errors(const struct cml_mco *mco)
+{
+    double totals[NUM_TOTALS];
+    return mco->photons >= BATCHES && cml_mco_extra(mco, "se_RAT", totals, NUM_TOTALS) == NUM_TOTALS;
+}
+
+/* Fills errors[bins]; false when the file has none. */
+static bool read_errors(const struct cml_mco *mco, enum cml_quantity which, double *errors, int bins)
+{
+    static const char *const keys[CML_NUM_QUANTITIES] = {[CML_QUANTITY_A_z] = "se_A_z",
+                                                         [CML_QUANTITY_Rd_r] = "se_Rd_r",
+                                                         [CML_QUANTITY_Rd_a] = "se_Rd_a",
+                                                         [CML_QUANTITY_Tt_r] = "se_Tt_r",
+                                                         [CML_QUANTITY_Tt_a] = "se_Tt_a"};
+    double totals[NUM_TOTALS] = {0};
+    const bool any = has_errors(mco);
+    if (!is_total(which)) return any && cml_mco_extra(mco, keys[which], errors, bins) == bins;
+    if (any) (void)cml_mco_extra(mco, "se_RAT", totals, NUM_TOTALS);
+    errors[0] = totals[which];
+    return any || which == CML_QUANTITY_Rsp;
+}
+
+static cml_status fail_grid(const char *const names[2], const char *field, double a, double b,
+                            struct cml_error *err)
+{
+    return cml_fail(err, CML_E_INPUT, "%s: %s = %g (expected %g, as in %s)", names[1], field, b, a, names[0]);
+}
+
+static cml_status check_grids(const struct cml_mco *a, const struct cml_mco *b, const char *const names[2],
+                              struct cml_error *err)
+{
+    const struct {
+        const char *field;
+        double a, b;
+    } fields[] = {
+        {"dz", a->dz, b->dz}, {"dr", a->dr, b->dr}, {"nz", a->nz, b->nz},
+        {"nr", a->nr, b->nr}, {"na", a->na, b->na},
+    };
+    const double printed = 1e-5; /* a length has six digits in the file */
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
+        if (fabs(fields[i].a - fields[i].b) > printed * fields[i].a)
+            return fail_grid(names, fields[i].field, fields[i].a, fields[i].b, err);
+    return CML_OK;
+}
+
+/* ---- groups of bins ---- */
+
+/* Standard deviation of what printing `digits` digits cut off. */
+static double rounding_of(double value, int digits)
+{
+    return value > 0 ? pow(10, floor(log10(value)) + 1 - digits) / sqrt(12.0) : 0;
+}
+
+static void add_bin(const struct quantity *q, int i, struct group *group)
+{
+    const double measure = measure_of(q->mco[0], q->which, i);
+    const int digits = is_total(q->which) ? 6 : 5;
+    group->last = i;
+    group->measure += measure;
+    for (int k = 0; k < 2; k++) {
+        const double error = q->error[k] ? q->error[k][i] * measure : 0;
+        const double rounding = rounding_of(q->value[k][i], digits) * measure;
+        group->mean[k] += q->value[k][i] * measure;
+        group->squares[k] += error * error;
+        group->linear[k] += error;
+        group->rounding += rounding * rounding;
+    }
+}
+
+static void join(struct group *group, const struct group *next)
+{
+    group->last = next->last;
+    group->measure += next->measure;
+    for (int k = 0; k < 2; k++) {
+        group->mean[k] += next->mean[k];
+        group->squares[k] += next->squares[k];
+        group->linear[k] += next->linear[k];
+    }
+    group->rounding += next->rounding;
+}
+
+/* Variance of one packet's score from the file's own errors. */
+static double own_variance(const struct quantity *q, const struct group *group, int k)
+{
+    const double n = q->packets[k];
+    if (q->which != CML_QUANTITY_A_z || group->first == group->last) return n * group->squares[k];
+    return fmin(n * group->linear[k] * group->linear[k], group->mean[k]);
+}
+
+/* Packets of the mean weight that `n` launched ones leave in a group of this mean, when one launched packet's
+ * score has this mean and variance: mean^2 / variance per packet. */
+static double packets_in(double n, double mean, double variance)
+{
+    if (!(mean > 0)) return 0;
+    return variance > 0 ? n * mean * (mean / variance) : INFINITY;
+}
+
+/* Mean square over mean of a packet's score, in the group's bins of file k or, where they hold too few
+ * packets, in a wider stretch around them: their own scatter would go with their mean, and a low bin claim a
+ * small error. 1, the largest for scores up to 1, when the whole profile has too few. */
+static double typical_score(const struct quantity *q, const struct group *group, int k)
+{
+    const double enough = 500, n = q->packets[k];
+    double mean = group->mean[k], square = n * group->squares[k] + mean * mean;
+    for (int below = group->first - 1, above = group->last + 1;
+         packets_in(n, mean, square) < enough && (below >= 0 || above < q->bins); below--, above++) {
+        struct group next[2] = {{0}, {0}};
+        if (below >= 0) add_bin(q, below, &next[0]);
+        if (above < q->bins) add_bin(q, above, &next[1]);
+        for (int i = 0; i < 2; i++) {
+            mean += next[i].mean[k];
+            square += n * next[i].squares[k] + next[i].mean[k] * next[i].mean[k];
+        }
+    }
+    return packets_in(n, mean, square) >= enough ? square / mean : 1;
+}
+
+/* Variance per packet of a file without errors, and with it of the other: mean square less squared mean,
+ * where the mean is that of both, or the file's own when it is larger, so that a chance excess is not
+ * overrated. */
+static void estimate(const struct quantity *q, const struct group *group, double mean, double variance[2])
+{
+    const int lender = q->error[0] ? 0 : 1;
+    const bool lent = q->error[lender] != NULL;
+    const double score = lent ? typical_score(q, group, lender) : 1;
+    const double own = lent ? own_variance(q, group, lender) : 0;
+    for (int k = 0; k < 2; k++) variance[k] = fmax(own, score * fmax(mean, group->mean[k]) - mean * mean);
+}
+
+/* Degrees of freedom of the difference [Welch, Biometrika 34 (1947) 28]. */
+static double freedom_of(const struct quantity *q, const double variance[2])
+{
+    const double each = BATCHES - 1, sum = variance[0] + variance[1];
+    if (is_total(q->which) || (!q->error[0] && !q->error[1]) || !(sum > 0)) return INFINITY;
+    if (!q->error[0] || !q->error[1]) return each;
+    return each * sum * sum / (variance[0] * variance[0] + variance[1] * variance[1]);
+}
+
+static struct spread spread_of(const struct quantity *q, const struct group *group)
+{
+    const double n0 = q->packets[0], n1 = q->packets[1], n = n0 + n1;
+    const double mean = (n0 * group->mean[0] + n1 * group->mean[1]) / n;
+    struct spread s = {.packets = 0};
+    double v[2]; /* per packet */
+    if (q->error[0] && q->error[1])
+        for (int k = 0; k < 2; k++) v[k] = own_variance(q, group, k);
+    else
+        estimate(q, group, mean, v);
+    s.packets = packets_in(fmin(n0, n1), mean, (n0 * v[0] + n1 * v[1]) / n);
+    s.variance[0] = v[0] / n0;
+    s.variance[1] = v[1] / n1;
+    const double common = (n0 * v[0] + n1 * v[1]) / n * (1 / n0 + 1 / n1);
+    s.of_difference = fmax(s.variance[0] + s.variance[1], common);
+    s.freedom = freedom_of(q, s.variance);
+    return s;
+}
+
+static double deviate(const struct group *group, const struct spread *spread)
+{
+    const double difference = group->mean[0] - group->mean[1];
+    if (difference == 0) return 0;
+    return cml_normal_of_student(difference / sqrt(spread->of_difference + group->rounding), spread->freedom);
+}
+
+static struct cml_compare_test test_group(const struct quantity *q, const struct group *group)
+{
+    const struct spread spread = spread_of(q, group);
+    const double width = width_of(q->mco[0], q->which), z = deviate(group, &spread);
+    struct cml_compare_test test = {.quantity = q->which,
+                                    .first = group->first,
+                                    .last = group->last,
+                                    .lower = group->first * width,
+                                    .upper = (group->last + 1) * width,
+                                    .z = z,
+                                    .p = cml_two_sided(z)};
+    for (int k = 0; k < 2; k++) {
+        test.value[k] = group->mean[k] / group->measure;
+        test.error[k] = sqrt(spread.variance[k]) / group->measure;
+    }
+    return test;
+}
+
+/* ---- the comparison ---- */
+
+/* Groups are closed where both runs together say so, never by one of them: that would favour its chance. */
+static void test_quantity(const struct quantity *q, struct cml_comparison *c)
+{
+    const int begin = c->count;
+    struct group group = {0}, closed = {0};
+    for (int i = 0; i < q->bins; i++) {
+        add_bin(q, i, &group);
+        if (!(spread_of(q, &group).packets >= CML_COMPARE_PACKETS)) continue;
+        c->test[c->count++] = test_group(q, &group);
+        closed = group;
+        group = (struct group){.first = i + 1};
+    }
+    if (c->count == begin) return;
+    if (group.measure > 0) {
+        join(&closed, &group);
+        c->test[c->count - 1] = test_group(q, &closed);
+    }
+    c->bins[q->which] = q->bins;
+}
+
+static bool tallied_absorption(const struct cml_mco *mco)
+{
+    for (int i = 0; i < mco->nz; i++)
+        if (mco->A_z[i] > 0) return true;
+    return !(mco->A > 0);
+}
+
+static void test_all(const struct cml_mco *const mco[2], double *scratch, int most, struct cml_comparison *c)
+{
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_quantity which = (enum cml_quantity)i;
+        struct quantity q = {.which = which, .bins = bins_of(mco[0], which)};
+        if (which == CML_QUANTITY_A_z && c->no_absorption) continue;
+        for (int k = 0; k < 2; k++) {
+            double *errors = scratch + (size_t)k * (size_t)most;
+            q.mco[k] = mco[k];
+            q.packets[k] = (double)mco[k]->photons;
+            q.value[k] = profile_of(mco[k], q.which);
+            q.error[k] = read_errors(mco[k], q.which, errors, q.bins) ? errors : NULL;
+        }
+        test_quantity(&q, c);
+    }
+}
+
+/* p of the largest |z|, corrected for the number of tests. */
+static void conclude(struct cml_comparison *c)
+{
+    c->worst = -1;
+    for (int i = 0; i < c->count; i++)
+        if (c->worst < 0 || fabs(c->test[i].z) > fabs(c->test[c->worst].z)) c->worst = i;
+    c->p = c->worst < 0 ? 1 : cml_sidak(c->test[c->worst].p, c->count);
+}
+
+cml_status cml_compare(const struct cml_mco *a, const struct cml_mco *b, const char *const names[2],
+                       struct cml_comparison *c, struct cml_error *err)
+{
+    const struct cml_mco *const mco[2] = {a, b};
+    *c = (struct cml_comparison){.measured = {has_errors(a), has_errors(b)},
+                                 .no_absorption = !tallied_absorption(a) || !tallied_absorption(b)};
+    CML_TRY(check_grids(a, b, names, err));
+    const int most = a->nz > a->nr ? (a->nz > a->na ? a->nz : a->na) : (a->nr > a->na ? a->nr : a->na);
+    const size_t tests = NUM_TOTALS + (size_t)a->nz + 2 * (size_t)a->nr + 2 * (size_t)a->na;
+    double *scratch = malloc(2 * (size_t)most * sizeof *scratch);
+    c->test = malloc(tests * sizeof *c->test);
+    if (!scratch || !c->test) {
+        free(scratch);
+        cml_comparison_clear(c);
+        return cml_fail_memory(err, (double)tests * sizeof *c->test, "the comparison");
+    }
+    test_all(mco, scratch, most, c);
+    free(scratch);
+    conclude(c);
+    return CML_OK;
+}
+
+void cml_comparison_clear(struct cml_comparison *comparison)
+{
+    free(comparison->test);
+    *comparison = (struct cml_comparison){0};
+}

@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+#include "plot/compare_report.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { WORST_LISTED = 5 };
+
+/* The tests with the largest |z|, largest first; returns how many. */
+static int find_worst(const struct cml_comparison *c, const struct cml_compare_test *worst[WORST_LISTED])
+{
+    int count = 0;
+    for (int i = 0; i < c->count; i++) {
+        int place = count;
+        while (place > 0 && fabs(worst[place - 1]->z) < fabs(c->test[i].z)) place--;
+        if (place == WORST_LISTED) continue;
+        if (count < WORST_LISTED) count++;
+        for (int j = count - 1; j > place; j--) worst[j] = worst[j - 1];
+        worst[place] = &c->test[i];
+    }
+    return count;
+}
+
+static const struct cml_compare_test *worst_of(const struct cml_comparison *c, enum cml_quantity quantity,
+                                               int *tests)
+{
+    const struct cml_compare_test *worst = NULL;
+    *tests = 0;
+    for (int i = 0; i < c->count; i++) {
+        if (c->test[i].quantity != quantity) continue;
+        (*tests)++;
+        if (!worst || fabs(c->test[i].z) > fabs(worst->z)) worst = &c->test[i];
+    }
+    return worst;
+}
+
+/* ---- for people ---- */
+
+static void print_file(FILE *stream, const struct cml_compare_report *report, int k)
+{
+    const char *errors = "standard errors from the file";
+    if (!report->comparison->measured[k])
+        errors = report->comparison->measured[1 - k] ? "no standard errors: variances of the other file"
+                                                     : "no standard errors: upper bounds";
+    fprintf(stream, "%c: %s, %.0f packets, %s\n", "ab"[k], report -> names[k],
+            (double)report -> mco[k].photons, errors);
+}
+
+/* The seed and run that one of our own files names; false where there is none. */
+static bool stream_of(const struct cml_mco *mco, unsigned long long *seed, unsigned *run)
+{
+    const char *engine = mco->extra ? strstr(mco->extra, "# engine ") : NULL;
+    const char *text = engine ? strstr(engine, "seed ") : NULL;
+    return text && sscanf(text, "seed %llu, run %u", seed, run) == 2;
+}
+
+static void print_notes(FILE *stream, const struct cml_compare_report *report)
+{
+    static const char *const fields[5] = {"n", "mua", "mus", "g", "d"};
+    const struct cml_mco *a = &report->mco[0], *b = &report->mco[1];
+    unsigned long long seed[2];
+    unsigned run[2];
+    if (stream_of(a, &seed[0], &run[0]) && stream_of(b, &seed[1], &run[1]) && seed[0] == seed[1] &&
+        run[0] == run[1])
+        fprintf(stream,
+                "note: both runs have seed %llu: they share their noise, so that agreement says little\n",
+                seed[0]);
+    if (a->num_layers != b->num_layers)
+        fprintf(stream, "note: %d and %d layers\n", a->num_layers, b->num_layers);
+    for (int l = 0; l < a->num_layers && l < b->num_layers; l++)
+        for (int i = 0; i < 5; i++)
+            if (a->layer[l][i] != b->layer[l][i])
+                fprintf(stream, "note: layer %d: %s = %g and %g\n", l + 1, fields[i], a->layer[l][i],
+                        b->layer[l][i]);
+    if (report->comparison->no_absorption)
+        fputs("note: A_z is left out: one of the runs did not tally it\n", stream);
+}
+
+static void print_totals(FILE *stream, const struct cml_comparison *c)
+{
+    fprintf(stream, "%-5s %12s %10s %12s %10s %8s\n", "", "a", "error", "b", "error", "z");
+    for (int i = 0; i < c->count && !cml_quantities[c->test[i].quantity].axis; i++) {
+        const struct cml_compare_test *t = &c->test[i];
+        fprintf(stream, "%-5s %12.6g %10.2g %12.6g %10.2g %+8.2f\n", cml_quantities[t->quantity].name,
+                t->value[0], t->error[0], t->value[1], t->error[1], t->z);
+    }
+}
+
+/* "r [cm] 0.12..0.13" */
+static void print_place(FILE *stream, const struct cml_compare_test *t)
+{
+    const char *axis = cml_quantities[t->quantity].axis;
+    if (axis) fprintf(stream, "%s %.4g..%.4g", axis, t->lower, t->upper);
+}
+
+static void print_profiles(FILE *stream, const struct cml_comparison *c)
+{
+    for (int q = 0; q < CML_NUM_QUANTITIES; q++) {
+        int tests = 0;
+        const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q, &tests);
+        if (!cml_quantities[q].axis) continue;
+        fprintf(stream, "%-5s ", cml_quantities[q].name);
+        if (!worst) {
+            fputs("not tested: too few packets\n", stream);
+            continue;
+        }
+        fprintf(stream, "%d bins in %d tests, worst z %+.2f at ", c->bins[q], tests, worst->z);
+        print_place(stream, worst);
+        fputc('\n', stream);
+    }
+}
+
+static void print_worst(FILE *stream, const struct cml_comparison *c)
+{
+    const struct cml_compare_test *worst[WORST_LISTED];
+    const int count = find_worst(c, worst);
+    fputs("worst:\n", stream);
+    for (int i = 0; i < count; i++) {
+        const struct cml_compare_test *t = worst[i];
+        fprintf(stream, "  z %+6.2f  p %-8.2g  %-4s %11.5g +- %-8.2g %11.5g +- %-8.2g %-5s ", t->z, t->p,
+                cml_quantities[t->quantity].name, t->value[0], t->error[0], t->value[1], t->error[1],
+                cml_quantities[t->quantity].unit);
+        print_place(stream, t);
+        fputc('\n', stream);
+    }
+}
+
+void cml_compare_summary(FILE *stream, const struct cml_compare_report *report)
+{
+    const struct cml_comparison *c = report->comparison;
+    for (int k = 0; k < 2; k++) print_file(stream, report, k);
+    print_notes(stream, report);
+    print_totals(stream, c);
+    print_profiles(stream, c);
+    print_worst(stream, c);
+    fprintf(stream, "p = %.3g (Sidak over %d tests): %s at the level %g\n", c->p, c->count,
+            c->p < report->alpha ? "they differ" : "no difference", report->alpha);
+}
+
+/* ---- for programs ---- */
+
+/* JSON knows no infinity: a difference without any noise. */
+static double without_infinity(double z)
+{
+    return fmin(fmax(z, -1e300), 1e300);
+}
+
+static json_t *test_json(const struct cml_compare_test *t)
+{
+    return json_pack("{s:s, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "quantity",
+                     cml_quantities[t->quantity].name, "first", t->first, "last", t->last, "lower", t->lower,
+                     "upper", t->upper, "a", t->value[0], "a_se", t->error[0], "b", t->value[1], "b_se",
+                     t->error[1], "z", without_infinity(t->z), "p", t->p, "unit",
+                     cml_quantities[t->quantity].unit);
+}
+
+/* z of all tests of a quantity, and the bins with which they begin. */
+static void add_deviates(json_t *object, const struct cml_comparison *c, int quantity)
+{
+    json_t *first = json_array(), *z = json_array();
+    for (int i = 0; i < c->count; i++) {
+        if ((int)c->test[i].quantity != quantity) continue;
+        json_array_append_new(first, json_integer(c->test[i].first));
+        json_array_append_new(z, json_real(without_infinity(c->test[i].z)));
+    }
+    json_object_set_new(object, "first", first);
+    json_object_set_new(object, "z", z);
+}
+
+static json_t *quantities_json(const struct cml_comparison *c)
+{
+    json_t *object = json_object();
+    for (int q = 0; q < CML_NUM_QUANTITIES; q++) {
+        int tests = 0;
+        const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q, &tests);
+        json_t *entry = json_pack("{s:i, s:i, s:o}", "bins", c->bins[q], "tests", tests, "worst",
+                                  worst ? test_json(worst) : json_null());
+        add_deviates(entry, c, q);
+        json_object_set_new(object, cml_quantities[q].name, entry);
+    }
+    return object;
+}
+
+static json_t *worst_json(const struct cml_comparison *c)
+{
+    const struct cml_compare_test *worst[WORST_LISTED];
+    const int count = find_worst(c, worst);
+    json_t *list = json_array();
+    for (int i = 0; i < count; i++) json_array_append_new(list, test_json(worst[i]));
+    return list;
+}
+
+cml_status cml_compare_json(FILE *stream, const struct cml_compare_report *report, struct cml_error *err)
+{
+    const struct cml_comparison *c = report->comparison;
+    json_t *object =
+        json_pack("{s:s, s:s, s:[I, I], s:i, s:f, s:f, s:b, s:o, s:o}", "a", report->names[0], "b",
+                  report->names[1], "packets", (json_int_t)report->mco[0].photons,
+                  (json_int_t)report->mco[1].photons, "tests", c->count, "p", c->p, "alpha", report->alpha,
+                  "agree", !(c->p < report->alpha), "quantities", quantities_json(c), "worst", worst_json(c));
+    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
+    json_decref(object);
+    if (!text) return cml_fail_memory(err, 1, "the JSON record (or a name that is not UTF-8)");
+    fprintf(stream, "%s\n", text);
+    free(text);
+    return CML_OK;
+}

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+#include "plot/gnuplot.h"
+
+#include "base/atomic_file.h"
+#include "base/text.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char **environ;
+
+/* ---- the script ---- */
+
+cml_status cml_picture_of(const char *path, enum cml_picture *picture, struct cml_error *err)
+{
+    const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
+    *picture = dot && strcasecmp(dot, ".png") == 0 ? CML_PICTURE_PNG : CML_PICTURE_SVG;
+    if (dot && (*picture == CML_PICTURE_PNG || strcasecmp(dot, ".svg") == 0)) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "--output %s (expected a name that ends in .svg or .png)", path);
+}
+
+void cml_gnuplot_begin(FILE *out, enum cml_picture picture, int width, int height)
+{
+    const bool svg = picture == CML_PICTURE_SVG;
+    const int scale = svg ? 1 : 2;
+    fprintf(out,
+            "set encoding utf8\nset terminal %s noenhanced size %d,%d font '%s' background '#FFFFFF'%s\n",
+            svg ? "svg" : "pngcairo", scale * width, scale * height, svg ? "Helvetica,15" : "Helvetica,11",
+            svg ? "" : " fontscale 2 linewidth 2 pointscale 2");
+    fputs("set border 15 lw 0.8 lc rgb '#404040'\nset tics textcolor rgb '#202020'\n"
+          "set grid xtics ytics lc rgb '#E4E4E4' lt 1 lw 0.6\n",
+          out);
+}
+
+/* Bytes of a UTF-8 sequence that begins at p; 0 when it is none, or a control character. */
+static int utf8_length(const unsigned char *p)
+{
+    const int length = p[0] < 0x80                   ? 1
+                       : p[0] >= 0xC2 && p[0] < 0xE0 ? 2
+                       : p[0] >= 0xE0 && p[0] < 0xF0 ? 3
+                       : p[0] >= 0xF0 && p[0] < 0xF5 ? 4
+                                                     : 0;
+    for (int i = 1; i < length; i++)
+        if ((p[i] & 0xC0) != 0x80) return 0;
+    return p[0] < 0x20 || p[0] == 0x7F ? 0 : length;
+}
+
+void cml_gnuplot_quote(FILE *out, const char *text)
+{
+    fputc('\'', out);
+    for (const unsigned char *p = (const unsigned char *)text; *p;) {
+        const int length = utf8_length(p);
+        if (*p == '\'') fputc('\'', out);
+        if (length == 0)
+            fputc('?', out);
+        else
+            fwrite(p, 1, (size_t)length, out);
+        p += length == 0 ? 1 : length;
+    }
+    fputc('\'', out);
+}
+
+/* ---- the process ---- */
+
+struct script {
+    char *text;
+    size_t size;
+};
+
+static bool open_pipe(int ends[2])
+{
+    if (pipe(ends) != 0) return false;
+    return fcntl(ends[0], F_SETFD, FD_CLOEXEC) == 0 && fcntl(ends[1], F_SETFD, FD_CLOEXEC) == 0;
+}
+
+static int spawn(int in, int out, int messages, pid_t *child)
+{
+    char *arguments[] = {"gnuplot", "--default-settings", "-", NULL};
+    posix_spawn_file_actions_t actions;
+    int failed = posix_spawn_file_actions_init(&actions);
+    if (failed) return failed;
+    failed = posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
+    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
+    if (!failed) failed = posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
+    if (!failed) failed = posix_spawnp(child, "gnuplot", &actions, NULL, arguments, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    return failed;
+}
+
+/* gnuplot stops at its first error and then reads no further; the message says more than the broken pipe. */
+static void feed(int in, const struct script *script)
+{
+    void (*handler)(int) = signal(SIGPIPE, SIG_IGN);
+    for (size_t done = 0; done < script->size;) {
+        const ssize_t wrote = write(in, script->text + done, script->size - done);
+        if (wrote < 0 && errno == EINTR) continue;
+        if (wrote <= 0) break;
+        done += (size_t)wrote;
+    }
+    close(in);
+    signal(SIGPIPE, handler);
+}
+
+/* Keeps the end of what gnuplot says: its last line is the error. */
+static void listen(int messages, char *said, size_t size)
+{
+    char part[256];
+    size_t used = 0;
+    for (ssize_t got = 0; (got = read(messages, part, sizeof part)) != 0;) {
+        if (got < 0 && errno == EINTR) continue;
+        if (got < 0) break;
+        for (ssize_t i = 0; i < got; i++) {
+            if (used + 1 >= size) used = 0;
+            said[used++] = part[i];
+        }
+    }
+    while (used > 0 && (said[used - 1] == '\n' || said[used - 1] == ' ')) used--;
+    said[used] = '\0';
+}
+
+static cml_status wait_for(pid_t child, const char *said, struct cml_error *err)
+{
+    int state = 0;
+    while (waitpid(child, &state, 0) < 0)
+        if (errno != EINTR) return cml_fail(err, CML_E_IO, "gnuplot was lost (%s)", strerror(errno));
+    if (WIFEXITED(state) && WEXITSTATUS(state) == 0) return CML_OK;
+    const char *line = strrchr(said, '\n');
+    return cml_fail(err, CML_E_IO, "gnuplot failed (%s)", line ? line + 1 : said);
+}
+
+static cml_status converse(const struct script *script, int picture, int in[2], int messages[2],
+                           struct cml_error *err)
+{
+    char said[4096];
+    pid_t child = 0;
+    const int failed = spawn(in[0], picture, messages[1], &child);
+    close(in[0]);
+    close(messages[1]);
+    if (failed) {
+        close(in[1]);
+        close(messages[0]);
+        return cml_fail(err, CML_E_IO, "gnuplot cannot be started (%s); is it installed?", strerror(failed));
+    }
+    feed(in[1], script);
+    listen(messages[0], said, sizeof said);
+    close(messages[0]);
+    return wait_for(child, said, err);
+}
+
+static cml_status run_gnuplot(const struct script *script, FILE *picture, struct cml_error *err)
+{
+    int in[2], messages[2];
+    if (!open_pipe(in)) return cml_fail(err, CML_E_IO, "no pipe to gnuplot (%s)", strerror(errno));
+    if (!open_pipe(messages)) {
+        close(in[0]);
+        close(in[1]);
+        return cml_fail(err, CML_E_IO, "no pipe to gnuplot (%s)", strerror(errno));
+    }
+    return converse(script, fileno(picture), in, messages, err);
+}
+
+static cml_status make_script(cml_status (*write)(FILE *, const void *, struct cml_error *), const void *what,
+                              struct script *script, struct cml_error *err)
+{
+    FILE *out = open_memstream(&script->text, &script->size);
+    if (!out) return cml_fail_memory(err, 1, "the plot");
+    cml_status status = write(out, what, err);
+    const int failed = ferror(out);
+    if ((fclose(out) != 0 || failed) && status == CML_OK)
+        status = cml_fail_memory(err, (double)script->size, "the plot");
+    return status;
+}
+
+cml_status cml_gnuplot_draw(cml_status (*write)(FILE *, const void *, struct cml_error *), const void *what,
+                            const char *path, struct cml_error *err)
+{
+    struct script script = {NULL, 0};
+    struct cml_file file;
+    cml_status status = make_script(write, what, &script, err);
+    if (status == CML_OK) status = cml_file_create(path, &file, err);
+    if (status == CML_OK) {
+        status = run_gnuplot(&script, file.stream, err);
+        if (status == CML_OK)
+            status = cml_file_commit(&file, err);
+        else
+            cml_file_abort(&file);
+    }
+    free(script.text);
+    return status;
+}

@@ -1,0 +1,258 @@
+/* SPDX-License-Identifier: MIT */
+#include "run/checkpoint.h"
+
+#include "base/atomic_file.h"
+#include "base/text.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+/* Fixed sizes and no padding; identity, ranges, summary, cells and the checksum of all that follow. */
+struct head {
+    char magic[24];
+    uint64_t order, version, finished;
+    uint64_t identity_size, num_ranges, num_cells;
+    uint64_t begin, end;
+    double seconds;
+};
+static const char magic[24] = "clustermcml checkpoint\n";
+#define ORDER 0x0102030405060708u
+#define VERSION 1u
+
+static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
+{
+    const size_t size = strlen(path) + strlen(suffix) + 1;
+    *name = malloc(size);
+    if (!*name) return cml_fail_memory(err, (double)size, "a path");
+    snprintf(*name, size, "%s%s", path, suffix);
+    return CML_OK;
+}
+
+cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err)
+{
+    return joined(output, ".checkpoint", path, err);
+}
+
+/* ---- writing
+ * ------------------------------------------------------------------------------------------------ */
+
+struct sink {
+    FILE *stream;
+    uLong sum;
+};
+
+static void put(struct sink *sink, const void *data, size_t size)
+{
+    if (size == 0) return;               /* crc32_z takes a null pointer for a wish to begin anew */
+    fwrite(data, 1, size, sink->stream); /* an error stays with the stream, and the commit sees it */
+    sink->sum = crc32_z(sink->sum, data, size);
+}
+
+static void write_all(FILE *stream, const char *identity, const struct cml_run_state *state,
+                      struct cml_result *result)
+{
+    struct sink sink = {stream, crc32(0, NULL, 0)};
+    struct head head = {.order = ORDER,
+                        .version = VERSION,
+                        .finished = result == NULL,
+                        .identity_size = strlen(identity),
+                        .begin = state->begin,
+                        .end = state->end,
+                        .seconds = state->seconds};
+    struct cml_summary summary = {.lost = {0}};
+    size_t cells = 0;
+    const cml_u128 *cell = result ? cml_result_cells(result, &cells) : NULL;
+    if (result) cml_result_summary(result, &summary);
+    memcpy(head.magic, magic, sizeof magic);
+    head.num_ranges = state->open.count;
+    head.num_cells = cells;
+    put(&sink, &head, sizeof head);
+    put(&sink, identity, head.identity_size);
+    put(&sink, state->open.item, state->open.count * sizeof *state->open.item);
+    put(&sink, &summary, sizeof summary);
+    put(&sink, cell, cells * sizeof *cell);
+    const uint64_t sum = sink.sum;
+    fwrite(&sum, sizeof sum, 1, stream);
+}
+
+cml_status cml_checkpoint_write(const char *path, const char *identity, const struct cml_run_state *state,
+                                struct cml_result *result, struct cml_error *err)
+{
+    struct cml_file file;
+    char *old = NULL;
+    CML_TRY(joined(path, ".old", &old, err));
+    cml_status status = cml_file_create(path, &file, err);
+    if (status == CML_OK) {
+        file.keep = old;
+        write_all(file.stream, identity, state, result);
+        status = cml_file_commit(&file, err);
+    }
+    free(old);
+    return status;
+}
+
+void cml_checkpoint_remove(const char *path)
+{
+    struct cml_error ignored;
+    char *old = NULL;
+    remove(path);
+    if (joined(path, ".old", &old, &ignored) == CML_OK) remove(old);
+    free(old);
+}
+
+/* ---- reading
+ * ------------------------------------------------------------------------------------------------ */
+
+/* One file being read: its name for messages, and what became of it. */
+struct source {
+    const char *path;
+    FILE *stream;
+    struct head head;
+    char *identity;
+};
+
+static cml_status fail_damaged(const struct source *source, const char *what, struct cml_error *err)
+{
+    return cml_fail(err, CML_E_IO, "%s: the checkpoint is damaged (%s)", source->path, what);
+}
+
+static bool get(struct source *source, void *data, size_t size)
+{
+    return fread(data, 1, size, source->stream) == size;
+}
+
+/* The whole file against the checksum at its end. */
+static cml_status check_sum(struct source *source, struct cml_error *err)
+{
+    enum { BLOCK = 1 << 16 };
+    static unsigned char block[BLOCK];
+    uint64_t stored = 0;
+    uLong sum = crc32(0, NULL, 0);
+    if (fseek(source->stream, 0, SEEK_END) != 0) return fail_damaged(source, strerror(errno), err);
+    long left = ftell(source->stream) - (long)sizeof stored;
+    rewind(source->stream);
+    while (left > 0) {
+        const size_t size = left < BLOCK ? (size_t)left : BLOCK;
+        if (!get(source, block, size)) return fail_damaged(source, "cannot be read to its end", err);
+        sum = crc32_z(sum, block, size);
+        left -= (long)size;
+    }
+    if (left < 0 || !get(source, &stored, sizeof stored)) return fail_damaged(source, "cut short", err);
+    rewind(source->stream);
+    return stored == sum ? CML_OK : fail_damaged(source, "checksum", err);
+}
+
+static cml_status read_head(struct source *source, struct cml_error *err)
+{
+    struct head *head = &source->head;
+    if (!get(source, head, sizeof *head) || memcmp(head->magic, magic, sizeof magic) != 0)
+        return cml_fail(err, CML_E_INPUT, "%s: is no checkpoint", source->path);
+    if (head->order != ORDER || head->version != VERSION)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s: the checkpoint has another format or byte order (expected format %u)",
+                        source->path, VERSION);
+    source->identity = calloc(head->identity_size + 1, 1);
+    if (!source->identity) return cml_fail_memory(err, (double)head->identity_size, "a checkpoint");
+    return get(source, source->identity, head->identity_size) ? CML_OK
+                                                              : fail_damaged(source, "cut short", err);
+}
+
+/* Says in which line two identities differ. */
+static cml_status check_identity(const struct source *source, const char *mine, struct cml_error *err)
+{
+    const char *theirs = source->identity;
+    if (strcmp(theirs, mine) == 0) return CML_OK;
+    while (*theirs && *mine) {
+        const size_t m = strcspn(mine, "\n"), t = strcspn(theirs, "\n");
+        if (m != t || memcmp(mine, theirs, m) != 0) break;
+        mine += m + 1;
+        theirs += t + 1;
+    }
+    return cml_fail(err, CML_E_INPUT, "%s: the checkpoint is of another run: '%.*s' there, '%.*s' here",
+                    source->path, (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine);
+}
+
+static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, struct cml_error *err)
+{
+    for (uint64_t i = 0; i < source->head.num_ranges; i++) {
+        struct cml_range range;
+        if (!get(source, &range, sizeof range)) return fail_damaged(source, "cut short", err);
+        CML_TRY(cml_ranges_add(ranges, range, err));
+    }
+    return CML_OK;
+}
+
+static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
+                               struct cml_error *err)
+{
+    struct cml_summary summary;
+    size_t cells = 0;
+    cml_u128 *cell = cml_result_cells(result, &cells);
+    state->begin = source->head.begin;
+    state->end = source->head.end;
+    state->seconds = source->head.seconds;
+    CML_TRY(read_ranges(source, &state->open, err));
+    if (source->head.num_cells != cells || !get(source, &summary, sizeof summary) ||
+        !get(source, cell, cells * sizeof *cell))
+        return fail_damaged(source, "its grid", err);
+    cml_result_set_summary(result, &summary);
+    return CML_OK;
+}
+
+static cml_status read_source(struct source *source, const char *identity, enum cml_checkpoint_kind *kind,
+                              struct cml_run_state *state, struct cml_result *result, struct cml_error *err)
+{
+    CML_TRY(check_sum(source, err));
+    CML_TRY(read_head(source, err));
+    CML_TRY(check_identity(source, identity, err));
+    *kind = source->head.finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL;
+    return source->head.finished ? CML_OK : read_tallies(source, state, result, err);
+}
+
+/* CML_E_IO where the older one may help. */
+static cml_status read_one(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
+                           struct cml_run_state *state, struct cml_result *result, struct cml_error *err)
+{
+    struct source source = {.path = path};
+    source.stream = fopen(path, "rb");
+    *kind = CML_CHECKPOINT_NONE;
+    if (!source.stream && errno == ENOENT) return CML_OK;
+    if (!source.stream) return cml_fail(err, CML_E_IO, "%s: cannot be read (%s)", path, strerror(errno));
+    const cml_status status = read_source(&source, identity, kind, state, result, err);
+    fclose(source.stream);
+    free(source.identity);
+    return status;
+}
+
+static cml_status read_older(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
+                             struct cml_run_state *state, struct cml_result *result, struct cml_error *note,
+                             struct cml_error *err)
+{
+    struct cml_error why = *note;
+    const bool damaged = why.text[0] != '\0';
+    CML_TRY(read_one(path, identity, kind, state, result, err));
+    if (*kind != CML_CHECKPOINT_NONE)
+        note->status = cml_fail(note, CML_OK, "%s%scontinuing from %s", why.text, damaged ? "; " : "", path);
+    if (*kind == CML_CHECKPOINT_NONE && damaged)
+        return cml_fail(err, CML_E_INPUT, "%s, and there is no older one", why.text);
+    return CML_OK;
+}
+
+cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
+                               struct cml_run_state *state, struct cml_result *result, struct cml_error *note,
+                               struct cml_error *err)
+{
+    *note = (struct cml_error){CML_OK, ""};
+    cml_status status = read_one(path, identity, kind, state, result, err);
+    if (status == CML_E_IO)
+        *note = *err;
+    else if (status != CML_OK || *kind != CML_CHECKPOINT_NONE)
+        return status;
+    char *old = NULL;
+    CML_TRY(joined(path, ".old", &old, err));
+    status = read_older(old, identity, kind, state, result, note, err);
+    free(old);
+    return status == CML_E_IO ? CML_E_INPUT : status;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+#include "run/identity.h"
+
+#include "base/version.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+static void write_options(FILE *out, const struct cml_run_setup *setup,
+                          const struct cml_surface_options *surface, bool flat)
+{
+    const struct cml_engine_options *options = &setup->options;
+    const struct cml_tessellation *tessellation = &surface->tessellation;
+    fprintf(out, "program %s\nengine %s\nseed %" PRIu64 "\nrun %" PRIu32 "\nphotons %" PRIu64 "\n",
+            cml_version(), setup->engine->name, options->seed, options->run + 1, setup->photons);
+    fprintf(out, "target error %.17g\nre-entry %d\nabsorption %d\nflat %d\n", setup->target_error,
+            options->reentry, options->absorption, flat);
+    fprintf(out, "boundaries %d, tolerance %.17g, may flatten %d, normals %d, inscribed %d, search %d\n",
+            surface->force, surface->tolerance, surface->may_flatten, tessellation->normals,
+            tessellation->inscribed, surface->search);
+}
+
+/* By name without directories, so that a folder may be moved. */
+static void write_input(FILE *out, const struct cml_input *input)
+{
+    const char *path = cml_text_name(input->path), *slash = strrchr(path, '/');
+    const uLong sum = crc32_z(crc32(0, NULL, 0), (const Bytef *)input->data, input->size);
+    fprintf(out, "input %s of %zu bytes, crc32 %08lx\n", slash ? slash + 1 : path, input->size, sum);
+}
+
+static cml_status close_text(FILE *out, const size_t *size, struct cml_error *err)
+{
+    const int failed = ferror(out);
+    if (fclose(out) == 0 && !failed) return CML_OK;
+    return cml_fail_memory(err, (double)*size, "the run's identity");
+}
+
+cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, struct cml_error *err)
+{
+    size_t size = 0;
+    FILE *out = open_memstream(text, &size);
+    if (!out) return cml_fail_memory(err, 1, "the run's identity");
+    for (size_t i = 0; i < inputs->count; i++) write_input(out, &inputs->item[i]);
+    return close_text(out, &size, err);
+}
+
+cml_status cml_identity_of(const struct cml_run_setup *setup, const struct cml_surface_options *surface,
+                           bool flat, const char *inputs, char **identity, struct cml_error *err)
+{
+    size_t size = 0;
+    FILE *out = open_memstream(identity, &size);
+    if (!out) return cml_fail_memory(err, 1, "the run's identity");
+    write_options(out, setup, surface, flat);
+    fputs(inputs, out);
+    return close_text(out, &size, err);
+}

@@ -1,0 +1,21 @@
+/* What the bits of a result depend on, as lines of text: program, options, photons, the bytes of all input
+ * files. Two runs with the same identity give the same tallies, whatever their threads and ranks; where two
+ * differ, the first line that does says why. SPDX-License-Identifier: MIT */
+#ifndef CML_IDENTITY_H
+#define CML_IDENTITY_H
+
+#include "base/input_files.h"
+#include "run/run.h"
+
+/* The lines for the input files: name without directories, size and checksum. *text is the caller's to free.
+ */
+CML_NODISCARD cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text,
+                                             struct cml_error *err);
+
+/* Reads of `setup` engine, options, photons and target_error; `inputs` are the lines of cml_identity_inputs.
+ * *identity is the caller's to free. */
+CML_NODISCARD cml_status cml_identity_of(const struct cml_run_setup *setup,
+                                         const struct cml_surface_options *surface, bool flat,
+                                         const char *inputs, char **identity, struct cml_error *err);
+
+#endif

@@ -1,0 +1,17 @@
+/* Was this process started by mpiexec or srun? Judged by the environment, because MPI_Init costs a plain
+ * start a second, and fails in a batch script. SPDX-License-Identifier: MIT */
+#ifndef CML_LAUNCHER_H
+#define CML_LAUNCHER_H
+
+#include "base/status.h"
+
+#include <stdbool.h>
+
+/* True under Open MPI's, MPICH's and Intel's mpiexec, and under srun with a PMI or PMIx plugin. */
+bool cml_launcher_found(void);
+
+/* CML_E_INPUT when the launcher started several processes of which each sees only itself: they would write
+ * the same files. `size` is how many see each other. */
+CML_NODISCARD cml_status cml_launcher_check(int size, struct cml_error *err);
+
+#endif

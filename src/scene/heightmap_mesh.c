@@ -1,0 +1,242 @@
+/* From a heightmap to a prepared mesh: the merged triangles and the skirt around them.
+ * SPDX-License-Identifier: MIT */
+#include "scene/heightmap.h"
+#include "scene/heightmap_split.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct builder {
+    const struct cml_heightmap *map;
+    size_t (*corner)[3]; /* [count] samples of the triangles */
+    size_t count, capacity;
+    uint32_t *vertex; /* [ny][nx] number of the mesh's vertex at a sample, from 1; 0: none */
+    size_t *rim;      /* [num_rim] samples of the rim that are vertices, counter-clockwise from 0, 0 */
+    size_t num_rim;
+    bool out_of_memory;
+};
+
+static void add_triangle(void *context, const size_t corner[3])
+{
+    struct builder *b = context;
+    if (b->count == b->capacity) {
+        const size_t larger = b->capacity ? 2 * b->capacity : 1024;
+        void *corners = realloc(b->corner, larger * sizeof *b->corner);
+        b->out_of_memory = b->out_of_memory || !corners;
+        if (!corners) return;
+        b->corner = corners;
+        b->capacity = larger;
+    }
+    memcpy(b->corner[b->count++], corner, sizeof *b->corner);
+    for (int k = 0; k < 3; k++) b->vertex[corner[k]] = 1;
+}
+
+/* ---- the rim ---- */
+
+/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x.
+ */
+static size_t rim_length(const struct cml_heightmap *map)
+{
+    return 2 * ((size_t)map->nx - 1) + 2 * ((size_t)map->ny - 1);
+}
+
+static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
+{
+    const size_t nx = (size_t)map->nx, x = nx - 1, y = (size_t)map->ny - 1;
+    *side = k < x ? 0 : k < x + y ? 1 : k < 2 * x + y ? 2 : 3;
+    if (*side == 0) return k;
+    if (*side == 1) return (k - x) * nx + x;
+    if (*side == 2) return y * nx + (2 * x + y - k);
+    return (2 * x + 2 * y - k) * nx;
+}
+
+/* Mean height along the rim. */
+static double rim_mean(const struct cml_heightmap *map)
+{
+    const size_t length = rim_length(map);
+    double sum = 0, weight = 0;
+    int side = 0, next_side = 0;
+    for (size_t k = 0; k < length; k++) {
+        const size_t here = rim_sample(map, k, &side), next = rim_sample(map, (k + 1) % length, &next_side);
+        const double step = side % 2 == 0 ? map->dx : map->dy;
+        sum += step * (map->h[here] + map->h[next]) / 2;
+        weight += step;
+    }
+    return sum / weight;
+}
+
+static void list_rim(struct builder *b)
+{
+    const size_t length = rim_length(b->map);
+    int side = 0;
+    for (size_t k = 0; k < length; k++) {
+        const size_t sample = rim_sample(b->map, k, &side);
+        if (b->vertex[sample]) b->rim[b->num_rim++] = sample;
+    }
+}
+
+/* ---- the mesh ---- */
+
+static void place(const struct cml_heightmap *map, size_t sample, double out[3])
+{
+    const size_t nx = (size_t)map->nx;
+    out[0] = map->x0 + (double)(sample % nx) * map->dx;
+    out[1] = map->y0 + (double)(sample / nx) * map->dy;
+    out[2] = -map->h[sample];
+}
+
+static void emit(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
+{
+    const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
+    memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
+}
+
+static size_t add_vertex(struct cml_mesh *mesh, double x, double y, double z)
+{
+    double *v = mesh->vertex[mesh->num_vertices];
+    v[0] = x;
+    v[1] = y;
+    v[2] = z;
+    return mesh->num_vertices++;
+}
+
+/* The skirt's outer vertex beyond rim vertex `from`, in the direction given by signs. */
+static size_t add_outside(const struct cml_heightmap_notes *notes, struct cml_mesh *mesh, size_t from, int sx,
+                          int sy)
+{
+    const double *v = mesh->vertex[from];
+    return add_vertex(mesh, v[0] + sx * notes->skirt[0], v[1] + sy * notes->skirt[1], -notes->rim_mean);
+}
+
+/* Walks around the rim. At a corner of the map the skirt turns: outer vertices straight out of both sides and
+ * one in the corner between them. */
+static void add_skirt(const struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh)
+{
+    static const int sx[4] = {0, 1, 0, -1}, sy[4] = {-1, 0, 1, 0};
+    const size_t nx = (size_t)b->map->nx, last = nx * (size_t)b->map->ny - 1;
+    const size_t corners[4] = {0, nx - 1, last, last - (nx - 1)}; /* side s runs from corner s to s + 1 */
+    size_t first_outer = 0, outer = 0;
+    int side = 3;
+    for (size_t i = 0; i <= b->num_rim; i++) {
+        const size_t sample = b->rim[i % b->num_rim], here = b->vertex[sample] - 1;
+        if (i > 0) {
+            const size_t before = b->vertex[b->rim[i - 1]] - 1, old = outer;
+            outer = add_outside(notes, mesh, here, sx[side], sy[side]);
+            emit(mesh, before, old, outer);
+            emit(mesh, before, outer, here);
+        }
+        if (i == b->num_rim || sample != corners[(side + 1) % 4]) continue;
+        const int next = (side + 1) % 4;
+        const size_t diagonal = add_outside(notes, mesh, here, sx[side] + sx[next], sy[side] + sy[next]);
+        const size_t onward = add_outside(notes, mesh, here, sx[next], sy[next]);
+        if (i > 0) emit(mesh, here, outer, diagonal);
+        if (i == 0) first_outer = diagonal;
+        emit(mesh, here, diagonal, onward);
+        outer = onward;
+        side = next;
+    }
+    emit(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
+}
+
+static cml_status build(struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh,
+                        struct cml_error *err)
+{
+    const size_t samples = (size_t)b->map->nx * (size_t)b->map->ny;
+    size_t vertices = b->num_rim + 8;
+    for (size_t i = 0; i < samples; i++) vertices += b->vertex[i];
+    const size_t triangles = b->count + 2 * b->num_rim + 8;
+    mesh->vertex = malloc(vertices * sizeof *mesh->vertex);
+    mesh->triangle = malloc(triangles * sizeof *mesh->triangle);
+    if (!mesh->vertex || !mesh->triangle)
+        return cml_fail_memory(err, 24.0 * (double)vertices + 12.0 * (double)triangles, "a mesh");
+    for (size_t i = 0; i < samples; i++) {
+        if (!b->vertex[i]) continue;
+        place(b->map, i, mesh->vertex[mesh->num_vertices++]);
+        b->vertex[i] = (uint32_t)mesh->num_vertices;
+    }
+    for (size_t t = 0; t < b->count; t++)
+        emit(mesh, b->vertex[b->corner[t][0]] - 1, b->vertex[b->corner[t][1]] - 1,
+             b->vertex[b->corner[t][2]] - 1);
+    add_skirt(b, notes, mesh);
+    return CML_OK;
+}
+
+/* ---- the notes ---- */
+
+static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes *notes)
+{
+    const size_t length = rim_length(map);
+    int side = 0;
+    notes->rim_mean = rim_mean(map);
+    for (size_t k = 0; k < length; k++) {
+        const double step = fabs(map->h[rim_sample(map, k, &side)] - notes->rim_mean);
+        notes->rim_step = fmax(notes->rim_step, step);
+    }
+    notes->skirt[0] = fmax(map->dx, notes->rim_step);
+    notes->skirt[1] = fmax(map->dy, notes->rim_step);
+}
+
+static void note_map(const struct cml_heightmap *map, double tolerance, struct cml_heightmap_notes *notes)
+{
+    *notes = (struct cml_heightmap_notes){.nx = map->nx, .ny = map->ny, .dx = map->dx, .dy = map->dy};
+    cml_heightmap_measure(map, map->h, &notes->relief);
+    notes->tolerance = tolerance * (notes->relief.highest - notes->relief.lowest);
+    notes->cells = ((size_t)map->nx - 1) * ((size_t)map->ny - 1);
+    note_rim(map, notes);
+}
+
+/* The difference of two surfaces over the same finest triangles is largest, and its slope is known, at the
+ * samples. */
+static void note_errors(const struct cml_heightmap *map, double *surface, struct cml_heightmap_notes *notes)
+{
+    struct cml_relief difference;
+    for (size_t i = 0; i < (size_t)map->nx * (size_t)map->ny; i++) surface[i] -= map->h[i];
+    cml_heightmap_measure(map, surface, &difference);
+    notes->height_error = fmax(difference.highest, -difference.lowest);
+    notes->slope_error = difference.slope_rms;
+}
+
+static cml_status merge(struct builder *b, double tolerance, double *surface, struct cml_error *err)
+{
+    struct cml_split split;
+    CML_TRY(cml_split_create(b->map, &split, err));
+    cml_split_walk(&split, tolerance, surface, add_triangle, b);
+    cml_split_free(&split);
+    if (b->out_of_memory)
+        return cml_fail_memory(err, 48.0 * (double)b->count, "the triangles of a heightmap");
+    list_rim(b);
+    return CML_OK;
+}
+
+static void clear(struct builder *b, double *surface)
+{
+    free(surface);
+    free(b->corner);
+    free(b->vertex);
+    free(b->rim);
+}
+
+cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
+                              struct cml_mesh *mesh, struct cml_heightmap_notes *notes, struct cml_error *err)
+{
+    const size_t samples = (size_t)map->nx * (size_t)map->ny;
+    struct builder b = {.map = map,
+                        .vertex = calloc(samples, sizeof *b.vertex),
+                        .rim = malloc(rim_length(map) * sizeof *b.rim)};
+    double *surface = malloc(samples * sizeof *surface);
+    *mesh = (struct cml_mesh){.normals = normals};
+    note_map(map, tolerance, notes);
+    cml_status status = CML_OK;
+    if (!b.vertex || !b.rim || !surface) status = cml_fail_memory(err, 12 * (double)samples, "a heightmap");
+    if (status == CML_OK) status = merge(&b, notes->tolerance, surface, err);
+    if (status == CML_OK) {
+        notes->triangles = b.count;
+        note_errors(map, surface, notes);
+        status = build(&b, notes, mesh, err);
+    }
+    clear(&b, surface);
+    if (status == CML_OK) status = cml_mesh_prepare(mesh, NULL, NULL, err);
+    if (status != CML_OK) cml_mesh_clear(mesh);
+    return status;
+}

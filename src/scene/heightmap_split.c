@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/heightmap_split.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { LARGEST_SQUARE = 256 };
+
+struct point {
+    int x, y;
+};
+
+/* a and b end the longest side, c is the right angle; counter-clockwise. */
+struct triangle {
+    struct point a, b, c;
+};
+
+enum place { INSIDE, OUTSIDE, ACROSS };
+
+static struct point middle(struct point a, struct point b)
+{
+    return (struct point){(a.x + b.x) / 2, (a.y + b.y) / 2};
+}
+
+static bool holds(const struct cml_heightmap *map, struct point p)
+{
+    return p.x < map->nx && p.y < map->ny;
+}
+
+static size_t index_of(const struct cml_heightmap *map, struct point p)
+{
+    return (size_t)p.y * (size_t)map->nx + (size_t)p.x;
+}
+
+/* Squares begin at sample 0, 0 and may reach beyond the last row and column. */
+static enum place place_of(const struct cml_heightmap *map, const struct triangle *t)
+{
+    if (holds(map, t->a) && holds(map, t->b) && holds(map, t->c)) return INSIDE;
+    const int x = map->nx - 1, y = map->ny - 1;
+    const bool right = t->a.x >= x && t->b.x >= x && t->c.x >= x;
+    const bool above = t->a.y >= y && t->b.y >= y && t->c.y >= y;
+    return right || above ? OUTSIDE : ACROSS;
+}
+
+static void halve(const struct triangle *t, struct triangle half[2])
+{
+    const struct point m = middle(t->a, t->b);
+    half[0] = (struct triangle){t->c, t->a, m};
+    half[1] = (struct triangle){t->b, t->c, m};
+}
+
+/* ---- errors ---- */
+
+/* Largest distance between samples and the plane of a triangle, whose heights at a, b, c are given: the
+ * plane's height at a middle is the mean of the side's ends. */
+static double worst(const struct cml_heightmap *map, const struct triangle *t, int depths, double za,
+                    double zb, double zc)
+{
+    if (depths == 0) return 0;
+    struct triangle half[2];
+    halve(t, half);
+    const double zm = (za + zb) / 2, here = fabs(map->h[index_of(map, half[0].c)] - zm);
+    const double first = worst(map, &half[0], depths - 1, zc, za, zm);
+    const double second = worst(map, &half[1], depths - 1, zb, zc, zm);
+    return fmax(here, fmax(first, second));
+}
+
+/* A long side on the rim would be the base of a needle in the skirt. */
+static bool spans_rim(const struct cml_heightmap *map, struct point a, struct point b)
+{
+    const bool upright = a.x == b.x && (a.x == 0 || a.x == map->nx - 1);
+    const bool level = a.y == b.y && (a.y == 0 || a.y == map->ny - 1);
+    return (upright || level) && abs(a.x - b.x) + abs(a.y - b.y) > CML_RIM_CELLS;
+}
+
+static double own_error(const struct cml_split *split, const struct triangle *t, int depth)
+{
+    const struct cml_heightmap *map = split->map;
+    if (place_of(map, t) != INSIDE || spans_rim(map, t->a, t->b)) return INFINITY;
+    return worst(map, t, split->depths - depth, map->h[index_of(map, t->a)], map->h[index_of(map, t->b)],
+                 map->h[index_of(map, t->c)]);
+}
+
+static void note_error(struct cml_split *split, const struct triangle *t, int depth)
+{
+    const struct cml_heightmap *map = split->map;
+    const struct point m = middle(t->a, t->b), below[2] = {middle(t->c, t->a), middle(t->b, t->c)};
+    if (!holds(map, m)) return;
+    double *error = &split->error[index_of(map, m)];
+    *error = fmax(*error, own_error(split, t, depth));
+    for (int i = 0; i < 2 && depth + 1 < split->depths; i++)
+        if (holds(map, below[i])) *error = fmax(*error, split->error[index_of(map, below[i])]);
+}
+
+/* Goes down to all triangles of one depth: the errors below a middle must be complete before it is looked at.
+ */
+static void note_errors(struct cml_split *split, const struct triangle *t, int depth, int wanted)
+{
+    if (place_of(split->map, t) == OUTSIDE) return;
+    if (depth == wanted) {
+        note_error(split, t, depth);
+        return;
+    }
+    struct triangle half[2];
+    halve(t, half);
+    for (int i = 0; i < 2; i++) note_errors(split, &half[i], depth + 1, wanted);
+}
+
+/* ---- squares ---- */
+
+static void square_at(int x, int y, int size, struct triangle half[2])
+{
+    const struct point low = {x, y}, high = {x + size, y + size};
+    half[0] = (struct triangle){high, low, {x + size, y}};
+    half[1] = (struct triangle){low, high, {x, y + size}};
+}
+
+cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *split, struct cml_error *err)
+{
+    const int cells = (map->nx < map->ny ? map->nx : map->ny) - 1;
+    *split = (struct cml_split){.map = map, .size = 1};
+    for (; split->size < cells && split->size < LARGEST_SQUARE; split->size *= 2) split->depths += 2;
+    const size_t count = (size_t)map->nx * (size_t)map->ny;
+    split->error = calloc(count, sizeof *split->error);
+    if (!split->error) return cml_fail_memory(err, 8 * (double)count, "a heightmap");
+    for (int wanted = split->depths - 1; wanted >= 0; wanted--)
+        for (int y = 0; y + 1 < map->ny; y += split->size)
+            for (int x = 0; x + 1 < map->nx; x += split->size) {
+                struct triangle half[2];
+                square_at(x, y, split->size, half);
+                for (int i = 0; i < 2; i++) note_errors(split, &half[i], 0, wanted);
+            }
+    return CML_OK;
+}
+
+void cml_split_free(struct cml_split *split)
+{
+    free(split->error);
+    *split = (struct cml_split){0};
+}
+
+/* ---- what is left ---- */
+
+struct walk {
+    const struct cml_split *split;
+    double tolerance;
+    double *surface;
+    cml_split_visit *visit;
+    void *context;
+};
+
+static void fill(const struct walk *walk, const struct triangle *t, int depths, double za, double zb,
+                 double zc)
+{
+    const struct cml_heightmap *map = walk->split->map;
+    if (depths == 0) return;
+    struct triangle half[2];
+    halve(t, half);
+    const double zm = (za + zb) / 2;
+    walk->surface[index_of(map, half[0].c)] = zm;
+    fill(walk, &half[0], depths - 1, zc, za, zm);
+    fill(walk, &half[1], depths - 1, zb, zc, zm);
+}
+
+static void keep(const struct walk *walk, const struct triangle *t, int depth)
+{
+    const struct cml_heightmap *map = walk->split->map;
+    const size_t corner[3] = {index_of(map, t->a), index_of(map, t->b), index_of(map, t->c)};
+    for (int k = 0; k < 3; k++) walk->surface[corner[k]] = map->h[corner[k]];
+    fill(walk, t, walk->split->depths - depth, map->h[corner[0]], map->h[corner[1]], map->h[corner[2]]);
+    walk->visit(walk->context, corner);
+}
+
+static void go_down(const struct walk *walk, const struct triangle *t, int depth)
+{
+    const struct cml_split *split = walk->split;
+    const struct point m = middle(t->a, t->b);
+    const enum place place = place_of(split->map, t);
+    if (place == OUTSIDE) return;
+    if (place == INSIDE &&
+        (depth == split->depths || split->error[index_of(split->map, m)] <= walk->tolerance)) {
+        keep(walk, t, depth);
+        return;
+    }
+    struct triangle half[2];
+    halve(t, half);
+    for (int i = 0; i < 2; i++) go_down(walk, &half[i], depth + 1);
+}
+
+void cml_split_walk(const struct cml_split *split, double tolerance, double *surface, cml_split_visit *visit,
+                    void *context)
+{
+    const struct walk walk = {split, tolerance, surface, visit, context};
+    for (int y = 0; y + 1 < split->map->ny; y += split->size)
+        for (int x = 0; x + 1 < split->map->nx; x += split->size) {
+            struct triangle half[2];
+            square_at(x, y, split->size, half);
+            for (int i = 0; i < 2; i++) go_down(&walk, &half[i], 0);
+        }
+}

@@ -1,0 +1,178 @@
+/* The overlap check of scene.h: what each boundary is, which pairs can meet at all, and the messages.
+ * Touching counts as overlap, because a layer must have an inside everywhere; only planes may touch, as
+ * layers of no thickness do in original MCML. SPDX-License-Identifier: MIT */
+#include "scene/overlap_radial.h"
+#include "scene/overlap_sheet.h"
+#include "scene/radial.h"
+#include "scene/scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* A boundary as the comparison sees it: flat heightfields and meshes count as planes. */
+struct shape {
+    int number;
+    const struct cml_boundary *boundary;
+    bool is_mesh, is_plane;
+    struct cml_radial_surface field; /* unless is_mesh */
+    struct cml_sheet sheet;          /* of every mesh, for its own sake even when flat */
+    double top, bottom;              /* least and greatest z */
+};
+
+static double zero[1];
+static const struct cml_radial level = {1, zero, zero};
+
+static void make_plane(struct shape *shape, double z)
+{
+    shape->is_plane = true;
+    shape->field = (struct cml_radial_surface){&level, z};
+    shape->top = shape->bottom = z;
+}
+
+static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
+{
+    shape->field = (struct cml_radial_surface){radial, z};
+    shape->top = INFINITY;
+    shape->bottom = -INFINITY;
+    for (int i = 0; i < radial->n; i++) {
+        shape->top = fmin(shape->top, z - radial->h[i]);
+        shape->bottom = fmax(shape->bottom, z - radial->h[i]);
+    }
+}
+
+static cml_status make_shape(const struct cml_boundary *boundary, int number, struct shape *shape,
+                             struct cml_error *err)
+{
+    double z = 0.0;
+    *shape = (struct shape){.number = number, .boundary = boundary};
+    if (boundary->form == CML_FORM_PLANE) {
+        make_plane(shape, boundary->z);
+    } else if (boundary->form == CML_FORM_RADIAL) {
+        if (cml_radial_is_flat(&boundary->radial))
+            make_plane(shape, boundary->z - boundary->radial.h[0]);
+        else
+            make_field(shape, &boundary->radial, boundary->z);
+    } else {
+        CML_TRY(cml_sheet_create(&boundary->mesh, boundary->z, &shape->sheet, err));
+        shape->is_mesh = !cml_mesh_is_flat(&boundary->mesh, &z);
+        if (!shape->is_mesh) make_plane(shape, boundary->z + z);
+        shape->top = shape->sheet.top;
+        shape->bottom = shape->sheet.bottom;
+    }
+    return CML_OK;
+}
+
+/* Room for "triangle 4294967295 of boundary 2147483647 and the outer plane of boundary 2147483647". */
+struct phrase {
+    char text[128];
+};
+
+static struct phrase name_part(uint32_t triangle, int boundary)
+{
+    struct phrase phrase;
+    if (triangle == CML_SHEET_OUTER_PLANE)
+        snprintf(phrase.text, sizeof phrase.text, "the outer plane of boundary %d", boundary);
+    else
+        snprintf(phrase.text, sizeof phrase.text, "triangle %u of boundary %d", (unsigned)triangle, boundary);
+    return phrase;
+}
+
+static cml_status fail_deep(const struct cml_scene *scene, const struct shape *upper,
+                            const struct shape *lower, const double at[3], double depth,
+                            struct cml_error *err)
+{
+    const int a = upper->number, b = lower->number;
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: boundaries %d and %d cross at (%g %g %g) cm: boundary %d reaches %g cm below "
+                    "boundary %d",
+                    scene->file, a, b, at[0], at[1], at[2], a, depth, b);
+}
+
+static cml_status fail_self(const struct cml_scene *scene, const struct shape *shape,
+                            const struct cml_sheet_overlap *overlap, struct cml_error *err)
+{
+    char where[16] = "", with[64];
+    const int line = shape->boundary->line;
+    const double *at = overlap->at;
+    if (line > 0) snprintf(where, sizeof where, ":%d", line);
+    if (overlap->triangle[1] == CML_SHEET_OUTER_PLANE)
+        snprintf(with, sizeof with, "triangle %u and its outer plane", (unsigned)overlap->triangle[0]);
+    else
+        snprintf(with, sizeof with, "triangles %u and %u", (unsigned)overlap->triangle[0],
+                 (unsigned)overlap->triangle[1]);
+    return cml_fail(err, CML_E_INPUT, "%s%s: boundary %d %s itself at (%g %g %g) cm: %s", scene->file, where,
+                    shape->number, overlap->contact == CML_CROSS ? "crosses" : "touches", at[0], at[1], at[2],
+                    with);
+}
+
+static cml_status compare_sheets(const struct cml_scene *scene, const struct shape *upper,
+                                 const struct shape *lower, struct cml_error *err)
+{
+    struct cml_sheet_overlap overlap;
+    cml_sheet_against_sheet(&upper->sheet, &lower->sheet, &overlap);
+    if (overlap.contact == CML_APART) return CML_OK;
+    const double *at = overlap.at;
+    if (overlap.depth > 0.0) return fail_deep(scene, upper, lower, at, overlap.depth, err);
+    const struct phrase one = name_part(overlap.triangle[0], upper->number);
+    const struct phrase other = name_part(overlap.triangle[1], lower->number);
+    return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d %s at (%g %g %g) cm: %s and %s", scene->file,
+                    upper->number, lower->number, overlap.contact == CML_CROSS ? "cross" : "touch", at[0],
+                    at[1], at[2], one.text, other.text);
+}
+
+static cml_status compare_fields(const struct cml_scene *scene, const struct shape *upper,
+                                 const struct shape *lower, struct cml_error *err)
+{
+    struct cml_closest closest = {.gap = INFINITY};
+    if (upper->is_mesh)
+        cml_radial_against_mesh(&lower->field, upper->sheet.mesh, upper->sheet.footprint, upper->boundary->z,
+                                true, &closest);
+    else if (lower->is_mesh)
+        cml_radial_against_mesh(&upper->field, lower->sheet.mesh, lower->sheet.footprint, lower->boundary->z,
+                                false, &closest);
+    else
+        cml_radial_against_radial(&upper->field, &lower->field, &closest);
+    const double *at = closest.at;
+    if (closest.gap < -closest.rounding) return fail_deep(scene, upper, lower, at, -closest.gap, err);
+    if (closest.gap > closest.rounding || (upper->is_plane && lower->is_plane)) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d touch at (%g %g %g) cm", scene->file,
+                    upper->number, lower->number, at[0], at[1], at[2]);
+}
+
+static cml_status compare(const struct cml_scene *scene, const struct shape *upper, const struct shape *lower,
+                          struct cml_error *err)
+{
+    if (upper->bottom < lower->top) return CML_OK;
+    if (upper->is_mesh && lower->is_mesh) return compare_sheets(scene, upper, lower, err);
+    return compare_fields(scene, upper, lower, err);
+}
+
+static cml_status check_self(const struct cml_scene *scene, const struct shape *shape, struct cml_error *err)
+{
+    struct cml_sheet_overlap overlap;
+    if (shape->boundary->form != CML_FORM_MESH) return CML_OK;
+    cml_sheet_against_itself(&shape->sheet, &overlap);
+    return overlap.contact == CML_APART ? CML_OK : fail_self(scene, shape, &overlap, err);
+}
+
+static cml_status check(const struct cml_scene *scene, struct shape *shapes, struct cml_error *err)
+{
+    const int n = scene->num_layers + 1;
+    for (int i = 0; i < n; i++) CML_TRY(make_shape(&scene->boundaries[i], i, &shapes[i], err));
+    for (int i = 0; i < n; i++) CML_TRY(check_self(scene, &shapes[i], err));
+    for (int apart = 1; apart < n; apart++) /* neighbours first: they are what the user must look at */
+        for (int i = 0; i + apart < n; i++) CML_TRY(compare(scene, &shapes[i], &shapes[i + apart], err));
+    return CML_OK;
+}
+
+cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err)
+{
+    const size_t n = (size_t)scene->num_layers + 1;
+    struct shape *shapes = calloc(n, sizeof *shapes);
+    if (!shapes) return cml_fail_memory(err, (double)(n * sizeof *shapes), "the overlap check");
+    const cml_status status = check(scene, shapes, err);
+    for (size_t i = 0; i < n; i++) cml_sheet_clear(&shapes[i].sheet);
+    free(shapes);
+    return status;
+}

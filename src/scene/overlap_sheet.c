@@ -1,0 +1,302 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/overlap_sheet.h"
+
+#include "geometry/predicate.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void place_vertices(struct cml_sheet *sheet, double z)
+{
+    const struct cml_mesh *mesh = sheet->mesh;
+    for (size_t i = 0; i < mesh->num_vertices; i++) {
+        double *vertex = sheet->vertex[i];
+        memcpy(vertex, mesh->vertex[i], sizeof *sheet->vertex);
+        vertex[2] += z;
+        sheet->top = fmin(sheet->top, vertex[2]);
+        sheet->bottom = fmax(sheet->bottom, vertex[2]);
+    }
+    for (size_t i = 0; i < mesh->num_border; i++) sheet->on_border[mesh->border[i]] = true;
+}
+
+static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = sheet->mesh;
+    sheet->vertex = malloc(mesh->num_vertices * sizeof *sheet->vertex);
+    sheet->on_border = calloc(mesh->num_vertices, sizeof *sheet->on_border);
+    if (!sheet->vertex || !sheet->on_border)
+        return cml_fail_memory(err, (double)mesh->num_vertices * 25.0, "the overlap check of a mesh");
+    sheet->z_plane = sheet->top = sheet->bottom = mesh->z_border + z;
+    place_vertices(sheet, z);
+    CML_TRY(cml_boxtree_create((const double(*)[3])sheet->vertex, (const uint32_t(*)[3])mesh->triangle,
+                               mesh->num_triangles, &sheet->tree, err));
+    return cml_footprint_create(mesh, &sheet->footprint, err);
+}
+
+cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sheet *sheet,
+                            struct cml_error *err)
+{
+    memset(sheet, 0, sizeof *sheet);
+    sheet->mesh = mesh;
+    const cml_status status = fill_sheet(sheet, z, err);
+    if (status != CML_OK) cml_sheet_clear(sheet);
+    return status;
+}
+
+void cml_sheet_clear(struct cml_sheet *sheet)
+{
+    free(sheet->vertex);
+    free(sheet->on_border);
+    cml_boxtree_free(sheet->tree);
+    cml_footprint_free(sheet->footprint);
+    memset(sheet, 0, sizeof *sheet);
+}
+
+static void corners(const struct cml_sheet *sheet, uint32_t i, const double *v[3])
+{
+    for (int k = 0; k < 3; k++) v[k] = sheet->vertex[sheet->mesh->triangle[i][k]];
+}
+
+/* Keeps the stronger of two contacts. */
+static void note(struct cml_sheet_overlap *overlap, enum cml_contact contact, const double at[3], uint32_t i,
+                 uint32_t j)
+{
+    if (contact <= overlap->contact) return;
+    overlap->contact = contact;
+    memcpy(overlap->at, at, sizeof overlap->at);
+    overlap->triangle[0] = i;
+    overlap->triangle[1] = j;
+}
+
+/* What a search for triangles that overlap needs. */
+struct search {
+    const struct cml_sheet *a, *b;
+    struct cml_sheet_overlap *overlap;
+};
+
+static bool compare_strangers(void *context, uint32_t i, uint32_t j)
+{
+    const struct search *search = context;
+    const double *a[3], *b[3];
+    double at[3];
+    corners(search->a, i, a);
+    corners(search->b, j, b);
+    const enum cml_contact contact = cml_triangle_contact(a, b, 0, at);
+    if (contact != CML_APART) note(search->overlap, contact, at, i, j);
+    return contact == CML_CROSS;
+}
+
+/* Moves the corners that triangles i and j have in common to the front of both; returns how many. */
+static int common_corners_first(const struct cml_mesh *mesh, uint32_t i, uint32_t j, const double *a[3],
+                                const double *b[3])
+{
+    const uint32_t *s = mesh->triangle[i], *t = mesh->triangle[j];
+    int shared = 0;
+    int at[3] = {0, 1, 2}; /* which corner of j stands where in b */
+    for (int k = 0; k < 3; k++)
+        for (int l = shared; l < 3; l++) {
+            if (s[k] != t[at[l]]) continue;
+            const double *const keep_a = a[shared], *const keep_b = b[shared];
+            const int keep_at = at[shared];
+            a[shared] = a[k], a[k] = keep_a;
+            b[shared] = b[l], b[l] = keep_b;
+            at[shared] = at[l], at[l] = keep_at;
+            shared++;
+            break;
+        }
+    return shared;
+}
+
+static bool compare_relatives(void *context, uint32_t i, uint32_t j)
+{
+    const struct search *search = context;
+    const double *a[3], *b[3];
+    double at[3];
+    corners(search->a, i, a);
+    corners(search->a, j, b);
+    const int shared = common_corners_first(search->a->mesh, i, j, a, b);
+    const enum cml_contact contact = cml_triangle_contact(a, b, shared, at);
+    if (contact != CML_APART) note(search->overlap, contact, at, i < j ? i : j, i < j ? j : i);
+    return contact == CML_CROSS;
+}
+
+/* Where does triangle i of `sheet` meet the outer plane of `other` (which may be the sheet itself) outside
+ * the border? Looked at: where its edges pass the plane, and its vertices in the plane. A segment of the
+ * plane that is partly inside passes the border, where the triangles meet. */
+static enum cml_contact plane_contact(const struct cml_sheet *sheet, const struct cml_sheet *other,
+                                      uint32_t i, double at[3])
+{
+    const double z = other->z_plane;
+    enum cml_contact found = CML_APART;
+    const double *v[3];
+    corners(sheet, i, v);
+    for (int k = 0; k < 3; k++) {
+        const double *a = v[k], *b = v[(k + 1) % 3];
+        const bool passes = (a[2] < z && b[2] > z) || (a[2] > z && b[2] < z);
+        const bool lies = a[2] == z && !(sheet == other && sheet->on_border[sheet->mesh->triangle[i][k]]);
+        if (!passes && !lies) continue;
+        const double t = passes ? (z - a[2]) / (b[2] - a[2]) : 0.0;
+        const double place[3] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), z};
+        if (cml_footprint_contains(other->footprint, place[0], place[1])) continue;
+        memcpy(at, place, sizeof place);
+        found = CML_TOUCH;
+        if (passes) return CML_CROSS;
+    }
+    return found;
+}
+
+/* A triangle wholly in its own outer plane: its corners may all be on the border. */
+static enum cml_contact flat_contact(const struct cml_sheet *sheet, uint32_t i, double at[3])
+{
+    const double *v[3];
+    corners(sheet, i, v);
+    for (int k = 0; k < 3; k++)
+        if (v[k][2] != sheet->z_plane) return CML_APART;
+    for (int k = 0; k < 3; k++) at[k] = (v[0][k] + v[1][k] + v[2][k]) / 3.0;
+    return cml_footprint_contains(sheet->footprint, at[0], at[1]) ? CML_APART : CML_TOUCH;
+}
+
+void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_overlap *overlap)
+{
+    memset(overlap, 0, sizeof *overlap);
+    struct search search = {sheet, sheet, overlap};
+    if (cml_boxtree_own_pairs(sheet->tree, compare_relatives, &search)) return;
+    for (size_t i = 0; i < sheet->mesh->num_triangles; i++) {
+        double at[3];
+        const uint32_t t = (uint32_t)i;
+        const enum cml_contact flat = flat_contact(sheet, t, at);
+        const enum cml_contact contact = flat == CML_APART ? plane_contact(sheet, sheet, t, at) : flat;
+        if (contact != CML_APART) note(overlap, contact, at, t, CML_SHEET_OUTER_PLANE);
+    }
+}
+
+/* What of a sheet stands over and under a point. */
+struct column {
+    const struct cml_sheet *sheet;
+    const double *point;
+    int crossings, above; /* triangles in the column, and those above the point */
+    bool touches;         /* the point lies on the sheet */
+    double nearest;       /* distance to the next triangle in the vertical */
+};
+
+/* Does the edge, seen from above, pass the point on its right? Half open, and exact: a column through an edge
+ * or a vertex counts exactly one of the triangles that meet there. */
+static bool passes_right(const double *a, const double *b, const double *point)
+{
+    if ((a[1] > point[1]) == (b[1] > point[1])) return false;
+    return (a[1] < b[1] ? cml_orient2d(a, b, point) : cml_orient2d(b, a, point)) > 0;
+}
+
+static double depth_in_column(const double *const v[3], const double *point)
+{
+    double weight[3], sum = 0.0, z = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double *a = v[(k + 1) % 3], *b = v[(k + 2) % 3];
+        weight[k] = fabs((a[0] - point[0]) * (b[1] - point[1]) - (a[1] - point[1]) * (b[0] - point[0]));
+        sum += weight[k];
+    }
+    for (int k = 0; k < 3; k++) z += weight[k] * v[k][2];
+    return sum > 0.0 ? z / sum : v[0][2];
+}
+
+static void visit_column(void *context, uint32_t i)
+{
+    struct column *column = context;
+    const double *v[3];
+    corners(column->sheet, i, v);
+    bool inside = false;
+    for (int k = 0; k < 3; k++) inside ^= passes_right(v[k], v[(k + 1) % 3], column->point);
+    if (!inside) return;
+    const int side = cml_orient3d(v[0], v[1], v[2], column->point) * cml_orient2d(v[0], v[1], v[2]);
+    column->crossings++;
+    column->above += side < 0;
+    column->touches |= side == 0;
+    column->nearest = fmin(column->nearest, fabs(depth_in_column(v, column->point) - column->point[2]));
+}
+
+/* The outer plane stands in the column where the triangles alone would not close the sheet. */
+static void add_outer_plane(struct column *column)
+{
+    if (column->crossings % 2 == 1) return;
+    const double distance = column->point[2] - column->sheet->z_plane;
+    column->above += distance > 0.0;
+    column->touches |= distance == 0.0;
+    column->nearest = fmin(column->nearest, fabs(distance));
+}
+
+/* How far the point is on the wrong side of the sheet in the vertical; 0 when it is on the right one. */
+static double wrong_by(const struct cml_sheet *sheet, const double *point, bool should_be_below)
+{
+    struct column column = {sheet, point, 0, 0, false, INFINITY};
+    cml_boxtree_column(sheet->tree, point[0], point[1], visit_column, &column);
+    add_outer_plane(&column);
+    const double rounding = 8.0 * DBL_EPSILON * fabs(point[2]);
+    const bool is_below = column.above % 2 == 1;
+    if (column.touches || is_below == should_be_below || column.nearest <= rounding) return 0.0;
+    return column.nearest;
+}
+
+static void deepen(struct cml_sheet_overlap *overlap, double depth, double x, double y, double z)
+{
+    if (!(depth > overlap->depth)) return;
+    overlap->contact = CML_CROSS;
+    overlap->depth = depth;
+    overlap->at[0] = x;
+    overlap->at[1] = y;
+    overlap->at[2] = z;
+}
+
+static void compare_vertices(const struct cml_sheet *upper, const struct cml_sheet *lower,
+                             struct cml_sheet_overlap *overlap)
+{
+    for (size_t i = 0; i < upper->mesh->num_vertices; i++) {
+        const double *v = upper->vertex[i];
+        if (v[2] > lower->top) deepen(overlap, wrong_by(lower, v, false), v[0], v[1], v[2]);
+    }
+    for (size_t i = 0; i < lower->mesh->num_vertices; i++) {
+        const double *v = lower->vertex[i];
+        if (!(v[2] < upper->bottom)) continue;
+        const double depth = wrong_by(upper, v, true);
+        deepen(overlap, depth, v[0], v[1], v[2] + depth);
+    }
+}
+
+/* The outer planes have the last word on the order; the place is a corner of the box around both sheets. */
+static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet *lower,
+                           struct cml_sheet_overlap *overlap)
+{
+    const double at[3] = {fmax(upper->mesh->upper[0], lower->mesh->upper[0]),
+                          fmax(upper->mesh->upper[1], lower->mesh->upper[1]), upper->z_plane};
+    deepen(overlap, upper->z_plane - lower->z_plane, at[0], at[1], at[2]);
+    if (upper->z_plane == lower->z_plane)
+        note(overlap, CML_TOUCH, at, CML_SHEET_OUTER_PLANE, CML_SHEET_OUTER_PLANE);
+}
+
+static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_sheet *other, bool sheet_first,
+                               struct cml_sheet_overlap *overlap)
+{
+    for (size_t i = 0; i < sheet->mesh->num_triangles && overlap->contact != CML_CROSS; i++) {
+        double at[3];
+        const uint32_t t = (uint32_t)i;
+        const enum cml_contact contact = plane_contact(sheet, other, t, at);
+        if (contact != CML_APART)
+            note(overlap, contact, at, sheet_first ? t : CML_SHEET_OUTER_PLANE,
+                 sheet_first ? CML_SHEET_OUTER_PLANE : t);
+    }
+}
+
+void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
+                             struct cml_sheet_overlap *overlap)
+{
+    memset(overlap, 0, sizeof *overlap);
+    if (upper->bottom < lower->top) return;
+    compare_vertices(upper, lower, overlap);
+    compare_planes(upper, lower, overlap);
+    if (overlap->contact == CML_CROSS) return;
+    struct search search = {upper, lower, overlap};
+    if (cml_boxtree_pairs(upper->tree, lower->tree, compare_strangers, &search)) return;
+    compare_with_plane(upper, lower, true, overlap);
+    compare_with_plane(lower, upper, false, overlap);
+}

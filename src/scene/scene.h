@@ -1,0 +1,106 @@
+/* The scene: what one run of an .mci file describes, checked and immutable once read.
+ * Lengths in cm, coefficients in 1/cm, z down. Media 0..L+1, boundaries 0..L; boundary b lies between medium
+ * b (above) and medium b+1 (below) at the nominal depth z_b = d_1 + ... + d_b. Knows no files, engines or
+ * rays. SPDX-License-Identifier: MIT */
+#ifndef CML_SCENE_H
+#define CML_SCENE_H
+
+#include "scene/heightmap.h"
+#include "geometry/mesh.h"
+#include "base/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+struct cml_medium_def {
+    double n;        /* refractive index [-], > 0 */
+    double mua, mus; /* absorption, scattering coefficient [1/cm], >= 0; 0 in the media above and below */
+    double g;        /* anisotropy [-], -1..1 */
+    double d;        /* thickness [cm], >= 0; 0 in the media above and below */
+};
+
+/* n samples (r_i, h_i), r_0 = 0, radii strictly rising; heights count against z: surface z(r) = z_b - h(r),
+ * linear between samples, h_{n-1} beyond r_{n-1}. */
+struct cml_radial {
+    int n;
+    double *r, *h; /* [n] cm */
+};
+
+enum cml_boundary_form { CML_FORM_PLANE, CML_FORM_RADIAL, CML_FORM_MESH };
+
+struct cml_boundary {
+    enum cml_boundary_form form; /* as the user gave it; a representation is chosen later (surface.h) */
+    double z;                    /* nominal depth, cm */
+    struct cml_radial radial;    /* CML_FORM_RADIAL */
+    struct cml_mesh mesh;        /* CML_FORM_MESH, prepared, in the boundary's frame */
+    struct cml_mesh_notes mesh_notes;
+    struct cml_heightmap map; /* what the mesh was made of; no heights when it was no heightmap */
+    struct cml_heightmap_notes map_notes;
+    char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
+    int line;   /* line of the .mci, 0 when the boundary is implicit */
+    char *text; /* that line as written, NULL when implicit */
+};
+
+enum cml_beam_kind { CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN };
+
+struct cml_beam {
+    enum cml_beam_kind kind;
+    double radius;         /* cm; disk: radius, gaussian: 1/e^2 radius */
+    double x, y;           /* cm; where the axis meets z = 0 */
+    double angle, azimuth; /* rad; angle between the axis and +z, 0 <= angle < pi/2; azimuth from +x to +y */
+    bool given;            /* a `beam` line stands in the file */
+};
+
+/* What is recorded over x and y, centred on 0, 0. */
+struct cml_map_def {
+    int nx, ny;    /* pixels; 0: no map line */
+    double dx, dy; /* cm */
+    bool angles;   /* every pixel has the run's na angle bins */
+    bool volume;   /* A(x, y, z) too, nz bins of dz below `top` */
+    double top;    /* depth of the volume's upper face, cm */
+    int line;      /* of the .mci */
+};
+
+struct cml_scene {
+    char *file;                      /* the .mci, for messages and names beside it */
+    int line;                        /* where the run begins */
+    char *output;                    /* output name as written */
+    char format;                     /* 'A' or 'B' */
+    uint64_t photons;                /* 1..2^48 */
+    double dz, dr;                   /* cm, > 0 */
+    int nz, nr, na;                  /* >= 1 */
+    int num_layers;                  /* L >= 1 */
+    struct cml_medium_def *media;    /* [L+2] */
+    struct cml_boundary *boundaries; /* [L+1] */
+    struct cml_beam beam;
+    struct cml_map_def map;
+    bool facets; /* irradiance and exitance of every facet of every boundary are wanted */
+    char *text;  /* the data lines of the run as written, joined with line feeds: provenance */
+};
+
+struct cml_scene_list {
+    int count;
+    struct cml_scene *scenes; /* [count] */
+};
+
+void cml_scene_clear(struct cml_scene *scene);
+void cml_scene_list_clear(struct cml_scene_list *list);
+
+/* Replaces every heightfield and mesh by its nominal plane (the 2019 program's IGNORE_HEIGHTFIELDS). */
+void cml_scene_flatten(struct cml_scene *scene);
+
+/* Makes the meshes of heightmaps anew with this tolerance (heightmap.h); the reader merges only what lies in
+ * one plane. */
+CML_NODISCARD cml_status cml_scene_simplify(struct cml_scene *scene, double tolerance, struct cml_error *err);
+
+/* Height h(r) of a radial heightfield, cm; r >= 0. */
+double cml_radial_height(const struct cml_radial *radial, double r);
+
+/* Boundaries must not cross or touch each other, nor themselves; boundary b lies above b+1 everywhere. Planes
+ * (flat fields and meshes too) may touch: layers of no thickness. All pairs are looked at, whatever lies
+ * between. Exact for the coordinates as given (overlap.c). CML_E_INPUT:
+ * "FILE: boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1", "FILE: boundaries
+ * 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm: triangles i and j". */
+CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err);
+
+#endif

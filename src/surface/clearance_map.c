@@ -1,0 +1,224 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/clearance_map.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { LEAST_LEVELS = 5, MOST_LEVELS = 10 }; /* of squares: 16 x 16 to 512 x 512 cells */
+enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_CLEARANCE_LEVELS of kernels/types.h */
+
+/* Share of a cell by which shapes are widened before their cells are found: the rounding of cell numbers. */
+static const double widening = 1e-3;
+
+size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level)
+{
+    const size_t side = (size_t)(map->size >> level);
+    return map->radial ? side : side * side;
+}
+
+static cml_status allocate(int levels, bool radial, struct cml_clearance_map *map, struct cml_error *err)
+{
+    *map = (struct cml_clearance_map){.levels = levels, .size = 1 << (levels - 1), .radial = radial};
+    for (int l = 0; l < levels; l++) map->cells += cml_clearance_level_cells(map, l);
+    map->deepest = malloc(2 * map->cells * sizeof *map->deepest);
+    if (!map->deepest)
+        return cml_fail_memory(err, (double)(2 * map->cells * sizeof *map->deepest), "a clearance map");
+    map->highest = map->deepest + map->cells;
+    for (size_t i = 0; i < map->cells; i++) {
+        map->deepest[i] = -INFINITY;
+        map->highest[i] = INFINITY;
+    }
+    return CML_OK;
+}
+
+void cml_clearance_clear(struct cml_clearance_map *map)
+{
+    free(map->deepest);
+    *map = (struct cml_clearance_map){0};
+}
+
+static void widen_cell(struct cml_clearance_map *map, int ix, int iy, double least, double most)
+{
+    const size_t cell = (size_t)iy * (size_t)map->size + (size_t)ix;
+    map->deepest[cell] = fmaxf(map->deepest[cell], (float)most);
+    map->highest[cell] = fminf(map->highest[cell], (float)least);
+}
+
+static int cell_index(const struct cml_clearance_map *map, double x, int axis)
+{
+    const double cell = floor((x - map->corner[axis]) / map->cell);
+    return (int)fmin(fmax(cell, 0), map->size - 1);
+}
+
+/* Bounds widened by `margin` for rounding; then every level from the one below it. */
+static void finish(struct cml_clearance_map *map, double margin)
+{
+    const size_t base = cml_clearance_level_cells(map, 0);
+    for (size_t i = 0; i < base; i++) {
+        map->deepest[i] += (float)margin;
+        map->highest[i] -= (float)margin;
+    }
+    size_t from = 0, to = base;
+    for (int l = 0; l + 1 < map->levels; l++) {
+        const size_t below = cml_clearance_level_cells(map, l), width = (size_t)(map->size >> l);
+        for (size_t i = 0; i < below; i++) {
+            const size_t x = i % width / 2, y = i / width / 2; /* a row has y = 0 */
+            const size_t cell = to + y * (width / 2) + x;
+            map->deepest[cell] = fmaxf(map->deepest[cell], map->deepest[from + i]);
+            map->highest[cell] = fminf(map->highest[cell], map->highest[from + i]);
+        }
+        from = to;
+        to += cml_clearance_level_cells(map, l + 1);
+    }
+}
+
+/* A square over x, y .. x + width, y + width; one cell of rim on each side stands for everything outside. A
+ * level more doubles the cells along each axis: about one cell per two triangles. */
+static cml_status allocate_square(double triangles, double x, double y, double width,
+                                  struct cml_clearance_map *map, struct cml_error *err)
+{
+    int levels = LEAST_LEVELS;
+    while (levels < MOST_LEVELS && pow(4, levels - 1) < 0.5 * triangles) levels++;
+    CML_TRY(allocate(levels, false, map, err));
+    map->cell = width / (map->size - 2);
+    map->corner[0] = x - map->cell;
+    map->corner[1] = y - map->cell;
+    return CML_OK;
+}
+
+struct triangle_plane {
+    double lower[3], upper[3]; /* box */
+    double a, b, c;            /* z = a x + b y + c; steep is set when the triangle is (nearly) upright */
+    bool steep;
+};
+
+static struct triangle_plane plane_of(const double p[3], const double q[3], const double r[3])
+{
+    struct triangle_plane t = {.steep = false};
+    for (int k = 0; k < 3; k++) {
+        t.lower[k] = fmin(p[k], fmin(q[k], r[k]));
+        t.upper[k] = fmax(p[k], fmax(q[k], r[k]));
+    }
+    const double ux = q[0] - p[0], uy = q[1] - p[1], uz = q[2] - p[2];
+    const double vx = r[0] - p[0], vy = r[1] - p[1], vz = r[2] - p[2];
+    const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    t.steep = fabs(nz) < 1e-3 * (fabs(nx) + fabs(ny));
+    if (t.steep) return t;
+    t.a = -nx / nz;
+    t.b = -ny / nz;
+    t.c = p[2] - t.a * p[0] - t.b * p[1];
+    return t;
+}
+
+/* The triangle's depth over one cell: that of its plane there, within that of its box. */
+static void cover_cell(struct cml_clearance_map *map, const struct triangle_plane *t, int ix, int iy)
+{
+    double least = t->lower[2], most = t->upper[2];
+    if (!t->steep) {
+        const double x = map->corner[0] + (ix + 0.5) * map->cell, y = map->corner[1] + (iy + 0.5) * map->cell;
+        const double z = t->a * x + t->b * y + t->c;
+        const double reach = (0.5 + 2 * widening) * map->cell * (fabs(t->a) + fabs(t->b));
+        least = fmax(least, fmin(z - reach, most));
+        most = fmin(most, fmax(z + reach, least));
+    }
+    widen_cell(map, ix, iy, least, most);
+}
+
+static void cover_triangle(struct cml_clearance_map *map, const struct triangle_plane *t)
+{
+    const double slack = widening * map->cell;
+    const int x0 = cell_index(map, t->lower[0] - slack, 0), x1 = cell_index(map, t->upper[0] + slack, 0);
+    const int y0 = cell_index(map, t->lower[1] - slack, 1), y1 = cell_index(map, t->upper[1] + slack, 1);
+    for (int iy = y0; iy <= y1; iy++)
+        for (int ix = x0; ix <= x1; ix++) cover_cell(map, t, ix, iy);
+}
+
+/* The outer plane lies over every cell that reaches out of the rectangle; NULL: over all of them. */
+static void cover_outside(struct cml_clearance_map *map, double z, const double lower[2],
+                          const double upper[2])
+{
+    for (int iy = 0; iy < map->size; iy++)
+        for (int ix = 0; ix < map->size; ix++) {
+            const double x = map->corner[0] + ix * map->cell, y = map->corner[1] + iy * map->cell;
+            const double slack = widening * map->cell, end = map->cell + slack;
+            const bool inside = lower && x - slack >= lower[0] && y - slack >= lower[1] &&
+                                x + end <= upper[0] && y + end <= upper[1];
+            if (!inside) widen_cell(map, ix, iy, z, z);
+        }
+}
+
+/* A footprint that is its own bounding rectangle leaves nothing of the outer plane inside the rim. */
+static bool fills_its_box(const struct cml_mesh *mesh)
+{
+    double area = 0;
+    for (size_t i = 0; i < mesh->num_border; i++) {
+        const double *a = mesh->vertex[mesh->border[i]],
+                     *b = mesh->vertex[mesh->border[(i + 1) % mesh->num_border]];
+        area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
+    }
+    const double box = (mesh->upper[0] - mesh->lower[0]) * (mesh->upper[1] - mesh->lower[1]);
+    return fabs(fabs(area) - box) <= 1e-9 * box;
+}
+
+cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
+                                 struct cml_error *err)
+{
+    const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
+    CML_TRY(allocate_square((double)mesh->num_triangles, mesh->lower[0], mesh->lower[1], width, map, err));
+    for (size_t i = 0; i < mesh->num_triangles; i++) {
+        const uint32_t *v = mesh->triangle[i];
+        const struct triangle_plane t = plane_of(mesh->vertex[v[0]], mesh->vertex[v[1]], mesh->vertex[v[2]]);
+        cover_triangle(map, &t);
+    }
+    const bool filled = fills_its_box(mesh);
+    cover_outside(map, mesh->z_border, filled ? mesh->lower : NULL, mesh->upper);
+    finish(map,
+           1e-5 * (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] - mesh->lower[2]));
+    return CML_OK;
+}
+
+static double profile_depth(const double *r, const double *z, int n, int i, double at)
+{
+    if (i + 1 >= n) return z[n - 1];
+    return z[i] + (z[i + 1] - z[i]) * ((at - r[i]) / (r[i + 1] - r[i]));
+}
+
+/* Depth of the profile over a range of radii: at its ends and at the samples within. */
+static void cover_radii(struct cml_clearance_map *map, const double *r, const double *z, int n, double from,
+                        double to, int cell)
+{
+    int i = 0;
+    for (int high = n; high - i > 1;) {
+        const int middle = (i + high) / 2;
+        if (r[middle] <= from)
+            i = middle;
+        else
+            high = middle;
+    }
+    const double first = profile_depth(r, z, n, i, from);
+    widen_cell(map, cell, 0, first, first);
+    for (; i + 1 < n && r[i + 1] < to; i++) widen_cell(map, cell, 0, z[i + 1], z[i + 1]);
+    const double last = profile_depth(r, z, n, i, to);
+    widen_cell(map, cell, 0, last, last);
+}
+
+cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struct cml_clearance_map *map,
+                                  struct cml_error *err)
+{
+    const double reach = r[n - 1];
+    double least = z[0], most = z[0];
+    int levels = LEAST_LEVELS;
+    for (int i = 1; i < n; i++) {
+        least = fmin(least, z[i]);
+        most = fmax(most, z[i]);
+    }
+    while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++; /* about four cells per ring */
+    CML_TRY(allocate(levels, true, map, err));
+    map->cell = reach / (map->size - 1);
+    for (int i = 0; i < map->size; i++) {
+        const double from = (i - widening) * map->cell, to = (i + 1 + widening) * map->cell;
+        cover_radii(map, r, z, n, fmax(from, 0), i + 1 < map->size ? to : INFINITY, i);
+    }
+    finish(map, 1e-5 * (reach + most - least));
+    return CML_OK;
+}

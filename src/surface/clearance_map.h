@@ -1,0 +1,32 @@
+/* Builds the pyramids of kernels/clearance.h from rings or triangles.
+ * Conservative: every cell's bounds hold for the whole surface above it, and are widened by more than the
+ * rounding that single precision adds to positions and cell numbers. SPDX-License-Identifier: MIT */
+#ifndef CML_CLEARANCE_MAP_H
+#define CML_CLEARANCE_MAP_H
+
+#include "geometry/mesh.h"
+#include "scene/scene.h"
+
+/* One surface's pyramid: all levels one behind the other, level 0 first. */
+struct cml_clearance_map {
+    int levels, size;
+    bool radial;              /* of rings: cells in a row from the axis outwards; else in a square */
+    double corner[2], cell;   /* cm; corner from the scene's z axis */
+    size_t cells;             /* of all levels */
+    float *deepest, *highest; /* [cells] greatest and least z, boundary's frame, cm */
+};
+
+/* Of a mesh in its boundary's frame, x and y from the scene's axis; of a field of n rings (z = depth at r).
+ * The size follows from the number of triangles or rings, at most 512 x 512 cells or 1024 in a row.
+ * CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
+                                               struct cml_error *err);
+CML_NODISCARD cml_status cml_clearance_of_rings(const double *r, const double *z, int n,
+                                                struct cml_clearance_map *map, struct cml_error *err);
+
+/* Cells of one level. */
+size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level);
+
+void cml_clearance_clear(struct cml_clearance_map *map);
+
+#endif

@@ -1,0 +1,50 @@
+/* A boundary mesh under Embree: closest crossing of a double-precision ray, in three ways.
+ * Exact: Embree's tree finds boxes in single precision, inflated by what the rounding of ray and vertices can
+ * amount to; every triangle in them is tested in double, without gaps between neighbours ("double-down" under
+ * DAGMC). Fast: Embree's own single-precision triangles find the hit; a filter in double decides whether it
+ * counts, and its distance and normal are computed in double. Where the hit is not clearly inside its
+ * triangle the exact way decides. Walked: where the mesh is a regular grid (grid_mesh.h) the cells below the
+ * ray take the place of Embree's triangles (grid_walk.h). The outer plane with the footprint as its hole
+ * belongs to the surface. The only place that includes Embree's headers; versions 3 and 4 differ here and
+ * nowhere else. SPDX-License-Identifier: MIT */
+#ifndef CML_MESH_SURFACE_H
+#define CML_MESH_SURFACE_H
+
+#include "geometry/mesh.h"
+#include "mesh_crossing.h"
+
+enum cml_mesh_search {
+    CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid, Embree's triangles elsewhere */
+    CML_SEARCH_EMBREE, /* always Embree's triangles */
+};
+
+/* A struct cml_mesh_surface is immutable once built; queries may run in parallel.
+ * Takes over *mesh (prepared; left empty). x0, y0: scene position of the origin from which queries count x
+ * and y. Vertices are centred in double before anything is rounded. search: how the fast query finds facets.
+ * CML_E_DEVICE when Embree fails, CML_E_INPUT for memory. */
+CML_NODISCARD cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0,
+                                                 enum cml_mesh_search search,
+                                                 struct cml_mesh_surface **surface, struct cml_error *err);
+
+void cml_mesh_surface_free(struct cml_mesh_surface *surface);
+
+/* Whether the mesh is a regular grid that the fast query walks. */
+bool cml_mesh_surface_is_walked(const struct cml_mesh_surface *surface);
+
+uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface);
+
+/* Bytes that Embree and the mesh itself hold. */
+double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
+
+/* The mesh, borrowed. Its vertices are relative to *middle in the boundary's frame (x and y of the scene). */
+const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3]);
+
+/* The query itself, as kernels/mesh_crossing.h describes it. */
+int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
+                         int below, double t_max, int exclude, int straight, int exact, double slack,
+                         struct cml_mesh_crossing *crossing);
+
+/* What finds the crossings, for people: "Embree 3.13.5", as built against. */
+const char *cml_mesh_library(void);
+
+#endif

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/surface.h"
+
+#include "base/clock.h"
+#include "scene/radial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+const char *cml_surface_kind_name(enum cml_surface_kind kind)
+{
+    static const char *const names[] = {"plane", "cone", "mesh", "auto"};
+    return names[kind];
+}
+
+static void make_plane(double depth, const char *reason, struct cml_surface_def *def)
+{
+    def->kind = CML_SURFACE_PLANE;
+    def->depth = depth;
+    def->primitives = 1;
+    snprintf(def->reason, sizeof def->reason, "%s", reason);
+}
+
+/* Rings of cones: z = -h, dz/dr to the next ring, 0 behind the last one. */
+static cml_status make_cones(const struct cml_radial *field, int given, double depth,
+                             struct cml_surface_def *def, struct cml_error *err)
+{
+    const size_t n = (size_t)field->n;
+    def->kind = CML_SURFACE_CONE;
+    def->depth = depth;
+    def->num_rings = field->n;
+    def->primitives = n;
+    def->r = malloc(3 * n * sizeof *def->r);
+    if (!def->r) return cml_fail_memory(err, (double)(3 * n * sizeof *def->r), "the rings of a heightfield");
+    def->z = def->r + n;
+    def->slope = def->z + n;
+    def->lowest = def->highest = -field->h[0];
+    for (size_t i = 0; i < n; i++) {
+        def->r[i] = field->r[i];
+        def->z[i] = -field->h[i];
+        def->slope[i] = i + 1 < n ? -(field->h[i + 1] - field->h[i]) / (field->r[i + 1] - field->r[i]) : 0;
+        def->lowest = fmin(def->lowest, def->z[i]);
+        def->highest = fmax(def->highest, def->z[i]);
+        def->steepest = fmax(def->steepest, fabs(def->slope[i]));
+    }
+    if (field->n == given)
+        snprintf(def->reason, sizeof def->reason, "radial heightfield: exact cones");
+    else
+        snprintf(def->reason, sizeof def->reason,
+                 "radial heightfield: exact cones, %d collinear samples merged", given - field->n);
+    return cml_clearance_of_rings(def->r, def->z, def->num_rings, &def->clearance, err);
+}
+
+/* Largest slope of all facets; infinite when one is upright or faces down. */
+static double steepest_facet(const struct cml_mesh *mesh)
+{
+    double steepest = 0;
+    for (size_t i = 0; i < mesh->num_triangles; i++) {
+        const double *a = mesh->vertex[mesh->triangle[i][0]], *b = mesh->vertex[mesh->triangle[i][1]],
+                     *c = mesh->vertex[mesh->triangle[i][2]];
+        const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
+        const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
+        const double up = uy * vx - ux * vy; /* against z */
+        if (!(up > 0)) return INFINITY;
+        steepest = fmax(steepest, hypot(uy * vz - uz * vy, uz * vx - ux * vz) / up);
+    }
+    return steepest;
+}
+
+static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_scene *scene,
+                            enum cml_mesh_search search, const char *reason, struct cml_surface_def *def,
+                            struct cml_error *err)
+{
+    def->kind = CML_SURFACE_MESH;
+    def->depth = depth;
+    def->steepest = steepest_facet(mesh);
+    def->lowest = fmin(mesh->lower[2], mesh->z_border);
+    def->highest = fmax(mesh->upper[2], mesh->z_border);
+    CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
+    CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, search, &def->mesh, err));
+    def->primitives = cml_mesh_surface_triangles(def->mesh);
+    snprintf(def->reason, sizeof def->reason, "%s%s", reason,
+             cml_mesh_surface_is_walked(def->mesh) ? ", a regular grid" : "");
+    return CML_OK;
+}
+
+static cml_status make_tessellated(const struct cml_radial *field, double depth,
+                                   const struct cml_scene *scene, const struct cml_surface_options *options,
+                                   const char *reason, struct cml_surface_def *def, struct cml_error *err)
+{
+    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
+    struct cml_mesh mesh;
+    CML_TRY(cml_tessellate(field, &tessellation, &mesh, err));
+    const cml_status status = make_mesh(&mesh, depth, scene, options->search, reason, def, err);
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
+/* mut of the media above and below a boundary. */
+static void read_mut(const struct cml_scene *scene, const struct cml_boundary *boundary, double mut[2])
+{
+    const struct cml_medium_def *above = &scene->media[boundary - scene->boundaries];
+    for (int side = 0; side < 2; side++) mut[side] = above[side].mua + above[side].mus;
+}
+
+/* Facets are asked for by number, and a plane has none. */
+static struct cml_surface_options options_for(const struct cml_scene *scene,
+                                              const struct cml_surface_options *options)
+{
+    struct cml_surface_options own = *options;
+    own.may_flatten = options->may_flatten && !scene->facets;
+    return own;
+}
+
+static cml_status represent_best(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                 const struct cml_radial *merged, const struct cml_surface_options *options,
+                                 struct cml_surface_def *def, struct cml_error *err)
+{
+    const struct cml_surface_options own = options_for(scene, options);
+    double mut[2];
+    read_mut(scene, boundary, mut);
+    if (cml_choose_radial(merged, mut, &own, &def->expectation) == CML_SURFACE_CONE)
+        return make_cones(merged, boundary->radial.n, boundary->z, def, err);
+    make_plane(boundary->z - merged->h[merged->n - 1], "radial heightfield: effect below the tolerance", def);
+    return CML_OK;
+}
+
+static cml_status represent_field(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                  const struct cml_surface_options *options, struct cml_surface_def *def,
+                                  struct cml_error *err)
+{
+    const struct cml_radial *field = &boundary->radial;
+    const bool forced = options->force == CML_SURFACE_CONE || options->force == CML_SURFACE_MESH;
+    double mut[2];
+    if (field->n == 1 || (!forced && cml_radial_is_flat(field))) {
+        make_plane(boundary->z - field->h[0], "flat heightfield", def);
+        return CML_OK;
+    }
+    read_mut(scene, boundary, mut);
+    if (forced) def->expectation = cml_choice_expect(options->force, field, mut, options);
+    if (options->force == CML_SURFACE_CONE) return make_cones(field, field->n, boundary->z, def, err);
+    if (options->force == CML_SURFACE_MESH)
+        return make_tessellated(field, boundary->z, scene, options, "radial heightfield, tessellated", def,
+                                err);
+    struct cml_radial merged;
+    CML_TRY(cml_radial_merge(field, &merged, err));
+    const cml_status status = represent_best(scene, boundary, &merged, options, def, err);
+    cml_radial_clear(&merged);
+    return status;
+}
+
+/* True when the plane in which the mesh goes on outside will do; *bias is what that is expected to cost. */
+static bool mesh_may_be_plane(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                              const struct cml_surface_options *options, double *bias)
+{
+    const struct cml_mesh *mesh = &boundary->mesh;
+    const double height = fmax(mesh->upper[2] - mesh->z_border, mesh->z_border - mesh->lower[2]);
+    double mut[2];
+    if (!options_for(scene, options).may_flatten) return false;
+    read_mut(scene, boundary, mut);
+    *bias = cml_choice_plane_bias(height, steepest_facet(mesh), fmax(mut[0], mut[1]));
+    return *bias <= options->tolerance;
+}
+
+static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                 const struct cml_surface_options *options, struct cml_surface_def *def,
+                                 struct cml_error *err)
+{
+    double z;
+    if (options->force == CML_SURFACE_CONE)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: --boundaries cone cannot represent a mesh (expected auto or mesh)",
+                        scene->file, boundary->line);
+    if (options->force == CML_SURFACE_AUTO && cml_mesh_is_flat(&boundary->mesh, &z)) {
+        make_plane(boundary->z + z, "flat mesh", def);
+        return CML_OK;
+    }
+    if (options->force == CML_SURFACE_AUTO &&
+        mesh_may_be_plane(scene, boundary, options, &def->expectation.bias)) {
+        make_plane(boundary->z + boundary->mesh.z_border, "mesh: effect below the tolerance", def);
+        return CML_OK;
+    }
+    struct cml_mesh mesh;
+    CML_TRY(cml_mesh_copy(&boundary->mesh, &mesh, err));
+    char reason[sizeof def->reason] = "mesh";
+    const struct cml_heightmap_notes *notes = &boundary->map_notes;
+    if (notes->cells > 0)
+        snprintf(reason, sizeof reason, "heightmap: %zu of %zu triangles and a skirt", notes->triangles,
+                 2 * notes->cells);
+    const cml_status status = make_mesh(&mesh, boundary->z, scene, options->search, reason, def, err);
+    def->expectation = cml_choice_expect_mesh();
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
+static cml_status represent(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                            const struct cml_surface_options *options, struct cml_surface_def *def,
+                            struct cml_error *err)
+{
+    if (boundary->form == CML_FORM_PLANE)
+        make_plane(boundary->z, boundary->line ? "flat" : "no surface given", def);
+    else if (options->force == CML_SURFACE_PLANE)
+        make_plane(boundary->z, "surface ignored as asked", def);
+    else if (boundary->form == CML_FORM_RADIAL)
+        return represent_field(scene, boundary, options, def, err);
+    else
+        return represent_mesh(scene, boundary, options, def, err);
+    return CML_OK;
+}
+
+static cml_status represent_timed(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                  const struct cml_surface_options *options, struct cml_surface_def *def,
+                                  struct cml_error *err)
+{
+    const double begin = cml_now();
+    CML_TRY(represent(scene, boundary, options, def, err));
+    def->build_seconds = cml_now() - begin;
+    def->bytes =
+        3 * (double)def->num_rings * sizeof *def->r + 2 * (double)def->clearance.cells * sizeof(float);
+    if (def->mesh) def->bytes += cml_mesh_surface_bytes(def->mesh);
+    return CML_OK;
+}
+
+cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
+                               struct cml_surface_set *set, struct cml_error *err)
+{
+    const size_t count = (size_t)scene->num_layers + 1;
+    *set = (struct cml_surface_set){.count = (int)count, .item = calloc(count, sizeof *set->item)};
+    if (!set->item) return cml_fail_memory(err, (double)(count * sizeof *set->item), "the boundaries");
+    for (size_t b = 0; b < count; b++) {
+        const cml_status status = represent_timed(scene, &scene->boundaries[b], options, &set->item[b], err);
+        if (status == CML_OK) continue;
+        cml_surfaces_free(set);
+        return status;
+    }
+    return CML_OK;
+}
+
+void cml_surfaces_free(struct cml_surface_set *set)
+{
+    for (int b = 0; set->item && b < set->count; b++) {
+        free(set->item[b].r);
+        cml_mesh_surface_free(set->item[b].mesh);
+        cml_clearance_clear(&set->item[b].clearance);
+    }
+    free(set->item);
+    *set = (struct cml_surface_set){0};
+}
+
+/* A field of one sample or equal heights still has a mesh; a plane without any has none to show. */
+cml_status cml_boundary_mesh(const struct cml_boundary *boundary, const struct cml_surface_options *options,
+                             struct cml_mesh *mesh, struct cml_error *err)
+{
+    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
+    if (boundary->form == CML_FORM_MESH) return cml_mesh_copy(&boundary->mesh, mesh, err);
+    if (boundary->form == CML_FORM_RADIAL && boundary->radial.n > 1)
+        return cml_tessellate(&boundary->radial, &tessellation, mesh, err);
+    *mesh = (struct cml_mesh){0};
+    return CML_OK;
+}

@@ -1,0 +1,51 @@
+/* How each boundary of a scene is represented: plane, cones or mesh, and why.
+ * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
+ * marched as exact cones unless a mesh within the tolerance costs less (surface_choice.h), meshes that are
+ * regular grids are walked, other ones go to Embree. A representation can be forced, which is how methods
+ * judge each other. SPDX-License-Identifier: MIT */
+#ifndef CML_SURFACE_H
+#define CML_SURFACE_H
+
+#include "surface/clearance_map.h"
+#include "scene/scene.h"
+#include "surface/surface_choice.h"
+#include "surface/mesh/mesh_surface.h"
+
+/* One represented boundary, in its own frame, whose z = 0 lies at `depth` in the scene. Owns everything in
+ * it. */
+struct cml_surface_def {
+    enum cml_surface_kind kind;
+    char reason[96];        /* why this kind, for people */
+    double depth;           /* of the frame; for a plane that of the plane itself */
+    double steepest;        /* at least the slope of every part, infinite where it is upright or overhangs */
+    double lowest, highest; /* lowest <= z <= highest everywhere */
+    uint64_t primitives;    /* rings or triangles, 1 for a plane */
+    int num_rings;          /* CML_SURFACE_CONE */
+    double *r, *z, *slope;  /* [num_rings] see kernels/types.h */
+    struct cml_mesh_surface *mesh;      /* CML_SURFACE_MESH */
+    struct cml_clearance_map clearance; /* of cones and meshes */
+    struct cml_expectation expectation;
+    double build_seconds, bytes; /* what representing it took: tree, rings, clearance map */
+};
+
+struct cml_surface_set {
+    int count;                    /* num_layers + 1 */
+    struct cml_surface_def *item; /* [count] */
+};
+
+/* Represents every boundary of the scene. CML_E_INPUT when a boundary cannot take the forced kind. */
+CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
+                                             const struct cml_surface_options *options,
+                                             struct cml_surface_set *set, struct cml_error *err);
+
+void cml_surfaces_free(struct cml_surface_set *set);
+
+const char *cml_surface_kind_name(enum cml_surface_kind kind);
+
+/* The mesh of a boundary as cml_surfaces_create would give it to Embree, tessellated or loaded; empty (no
+ * triangles) for a plane. For `clustermcml mesh`. */
+CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_boundary *boundary,
+                                           const struct cml_surface_options *options, struct cml_mesh *mesh,
+                                           struct cml_error *err);
+
+#endif

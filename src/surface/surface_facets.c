@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/surface_facets.h"
+
+#include "base/constants.h"
+#include "geometry/vec3.h"
+
+#include <math.h>
+
+/* The last ring of cones is the outer plane already. */
+size_t cml_surface_facets(const struct cml_surface_def *def, const struct cml_map_def *map)
+{
+    if (def->kind == CML_SURFACE_PLANE) return map->nx > 0 ? (size_t)map->nx * (size_t)map->ny + 1 : 0;
+    return (size_t)def->primitives + (def->kind == CML_SURFACE_MESH ? 1 : 0);
+}
+
+static double triangle_area(const struct cml_mesh *mesh, size_t i)
+{
+    const uint32_t *corner = mesh->triangle[i];
+    double a[3], b[3], normal[3];
+    cml_vec3_subtract(mesh->vertex[corner[1]], mesh->vertex[corner[0]], a);
+    cml_vec3_subtract(mesh->vertex[corner[2]], mesh->vertex[corner[0]], b);
+    cml_vec3_cross(a, b, normal);
+    return 0.5 * sqrt(cml_vec3_dot(normal, normal));
+}
+
+double cml_surface_facet_area(const struct cml_surface_def *def, const struct cml_map_def *map, size_t facet)
+{
+    if (facet + 1 >= cml_surface_facets(def, map)) return INFINITY;
+    double middle[3];
+    if (def->kind == CML_SURFACE_PLANE) return map->dx * map->dy;
+    if (def->kind == CML_SURFACE_MESH) return triangle_area(cml_mesh_surface_mesh(def->mesh, middle), facet);
+    const double *r = def->r + facet, *z = def->z + facet;
+    return CML_PI * (r[0] + r[1]) * hypot(r[1] - r[0], z[1] - z[0]);
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally/ranges.h"
+
+#include <stdlib.h>
+
+cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, struct cml_error *err)
+{
+    if (range.count == 0) return CML_OK;
+    if (ranges->count == ranges->capacity) {
+        const size_t capacity = ranges->capacity ? 2 * ranges->capacity : 16;
+        struct cml_range *larger = realloc(ranges->item, capacity * sizeof *larger);
+        if (!larger) return cml_fail_memory(err, (double)(capacity * sizeof *larger), "ranges of photons");
+        ranges->item = larger;
+        ranges->capacity = capacity;
+    }
+    ranges->item[ranges->count++] = range;
+    ranges->total += range.count;
+    return CML_OK;
+}
+
+struct cml_range cml_ranges_take(struct cml_ranges *ranges, uint64_t most)
+{
+    if (ranges->count == 0) return (struct cml_range){0};
+    struct cml_range *last = &ranges->item[ranges->count - 1];
+    const struct cml_range taken = {last->first, last->count < most ? last->count : most};
+    last->first += taken.count;
+    last->count -= taken.count;
+    if (last->count == 0) ranges->count--;
+    ranges->total -= taken.count;
+    return taken;
+}
+
+void cml_ranges_clear(struct cml_ranges *ranges)
+{
+    free(ranges->item);
+    *ranges = (struct cml_ranges){0};
+}

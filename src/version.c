@@ -1,7 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-#include "version.h"
-
-const char *cml_version(void)
-{
-    return CML_GIT[0] ? CML_VERSION " (" CML_GIT ")" : CML_VERSION;
-}

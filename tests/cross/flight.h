@@ -3,7 +3,7 @@
 #ifndef CML_TEST_FLIGHT_H
 #define CML_TEST_FLIGHT_H
 
-#include "../lib/require.h"
+#include "lib/require.h"
 
 #include "engine/engines.h"
 #include "input/mci.h"

@@ -1,7 +1,7 @@
 /* Beams at what is delicate: exactly at the vertices and edges of a mesh, grazing, at the angle at which
  * nothing is reflected to speak of, into a body from which light never gets out. The answers are known on
  * paper. SPDX-License-Identifier: MIT */
-#include "../unit/dice.h"
+#include "lib/dice.h"
 #include "flight.h"
 
 #include <math.h>

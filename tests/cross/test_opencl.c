@@ -1,6 +1,6 @@
 /* The opencl engine against the cpu engine, packet by packet, and against itself however the work is divided.
  * SPDX-License-Identifier: MIT */
-#include "../lib/bench.h"
+#include "lib/bench.h"
 #include "flight.h"
 
 #include "engine/cpu/engine_cpu.h"

@@ -3,7 +3,7 @@
 #ifndef CML_TEST_BENCH_H
 #define CML_TEST_BENCH_H
 
-#include "require.h"
+#include "lib/require.h"
 
 #include "engine/engine.h"
 #include "input/mci.h"

@@ -3,7 +3,7 @@
 #ifndef STABILITY_ORACLE_H
 #define STABILITY_ORACLE_H
 
-#include "../unit/dice.h"
+#include "lib/dice.h"
 
 #include "oracle_grid.h"
 #include "surface/surface.h"

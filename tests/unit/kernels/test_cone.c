@@ -1,0 +1,2 @@
+/* SPDX-License-Identifier: MIT */
+#include "unit/kernels/cone_cases.h"

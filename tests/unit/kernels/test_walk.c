@@ -1,0 +1,176 @@
+/* The events of kernels/walk.h that keep a mean, roulette and the rounding of absorbed weight; steps that end
+ * on a plane; facets beside a tip. SPDX-License-Identifier: MIT */
+#include "lib/dice.h"
+#include "walk.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+static const struct cml_stream stream = {{7, 0, 0, 0}};
+
+/* N = 1e6; mean weight after roulette against the weight before: z below 4.9. */
+static void roulette_keeps_the_mean_weight(void **state)
+{
+    (void)state;
+    const cml_u32 w = CML_ROULETTE_THRESHOLD - 1;
+    const double n = 1e6, p = 0.1;
+    double sum = 0;
+    for (cml_u64 i = 0; i < (cml_u64)n; i++) {
+        struct cml_packet packet = {.w = w, .draw = cml_draw(stream, i, CML_PURPOSE_INTERACTION, 0)};
+        cml_roulette(&packet);
+        assert_int_equal(packet.w, packet.fate == CML_FATE_ALIVE ? 10 * w : 0);
+        assert_int_equal(w + packet.gained, packet.w + packet.roulette);
+        sum += packet.w;
+    }
+    assert_true(fabs(sum / n / w - 1) < 4.9 * sqrt((1 - p) / p / n));
+}
+
+static void heavy_packets_play_no_roulette(void **state)
+{
+    (void)state;
+    struct cml_packet packet = {.w = CML_ROULETTE_THRESHOLD, .draw.w[3] = 0xffffffffu};
+    cml_roulette(&packet);
+    assert_int_equal(packet.w, CML_ROULETTE_THRESHOLD);
+    assert_int_equal(packet.fate, CML_FATE_ALIVE);
+}
+
+/* Far less than one unit per interaction is still absorbed in the mean: exactly over the 256 values of the
+ * random bits, to 1/512 unit. */
+static void absorbed_weight_is_rounded_without_bias(void **state)
+{
+    (void)state;
+    static const real absorb[] = {(real)1e-7, (real)3e-6, (real)0.01, (real)0.37};
+    for (int k = 0; k < 4; k++) {
+        const cml_u32 w = 214748;
+        double sum = 0;
+        for (cml_u32 word = 0; word < 256; word++) sum += cml_absorbed_part(w, absorb[k], word);
+        assert_true(fabs(sum / 256 - (double)w * absorb[k]) < 1.0 / 512 + 1e-7 * (double)w * absorb[k]);
+    }
+    assert_int_equal(cml_absorbed_part(12345, 1, 0), 12345);
+    assert_int_equal(cml_absorbed_part(12345, 0, 255), 0);
+}
+
+static struct cml_vec random_direction(struct dice *dice)
+{
+    double u[3];
+    dice_direction(dice, u);
+    return (struct cml_vec){(real)u[0], (real)u[1], (real)u[2]};
+}
+
+/* A packet below the plane, side +1, or above it, -1, whose step ends exactly at the plane or one rounding
+ * off: it either crosses, and stands on z = 0, or interacts; then it has not crossed, wherever rounding put
+ * it, and does so at once when it heads outwards, never when it heads back. */
+static void a_step_that_ends_on_a_plane_crosses_it_once(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(71);
+    long crossed = 0, stayed = 0;
+    for (int n = 0; n < 300000; n++) {
+        const real side = dice_below(&dice, 2) ? (real)1 : (real)-1;
+        const struct cml_vec p = {0, 0, side * (real)exp(dice_between(&dice, -12, 3))};
+        struct cml_vec u = random_direction(&dice);
+        u.z = -side * CML_FABS(u.z);
+        if (CML_FABS(u.z) < (real)1e-3) continue;
+        const real t = -p.z / u.z;
+        const float around[3] = {nextafterf(t, 0), t, nextafterf(t, INFINITY)};
+        struct cml_hit hit = {0};
+        const real t_max = around[n % 3];
+        if (cml_plane_hit(p, u, side, t_max, &hit)) {
+            assert_true(n % 3 == 2 && hit.t == t && hit.point.z == 0);
+            crossed++;
+            continue;
+        }
+        const struct cml_vec q = cml_along(p, t_max, u), v = random_direction(&dice);
+        const int outwards = side * v.z < 0;
+        assert_true(fabs((double)q.z) <= 4 * 0x1p-24 * fabs((double)p.z));
+        assert_int_equal(cml_plane_hit(q, v, side, CML_INFINITY, &hit), outwards);
+        if (outwards)
+            assert_true(hit.t >= 0 && hit.point.z == 0 &&
+                        hit.t * CML_FABS(v.z) <= CML_FABS(q.z) * (real)1.000001);
+        stayed++;
+    }
+    assert_true(crossed > 90000 && stayed > 180000);
+}
+
+/* Whatever a packet meets, it leaves on the side of the facet that it is then on, and one that leads away
+ * from the facet already, as rounding beside the tip of a cone has it, goes on as it came. */
+static void no_packet_is_reflected_into_its_facet(void **state)
+{
+    (void)state;
+    static const struct cml_surface surface = {.kind = CML_SURFACE_CONE};
+    const struct cml_world world = {.setup.stream = stream, .surfaces = &surface};
+    struct dice dice = dice_new(72);
+    long went_on = 0, crossed = 0;
+    for (cml_u64 i = 0; i < 300000; i++) {
+        const struct cml_vec facet = random_direction(&dice), u = random_direction(&dice);
+        const struct cml_hit hit = {.normal = facet, .facet = facet};
+        const real side = dice_below(&dice, 2) ? (real)1 : (real)-1, n = (real)dice_between(&dice, 0.5, 2);
+        struct cml_packet packet = {.index = i, .u = u};
+        const int transmitted = cml_reflect_or_refract(&world, &packet, &hit, side, 1, n);
+        const real leaving = side * cml_dot(packet.u, facet), came = side * cml_dot(u, facet);
+        assert_true(transmitted ? leaving > (real)-1e-6 : leaving < (real)1e-6);
+        crossed += transmitted;
+        if (!(came < 0) || transmitted) continue;
+        assert_true(packet.u.x == u.x && packet.u.y == u.y && packet.u.z == u.z);
+        went_on++;
+    }
+    assert_true(went_on > 100000 && crossed > 50000);
+}
+
+static struct cml_vec unit(struct cml_vec v)
+{
+    const double size = sqrt((double)cml_dot(v, v));
+    return (struct cml_vec){(real)(v.x / size), (real)(v.y / size), (real)(v.z / size)};
+}
+
+/* A direction in the plane that a unit vector is normal to. */
+static struct cml_vec random_direction_in_plane(struct dice *dice, struct cml_vec normal)
+{
+    const struct cml_vec v = random_direction(dice);
+    return unit(cml_along(v, -cml_dot(v, normal), normal));
+}
+
+/* Normals that turn light into the plane of its facet but for rounding, where it would meet the facet's
+ * neighbours for ever: it leaves clearly, and the facet is counted. */
+static void no_shading_normal_turns_light_into_a_facets_plane(void **state)
+{
+    (void)state;
+    static const struct cml_surface surface = {.kind = CML_SURFACE_MESH};
+    const struct cml_world world = {.setup.stream = stream, .surfaces = &surface};
+    struct dice dice = dice_new(73);
+    long reflected = 0, crossed = 0;
+    for (cml_u64 i = 0; i < 300000; i++) {
+        const struct cml_vec facet = random_direction(&dice), along = random_direction_in_plane(&dice, facet);
+        const real side = dice_below(&dice, 2) ? (real)1 : (real)-1;
+        const real n1 = 1, n2 = dice_below(&dice, 2) ? (real)0.5 : (real)1.5, ratio = i % 2 ? 1 : n2 / n1;
+        struct cml_packet packet = {.index = i, .u = random_direction(&dice)};
+        struct cml_hit hit = {.facet = facet};
+        if (side * cml_dot(packet.u, facet) < (real)0.1) continue;
+        hit.normal = unit(cml_along(packet.u, -ratio, along));
+        if (side * cml_dot(packet.u, hit.normal) < 0)
+            hit.normal = cml_along((struct cml_vec){0, 0, 0}, -1, hit.normal);
+        const int transmitted = cml_reflect_or_refract(&world, &packet, &hit, side, n1, n2);
+        const real leaving = side * cml_dot(packet.u, facet);
+        assert_true(transmitted ? leaving > 4 * CML_EPSILON : leaving < -4 * CML_EPSILON);
+        reflected += packet.shading_overruled && !transmitted;
+        crossed += packet.shading_overruled && transmitted;
+    }
+    assert_true(reflected > 10000 && crossed > 10000);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(roulette_keeps_the_mean_weight),
+        cmocka_unit_test(heavy_packets_play_no_roulette),
+        cmocka_unit_test(absorbed_weight_is_rounded_without_bias),
+        cmocka_unit_test(a_step_that_ends_on_a_plane_crosses_it_once),
+        cmocka_unit_test(no_packet_is_reflected_into_its_facet),
+        cmocka_unit_test(no_shading_normal_turns_light_into_a_facets_plane),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

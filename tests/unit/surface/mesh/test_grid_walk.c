@@ -1,0 +1,326 @@
+/* The walk over a regular grid against the exact query of the same mesh. SPDX-License-Identifier: MIT */
+#define CML_DOUBLE
+#include "scene/heightmap.h"
+#include "lib/mesh_shapes.h"
+#include "scene/scene.h"
+#include "surface/mesh/mesh_surface.h"
+#include "surface/mesh/grid_walk.h"
+#include "surface/tessellate.h"
+
+static struct patch patch;
+
+/* A mesh twice: as the program queries it, and with its lattice laid open. */
+struct subject {
+    struct cml_mesh_surface *surface;
+    struct cml_mesh_body body;
+    struct cml_lattice lattice;
+    double middle[3], half[3];
+};
+
+static struct subject subject_of(struct cml_mesh *mesh)
+{
+    struct subject s;
+    struct cml_mesh copy;
+    struct cml_error err = {CML_OK, ""};
+    assert_int_equal(cml_mesh_copy(mesh, &copy, &err), CML_OK);
+    for (int k = 0; k < 3; k++) {
+        s.middle[k] = 0.5 * (mesh->lower[k] + mesh->upper[k]);
+        s.half[k] = 0.5 * (mesh->upper[k] - mesh->lower[k]);
+    }
+    assert_int_equal(cml_mesh_surface_create(mesh, 0, 0, CML_SEARCH_AUTO, &s.surface, &err), CML_OK);
+    assert_int_equal(cml_mesh_body_create(&copy, 0, 0, &s.body, &err), CML_OK);
+    assert_int_equal(cml_lattice_find(&s.body, &s.lattice, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_is_walked(s.surface), s.lattice.cell != NULL);
+    return s;
+}
+
+static void subject_free(struct subject *s)
+{
+    cml_mesh_surface_free(s->surface);
+    cml_lattice_clear(&s->lattice);
+    cml_mesh_body_clear(&s->body);
+}
+
+/* Vertices moved by up to `jitter` cells along x and y. */
+static struct subject rough_patch(uint32_t seed, double height, double jitter)
+{
+    patch_make(&patch, seed, height, 0, 0, 0);
+    struct dice dice = dice_new(seed + 1);
+    for (int i = 0; i < COUNT(patch.vertex); i++)
+        for (int k = 0; k < 2; k++) patch.vertex[i][k] += dice_between(&dice, -jitter, jitter) * 2 / GRID;
+    struct cml_mesh mesh = patch_mesh(&patch);
+    mesh.normals = CML_NORMALS_VERTEX;
+    return subject_of(&mesh);
+}
+
+/* A rough half and a smooth half, whose facets are merged; with a skirt. */
+static struct subject scan(double tolerance)
+{
+    struct cml_heightmap map;
+    struct cml_heightmap_notes notes;
+    struct cml_mesh mesh;
+    struct cml_error err = {CML_OK, ""};
+    struct dice dice = dice_new(81);
+    assert_int_equal(cml_heightmap_allocate("scan", 49, 33, &map, &err), CML_OK);
+    map.dx = map.dy = 0.0625;
+    cml_heightmap_settle(&map);
+    for (int i = 0; i < map.nx * map.ny; i++) {
+        const int x = i % map.nx, y = i / map.nx;
+        map.h[i] = 0.05 * sin(0.2 * x) * cos(0.15 * y) + (x > 24 ? dice_between(&dice, -0.02, 0.02) : 0);
+    }
+    assert_int_equal(cml_heightmap_mesh(&map, tolerance, CML_NORMALS_FACET, &mesh, &notes, &err), CML_OK);
+    if (tolerance > 0) assert_true(notes.triangles < 2 * notes.cells);
+    cml_heightmap_clear(&map);
+    return subject_of(&mesh);
+}
+
+/* ---- rays ---- */
+
+struct ray {
+    double p[3], u[3], t_max, slack;
+    int below, exclude, straight;
+};
+
+static void normalise(double u[3])
+{
+    const double k = 1 / sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+    for (int i = 0; i < 3; i++) u[i] *= k;
+}
+
+static void random_ray(const struct subject *s, struct dice *dice, struct ray *ray)
+{
+    for (int k = 0; k < 3; k++) ray->p[k] = s->middle[k] + 1.1 * s->half[k] * dice_between(dice, -1, 1);
+    dice_direction(dice, ray->u);
+    if (dice_below(dice, 3) == 0) ray->u[2] *= 0.05;
+    normalise(ray->u);
+    ray->t_max = dice_below(dice, 4) ? exp(dice_between(dice, -6, 1)) * s->half[0] : INFINITY;
+    ray->slack = dice_below(dice, 2) ? 1e-15 : 1e-7;
+    ray->below = dice_below(dice, 2);
+    ray->exclude = -1;
+    ray->straight = dice_below(dice, 2);
+}
+
+static double nudge(struct dice *dice, double x)
+{
+    const int way = dice_below(dice, 3);
+    return way == 0 ? x : nextafter(x, way == 1 ? INFINITY : -INFINITY);
+}
+
+/* A vertex or a point of an edge, in the boundary's frame. */
+static void random_target(const struct subject *s, struct dice *dice, double target[3])
+{
+    const struct cml_mesh *mesh = &s->body.mesh;
+    const uint32_t *v = mesh->triangle[dice_below(dice, (int)mesh->num_triangles)];
+    const double *a = mesh->vertex[v[0]], *b = mesh->vertex[v[1 + dice_below(dice, 2)]];
+    static const double weights[] = {0, 1, 0.5, -1};
+    double w = weights[dice_below(dice, COUNT(weights))];
+    if (w < 0) w = dice_uniform(dice);
+    for (int k = 0; k < 3; k++) target[k] = nudge(dice, s->middle[k] + a[k] + w * (b[k] - a[k]));
+}
+
+/* From a random place to it; sometimes straight down. */
+static void ray_at_an_edge(const struct subject *s, struct dice *dice, struct ray *ray)
+{
+    double target[3];
+    random_ray(s, dice, ray);
+    random_target(s, dice, target);
+    for (int k = 0; k < 2; k++)
+        if (dice_below(dice, 4) == 0) ray->p[k] = target[k];
+    for (int k = 0; k < 3; k++) ray->u[k] = target[k] - ray->p[k];
+    normalise(ray->u);
+    ray->below = ray->u[2] < 0;
+}
+
+/* From one point of edges to another: in the surface, or close to it. */
+static void ray_along_edges(const struct subject *s, struct dice *dice, struct ray *ray)
+{
+    double target[3];
+    random_ray(s, dice, ray);
+    random_target(s, dice, target);
+    random_target(s, dice, ray->p);
+    for (int k = 0; k < 3; k++) ray->u[k] = target[k] - ray->p[k];
+    if (fabs(ray->u[0]) + fabs(ray->u[1]) < 1e-9) ray->u[0] = 1;
+    if (dice_below(dice, 2))
+        for (int k = 0; k < 3; k++) ray->p[k] -= dice_uniform(dice) * ray->u[k];
+    normalise(ray->u);
+}
+
+/* On a facet, as a packet stands there after a turn or straight through it. */
+static void ray_from_a_facet(const struct subject *s, struct dice *dice, struct ray *ray)
+{
+    struct cml_mesh_crossing c;
+    random_ray(s, dice, ray);
+    if (!cml_mesh_surface_hit(s->surface, ray->p, ray->u, ray->below, INFINITY, -1, 0, 1, 1e-15, &c)) return;
+    for (int k = 0; k < 3; k++) ray->p[k] = (float)c.point[k];
+    ray->slack = 1e-7;
+    ray->exclude = c.primitive;
+    if (ray->straight)
+        ray->below = !ray->below;
+    else
+        dice_direction(dice, ray->u);
+}
+
+/* Beyond a facet by all that rounding is granted: the crossing counts, or does not count any more. */
+static void ray_beyond_a_facet(const struct subject *s, struct dice *dice, struct ray *ray)
+{
+    struct cml_mesh_crossing c;
+    random_ray(s, dice, ray);
+    if (!cml_mesh_surface_hit(s->surface, ray->p, ray->u, ray->below, INFINITY, -1, 0, 1, 1e-15, &c)) return;
+    for (int k = 0; k < 3; k++) ray->p[k] = nudge(dice, c.point[k] + ray->slack * ray->u[k]);
+}
+
+typedef void make_ray(const struct subject *s, struct dice *dice, struct ray *ray);
+
+/* ---- comparison ---- */
+
+static int hit(const struct subject *s, const struct ray *ray, int exact, struct cml_mesh_crossing *c)
+{
+    return cml_mesh_surface_hit(s->surface, ray->p, ray->u, ray->below, ray->t_max, ray->exclude,
+                                ray->straight, exact, ray->slack, c);
+}
+
+static void begin(const struct subject *s, const struct ray *ray, struct cml_mesh_query *q)
+{
+    cml_query_begin(q, &s->body, ray->p, ray->u, ray->below, ray->t_max, ray->exclude, ray->straight,
+                    ray->slack);
+}
+
+/* Beyond rounding: the same crossing, the same facet or one that meets the ray at the same place. A packet
+ * that stands beside an edge never walks, and what is beside depends on its precision. */
+static void expect_same(const struct subject *s, const struct ray *ray)
+{
+    struct cml_mesh_crossing walked, exact;
+    struct cml_mesh_query q;
+    begin(s, ray, &q);
+    if (q.on_edge) return;
+    const int found = hit(s, ray, 0, &walked);
+    if (found != hit(s, ray, 1, &exact) || (found && !(fabs(walked.t - exact.t) <= 1e-11)))
+        fail_msg("from (%.17g %.17g %.17g) along (%.17g %.17g %.17g): %d at %.17g, exactly %.17g", ray->p[0],
+                 ray->p[1], ray->p[2], ray->u[0], ray->u[1], ray->u[2], found, walked.t, exact.t);
+    if (!found || walked.primitive != exact.primitive) return;
+    for (int k = 0; k < 3; k++) assert_near("normal", walked.normal[k], exact.normal[k], 1e-6);
+}
+
+struct share {
+    long rays, decided, found, same;
+};
+
+/* How many the walk decides by itself, and how often the facet is the very same. */
+static void count(const struct subject *s, const struct ray *ray, struct share *share)
+{
+    struct cml_mesh_crossing c, exact;
+    struct cml_mesh_query q;
+    begin(s, ray, &q);
+    share->rays++;
+    share->decided += cml_grid_walk(&s->lattice, &q);
+    if (!hit(s, ray, 0, &c) || !hit(s, ray, 1, &exact)) return;
+    share->found++;
+    share->same += c.primitive == exact.primitive;
+}
+
+static struct share compare(const struct subject *s, make_ray *make, uint32_t seed, long rays)
+{
+    struct dice dice = dice_new(seed);
+    struct share share = {0};
+    struct ray ray;
+    for (long n = 0; n < rays; n++) {
+        make(s, &dice, &ray);
+        expect_same(s, &ray);
+        count(s, &ray, &share);
+    }
+    return share;
+}
+
+static void compare_all(struct subject *s, double least_decided)
+{
+    assert_non_null(s->lattice.cell);
+    struct share share = compare(s, random_ray, 82, 150000);
+    print_message("random: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
+    assert_true((double)share.decided > least_decided * (double)share.rays);
+    assert_true(share.same == share.found);
+    share = compare(s, ray_from_a_facet, 83, 100000);
+    print_message("from facets: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
+    share = compare(s, ray_beyond_a_facet, 86, 50000);
+    print_message("beyond facets: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
+    share = compare(s, ray_at_an_edge, 84, 100000);
+    print_message("at edges: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
+    share = compare(s, ray_along_edges, 85, 50000);
+    print_message("along edges: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
+    subject_free(s);
+}
+
+static void an_exact_lattice_is_walked_as_exactly_as_searched(void **state)
+{
+    (void)state;
+    struct subject gentle = rough_patch(71, 0.01, 0), steep = rough_patch(72, 0.2, 0);
+    compare_all(&gentle, 0.8);
+    compare_all(&steep, 0.8);
+}
+
+static void a_lattice_rounded_in_its_file_is_walked_as_well(void **state)
+{
+    (void)state;
+    struct subject s = rough_patch(73, 0.05, 1e-4);
+    compare_all(&s, 0.8);
+}
+
+static void a_scan_is_walked_merged_or_not(void **state)
+{
+    (void)state;
+    struct subject merged = scan(0.05), all = scan(0);
+    compare_all(&merged, 0.5);
+    compare_all(&all, 0.5);
+}
+
+/* A quarter of the patch is missing: the plane around it lies in the lattice's rectangle. */
+static void a_lattice_with_a_gap_lets_the_plane_through(void **state)
+{
+    (void)state;
+    struct cml_error err = {CML_OK, ""};
+    patch_make(&patch, 76, 0.05, 0, 0, 0);
+    struct cml_mesh mesh = patch_mesh(&patch);
+    size_t left = 0;
+    for (size_t i = 0; i < mesh.num_vertices; i++)
+        if (mesh.vertex[i][0] <= 0 && mesh.vertex[i][1] <= 0) mesh.vertex[i][2] = 0;
+    for (size_t i = 0; i < mesh.num_triangles; i++) {
+        const uint32_t *v = mesh.triangle[i];
+        double low[2] = {1, 1};
+        for (int k = 0; k < 6; k++) low[k % 2] = fmin(low[k % 2], mesh.vertex[v[k / 2]][k % 2]);
+        if (low[0] < 0 && low[1] < 0) continue;
+        for (int k = 0; k < 3; k++) mesh.triangle[left][k] = v[k];
+        left++;
+    }
+    mesh.num_triangles = left;
+    free(mesh.border);
+    free(mesh.vertex_normal);
+    mesh.border = NULL;
+    mesh.vertex_normal = NULL;
+    assert_int_equal(cml_mesh_prepare(&mesh, NULL, NULL, &err), CML_OK);
+    struct subject s = subject_of(&mesh);
+    compare_all(&s, 0.5);
+}
+
+static void what_is_no_lattice_is_left_to_embree(void **state)
+{
+    (void)state;
+    patch_make(&patch, 74, 0.1, 2, 0, 0);
+    struct cml_mesh mesh = patch_mesh(&patch);
+    struct subject s = subject_of(&mesh);
+    assert_null(s.lattice.cell);
+    subject_free(&s);
+    s = rough_patch(75, 0.1, 0.01);
+    assert_null(s.lattice.cell);
+    subject_free(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_exact_lattice_is_walked_as_exactly_as_searched),
+        cmocka_unit_test(a_lattice_rounded_in_its_file_is_walked_as_well),
+        cmocka_unit_test(a_scan_is_walked_merged_or_not),
+        cmocka_unit_test(a_lattice_with_a_gap_lets_the_plane_through),
+        cmocka_unit_test(what_is_no_lattice_is_left_to_embree),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

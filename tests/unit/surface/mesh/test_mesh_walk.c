@@ -1,0 +1,2 @@
+/* SPDX-License-Identifier: MIT */
+#include "unit/surface/mesh/mesh_walk_cases.h"

@@ -1,0 +1,74 @@
+/* What the tests of tallies and results share: small grids, and packets scored into them.
+ * SPDX-License-Identifier: MIT */
+#ifndef TALLY_CASES_H
+#define TALLY_CASES_H
+
+#include "lib/dice.h"
+#include "tally/tally.h"
+
+#include <math.h>
+
+static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
+
+/* The same with two pixels and the one outside, eight voxels and the one outside, two facets. */
+static const struct cml_grid map_grid = {.nr = 3,
+                                         .nz = 4,
+                                         .na = 2,
+                                         .num_layers = 2,
+                                         .absorption = true,
+                                         .nx = 2,
+                                         .ny = 1,
+                                         .map_na = 2,
+                                         .volume = true,
+                                         .facets = 2};
+
+static inline struct cml_tally make_tally(const struct cml_grid *of)
+{
+    struct cml_tally tally;
+    struct cml_error err;
+    assert_int_equal(cml_tally_create(of, &tally, &err), CML_OK);
+    return tally;
+}
+
+static inline struct cml_result make_result(const struct cml_grid *of, uint64_t photons)
+{
+    struct cml_result result;
+    struct cml_error err;
+    assert_int_equal(cml_result_create(of, photons, &result, &err), CML_OK);
+    return result;
+}
+
+/* One packet of weight 2^31 that leaves in the given cell after half of it was absorbed. */
+static inline void score(struct cml_tally *tally, int r, int a, int z, bool up)
+{
+    const uint64_t half = (uint64_t)1 << 30;
+    (up ? tally->Rd_ra : tally->Tt_ra)[r * tally->grid.na + a] += half;
+    if (tally->A_rz) tally->A_rz[r * (tally->grid.nz + 2) + z + 1] += half;
+    tally->A_l[1] += half;
+    tally->book[CML_BOOK_LAUNCHED] += 2 * half;
+    tally->book[up ? CML_BOOK_REFLECTED : CML_BOOK_TRANSMITTED] += half;
+    tally->book[CML_BOOK_ABSORBED] += half;
+    tally->count[CML_COUNT_PHOTONS]++;
+    tally->square[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += (cml_u128)half * half;
+    tally->square[CML_TOTAL_ABSORBED] += (cml_u128)half * half;
+}
+
+static inline void score_at_random(struct dice *dice, struct cml_tally *tally, int packets)
+{
+    for (int n = 0; n < packets; n++)
+        score(tally, dice_below(dice, grid.nr), dice_below(dice, grid.na), dice_below(dice, grid.nz),
+              dice_below(dice, 2));
+}
+
+static inline void add_to_batch(struct cml_result *result, int batch, const struct cml_tally *tally)
+{
+    cml_result_note(result, batch, tally);
+    cml_result_add(result, tally);
+}
+
+static inline void move(struct cml_tally *to, struct cml_tally *from, int parts)
+{
+    for (int part = parts - 1; part >= 0; part--) cml_tally_move(to, from, part, parts);
+}
+
+#endif

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally/ranges.h"
+#include "lib/dice.h"
+
+static struct cml_error err;
+
+static void add(struct cml_ranges *ranges, uint64_t first, uint64_t count)
+{
+    assert_int_equal(cml_ranges_add(ranges, (struct cml_range){first, count}, &err), CML_OK);
+}
+
+static void an_empty_set_gives_nothing(void **state)
+{
+    (void)state;
+    struct cml_ranges ranges = {0};
+    add(&ranges, 7, 0);
+    assert_int_equal(ranges.count, 0);
+    assert_int_equal(cml_ranges_take(&ranges, 5).count, 0);
+    cml_ranges_clear(&ranges);
+}
+
+/* Takes pieces of random size, gives some of them back, as ranks do that stop in the middle of a range. */
+static void every_index_is_flown_once(void **state)
+{
+    (void)state;
+    enum { PHOTONS = 5000 };
+    static int flown[PHOTONS];
+    struct dice dice = dice_new(1);
+    struct cml_ranges ranges = {0};
+    uint64_t left = PHOTONS;
+    add(&ranges, 0, PHOTONS);
+    while (ranges.total > 0) {
+        struct cml_range piece = cml_ranges_take(&ranges, 1 + (uint64_t)dice_below(&dice, 40));
+        uint64_t some = (uint64_t)dice_below(&dice, (int)piece.count + 1);
+        left -= some;
+        for (; some > 0; some--, piece.count--) flown[piece.first++]++;
+        add(&ranges, piece.first, piece.count);
+        assert_int_equal(ranges.total, left);
+    }
+    assert_int_equal(ranges.count, 0);
+    for (int i = 0; i < PHOTONS; i++) assert_int_equal(flown[i], 1);
+    cml_ranges_clear(&ranges);
+}
+
+static void many_ranges_fit(void **state)
+{
+    (void)state;
+    struct cml_ranges ranges = {0};
+    uint64_t sum = 0;
+    for (uint64_t i = 0; i < 1000; i++) add(&ranges, 10 * i, 3);
+    for (int i = 0; i < 1000; i++) sum += cml_ranges_take(&ranges, 100).first;
+    assert_int_equal(sum, 10 * 999 * 1000 / 2);
+    assert_int_equal(ranges.total, 0);
+    cml_ranges_clear(&ranges);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(an_empty_set_gives_nothing),
+        cmocka_unit_test(every_index_is_flown_once),
+        cmocka_unit_test(many_ranges_fit),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,327 @@
+/* Results: what tallies add up to, in which bins, with which errors. SPDX-License-Identifier: MIT */
+#include "unit/tally/tally_cases.h"
+
+static void a_broken_map_leaves_a_residue(void **state)
+{
+    (void)state;
+    struct cml_error err;
+    struct cml_result result;
+    assert_int_equal(cml_result_create(&map_grid, 100, &result, &err), CML_OK);
+    assert_true(cml_result_residue(&result) == 0);
+    cml_u128 *const cells[] = {&result.Rd_xya[5], &result.Tt_xya[0], &result.A_xyz[8],
+                               &result.facets[CML_FACET_IRRADIANCE_BELOW],
+                               &result.facets[CML_FACET_SCORES + CML_FACET_EXITANCE_ABOVE]};
+    for (int i = 0; i < COUNT(cells); i++) {
+        ++*cells[i];
+        assert_true(cml_result_residue(&result) != 0);
+        --*cells[i];
+        assert_true(cml_result_residue(&result) == 0);
+    }
+    cml_result_free(&result);
+}
+
+/* Of 1000 packets, 250 end in a pixel with half their weight: mean 1/8, mean square 1/16. */
+static void the_error_of_what_a_packet_adds_once(void **state)
+{
+    (void)state;
+    struct cml_result result = {.count[CML_COUNT_PHOTONS] = 1000};
+    const cml_u128 sum = (cml_u128)250 << 30, square = (cml_u128)1 << 2 * (30 - CML_SQUARE_SHIFT);
+    const double expected = sqrt((1.0 / 16 - 1.0 / 64) / 999);
+    assert_true(fabs(cml_result_once_error(&result, sum, 250 * square) / expected - 1) < 1e-12);
+    assert_true(cml_result_once_error(&result, 0, 0) == 0);
+}
+
+static void every_photon_belongs_to_one_batch(void **state)
+{
+    (void)state;
+    static const uint64_t photons[] = {1, 63, 64, 65, 1000007, (uint64_t)1 << 48};
+    for (int i = 0; i < COUNT(photons); i++) {
+        assert_int_equal(cml_batch_first(photons[i], 0), 0);
+        assert_int_equal(cml_batch_first(photons[i], CML_NUM_BATCHES), photons[i]);
+        for (int b = 0; b < CML_NUM_BATCHES; b++) {
+            const uint64_t first = cml_batch_first(photons[i], b), next = cml_batch_first(photons[i], b + 1);
+            assert_true(next >= first);
+            assert_true(next - first == photons[i] / 64 || next - first == photons[i] / 64 + 1);
+        }
+    }
+}
+
+static void a_result_has_the_margins_of_its_batches(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(81);
+    struct cml_result result = make_result(&grid, 640);
+    cml_u128 wanted[3][2] = {{0}};
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        struct cml_tally tally = make_tally(&grid);
+        score_at_random(&dice, &tally, 10);
+        add_to_batch(&result, b, &tally);
+        for (int r = 0; r < 3; r++) {
+            assert_true(result.Rd_r[b * 3 + r] == (cml_u128)tally.Rd_ra[2 * r] + tally.Rd_ra[2 * r + 1]);
+            assert_true(result.Tt_r[b * 3 + r] == (cml_u128)tally.Tt_ra[2 * r] + tally.Tt_ra[2 * r + 1]);
+            for (int a = 0; a < 2; a++) wanted[r][a] += tally.Rd_ra[2 * r + a];
+        }
+        for (int a = 0; a < 2; a++)
+            assert_true(result.Rd_a[b * 2 + a] ==
+                        (cml_u128)tally.Rd_ra[a] + tally.Rd_ra[2 + a] + tally.Rd_ra[4 + a]);
+        for (int z = 0; z < 4; z++)
+            assert_true(result.A_z[b * 4 + z] ==
+                        (cml_u128)tally.A_rz[1 + z] + tally.A_rz[7 + z] + tally.A_rz[13 + z]);
+        cml_tally_free(&tally);
+    }
+    for (int r = 0; r < 3; r++)
+        for (int a = 0; a < 2; a++) assert_true(result.Rd_ra[2 * r + a] == wanted[r][a]);
+    assert_true(cml_result_residue(&result) == 0);
+    assert_true(cml_result_share(&result, CML_BOOK_ABSORBED) == 0.5);
+    cml_result_free(&result);
+}
+
+/* One tally for many batches, in any order and several times each, is worth as much as one for each. */
+static void a_tally_may_serve_many_batches(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(83);
+    struct cml_result result = make_result(&grid, 640), apart = make_result(&grid, 640);
+    struct cml_tally all = make_tally(&grid);
+    for (int n = 0; n < 200; n++) {
+        struct cml_tally piece = make_tally(&grid);
+        const int batch = dice_below(&dice, CML_NUM_BATCHES);
+        score_at_random(&dice, &piece, 10);
+        piece.Rd_ra[3 * 2 + 1] = 5; /* beyond the grid, too */
+        piece.A_rz[3 * 6 + 5] = 7;
+        add_to_batch(&apart, batch, &piece);
+        move(&all, &piece, 1);
+        cml_result_note(&result, batch, &all);
+        if (n % 50 == 49) {
+            cml_result_add(&result, &all);
+            cml_tally_zero(&all);
+        }
+        cml_tally_free(&piece);
+    }
+    size_t cells, same;
+    const cml_u128 *a = cml_result_cells(&result, &cells), *b = cml_result_cells(&apart, &same);
+    assert_int_equal(cells, same);
+    assert_memory_equal(a, b, cells * sizeof *a);
+    assert_memory_equal(result.book, apart.book, sizeof result.book);
+    cml_tally_free(&all);
+    cml_result_free(&result);
+    cml_result_free(&apart);
+}
+
+/* P7: what lies beyond the grid goes into the last or first bin, and is counted. */
+static void cells_beyond_the_grid_go_into_its_rim(void **state)
+{
+    (void)state;
+    struct cml_result result = make_result(&grid, 1);
+    struct cml_tally tally = make_tally(&grid);
+    tally.Rd_ra[3 * 2 + 1] = 1;
+    tally.Tt_ra[3 * 2] = 2;
+    tally.A_rz[1 * 6 + 0] = 4;  /* r bin 1, z < 0 */
+    tally.A_rz[2 * 6 + 5] = 8;  /* r bin 2, too deep */
+    tally.A_rz[3 * 6 + 2] = 16; /* too far out, z bin 1 */
+    tally.A_rz[3 * 6 + 5] = 32; /* both */
+    add_to_batch(&result, 7, &tally);
+    assert_true(result.Rd_ra[2 * 2 + 1] == 1 && result.Rd_r[7 * 3 + 2] == 1 && result.Rd_a[7 * 2 + 1] == 1);
+    assert_true(result.Tt_ra[2 * 2] == 2 && result.Tt_r[7 * 3 + 2] == 2 && result.Tt_a[7 * 2] == 2);
+    assert_true(result.A_rz[1 * 4 + 0] == 4 && result.A_rz[2 * 4 + 3] == 8 + 32 &&
+                result.A_rz[2 * 4 + 1] == 16);
+    assert_true(result.A_z[7 * 4] == 4 && result.A_z[7 * 4 + 1] == 16 && result.A_z[7 * 4 + 3] == 40);
+    assert_true(result.book[CML_BOOK_OVERFLOW_R] == 1 + 2 + 16 + 32);
+    assert_true(result.book[CML_BOOK_OVERFLOW_Z] == 8 + 32 && result.book[CML_BOOK_ABOVE] == 4);
+    cml_tally_free(&tally);
+    cml_result_free(&result);
+}
+
+/* One unit too many or too few anywhere shows. */
+static void a_broken_cell_leaves_a_residue(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(82);
+    struct cml_result result = make_result(&grid, 100);
+    struct cml_tally tally = make_tally(&grid);
+    score_at_random(&dice, &tally, 100);
+    add_to_batch(&result, 0, &tally);
+    assert_true(cml_result_residue(&result) == 0);
+    cml_u128 *const cells[] = {&result.A_rz[5],
+                               &result.Rd_ra[1],
+                               &result.Tt_ra[4],
+                               &result.A_l[2],
+                               &result.book[CML_BOOK_LAUNCHED],
+                               &result.book[CML_BOOK_GAINED],
+                               &result.book[CML_BOOK_SPECULAR],
+                               &result.book[CML_BOOK_REFLECTED],
+                               &result.book[CML_BOOK_ROULETTE],
+                               &result.book[CML_BOOK_TRAPPED],
+                               &result.book[CML_BOOK_LOST],
+                               &result.book[CML_BOOK_ABSORBED],
+                               &result.book[CML_BOOK_TRANSMITTED]};
+    for (int i = 0; i < COUNT(cells); i++) {
+        ++*cells[i];
+        assert_true(cml_result_residue(&result) != 0);
+        --*cells[i];
+        assert_true(cml_result_residue(&result) == 0);
+    }
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+static void the_error_of_a_total_is_that_of_its_packets(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(83);
+    struct cml_result result = make_result(&grid, 1000);
+    struct cml_tally tally = make_tally(&grid);
+    double sum = 0, squares = 0;
+    double weight[1000];
+    for (int n = 0; n < 1000; n++) {
+        const uint32_t w = dice_word(&dice) >> 1;
+        weight[n] = w * 0x1p-31;
+        sum += weight[n];
+        tally.book[CML_BOOK_REFLECTED] += w;
+        tally.square[CML_TOTAL_REFLECTED] += (cml_u128)w * w;
+        tally.count[CML_COUNT_PHOTONS]++;
+    }
+    for (int n = 0; n < 1000; n++) squares += (weight[n] - sum / 1000) * (weight[n] - sum / 1000);
+    add_to_batch(&result, 0, &tally);
+    assert_near("error", cml_result_error(&result, CML_TOTAL_REFLECTED), sqrt(squares / 999 / 1000), 1e-15);
+    assert_true(cml_result_error(&result, CML_TOTAL_TRANSMITTED) == 0);
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+/* Against the same formula written out, with batches of unequal size; and for independent packets it must
+ * agree with the binomial error. */
+static void the_error_of_a_bin_is_the_spread_of_its_batches(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(84);
+    const uint64_t photons = 10007;
+    struct cml_result result = make_result(&grid, photons);
+    double mean[CML_NUM_BATCHES], size[CML_NUM_BATCHES], all = 0, squares = 0;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        struct cml_tally tally = make_tally(&grid);
+        size[b] = (double)(cml_batch_first(photons, b + 1) - cml_batch_first(photons, b));
+        for (int n = 0; n < (int)size[b]; n++) score(&tally, dice_below(&dice, 3), 0, 0, true);
+        add_to_batch(&result, b, &tally);
+        mean[b] = (double)(tally.Rd_ra[2] + tally.Rd_ra[3]) * CML_WEIGHT_UNIT / size[b];
+        all += mean[b] * size[b] / (double)photons;
+        cml_tally_free(&tally);
+    }
+    for (int b = 0; b < CML_NUM_BATCHES; b++) squares += size[b] * (mean[b] - all) * (mean[b] - all);
+    const double error = cml_result_bin_error(&result, result.Rd_r, 3, 1);
+    assert_near("error", error, sqrt(squares / 63 / (double)photons), 1e-15);
+    assert_near("binomial error", error / (0.5 * sqrt(2.0 / 9 / (double)photons)), 1, 0.35);
+    assert_true(cml_result_bin_error(&result, result.Tt_r, 3, 1) == 0);
+    cml_result_free(&result);
+}
+
+static void one_photon_has_no_error_yet(void **state)
+{
+    (void)state;
+    struct cml_result result = make_result(&grid, 1);
+    struct cml_tally tally = make_tally(&grid);
+    score(&tally, 1, 1, 1, true);
+    add_to_batch(&result, 63, &tally);
+    assert_true(cml_result_error(&result, CML_TOTAL_REFLECTED) == 0);
+    assert_true(cml_result_bin_error(&result, result.Rd_r, 3, 1) == 0);
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+/* 2^48 packets in one cell, and tallies as full as they may get. */
+static void a_result_does_not_overflow(void **state)
+{
+    (void)state;
+    struct cml_result result = make_result(&grid, (uint64_t)1 << 48);
+    struct cml_tally tally = make_tally(&grid);
+    const uint64_t full = CML_TALLY_MAX_PHOTONS * ((uint64_t)1 << 31);
+    tally.Rd_ra[0] = full;
+    tally.book[CML_BOOK_LAUNCHED] = full;
+    tally.book[CML_BOOK_REFLECTED] = full;
+    tally.count[CML_COUNT_PHOTONS] = CML_TALLY_MAX_PHOTONS;
+    tally.square[CML_TOTAL_REFLECTED] = (cml_u128)full << 31;
+    for (int n = 0; n < 1 << 18; n++) add_to_batch(&result, n >> 12, &tally);
+    assert_true(result.Rd_ra[0] == (cml_u128)1 << 79);
+    assert_true(result.Rd_r[5 * 3] == (cml_u128)1 << 73);
+    assert_true(result.count[CML_COUNT_PHOTONS] == (cml_u128)1 << 48);
+    assert_true(cml_result_residue(&result) == 0);
+    assert_true(cml_result_share(&result, CML_BOOK_REFLECTED) == 1);
+    assert_true(cml_result_error(&result, CML_TOTAL_REFLECTED) == 0);
+    assert_true(cml_result_bin_error(&result, result.Rd_r, 3, 0) == 0);
+    cml_result_free(&result);
+    cml_tally_free(&tally);
+}
+
+static void a_photon_finds_its_batch(void **state)
+{
+    (void)state;
+    static const uint64_t numbers[] = {
+        1, 2, 63, 64, 65, 1000, 4095, ((uint64_t)1 << 48) - 1, (uint64_t)1 << 48};
+    for (int n = 0; n < COUNT(numbers); n++) {
+        for (int b = 0; b < CML_NUM_BATCHES; b++) {
+            const uint64_t first = cml_batch_first(numbers[n], b), end = cml_batch_first(numbers[n], b + 1);
+            if (first == end) continue;
+            assert_int_equal(cml_batch_of(numbers[n], first), b);
+            assert_int_equal(cml_batch_of(numbers[n], end - 1), b);
+        }
+    }
+}
+
+static struct cml_summary random_summary(struct dice *dice)
+{
+    struct cml_summary summary = {.lost = {0}};
+    for (int i = 0; i < COUNT(summary.sum); i++) summary.sum[i] = (cml_u128)dice_word(dice) << 60;
+    for (int i = 0; i < 6; i++) cml_lost_list_add(&summary.lost, dice_word(dice));
+    return summary;
+}
+
+/* Ranks are summed in whatever tree MPI likes. */
+static void summaries_merge_in_any_order(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(3);
+    const struct cml_summary a = random_summary(&dice), b = random_summary(&dice), c = random_summary(&dice);
+    struct cml_summary left = a, right = c, inner = b;
+    cml_summary_merge(&left, &b);
+    cml_summary_merge(&left, &c);
+    cml_summary_merge(&inner, &a);
+    cml_summary_merge(&right, &inner);
+    assert_memory_equal(&left, &right, sizeof left);
+    assert_int_equal(left.lost.count, CML_LOST_LISTED);
+}
+
+static void a_summary_goes_there_and_back(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(4);
+    const struct cml_summary summary = random_summary(&dice);
+    struct cml_summary back;
+    struct cml_result result = make_result(&grid, 10);
+    cml_result_set_summary(&result, &summary);
+    cml_result_summary(&result, &back);
+    assert_memory_equal(&back, &summary, sizeof back);
+    assert_true(result.book[CML_BOOK_GAINED] == summary.sum[CML_BOOK_GAINED]);
+    assert_true(result.count[0] == summary.sum[CML_NUM_BOOKS]);
+    cml_result_free(&result);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_broken_map_leaves_a_residue),
+        cmocka_unit_test(the_error_of_what_a_packet_adds_once),
+        cmocka_unit_test(every_photon_belongs_to_one_batch),
+        cmocka_unit_test(a_result_has_the_margins_of_its_batches),
+        cmocka_unit_test(a_tally_may_serve_many_batches),
+        cmocka_unit_test(cells_beyond_the_grid_go_into_its_rim),
+        cmocka_unit_test(a_broken_cell_leaves_a_residue),
+        cmocka_unit_test(the_error_of_a_total_is_that_of_its_packets),
+        cmocka_unit_test(the_error_of_a_bin_is_the_spread_of_its_batches),
+        cmocka_unit_test(one_photon_has_no_error_yet),
+        cmocka_unit_test(a_result_does_not_overflow),
+        cmocka_unit_test(a_photon_finds_its_batch),
+        cmocka_unit_test(summaries_merge_in_any_order),
+        cmocka_unit_test(a_summary_goes_there_and_back),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,159 @@
+/* Tallies: their cells, and how those of threads come together. SPDX-License-Identifier: MIT */
+#include "unit/tally/tally_cases.h"
+
+static void a_new_tally_is_zero_and_has_all_its_cells(void **state)
+{
+    (void)state;
+    struct cml_tally tally = make_tally(&grid);
+    for (size_t i = 0; i < cml_tally_cells(&grid); i++) assert_int_equal(tally.A_l[i], 0);
+    assert_true(tally.Rd_ra == tally.A_l + 4 && tally.Tt_ra == tally.Rd_ra + 4 * 2);
+    assert_true(tally.A_rz == tally.Tt_ra + 4 * 2);
+    assert_int_equal(cml_tally_cells(&grid), 4 + 2 * 4 * 2 + 4 * 6);
+    assert_true(cml_tally_bytes(&grid) == 8 * (4 + 2 * 4 * 2 + 4 * 6));
+    cml_tally_free(&tally);
+    struct cml_grid without = grid;
+    without.absorption = false;
+    tally = make_tally(&without);
+    assert_null(tally.A_rz);
+    assert_true(cml_tally_bytes(&without) == 8 * (4 + 2 * 4 * 2));
+    cml_tally_free(&tally);
+}
+
+/* The arrays lie side by side, so every one is filled with numbers of its own. */
+static void fill(struct cml_tally *tally, uint64_t from)
+{
+    for (size_t i = 0; i < cml_tally_cells(&grid); i++) tally->A_l[i] = from++;
+    for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] = from++;
+    for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] = from++;
+    for (int i = 0; i < CML_NUM_TOTALS; i++) tally->square[i] = from++;
+}
+
+static void assert_zero(const struct cml_tally *tally)
+{
+    struct cml_tally fresh = make_tally(&grid);
+    assert_memory_equal(tally->A_l, fresh.A_l, (size_t)cml_tally_bytes(&grid));
+    assert_memory_equal(tally->book, fresh.book, sizeof fresh.book);
+    assert_memory_equal(tally->count, fresh.count, sizeof fresh.count);
+    assert_memory_equal(tally->square, fresh.square, sizeof fresh.square);
+    assert_int_equal(tally->lost.count, 0);
+    cml_tally_free(&fresh);
+}
+
+static void move_in(int parts)
+{
+    struct cml_tally a = make_tally(&grid), b = make_tally(&grid);
+    fill(&a, 1000);
+    fill(&b, 50000);
+    move(&a, &b, parts);
+    uint64_t wanted = 51000;
+    for (size_t i = 0; i < cml_tally_cells(&grid); i++, wanted += 2) assert_int_equal(a.A_l[i], wanted);
+    for (int i = 0; i < CML_NUM_BOOKS; i++, wanted += 2) assert_int_equal(a.book[i], wanted);
+    for (int i = 0; i < CML_NUM_COUNTS; i++, wanted += 2) assert_int_equal(a.count[i], wanted);
+    for (int i = 0; i < CML_NUM_TOTALS; i++, wanted += 2) assert_true(a.square[i] == wanted);
+    assert_zero(&b);
+    cml_tally_zero(&a);
+    assert_zero(&a);
+    cml_tally_free(&a);
+    cml_tally_free(&b);
+}
+
+static void moving_takes_every_cell_once(void **state)
+{
+    (void)state;
+    move_in(1);
+    move_in(2);
+    move_in(7);
+    move_in(1000); /* more parts than cells */
+}
+
+/* The maps of a tally: arrays with their numbers of cells. */
+#define MAPS 6
+static int map_cells(const struct cml_tally *t, uint64_t **cells)
+{
+    uint64_t *const arrays[MAPS] = {t->Rd_xya, t->Tt_xya, t->Rd_xya2, t->Tt_xya2, t->A_xyz, t->facets};
+    const int counts[MAPS] = {6, 6, 6, 6, 9, 2 * CML_FACET_SCORES};
+    int n = 0;
+    for (int a = 0; a < MAPS; a++)
+        for (int i = 0; i < counts[a]; i++) cells[n++] = &arrays[a][i];
+    return n;
+}
+
+static void maps_have_cells_of_their_own(void **state)
+{
+    (void)state;
+    struct cml_tally a = make_tally(&map_grid);
+    struct cml_result result = make_result(&map_grid, 64);
+    uint64_t *cells[64];
+    const int n = map_cells(&a, cells);
+    assert_int_equal(cml_tally_cells(&map_grid), cml_tally_cells(&grid) + (size_t)n);
+    for (int i = 0; i < n; i++) *cells[i] = (uint64_t)i + 1;
+    for (int i = 0; i < n; i++) assert_int_equal(*cells[i], i + 1);
+    for (int i = 0; i < 24; i++) assert_int_equal(a.A_rz[i], 0); /* nor do they overlap with what is before */
+    add_to_batch(&result, 0, &a);
+    add_to_batch(&result, 1, &a);
+    for (int i = 0; i < 6; i++) {
+        assert_true(result.Rd_xya[i] == 2 * a.Rd_xya[i] && result.Tt_xya[i] == 2 * a.Tt_xya[i]);
+        assert_true(result.Rd_xya2[i] == 2 * a.Rd_xya2[i] && result.Tt_xya2[i] == 2 * a.Tt_xya2[i]);
+    }
+    for (int i = 0; i < 9; i++) assert_true(result.A_xyz[i] == 2 * a.A_xyz[i]);
+    for (int i = 0; i < 2 * CML_FACET_SCORES; i++) assert_true(result.facets[i] == 2 * a.facets[i]);
+    for (int i = 0; i < 12; i++) assert_true(result.A_rz[i] == 0);
+    for (int i = 0; i < CML_NUM_BATCHES * 3; i++)
+        assert_true(result.Rd_r[i] == 0); /* nor what comes behind */
+    cml_result_free(&result);
+    cml_tally_zero(&a);
+    for (int i = 0; i < n; i++) assert_int_equal(*cells[i], 0);
+    cml_tally_free(&a);
+}
+
+/* Threads have no maps of their own: merging them leaves the owner's as they are. */
+static void borrowed_maps_are_not_merged(void **state)
+{
+    (void)state;
+    const struct cml_grid small = cml_grid_of_thread(&map_grid);
+    struct cml_tally owner = make_tally(&map_grid), thread = make_tally(&small);
+    assert_true(cml_tally_bytes(&small) == cml_tally_bytes(&grid));
+    assert_null(thread.Rd_xya);
+    assert_null(thread.facets);
+    cml_tally_borrow(&thread, &owner);
+    thread.Rd_xya[5] += 7;
+    thread.A_xyz[8] += 8;
+    thread.facets[1] += 9;
+    thread.A_rz[11] += 10;
+    thread.A_l[0] += 11;
+    move(&owner, &thread, 2);
+    assert_int_equal(owner.Rd_xya[5], 7);
+    assert_int_equal(owner.A_xyz[8], 8);
+    assert_int_equal(owner.facets[1], 9);
+    assert_int_equal(owner.A_rz[11], 10);
+    assert_int_equal(owner.A_l[0], 11);
+    cml_tally_free(&thread);
+    cml_tally_free(&owner);
+}
+
+static void the_list_of_lost_packets_keeps_the_smallest_in_order(void **state)
+{
+    (void)state;
+    struct cml_tally a = make_tally(&grid), b = make_tally(&grid);
+    for (uint64_t i = 0; i < 20; i++) cml_lost_list_add(i & 1 ? &a.lost : &b.lost, 7 * i % 20 + 100);
+    move(&a, &b, 3);
+    assert_int_equal(a.lost.count, CML_LOST_LISTED);
+    for (int i = 0; i < CML_LOST_LISTED; i++) assert_int_equal(a.lost.index[i], 100 + i);
+    assert_int_equal(b.lost.count, 0);
+    cml_tally_zero(&a);
+    assert_int_equal(a.lost.count, 0);
+    cml_tally_free(&a);
+    cml_tally_free(&b);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_new_tally_is_zero_and_has_all_its_cells),
+        cmocka_unit_test(moving_takes_every_cell_once),
+        cmocka_unit_test(maps_have_cells_of_their_own),
+        cmocka_unit_test(borrowed_maps_are_not_merged),
+        cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

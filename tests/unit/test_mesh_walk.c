@@ -1,2 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-#include "mesh_walk_cases.h"

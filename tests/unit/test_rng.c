@@ -1,2 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-#include "rng_cases.h"

@@ -1,3 +1,0 @@
-/* SPDX-License-Identifier: MIT */
-#define CML_DOUBLE
-#include "rng_cases.h"

@@ -5,10 +5,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* In cells: vertices further from the lattice make it none; the least margin, which covers rounding. */
+/* In cells: vertices further from the grid make it none; the least margin, which covers rounding. */
 static const double most_jitter = 1e-3, least_margin = 1e-6;
 
-/* Cells per facet beyond which a lattice would be a waste. */
+/* Cells per facet beyond which a grid would be a waste. */
 static const double most_cells_per_facet = 16;
 
 enum { SOUTH = 1, EAST = 2, NORTH = 4, WEST = 8, ALL = 15 }; /* quarters of a cell between its diagonals */
@@ -47,35 +47,35 @@ static double spacing(const struct cml_mesh *mesh, const struct rectangle *r, in
     return least;
 }
 
-/* The lattice that the rectangle and its shortest edges suggest. */
-static bool guess(const struct cml_mesh *mesh, const struct rectangle *r, struct cml_lattice *lattice)
+/* The grid that the rectangle and its shortest edges suggest. */
+static bool guess(const struct cml_mesh *mesh, const struct rectangle *r, struct cml_grid_mesh *grid)
 {
     double cells = 1;
     for (int k = 0; k < 2; k++) {
         const double n = rint((r->upper[k] - r->lower[k]) / spacing(mesh, r, k));
         if (!(n >= 1 && n < 1 << 28)) return false;
-        lattice->n[k] = (int)n;
-        lattice->corner[k] = r->lower[k];
-        lattice->per_cell[k] = n / (r->upper[k] - r->lower[k]);
+        grid->n[k] = (int)n;
+        grid->corner[k] = r->lower[k];
+        grid->per_cell[k] = n / (r->upper[k] - r->lower[k]);
         cells *= n;
     }
     return cells <= most_cells_per_facet * (double)mesh->num_triangles;
 }
 
-/* A vertex in cells from the lattice's corner. */
-static double in_cells(const struct cml_lattice *lattice, const double v[3], int axis)
+/* A vertex in cells from the grid's corner. */
+static double in_cells(const struct cml_grid_mesh *grid, const double v[3], int axis)
 {
-    return (v[axis] - lattice->corner[axis]) * lattice->per_cell[axis];
+    return (v[axis] - grid->corner[axis]) * grid->per_cell[axis];
 }
 
-/* Largest distance of the rectangle's vertices from the lattice, in cells. */
+/* Largest distance of the rectangle's vertices from the grid, in cells. */
 static double find_jitter(const struct cml_mesh *mesh, const struct rectangle *r,
-                          const struct cml_lattice *lattice)
+                          const struct cml_grid_mesh *grid)
 {
     double jitter = 0;
     for (size_t i = 0; i < mesh->num_vertices; i++)
         for (int k = 0; k < 2 && is_inside(r, mesh->vertex[i]); k++) {
-            const double x = in_cells(lattice, mesh->vertex[i], k);
+            const double x = in_cells(grid, mesh->vertex[i], k);
             jitter = fmax(jitter, fabs(x - rint(x)));
         }
     return jitter;
@@ -99,8 +99,8 @@ static bool covers(const struct facet *f, int64_t x, int64_t y)
     return true;
 }
 
-/* Sides along lattice lines or diagonals, wound as a sheet's facets are where they face up. */
-static bool is_of_lattice(const struct facet *f)
+/* Sides along grid lines or diagonals, wound as a sheet's facets are where they face up. */
+static bool follows_grid(const struct facet *f)
 {
     for (int k = 0; k < 3; k++) {
         const int64_t *a = f->corner[k], *b = f->corner[(k + 1) % 3];
@@ -117,46 +117,46 @@ static int quarters(const struct facet *f, int64_t i, int64_t j)
 }
 
 /* Depths in steps, rounded outwards. The mesh itself lies within the range of 16 bits. */
-static void widen_depths(const struct cml_lattice *lattice, double least, double most,
-                         struct cml_lattice_depths *depths)
+static void widen_depths(const struct cml_grid_mesh *grid, double least, double most,
+                         struct cml_grid_mesh_depths *depths)
 {
-    const double low = fmax(floor((least - lattice->z) * lattice->per_step), 0),
-                 high = fmin(ceil((most - lattice->z) * lattice->per_step), UINT16_MAX);
+    const double low = fmax(floor((least - grid->z) * grid->per_step), 0),
+                 high = fmin(ceil((most - grid->z) * grid->per_step), UINT16_MAX);
     if (low < depths->least) depths->least = (uint16_t)low;
     if (high > depths->most) depths->most = (uint16_t)high;
 }
 
 /* Widens the cell's depths by those of the facet's plane at the corners that belong to its part of the cell.
  */
-static void widen(const struct cml_mesh_body *body, const struct cml_lattice *lattice, size_t facet, int part,
-                  int i, int j, struct cml_lattice_depths *depths)
+static void widen(const struct cml_mesh_body *body, const struct cml_grid_mesh *grid, size_t facet, int part,
+                  int i, int j, struct cml_grid_mesh_depths *depths)
 {
     static const int at[4] = {SOUTH | WEST, SOUTH | EAST, NORTH | WEST, NORTH | EAST};
-    const double *plane = body->plane[facet], dx = 1 / lattice->per_cell[0], dy = 1 / lattice->per_cell[1];
+    const double *plane = body->plane[facet], dx = 1 / grid->per_cell[0], dy = 1 / grid->per_cell[1];
     const double slope = (fabs(plane[0]) * dx + fabs(plane[1]) * dy) / fabs(plane[2]);
-    const double pad = body->inflation + lattice->margin * slope;
+    const double pad = body->inflation + grid->margin * slope;
     for (int k = 0; k < 4; k++) {
-        const double x = lattice->corner[0] + (i + k % 2) * dx, y = lattice->corner[1] + (j + k / 2) * dy;
+        const double x = grid->corner[0] + (i + k % 2) * dx, y = grid->corner[1] + (j + k / 2) * dy;
         const double z = (plane[3] - plane[0] * x - plane[1] * y) / plane[2];
-        if (part & at[k]) widen_depths(lattice, z - pad, z + pad, depths);
+        if (part & at[k]) widen_depths(grid, z - pad, z + pad, depths);
     }
 }
 
 /* False when another facet is there already, or the facets disagree about the diagonal. */
-static bool put(struct cml_lattice_cell *cell, size_t facet, int part)
+static bool put(struct cml_grid_mesh_cell *cell, size_t facet, int part)
 {
     const bool falling = part == (SOUTH | WEST) || part == (NORTH | EAST);
-    const uint32_t mark = (uint32_t)facet | (falling ? CML_LATTICE_FALLING : 0);
-    if ((part & SOUTH && cell->south != CML_LATTICE_NO_FACET) ||
-        (part & NORTH && cell->north != CML_LATTICE_NO_FACET))
+    const uint32_t mark = (uint32_t)facet | (falling ? CML_GRID_MESH_FALLING : 0);
+    if ((part & SOUTH && cell->south != CML_GRID_MESH_NO_FACET) ||
+        (part & NORTH && cell->north != CML_GRID_MESH_NO_FACET))
         return false;
     if (part & SOUTH) cell->south = mark;
     if (part & NORTH) cell->north = mark;
-    return cell->south == CML_LATTICE_NO_FACET || cell->north == CML_LATTICE_NO_FACET ||
-           ((cell->south ^ cell->north) & CML_LATTICE_FALLING) == 0;
+    return cell->south == CML_GRID_MESH_NO_FACET || cell->north == CML_GRID_MESH_NO_FACET ||
+           ((cell->south ^ cell->north) & CML_GRID_MESH_FALLING) == 0;
 }
 
-static bool lay(const struct cml_mesh_body *body, struct cml_lattice *lattice, size_t facet,
+static bool lay(const struct cml_mesh_body *body, struct cml_grid_mesh *grid, size_t facet,
                 const struct facet *f)
 {
     int64_t low[2], high[2];
@@ -171,34 +171,33 @@ static bool lay(const struct cml_mesh_body *body, struct cml_lattice *lattice, s
     for (int64_t j = low[1]; j < high[1]; j++)
         for (int64_t i = low[0]; i < high[0]; i++) {
             const int part = quarters(f, i, j);
-            const size_t at = cml_lattice_at(&lattice->level[0], (int)i, (int)j);
+            const size_t at = cml_grid_mesh_index(&grid->level[0], (int)i, (int)j);
             if (part == 0) continue;
-            if (!put(&lattice->cell[at], facet, part)) return false;
-            widen(body, lattice, facet, part, (int)i, (int)j, &lattice->level[0].depths[at]);
-            for (int k = 0; k < 4 && part & SOUTH; k++) lattice->planes[at].south[k] = body->plane[facet][k];
-            for (int k = 0; k < 4 && part & NORTH; k++) lattice->planes[at].north[k] = body->plane[facet][k];
+            if (!put(&grid->cell[at], facet, part)) return false;
+            widen(body, grid, facet, part, (int)i, (int)j, &grid->level[0].depths[at]);
+            for (int k = 0; k < 4 && part & SOUTH; k++) grid->planes[at].south[k] = body->plane[facet][k];
+            for (int k = 0; k < 4 && part & NORTH; k++) grid->planes[at].north[k] = body->plane[facet][k];
         }
     return true;
 }
 
 /* Whether a facet with corners outside lies beside the rectangle altogether. */
-static bool is_beside(const struct cml_lattice *lattice, const struct cml_mesh *mesh, const uint32_t v[3])
+static bool is_beside(const struct cml_grid_mesh *grid, const struct cml_mesh *mesh, const uint32_t v[3])
 {
     for (int k = 0; k < 2; k++) {
-        const double a = in_cells(lattice, mesh->vertex[v[0]], k),
-                     b = in_cells(lattice, mesh->vertex[v[1]], k),
-                     c = in_cells(lattice, mesh->vertex[v[2]], k);
+        const double a = in_cells(grid, mesh->vertex[v[0]], k), b = in_cells(grid, mesh->vertex[v[1]], k),
+                     c = in_cells(grid, mesh->vertex[v[2]], k);
         const double low = fmin(a, fmin(b, c)), high = fmax(a, fmax(b, c));
-        if (high <= lattice->margin || low >= lattice->n[k] - lattice->margin) return true;
+        if (high <= grid->margin || low >= grid->n[k] - grid->margin) return true;
     }
     return false;
 }
 
 /* Lays all facets; false when one does not fit. */
-static bool fill(const struct cml_mesh_body *body, const struct rectangle *r, struct cml_lattice *lattice)
+static bool fill(const struct cml_mesh_body *body, const struct rectangle *r, struct cml_grid_mesh *grid)
 {
     const struct cml_mesh *mesh = &body->mesh;
-    lattice->is_whole = true;
+    grid->is_whole = true;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
         const uint32_t *v = mesh->triangle[t];
         struct facet f;
@@ -206,133 +205,131 @@ static bool fill(const struct cml_mesh_body *body, const struct rectangle *r, st
         for (int c = 0; c < 3; c++) {
             inside = inside && is_inside(r, mesh->vertex[v[c]]);
             for (int k = 0; k < 2; k++)
-                f.corner[c][k] = inside ? 4 * llrint(in_cells(lattice, mesh->vertex[v[c]], k)) : 0;
+                f.corner[c][k] = inside ? 4 * llrint(in_cells(grid, mesh->vertex[v[c]], k)) : 0;
         }
-        if (inside ? !is_of_lattice(&f) || !lay(body, lattice, t, &f) : !is_beside(lattice, mesh, v))
-            return false;
-        lattice->is_whole = lattice->is_whole && inside;
+        if (inside ? !follows_grid(&f) || !lay(body, grid, t, &f) : !is_beside(grid, mesh, v)) return false;
+        grid->is_whole = grid->is_whole && inside;
     }
     return true;
 }
 
-static size_t places_of(const struct cml_lattice_level *level)
+static size_t places_of(const struct cml_grid_mesh_level *level)
 {
     return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
 }
 
-static size_t places_of_all(const struct cml_lattice *lattice)
+static size_t places_of_all(const struct cml_grid_mesh *grid)
 {
     size_t places = 0;
-    for (int l = 0; l < lattice->levels; l++) places += places_of(&lattice->level[l]);
+    for (int l = 0; l < grid->levels; l++) places += places_of(&grid->level[l]);
     return places;
 }
 
-static double bytes_of(const struct cml_lattice *lattice)
+static double bytes_of(const struct cml_grid_mesh *grid)
 {
-    return (double)places_of(&lattice->level[0]) * (sizeof *lattice->cell + sizeof *lattice->planes) +
-           (double)places_of_all(lattice) * sizeof(struct cml_lattice_depths);
+    return (double)places_of(&grid->level[0]) * (sizeof *grid->cell + sizeof *grid->planes) +
+           (double)places_of_all(grid) * sizeof(struct cml_grid_mesh_depths);
 }
 
 /* Lays out all levels, and fills them with nothing. */
-static cml_status allocate(const struct cml_mesh_body *body, struct cml_lattice *lattice,
+static cml_status allocate(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
                            struct cml_error *err)
 {
-    int n[2] = {lattice->n[0], lattice->n[1]};
-    lattice->z = body->lower[2];
-    lattice->per_step = UINT16_MAX / (body->upper[2] - body->lower[2]);
-    for (bool is_last = false; !is_last; lattice->levels++) {
-        lattice->level[lattice->levels] =
-            (struct cml_lattice_level){.n = {n[0], n[1]}, .tiles = (n[0] + 3) / 4};
+    int n[2] = {grid->n[0], grid->n[1]};
+    grid->z = body->lower[2];
+    grid->per_step = UINT16_MAX / (body->upper[2] - body->lower[2]);
+    for (bool is_last = false; !is_last; grid->levels++) {
+        grid->level[grid->levels] = (struct cml_grid_mesh_level){.n = {n[0], n[1]}, .tiles = (n[0] + 3) / 4};
         is_last = n[0] <= 4 && n[1] <= 4;
         for (int k = 0; k < 2; k++) n[k] = (n[k] + 3) / 4;
     }
-    const size_t cells = places_of(&lattice->level[0]), places = places_of_all(lattice);
-    struct cml_lattice_depths *depths = aligned_alloc(64, places * sizeof *depths);
-    lattice->level[0].depths = depths;
-    lattice->cell = aligned_alloc(64, cells * sizeof *lattice->cell);
-    lattice->planes = aligned_alloc(64, cells * sizeof *lattice->planes);
-    if (!depths || !lattice->cell || !lattice->planes) {
-        const double bytes = bytes_of(lattice);
-        cml_lattice_clear(lattice);
-        return cml_fail_memory(err, bytes, "the cells of a lattice");
+    const size_t cells = places_of(&grid->level[0]), places = places_of_all(grid);
+    struct cml_grid_mesh_depths *depths = aligned_alloc(64, places * sizeof *depths);
+    grid->level[0].depths = depths;
+    grid->cell = aligned_alloc(64, cells * sizeof *grid->cell);
+    grid->planes = aligned_alloc(64, cells * sizeof *grid->planes);
+    if (!depths || !grid->cell || !grid->planes) {
+        const double bytes = bytes_of(grid);
+        cml_grid_mesh_clear(grid);
+        return cml_fail_memory(err, bytes, "the cells of a grid");
     }
-    for (size_t i = 0; i < places; i++) depths[i] = (struct cml_lattice_depths){UINT16_MAX, 0};
+    for (size_t i = 0; i < places; i++) depths[i] = (struct cml_grid_mesh_depths){UINT16_MAX, 0};
     for (size_t i = 0; i < cells; i++)
-        lattice->cell[i] = (struct cml_lattice_cell){CML_LATTICE_NO_FACET, CML_LATTICE_NO_FACET};
-    for (int l = 1; l < lattice->levels; l++)
-        lattice->level[l].depths = lattice->level[l - 1].depths + places_of(&lattice->level[l - 1]);
+        grid->cell[i] = (struct cml_grid_mesh_cell){CML_GRID_MESH_NO_FACET, CML_GRID_MESH_NO_FACET};
+    for (int l = 1; l < grid->levels; l++)
+        grid->level[l].depths = grid->level[l - 1].depths + places_of(&grid->level[l - 1]);
     return CML_OK;
 }
 
 /* The depths of a level's blocks from the level below. */
-static void join(const struct cml_lattice_level *below, struct cml_lattice_level *level)
+static void join(const struct cml_grid_mesh_level *below, struct cml_grid_mesh_level *level)
 {
     for (int j = 0; j < below->n[1]; j++)
         for (int i = 0; i < below->n[0]; i++) {
-            const struct cml_lattice_depths part = below->depths[cml_lattice_at(below, i, j)];
-            struct cml_lattice_depths *all = &level->depths[cml_lattice_at(level, i / 4, j / 4)];
+            const struct cml_grid_mesh_depths part = below->depths[cml_grid_mesh_index(below, i, j)];
+            struct cml_grid_mesh_depths *all = &level->depths[cml_grid_mesh_index(level, i / 4, j / 4)];
             if (part.least < all->least) all->least = part.least;
             if (part.most > all->most) all->most = part.most;
         }
 }
 
-static void find_inner(struct cml_lattice *lattice)
+static void find_inner(struct cml_grid_mesh *grid)
 {
     bool is_full = true;
-    for (int j = 0; j < lattice->n[1]; j++)
-        for (int i = 0; i < lattice->n[0]; i++) {
-            const struct cml_lattice_cell cell = lattice->cell[cml_lattice_at(&lattice->level[0], i, j)];
-            is_full = is_full && cell.south != CML_LATTICE_NO_FACET && cell.north != CML_LATTICE_NO_FACET;
+    for (int j = 0; j < grid->n[1]; j++)
+        for (int i = 0; i < grid->n[0]; i++) {
+            const struct cml_grid_mesh_cell cell = grid->cell[cml_grid_mesh_index(&grid->level[0], i, j)];
+            is_full = is_full && cell.south != CML_GRID_MESH_NO_FACET && cell.north != CML_GRID_MESH_NO_FACET;
         }
     for (int k = 0; k < 2; k++) {
-        const double last = lattice->n[k] - lattice->margin;
-        lattice->inner[0][k] = is_full ? lattice->corner[k] + lattice->margin / lattice->per_cell[k] : NAN;
-        lattice->inner[1][k] = lattice->corner[k] + last / lattice->per_cell[k];
+        const double last = grid->n[k] - grid->margin;
+        grid->inner[0][k] = is_full ? grid->corner[k] + grid->margin / grid->per_cell[k] : NAN;
+        grid->inner[1][k] = grid->corner[k] + last / grid->per_cell[k];
     }
 }
 
 static cml_status try_rectangle(const struct cml_mesh_body *body, const struct rectangle *r,
-                                struct cml_lattice *lattice, struct cml_error *err)
+                                struct cml_grid_mesh *grid, struct cml_error *err)
 {
-    *lattice = (struct cml_lattice){.cell = NULL};
-    if (!guess(&body->mesh, r, lattice)) return CML_OK;
-    const double jitter = find_jitter(&body->mesh, r, lattice);
+    *grid = (struct cml_grid_mesh){.cell = NULL};
+    if (!guess(&body->mesh, r, grid)) return CML_OK;
+    const double jitter = find_jitter(&body->mesh, r, grid);
     if (jitter > most_jitter) return CML_OK;
-    lattice->margin = 2 * jitter + least_margin;
-    CML_TRY(allocate(body, lattice, err));
-    if (!fill(body, r, lattice)) {
-        cml_lattice_clear(lattice);
+    grid->margin = 2 * jitter + least_margin;
+    CML_TRY(allocate(body, grid, err));
+    if (!fill(body, r, grid)) {
+        cml_grid_mesh_clear(grid);
         return CML_OK;
     }
-    for (int l = 1; l < lattice->levels; l++) join(&lattice->level[l - 1], &lattice->level[l]);
-    find_inner(lattice);
+    for (int l = 1; l < grid->levels; l++) join(&grid->level[l - 1], &grid->level[l]);
+    find_inner(grid);
     return CML_OK;
 }
 
-cml_status cml_lattice_find(const struct cml_mesh_body *body, struct cml_lattice *lattice,
-                            struct cml_error *err)
+cml_status cml_grid_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+                              struct cml_error *err)
 {
     const struct cml_mesh *mesh = &body->mesh;
     struct rectangle r = rectangle_of(mesh, NULL);
-    CML_TRY(try_rectangle(body, &r, lattice, err));
-    if (lattice->cell) return CML_OK;
+    CML_TRY(try_rectangle(body, &r, grid, err));
+    if (grid->cell) return CML_OK;
     bool *border = calloc(mesh->num_vertices, sizeof *border); /* of a skirt, perhaps */
-    if (!border) return cml_fail_memory(err, (double)mesh->num_vertices, "the border of a lattice");
+    if (!border) return cml_fail_memory(err, (double)mesh->num_vertices, "the border of a grid");
     for (size_t i = 0; i < mesh->num_border; i++) border[mesh->border[i]] = true;
     r = rectangle_of(mesh, border);
     free(border);
-    return try_rectangle(body, &r, lattice, err);
+    return try_rectangle(body, &r, grid, err);
 }
 
-void cml_lattice_clear(struct cml_lattice *lattice)
+void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
 {
-    free(lattice->level[0].depths);
-    free(lattice->cell);
-    free(lattice->planes);
-    *lattice = (struct cml_lattice){.cell = NULL};
+    free(grid->level[0].depths);
+    free(grid->cell);
+    free(grid->planes);
+    *grid = (struct cml_grid_mesh){.cell = NULL};
 }
 
-double cml_lattice_bytes(const struct cml_lattice *lattice)
+double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid)
 {
-    return lattice->cell ? bytes_of(lattice) : 0;
+    return grid->cell ? bytes_of(grid) : 0;
 }

@@ -1,6 +1,6 @@
-/* Recognises a mesh whose vertices lie on a regular lattice, as sampled heights do: which facets cover each
- * cell, and between which depths. Facets may be merged ones (heightmap.h): their sides run along lattice
- * lines or the cells' diagonals, so that no cell has more than two. Parts outside the lattice's rectangle,
+/* Recognises a mesh whose vertices lie on a regular grid, as sampled heights do: which facets cover each
+ * cell, and between which depths. Facets may be merged ones (heightmap.h): their sides run along grid
+ * lines or the cells' diagonals, so that no cell has more than two. Parts outside the grid's rectangle,
  * such as a skirt, may have any shape. Above the cells stands a pyramid of blocks of 4 x 4, of 4 x 4 of
  * these, and so on, with the depths of all that is below each. Cells and blocks lie in memory by tiles of 4 x
  * 4, a cache line of depths each, and depths are rounded outwards to 16 bits: those of a mesh of 1e6 facets
@@ -10,61 +10,61 @@
 
 #include "surface/mesh/mesh_query.h"
 
-#define CML_LATTICE_NO_FACET 0x7fffffffu
-#define CML_LATTICE_FALLING                                                                                  \
+#define CML_GRID_MESH_NO_FACET 0x7fffffffu
+#define CML_GRID_MESH_FALLING                                                                                \
     0x80000000u /* the cell's diagonal runs from (1, 0) to (0, 1), not (0, 0) to (1, 1) */
 
-#define CML_LATTICE_LEVELS 15 /* enough for 2^28 cells along an axis */
+#define CML_GRID_MESH_LEVELS 15 /* enough for 2^28 cells along an axis */
 
-/* Facets at a cell's lower and upper side in y, often the same; both with CML_LATTICE_FALLING or both
- * without; CML_LATTICE_NO_FACET where the mesh has none. */
-struct cml_lattice_cell {
+/* Facets at a cell's lower and upper side in y, often the same; both with CML_GRID_MESH_FALLING or both
+ * without; CML_GRID_MESH_NO_FACET where the mesh has none. */
+struct cml_grid_mesh_cell {
     uint32_t south, north;
 };
 
 /* Copies of the planes of the cell's facets (struct cml_mesh_body), together in a cache line. */
-struct cml_lattice_planes {
+struct cml_grid_mesh_planes {
     double south[4], north[4];
 };
 
-/* Depths in steps above cml_lattice.z: of the facets, widened by rounding and margin; least > most where
+/* Depths in steps above cml_grid_mesh.z: of the facets, widened by rounding and margin; least > most where
  * there are none. */
-struct cml_lattice_depths {
+struct cml_grid_mesh_depths {
     uint16_t least, most;
 };
 
 /* Cells (level 0), or blocks of 4 x 4 of the level below. */
-struct cml_lattice_level {
-    struct cml_lattice_depths *depths; /* by cml_lattice_at; a slice of those of all levels */
-    int n[2], tiles;                   /* along x */
+struct cml_grid_mesh_level {
+    struct cml_grid_mesh_depths *depths; /* by cml_grid_mesh_index; a slice of those of all levels */
+    int n[2], tiles;                     /* along x */
 };
 
-struct cml_lattice {
+struct cml_grid_mesh {
     double corner[2], per_cell[2]; /* cm relative to the body's centre, cells per cm */
     double z, per_step;            /* cm relative to the body's centre, steps per cm */
-    double margin; /* in cells: so far may a facet's edge lie from where the lattice says, and some more */
-    double inner[2][2]; /* cm: [0] lower, [1] upper corner of the lattice less the margin; NaN where a cell
+    double margin;      /* in cells: so far may a facet's edge lie from where the grid says, and some more */
+    double inner[2][2]; /* cm: [0] lower, [1] upper corner of the grid less the margin; NaN where a cell
                          * lacks a facet */
     int n[2];
-    bool is_whole;                     /* the mesh has no other facets */
-    struct cml_lattice_cell *cell;     /* by cml_lattice_at of level 0 */
-    struct cml_lattice_planes *planes; /* likewise */
-    int levels;                        /* the last one is a single tile */
-    struct cml_lattice_level level[CML_LATTICE_LEVELS];
+    bool is_whole;                       /* the mesh has no other facets */
+    struct cml_grid_mesh_cell *cell;     /* by cml_grid_mesh_index of level 0 */
+    struct cml_grid_mesh_planes *planes; /* likewise */
+    int levels;                          /* the last one is a single tile */
+    struct cml_grid_mesh_level level[CML_GRID_MESH_LEVELS];
 };
 
-static inline size_t cml_lattice_at(const struct cml_lattice_level *level, int i, int j)
+static inline size_t cml_grid_mesh_index(const struct cml_grid_mesh_level *level, int i, int j)
 {
     const size_t tile = (size_t)(j >> 2) * (size_t)level->tiles + (size_t)(i >> 2);
     return 16 * tile + (size_t)(4 * (j & 3) + (i & 3));
 }
 
-/* *lattice owns its cells; none (cell NULL) when the mesh is no regular grid. CML_E_INPUT for memory. */
-CML_NODISCARD cml_status cml_lattice_find(const struct cml_mesh_body *body, struct cml_lattice *lattice,
-                                          struct cml_error *err);
-void cml_lattice_clear(struct cml_lattice *lattice);
+/* *grid owns its cells; none (cell NULL) when the mesh is no regular grid. CML_E_INPUT for memory. */
+CML_NODISCARD cml_status cml_grid_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+                                            struct cml_error *err);
+void cml_grid_mesh_clear(struct cml_grid_mesh *grid);
 
 /* Of cells, planes and pyramid; 0 when the mesh is no regular grid. */
-double cml_lattice_bytes(const struct cml_lattice *lattice);
+double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 /* Product of direction and unit normal below which a facet is left to the exact query: beyond it, rounding
- * moves a crossing by less than the lattice's margin. */
+ * moves a crossing by less than the grid's margin. */
 static const double grazing = 1e-4;
 
 /* In halves of the mesh's width: origins further away cost too many digits. */
@@ -32,12 +32,12 @@ struct axis {
 };
 
 struct course {
-    const struct cml_lattice *lattice;
+    const struct cml_grid_mesh *grid;
     struct cml_mesh_query *q;
     struct axis axis[2], depth;
 };
 
-/* The part of the ray over a cell or a block, each end widened by the lattice's margin. */
+/* The part of the ray over a cell or a block, each end widened by the grid's margin. */
 struct part {
     double from, to;
 };
@@ -62,7 +62,7 @@ static bool is_within(double place, int n)
     return place > 0 && place < n;
 }
 
-/* The cell along an axis; of places outside the lattice the nearest. */
+/* The cell along an axis; of places outside the grid the nearest. */
 static int cell_of(double place, int n)
 {
     return is_within(place, n) ? (int)place : place > 0 ? n - 1 : 0;
@@ -73,12 +73,12 @@ static bool is_clearly_within(double place, double low, double size, double marg
     return place - low > margin && place - low < size - margin;
 }
 
-/* Whether the ray never comes near the lattice. */
+/* Whether the ray never comes near the grid. */
 static bool passes_by(const struct course *c, int k, struct part part)
 {
-    const double b = at(&c->axis[k], part.from), e = at(&c->axis[k], part.to), margin = c->lattice->margin,
-                 n = c->lattice->n[k];
-    return c->lattice->is_whole && ((b < -margin && e < -margin) || (b > n + margin && e > n + margin));
+    const double b = at(&c->axis[k], part.from), e = at(&c->axis[k], part.to), margin = c->grid->margin,
+                 n = c->grid->n[k];
+    return c->grid->is_whole && ((b < -margin && e < -margin) || (b > n + margin && e > n + margin));
 }
 
 /* How far a place of the cell lies on a facet's side of the diagonal. */
@@ -89,12 +89,12 @@ static double inside_diagonal(double u, double v, bool falling, bool south)
 }
 
 /* plane: of the facet at the cell's south or north side. */
-static enum verdict meet(const struct course *c, const int place[2], struct cml_lattice_cell cell, bool south,
-                         const double plane[4], struct part part, double *t)
+static enum verdict meet(const struct course *c, const int place[2], struct cml_grid_mesh_cell cell,
+                         bool south, const double plane[4], struct part part, double *t)
 {
     struct cml_mesh_query *q = c->q;
-    const uint32_t facet = (south ? cell.south : cell.north) & ~CML_LATTICE_FALLING;
-    const double margin = c->lattice->margin;
+    const uint32_t facet = (south ? cell.south : cell.north) & ~CML_GRID_MESH_FALLING;
+    const double margin = c->grid->margin;
     const double along = cml_vec3_dot(q->direction, plane), leading_away = q->below ? along : -along;
     const double height = plane[3] - cml_vec3_dot(q->origin, plane);
     if (fabs(height) <= q->touch) q->doubt = true;
@@ -108,7 +108,7 @@ static enum verdict meet(const struct course *c, const int place[2], struct cml_
     if (v < inside) inside = v;
     if (1 - v < inside) inside = 1 - v;
     if (cell.south != cell.north) {
-        const double w = inside_diagonal(u, v, cell.south & CML_LATTICE_FALLING, south);
+        const double w = inside_diagonal(u, v, cell.south & CML_GRID_MESH_FALLING, south);
         if (w < inside) inside = w;
     }
     if (inside < -margin) return MISSED;
@@ -139,9 +139,9 @@ static void take(struct cml_mesh_query *q, uint32_t facet, const double plane[4]
 
 static enum verdict look(const struct course *c, const int place[2], size_t at_cell, struct part part)
 {
-    const struct cml_lattice_cell cell = c->lattice->cell[at_cell];
-    const struct cml_lattice_planes *planes = &c->lattice->planes[at_cell];
-    if (cell.south == CML_LATTICE_NO_FACET || cell.north == CML_LATTICE_NO_FACET) return OPEN;
+    const struct cml_grid_mesh_cell cell = c->grid->cell[at_cell];
+    const struct cml_grid_mesh_planes *planes = &c->grid->planes[at_cell];
+    if (cell.south == CML_GRID_MESH_NO_FACET || cell.north == CML_GRID_MESH_NO_FACET) return OPEN;
     double t = INFINITY, t_north = INFINITY;
     const enum verdict south = meet(c, place, cell, true, planes->south, part, &t);
     const enum verdict north =
@@ -150,15 +150,15 @@ static enum verdict look(const struct course *c, const int place[2], size_t at_c
     if (south == MISSED && north == MISSED) return MISSED;
     const bool take_south = south == HIT && !(north == HIT && t_north < t);
     if (take_south)
-        take(c->q, cell.south & ~CML_LATTICE_FALLING, planes->south, t);
+        take(c->q, cell.south & ~CML_GRID_MESH_FALLING, planes->south, t);
     else
-        take(c->q, cell.north & ~CML_LATTICE_FALLING, planes->north, t_north);
+        take(c->q, cell.north & ~CML_GRID_MESH_FALLING, planes->north, t_north);
     return HIT;
 }
 
 /* The part in which the ray is between the depths of a cell or a block; ends before it begins where there is
  * none. The depths are wider than rounding; where there are no facets they are all depths, either way. */
-static struct part within_depths(const struct course *c, struct cml_lattice_depths depths, struct part part)
+static struct part within_depths(const struct course *c, struct cml_grid_mesh_depths depths, struct part part)
 {
     const double a = (depths.least - c->depth.origin) * c->depth.pace,
                  b = (depths.most - c->depth.origin) * c->depth.pace;
@@ -172,7 +172,7 @@ static struct part within_depths(const struct course *c, struct cml_lattice_dept
  */
 static bool find_place(const struct course *c, int level, const struct range *range, double t, int place[2])
 {
-    const double size = (double)(1 << 2 * level), margin = c->lattice->margin;
+    const double size = (double)(1 << 2 * level), margin = c->grid->margin;
     for (int k = 0; k < 2; k++) {
         const double x = at(&c->axis[k], t);
         int i = (int)(x / size);
@@ -193,11 +193,11 @@ static enum verdict walk(const struct course *c, int level, const struct range *
 static enum verdict visit(const struct course *c, int level, const int place[2], double enter,
                           struct part part)
 {
-    const struct cml_lattice_level *blocks = &c->lattice->level[level];
-    const size_t here = cml_lattice_at(blocks, place[0], place[1]);
+    const struct cml_grid_mesh_level *blocks = &c->grid->level[level];
+    const size_t here = cml_grid_mesh_index(blocks, place[0], place[1]);
     if (level == 0) { /* fetched while the depths are */
-        __builtin_prefetch(&c->lattice->cell[here]);
-        __builtin_prefetch(&c->lattice->planes[here]);
+        __builtin_prefetch(&c->grid->cell[here]);
+        __builtin_prefetch(&c->grid->planes[here]);
     }
     const struct part near = within_depths(c, blocks->depths[here], part);
     if (near.from > near.to) return MISSED;
@@ -220,7 +220,7 @@ static enum verdict visit(const struct course *c, int level, const int place[2],
 static enum verdict walk(const struct course *c, int level, const struct range *range, int place[2],
                          double enter, struct part part)
 {
-    const double size = (double)(1 << 2 * level), margin = c->lattice->margin;
+    const double size = (double)(1 << 2 * level), margin = c->grid->margin;
     const int way[2] = {c->axis[0].pace > 0 ? 1 : -1, c->axis[1].pace > 0 ? 1 : -1};
     const double pace[2] = {fabs(c->axis[0].pace), fabs(c->axis[1].pace)};
     double next[2];
@@ -244,14 +244,14 @@ static enum verdict walk(const struct course *c, int level, const struct range *
     }
 }
 
-/* The cells over which a ray comes within the margin; false when some lie outside the lattice, or they are
+/* The cells over which a ray comes within the margin; false when some lie outside the grid, or they are
  * more than a few. */
 static bool find_few_cells(const struct course *c, struct part part, struct range *range)
 {
     for (int k = 0; k < 2; k++) {
         const double a = at(&c->axis[k], part.from), b = at(&c->axis[k], part.to);
-        const double low = (a < b ? a : b) - c->lattice->margin, high = (a < b ? b : a) + c->lattice->margin;
-        if (!(low > 0 && high < c->lattice->n[k])) return false;
+        const double low = (a < b ? a : b) - c->grid->margin, high = (a < b ? b : a) + c->grid->margin;
+        if (!(low > 0 && high < c->grid->n[k])) return false;
         range->first[k] = (int)low;
         range->last[k] = (int)high;
         if (range->last[k] - range->first[k] > 1) return false;
@@ -262,8 +262,8 @@ static bool find_few_cells(const struct course *c, struct part part, struct rang
 /* Adds a facet to the list unless it is there; false when it is none, or the ray grazes it. */
 static bool list(const struct cml_mesh_query *q, uint32_t mark, int facets[8], int *count)
 {
-    const int facet = (int)(mark & ~CML_LATTICE_FALLING);
-    if (mark == CML_LATTICE_NO_FACET) return false;
+    const int facet = (int)(mark & ~CML_GRID_MESH_FALLING);
+    if (mark == CML_GRID_MESH_NO_FACET) return false;
     for (int i = 0; i < *count; i++)
         if (facets[i] == facet) return true;
     const double along = cml_vec3_dot(q->direction, q->body->plane[facet]);
@@ -281,8 +281,8 @@ static bool settle(const struct course *c, struct part part)
     if (!find_few_cells(c, part, &range)) return false;
     for (int j = range.first[1]; j <= range.last[1]; j++)
         for (int i = range.first[0]; i <= range.last[0]; i++) {
-            const struct cml_lattice_cell cell =
-                c->lattice->cell[cml_lattice_at(&c->lattice->level[0], i, j)];
+            const struct cml_grid_mesh_cell cell =
+                c->grid->cell[cml_grid_mesh_index(&c->grid->level[0], i, j)];
             if (!list(q, cell.south, facets, &count) || !list(q, cell.north, facets, &count)) return false;
         }
     double leave, t, weight[3];
@@ -300,18 +300,18 @@ static int find_level(const struct course *c, const int first[2], const double l
 {
     int cells = 0, level = 0;
     for (int k = 0; k < 2; k++) {
-        const int d = abs(cell_of(last[k], c->lattice->n[k]) - first[k]);
+        const int d = abs(cell_of(last[k], c->grid->n[k]) - first[k]);
         if (d > cells) cells = d;
     }
-    while (cells >> 2 * level >= most_blocks && level + 1 < c->lattice->levels) level++;
+    while (cells >> 2 * level >= most_blocks && level + 1 < c->grid->levels) level++;
     return level;
 }
 
-/* Where the ray ends near a cell's border, or beyond a lattice that is not the whole mesh, missing the cells
+/* Where the ray ends near a cell's border, or beyond a grid that is not the whole mesh, missing the cells
  * that it has visited says nothing. */
-static enum verdict cross_lattice(const struct course *c, struct part part)
+static enum verdict traverse_grid(const struct course *c, struct part part)
 {
-    const struct cml_lattice *lattice = c->lattice;
+    const struct cml_grid_mesh *grid = c->grid;
     double last[2];
     int place[2];
     bool is_inside = true, is_clear = true;
@@ -319,41 +319,41 @@ static enum verdict cross_lattice(const struct course *c, struct part part)
         const double first = at(&c->axis[k], part.from);
         last[k] = at(&c->axis[k], part.to);
         place[k] = (int)first;
-        if (!is_clearly_within(first, place[k], 1, lattice->margin)) return OPEN;
-        is_inside = is_inside && is_within(last[k], lattice->n[k]);
-        is_clear = is_clear && is_clearly_within(last[k], floor(last[k]), 1, lattice->margin);
+        if (!is_clearly_within(first, place[k], 1, grid->margin)) return OPEN;
+        is_inside = is_inside && is_within(last[k], grid->n[k]);
+        is_clear = is_clear && is_clearly_within(last[k], floor(last[k]), 1, grid->margin);
     }
     const int level = find_level(c, place, last);
-    const int *n = lattice->level[level].n;
+    const int *n = grid->level[level].n;
     const struct range all = {{0, 0}, {n[0] - 1, n[1] - 1}};
     for (int k = 0; k < 2; k++) place[k] >>= 2 * level;
     const enum verdict verdict = walk(c, level, &all, place, part.from, part);
-    return verdict == MISSED && !(is_inside ? is_clear : lattice->is_whole) ? OPEN : verdict;
+    return verdict == MISSED && !(is_inside ? is_clear : grid->is_whole) ? OPEN : verdict;
 }
 
-bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q)
+bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->body->upper[0];
-    struct course c = {.lattice = lattice, .q = q};
+    struct course c = {.grid = grid, .q = q};
     for (int k = 0; k < 2; k++)
-        c.axis[k] = axis_of((q->origin[k] - lattice->corner[k]) * lattice->per_cell[k],
-                            q->direction[k] * lattice->per_cell[k]);
-    c.depth = axis_of((q->origin[2] - lattice->z) * lattice->per_step, q->direction[2] * lattice->per_step);
+        c.axis[k] = axis_of((q->origin[k] - grid->corner[k]) * grid->per_cell[k],
+                            q->direction[k] * grid->per_cell[k]);
+    c.depth = axis_of((q->origin[2] - grid->z) * grid->per_step, q->direction[2] * grid->per_step);
     const struct part whole = {q->lenience * q->least - start_blur * size, q->t};
-    const struct part part = within_depths(&c, (struct cml_lattice_depths){0, UINT16_MAX}, whole);
+    const struct part part = within_depths(&c, (struct cml_grid_mesh_depths){0, UINT16_MAX}, whole);
     if (part.from > part.to) return true;
     if (part.from > far * size) return false;
     for (int k = 0; k < 2; k++)
-        if (!is_within(at(&c.axis[k], part.from), lattice->n[k]))
+        if (!is_within(at(&c.axis[k], part.from), grid->n[k]))
             return passes_by(&c, 0, part) || passes_by(&c, 1, part);
-    return cross_lattice(&c, part) != OPEN || settle(&c, part);
+    return traverse_grid(&c, part) != OPEN || settle(&c, part);
 }
 
-bool cml_grid_covers(const struct cml_lattice *lattice, const struct cml_mesh_query *q)
+bool cml_grid_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q)
 {
     const double blur = 64 * (q->slack + q->blur); /* more than crossings may lie behind the packet */
     for (int k = 0; k < 2; k++) {
-        const double low = lattice->inner[0][k] + blur, high = lattice->inner[1][k] - blur;
+        const double low = grid->inner[0][k] + blur, high = grid->inner[1][k] - blur;
         const double from = q->origin[k], to = from + q->t * q->direction[k];
         if (!(from > low && from < high && to > low && to < high)) return false;
     }

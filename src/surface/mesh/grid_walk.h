@@ -10,12 +10,12 @@
 #include "surface/mesh/grid_mesh.h"
 
 /* True: decided; the first crossing of the mesh, if there is one before q->t, has been taken. False: left
- * open and *q unchanged; another search must decide. q: as cml_query_begin leaves it, of the lattice's body.
+ * open and *q unchanged; another search must decide. q: as cml_query_begin leaves it, of the grid's body.
  */
-bool cml_grid_walk(const struct cml_lattice *lattice, struct cml_mesh_query *q);
+bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q);
 
-/* True: up to its best crossing, or its end, the ray stays clearly over a lattice without gaps, so that it
+/* True: up to its best crossing, or its end, the ray stays clearly over a grid without gaps, so that it
  * does not meet the outer plane. */
-bool cml_grid_covers(const struct cml_lattice *lattice, const struct cml_mesh_query *q);
+bool cml_grid_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q);
 
 #endif

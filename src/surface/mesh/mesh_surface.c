@@ -23,8 +23,8 @@ struct cml_mesh_surface {
     RTCDevice device;
     _Atomic ssize_t embree_bytes; /* kept by Embree's threads */
     RTCScene exact;               /* boxes around triangles that are tested in double */
-    RTCScene fast;                /* Embree's own single-precision triangles; NULL where there is a lattice */
-    struct cml_lattice lattice;   /* of a regular grid, walked in Embree's stead; else without cells */
+    RTCScene fast;                /* Embree's own single-precision triangles; NULL where there is a grid */
+    struct cml_grid_mesh grid;    /* of a regular grid, walked in Embree's stead; else without cells */
 };
 
 /* Embree hands the context through to the callbacks, so the double-precision query rides behind it. */
@@ -249,7 +249,7 @@ static bool query_line(const struct cml_mesh_surface *surface, struct query *que
 
 static void query_walked(const struct cml_mesh_surface *surface, struct query *query)
 {
-    if (!cml_grid_walk(&surface->lattice, &query->ray)) query_exact(surface, query);
+    if (!cml_grid_walk(&surface->grid, &query->ray)) query_exact(surface, query);
 }
 
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
@@ -262,11 +262,11 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
     cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, slack);
     if (exact || query.ray.on_edge)
         query_exact(surface, &query);
-    else if (surface->lattice.cell)
+    else if (surface->grid.cell)
         query_walked(surface, &query);
     else
         query_fast(surface, &query);
-    if (exact || !surface->lattice.cell || !cml_grid_covers(&surface->lattice, &query.ray))
+    if (exact || !surface->grid.cell || !cml_grid_covers(&surface->grid, &query.ray))
         cml_query_outer_plane(&query.ray);
     crossing->ends_beside = cml_query_is_doubtful(&query.ray) && query_line(surface, &query, t_max);
     return cml_query_finish(&query.ray, p, u, crossing);
@@ -348,7 +348,7 @@ static cml_status build_trees(struct cml_mesh_surface *surface, struct cml_error
     if (!surface->device)
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
     rtcSetDeviceMemoryMonitorFunction(surface->device, count_memory, surface);
-    if (surface->lattice.cell || build_fast(surface)) build_exact(surface);
+    if (surface->grid.cell || build_fast(surface)) build_exact(surface);
     const enum RTCError error = rtcGetDeviceError(surface->device);
     if (error == RTC_ERROR_NONE) return CML_OK;
     return cml_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? CML_E_INPUT : CML_E_DEVICE,
@@ -364,7 +364,7 @@ cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, 
     if (!made) return cml_fail_memory(err, sizeof *made, "a mesh surface");
     cml_status status = cml_mesh_body_create(mesh, x0, y0, &made->body, err);
     if (status == CML_OK && search == CML_SEARCH_AUTO)
-        status = cml_lattice_find(&made->body, &made->lattice, err);
+        status = cml_grid_mesh_find(&made->body, &made->grid, err);
     if (status == CML_OK) status = build_trees(made, err);
     if (status != CML_OK)
         cml_mesh_surface_free(made);
@@ -379,7 +379,7 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     if (surface->exact) rtcReleaseScene(surface->exact);
     if (surface->fast) rtcReleaseScene(surface->fast);
     if (surface->device) rtcReleaseDevice(surface->device);
-    cml_lattice_clear(&surface->lattice);
+    cml_grid_mesh_clear(&surface->grid);
     cml_mesh_body_clear(&surface->body);
     free(surface);
 }
@@ -400,7 +400,7 @@ uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface)
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh *mesh = &surface->body.mesh;
-    return (double)surface->embree_bytes + cml_lattice_bytes(&surface->lattice) +
+    return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
            (double)mesh->num_triangles * (sizeof *mesh->triangle + sizeof *surface->body.plane) +
            (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
 }
@@ -412,5 +412,5 @@ const char *cml_mesh_library(void)
 
 bool cml_mesh_surface_is_walked(const struct cml_mesh_surface *surface)
 {
-    return surface->lattice.cell != NULL;
+    return surface->grid.cell != NULL;
 }

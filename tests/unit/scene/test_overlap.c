@@ -218,7 +218,7 @@ static void test_mesh_and_field(void **state)
     expect_two(mesh(0.1, sheet(2, 2.5, 0.0, hill)), radial(0.301, 4, far, spike), NULL);
 }
 
-/* Least gap over a fine lattice of every triangle and of the surroundings. */
+/* Least gap over a fine grid of every triangle and of the surroundings. */
 static double least_gap(const struct cml_mesh *mesh, double z, const struct cml_radial_surface *field)
 {
     double least = INFINITY;
@@ -253,7 +253,7 @@ static void test_field_against_dense_sampling(void **state)
         cml_radial_against_mesh(&field, &made, footprint, 0.0, true, &closest);
         const double sampled = least_gap(&made, 0.0, &field);
         assert_true(closest.gap <= sampled + 1e-15);
-        assert_true(closest.gap > sampled - 0.05); /* the lattice misses the extremum by a little */
+        assert_true(closest.gap > sampled - 0.05); /* the grid misses the extremum by a little */
         const double height = cml_radial_height(&rings, hypot(closest.at[0], closest.at[1]));
         assert_true(fabs(0.5 - height - closest.at[2] - closest.gap) < 1e-15);
         cml_footprint_free(footprint);

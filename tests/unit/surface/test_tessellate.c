@@ -72,7 +72,7 @@ static double cone_radius(const struct cml_radial *radial, double h)
     return radial->r[i] + t * (radial->r[i + 1] - radial->r[i]);
 }
 
-/* Largest radial distance between mesh and cones, by a lattice of points on every triangle. */
+/* Largest radial distance between mesh and cones, by a grid of points on every triangle. */
 static double largest_deviation(const struct cml_mesh *mesh, const struct cml_radial *radial)
 {
     double largest = 0.0;

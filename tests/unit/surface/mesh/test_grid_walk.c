@@ -9,11 +9,11 @@
 
 static struct patch patch;
 
-/* A mesh twice: as the program queries it, and with its lattice laid open. */
+/* A mesh twice: as the program queries it, and with its grid laid open. */
 struct subject {
     struct cml_mesh_surface *surface;
     struct cml_mesh_body body;
-    struct cml_lattice lattice;
+    struct cml_grid_mesh grid;
     double middle[3], half[3];
 };
 
@@ -29,15 +29,15 @@ static struct subject subject_of(struct cml_mesh *mesh)
     }
     assert_int_equal(cml_mesh_surface_create(mesh, 0, 0, CML_SEARCH_AUTO, &s.surface, &err), CML_OK);
     assert_int_equal(cml_mesh_body_create(&copy, 0, 0, &s.body, &err), CML_OK);
-    assert_int_equal(cml_lattice_find(&s.body, &s.lattice, &err), CML_OK);
-    assert_int_equal(cml_mesh_surface_is_walked(s.surface), s.lattice.cell != NULL);
+    assert_int_equal(cml_grid_mesh_find(&s.body, &s.grid, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_is_walked(s.surface), s.grid.cell != NULL);
     return s;
 }
 
 static void subject_free(struct subject *s)
 {
     cml_mesh_surface_free(s->surface);
-    cml_lattice_clear(&s->lattice);
+    cml_grid_mesh_clear(&s->grid);
     cml_mesh_body_clear(&s->body);
 }
 
@@ -212,7 +212,7 @@ static void count(const struct subject *s, const struct ray *ray, struct share *
     struct cml_mesh_query q;
     begin(s, ray, &q);
     share->rays++;
-    share->decided += cml_grid_walk(&s->lattice, &q);
+    share->decided += cml_grid_walk(&s->grid, &q);
     if (!hit(s, ray, 0, &c) || !hit(s, ray, 1, &exact)) return;
     share->found++;
     share->same += c.primitive == exact.primitive;
@@ -233,7 +233,7 @@ static struct share compare(const struct subject *s, make_ray *make, uint32_t se
 
 static void compare_all(struct subject *s, double least_decided)
 {
-    assert_non_null(s->lattice.cell);
+    assert_non_null(s->grid.cell);
     struct share share = compare(s, random_ray, 82, 150000);
     print_message("random: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
     assert_true((double)share.decided > least_decided * (double)share.rays);
@@ -249,7 +249,7 @@ static void compare_all(struct subject *s, double least_decided)
     subject_free(s);
 }
 
-static void an_exact_lattice_is_walked_as_exactly_as_searched(void **state)
+static void an_exact_grid_is_walked_as_exactly_as_searched(void **state)
 {
     (void)state;
     struct subject gentle = rough_patch(71, 0.01, 0), steep = rough_patch(72, 0.2, 0);
@@ -257,7 +257,7 @@ static void an_exact_lattice_is_walked_as_exactly_as_searched(void **state)
     compare_all(&steep, 0.8);
 }
 
-static void a_lattice_rounded_in_its_file_is_walked_as_well(void **state)
+static void a_grid_rounded_in_its_file_is_walked_as_well(void **state)
 {
     (void)state;
     struct subject s = rough_patch(73, 0.05, 1e-4);
@@ -272,8 +272,8 @@ static void a_scan_is_walked_merged_or_not(void **state)
     compare_all(&all, 0.5);
 }
 
-/* A quarter of the patch is missing: the plane around it lies in the lattice's rectangle. */
-static void a_lattice_with_a_gap_lets_the_plane_through(void **state)
+/* A quarter of the patch is missing: the plane around it lies in the grid's rectangle. */
+static void a_grid_with_a_gap_lets_the_plane_through(void **state)
 {
     (void)state;
     struct cml_error err = {CML_OK, ""};
@@ -300,27 +300,27 @@ static void a_lattice_with_a_gap_lets_the_plane_through(void **state)
     compare_all(&s, 0.5);
 }
 
-static void what_is_no_lattice_is_left_to_embree(void **state)
+static void what_is_no_grid_is_left_to_embree(void **state)
 {
     (void)state;
     patch_make(&patch, 74, 0.1, 2, 0, 0);
     struct cml_mesh mesh = patch_mesh(&patch);
     struct subject s = subject_of(&mesh);
-    assert_null(s.lattice.cell);
+    assert_null(s.grid.cell);
     subject_free(&s);
     s = rough_patch(75, 0.1, 0.01);
-    assert_null(s.lattice.cell);
+    assert_null(s.grid.cell);
     subject_free(&s);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(an_exact_lattice_is_walked_as_exactly_as_searched),
-        cmocka_unit_test(a_lattice_rounded_in_its_file_is_walked_as_well),
+        cmocka_unit_test(an_exact_grid_is_walked_as_exactly_as_searched),
+        cmocka_unit_test(a_grid_rounded_in_its_file_is_walked_as_well),
         cmocka_unit_test(a_scan_is_walked_merged_or_not),
-        cmocka_unit_test(a_lattice_with_a_gap_lets_the_plane_through),
-        cmocka_unit_test(what_is_no_lattice_is_left_to_embree),
+        cmocka_unit_test(a_grid_with_a_gap_lets_the_plane_through),
+        cmocka_unit_test(what_is_no_grid_is_left_to_embree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

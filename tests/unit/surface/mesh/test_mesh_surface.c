@@ -393,9 +393,9 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     cml_mesh_surface_free(surface);
 }
 
-/* Vertices moved sideways by up to a fifth of a cell: a lattice through all of them would have more cells
+/* Vertices moved sideways by up to a fifth of a cell: a grid through all of them would have more cells
  * than anyone has memory. */
-static void what_is_no_lattice_takes_no_memory_for_cells(void **state)
+static void what_is_no_grid_takes_no_memory_for_cells(void **state)
 {
     (void)state;
     struct dice dice = dice_new(68);
@@ -418,14 +418,14 @@ static void cells_count_as_memory(void **state)
     patch_make(&patch, 69, 0.02, 0, 0, 0);
     struct cml_mesh mesh = patch_mesh(&patch);
     struct cml_mesh_body body;
-    struct cml_lattice lattice;
+    struct cml_grid_mesh grid;
     struct cml_error err = {CML_OK, ""};
     assert_int_equal(cml_mesh_body_create(&mesh, 0, 0, &body, &err), CML_OK);
-    assert_int_equal(cml_lattice_find(&body, &lattice, &err), CML_OK);
-    assert_true(cml_lattice_bytes(&lattice) > 12.0 * GRID * GRID);
-    assert_true(cml_lattice_bytes(&lattice) < 90.0 * GRID * GRID);
-    cml_lattice_clear(&lattice);
-    assert_true(cml_lattice_bytes(&lattice) == 0);
+    assert_int_equal(cml_grid_mesh_find(&body, &grid, &err), CML_OK);
+    assert_true(cml_grid_mesh_bytes(&grid) > 12.0 * GRID * GRID);
+    assert_true(cml_grid_mesh_bytes(&grid) < 90.0 * GRID * GRID);
+    cml_grid_mesh_clear(&grid);
+    assert_true(cml_grid_mesh_bytes(&grid) == 0);
     cml_mesh_body_clear(&body);
 }
 
@@ -444,7 +444,7 @@ int main(void)
         cmocka_unit_test(the_primitive_stood_on_is_not_met_again),
         cmocka_unit_test(a_vertex_has_the_mean_normal_weighted_by_angle),
         cmocka_unit_test(a_tessellated_hill_has_the_normals_of_its_cones),
-        cmocka_unit_test(what_is_no_lattice_takes_no_memory_for_cells),
+        cmocka_unit_test(what_is_no_grid_takes_no_memory_for_cells),
         cmocka_unit_test(cells_count_as_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,23 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/mesh/grid_mesh.h"
 
-#include <float.h>
+#include "surface/mesh/rounding.h"
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
-/* In cells: vertices further from the grid make it none; the least margin, which covers rounding. */
-static const double most_jitter = 1e-3, least_margin = 1e-6;
+/* In cells: vertices further from the grid make it none. What files round is far less. */
+static const double most_deviation = 1e-3;
 
-/* Cells per facet beyond which a grid would be a waste. */
+/* Cells per facet beyond which a grid would be a waste: of memory, and of steps, for Embree's tree skips
+ * large facets. */
 static const double most_cells_per_facet = 16;
 
-enum { SOUTH = 1, EAST = 2, NORTH = 4, WEST = 8, ALL = 15 }; /* quarters of a cell between its diagonals */
+enum { SOUTH = 1, EAST = 2, NORTH = 4, WEST = 8 }; /* quarters of a cell between its diagonals */
 
 struct rectangle {
     double lower[2], upper[2];
 };
 
-/* Of all vertices, or of those that are not on the border. */
+/* The rectangle of all vertices, or of those that are not to be skipped. */
 static struct rectangle rectangle_of(const struct cml_mesh *mesh, const bool *skip)
 {
     struct rectangle r = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
@@ -34,54 +37,57 @@ static bool is_inside(const struct rectangle *r, const double v[3])
     return v[0] >= r->lower[0] && v[0] <= r->upper[0] && v[1] >= r->lower[1] && v[1] <= r->upper[1];
 }
 
-/* The shortest extent along an axis of the edges inside the rectangle that do not run across it. */
-static double spacing(const struct cml_mesh *mesh, const struct rectangle *r, int axis)
+/* The shortest extent along an axis of the edges inside the rectangle, leaving out those that run across it:
+ * theirs is the deviation of their ends. The grid is as fine as its smallest facets. */
+static double find_spacing(const struct cml_mesh *mesh, const struct rectangle *r, int axis)
 {
     double least = INFINITY;
     for (size_t i = 0; i < 3 * mesh->num_triangles; i++) {
         const double *a = mesh->vertex[mesh->triangle[i / 3][i % 3]],
                      *b = mesh->vertex[mesh->triangle[i / 3][(i + 1) % 3]];
         const double d = fabs(a[axis] - b[axis]), across = fabs(a[1 - axis] - b[1 - axis]);
-        if (d > 4 * most_jitter * across && d < least && is_inside(r, a) && is_inside(r, b)) least = d;
+        if (d > 4 * most_deviation * across && d < least && is_inside(r, a) && is_inside(r, b)) least = d;
     }
     return least;
 }
 
-/* The grid that the rectangle and its shortest edges suggest. */
-static bool guess(const struct cml_mesh *mesh, const struct rectangle *r, struct cml_grid_mesh *grid)
+/* The grid that the rectangle and its shortest edges suggest; false when that would be no grid, or a waste.
+ */
+static bool guess_grid(const struct cml_mesh *mesh, const struct rectangle *r, struct cml_grid_mesh *grid)
 {
     double cells = 1;
     for (int k = 0; k < 2; k++) {
-        const double n = rint((r->upper[k] - r->lower[k]) / spacing(mesh, r, k));
+        const double n = rint((r->upper[k] - r->lower[k]) / find_spacing(mesh, r, k));
         if (!(n >= 1 && n < 1 << 28)) return false;
         grid->n[k] = (int)n;
         grid->corner[k] = r->lower[k];
-        grid->per_cell[k] = n / (r->upper[k] - r->lower[k]);
+        grid->cells_per_cm[k] = n / (r->upper[k] - r->lower[k]);
         cells *= n;
     }
     return cells <= most_cells_per_facet * (double)mesh->num_triangles;
 }
 
 /* A vertex in cells from the grid's corner. */
-static double in_cells(const struct cml_grid_mesh *grid, const double v[3], int axis)
+static double to_cells(const struct cml_grid_mesh *grid, const double v[3], int axis)
 {
-    return (v[axis] - grid->corner[axis]) * grid->per_cell[axis];
+    return (v[axis] - grid->corner[axis]) * grid->cells_per_cm[axis];
 }
 
 /* Largest distance of the rectangle's vertices from the grid, in cells. */
-static double find_jitter(const struct cml_mesh *mesh, const struct rectangle *r,
-                          const struct cml_grid_mesh *grid)
+static double find_deviation(const struct cml_mesh *mesh, const struct rectangle *r,
+                             const struct cml_grid_mesh *grid)
 {
-    double jitter = 0;
+    double deviation = 0;
     for (size_t i = 0; i < mesh->num_vertices; i++)
         for (int k = 0; k < 2 && is_inside(r, mesh->vertex[i]); k++) {
-            const double x = in_cells(grid, mesh->vertex[i], k);
-            jitter = fmax(jitter, fabs(x - rint(x)));
+            const double x = to_cells(grid, mesh->vertex[i], k);
+            deviation = fmax(deviation, fabs(x - rint(x)));
         }
-    return jitter;
+    return deviation;
 }
 
-/* Twice the signed area, exact: > 0 when p lies on the side of a facet's edge where the facet is. */
+/* Twice the signed area of a, b and (px, py), exact in whole numbers: > 0 when the point lies on the side of
+ * a facet's edge where the facet is. */
 static int64_t side_of(const int64_t a[2], const int64_t b[2], int64_t px, int64_t py)
 {
     return (b[1] - a[1]) * (px - a[0]) - (b[0] - a[0]) * (py - a[1]);
@@ -92,7 +98,7 @@ struct facet {
     int64_t corner[3][2];
 };
 
-static bool covers(const struct facet *f, int64_t x, int64_t y)
+static bool contains(const struct facet *f, int64_t x, int64_t y)
 {
     for (int k = 0; k < 3; k++)
         if (side_of(f->corner[k], f->corner[(k + 1) % 3], x, y) <= 0) return false;
@@ -110,31 +116,33 @@ static bool follows_grid(const struct facet *f)
     return side_of(f->corner[0], f->corner[1], f->corner[2][0], f->corner[2][1]) > 0;
 }
 
+/* Which quarters of a cell a facet covers, told by their middles: a facet of the grid covers all of a quarter
+ * or none of it. */
 static int quarters(const struct facet *f, int64_t i, int64_t j)
 {
-    return (covers(f, 4 * i + 2, 4 * j + 1) ? SOUTH : 0) | (covers(f, 4 * i + 3, 4 * j + 2) ? EAST : 0) |
-           (covers(f, 4 * i + 2, 4 * j + 3) ? NORTH : 0) | (covers(f, 4 * i + 1, 4 * j + 2) ? WEST : 0);
+    return (contains(f, 4 * i + 2, 4 * j + 1) ? SOUTH : 0) | (contains(f, 4 * i + 3, 4 * j + 2) ? EAST : 0) |
+           (contains(f, 4 * i + 2, 4 * j + 3) ? NORTH : 0) | (contains(f, 4 * i + 1, 4 * j + 2) ? WEST : 0);
 }
 
 /* Depths in steps, rounded outwards. The mesh itself lies within the range of 16 bits. */
 static void widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                          struct cml_grid_mesh_depths *depths)
 {
-    const double low = fmax(floor((least - grid->z) * grid->per_step), 0),
-                 high = fmin(ceil((most - grid->z) * grid->per_step), UINT16_MAX);
+    const double low = fmax(floor((least - grid->z) * grid->steps_per_cm), 0),
+                 high = fmin(ceil((most - grid->z) * grid->steps_per_cm), UINT16_MAX);
     if (low < depths->least) depths->least = (uint16_t)low;
     if (high > depths->most) depths->most = (uint16_t)high;
 }
 
 /* Widens the cell's depths by those of the facet's plane at the corners that belong to its part of the cell.
  */
-static void widen(const struct cml_mesh_body *body, const struct cml_grid_mesh *grid, size_t facet, int part,
-                  int i, int j, struct cml_grid_mesh_depths *depths)
+static void widen_cell(const struct cml_mesh_body *body, const struct cml_grid_mesh *grid, size_t facet,
+                       int part, int i, int j, struct cml_grid_mesh_depths *depths)
 {
     static const int at[4] = {SOUTH | WEST, SOUTH | EAST, NORTH | WEST, NORTH | EAST};
-    const double *plane = body->plane[facet], dx = 1 / grid->per_cell[0], dy = 1 / grid->per_cell[1];
+    const double *plane = body->plane[facet], dx = 1 / grid->cells_per_cm[0], dy = 1 / grid->cells_per_cm[1];
     const double slope = (fabs(plane[0]) * dx + fabs(plane[1]) * dy) / fabs(plane[2]);
-    const double pad = body->inflation + grid->margin * slope;
+    const double pad = body->err_float + grid->err_cell * slope;
     for (int k = 0; k < 4; k++) {
         const double x = grid->corner[0] + (i + k % 2) * dx, y = grid->corner[1] + (j + k / 2) * dy;
         const double z = (plane[3] - plane[0] * x - plane[1] * y) / plane[2];
@@ -143,7 +151,7 @@ static void widen(const struct cml_mesh_body *body, const struct cml_grid_mesh *
 }
 
 /* False when another facet is there already, or the facets disagree about the diagonal. */
-static bool put(struct cml_grid_mesh_cell *cell, size_t facet, int part)
+static bool set_cell(struct cml_grid_mesh_cell *cell, size_t facet, int part)
 {
     const bool falling = part == (SOUTH | WEST) || part == (NORTH | EAST);
     const uint32_t mark = (uint32_t)facet | (falling ? CML_GRID_MESH_FALLING : 0);
@@ -156,8 +164,9 @@ static bool put(struct cml_grid_mesh_cell *cell, size_t facet, int part)
            ((cell->south ^ cell->north) & CML_GRID_MESH_FALLING) == 0;
 }
 
-static bool lay(const struct cml_mesh_body *body, struct cml_grid_mesh *grid, size_t facet,
-                const struct facet *f)
+/* Enters a facet into all cells that it covers; false when one of them has no place for it. */
+static bool put_facet(const struct cml_mesh_body *body, struct cml_grid_mesh *grid, size_t facet,
+                      const struct facet *f)
 {
     int64_t low[2], high[2];
     for (int k = 0; k < 2; k++) {
@@ -173,28 +182,29 @@ static bool lay(const struct cml_mesh_body *body, struct cml_grid_mesh *grid, si
             const int part = quarters(f, i, j);
             const size_t at = cml_grid_mesh_index(&grid->level[0], (int)i, (int)j);
             if (part == 0) continue;
-            if (!put(&grid->cell[at], facet, part)) return false;
-            widen(body, grid, facet, part, (int)i, (int)j, &grid->level[0].depths[at]);
-            for (int k = 0; k < 4 && part & SOUTH; k++) grid->planes[at].south[k] = body->plane[facet][k];
-            for (int k = 0; k < 4 && part & NORTH; k++) grid->planes[at].north[k] = body->plane[facet][k];
+            if (!set_cell(&grid->cell[at], facet, part)) return false;
+            widen_cell(body, grid, facet, part, (int)i, (int)j, &grid->level[0].depths[at]);
+            if (part & SOUTH) memcpy(grid->planes[at].south, body->plane[facet], sizeof body->plane[facet]);
+            if (part & NORTH) memcpy(grid->planes[at].north, body->plane[facet], sizeof body->plane[facet]);
         }
     return true;
 }
 
-/* Whether a facet with corners outside lies beside the rectangle altogether. */
-static bool is_beside(const struct cml_grid_mesh *grid, const struct cml_mesh *mesh, const uint32_t v[3])
+/* Whether a facet with a corner outside the rectangle lies outside altogether, but for rounding. */
+static bool is_outside(const struct cml_grid_mesh *grid, const struct cml_mesh *mesh, const uint32_t v[3])
 {
     for (int k = 0; k < 2; k++) {
-        const double a = in_cells(grid, mesh->vertex[v[0]], k), b = in_cells(grid, mesh->vertex[v[1]], k),
-                     c = in_cells(grid, mesh->vertex[v[2]], k);
+        const double a = to_cells(grid, mesh->vertex[v[0]], k), b = to_cells(grid, mesh->vertex[v[1]], k),
+                     c = to_cells(grid, mesh->vertex[v[2]], k);
         const double low = fmin(a, fmin(b, c)), high = fmax(a, fmax(b, c));
-        if (high <= grid->margin || low >= grid->n[k] - grid->margin) return true;
+        if (high <= grid->err_cell || low >= grid->n[k] - grid->err_cell) return true;
     }
     return false;
 }
 
-/* Lays all facets; false when one does not fit. */
-static bool fill(const struct cml_mesh_body *body, const struct rectangle *r, struct cml_grid_mesh *grid)
+/* Puts all facets into the cells that they cover; false when one does not fit. */
+static bool put_facets(const struct cml_mesh_body *body, const struct rectangle *r,
+                       struct cml_grid_mesh *grid)
 {
     const struct cml_mesh *mesh = &body->mesh;
     grid->is_whole = true;
@@ -205,14 +215,16 @@ static bool fill(const struct cml_mesh_body *body, const struct rectangle *r, st
         for (int c = 0; c < 3; c++) {
             inside = inside && is_inside(r, mesh->vertex[v[c]]);
             for (int k = 0; k < 2; k++)
-                f.corner[c][k] = inside ? 4 * llrint(in_cells(grid, mesh->vertex[v[c]], k)) : 0;
+                f.corner[c][k] = inside ? 4 * llrint(to_cells(grid, mesh->vertex[v[c]], k)) : 0;
         }
-        if (inside ? !follows_grid(&f) || !lay(body, grid, t, &f) : !is_beside(grid, mesh, v)) return false;
+        if (inside ? !follows_grid(&f) || !put_facet(body, grid, t, &f) : !is_outside(grid, mesh, v))
+            return false;
         grid->is_whole = grid->is_whole && inside;
     }
     return true;
 }
 
+/* Whole tiles: those at the end are padded. */
 static size_t places_of(const struct cml_grid_mesh_level *level)
 {
     return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
@@ -237,7 +249,7 @@ static cml_status allocate(const struct cml_mesh_body *body, struct cml_grid_mes
 {
     int n[2] = {grid->n[0], grid->n[1]};
     grid->z = body->lower[2];
-    grid->per_step = UINT16_MAX / (body->upper[2] - body->lower[2]);
+    grid->steps_per_cm = UINT16_MAX / (body->upper[2] - body->lower[2]);
     for (bool is_last = false; !is_last; grid->levels++) {
         grid->level[grid->levels] = (struct cml_grid_mesh_level){.n = {n[0], n[1]}, .tiles = (n[0] + 3) / 4};
         is_last = n[0] <= 4 && n[1] <= 4;
@@ -261,8 +273,8 @@ static cml_status allocate(const struct cml_mesh_body *body, struct cml_grid_mes
     return CML_OK;
 }
 
-/* The depths of a level's blocks from the level below. */
-static void join(const struct cml_grid_mesh_level *below, struct cml_grid_mesh_level *level)
+/* The depths of a level's blocks: least and most of the level below. */
+static void build_level(const struct cml_grid_mesh_level *below, struct cml_grid_mesh_level *level)
 {
     for (int j = 0; j < below->n[1]; j++)
         for (int i = 0; i < below->n[0]; i++) {
@@ -273,6 +285,7 @@ static void join(const struct cml_grid_mesh_level *below, struct cml_grid_mesh_l
         }
 }
 
+/* Where a ray is over cells that all have facets, by more than rounding. */
 static void find_inner(struct cml_grid_mesh *grid)
 {
     bool is_full = true;
@@ -282,9 +295,9 @@ static void find_inner(struct cml_grid_mesh *grid)
             is_full = is_full && cell.south != CML_GRID_MESH_NO_FACET && cell.north != CML_GRID_MESH_NO_FACET;
         }
     for (int k = 0; k < 2; k++) {
-        const double last = grid->n[k] - grid->margin;
-        grid->inner[0][k] = is_full ? grid->corner[k] + grid->margin / grid->per_cell[k] : NAN;
-        grid->inner[1][k] = grid->corner[k] + last / grid->per_cell[k];
+        const double last = grid->n[k] - grid->err_cell;
+        grid->inner[0][k] = is_full ? grid->corner[k] + grid->err_cell / grid->cells_per_cm[k] : NAN;
+        grid->inner[1][k] = grid->corner[k] + last / grid->cells_per_cm[k];
     }
 }
 
@@ -292,20 +305,22 @@ static cml_status try_rectangle(const struct cml_mesh_body *body, const struct r
                                 struct cml_grid_mesh *grid, struct cml_error *err)
 {
     *grid = (struct cml_grid_mesh){.cell = NULL};
-    if (!guess(&body->mesh, r, grid)) return CML_OK;
-    const double jitter = find_jitter(&body->mesh, r, grid);
-    if (jitter > most_jitter) return CML_OK;
-    grid->margin = 2 * jitter + least_margin;
+    if (!guess_grid(&body->mesh, r, grid)) return CML_OK;
+    const double deviation = find_deviation(&body->mesh, r, grid);
+    if (deviation > most_deviation) return CML_OK;
+    grid->err_cell = 2 * deviation + err_cell_least;
     CML_TRY(allocate(body, grid, err));
-    if (!fill(body, r, grid)) {
+    if (!put_facets(body, r, grid)) {
         cml_grid_mesh_clear(grid);
         return CML_OK;
     }
-    for (int l = 1; l < grid->levels; l++) join(&grid->level[l - 1], &grid->level[l]);
+    for (int l = 1; l < grid->levels; l++) build_level(&grid->level[l - 1], &grid->level[l]);
     find_inner(grid);
     return CML_OK;
 }
 
+/* A skirt around the grid ends at the border, so its outer vertices are those of the border: if all vertices
+ * are on no grid, those inside may be. */
 cml_status cml_grid_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
                               struct cml_error *err)
 {

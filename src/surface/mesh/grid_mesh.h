@@ -1,10 +1,13 @@
 /* Recognises a mesh whose vertices lie on a regular grid, as sampled heights do: which facets cover each
- * cell, and between which depths. Facets may be merged ones (heightmap.h): their sides run along grid
- * lines or the cells' diagonals, so that no cell has more than two. Parts outside the grid's rectangle,
- * such as a skirt, may have any shape. Above the cells stands a pyramid of blocks of 4 x 4, of 4 x 4 of
- * these, and so on, with the depths of all that is below each. Cells and blocks lie in memory by tiles of 4 x
- * 4, a cache line of depths each, and depths are rounded outwards to 16 bits: those of a mesh of 1e6 facets
- * fit into a processor's second cache. Knows no rays. SPDX-License-Identifier: MIT */
+ * cell, and between which depths. Facets may be merged ones (heightmap.h): their sides run along grid lines
+ * or the cells' diagonals, so that no cell has more than two. Parts outside the grid's rectangle, such as a
+ * skirt, may have any shape. Knows no rays.
+ *
+ * Above the cells stands a min/max pyramid, as quadtree displacement mapping and maximum mipmaps have it
+ * [Tevs, Ihrke and Seidel, I3D 2008], with 4 x 4 children to a block instead of 2 x 2: cells and blocks lie
+ * in memory by tiles of 4 x 4, a cache line of depths each, and a block's children are one tile. Depths are
+ * rounded outwards to 16 bits: those of a mesh of 1e6 facets fit into a processor's second cache.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_GRID_MESH_H
 #define CML_GRID_MESH_H
 
@@ -16,8 +19,8 @@
 
 #define CML_GRID_MESH_LEVELS 15 /* enough for 2^28 cells along an axis */
 
-/* Facets at a cell's lower and upper side in y, often the same; both with CML_GRID_MESH_FALLING or both
- * without; CML_GRID_MESH_NO_FACET where the mesh has none. */
+/* Numbers of the facets at a cell's lower and upper side in y, often the same; both with
+ * CML_GRID_MESH_FALLING or both without; CML_GRID_MESH_NO_FACET where the mesh has none. */
 struct cml_grid_mesh_cell {
     uint32_t south, north;
 };
@@ -27,8 +30,8 @@ struct cml_grid_mesh_planes {
     double south[4], north[4];
 };
 
-/* Depths in steps above cml_grid_mesh.z: of the facets, widened by rounding and margin; least > most where
- * there are none. */
+/* Depths in steps above cml_grid_mesh.z: of the facets, widened by err_float and by what err_cell makes on
+ * their slope; least > most where there are none. */
 struct cml_grid_mesh_depths {
     uint16_t least, most;
 };
@@ -36,23 +39,26 @@ struct cml_grid_mesh_depths {
 /* Cells (level 0), or blocks of 4 x 4 of the level below. */
 struct cml_grid_mesh_level {
     struct cml_grid_mesh_depths *depths; /* by cml_grid_mesh_index; a slice of those of all levels */
-    int n[2], tiles;                     /* along x */
+    int n[2];                            /* cells or blocks along x and y */
+    int tiles;                           /* along x */
 };
 
 struct cml_grid_mesh {
-    double corner[2], per_cell[2]; /* cm relative to the body's centre, cells per cm */
-    double z, per_step;            /* cm relative to the body's centre, steps per cm */
-    double margin;      /* in cells: so far may a facet's edge lie from where the grid says, and some more */
-    double inner[2][2]; /* cm: [0] lower, [1] upper corner of the grid less the margin; NaN where a cell
-                         * lacks a facet */
-    int n[2];
-    bool is_whole;                       /* the mesh has no other facets */
-    struct cml_grid_mesh_cell *cell;     /* by cml_grid_mesh_index of level 0 */
+    double corner[2];       /* least x and y, body frame, cm */
+    double cells_per_cm[2]; /* along x and y */
+    double z, steps_per_cm; /* depth of step 0, body frame, cm; depth steps */
+    double err_cell;        /* see rounding.h */
+    double inner[2][2]; /* body frame, cm: [0] lower, [1] upper corner of the grid less err_cell; NaN where
+                         * a cell lacks a facet */
+    int n[2];           /* cells along x and y */
+    bool is_whole;      /* the mesh has no facets outside the grid */
+    struct cml_grid_mesh_cell *cell;     /* owned; by cml_grid_mesh_index of level 0 */
     struct cml_grid_mesh_planes *planes; /* likewise */
     int levels;                          /* the last one is a single tile */
     struct cml_grid_mesh_level level[CML_GRID_MESH_LEVELS];
 };
 
+/* Place in memory of a cell or block: tile by tile, row by row in each. */
 static inline size_t cml_grid_mesh_index(const struct cml_grid_mesh_level *level, int i, int j)
 {
     const size_t tile = (size_t)(j >> 2) * (size_t)level->tiles + (size_t)(i >> 2);

@@ -2,256 +2,331 @@
 #include "surface/mesh/grid_walk.h"
 
 #include "geometry/vec3.h"
+#include "surface/mesh/rounding.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Product of direction and unit normal below which a facet is left to the exact query: beyond it, rounding
- * moves a crossing by less than the grid's margin. */
-static const double grazing = 1e-4;
+/* Rays that enter the grid's box further away than this, in halves of the mesh's width, are left to the exact
+ * query, which moves their origin to the box first: here t u would cost too many digits. */
+static const double farthest_entry = 16;
 
-/* In halves of the mesh's width: origins further away cost too many digits. */
-static const double far = 16;
+/* A traversal begins at the lowest level at which first and last node are less than this many apart: above
+ * it blocks are skipped that the ray never comes to, below it descending costs more than it skips. */
+static const int most_nodes = 3;
 
-/* Crossings this close to where they begin to count, in halves of the mesh's width, may be on either side of
- * it. */
-static const double start_blur = 1e-10;
-
-/* A ray's first cell or block and its last are less than this many apart at the level where its walk begins.
- */
-static const int most_blocks = 3;
-
-enum verdict { MISSED, HIT, OPEN };
-
-/* 1 / speed of a ray that does not move along an axis: no part of it ever leaves anything. */
+/* In place of 1 / 0 for a ray that does not move along an axis: it reaches no border there. Finite, so that
+ * its product with 0 is 0 and no NaN. */
 static const double never = 1e300;
 
-/* The ray along one axis, in cells or in steps of depth. */
+/* UNDECIDED: rounding could change the answer. It ends the whole traversal: a hit behind it may not be the
+ * first. */
+enum verdict { MISS, HIT, UNDECIDED };
+
+/* The ray along one axis, in cells from the grid's corner or in steps of depth. */
 struct axis {
-    double origin, speed, pace; /* pace: distance per cell or step, signed */
+    double origin;  /* cells or steps, at t = 0 */
+    double speed;   /* cells or steps per cm of the ray */
+    double inverse; /* 1 / speed, cm per cell or step, signed */
 };
 
-struct course {
+/* What stays the same from node to node. */
+struct traversal {
     const struct cml_grid_mesh *grid;
     struct cml_mesh_query *q;
-    struct axis axis[2], depth;
+    struct axis axis[2]; /* x, y */
+    struct axis depth;   /* z */
 };
 
-/* The part of the ray over a cell or a block, each end widened by the grid's margin. */
-struct part {
-    double from, to;
+/* Part of the ray, by its distances from the origin, cm. */
+struct interval {
+    double t_min, t_max;
 };
 
-/* Cells, or blocks of one level, from first to last, both included. */
+/* Nodes of one level, from first to last, both included. A node is a cell (level 0) or a block. */
 struct range {
     int first[2], last[2];
 };
 
-static struct axis axis_of(double origin, double speed)
+static struct axis make_axis(double origin, double speed)
 {
     return (struct axis){origin, speed, fabs(speed) > 1 / never ? 1 / speed : never};
 }
 
-static double at(const struct axis *a, double t)
+static double position_at(const struct axis *a, double t)
 {
     return a->origin + t * a->speed;
 }
 
-static bool is_within(double place, int n)
+/* position in cells of a grid of n */
+static bool is_within(double position, int n)
 {
-    return place > 0 && place < n;
+    return position > 0 && position < n;
 }
 
-/* The cell along an axis; of places outside the grid the nearest. */
-static int cell_of(double place, int n)
+static int clamp_to_cell(double position, int n)
 {
-    return is_within(place, n) ? (int)place : place > 0 ? n - 1 : 0;
+    return is_within(position, n) ? (int)position : position > 0 ? n - 1 : 0;
 }
 
-static bool is_clearly_within(double place, double low, double size, double margin)
+/* Whether a position is inside [low, low + size] by more than rounding. */
+static bool is_well_within(double position, double low, double size, double err_cell)
 {
-    return place - low > margin && place - low < size - margin;
+    return position - low > err_cell && position - low < size - err_cell;
 }
 
-/* Whether the ray never comes near the grid. */
-static bool passes_by(const struct course *c, int k, struct part part)
+/* Whether the ray stays beside the grid along an axis, so that a mesh without other facets is missed. */
+static bool misses_grid(const struct traversal *w, int k, struct interval ray)
 {
-    const double b = at(&c->axis[k], part.from), e = at(&c->axis[k], part.to), margin = c->grid->margin,
-                 n = c->grid->n[k];
-    return c->grid->is_whole && ((b < -margin && e < -margin) || (b > n + margin && e > n + margin));
+    const double first = position_at(&w->axis[k], ray.t_min), last = position_at(&w->axis[k], ray.t_max);
+    const double err_cell = w->grid->err_cell, n = w->grid->n[k];
+    return w->grid->is_whole &&
+           ((first < -err_cell && last < -err_cell) || (first > n + err_cell && last > n + err_cell));
 }
 
-/* How far a place of the cell lies on a facet's side of the diagonal. */
-static double inside_diagonal(double u, double v, bool falling, bool south)
+/* How far a place (u, v) of the unit cell lies on a facet's side of the diagonal, in cells along an axis. */
+static double depth_behind_diagonal(double u, double v, bool falling, bool south)
 {
     const double above = falling ? u + v - 1 : v - u;
     return south ? -above : above;
 }
 
-/* plane: of the facet at the cell's south or north side. */
-static enum verdict meet(const struct course *c, const int place[2], struct cml_grid_mesh_cell cell,
-                         bool south, const double plane[4], struct part part, double *t)
+/* The least distance, in cells, of a place (u, v) of the unit cell from the sides of its facet; negative
+ * outside. A facet that fills the cell has no diagonal. */
+static double depth_in_facet(double u, double v, struct cml_grid_mesh_cell cell, bool south)
 {
-    struct cml_mesh_query *q = c->q;
-    const uint32_t facet = (south ? cell.south : cell.north) & ~CML_GRID_MESH_FALLING;
-    const double margin = c->grid->margin;
-    const double along = cml_vec3_dot(q->direction, plane), leading_away = q->below ? along : -along;
-    const double height = plane[3] - cml_vec3_dot(q->origin, plane);
-    if (fabs(height) <= q->touch) q->doubt = true;
-    if ((int)facet == q->exclude || leading_away <= -grazing) return MISSED;
-    if (leading_away < grazing) return OPEN;
-    *t = height / along;
-    if (!(*t >= part.from && *t <= part.to)) return MISSED;
-    const bool may_lie_behind = *t < q->least + start_blur * q->body->upper[0];
-    const double u = at(&c->axis[0], *t) - place[0], v = at(&c->axis[1], *t) - place[1];
     double inside = u < 1 - u ? u : 1 - u;
     if (v < inside) inside = v;
     if (1 - v < inside) inside = 1 - v;
-    if (cell.south != cell.north) {
-        const double w = inside_diagonal(u, v, cell.south & CML_GRID_MESH_FALLING, south);
-        if (w < inside) inside = w;
-    }
-    if (inside < -margin) return MISSED;
-    return inside > margin && !may_lie_behind ? HIT : OPEN;
+    if (cell.south == cell.north) return inside;
+    const double w = depth_behind_diagonal(u, v, cell.south & CML_GRID_MESH_FALLING, south);
+    return w < inside ? w : inside;
 }
 
-/* Barycentric weights of a place above a facet that is not upright. */
+/* The ray against one of a cell's two facets; *t is filled unless the verdict is MISS by direction. Inside
+ * and outside are told in the plane of x and y, where facets are known exactly: half cells. Only hits that
+ * lie inside by more than rounding count, so which facet is hit, and that none was passed, does not depend on
+ * it.
+ */
+static enum verdict intersect_facet(const struct traversal *w, const int node[2],
+                                    struct cml_grid_mesh_cell cell, bool south, const double plane[4],
+                                    struct interval part, double *t)
+{
+    struct cml_mesh_query *q = w->q;
+    const uint32_t facet = (south ? cell.south : cell.north) & ~CML_GRID_MESH_FALLING;
+    const double err_cell = w->grid->err_cell;
+    const double along = cml_vec3_dot(q->direction, plane), leading_away = q->below ? along : -along;
+    const double height = plane[3] - cml_vec3_dot(q->origin, plane);
+    if (fabs(height) <= q->contact_distance) q->in_doubt = true;
+    if ((int)facet == q->exclude || leading_away <= -err_sine_grid) return MISS;
+    if (leading_away < err_sine_grid) return UNDECIDED;
+    *t = height / along;
+    if (!(*t >= part.t_min && *t <= part.t_max)) return MISS;
+    const bool may_lie_behind = *t < q->t_min + err_start * q->body->upper[0];
+    const double u = position_at(&w->axis[0], *t) - node[0], v = position_at(&w->axis[1], *t) - node[1];
+    const double inside = depth_in_facet(u, v, cell, south);
+    if (inside < -err_cell) return MISS;
+    return inside > err_cell && !may_lie_behind ? HIT : UNDECIDED;
+}
+
+/* Barycentric weights of the ray's place at t from areas in x and y: in proportion to those in the facet,
+ * which is not upright. */
 static void find_weights(const struct cml_mesh_query *q, int facet, double t, double weight[3])
 {
-    const struct cml_mesh *mesh = &q->body->mesh;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        const double *a = mesh->vertex[mesh->triangle[facet][(k + 1) % 3]],
-                     *b = mesh->vertex[mesh->triangle[facet][(k + 2) % 3]];
+        const double *a = cml_body_corner(q->body, facet, (k + 1) % 3),
+                     *b = cml_body_corner(q->body, facet, (k + 2) % 3);
         weight[k] = (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x);
         sum += weight[k];
     }
     for (int k = 0; k < 3; k++) weight[k] /= sum;
 }
 
-static void take(struct cml_mesh_query *q, uint32_t facet, const double plane[4], double t)
+/* Weights are found only for normals that are interpolated from vertices: nothing else asks for them. Equal
+ * ones keep the hit away from vertices. */
+static void add_hit(struct cml_mesh_query *q, uint32_t mark, const double plane[4], double t)
 {
+    const int facet = (int)(mark & ~CML_GRID_MESH_FALLING);
     double weight[3] = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    if (q->body->mesh.normals == CML_NORMALS_VERTEX) find_weights(q, (int)facet, t, weight);
-    cml_query_take_inside(q, (int)facet, plane, t, weight);
+    if (q->body->mesh.normals == CML_NORMALS_VERTEX) find_weights(q, facet, t, weight);
+    cml_query_add_inner_hit(q, facet, plane, t, weight);
 }
 
-static enum verdict look(const struct course *c, const int place[2], size_t at_cell, struct part part)
+/* Both facets are tested even when the first is hit: the other may come before it, or be too close to tell.
+ */
+static enum verdict intersect_cell(const struct traversal *w, const int node[2], size_t index,
+                                   struct interval part)
 {
-    const struct cml_grid_mesh_cell cell = c->grid->cell[at_cell];
-    const struct cml_grid_mesh_planes *planes = &c->grid->planes[at_cell];
-    if (cell.south == CML_GRID_MESH_NO_FACET || cell.north == CML_GRID_MESH_NO_FACET) return OPEN;
+    const struct cml_grid_mesh_cell cell = w->grid->cell[index];
+    const struct cml_grid_mesh_planes *planes = &w->grid->planes[index];
+    if (cell.south == CML_GRID_MESH_NO_FACET || cell.north == CML_GRID_MESH_NO_FACET) return UNDECIDED;
     double t = INFINITY, t_north = INFINITY;
-    const enum verdict south = meet(c, place, cell, true, planes->south, part, &t);
-    const enum verdict north =
-        cell.south == cell.north ? MISSED : meet(c, place, cell, false, planes->north, part, &t_north);
-    if (south == OPEN || north == OPEN) return OPEN;
-    if (south == MISSED && north == MISSED) return MISSED;
-    const bool take_south = south == HIT && !(north == HIT && t_north < t);
-    if (take_south)
-        take(c->q, cell.south & ~CML_GRID_MESH_FALLING, planes->south, t);
+    const enum verdict south = intersect_facet(w, node, cell, true, planes->south, part, &t);
+    const enum verdict north = cell.south == cell.north
+                                   ? MISS
+                                   : intersect_facet(w, node, cell, false, planes->north, part, &t_north);
+    if (south == UNDECIDED || north == UNDECIDED) return UNDECIDED;
+    if (south == MISS && north == MISS) return MISS;
+    if (south == HIT && !(north == HIT && t_north < t))
+        add_hit(w->q, cell.south, planes->south, t);
     else
-        take(c->q, cell.north & ~CML_GRID_MESH_FALLING, planes->north, t_north);
+        add_hit(w->q, cell.north, planes->north, t_north);
     return HIT;
 }
 
-/* The part in which the ray is between the depths of a cell or a block; ends before it begins where there is
- * none. The depths are wider than rounding; where there are no facets they are all depths, either way. */
-static struct part within_depths(const struct course *c, struct cml_grid_mesh_depths depths, struct part part)
+/* The part in which the ray is between the depths of a node; empty (t_min > t_max) where there is none.
+ * Depths are widened by more than rounding already. A node without facets has the least above the most, which
+ * sorting makes all depths: it is entered, and its cells are undecided. */
+static struct interval clip_to_depths(const struct traversal *w, struct cml_grid_mesh_depths depths,
+                                      struct interval part)
 {
-    const double a = (depths.least - c->depth.origin) * c->depth.pace,
-                 b = (depths.most - c->depth.origin) * c->depth.pace;
+    const double a = (depths.least - w->depth.origin) * w->depth.inverse,
+                 b = (depths.most - w->depth.origin) * w->depth.inverse;
     const double first = a < b ? a : b, last = a < b ? b : a;
-    if (first > part.from) part.from = first;
-    if (last < part.to) part.to = last;
+    if (first > part.t_min) part.t_min = first;
+    if (last < part.t_max) part.t_max = last;
     return part;
 }
 
-/* Which of the range's parts, cells or blocks of `level`, the ray is in at t; false when that is not clear.
- */
-static bool find_place(const struct course *c, int level, const struct range *range, double t, int place[2])
+/* Which node of `level` within the range the ray is in at t; false when it is too close to the border between
+ * two to tell. The outer borders of the range do not count: the ray is known to be in the range. */
+static bool find_node(const struct traversal *w, int level, const struct range *range, double t, int node[2])
 {
-    const double size = (double)(1 << 2 * level), margin = c->grid->margin;
+    const double size = (double)(1 << 2 * level), err_cell = w->grid->err_cell;
     for (int k = 0; k < 2; k++) {
-        const double x = at(&c->axis[k], t);
+        const double x = position_at(&w->axis[k], t);
         int i = (int)(x / size);
         if (i < range->first[k]) i = range->first[k];
         if (i > range->last[k]) i = range->last[k];
-        if (!(x - i * size > margin || i == range->first[k]) ||
-            !(x - i * size < size - margin || i == range->last[k]))
+        if (!(x - i * size > err_cell || i == range->first[k]) ||
+            !(x - i * size < size - err_cell || i == range->last[k]))
             return false;
-        place[k] = i;
+        node[k] = i;
     }
     return true;
 }
 
-static enum verdict walk(const struct course *c, int level, const struct range *range, int place[2],
-                         double enter, struct part part);
+static enum verdict traverse(const struct traversal *w, int level, const struct range *range, int node[2],
+                             double enter, struct interval part);
 
-/* A cell, or the parts of a block, that the ray enters at `enter`. */
-static enum verdict visit(const struct course *c, int level, const int place[2], double enter,
-                          struct part part)
+/* The 4 x 4 nodes below a block of `level`, fewer at the grid's end. */
+static struct range children_of(const struct traversal *w, int level, const int node[2])
 {
-    const struct cml_grid_mesh_level *blocks = &c->grid->level[level];
-    const size_t here = cml_grid_mesh_index(blocks, place[0], place[1]);
-    if (level == 0) { /* fetched while the depths are */
-        __builtin_prefetch(&c->grid->cell[here]);
-        __builtin_prefetch(&c->grid->planes[here]);
-    }
-    const struct part near = within_depths(c, blocks->depths[here], part);
-    if (near.from > near.to) return MISSED;
-    if (level == 0) return look(c, place, here, part);
-    const int *n = blocks[-1].n;
+    const int *n = w->grid->level[level - 1].n;
     struct range range;
+    for (int k = 0; k < 2; k++) {
+        range.first[k] = 4 * node[k];
+        range.last[k] = 4 * node[k] + 3 < n[k] ? 4 * node[k] + 3 : n[k] - 1;
+    }
+    return range;
+}
+
+/* One node, over which the ray is in `part` and surely at `enter`: skipped when the ray stays above or below
+ * all that it holds, else its facets or, from where the ray comes within its depths, its children. Where that
+ * lies on a border between children, they are traversed from `enter` on. */
+static enum verdict visit_node(const struct traversal *w, int level, const int node[2], double enter,
+                               struct interval part)
+{
+    const struct cml_grid_mesh_level *nodes = &w->grid->level[level];
+    const size_t index = cml_grid_mesh_index(nodes, node[0], node[1]);
+    if (level == 0) { /* fetched while the depths are */
+        __builtin_prefetch(&w->grid->cell[index]);
+        __builtin_prefetch(&w->grid->planes[index]);
+    }
+    const struct interval clipped = clip_to_depths(w, nodes->depths[index], part);
+    if (clipped.t_min > clipped.t_max) return MISS;
+    if (level == 0) return intersect_cell(w, node, index, part);
+    const struct range range = children_of(w, level, node);
     int first[2];
-    for (int k = 0; k < 2; k++) {
-        range.first[k] = 4 * place[k];
-        range.last[k] = 4 * place[k] + 3 < n[k] ? 4 * place[k] + 3 : n[k] - 1;
-    }
-    if (near.from > enter && find_place(c, level - 1, &range, near.from, first))
-        return walk(c, level - 1, &range, first, near.from, near);
-    if (!find_place(c, level - 1, &range, enter, first)) return OPEN;
-    return walk(c, level - 1, &range, first, enter, (struct part){part.from, near.to});
+    if (clipped.t_min > enter && find_node(w, level - 1, &range, clipped.t_min, first))
+        return traverse(w, level - 1, &range, first, clipped.t_min, clipped);
+    if (!find_node(w, level - 1, &range, enter, first)) return UNDECIDED;
+    return traverse(w, level - 1, &range, first, enter, (struct interval){part.t_min, clipped.t_max});
 }
 
-/* From cell to cell, or block to block, of a range until one is hit or the ray or the range ends. `enter`: in
- * part, a distance at which the ray is in the first one. */
-static enum verdict walk(const struct course *c, int level, const struct range *range, int place[2],
-                         double enter, struct part part)
+/* Distance at which the ray leaves a node along axis k: tMax of Amanatides and Woo. Computed from the node's
+ * number each time, as their sum of tDelta would gather rounding. */
+static double leave_at(const struct traversal *w, int k, int node, double size)
 {
-    const double size = (double)(1 << 2 * level), margin = c->grid->margin;
-    const int way[2] = {c->axis[0].pace > 0 ? 1 : -1, c->axis[1].pace > 0 ? 1 : -1};
-    const double pace[2] = {fabs(c->axis[0].pace), fabs(c->axis[1].pace)};
-    double next[2];
-    for (int k = 0; k < 2; k++)
-        next[k] = ((place[k] + (way[k] > 0)) * size - c->axis[k].origin) * c->axis[k].pace;
+    const struct axis *axis = &w->axis[k];
+    return ((node + (axis->inverse > 0)) * size - axis->origin) * axis->inverse;
+}
+
+/* The traversal of Amanatides and Woo: from node to node of a range, each time across the border that comes
+ * first, until one is hit or the ray or the range ends. `enter`: in part, a distance at which the ray is in
+ * the first node. Each node gets its part of the ray widened by err_cell at both ends, so that a facet whose
+ * edge rounding has moved is looked for on both sides. Where the ray crosses a border near a corner, the next
+ * node is not certain. */
+static enum verdict traverse(const struct traversal *w, int level, const struct range *range, int node[2],
+                             double enter, struct interval part)
+{
+    const double size = (double)(1 << 2 * level), err_cell = w->grid->err_cell;
+    const int step[2] = {w->axis[0].inverse > 0 ? 1 : -1, w->axis[1].inverse > 0 ? 1 : -1};
+    const double err_t[2] = {err_cell * fabs(w->axis[0].inverse), err_cell * fabs(w->axis[1].inverse)};
+    double t_next[2] = {leave_at(w, 0, node[0], size), leave_at(w, 1, node[1], size)};
     for (;;) {
-        const int leaving = next[1] <= next[0], staying = 1 - leaving;
-        const double leave = next[leaving], widening = margin * pace[leaving];
-        const double to = leave + widening < part.to ? leave + widening : part.to;
-        const enum verdict verdict = visit(c, level, place, enter, (struct part){part.from, to});
-        if (verdict != MISSED || leave > part.to) return verdict;
-        const int onward = place[leaving] + way[leaving];
-        if (onward < range->first[leaving] || onward > range->last[leaving]) return MISSED;
-        if (!is_clearly_within(at(&c->axis[staying], leave), place[staying] * size, size, margin))
-            return OPEN;
-        place[leaving] = onward;
-        next[leaving] =
-            ((onward + (way[leaving] > 0)) * size - c->axis[leaving].origin) * c->axis[leaving].pace;
+        const int leaving = t_next[1] <= t_next[0], staying = 1 - leaving;
+        const double leave = t_next[leaving];
+        const double t_max = leave + err_t[leaving] < part.t_max ? leave + err_t[leaving] : part.t_max;
+        const enum verdict verdict = visit_node(w, level, node, enter, (struct interval){part.t_min, t_max});
+        if (verdict != MISS || leave > part.t_max) return verdict;
+        const int next = node[leaving] + step[leaving];
+        if (next < range->first[leaving] || next > range->last[leaving]) return MISS;
+        if (!is_well_within(position_at(&w->axis[staying], leave), node[staying] * size, size, err_cell))
+            return UNDECIDED;
+        node[leaving] = next;
+        t_next[leaving] = leave_at(w, leaving, next, size);
         enter = leave;
-        part.from = leave - widening;
+        part.t_min = leave - err_t[leaving];
     }
 }
 
-/* The cells over which a ray comes within the margin; false when some lie outside the grid, or they are
- * more than a few. */
-static bool find_few_cells(const struct course *c, struct part part, struct range *range)
+/* The level at which the ray crosses fewer than most_nodes nodes along each axis. */
+static int find_start_level(const struct traversal *w, const int first[2], const double last[2])
+{
+    int cells = 0, level = 0;
+    for (int k = 0; k < 2; k++) {
+        const int d = abs(clamp_to_cell(last[k], w->grid->n[k]) - first[k]);
+        if (d > cells) cells = d;
+    }
+    while (cells >> 2 * level >= most_nodes && level + 1 < w->grid->levels) level++;
+    return level;
+}
+
+/* Traverses the grid from the cell in which the ray begins. Where the ray ends near a cell's border, or
+ * beyond a grid that is not the whole mesh, a miss of the visited cells says nothing of the next ones. */
+static enum verdict traverse_grid(const struct traversal *w, struct interval ray)
+{
+    const struct cml_grid_mesh *grid = w->grid;
+    double last[2];
+    int node[2];
+    bool ends_inside = true, ends_in_cell = true;
+    for (int k = 0; k < 2; k++) {
+        const double first = position_at(&w->axis[k], ray.t_min);
+        last[k] = position_at(&w->axis[k], ray.t_max);
+        node[k] = (int)first;
+        if (!is_well_within(first, node[k], 1, grid->err_cell)) return UNDECIDED;
+        ends_inside = ends_inside && is_within(last[k], grid->n[k]);
+        ends_in_cell = ends_in_cell && is_well_within(last[k], floor(last[k]), 1, grid->err_cell);
+    }
+    const int level = find_start_level(w, node, last);
+    const int *n = grid->level[level].n;
+    const struct range all = {{0, 0}, {n[0] - 1, n[1] - 1}};
+    for (int k = 0; k < 2; k++) node[k] >>= 2 * level;
+    const enum verdict verdict = traverse(w, level, &all, node, ray.t_min, ray);
+    return verdict == MISS && !(ends_inside ? ends_in_cell : grid->is_whole) ? UNDECIDED : verdict;
+}
+
+/* The cells over which a ray comes within err_cell; false when some lie outside the grid, or they are more
+ * than a few. */
+static bool find_few_cells(const struct traversal *w, struct interval part, struct range *range)
 {
     for (int k = 0; k < 2; k++) {
-        const double a = at(&c->axis[k], part.from), b = at(&c->axis[k], part.to);
-        const double low = (a < b ? a : b) - c->grid->margin, high = (a < b ? b : a) + c->grid->margin;
-        if (!(low > 0 && high < c->grid->n[k])) return false;
+        const double a = position_at(&w->axis[k], part.t_min), b = position_at(&w->axis[k], part.t_max);
+        const double low = (a < b ? a : b) - w->grid->err_cell, high = (a < b ? b : a) + w->grid->err_cell;
+        if (!(low > 0 && high < w->grid->n[k])) return false;
         range->first[k] = (int)low;
         range->last[k] = (int)high;
         if (range->last[k] - range->first[k] > 1) return false;
@@ -260,7 +335,7 @@ static bool find_few_cells(const struct course *c, struct part part, struct rang
 }
 
 /* Adds a facet to the list unless it is there; false when it is none, or the ray grazes it. */
-static bool list(const struct cml_mesh_query *q, uint32_t mark, int facets[8], int *count)
+static bool list_facet(const struct cml_mesh_query *q, uint32_t mark, int facets[8], int *count)
 {
     const int facet = (int)(mark & ~CML_GRID_MESH_FALLING);
     if (mark == CML_GRID_MESH_NO_FACET) return false;
@@ -268,94 +343,58 @@ static bool list(const struct cml_mesh_query *q, uint32_t mark, int facets[8], i
         if (facets[i] == facet) return true;
     const double along = cml_vec3_dot(q->direction, q->body->plane[facet]);
     facets[(*count)++] = facet;
-    return facet == q->exclude || along > grazing || along < -grazing;
+    return facet == q->exclude || along > err_sine_grid || along < -err_sine_grid;
 }
 
-/* What the walk left open, where the ray stays above a few cells: their facets as the exact query tests them.
- */
-static bool settle(const struct course *c, struct part part)
+/* Exact fallback where the ray stays above a few cells: their facets as the exact query tests them. */
+static bool refine_hit(const struct traversal *w, struct interval part)
 {
-    struct cml_mesh_query *q = c->q;
+    struct cml_mesh_query *q = w->q;
     struct range range;
     int facets[8], count = 0;
-    if (!find_few_cells(c, part, &range)) return false;
+    if (!find_few_cells(w, part, &range)) return false;
     for (int j = range.first[1]; j <= range.last[1]; j++)
         for (int i = range.first[0]; i <= range.last[0]; i++) {
             const struct cml_grid_mesh_cell cell =
-                c->grid->cell[cml_grid_mesh_index(&c->grid->level[0], i, j)];
-            if (!list(q, cell.south, facets, &count) || !list(q, cell.north, facets, &count)) return false;
+                w->grid->cell[cml_grid_mesh_index(&w->grid->level[0], i, j)];
+            if (!list_facet(q, cell.south, facets, &count) || !list_facet(q, cell.north, facets, &count))
+                return false;
         }
     double leave, t, weight[3];
-    if (!cml_query_approach(q, 0, &leave)) return true;
+    if (!cml_query_clip_ray(q, 0, &leave)) return true;
     for (int i = 0; i < count; i++) {
         if (facets[i] == q->exclude) continue;
-        cml_query_feel(q, facets[i]);
-        if (cml_query_cross(q, facets[i], &t, weight)) cml_query_take(q, facets[i], t, weight);
+        cml_query_test_contact(q, facets[i]);
+        if (cml_query_intersect(q, facets[i], &t, weight)) cml_query_add_hit(q, facets[i], t, weight);
     }
     return true;
-}
-
-/* The level at which the ray visits few blocks. */
-static int find_level(const struct course *c, const int first[2], const double last[2])
-{
-    int cells = 0, level = 0;
-    for (int k = 0; k < 2; k++) {
-        const int d = abs(cell_of(last[k], c->grid->n[k]) - first[k]);
-        if (d > cells) cells = d;
-    }
-    while (cells >> 2 * level >= most_blocks && level + 1 < c->grid->levels) level++;
-    return level;
-}
-
-/* Where the ray ends near a cell's border, or beyond a grid that is not the whole mesh, missing the cells
- * that it has visited says nothing. */
-static enum verdict traverse_grid(const struct course *c, struct part part)
-{
-    const struct cml_grid_mesh *grid = c->grid;
-    double last[2];
-    int place[2];
-    bool is_inside = true, is_clear = true;
-    for (int k = 0; k < 2; k++) {
-        const double first = at(&c->axis[k], part.from);
-        last[k] = at(&c->axis[k], part.to);
-        place[k] = (int)first;
-        if (!is_clearly_within(first, place[k], 1, grid->margin)) return OPEN;
-        is_inside = is_inside && is_within(last[k], grid->n[k]);
-        is_clear = is_clear && is_clearly_within(last[k], floor(last[k]), 1, grid->margin);
-    }
-    const int level = find_level(c, place, last);
-    const int *n = grid->level[level].n;
-    const struct range all = {{0, 0}, {n[0] - 1, n[1] - 1}};
-    for (int k = 0; k < 2; k++) place[k] >>= 2 * level;
-    const enum verdict verdict = walk(c, level, &all, place, part.from, part);
-    return verdict == MISSED && !(is_inside ? is_clear : grid->is_whole) ? OPEN : verdict;
 }
 
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->body->upper[0];
-    struct course c = {.grid = grid, .q = q};
+    struct traversal w = {.grid = grid, .q = q};
     for (int k = 0; k < 2; k++)
-        c.axis[k] = axis_of((q->origin[k] - grid->corner[k]) * grid->per_cell[k],
-                            q->direction[k] * grid->per_cell[k]);
-    c.depth = axis_of((q->origin[2] - grid->z) * grid->per_step, q->direction[2] * grid->per_step);
-    const struct part whole = {q->lenience * q->least - start_blur * size, q->t};
-    const struct part part = within_depths(&c, (struct cml_grid_mesh_depths){0, UINT16_MAX}, whole);
-    if (part.from > part.to) return true;
-    if (part.from > far * size) return false;
+        w.axis[k] = make_axis((q->origin[k] - grid->corner[k]) * grid->cells_per_cm[k],
+                              q->direction[k] * grid->cells_per_cm[k]);
+    w.depth = make_axis((q->origin[2] - grid->z) * grid->steps_per_cm, q->direction[2] * grid->steps_per_cm);
+    const struct interval whole = {q->grazing_factor * q->t_min - err_start * size, q->t};
+    const struct interval ray = clip_to_depths(&w, (struct cml_grid_mesh_depths){0, UINT16_MAX}, whole);
+    if (ray.t_min > ray.t_max) return true;
+    if (ray.t_min > farthest_entry * size) return false;
     for (int k = 0; k < 2; k++)
-        if (!is_within(at(&c.axis[k], part.from), grid->n[k]))
-            return passes_by(&c, 0, part) || passes_by(&c, 1, part);
-    return traverse_grid(&c, part) != OPEN || settle(&c, part);
+        if (!is_within(position_at(&w.axis[k], ray.t_min), grid->n[k]))
+            return misses_grid(&w, 0, ray) || misses_grid(&w, 1, ray);
+    return traverse_grid(&w, ray) != UNDECIDED || refine_hit(&w, ray);
 }
 
-bool cml_grid_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q)
+bool cml_grid_walk_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q)
 {
-    const double blur = 64 * (q->slack + q->blur); /* more than crossings may lie behind the packet */
+    const double err = err_cover_factor * (q->err_position + q->err_entry);
     for (int k = 0; k < 2; k++) {
-        const double low = grid->inner[0][k] + blur, high = grid->inner[1][k] - blur;
-        const double from = q->origin[k], to = from + q->t * q->direction[k];
-        if (!(from > low && from < high && to > low && to < high)) return false;
+        const double low = grid->inner[0][k] + err, high = grid->inner[1][k] - err;
+        const double first = q->origin[k], last = first + q->t * q->direction[k];
+        if (!(first > low && first < high && last > low && last < high)) return false;
     }
     return true;
 }

@@ -1,26 +1,35 @@
-/* A mesh as its queries want it: centred on the origin, with the planes of its facets.
- * SPDX-License-Identifier: MIT */
+/* A mesh as its queries want it: centred on the origin, with the planes of its facets, and what rounding can
+ * do to it. SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_BODY_H
 #define CML_MESH_BODY_H
 
 #include "geometry/footprint.h"
 #include "geometry/mesh.h"
 
+/* "Body frame" below: cm, relative to the middle of the mesh's box, axes as in the boundary's frame. Numbers
+ * are smallest there, and so is their rounding. */
 struct cml_mesh_body {
-    struct cml_mesh mesh; /* vertices relative to centre */
-    double (*plane)[4]; /* [num_triangles] unit normal, up, and its product with any point of the triangle */
-    double centre[3];   /* in query coordinates: x and y from the beam's axis, z in the boundary's frame */
-    double axis[2];     /* the scene's z axis relative to centre: where an analytic normal is centred */
-    double lower[3], upper[3]; /* box, inflated, relative to centre */
-    double digits;             /* more than rounding in double can move a point of the mesh */
-    double inflation;          /* how much every box grows: more than the rounding of ray and box to float */
-    struct cml_footprint *footprint;
+    struct cml_mesh mesh; /* vertices, box and z_border in the body frame */
+    double (
+        *plane)[4]; /* [num_triangles] unit normal, up, and its product with any point of the triangle, cm */
+    double centre[3]; /* the body frame's origin in query coordinates: x and y from the beam's axis, z in the
+                       * boundary's frame, cm */
+    double axis[2];   /* body frame: the scene's z axis, around which analytic normals turn */
+    double lower[3], upper[3];       /* body frame: the box, larger by 2 err_float on each side */
+    double err_mesh, err_float;      /* cm, see rounding.h */
+    struct cml_footprint *footprint; /* owned */
 };
 
-/* Takes over *mesh (prepared; left empty) and centres it. x0, y0: scene position of the queries' origin. On
- * failure the body holds what cml_mesh_body_clear frees. */
+/* Takes over *mesh (prepared; left empty) and centres it. x0, y0: scene position of the queries' origin, cm.
+ * CML_E_INPUT when memory runs out; then the body holds what cml_mesh_body_clear frees. */
 CML_NODISCARD cml_status cml_mesh_body_create(struct cml_mesh *mesh, double x0, double y0,
                                               struct cml_mesh_body *body, struct cml_error *err);
 void cml_mesh_body_clear(struct cml_mesh_body *body);
+
+/* Corner k (0 to 2) of a triangle, body frame. */
+static inline const double *cml_body_corner(const struct cml_mesh_body *body, int triangle, int k)
+{
+    return body->mesh.vertex[body->mesh.triangle[triangle][k]];
+}
 
 #endif

@@ -1,5 +1,5 @@
 /* The geometry of one facet of a mesh: where a line crosses it, and how far from it a point lies.
- * Points and directions are relative to the mesh's centre, directions of unit length, distances in cm.
+ * Points are in the body frame (mesh_body.h), directions of unit length, distances in cm.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_FACET_H
 #define CML_MESH_FACET_H
@@ -13,10 +13,11 @@
 double cml_facet_crossing(const struct cml_mesh_body *body, int primitive, const double from[3],
                           const double direction[3], double least);
 
+/* From a point to the closest of the facet, edges and corners with it. */
 double cml_facet_distance(const struct cml_mesh_body *body, int primitive, const double p[3]);
 
 /* Distance along a ray to where it is closest to the edge from a to b; 0 where it leaves the edge behind. */
-double cml_ray_closest_to_edge(const double from[3], const double direction[3], const double a[3],
+double cml_facet_edge_approach(const double from[3], const double direction[3], const double a[3],
                                const double b[3]);
 
 #endif

@@ -1,37 +1,43 @@
 /* The whole line of a query against the whole boundary, with the signs of exact arithmetic: what is crossed
- * in doubtful cases, beside edges and vertices, where rounding has a say in which facets a ray meets and on
+ * in doubtful cases, near edges and vertices, where rounding has a say in which facets a ray meets and on
  * which side of them a packet stands.
- * A line through a sheet that divides space crosses it alternately up and down. Where every sign is that of
- * the same line, moved by less than any number, that holds for what is computed too: so the crossings ahead
- * tell on which side the packet lies: not its rounded position, but the point of its line that is ahead of it
- * by rounding, for a packet that crosses a facet nearer than that may find itself before it again. Where that
- * is not the packet's side, it stands beyond a facet by rounding. Either it comes back through that facet,
- * which is no crossing, or it heads out: through the first facet that its line passes by no more than
- * rounding. SPDX-License-Identifier: MIT */
+ *
+ * A line through a sheet that divides space crosses it alternately up and down. Signs are those of simulation
+ * of simplicity [Edelsbrunner and Muecke, ACM Transactions on Graphics 9 (1), 1990; geometry/predicate.h]:
+ * all belong to one line, moved by less than any number, that meets no edge and no vertex. So that
+ * alternation holds for what is computed too, and the winding number of the crossings ahead (upwards less
+ * downwards) tells on which side the packet lies. Not its rounded position, but the point of its line that is
+ * ahead of it by rounding: a packet that crosses a facet nearer than that may find itself before it again.
+ *
+ * Where that is not the packet's side, it stands beyond a facet by rounding. Either it comes back through
+ * that facet, which is no crossing, or it heads out: through the first facet that its line passes at no more
+ * than rounding. SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_LINE_H
 #define CML_MESH_LINE_H
 
 #include "surface/mesh/mesh_query.h"
 
+/* Distances along the line from q's origin, cm. Facets are "exiting" and "entering" as in mesh_query.h. */
 struct cml_mesh_line {
     const struct cml_mesh_query *q; /* borrowed */
-    double near;    /* cm; what rounding can put between a packet and the facet it stands on */
-    double from[3]; /* the point of the line ahead of the packet by rounding: what is ahead is so from here */
-    int winding, winding_ahead; /* facets crossed upwards less downwards: by the line, ahead */
-    double t;                   /* distance of the first one ahead that leads away from the packet's side */
-    int primitive;              /* that facet; -1: none */
-    double back; /* distance from the closest facet ahead that leads back to the packet's side */
-    double exit_t,
-        beside;       /* where the line first passes beside a facet that leads away, and how far beside */
-    int exit;         /* that facet; -1: none is near the line */
-    double length;    /* of the path */
-    bool ends_beside; /* it ends within rounding of a facet */
+    double err_line; /* cm; what rounding can put between a packet and the facet it stands on */
+    double from[3];  /* body frame: the point of the line ahead of the packet by rounding: what is ahead is so
+                      * from here */
+    int winding, winding_ahead; /* facets crossed upwards less downwards: by the whole line, ahead */
+    double t;                   /* distance of the first exiting crossing ahead */
+    int primitive;              /* its facet; -1: none */
+    double entering_distance;   /* cm from the origin to the closest facet with an entering crossing ahead */
+    double t_exit;              /* where the line first passes an exiting facet at no more than err_line */
+    double exit_distance;       /* cm between them there */
+    int exit_primitive;         /* that facet; -1: none is near the line */
+    double length;              /* of the path, cm */
+    bool ends_near_facet;       /* it ends within err_line of a facet */
 };
 
-/* Borrows q, which has gone through cml_query_begin. t_max: where the path ends. */
+/* Borrows q, which has gone through cml_query_begin. t_max: length of the path, cm. */
 void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max);
 
-/* Counts a triangle. All must be offered, each once, that the line meets or that lie near the packet. */
+/* Takes in a triangle. All must be offered, each once, that the line meets or that lie near the packet. */
 void cml_line_add(struct cml_mesh_line *line, int primitive);
 
 /* What the packet crosses before its path ends: makes it q's best, or leaves q's if that is the same place.

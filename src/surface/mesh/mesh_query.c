@@ -1,111 +1,110 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_query.h"
 
-#include "surface/mesh/mesh_facet.h"
 #include "geometry/vec3.h"
+#include "surface/mesh/mesh_facet.h"
+#include "surface/mesh/rounding.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
-/* Below this share of a triangle's area a barycentric weight counts as 0: the hit lies on the opposite edge.
- */
-static const double on_edge = 1e-12;
-
-/* d . ((a - p) x (b - p)) of the edge from vertex i to j. Computed from the lower index to the higher, so
- * that the two triangles of an edge get exactly opposite numbers. */
+/* d . ((a - p) x (b - p)) of the edge from vertex i to j: its sign tells on which side of the edge the ray
+ * passes, its size is twice the area of triangle (a, b, ray) seen along d. Computed from the lower index to
+ * the higher, so that the two triangles of an edge get exactly opposite numbers. */
 static double edge_product(const struct cml_mesh_query *q, uint32_t i, uint32_t j)
 {
     const double(*vertex)[3] = (const double(*)[3])q->body->mesh.vertex;
     const bool swap = i > j;
     double a[3], b[3], c[3];
-    cml_vec3_subtract(vertex[swap ? j : i], q->near, a);
-    cml_vec3_subtract(vertex[swap ? i : j], q->near, b);
+    cml_vec3_subtract(vertex[swap ? j : i], q->entry, a);
+    cml_vec3_subtract(vertex[swap ? i : j], q->entry, b);
     cml_vec3_cross(a, b, c);
     const double w = cml_vec3_dot(q->direction, c);
     return swap ? -w : w;
 }
 
-/* Whether an edge product may be 0 but for rounding. */
-static bool is_rounding(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
+/* Whether an edge product may be 0 but for rounding; the bound is derived in rounding.h. err_product is at
+ * least as large for every edge of the mesh, and spares nearly all of them the sums. */
+static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t i, uint32_t j)
 {
-    if (fabs(product) > q->coarse) return false;
+    if (fabs(product) > q->err_product) return false;
     const double *a = q->body->mesh.vertex[i], *b = q->body->mesh.vertex[j];
     double sum_a = 0, sum_b = 0, edge = 0;
     for (int k = 0; k < 3; k++) {
-        sum_a += fabs(a[k] - q->near[k]);
-        sum_b += fabs(b[k] - q->near[k]);
+        sum_a += fabs(a[k] - q->entry[k]);
+        sum_b += fabs(b[k] - q->entry[k]);
         edge += fabs(a[k] - b[k]);
     }
-    return fabs(product) <= 4 * DBL_EPSILON * sum_a * sum_b + q->blur * edge;
+    return fabs(product) <= err_share_product * sum_a * sum_b + q->err_entry * edge;
 }
 
-/* Whether a crossing at t is not behind the packet. Rounding puts a packet beyond a facet by up to slack
- * across it, which is more along it: beside an edge at which it has turned, a packet may head into the next
- * facet. */
+/* Rounding puts a packet beyond a facet by up to err_position across it, which is 1 / |along| as much along
+ * the ray: near an edge at which it has been reflected, a packet may head into the next facet at a small
+ * angle. */
 bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along)
 {
-    return t >= q->least || (t >= q->lenience * q->least && t * fabs(along) >= q->least);
+    return t >= q->t_min || (t >= q->grazing_factor * q->t_min && t * fabs(along) >= q->t_min);
 }
 
-/* A random number of a vertex. */
-static uint64_t number_of(uint32_t vertex)
+/* Of a vertex: the first rounds of SplitMix64. For each triangle that the ray hits, open_edges adds up start
+ * less end of the edges that the ray is on but for rounding. Where the triangles around an edge or a vertex
+ * have all been hit at one place, each such vertex has been added as often as subtracted, and the sum is 0:
+ * then nothing is left between them that the ray could slip through, whatever rounding did. Else it is 0 by
+ * chance once in 2^64. (Zobrist hashing of the boundary of a chain of triangles.) */
+static uint64_t random_number(uint32_t vertex)
 {
     const uint64_t x = (vertex + UINT64_C(1)) * UINT64_C(0x9e3779b97f4a7c15);
     return (x ^ (x >> 29)) * UINT64_C(0xbf58476d1ce4e5b9);
 }
 
-/* Crossing of one triangle away from the packet's side; on success *t and the barycentric weights. A ray
- * within rounding of an edge meets the triangles on both sides of it: exact signs alone leave pinholes at
- * vertices, where the signs of several edges have to agree, and along the border, beyond which the plane
- * begins. */
-bool cml_query_cross(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
+/* A ray within rounding of an edge hits the triangles on both sides of it: exact signs alone leave pinholes
+ * at vertices, where the signs of several edges have to agree, and along the border, beyond which the outer
+ * plane begins. */
+bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3])
 {
     const uint32_t *v = q->body->mesh.triangle[primitive];
     const double sign = q->below ? 1 : -1;
     int close = 0;
-    q->candidate_open = 0;
+    q->candidate_open_edges = 0;
     for (int k = 0; k < 3; k++) {
         const uint32_t i = v[(k + 1) % 3], j = v[(k + 2) % 3];
         weight[k] = sign * edge_product(q, i, j);
-        if (weight[k] > q->coarse) continue;
-        const bool rounding = is_rounding(q, weight[k], i, j);
+        if (weight[k] > q->err_product) continue;
+        const bool rounding = may_be_zero(q, weight[k], i, j);
         if (!(weight[k] >= 0 || rounding)) return false;
-        if (rounding) q->candidate_open += number_of(i) - number_of(j);
+        if (rounding) q->candidate_open_edges += random_number(i) - random_number(j);
         close += rounding;
     }
-    if (close == 3) q->candidate_open = 1; /* the line lies in the plane: nothing is sure */
+    if (close == 3) q->candidate_open_edges = 1; /* the line lies in the plane: nothing is sure */
     const double along = cml_vec3_dot(q->direction, q->body->plane[primitive]);
     if (!(sign * along > 0)) return false;
-    *t = q->base + cml_facet_crossing(q->body, primitive, q->near, q->direction, -INFINITY);
+    *t = q->t_entry + cml_facet_crossing(q->body, primitive, q->entry, q->direction, -INFINITY);
     const double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
     return cml_query_is_ahead(q, *t, along);
 }
 
-/* The best crossing so far. One at the same place, on a shared edge, adds its facet to the seam's mean
- * normal. */
-void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
+/* Several facets have a crossing on their common edge or vertex: the same place but for rounding, and a
+ * normal of all of them, so that it does not matter which was found first. */
+void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
-    const bool seam = weight[0] < on_edge || weight[1] < on_edge || weight[2] < on_edge;
+    const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;
     const double *normal = q->body->plane[primitive];
-    if (q->on_seam && seam && fabs(t - q->t) <= q->reach) {
-        for (int k = 0; k < 3; k++) q->seam[k] += normal[k];
-        q->open += q->candidate_open;
+    if (q->hits_edge && on_edge && fabs(t - q->t) <= q->err_query) {
+        cml_vec3_add_scaled(q->normal_sum, 1, normal, q->normal_sum);
+        q->open_edges += q->candidate_open_edges;
         return;
     }
     if (t >= q->t) return;
-    q->open = q->candidate_open;
+    q->open_edges = q->candidate_open_edges;
     q->t = t;
     q->primitive = primitive;
-    q->on_seam = seam;
-    for (int k = 0; k < 3; k++) {
-        q->seam[k] = normal[k];
-        q->weight[k] = weight[k];
-    }
+    q->hits_edge = on_edge;
+    cml_vec3_copy(normal, q->normal_sum);
+    cml_vec3_copy(weight, q->weight);
 }
 
-/* Most rays are short and start close to the mesh: nothing to clip. */
+/* Most rays are short and start close to the mesh: nothing to clip, and t_entry 0 is close enough. */
 static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
 {
     const double *lower = q->body->lower, *upper = q->body->upper, *p = q->origin;
@@ -114,8 +113,9 @@ static bool is_of_mesh_size(const struct cml_mesh_query *q, double t_max)
            p[2] > lower[2] - size && p[2] < upper[2] + size;
 }
 
-/* Shortens a part of the line to what is inside the mesh's box; false when nothing is. */
-static bool clip_to_box(const struct cml_mesh_query *q, double *enter, double *leave)
+/* Shortens a part of the line to what is inside the mesh's box; false when nothing is. The slab method [Kay
+ * and Kajiya, Ray tracing complex scenes, SIGGRAPH 1986]. */
+static bool clip_to_slabs(const struct cml_mesh_query *q, double *enter, double *leave)
 {
     for (int k = 0; k < 3; k++) {
         const double lower = q->body->lower[k] - q->origin[k], upper = q->body->upper[k] - q->origin[k];
@@ -131,36 +131,28 @@ static bool clip_to_box(const struct cml_mesh_query *q, double *enter, double *l
     return *enter <= *leave;
 }
 
-/* The part of the ray inside the mesh's box, so that only numbers of the mesh's own size are rounded to
- * float. */
-static bool clip(const struct cml_mesh_query *q, double t_max, double *enter, double *leave)
+bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave)
 {
-    *enter = 0;
-    *leave = t_max;
-    return is_of_mesh_size(q, t_max) || clip_to_box(q, enter, leave);
-}
-
-bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave)
-{
-    double enter, size = 0;
-    if (!clip(q, q->t, &enter, leave)) return false;
-    q->base = enter - back;
-    q->blur = DBL_EPSILON * enter;
+    double enter = 0, size = 0;
+    *leave = q->t;
+    if (!is_of_mesh_size(q, q->t) && !clip_to_slabs(q, &enter, leave)) return false;
+    q->t_entry = enter - back;
+    q->err_entry = DBL_EPSILON * enter;
     for (int k = 0; k < 3; k++) {
-        q->near[k] = q->origin[k] + q->base * q->direction[k];
-        q->blur += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->near[k]));
+        q->entry[k] = q->origin[k] + q->t_entry * q->direction[k];
+        q->err_entry += DBL_EPSILON * (fabs(q->origin[k]) + fabs(q->entry[k]));
         size += q->body->upper[k] - q->body->lower[k];
     }
-    q->coarse = 2 * (4 * DBL_EPSILON * size + q->blur) * size;
+    q->err_product = 2 * (err_share_product * size + q->err_entry) * size;
     return true;
 }
 
-bool cml_query_approach_all(struct cml_mesh_query *q, double *leave)
+bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 {
-    q->base = -INFINITY;
+    q->t_entry = -INFINITY;
     *leave = INFINITY;
-    if (!clip_to_box(q, &q->base, leave)) return false;
-    for (int k = 0; k < 3; k++) q->near[k] = q->origin[k] + q->base * q->direction[k];
+    if (!clip_to_slabs(q, &q->t_entry, leave)) return false;
+    cml_vec3_add_scaled(q->origin, q->t_entry, q->direction, q->entry);
     return true;
 }
 
@@ -170,47 +162,38 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
     return cml_footprint_contains(q->body->footprint, x, y) ? CML_INSIDE_BORDER : CML_OUTSIDE_BORDER;
 }
 
-/* The plane outside the footprint, and within rounding of its border, as the triangles there reach as far. */
-void cml_query_outer_plane(struct cml_mesh_query *q)
+/* The plane begins within rounding of the border, as the triangles there end: both have it, none has a gap.
+ */
+void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
 {
     const double uz = q->direction[2];
     if (q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
     if (!cml_query_is_ahead(q, t, uz) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    const enum cml_border_side side = cml_query_border_side(q, x, y, fmax(q->slack, q->blur));
+    const enum cml_border_side side = cml_query_border_side(q, x, y, fmax(q->err_position, q->err_entry));
     if (side == CML_INSIDE_BORDER) return;
-    q->doubt = q->doubt || side == CML_AT_BORDER;
+    q->in_doubt = q->in_doubt || side == CML_AT_BORDER;
     q->t = t;
     q->primitive = CML_OUTER_PLANE;
 }
-
-/* Sine of the angle to the outer plane below which single precision may not tell on which side of the border
- * it is met. */
-static const double grazing_border = 1e-2;
 
 /* The border belongs to triangles and plane alike, but only the plane asks for it in double: a ray that
  * passes within the rounding of single precision of it may have been let through by both. */
 bool cml_query_may_have_missed(const struct cml_mesh_query *q)
 {
-    const double uz = q->direction[2], d = q->body->inflation;
+    const double uz = q->direction[2], d = q->body->err_float;
     if (!(q->below ? uz < 0 : uz > 0)) return false;
     const double end = q->origin[2] + q->t * uz;
     if (q->below ? end < q->body->lower[2] : end > q->body->upper[2]) return true;
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
-    if (!(t >= q->least) || !(t < q->t)) return false;
-    if (fabs(uz) < grazing_border) return true;
+    if (!(t >= q->t_min) || !(t < q->t)) return false;
+    if (fabs(uz) < err_sine_border) return true;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
     return cml_query_border_side(q, x, y, d) == CML_AT_BORDER;
 }
 
-static void normalise(double v[3])
-{
-    const double k = 1 / sqrt(cml_vec3_dot(v, v));
-    for (int i = 0; i < 3; i++) v[i] *= k;
-}
-
-/* Upward normal of the cone that the triangle stands for. */
+/* Upward normal of the cone that a tessellated heightfield's triangle stands for. */
 static void analytic_normal(const struct cml_mesh_query *q, const double point[3], double normal[3])
 {
     const double x = point[0] - q->body->axis[0], y = point[1] - q->body->axis[1], r = sqrt(x * x + y * y);
@@ -220,6 +203,7 @@ static void analytic_normal(const struct cml_mesh_query *q, const double point[3
     normal[2] = r > 0 ? -k : -1;
 }
 
+/* As Phong shading interpolates [Communications of the ACM 18 (6), 1975]. */
 static void interpolated_normal(const struct cml_mesh_query *q, double normal[3])
 {
     const struct cml_mesh *mesh = &q->body->mesh;
@@ -227,76 +211,73 @@ static void interpolated_normal(const struct cml_mesh_query *q, double normal[3]
     for (int k = 0; k < 3; k++)
         normal[k] = q->weight[0] * mesh->vertex_normal[v[0]][k] +
                     q->weight[1] * mesh->vertex_normal[v[1]][k] + q->weight[2] * mesh->vertex_normal[v[2]][k];
-    normalise(normal);
+    cml_vec3_normalise(normal);
 }
 
-/* P1: at a vertex the angle-weighted mean normal, on an edge the mean of its facets; there it is the facet as
- * well, for no single facet can decide. Elsewhere facet and normal are what their names say. */
+/* Rule P1: at a vertex the angle-weighted mean normal, on an edge the mean of its facets. That is the facet's
+ * normal too, for no single facet can decide there. A mean may turn away from the ray, which would reflect
+ * the packet into the boundary: then the facet's own is taken. */
 static void fill_normals(const struct cml_mesh_query *q, const double point[3],
                          struct cml_mesh_crossing *crossing)
 {
     const struct cml_mesh *mesh = &q->body->mesh;
     int corner = -1;
     for (int k = 0; k < 3; k++)
-        if (q->weight[k] > 1 - 2 * on_edge) corner = k;
-    for (int k = 0; k < 3; k++)
-        crossing->facet[k] =
-            corner >= 0 ? mesh->vertex_normal[mesh->triangle[q->primitive][corner]][k] : q->seam[k];
+        if (q->weight[k] > 1 - 2 * err_weight) corner = k;
+    cml_vec3_copy(corner >= 0 ? mesh->vertex_normal[mesh->triangle[q->primitive][corner]] : q->normal_sum,
+                  crossing->facet);
     const double sign = q->below ? 1 : -1;
-    const bool away = !(sign * cml_vec3_dot(q->direction, crossing->facet) > 0); /* as a mean may turn */
-    if (away)
-        for (int k = 0; k < 3; k++) crossing->facet[k] = q->body->plane[q->primitive][k];
-    else if (q->on_seam || corner >= 0)
-        normalise(crossing->facet);
-    for (int k = 0; k < 3; k++) crossing->normal[k] = crossing->facet[k];
-    if (q->on_seam) return;
+    const bool turned = !(sign * cml_vec3_dot(q->direction, crossing->facet) > 0);
+    if (turned)
+        cml_vec3_copy(q->body->plane[q->primitive], crossing->facet);
+    else if (q->hits_edge || corner >= 0)
+        cml_vec3_normalise(crossing->facet);
+    cml_vec3_copy(crossing->facet, crossing->normal);
+    if (q->hits_edge) return;
     if (mesh->normals == CML_NORMALS_ANALYTIC)
         analytic_normal(q, point, crossing->normal);
     else if (mesh->normals == CML_NORMALS_VERTEX)
         interpolated_normal(q, crossing->normal);
 }
 
-/* Distance along the query's line to the plane of a primitive. */
-static double plane_distance(const struct cml_mesh_query *q, int primitive)
+/* Distance along the query's line to the plane of a primitive. Unlike cml_query_plane_distance from a corner,
+ * not from the body frame's origin: where the packet stands on the plane, that is the more precise. */
+static double distance_to_primitive(const struct cml_mesh_query *q, int primitive)
 {
     const struct cml_mesh *mesh = &q->body->mesh;
     if (primitive == CML_OUTER_PLANE) return (mesh->z_border - q->origin[2]) / q->direction[2];
     double to_plane[3];
-    cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][0]], q->origin, to_plane);
+    cml_vec3_subtract(cml_body_corner(q->body, primitive, 0), q->origin, to_plane);
     return cml_vec3_dot(to_plane, q->body->plane[primitive]) /
            cml_vec3_dot(q->direction, q->body->plane[primitive]);
 }
 
-/* Distance in double along the ray from the triangle's plane alone; `along` is the product of direction and
- * unit normal. */
-double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, double *along)
+double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive, double *along)
 {
     const double *plane = q->body->plane[primitive];
     *along = cml_vec3_dot(q->direction, plane);
     return (plane[3] - cml_vec3_dot(q->origin, plane)) / *along;
 }
 
-void cml_query_feel(struct cml_mesh_query *q, int primitive)
+void cml_query_test_contact(struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->body->plane[primitive];
-    if (fabs(plane[3] - cml_vec3_dot(q->origin, plane)) <= q->touch) q->doubt = true;
+    if (fabs(plane[3] - cml_vec3_dot(q->origin, plane)) <= q->contact_distance) q->in_doubt = true;
 }
 
-void cml_query_take_inside(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
-                           const double weight[3])
+void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
+                             const double weight[3])
 {
     if (!(t < q->t)) return;
     q->t = t;
     q->primitive = primitive;
-    q->on_seam = false;
-    q->open = 0;
-    for (int k = 0; k < 3; k++) {
-        q->seam[k] = normal[k];
-        q->weight[k] = weight[k];
-    }
+    q->hits_edge = false;
+    q->open_edges = 0;
+    cml_vec3_copy(normal, q->normal_sum);
+    cml_vec3_copy(weight, q->weight);
 }
 
-/* Inflation counts: it is more than rounding. */
+/* By more than rounding: the box is larger by err_float. */
 static bool is_over_box(const struct cml_mesh_query *q)
 {
     const double *lower = q->body->lower, *upper = q->body->upper, *p = q->origin;
@@ -304,79 +285,82 @@ static bool is_over_box(const struct cml_mesh_query *q)
 }
 
 /* Whether the packet stands so close to an edge of its facet, or to the border, that rounding may have put it
- * beyond facets that it has not met, or that it was turned by a mean normal. What rounding moves across a
- * facet is more along it, where the packet grazes it. */
-static bool stands_on_edge(const struct cml_mesh_query *q, int primitive)
+ * beyond facets that it has not met, or that it was turned by a mean normal. weight: twice the area between
+ * packet and edge, so weight / length is the distance from the edge. What rounding moves across a facet is
+ * 1 / |along| as much along it. */
+static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
 {
     if (primitive < 0) return primitive == CML_BESIDE_FACETS;
     if (primitive == CML_OUTER_PLANE)
         return is_over_box(q) &&
-               cml_query_border_side(q, q->origin[0], q->origin[1], q->reach) != CML_OUTSIDE_BORDER;
-    const struct cml_mesh *mesh = &q->body->mesh;
+               cml_query_border_side(q, q->origin[0], q->origin[1], q->err_query) != CML_OUTSIDE_BORDER;
     const double *normal = q->body->plane[primitive], along = fabs(cml_vec3_dot(q->direction, normal));
     double weight[3], sum = 0;
     for (int k = 0; k < 3; k++) {
-        const double *a = mesh->vertex[mesh->triangle[primitive][k]];
+        const double *a = cml_body_corner(q->body, primitive, k);
         double edge[3], from[3], part[3];
-        cml_vec3_subtract(mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]], a, edge);
+        cml_vec3_subtract(cml_body_corner(q->body, primitive, (k + 1) % 3), a, edge);
         cml_vec3_subtract(q->origin, a, from);
         cml_vec3_cross(edge, from, part);
         const double length = fabs(edge[0]) + fabs(edge[1]) + fabs(edge[2]);
         weight[k] = cml_vec3_dot(part, normal);
         sum += weight[k];
-        if (!(along * weight[k] > q->reach * length)) return true;
+        if (!(along * weight[k] > q->err_query * length)) return true;
     }
-    return weight[0] < on_edge * sum || weight[1] < on_edge * sum || weight[2] < on_edge * sum;
+    return weight[0] < err_weight * sum || weight[1] < err_weight * sum || weight[2] < err_weight * sum;
 }
 
-void cml_query_take_settled(struct cml_mesh_query *q, int primitive, double t)
+/* Weights from the areas that the place leaves opposite to the corners; the place may lie beside the facet by
+ * rounding, where an area is negative. */
+void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
 {
-    double area[3] = {1, 1, 1};
+    double area[3] = {1, 1, 1}, place[3];
     q->t = t;
     q->primitive = primitive;
-    q->on_seam = false;
+    q->hits_edge = false;
     if (primitive == CML_OUTER_PLANE) return;
-    const struct cml_mesh *mesh = &q->body->mesh;
-    const double *normal = q->body->plane[primitive];
+    cml_vec3_copy(q->body->plane[primitive], q->normal_sum);
+    cml_vec3_add_scaled(q->origin, t, q->direction, place);
     for (int k = 0; k < 3; k++) {
-        double a[3], b[3], part[3];
-        for (int i = 0; i < 3; i++) {
-            const double at = q->origin[i] + t * q->direction[i];
-            a[i] = mesh->vertex[mesh->triangle[primitive][(k + 1) % 3]][i] - at;
-            b[i] = mesh->vertex[mesh->triangle[primitive][(k + 2) % 3]][i] - at;
-        }
-        cml_vec3_cross(a, b, part);
-        area[k] = fmax(0, cml_vec3_dot(part, normal));
-        q->seam[k] = normal[k];
+        double normal[3];
+        cml_vec3_normal(place, cml_body_corner(q->body, primitive, (k + 1) % 3),
+                        cml_body_corner(q->body, primitive, (k + 2) % 3), normal);
+        area[k] = fmax(0, cml_vec3_dot(normal, q->body->plane[primitive]));
     }
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
 }
 
+/* A packet that came straight through its facet has dealt with what lies behind it, so nothing before that
+ * facet's crossing counts. */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight, double slack)
+                     const double u[3], int below, double t_max, int exclude, int straight,
+                     double err_position)
 {
     q->body = body;
     q->below = below;
     q->exclude = exclude;
     q->t = t_max;
-    q->slack = slack;
-    q->reach = slack + body->digits;
+    q->err_position = err_position;
+    q->err_query = err_position + body->err_mesh;
     q->primitive = -1;
-    q->on_seam = false;
-    q->blur = 0;
+    q->hits_edge = false;
+    q->err_entry = 0;
     cml_vec3_subtract(p, body->centre, q->origin);
-    for (int k = 0; k < 3; k++) q->direction[k] = u[k];
-    q->on_edge = stands_on_edge(q, exclude);
-    q->doubt = false;
-    q->open = 0;
-    q->touch = exclude == -1 ? q->reach : -1;
-    q->lenience = exclude >= 0 && straight ? 1 : 32;
-    q->least = exclude >= 0 && straight ? fmax(-slack, fmin(plane_distance(q, exclude), slack)) : -slack;
+    cml_vec3_copy(u, q->direction);
+    q->starts_on_edge = is_near_edge(q, exclude);
+    q->in_doubt = false;
+    q->open_edges = 0;
+    q->contact_distance = exclude == -1 ? q->err_query : -1;
+    q->grazing_factor = exclude >= 0 && straight ? 1 : err_grazing_factor;
+    q->t_min = exclude >= 0 && straight
+                   ? fmax(-err_position, fmin(distance_to_primitive(q, exclude), err_position))
+                   : -err_position;
 }
 
 bool cml_query_is_doubtful(const struct cml_mesh_query *q)
 {
-    return q->on_edge || q->doubt || q->open != 0 || (q->primitive >= 0 && q->t < q->reach);
+    return q->starts_on_edge || q->in_doubt || q->open_edges != 0 ||
+           (q->primitive >= 0 && q->t < q->err_query);
 }
 
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],

@@ -1,83 +1,93 @@
 /* The double-precision half of a mesh query: one ray against triangles that somebody else has found, and
- * against the outer plane. Triangles are tested by the signs of Pluecker products, which neighbours compute
- * alike from their shared edge, so that no ray passes between them. Knows no tree and no Embree; see
- * mesh_surface.h. SPDX-License-Identifier: MIT */
+ * against the outer plane. Knows no tree and no Embree; see mesh_surface.h.
+ *
+ * A triangle is tested by the signs of three edge products, which are permuted inner products of the Pluecker
+ * coordinates of ray and edge [Platis and Theoharis, Fast ray-tetrahedron intersection using Pluecker
+ * coordinates, Journal of Graphics Tools 8 (4), 2003; DAGMC uses the same test]. Both triangles of an edge
+ * compute it from the same end, so they get opposite numbers and no ray passes between them: the test is
+ * watertight [as Woop, Benthin and Wald, Journal of Computer Graphics Techniques 2 (1), 2013]. Where a
+ * product may be 0 but for rounding, both triangles are hit, and the query says that it is in doubt;
+ * cml_line_decide (mesh_line.h) then decides by exact arithmetic.
+ *
+ * A packet knows on which side of the boundary it is. Only crossings that leave that side ("exiting", as in
+ * DAGMC) are looked for; one that comes back to it ("entering") can only follow an exiting one.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_QUERY_H
 #define CML_MESH_QUERY_H
 
 #include "surface/mesh/mesh_body.h"
 #include "mesh_crossing.h"
 
-/* A ray on its way to its first crossing. */
+/* A ray on its way to its first crossing. Places in the body frame (mesh_body.h), lengths and distances along
+ * the ray in cm. The bounds err_ are those of rounding.h. */
 struct cml_mesh_query {
-    const struct cml_mesh_body *body;
-    double origin[3], direction[3]; /* relative to centre */
-    double base;                    /* distance at which the ray enters the mesh's box */
-    double near[3]; /* that point: triangles are tested from there, so that a far origin costs no digits */
-    double blur;    /* rounding of its coordinates */
-    double coarse;  /* more than rounding can make of any edge product */
-    double slack;   /* the rounding of the packet's position: how far behind the origin a crossing may lie */
-    double reach;   /* how far rounding in all can put a crossing from where it is */
-    double least;   /* -slack, or where the line crosses `exclude` when the packet came straight through it */
-    double lenience; /* how many times that, for facets that the ray grazes */
-    double touch;    /* a packet this close to a facet's plane may be beyond it; -1 when it stands on one */
-    int below, exclude;
-    double t;         /* best so far */
-    double weight[3]; /* its barycentric weights */
-    double seam[3];   /* sum of unit facet normals when the best lies on an edge, else the facet's */
-    int primitive;    /* -1: none */
-    bool on_seam;
-    bool on_edge; /* the packet stands close to an edge: rounding may have put it beyond facets beside it */
-    bool doubt;   /* the border was passed so closely that rounding decided what is crossed, or the fast way
-                   * has missed a facet */
-    double back;  /* the fast way's: where it met a facet that leads back to the packet's side */
-    /* Edges that the best crossing is on, but for rounding, those that two of its facets share left out; 0
-     * when no other is: then those facets are all there are at its place, and it is a crossing whatever
-     * rounding does. Sums of random numbers of the edges' ends; of the candidate last tested and of the best.
-     */
-    uint64_t candidate_open, open;
+    const struct cml_mesh_body *body; /* borrowed */
+    double origin[3], direction[3];   /* direction: unit */
+    double entry[3]; /* where the ray enters the mesh's box: triangles are tested from here, so that a far
+                      * origin costs no digits */
+    double t_entry;  /* its distance */
+    double err_entry, err_product, err_position, err_query;
+    double t_min; /* the least distance of a crossing: -err_position, or where the ray crosses `exclude` if
+                   * the packet came straight through it */
+    double grazing_factor; /* times t_min: the same for facets that the ray grazes */
+    double
+        contact_distance; /* a packet this close to a facet's plane may be beyond it; -1: it stands on one */
+    int below;            /* the packet is below the boundary */
+    int exclude;          /* the primitive that it stands on, -1 or CML_BESIDE_FACETS */
+    double t;             /* distance of the best crossing so far, at first the length of the path */
+    double weight[3];     /* its barycentric weights */
+    double normal_sum[3]; /* sum of unit facet normals when the best lies on an edge, else the facet's */
+    int primitive;        /* -1: none */
+    bool hits_edge;       /* the best lies on an edge or a vertex: other facets may have it too */
+    bool starts_on_edge; /* the packet stands close to an edge: rounding may have put it beyond the next facet
+                          */
+    bool in_doubt;       /* rounding decides what is crossed, or Embree's triangles have missed a facet */
+    double t_entering;   /* first entering crossing that Embree's triangles have; INFINITY: none */
+    uint64_t candidate_open_edges,
+        open_edges; /* of the triangle last tested, of the best; see random_number */
 };
 
-/* Arguments as of cml_mesh_surface_hit (kernels/mesh_crossing.h). */
+/* Arguments as of cml_mesh_surface_hit (kernels/mesh_crossing.h); slack is err_position here. */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight, double slack);
+                     const double u[3], int below, double t_max, int exclude, int straight,
+                     double err_position);
 
-/* Makes the point where the ray enters the box, or `back` before it, the near point: only numbers of the
- * mesh's own size are ever rounded to float. *leave: where it leaves the box, at most q->t. False when it
- * never enters. */
-bool cml_query_approach(struct cml_mesh_query *q, double back, double *leave);
+/* Clips the ray to the mesh's box and puts the entry point there, or by `back` before it: only numbers of the
+ * mesh's own size are ever rounded to float. *leave: where the ray leaves the box, at most q->t. False when
+ * it never enters. */
+bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave);
 
-/* The same for the whole line, ahead and behind: the near point is where it enters the box. */
-bool cml_query_approach_all(struct cml_mesh_query *q, double *leave);
+/* The same for the whole line, ahead and behind. */
+bool cml_query_clip_line(struct cml_mesh_query *q, double *leave);
 
-/* Whether a triangle is crossed away from the packet's side: without gaps between neighbours. *t and
- * barycentric weights. Needs cml_query_approach. */
-bool cml_query_cross(struct cml_mesh_query *q, int primitive, double *t, double weight[3]);
+/* Whether the ray exits through a triangle, at *t, and with which barycentric weights. Needs
+ * cml_query_clip_ray. Neighbours leave no gap. */
+bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, double weight[3]);
 
-/* Makes a crossing the best so far if it is; one at the same place on a shared edge adds its facet to the
- * seam. */
-void cml_query_take(struct cml_mesh_query *q, int primitive, double t, const double weight[3]);
+/* Makes a crossing the best so far if it is; one at the same place on a shared edge adds its facet's normal.
+ */
+void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3]);
 
-/* Distance to the plane of a facet; *along is the product of direction and upward unit normal. */
-double cml_query_facet_distance(const struct cml_mesh_query *q, int primitive, double *along);
-
-/* Sets q->doubt where a packet that stands on no facet lies within rounding of this one's plane. */
-void cml_query_feel(struct cml_mesh_query *q, int primitive);
-
-/* As cml_query_take for a crossing that lies clearly inside its triangle, whose unit normal (up) the caller
- * has. */
-void cml_query_take_inside(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
-                           const double weight[3]);
+/* As cml_query_add_hit for a crossing well inside its triangle, whose unit normal (up) the caller has. */
+void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const double normal[3], double t,
+                             const double weight[3]);
 
 /* Makes a primitive the best, at distance t, whatever was the best before. */
-void cml_query_take_settled(struct cml_mesh_query *q, int primitive, double t);
+void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t);
+
+/* Distance along the ray to the plane of a facet; *along is the product of direction and upward unit normal.
+ */
+double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive, double *along);
+
+/* Sets q->in_doubt where the origin is within q->contact_distance of this facet's plane. */
+void cml_query_test_contact(struct cml_mesh_query *q, int primitive);
 
 /* Where a place lies to the mesh's border: within a distance d of it, or else outside or inside. */
 enum cml_border_side { CML_OUTSIDE_BORDER, CML_AT_BORDER, CML_INSIDE_BORDER };
 enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d);
 
-/* Lets the plane outside the footprint compete; sets q->doubt close to the border. */
-void cml_query_outer_plane(struct cml_mesh_query *q);
+/* Lets the outer plane compete; sets q->in_doubt close to the border. */
+void cml_query_intersect_outer_plane(struct cml_mesh_query *q);
 
 /* Whether a crossing at distance t is not behind the packet; along: product of direction and unit normal. */
 bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along);
@@ -85,11 +95,11 @@ bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along);
 /* Whether rounding had a say in the best crossing, or in there being none: cml_line_decide has to tell. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 
-/* Whether only the exact test can tell that the ray meets no triangle: it passes the border, before its end,
- * closely, or it ends where no packet of its side can be, beyond all triangles. */
+/* Whether Embree's triangles in single precision may have missed what the exact query hits: the ray passes
+ * the border closely before its end, or it ends where no packet of its side can be, beyond all triangles. */
 bool cml_query_may_have_missed(const struct cml_mesh_query *q);
 
-/* 1 and the crossing, with its normals, if there is one. */
+/* 1 and the crossing, with its normals, if there is one. p, u: as given to cml_query_begin. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing);
 

@@ -3,8 +3,8 @@
 
 #include "surface/mesh/grid_walk.h"
 #include "surface/mesh/mesh_line.h"
+#include "surface/mesh/rounding.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -24,7 +24,7 @@ struct cml_mesh_surface {
     _Atomic ssize_t embree_bytes; /* kept by Embree's threads */
     RTCScene exact;               /* boxes around triangles that are tested in double */
     RTCScene fast;                /* Embree's own single-precision triangles; NULL where there is a grid */
-    struct cml_grid_mesh grid;    /* of a regular grid, walked in Embree's stead; else without cells */
+    struct cml_grid_mesh grid;    /* traversed in Embree's stead; without cells when the mesh is no grid */
 };
 
 /* Embree hands the context through to the callbacks, so the double-precision query rides behind it. */
@@ -32,10 +32,11 @@ struct query {
     query_context context;
     struct cml_mesh_query ray;
     struct cml_mesh_line *line; /* NULL unless the whole line is followed */
-    bool feels;                 /* only looks for facets that the packet may be beyond */
+    bool contact_only;          /* only looks for facets that the packet may be beyond */
 };
 
-static void intersect(const struct RTCIntersectFunctionNArguments *arguments)
+/* Embree calls it for every box that the ray meets. Later boxes are of no interest once a hit is closer. */
+static void intersect_triangle(const struct RTCIntersectFunctionNArguments *arguments)
 {
     struct query *query = (struct query *)(void *)arguments->context;
     struct cml_mesh_query *q = &query->ray;
@@ -47,13 +48,13 @@ static void intersect(const struct RTCIntersectFunctionNArguments *arguments)
         return;
     }
     if (primitive == q->exclude) return;
-    cml_query_feel(q, primitive);
-    if (query->feels) return;
-    if (!cml_query_cross(q, primitive, &t, weight)) return;
-    cml_query_take(q, primitive, t, weight);
+    cml_query_test_contact(q, primitive);
+    if (query->contact_only) return;
+    if (!cml_query_intersect(q, primitive, &t, weight)) return;
+    cml_query_add_hit(q, primitive, t, weight);
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)arguments->rayhit;
-    const float reach = (float)(q->t - q->base + 2 * q->body->inflation);
-    if (reach < rayhit->ray.tfar) rayhit->ray.tfar = reach > 0 ? reach : 0;
+    const float t_far = (float)(q->t - q->t_entry + 2 * q->body->err_float);
+    if (t_far < rayhit->ray.tfar) rayhit->ray.tfar = t_far > 0 ? t_far : 0;
     rayhit->hit.geomID = arguments->geomID;
     rayhit->hit.primID = arguments->primID;
 #if CML_EMBREE_MAJOR >= 4
@@ -61,7 +62,9 @@ static void intersect(const struct RTCIntersectFunctionNArguments *arguments)
 #endif
 }
 
-static void bounds(const struct RTCBoundsFunctionArguments *arguments)
+/* Larger by err_float: whatever a float does to box and ray, Embree meets the box of every triangle that the
+ * ray meets in double. */
+static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
 {
     const struct cml_mesh_surface *surface = arguments->geometryUserPtr;
     const struct cml_mesh *mesh = &surface->body.mesh;
@@ -69,41 +72,42 @@ static void bounds(const struct RTCBoundsFunctionArguments *arguments)
     float *lower = &arguments->bounds_o->lower_x, *upper = &arguments->bounds_o->upper_x;
     for (int k = 0; k < 3; k++) {
         const double a = mesh->vertex[v[0]][k], b = mesh->vertex[v[1]][k], c = mesh->vertex[v[2]][k];
-        lower[k] = (float)(fmin(a, fmin(b, c)) - surface->body.inflation);
-        upper[k] = (float)(fmax(a, fmax(b, c)) + surface->body.inflation);
+        lower[k] = (float)(fmin(a, fmin(b, c)) - surface->body.err_float);
+        upper[k] = (float)(fmax(a, fmax(b, c)) + surface->body.err_float);
     }
 }
 
-/* The line from q->near, at q->base, to a distance. */
-static void aim_from_near(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
+/* From the entry point to distance `leave`. */
+static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
 {
     *rayhit = (struct RTCRayHit){0};
-    rayhit->ray.org_x = (float)q->near[0];
-    rayhit->ray.org_y = (float)q->near[1];
-    rayhit->ray.org_z = (float)q->near[2];
+    rayhit->ray.org_x = (float)q->entry[0];
+    rayhit->ray.org_y = (float)q->entry[1];
+    rayhit->ray.org_z = (float)q->entry[2];
     rayhit->ray.dir_x = (float)q->direction[0];
     rayhit->ray.dir_y = (float)q->direction[1];
     rayhit->ray.dir_z = (float)q->direction[2];
-    rayhit->ray.tfar = (float)(leave - q->base + 2 * q->body->inflation);
+    rayhit->ray.tfar = (float)(leave - q->t_entry + 2 * q->body->err_float);
     rayhit->ray.mask = 0xffffffffu;
     rayhit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
 
-static bool aim(struct cml_mesh_query *q, double back, struct RTCRayHit *rayhit)
+/* The part of the ray inside the mesh's box; false when there is none. */
+static bool make_ray(struct cml_mesh_query *q, double back, struct RTCRayHit *rayhit)
 {
     double leave;
-    if (!cml_query_approach(q, back, &leave)) return false;
-    aim_from_near(q, leave, rayhit);
+    if (!cml_query_clip_ray(q, back, &leave)) return false;
+    fill_ray(q, leave, rayhit);
     return true;
 }
 
 /* The whole line, ahead and behind. */
-static bool aim_at_all(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
+static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
 {
     double leave;
-    if (!cml_query_approach_all(q, &leave)) return false;
-    aim_from_near(q, leave, rayhit);
+    if (!cml_query_clip_line(q, &leave)) return false;
+    fill_ray(q, leave, rayhit);
     return true;
 }
 
@@ -129,108 +133,100 @@ static void intersect_scene(RTCScene scene, struct query *query, struct RTCRayHi
 static void query_exact(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
-    if (aim(&query->ray, 0, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
+    if (make_ray(&query->ray, 0, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
 }
 
-/* Whether a packet that stands on no facet lies within rounding of one. A ray that grazes that facet may be
- * told nothing of it by Embree, in whose single precision it lies behind the ray's beginning. */
-static void feel_around(const struct cml_mesh_surface *surface, struct query *query)
+/* Contact test around the packet: whether one that stands on no facet lies within rounding of one. A ray at a
+ * small angle to that facet may be told nothing of it by Embree, in whose single precision it lies behind the
+ * ray's beginning. Only boxes at the origin are asked for: the ray has no length but that of their err_float.
+ */
+static void test_contact_around(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
     double leave;
-    if (!cml_query_approach(&query->ray, 0, &leave) || query->ray.base > 0) return;
-    aim_from_near(&query->ray, query->ray.base, &rayhit);
-    query->feels = true;
+    if (!cml_query_clip_ray(&query->ray, 0, &leave) || query->ray.t_entry > 0) return;
+    fill_ray(&query->ray, query->ray.t_entry, &rayhit);
+    query->contact_only = true;
     intersect_scene(surface->exact, query, &rayhit, NULL);
-    query->feels = false;
+    query->contact_only = false;
 }
-
-/* By how much, in heights, triangles are enlarged for Embree: in single precision it lets rays pass between
- * those that meet at a corner or that they graze, most easily a ray along an edge. */
-static const float rim = 1e-3f;
 
 /* Barycentric weights in the triangle itself; Embree's coordinates are those in the enlarged one. */
 static void find_weights(float u, float v, double weight[3])
 {
     const float coordinate[3] = {1 - u - v, u, v};
-    for (int k = 0; k < 3; k++) weight[k] = coordinate[k] + 3 * (double)rim * (coordinate[k] - 1.0 / 3);
+    for (int k = 0; k < 3; k++)
+        weight[k] = coordinate[k] + 3 * (double)err_height_embree * (coordinate[k] - 1.0 / 3);
 }
 
-/* Whether all weights are at least `least`. More than `clearly` above 0, whatever single precision does to
- * them, they are those of a place inside, and less than that below of one outside. */
-static const double clearly = 1e-5;
 static bool is_within(const double weight[3], double least)
 {
     return weight[0] > least && weight[1] > least && weight[2] > least;
 }
 
-/* Which of Embree's hits count: not the triangle the packet stands on, only those that lead away from its
- * side, and none behind it. Beside an edge the enlarged triangles tell of facets that the line itself passes
- * by. */
-static bool counts(struct cml_mesh_query *q, int primitive, double *t, double *along)
+/* Whether a hit of Embree's is a crossing to look for: not of the triangle that the packet stands on,
+ * exiting, and not behind the packet. The enlarged triangles tell of facets that the line itself misses, so
+ * the contact test comes along for free. */
+static bool is_exit(struct cml_mesh_query *q, int primitive, double *t, double *along)
 {
-    *t = cml_query_facet_distance(q, primitive, along);
-    q->doubt = q->doubt || fabs(*t * *along) <= q->touch;
+    *t = cml_query_plane_distance(q, primitive, along);
+    q->in_doubt = q->in_doubt || fabs(*t * *along) <= q->contact_distance;
     return primitive != q->exclude && (q->below ? *along : -*along) > 0 && cml_query_is_ahead(q, *t, *along);
 }
 
-/* Keeps the first one ahead that leads back to the packet's side: it can only come after one that leads away.
- * Not one that the line passes beside, within the rim. */
+/* Lets Embree go on past hits that are no exit, and keeps the first entering crossing ahead: it can only come
+ * after an exiting one. Not one that the line passes beside, within the enlargement. */
 static void filter_hit(const struct RTCFilterFunctionNArguments *arguments)
 {
     struct cml_mesh_query *q = &((struct query *)(void *)arguments->context)->ray;
     const struct RTCHit *hit = (const struct RTCHit *)(const void *)arguments->hit;
     const int primitive = (int)hit->primID;
     double t, along, weight[3];
-    if (counts(q, primitive, &t, &along)) return;
+    if (is_exit(q, primitive, &t, &along)) return;
     arguments->valid[0] = 0;
-    if (primitive == q->exclude || !((q->below ? along : -along) < 0 && t > q->reach)) return;
+    if (primitive == q->exclude || !((q->below ? along : -along) < 0 && t > q->err_query)) return;
     find_weights(hit->u, hit->v, weight);
-    if (is_within(weight, -clearly)) q->back = fmin(q->back, t);
+    if (is_within(weight, -err_weight_embree)) q->t_entering = fmin(q->t_entering, t);
 }
 
-/* The closest hit that counts; false when there is none. A filter costs Embree half as much again, so a
- * packet that stands on nothing tries without one first: what it then meets is nearly always what counts. */
-static bool closest(const struct cml_mesh_surface *surface, struct query *query, struct RTCRayHit *rayhit,
-                    double *t, double *along)
+/* The closest exit; false when there is none. A filter costs Embree half as much again, so a packet that
+ * stands on nothing tries without one first: what it then meets is nearly always an exit. */
+static bool closest_hit(const struct cml_mesh_surface *surface, struct query *query, struct RTCRayHit *rayhit,
+                        double *t, double *along)
 {
-    const struct RTCRayHit fresh = *rayhit;
+    const struct RTCRayHit before = *rayhit;
     if (query->ray.exclude < 0) {
         intersect_scene(surface->fast, query, rayhit, NULL);
         if (rayhit->hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-        if (counts(&query->ray, (int)rayhit->hit.primID, t, along)) return true;
-        *rayhit = fresh;
+        if (is_exit(&query->ray, (int)rayhit->hit.primID, t, along)) return true;
+        *rayhit = before;
     }
-    query->ray.back = INFINITY;
+    query->ray.t_entering = INFINITY;
     intersect_scene(surface->fast, query, rayhit, filter_hit);
     const bool found = rayhit->hit.geomID != RTC_INVALID_GEOMETRY_ID &&
-                       counts(&query->ray, (int)rayhit->hit.primID, t, along);
-    if (query->ray.back < (found ? *t : query->ray.t)) query->ray.doubt = true;
+                       is_exit(&query->ray, (int)rayhit->hit.primID, t, along);
+    if (query->ray.t_entering < (found ? *t : query->ray.t)) query->ray.in_doubt = true;
     return found;
 }
 
-/* Sine of the angle to the facet below which single precision cannot tell which facet comes first. */
-static const double grazing = 1e-2;
-
-/* The fast way: Embree's own triangles find the hit, whose distance is computed again in double. Where it
- * grazes its triangle, is not clearly inside its triangle, or nothing was found on a way without end, past
- * the border, or out of the mesh's depths, the exact query decides. Where a facet that leads back comes
- * first, the whole line does: the fast way has missed one before it, at an edge from which the packet starts,
- * which no float can tell from one beside it. The ray starts a little behind the packet, because rounding may
- * have put it beyond a facet.
- */
-static void query_fast(const struct cml_mesh_surface *surface, struct query *query)
+/* Embree's own triangles find the hit, whose distance is computed again in double. The exact query decides
+ * where the hit is at a small angle, near an edge, or where nothing was found although the path is endless,
+ * passes the border, or leaves the mesh's depths. The whole line decides where an entering crossing comes
+ * first: an exit before it was missed, at an edge from which the packet starts, which no float can tell from
+ * a place beside it. The ray starts a little behind the packet, because rounding may have put it beyond a
+ * facet. */
+static void query_embree(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct cml_mesh_query *q = &query->ray;
     struct RTCRayHit rayhit;
     double t = INFINITY, along = 0; /* for want of a hit */
-    if (q->touch >= 0) feel_around(surface, query);
-    if (!aim(q, 2 * q->body->inflation, &rayhit)) return;
-    const bool found = closest(surface, query, &rayhit, &t, &along);
+    if (q->contact_distance >= 0) test_contact_around(surface, query);
+    if (!make_ray(q, 2 * q->body->err_float, &rayhit)) return;
+    const bool found = closest_hit(surface, query, &rayhit, &t, &along);
     double weight[3];
     find_weights(rayhit.hit.u, rayhit.hit.v, weight);
-    if (found && is_within(weight, clearly) && fabs(along) > grazing)
-        cml_query_take_inside(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
+    if (found && is_within(weight, err_weight_embree) && fabs(along) > err_sine_embree)
+        cml_query_add_inner_hit(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
     else if (found || !(q->t < INFINITY) || cml_query_may_have_missed(q))
         query_exact(surface, query);
 }
@@ -242,32 +238,35 @@ static bool query_line(const struct cml_mesh_surface *surface, struct query *que
     struct RTCRayHit rayhit;
     cml_line_begin(&line, &query->ray, t_max);
     query->line = &line;
-    if (aim_at_all(&query->ray, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
+    if (make_line(&query->ray, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
     cml_line_decide(&line, &query->ray);
-    return line.ends_beside;
+    return line.ends_near_facet;
 }
 
-static void query_walked(const struct cml_mesh_surface *surface, struct query *query)
+/* Undecided traversals are rare: at edges and small angles only. */
+static void query_grid(const struct cml_mesh_surface *surface, struct query *query)
 {
     if (!cml_grid_walk(&surface->grid, &query->ray)) query_exact(surface, query);
 }
 
+/* Packets that stand near an edge go the exact way at once: the fast ones would only send them there. The
+ * outer plane is left out where the traversal has shown that the ray stays over the grid. */
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
-                         int below, double t_max, int exclude, int straight, int exact, double slack,
+                         int below, double t_max, int exclude, int straight, int exact, double err_position,
                          struct cml_mesh_crossing *crossing)
 {
     struct query query;
     query.line = NULL;
-    query.feels = false;
-    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, slack);
-    if (exact || query.ray.on_edge)
+    query.contact_only = false;
+    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, err_position);
+    if (exact || query.ray.starts_on_edge)
         query_exact(surface, &query);
     else if (surface->grid.cell)
-        query_walked(surface, &query);
+        query_grid(surface, &query);
     else
-        query_fast(surface, &query);
-    if (exact || !surface->grid.cell || !cml_grid_covers(&surface->grid, &query.ray))
-        cml_query_outer_plane(&query.ray);
+        query_embree(surface, &query);
+    if (exact || !surface->grid.cell || !cml_grid_walk_covers(&surface->grid, &query.ray))
+        cml_query_intersect_outer_plane(&query.ray);
     crossing->ends_beside = cml_query_is_doubtful(&query.ray) && query_line(surface, &query, t_max);
     return cml_query_finish(&query.ray, p, u, crossing);
 }
@@ -304,12 +303,12 @@ static void build_exact(struct cml_mesh_surface *surface)
     RTCGeometry geometry = rtcNewGeometry(surface->device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)surface->body.mesh.num_triangles);
     rtcSetGeometryUserData(geometry, surface);
-    rtcSetGeometryBoundsFunction(geometry, bounds, NULL);
-    rtcSetGeometryIntersectFunction(geometry, intersect);
+    rtcSetGeometryBoundsFunction(geometry, triangle_bounds, NULL);
+    rtcSetGeometryIntersectFunction(geometry, intersect_triangle);
     commit(surface->exact, geometry);
 }
 
-/* A triangle as Embree gets it: every side moved outwards by `rim` of its height. */
+/* A triangle as Embree gets it: every side moved outwards by err_height_embree of its height. */
 static void enlarge(const struct cml_mesh *mesh, const uint32_t v[3], float corner[9])
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -317,7 +316,7 @@ static void enlarge(const struct cml_mesh *mesh, const uint32_t v[3], float corn
         for (int k = 0; k < 3; k++) middle += mesh->vertex[v[k]][axis] / 3;
         for (int k = 0; k < 3; k++) {
             const double at = mesh->vertex[v[k]][axis];
-            corner[3 * k + axis] = (float)(at + 3 * (double)rim * (at - middle));
+            corner[3 * k + axis] = (float)(at + 3 * (double)err_height_embree * (at - middle));
         }
     }
 }

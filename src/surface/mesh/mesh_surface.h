@@ -1,12 +1,15 @@
-/* A boundary mesh under Embree: closest crossing of a double-precision ray, in three ways.
- * Exact: Embree's tree finds boxes in single precision, inflated by what the rounding of ray and vertices can
- * amount to; every triangle in them is tested in double, without gaps between neighbours ("double-down" under
- * DAGMC). Fast: Embree's own single-precision triangles find the hit; a filter in double decides whether it
- * counts, and its distance and normal are computed in double. Where the hit is not clearly inside its
- * triangle the exact way decides. Walked: where the mesh is a regular grid (grid_mesh.h) the cells below the
- * ray take the place of Embree's triangles (grid_walk.h). The outer plane with the footprint as its hole
- * belongs to the surface. The only place that includes Embree's headers; versions 3 and 4 differ here and
- * nowhere else. SPDX-License-Identifier: MIT */
+/* A boundary mesh under Embree: the first crossing of a double-precision ray, found in three ways.
+ * Exact: Embree's tree [Wald et al., Embree: a kernel framework for efficient CPU ray tracing, ACM
+ * Transactions on Graphics 33 (4), 2014] finds boxes in single precision, larger by what the rounding of ray
+ * and vertices can amount to; every triangle in them is tested in double, without gaps between neighbours.
+ * DAGMC calls this interface between Embree and double precision "double-down". Fast: Embree's own
+ * single-precision triangles find the hit; a filter in double decides whether it is an exit (mesh_query.h),
+ * and its distance and normal are computed in double. Where the hit is not well inside its triangle the exact
+ * way decides. Grid: where the mesh is a regular grid (grid_mesh.h) a traversal of the cells below the ray
+ * takes the place of Embree's triangles (grid_walk.h); where it leaves the answer open the exact way decides.
+ * Whatever the way, a crossing in which rounding had a say is decided by the whole line (mesh_line.h). The
+ * outer plane with the footprint as its hole belongs to the surface. The only place that includes Embree's
+ * headers; versions 3 and 4 differ here and nowhere else. SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_SURFACE_H
 #define CML_MESH_SURFACE_H
 
@@ -41,7 +44,7 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
 
 /* The query itself, as kernels/mesh_crossing.h describes it. */
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
-                         int below, double t_max, int exclude, int straight, int exact, double slack,
+                         int below, double t_max, int exclude, int straight, int exact, double err_position,
                          struct cml_mesh_crossing *crossing);
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */

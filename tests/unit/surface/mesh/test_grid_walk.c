@@ -192,7 +192,7 @@ static void expect_same(const struct subject *s, const struct ray *ray)
     struct cml_mesh_crossing walked, exact;
     struct cml_mesh_query q;
     begin(s, ray, &q);
-    if (q.on_edge) return;
+    if (q.starts_on_edge) return;
     const int found = hit(s, ray, 0, &walked);
     if (found != hit(s, ray, 1, &exact) || (found && !(fabs(walked.t - exact.t) <= 1e-11)))
         fail_msg("from (%.17g %.17g %.17g) along (%.17g %.17g %.17g): %d at %.17g, exactly %.17g", ray->p[0],

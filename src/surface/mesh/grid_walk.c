@@ -319,57 +319,6 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     return verdict == MISS && !(ends_inside ? ends_in_cell : grid->is_whole) ? UNDECIDED : verdict;
 }
 
-/* The cells over which a ray comes within err_cell; false when some lie outside the grid, or they are more
- * than a few. */
-static bool find_few_cells(const struct traversal *w, struct interval part, struct range *range)
-{
-    for (int k = 0; k < 2; k++) {
-        const double a = position_at(&w->axis[k], part.t_min), b = position_at(&w->axis[k], part.t_max);
-        const double low = (a < b ? a : b) - w->grid->err_cell, high = (a < b ? b : a) + w->grid->err_cell;
-        if (!(low > 0 && high < w->grid->n[k])) return false;
-        range->first[k] = (int)low;
-        range->last[k] = (int)high;
-        if (range->last[k] - range->first[k] > 1) return false;
-    }
-    return true;
-}
-
-/* Adds a facet to the list unless it is there; false when it is none, or the ray grazes it. */
-static bool list_facet(const struct cml_mesh_query *q, uint32_t mark, int facets[8], int *count)
-{
-    const int facet = (int)(mark & ~CML_GRID_MESH_FALLING);
-    if (mark == CML_GRID_MESH_NO_FACET) return false;
-    for (int i = 0; i < *count; i++)
-        if (facets[i] == facet) return true;
-    const double along = cml_vec3_dot(q->direction, q->body->plane[facet]);
-    facets[(*count)++] = facet;
-    return facet == q->exclude || along > err_sine_grid || along < -err_sine_grid;
-}
-
-/* Exact fallback where the ray stays above a few cells: their facets as the exact query tests them. */
-static bool refine_hit(const struct traversal *w, struct interval part)
-{
-    struct cml_mesh_query *q = w->q;
-    struct range range;
-    int facets[8], count = 0;
-    if (!find_few_cells(w, part, &range)) return false;
-    for (int j = range.first[1]; j <= range.last[1]; j++)
-        for (int i = range.first[0]; i <= range.last[0]; i++) {
-            const struct cml_grid_mesh_cell cell =
-                w->grid->cell[cml_grid_mesh_index(&w->grid->level[0], i, j)];
-            if (!list_facet(q, cell.south, facets, &count) || !list_facet(q, cell.north, facets, &count))
-                return false;
-        }
-    double leave, t, weight[3];
-    if (!cml_query_clip_ray(q, 0, &leave)) return true;
-    for (int i = 0; i < count; i++) {
-        if (facets[i] == q->exclude) continue;
-        cml_query_test_contact(q, facets[i]);
-        if (cml_query_intersect(q, facets[i], &t, weight)) cml_query_add_hit(q, facets[i], t, weight);
-    }
-    return true;
-}
-
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->body->upper[0];
@@ -385,7 +334,7 @@ bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
     for (int k = 0; k < 2; k++)
         if (!is_within(position_at(&w.axis[k], ray.t_min), grid->n[k]))
             return misses_grid(&w, 0, ray) || misses_grid(&w, 1, ray);
-    return traverse_grid(&w, ray) != UNDECIDED || refine_hit(&w, ray);
+    return traverse_grid(&w, ray) != UNDECIDED;
 }
 
 bool cml_grid_walk_covers(const struct cml_grid_mesh *grid, const struct cml_mesh_query *q)

@@ -70,12 +70,13 @@ static void fly(struct dice *dice, struct walker *walker)
     struct cml_packet *packet = &walker->packet;
     const double free_path = -log(dice_uniform(dice)) * (dice_below(dice, 2) ? 1 : 0.02);
     struct cml_hit hit = {.t = (real)free_path};
-    int beside;
+    int ends_near_facet;
     walker->flights++;
-    const int found = cml_mesh_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side,
-                                   (real)free_path, packet->on_primitive, packet->straight, &hit, &beside);
+    const int found =
+        cml_mesh_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side, (real)free_path,
+                     packet->on_primitive, packet->straight, &hit, &ends_near_facet);
     packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
-    packet->on_primitive = found ? hit.primitive : (beside ? CML_BESIDE_FACETS : -1);
+    packet->on_primitive = found ? hit.primitive : (ends_near_facet ? CML_BESIDE_FACETS : -1);
     look(dice, walker);
     if (found) {
         cross(dice, walker, &hit);

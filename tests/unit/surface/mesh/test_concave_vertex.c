@@ -1,6 +1,6 @@
-/* Queries in a pit, in double precision but for the last: along the edges to its tip, past its border, beside
- * its tip, at a corner of its border.
- * SPDX-License-Identifier: MIT */
+/* Queries in a concave vertex, where a ring of triangles meets at a tip below their border, in double
+ * precision but for the last: along the edges to the tip, past the border, near the tip, at a corner of the
+ * border. SPDX-License-Identifier: MIT */
 #include "lib/mesh_shapes.h"
 #include "surface_hit.h"
 #include "surface/mesh/mesh_surface.h"
@@ -10,32 +10,32 @@
 
 enum { MOST_SIDES = 50, MOST_EVENTS = 1000 };
 
-struct pit {
+struct concave {
     int sides;
     double rounding; /* by which crossings may be off */
-    double tip[3], rim[MOST_SIDES][3];
+    double tip[3], corner[MOST_SIDES][3];
     struct cml_mesh_surface *surface;
 };
 
-static struct pit pit_make(int sides, double radius, double depth)
+static struct concave concave_make(int sides, double radius, double depth)
 {
-    struct pit pit = {.sides = sides, .rounding = 1e-15 + 1e-16 * radius, .tip = {0, 0, depth}};
+    struct concave concave = {.sides = sides, .rounding = 1e-15 + 1e-16 * radius, .tip = {0, 0, depth}};
     struct cml_mesh mesh = {.num_vertices = (size_t)sides + 1, .num_triangles = (size_t)sides};
     struct cml_error err = {CML_OK, ""};
     mesh.vertex = malloc(mesh.num_vertices * sizeof *mesh.vertex);
     mesh.triangle = malloc(mesh.num_triangles * sizeof *mesh.triangle);
     assert_true(mesh.vertex && mesh.triangle);
     for (int i = 0; i < sides; i++) {
-        pit.rim[i][0] = radius * cos(6.283185307179586 * i / sides);
-        pit.rim[i][1] = radius * sin(6.283185307179586 * i / sides);
+        concave.corner[i][0] = radius * cos(6.283185307179586 * i / sides);
+        concave.corner[i][1] = radius * sin(6.283185307179586 * i / sides);
         const uint32_t triangle[3] = {(uint32_t)i, (uint32_t)((i + 1) % sides), (uint32_t)sides};
-        memcpy(mesh.vertex[i], pit.rim[i], sizeof pit.rim[i]);
+        memcpy(mesh.vertex[i], concave.corner[i], sizeof concave.corner[i]);
         memcpy(mesh.triangle[i], triangle, sizeof triangle);
     }
-    memcpy(mesh.vertex[sides], pit.tip, sizeof pit.tip);
+    memcpy(mesh.vertex[sides], concave.tip, sizeof concave.tip);
     assert_int_equal(cml_mesh_prepare(&mesh, NULL, NULL, &err), CML_OK);
-    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_EMBREE, &pit.surface, &err), CML_OK);
-    return pit;
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_EMBREE, &concave.surface, &err), CML_OK);
+    return concave;
 }
 
 static double slack_at(const double p[3])
@@ -50,51 +50,51 @@ static void mirror(const double facet[3], double u[3])
 }
 
 /* Distance of a place from the plane of a wall; positive in the wall. */
-static double depth_in_wall(const struct pit *pit, int i, const double place[3])
+static double depth_in_wall(const struct concave *concave, int i, const double place[3])
 {
-    const double *a = pit->rim[i], *b = pit->rim[(i + 1) % pit->sides];
+    const double *a = concave->corner[i], *b = concave->corner[(i + 1) % concave->sides];
     double ab[3], to_tip[3], normal[3], from[3];
     cml_vec3_subtract(b, a, ab);
-    cml_vec3_subtract(pit->tip, a, to_tip);
+    cml_vec3_subtract(concave->tip, a, to_tip);
     cml_vec3_cross(ab, to_tip, normal);
     cml_vec3_subtract(place, a, from);
     return cml_vec3_dot(normal, from) / sqrt(cml_vec3_dot(normal, normal));
 }
 
 /* Whether a place lies below the surface by more than rounding. */
-static bool is_in_wall(const struct pit *pit, const double p[3], double t, const double u[3])
+static bool is_in_wall(const struct concave *concave, const double p[3], double t, const double u[3])
 {
     double place[3];
     for (int k = 0; k < 3; k++) place[k] = p[k] + t * u[k];
     bool in_wall = false;
-    for (int i = 0; i < pit->sides; i++) in_wall = in_wall || depth_in_wall(pit, i, place) > 1e-9;
+    for (int i = 0; i < concave->sides; i++) in_wall = in_wall || depth_in_wall(concave, i, place) > 1e-9;
     return place[2] > 0 && in_wall;
 }
 
 /* By how much a crossing misses the plane of what is crossed. */
-static double off_plane(const struct pit *pit, const struct cml_mesh_crossing *crossing)
+static double off_plane(const struct concave *concave, const struct cml_mesh_crossing *crossing)
 {
     const bool outside = crossing->primitive == CML_OUTER_PLANE;
-    return fabs(outside ? crossing->point[2] : depth_in_wall(pit, crossing->primitive, crossing->point));
+    return fabs(outside ? crossing->point[2] : depth_in_wall(concave, crossing->primitive, crossing->point));
 }
 
 /* Flies until nothing is met: always on to the other side, or always mirrored. Whether it ends where its
  * direction leads, and if it is mirrored above the surface, stays there. */
-static bool ends_where_it_heads(const struct pit *pit, double p[3], double u[3], bool below, bool mirrored,
-                                int standing_on)
+static bool ends_where_it_heads(const struct concave *concave, double p[3], double u[3], bool below,
+                                bool mirrored, int on_primitive)
 {
     struct cml_mesh_crossing crossing;
     for (int n = 0; n < MOST_EVENTS; n++) {
-        const bool found = cml_mesh_surface_hit(pit->surface, p, u, below, INFINITY, standing_on,
+        const bool found = cml_mesh_surface_hit(concave->surface, p, u, below, INFINITY, on_primitive,
                                                 n > 0 && !mirrored, true, slack_at(p), &crossing);
-        if (mirrored && !below && is_in_wall(pit, p, found ? crossing.t / 2 : 0.01, u)) return false;
+        if (mirrored && !below && is_in_wall(concave, p, found ? crossing.t / 2 : 0.01, u)) return false;
         if (!found) return below == (u[2] > 0);
-        if (!mirrored && off_plane(pit, &crossing) > pit->rounding) return false;
+        if (!mirrored && off_plane(concave, &crossing) > concave->rounding) return false;
         if (mirrored)
             mirror(crossing.facet, u);
         else
             below = !below;
-        standing_on = crossing.primitive;
+        on_primitive = crossing.primitive;
         memcpy(p, crossing.point, sizeof crossing.point);
     }
     return false;
@@ -113,44 +113,45 @@ static void a_line_along_an_edge_ends_where_it_ends(void **state)
 {
     (void)state;
     struct dice dice = dice_new(1);
-    const struct pit pit = pit_make(3, 0.5, 0.5 / sqrt(2));
+    const struct concave concave = concave_make(3, 0.5, 0.5 / sqrt(2));
     int wrong = 0;
     for (int n = 0; n < 200000; n++) {
-        const int i = dice_below(&dice, 3), standing_on = dice_below(&dice, 2) ? i : (i + 2) % 3;
+        const int i = dice_below(&dice, 3), on_primitive = dice_below(&dice, 2) ? i : (i + 2) % 3;
         const double s = dice_between(&dice, 0.01, 0.99), way = dice_below(&dice, 2) ? 1 : -1;
         double p[3], u[3];
         for (int k = 0; k < 3; k++)
-            p[k] = pit.rim[i][k] + s * (pit.tip[k] - pit.rim[i][k]) + dice_between(&dice, -1, 1) * 1e-16;
-        head_for(pit.rim[i], pit.tip, u);
+            p[k] = concave.corner[i][k] + s * (concave.tip[k] - concave.corner[i][k]) +
+                   dice_between(&dice, -1, 1) * 1e-16;
+        head_for(concave.corner[i], concave.tip, u);
         for (int k = 0; k < 3; k++) u[k] = way * (u[k] + dice_between(&dice, -1, 1) * 3e-16);
-        wrong += !ends_where_it_heads(&pit, p, u, dice_below(&dice, 2), false,
-                                      dice_below(&dice, 3) ? standing_on : -1);
+        wrong += !ends_where_it_heads(&concave, p, u, dice_below(&dice, 2), false,
+                                      dice_below(&dice, 3) ? on_primitive : -1);
     }
-    cml_mesh_surface_free(pit.surface);
+    cml_mesh_surface_free(concave.surface);
     assert_int_equal(wrong, 0);
 }
 
-/* The same in a pit so wide that rounding is large against its depth, and at small angles to its facets:
- * crossings lie on them. */
+/* The same in a concave vertex so wide that rounding is large against its depth, and at small angles to its
+ * facets: crossings lie on them. */
 static void a_line_that_grazes_an_edge_ends_where_it_ends(void **state)
 {
     (void)state;
     struct dice dice = dice_new(5);
-    const struct pit pit = pit_make(3, 100, 0.01);
+    const struct concave concave = concave_make(3, 100, 0.01);
     int wrong = 0;
     for (int n = 0; n < 200000; n++) {
-        const int i = dice_below(&dice, 3), standing_on = dice_below(&dice, 2) ? i : (i + 2) % 3;
+        const int i = dice_below(&dice, 3), on_primitive = dice_below(&dice, 2) ? i : (i + 2) % 3;
         const double s = dice_between(&dice, 0.9, 0.999), angle = exp(dice_between(&dice, -16, -7)),
                      way = dice_below(&dice, 2) ? 1 : -1;
         double p[3], u[3];
-        for (int k = 0; k < 3; k++) p[k] = pit.rim[i][k] + s * (pit.tip[k] - pit.rim[i][k]);
-        head_for(pit.rim[i], pit.tip, u);
+        for (int k = 0; k < 3; k++) p[k] = concave.corner[i][k] + s * (concave.tip[k] - concave.corner[i][k]);
+        head_for(concave.corner[i], concave.tip, u);
         for (int k = 0; k < 3; k++) u[k] = way * (u[k] + dice_between(&dice, -1, 1) * angle);
         head_for(p, (double[3]){p[0] + u[0], p[1] + u[1], p[2] + u[2]}, u);
-        wrong += !ends_where_it_heads(&pit, p, u, dice_below(&dice, 2), false,
-                                      dice_below(&dice, 3) ? standing_on : -1);
+        wrong += !ends_where_it_heads(&concave, p, u, dice_below(&dice, 2), false,
+                                      dice_below(&dice, 3) ? on_primitive : -1);
     }
-    cml_mesh_surface_free(pit.surface);
+    cml_mesh_surface_free(concave.surface);
     assert_int_equal(wrong, 0);
 }
 
@@ -159,75 +160,76 @@ static void a_packet_is_mirrored_at_the_border(void **state)
 {
     (void)state;
     struct dice dice = dice_new(2);
-    const struct pit pit = pit_make(50, 0.05, 0.5);
+    const struct concave concave = concave_make(50, 0.05, 0.5);
     int wrong = 0;
     for (int n = 0; n < 500000; n++) {
         const int i = dice_below(&dice, 50);
-        const double *a = pit.rim[i], *b = pit.rim[(i + 1) % 50];
+        const double *a = concave.corner[i], *b = concave.corner[(i + 1) % 50];
         const double s = dice_uniform(&dice), t = dice_between(&dice, -0.3, 0.3),
                      angle = exp(dice_between(&dice, -7, -6)), before = exp(dice_between(&dice, -9, -2));
         const bool below = dice_below(&dice, 2);
         double place[3], p[3], u[3];
         for (int k = 0; k < 3; k++) place[k] = a[k] + s * (b[k] - a[k]);
-        for (int k = 0; k < 3; k++) u[k] = pit.tip[k] - place[k] + t * (b[k] - a[k]);
+        for (int k = 0; k < 3; k++) u[k] = concave.tip[k] - place[k] + t * (b[k] - a[k]);
         const double size = sqrt(cml_vec3_dot(u, u));
         for (int k = 0; k < 3; k++) u[k] /= size;
         for (int k = 0; k < 2; k++) u[k] += angle * place[k] / 0.05;
         const double way = below ? -1 : 1;
         for (int k = 0; k < 3; k++) p[k] = place[k] - before * way * u[k];
         head_for(p, place, u);
-        wrong += !ends_where_it_heads(&pit, p, u, below, true, -1);
+        wrong += !ends_where_it_heads(&concave, p, u, below, true, -1);
     }
-    cml_mesh_surface_free(pit.surface);
+    cml_mesh_surface_free(concave.surface);
     assert_int_equal(wrong, 0);
 }
 
-/* Mirrored beside the tip, from where no rounding reaches the tip to where its mean normal holds. */
-static void a_packet_is_mirrored_beside_the_tip(void **state)
+/* Mirrored near the tip, from where no rounding reaches the tip to where its mean normal holds. */
+static void a_packet_is_mirrored_near_the_tip(void **state)
 {
     (void)state;
     struct dice dice = dice_new(3);
-    const struct pit pit = pit_make(3, 0.5, 0.5 / sqrt(2));
+    const struct concave concave = concave_make(3, 0.5, 0.5 / sqrt(2));
     int wrong = 0;
     for (int n = 0; n < 200000; n++) {
-        const double beside = exp(dice_between(&dice, log(1e-16), log(1e-11)));
+        const double near = exp(dice_between(&dice, log(1e-16), log(1e-11)));
         double place[3], p[3], u[3], share[3];
         for (int i = 0; i < 3; i++) share[i] = 0.1 * dice_uniform(&dice);
         for (int k = 0; k < 3; k++) {
-            place[k] = pit.tip[k] + dice_between(&dice, -1, 1) * beside;
-            p[k] = pit.tip[k];
-            for (int i = 0; i < 3; i++) p[k] += share[i] * (pit.rim[i][k] - pit.tip[k]);
+            place[k] = concave.tip[k] + dice_between(&dice, -1, 1) * near;
+            p[k] = concave.tip[k];
+            for (int i = 0; i < 3; i++) p[k] += share[i] * (concave.corner[i][k] - concave.tip[k]);
         }
         head_for(p, place, u);
-        wrong += !ends_where_it_heads(&pit, p, u, false, true, -1);
+        wrong += !ends_where_it_heads(&concave, p, u, false, true, -1);
     }
-    cml_mesh_surface_free(pit.surface);
+    cml_mesh_surface_free(concave.surface);
     assert_int_equal(wrong, 0);
 }
 
-/* Fast queries of packets that crossed the plane beside a corner of the border, on their way into the pit: a
+/* Fast queries of packets that crossed the plane near a corner of the border, on their way in: a
  * corner so sharp that what is around them lies outside. */
-static void a_packet_at_a_sharp_corner_enters_the_pit(void **state)
+static void a_packet_at_a_sharp_corner_enters_the_concavity(void **state)
 {
     (void)state;
     struct dice dice = dice_new(4);
-    const struct pit pit = pit_make(3, 0.5, 0.5 / sqrt(2));
+    const struct concave concave = concave_make(3, 0.5, 0.5 / sqrt(2));
     int missed = 0;
     for (int n = 0; n < 100000; n++) {
         const double p[3] = {0.5 - dice_below(&dice, 3) * 2.98e-8, dice_between(&dice, -1, 1) * 1e-8, 0};
-        const double *corner = pit.rim[0];
+        const double *corner = concave.corner[0];
         double u[3] = {0, 0, 0};
         for (int i = 0; i < 3; i++) {
-            const double *to = i < 2 ? pit.rim[1 + i] : pit.tip, share = dice_between(&dice, 0.01, 1);
+            const double *to = i < 2 ? concave.corner[1 + i] : concave.tip,
+                         share = dice_between(&dice, 0.01, 1);
             for (int k = 0; k < 3; k++) u[k] += share * (to[k] - corner[k]);
         }
         const double size = sqrt(cml_vec3_dot(u, u));
         for (int k = 0; k < 3; k++) u[k] = (float)(u[k] / size);
         struct cml_mesh_crossing crossing;
-        missed += !cml_mesh_surface_hit(pit.surface, p, u, true, INFINITY, CML_OUTER_PLANE, false, false,
+        missed += !cml_mesh_surface_hit(concave.surface, p, u, true, INFINITY, CML_OUTER_PLANE, false, false,
                                         2.4e-7, &crossing);
     }
-    cml_mesh_surface_free(pit.surface);
+    cml_mesh_surface_free(concave.surface);
     assert_int_equal(missed, 0);
 }
 
@@ -236,7 +238,7 @@ int main(void)
     const struct CMUnitTest tests[] = {cmocka_unit_test(a_line_along_an_edge_ends_where_it_ends),
                                        cmocka_unit_test(a_line_that_grazes_an_edge_ends_where_it_ends),
                                        cmocka_unit_test(a_packet_is_mirrored_at_the_border),
-                                       cmocka_unit_test(a_packet_is_mirrored_beside_the_tip),
-                                       cmocka_unit_test(a_packet_at_a_sharp_corner_enters_the_pit)};
+                                       cmocka_unit_test(a_packet_is_mirrored_near_the_tip),
+                                       cmocka_unit_test(a_packet_at_a_sharp_corner_enters_the_concavity)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

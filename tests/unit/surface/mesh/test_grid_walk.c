@@ -186,7 +186,7 @@ static void begin(const struct subject *s, const struct ray *ray, struct cml_mes
 }
 
 /* Beyond rounding: the same crossing, the same facet or one that meets the ray at the same place. A packet
- * that stands beside an edge never walks, and what is beside depends on its precision. */
+ * that stands near an edge never walks, and what is near depends on its precision. */
 static void expect_same(const struct subject *s, const struct ray *ray)
 {
     struct cml_mesh_crossing walked, exact;

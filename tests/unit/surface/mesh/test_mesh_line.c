@@ -1,4 +1,4 @@
-/* Queries beside vertices and edges: whatever rounding has done to a packet's position, a line that goes
+/* Queries near vertices and edges: whatever rounding has done to a packet's position, a line that goes
  * straight on must end on the side where it ends. SPDX-License-Identifier: MIT */
 #include "lib/mesh_shapes.h"
 #include "geometry/predicate.h"
@@ -12,7 +12,7 @@ enum { LINES = 20000, MOST_CROSSINGS = 100 };
 
 static struct patch patch;
 
-/* A vertex, or a place on an edge at it, a few roundings beside it; returns the triangle. */
+/* A vertex, or a place on an edge at it, a few roundings near it; returns the triangle. */
 static int choose_place(struct dice *dice, double p[3])
 {
     const int triangle = dice_below(dice, COUNT(patch.triangle));
@@ -28,17 +28,17 @@ static int choose_place(struct dice *dice, double p[3])
 
 /* As a packet between equal indices goes on from one crossing to the next. Returns whether it ends below. */
 static bool goes_straight_on(const struct cml_mesh_surface *surface, const double start[3], const double u[3],
-                             bool below, int standing_on)
+                             bool below, int on_primitive)
 {
     struct cml_mesh_crossing crossing;
     double p[3] = {start[0], start[1], start[2]};
     for (int n = 0; n < MOST_CROSSINGS; n++) {
         const double slack = 4 * (double)FLT_EPSILON * (fabs(p[0]) + fabs(p[1]) + fabs(p[2]));
-        if (!cml_mesh_surface_hit(surface, p, u, below, INFINITY, standing_on, n > 0, n % 2, slack,
+        if (!cml_mesh_surface_hit(surface, p, u, below, INFINITY, on_primitive, n > 0, n % 2, slack,
                                   &crossing))
             return below;
         below = !below;
-        standing_on = crossing.primitive;
+        on_primitive = crossing.primitive;
         for (int k = 0; k < 3; k++) p[k] = (float)crossing.point[k];
     }
     fail_msg("%d crossings", MOST_CROSSINGS);
@@ -194,9 +194,9 @@ static bool interacts_on_edge(const struct cml_mesh_surface *surface, struct dic
     return true;
 }
 
-/* Fast queries of packets that have interacted on an edge: no line needs to meet a facet there. standing_on:
+/* Fast queries of packets that have interacted on an edge: no line needs to meet a facet there. on_primitive:
  * what the query before knew of it. */
-static void leave_by_edges(enum cml_mesh_search search, int standing_on)
+static void leave_by_edges(enum cml_mesh_search search, int on_primitive)
 {
     struct dice dice = dice_new(12);
     struct cml_mesh_surface *surface = rough(6, search);
@@ -208,7 +208,7 @@ static void leave_by_edges(enum cml_mesh_search search, int standing_on)
         if (!interacts_on_edge(surface, &dice, below, p)) continue;
         dice_direction(&dice, u);
         for (int k = 0; k < 3; k++) u[k] = (float)u[k];
-        cml_mesh_surface_hit(surface, p, u, below, 0.05, standing_on, 0, 0, 1e-7, &crossing);
+        cml_mesh_surface_hit(surface, p, u, below, 0.05, on_primitive, 0, 0, 1e-7, &crossing);
         wrong += goes_beyond(p, u, below, crossing.t);
         flown++;
     }
@@ -231,7 +231,7 @@ static void a_packet_scattered_unnoticed_on_an_edge_leaves_by_it(void **state)
     leave_by_edges(CML_SEARCH_AUTO, -1);
 }
 
-/* A float beside a place of a triangle, and a direction within `angle`, rad, of its plane. */
+/* A float near a place of a triangle, and a direction within `angle`, rad, of its plane. */
 static void graze_from_facet(struct dice *dice, double angle, double p[3], double u[3])
 {
     const uint32_t *v = patch.triangle[dice_below(dice, COUNT(patch.triangle))];
@@ -394,10 +394,10 @@ static void a_packet_does_not_graze_its_way_through_the_border(void **state)
         const double phi = dice_between(&dice, 0, 6.283185307179586),
                      angle = exp(dice_between(&dice, -9, -4));
         const double before = dice_between(&dice, 0.1, 0.3), after = dice_between(&dice, 0.1, 0.3);
-        const double beside = dice_between(&dice, -1e-3, 1e-3);
+        const double near = dice_between(&dice, -1e-3, 1e-3);
         const bool below = dice_below(&dice, 2);
         const double u[3] = {(float)cos(phi), (float)sin(phi), (float)(below ? -angle : angle)};
-        const double p[3] = {(float)(1 + beside - before * u[0]),
+        const double p[3] = {(float)(1 + near - before * u[0]),
                              (float)(dice_between(&dice, -0.5, 0.5) - before * u[1]),
                              (float)(-before * u[2])};
         struct cml_mesh_crossing crossing;

@@ -208,8 +208,8 @@ static void no_ray_at_a_vertex_or_an_edge_slips_through(void **state)
 static bool is_met_at(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
                       double t)
 {
-    for (int beside = 0; beside < 9; beside++) {
-        const double q[3] = {p[0] + 3e-7 * (beside % 3 - 1), p[1] + 3e-7 * (beside / 3 - 1), p[2]};
+    for (int offset = 0; offset < 9; offset++) {
+        const double q[3] = {p[0] + 3e-7 * (offset % 3 - 1), p[1] + 3e-7 * (offset / 3 - 1), p[2]};
         struct cml_mesh_crossing c;
         if (query(surface, q, u, below, -1, &c) && fabs(c.t - t) < 1e-4) return true;
     }

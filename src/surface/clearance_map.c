@@ -1,14 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/clearance_map.h"
 
+#include "geometry/vec3.h"
+
 #include <math.h>
 #include <stdlib.h>
 
 enum { LEAST_LEVELS = 5, MOST_LEVELS = 10 }; /* of squares: 16 x 16 to 512 x 512 cells */
 enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_CLEARANCE_LEVELS of kernels/types.h */
 
-/* Share of a cell by which shapes are widened before their cells are found: the rounding of cell numbers. */
-static const double widening = 1e-3;
+/* Share of a cell by which shapes are widened before their cells are found: floats of cell numbers up to 1024
+ * are off by 3e-5. */
+static const double err_cell = 1e-3;
+
+/* Share of a map's extent by which bounds are widened: floats of positions in it are off by 6e-8 each. */
+static const double err_depth = 1e-5;
 
 size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level)
 {
@@ -50,13 +56,14 @@ static int cell_index(const struct cml_clearance_map *map, double x, int axis)
     return (int)fmin(fmax(cell, 0), map->size - 1);
 }
 
-/* Bounds widened by `margin` for rounding; then every level from the one below it. */
-static void finish(struct cml_clearance_map *map, double margin)
+/* Bounds of level 0 widened by err, cm, for rounding; then every level from the one below it: a min/max
+ * pyramid, as maximum mipmaps are [Tevs, Ihrke and Seidel, I3D 2008]. */
+static void finish(struct cml_clearance_map *map, double err)
 {
     const size_t base = cml_clearance_level_cells(map, 0);
     for (size_t i = 0; i < base; i++) {
-        map->deepest[i] += (float)margin;
-        map->highest[i] -= (float)margin;
+        map->deepest[i] += (float)err;
+        map->highest[i] -= (float)err;
     }
     size_t from = 0, to = base;
     for (int l = 0; l + 1 < map->levels; l++) {
@@ -72,7 +79,7 @@ static void finish(struct cml_clearance_map *map, double margin)
     }
 }
 
-/* A square over x, y .. x + width, y + width; one cell of rim on each side stands for everything outside. A
+/* A square over x, y .. x + width, y + width; one more cell on each side stands for everything outside. A
  * level more doubles the cells along each axis: about one cell per two triangles. */
 static cml_status allocate_square(double triangles, double x, double y, double width,
                                   struct cml_clearance_map *map, struct cml_error *err)
@@ -99,13 +106,12 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
         t.lower[k] = fmin(p[k], fmin(q[k], r[k]));
         t.upper[k] = fmax(p[k], fmax(q[k], r[k]));
     }
-    const double ux = q[0] - p[0], uy = q[1] - p[1], uz = q[2] - p[2];
-    const double vx = r[0] - p[0], vy = r[1] - p[1], vz = r[2] - p[2];
-    const double nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
-    t.steep = fabs(nz) < 1e-3 * (fabs(nx) + fabs(ny));
+    double n[3];
+    cml_vec3_normal(p, q, r, n);
+    t.steep = fabs(n[2]) < 1e-3 * (fabs(n[0]) + fabs(n[1]));
     if (t.steep) return t;
-    t.a = -nx / nz;
-    t.b = -ny / nz;
+    t.a = -n[0] / n[2];
+    t.b = -n[1] / n[2];
     t.c = p[2] - t.a * p[0] - t.b * p[1];
     return t;
 }
@@ -117,37 +123,38 @@ static void cover_cell(struct cml_clearance_map *map, const struct triangle_plan
     if (!t->steep) {
         const double x = map->corner[0] + (ix + 0.5) * map->cell, y = map->corner[1] + (iy + 0.5) * map->cell;
         const double z = t->a * x + t->b * y + t->c;
-        const double reach = (0.5 + 2 * widening) * map->cell * (fabs(t->a) + fabs(t->b));
-        least = fmax(least, fmin(z - reach, most));
-        most = fmin(most, fmax(z + reach, least));
+        const double rise = (0.5 + 2 * err_cell) * map->cell * (fabs(t->a) + fabs(t->b));
+        least = fmax(least, fmin(z - rise, most));
+        most = fmin(most, fmax(z + rise, least));
     }
     widen_cell(map, ix, iy, least, most);
 }
 
 static void cover_triangle(struct cml_clearance_map *map, const struct triangle_plane *t)
 {
-    const double slack = widening * map->cell;
-    const int x0 = cell_index(map, t->lower[0] - slack, 0), x1 = cell_index(map, t->upper[0] + slack, 0);
-    const int y0 = cell_index(map, t->lower[1] - slack, 1), y1 = cell_index(map, t->upper[1] + slack, 1);
+    const double err = err_cell * map->cell;
+    const int x0 = cell_index(map, t->lower[0] - err, 0), x1 = cell_index(map, t->upper[0] + err, 0);
+    const int y0 = cell_index(map, t->lower[1] - err, 1), y1 = cell_index(map, t->upper[1] + err, 1);
     for (int iy = y0; iy <= y1; iy++)
         for (int ix = x0; ix <= x1; ix++) cover_cell(map, t, ix, iy);
 }
 
-/* The outer plane lies over every cell that reaches out of the rectangle; NULL: over all of them. */
+/* The outer plane lies over every cell that is not all inside the rectangle; NULL: over all of them. */
 static void cover_outside(struct cml_clearance_map *map, double z, const double lower[2],
                           const double upper[2])
 {
     for (int iy = 0; iy < map->size; iy++)
         for (int ix = 0; ix < map->size; ix++) {
             const double x = map->corner[0] + ix * map->cell, y = map->corner[1] + iy * map->cell;
-            const double slack = widening * map->cell, end = map->cell + slack;
-            const bool inside = lower && x - slack >= lower[0] && y - slack >= lower[1] &&
-                                x + end <= upper[0] && y + end <= upper[1];
+            const double err = err_cell * map->cell, end = map->cell + err;
+            const bool inside = lower && x - err >= lower[0] && y - err >= lower[1] && x + end <= upper[0] &&
+                                y + end <= upper[1];
             if (!inside) widen_cell(map, ix, iy, z, z);
         }
 }
 
-/* A footprint that is its own bounding rectangle leaves nothing of the outer plane inside the rim. */
+/* A footprint that is its own bounding rectangle leaves nothing of the outer plane inside it. Its area by the
+ * shoelace formula. */
 static bool fills_its_box(const struct cml_mesh *mesh)
 {
     double area = 0;
@@ -172,8 +179,8 @@ cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearan
     }
     const bool filled = fills_its_box(mesh);
     cover_outside(map, mesh->z_border, filled ? mesh->lower : NULL, mesh->upper);
-    finish(map,
-           1e-5 * (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] - mesh->lower[2]));
+    finish(map, err_depth *
+                    (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] - mesh->lower[2]));
     return CML_OK;
 }
 
@@ -205,7 +212,7 @@ static void cover_radii(struct cml_clearance_map *map, const double *r, const do
 cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struct cml_clearance_map *map,
                                   struct cml_error *err)
 {
-    const double reach = r[n - 1];
+    const double last = r[n - 1];
     double least = z[0], most = z[0];
     int levels = LEAST_LEVELS;
     for (int i = 1; i < n; i++) {
@@ -214,11 +221,11 @@ cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struc
     }
     while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++; /* about four cells per ring */
     CML_TRY(allocate(levels, true, map, err));
-    map->cell = reach / (map->size - 1);
+    map->cell = last / (map->size - 1);
     for (int i = 0; i < map->size; i++) {
-        const double from = (i - widening) * map->cell, to = (i + 1 + widening) * map->cell;
+        const double from = (i - err_cell) * map->cell, to = (i + 1 + err_cell) * map->cell;
         cover_radii(map, r, z, n, fmax(from, 0), i + 1 < map->size ? to : INFINITY, i);
     }
-    finish(map, 1e-5 * (reach + most - least));
+    finish(map, err_depth * (last + most - least));
     return CML_OK;
 }

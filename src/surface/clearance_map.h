@@ -1,4 +1,4 @@
-/* Builds the pyramids of kernels/clearance.h from rings or triangles.
+/* Builds the min/max pyramids of kernels/clearance.h from rings or triangles.
  * Conservative: every cell's bounds hold for the whole surface above it, and are widened by more than the
  * rounding that single precision adds to positions and cell numbers. SPDX-License-Identifier: MIT */
 #ifndef CML_CLEARANCE_MAP_H

@@ -2,6 +2,7 @@
 #include "surface/surface.h"
 
 #include "base/clock.h"
+#include "geometry/vec3.h"
 #include "scene/radial.h"
 
 #include <math.h>
@@ -59,11 +60,11 @@ static double steepest_facet(const struct cml_mesh *mesh)
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const double *a = mesh->vertex[mesh->triangle[i][0]], *b = mesh->vertex[mesh->triangle[i][1]],
                      *c = mesh->vertex[mesh->triangle[i][2]];
-        const double ux = b[0] - a[0], uy = b[1] - a[1], uz = b[2] - a[2];
-        const double vx = c[0] - a[0], vy = c[1] - a[1], vz = c[2] - a[2];
-        const double up = uy * vx - ux * vy; /* against z */
+        double normal[3];
+        cml_vec3_normal(a, b, c, normal);
+        const double up = -normal[2]; /* z points down */
         if (!(up > 0)) return INFINITY;
-        steepest = fmax(steepest, hypot(uy * vz - uz * vy, uz * vx - ux * vz) / up);
+        steepest = fmax(steepest, hypot(normal[0], normal[1]) / up);
     }
     return steepest;
 }

@@ -16,11 +16,9 @@ size_t cml_surface_facets(const struct cml_surface_def *def, const struct cml_ma
 static double triangle_area(const struct cml_mesh *mesh, size_t i)
 {
     const uint32_t *corner = mesh->triangle[i];
-    double a[3], b[3], normal[3];
-    cml_vec3_subtract(mesh->vertex[corner[1]], mesh->vertex[corner[0]], a);
-    cml_vec3_subtract(mesh->vertex[corner[2]], mesh->vertex[corner[0]], b);
-    cml_vec3_cross(a, b, normal);
-    return 0.5 * sqrt(cml_vec3_dot(normal, normal));
+    double normal[3];
+    cml_vec3_normal(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], normal);
+    return 0.5 * cml_vec3_length(normal);
 }
 
 double cml_surface_facet_area(const struct cml_surface_def *def, const struct cml_map_def *map, size_t facet)

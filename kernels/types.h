@@ -12,7 +12,7 @@
 #include "rng.h"
 #include "surface_kind.h"
 
-/* Weight is an integer, so that books balance to the last bit: a whole packet is 2^31 units. */
+/* Weight is an integer, so that books balance to the last bit (P10): a whole packet is 2^31 units. */
 #define CML_WEIGHT_ONE 0x80000000u
 #define CML_ROULETTE_THRESHOLD 214748u     /* 1e-4 of a packet */
 #define CML_ROULETTE_SURVIVAL 429496730u   /* 0.1 of 2^32 */

@@ -1,6 +1,6 @@
 /* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
- * The rules P1..P10 are those of the program's documentation; a packet's books are kept here, the deposits
- * are streamed into the arrays of the caller, everything else is returned in the packet.
+ * The rules it cites, P1 to P10, are written down in README.md beside it. A packet's books are kept here, the
+ * deposits are streamed into the arrays of the caller, everything else is returned in the packet.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_WALK_H
 #define CML_WALK_H
@@ -177,8 +177,8 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     cml_add_to_cell(to, ir * (setup->nz + 2) + iz, dw);
 }
 
-/* w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight keeps
- * the mean however small the albedo's complement is. */
+/* P3: w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight
+ * keeps the mean however small the albedo's complement is. */
 CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 word)
 {
     const real lot = CML_FMA((real)(word & 255u), (real)0.00390625, (real)0.001953125);
@@ -205,8 +205,8 @@ CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
     return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
 }
 
-/* A packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin is
- * rounding's. */
+/* P9: a packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin
+ * is rounding's. */
 CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
 {
     const CML_GLOBAL struct cml_surface *top = &world->surfaces[medium - 1],
@@ -347,7 +347,7 @@ CML_FN void cml_after_boundary(const struct cml_world *world, struct cml_packet 
         cml_score_exit(packet);
 }
 
-/* Bounds what total reflection could repeat for ever. */
+/* P9: bounds what total reflection could repeat for ever. */
 CML_FN void cml_count_bounce(const struct cml_world *world, struct cml_packet *packet)
 {
     packet->bounces++;
@@ -426,7 +426,8 @@ CML_FN void cml_meet(const struct cml_world *world, const struct cml_deposits *t
                         packet->medium, packet->w);
 }
 
-/* No boundary ahead and no interaction: right only outside the material, or on a path parallel to everything.
+/* P9: no boundary ahead and no interaction: right only outside the material, or on a path parallel to
+ * everything.
  */
 CML_FN void cml_leave(const struct cml_world *world, struct cml_packet *packet)
 {

@@ -146,7 +146,7 @@ int cml_batch_of(uint64_t photons, uint64_t index);
 /* First photon index of a batch; batch 64 gives the number of photons. */
 uint64_t cml_batch_first(uint64_t photons, int batch);
 
-/* launched + gained minus everything that came of it; 0 unless the program is wrong. Also compares the
+/* P10: launched + gained minus everything that came of it; 0 unless the program is wrong. Also compares the
  * absorbed weight with the sums of A_l, A_rz and A_xyz, R and T with those of Rd_ra, Tt_ra, Rd_xya and
  * Tt_xya, and what arrives at the facets with what leaves them: the first difference found is returned. */
 double cml_result_residue(const struct cml_result *result);

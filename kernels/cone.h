@@ -66,7 +66,7 @@ CML_FN real cml_ring_end(struct cml_rings rings, int i)
 
 /* Depth of a place on a ring that begins and ends at these: between walls that are steep, rounding across
  * them would else carry a packet out beyond where they meet, deeper with every reflection. */
-CML_FN real cml_onto_ring(real begin, real end, real z)
+CML_FN real cml_clamp_to_ring(real begin, real end, real z)
 {
     const real low = begin < end ? begin : end, high = begin < end ? end : begin;
     return z > low ? (z < high ? z : high) : low;
@@ -267,7 +267,7 @@ CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *r
 }
 
 /* What lies nearest to a root in a span. */
-CML_FN real cml_into_span(real root, real t0, real t1)
+CML_FN real cml_clamp_to_span(real root, real t0, real t1)
 {
     return root > t0 ? (root < t1 ? root : t1) : t0;
 }
@@ -297,7 +297,7 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
         *t = t0;
         return cml_ring_in_tip(rings, ray, i);
     }
-    root = cml_into_span(root, t0, t1);
+    root = cml_clamp_to_span(root, t0, t1);
     *t = cml_ring_polish(rings, ray, i, t0, t1, standing, root, room);
     return 1;
 }

@@ -31,9 +31,9 @@ static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct 
                                  real t1, real *root)
 {
     const struct cml_cone_ray ray = cml_cone_ray_make(p, u, side);
-    real room;
-    const real first = cml_clamp_to_span(cml_ring_sloped_root(ring, &ray, 0, &room), t0, t1);
-    return cml_ring_newton(ring, &ray, t0, t1, first, room, root);
+    real half_root_gap;
+    const real first = cml_clamp_to_span(cml_ring_sloped_root(ring, &ray, 0, &half_root_gap), t0, t1);
+    return cml_ring_newton(ring, &ray, t0, t1, first, half_root_gap, root);
 }
 
 /* Where packets meet their ring: fills t and doubtful, normals, and moves x, y, z there. As

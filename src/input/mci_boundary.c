@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci_boundary.h"
 
-#include "input/esri.h"
-#include "input/gsf.h"
-#include "input/obj.h"
+#include "input/mesh/esri.h"
+#include "input/mesh/gsf.h"
+#include "input/mesh/obj.h"
 
 #include <math.h>
 #include <stdlib.h>

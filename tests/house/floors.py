@@ -17,7 +17,8 @@ ROOMS = {
     "src/geometry": "src/base",
     "src/tally": "src/base kernels/books.h kernels/facet.h",
     "src/scene": "src/geometry src/base kernels/facet.h",
-    "src/input": "src/scene src/geometry src/base kernels/facet.h",
+    "src/input/mesh": "src/scene src/geometry src/base",
+    "src/input": "src/input/mesh src/scene src/geometry src/base kernels/facet.h",
     "src/surface/mesh": "src/geometry src/base kernels",
     "src/surface": "src/surface/mesh src/scene src/geometry src/base kernels",
     "src/engine": "src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
@@ -28,13 +29,13 @@ ROOMS = {
     "src/output": "src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
     "src/plot": "src/output src/base",
     "src/cli": "src/plot src/output src/run src/engine src/engine/engines src/engine/cpu src/engine/opencl src/surface "
-               "src/surface/mesh src/input src/scene src/tally src/geometry src/base kernels",
+               "src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
 # Headers of libraries and of rarer parts of POSIX, and the only modules that may include them.
 FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
-    "tiny_obj_loader.h": "src/input/obj_tiny",
+    "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/engine/cpu/bundle_masks",
     "jansson.h": "src/output/report src/output/report_json src/plot/compare_report",
     "omp.h": "src/run/cores src/engine/cpu/engine_cpu_level",

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "input/obj.h"
-#include "input/obj_polygon.h"
+#include "input/mesh/obj.h"
+#include "input/mesh/obj_polygon.h"
 #include "base/text.h"
 
 static const struct cml_obj_options centimetres = {.unit = 1, .scale = 1};

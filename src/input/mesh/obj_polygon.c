@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/obj_polygon.h"
+#include "input/mesh/obj_polygon.h"
 
 #include <math.h>
 #include <stdbool.h>

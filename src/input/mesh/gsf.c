@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/gsf.h"
+#include "input/mesh/gsf.h"
 
 #include "base/text.h"
 

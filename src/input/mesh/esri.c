@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/esri.h"
+#include "input/mesh/esri.h"
 
 #include "base/text.h"
 

@@ -5,8 +5,8 @@
 
 #include <math.h>
 
-#include "input/esri.h"
-#include "input/gsf.h"
+#include "input/mesh/esri.h"
+#include "input/mesh/gsf.h"
 
 #define MAGIC "Gwyddion Simple Field 1.0\n"
 #define HEAD MAGIC "XRes = 3\nYRes = 2\nXReal = 6e-6\nYReal = 2e-6\nXYUnits = m\nZUnits = m\n"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/obj_scan.h"
+#include "input/mesh/obj_scan.h"
 
 #include <stdlib.h>
 #include <string.h>

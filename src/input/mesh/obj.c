@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/obj.h"
+#include "input/mesh/obj.h"
 
 #include "base/atomic_file.h"
-#include "input/obj_polygon.h"
-#include "input/obj_scan.h"
-#include "input/obj_tiny.h"
+#include "input/mesh/obj_polygon.h"
+#include "input/mesh/obj_scan.h"
+#include "input/mesh/obj_tiny.h"
 #include "base/text.h"
 
 #include <stdio.h>

@@ -12,24 +12,21 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* What is checked is what will fly: heightmaps at the tolerance. */
-static cml_status finish_all(const struct cml_options *options, struct cml_scene_list *list,
-                             struct cml_error *err)
+/* What is checked is what will fly. */
+static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)
 {
-    for (int i = 0; i < list->count; i++) {
-        CML_TRY(cml_scene_simplify(&list->scenes[i], options->surface.tolerance, err));
-        CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
-    }
+    for (int i = 0; i < list->count; i++) CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
     return CML_OK;
 }
 
 cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
                            struct cml_error *err)
 {
-    CML_TRY(cml_mci_read(options->operands[0], list, err));
-    const bool flat = options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE;
-    for (int i = 0; flat && i < list->count; i++) cml_scene_flatten(&list->scenes[i]);
-    const cml_status status = finish_all(options, list, err);
+    const struct cml_input_options how = {.tolerance = options->surface.tolerance,
+                                          .flat = options->ignore_heightfields ||
+                                                  options->surface.force == CML_SURFACE_PLANE};
+    CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
+    const cml_status status = check_all(list, err);
     if (status != CML_OK) cml_scene_list_clear(list);
     return status;
 }

@@ -249,11 +249,13 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     return check_rest(reader);
 }
 
-cml_status cml_mci_read(const char *path, struct cml_scene_list *list, struct cml_error *err)
+cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
+                        struct cml_scene_list *list, struct cml_error *err)
 {
+    static const struct cml_input_options none;
     struct cml_mci_reader reader;
     *list = (struct cml_scene_list){0};
-    cml_status status = cml_mci_open(path, &reader, err);
+    cml_status status = cml_mci_open(path, options ? options : &none, &reader, err);
     if (status == CML_OK) status = read_file(&reader, list);
     cml_mci_close(&reader);
     if (status != CML_OK) cml_scene_list_clear(list);

@@ -288,9 +288,13 @@ static cml_status read_heightmap(const struct options *options, enum mesh_file k
     struct cml_error *err = options->reader->err;
     const double unit = options->seen[MESH_UNITS] ? given->unit : 0;
     if (given->up == CML_UP_Y) return fail_option(options, "up", "y", "z or -z for a heightmap");
-    CML_TRY((kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(boundary->file, unit, &boundary->map, err));
-    cml_heightmap_place(&boundary->map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
-    return cml_heightmap_mesh(&boundary->map, 0, given->normals, &boundary->mesh, &boundary->map_notes, err);
+    struct cml_heightmap map;
+    CML_TRY((kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(boundary->file, unit, &map, err));
+    cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
+    const cml_status status = cml_heightmap_mesh(&map, options->reader->options->tolerance, given->normals,
+                                                 &boundary->mesh, &boundary->map_notes, err);
+    cml_heightmap_clear(&map);
+    return status;
 }
 
 static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
@@ -330,7 +334,9 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
     }
     boundary->line = reader->text.line;
     CML_TRY(cml_text_copy(cml_mci_raw(reader), &boundary->text, reader->err));
-    return kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary);
+    CML_TRY(kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary));
+    if (reader->options->flat) cml_boundary_flatten(boundary);
+    return CML_OK;
 }
 
 enum { BEAM_AT, BEAM_ANGLE, BEAM_AZIMUTH };

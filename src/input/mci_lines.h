@@ -7,12 +7,14 @@
 
 #include "base/status.h"
 #include "base/text.h"
+#include "input/input_options.h"
 
 /* Beyond these a float overflows somewhere in the transport; nobody's tissue is a light year thick. */
 #define CML_MCI_HUGE 1e30
 #define CML_MCI_TINY 1e-30
 
 struct cml_mci_reader {
+    const struct cml_input_options *options;
     struct cml_text text;
     struct cml_error *err;
     char *cursor; /* what is left of the current line */
@@ -40,7 +42,8 @@ struct cml_mci_field {
     const char *expected;
 };
 
-CML_NODISCARD cml_status cml_mci_open(const char *path, struct cml_mci_reader *reader, struct cml_error *err);
+CML_NODISCARD cml_status cml_mci_open(const char *path, const struct cml_input_options *options,
+                                      struct cml_mci_reader *reader, struct cml_error *err);
 void cml_mci_close(struct cml_mci_reader *reader);
 
 /* Goes to the next line that is neither blank nor comment. `keywords`: b, m, beam, map and facets also count

@@ -141,7 +141,7 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
     if (rest)
         return fail_sample(samples, "text after the file name", rest, "the end of the line or a # comment");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
-    CML_TRY(cml_text_read(boundary->file, &samples->file, reader->err));
+    CML_TRY(cml_text_read(reader->options->source, boundary->file, &samples->file, reader->err));
     samples->cursor = NULL;
     return CML_OK;
 }
@@ -285,14 +285,16 @@ static cml_status check_mesh_name(const struct options *options, const char *nam
 static cml_status read_heightmap(const struct options *options, enum mesh_file kind,
                                  const struct cml_obj_options *given, struct cml_boundary *boundary)
 {
+    const struct cml_input_options *input = options->reader->options;
     struct cml_error *err = options->reader->err;
     const double unit = options->seen[MESH_UNITS] ? given->unit : 0;
     if (given->up == CML_UP_Y) return fail_option(options, "up", "y", "z or -z for a heightmap");
     struct cml_heightmap map;
-    CML_TRY((kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(boundary->file, unit, &map, err));
+    CML_TRY(
+        (kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit, &map, err));
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
-    const cml_status status = cml_heightmap_mesh(&map, options->reader->options->tolerance, given->normals,
-                                                 &boundary->mesh, &boundary->map_notes, err);
+    const cml_status status = cml_heightmap_mesh(&map, input->tolerance, given->normals, &boundary->mesh,
+                                                 &boundary->map_notes, err);
     cml_heightmap_clear(&map);
     return status;
 }
@@ -316,7 +318,8 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     }
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     if (kind == FILE_OBJ)
-        CML_TRY(cml_obj_read(boundary->file, &obj, &boundary->mesh, &boundary->mesh_notes, reader->err));
+        CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
+                             &boundary->mesh_notes, reader->err));
     else
         CML_TRY(read_heightmap(&options, kind, &obj, boundary));
     boundary->form = CML_FORM_MESH;

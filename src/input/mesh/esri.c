@@ -135,11 +135,12 @@ static cml_status read_grid(struct grid *g, double unit, struct cml_heightmap *m
     return cml_heightmap_check(g->text.path, map, g->err);
 }
 
-cml_status cml_esri_read(const char *path, double unit, struct cml_heightmap *map, struct cml_error *err)
+cml_status cml_esri_read(const struct cml_text_source *source, const char *path, double unit,
+                         struct cml_heightmap *map, struct cml_error *err)
 {
     struct grid g = {.err = err};
     *map = (struct cml_heightmap){0};
-    CML_TRY(cml_text_read(path, &g.text, err));
+    CML_TRY(cml_text_read(source, path, &g.text, err));
     const cml_status status = read_grid(&g, unit, map);
     cml_text_clear(&g.text);
     if (status == CML_OK)

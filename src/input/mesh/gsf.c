@@ -157,11 +157,12 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     return cml_heightmap_check(f->text.path, map, f->err);
 }
 
-cml_status cml_gsf_read(const char *path, double unit, struct cml_heightmap *map, struct cml_error *err)
+cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
+                        struct cml_heightmap *map, struct cml_error *err)
 {
     struct field f = {.err = err};
     *map = (struct cml_heightmap){0};
-    CML_TRY(cml_text_read_bytes(path, &f.text, err));
+    CML_TRY(cml_text_read_bytes(source, path, &f.text, err));
     cml_status status = read_header(&f);
     if (status == CML_OK) status = check_header(&f);
     if (status == CML_OK) status = settle_units(&f, unit);

@@ -125,13 +125,14 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
     return status;
 }
 
-cml_status cml_obj_read(const char *path, const struct cml_obj_options *options, struct cml_mesh *mesh,
+cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
+                        const struct cml_obj_options *options, struct cml_mesh *mesh,
                         struct cml_mesh_notes *notes, struct cml_error *err)
 {
     struct cml_text text;
     struct cml_obj_scan scan = {0};
     *mesh = (struct cml_mesh){0};
-    CML_TRY(cml_text_read(path, &text, err));
+    CML_TRY(cml_text_read(source, path, &text, err));
     const cml_status status = build_mesh(&text, &scan, options, mesh, notes, err);
     cml_obj_scan_clear(&scan);
     cml_text_clear(&text);

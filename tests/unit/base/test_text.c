@@ -34,7 +34,7 @@ static void assert_holds(const char *name, const char *expected)
 {
     struct cml_error err;
     struct cml_text text;
-    assert_int_equal(cml_text_read(in_directory(name), &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, in_directory(name), &text, &err), CML_OK);
     assert_string_equal(text.data, expected);
     cml_text_clear(&text);
 }
@@ -62,7 +62,7 @@ static void lines_lose_lf_and_crlf(void **state)
     static const char bytes[] = "one\ntwo\r\n\r\n\nfi\rve\r\n six";
     static const char *const lines[] = {"one", "two", "", "", "fi\rve", " six"};
     write_bytes("in", bytes, sizeof bytes - 1);
-    assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, in_directory("in"), &text, &err), CML_OK);
     assert_int_equal(text.size, sizeof bytes - 1);
     assert_string_equal(text.path, in_directory("in"));
     for (int i = 0; i < 6; i++) {
@@ -85,11 +85,11 @@ static void empty_and_unended_files(void **state)
     struct cml_error err;
     struct cml_text text;
     write_bytes("in", "", 0);
-    assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, in_directory("in"), &text, &err), CML_OK);
     assert_null(cml_text_next(&text));
     cml_text_clear(&text);
     write_bytes("in", "last\n", 5);
-    assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, in_directory("in"), &text, &err), CML_OK);
     assert_string_equal(cml_text_next(&text), "last");
     assert_null(cml_text_next(&text));
     cml_text_clear(&text);
@@ -108,7 +108,7 @@ static void files_of_any_size_are_read_whole(void **state)
         struct cml_error err;
         struct cml_text text;
         write_bytes("in", bytes, sizes[i]);
-        assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+        assert_int_equal(cml_text_read(NULL, in_directory("in"), &text, &err), CML_OK);
         assert_int_equal(text.size, sizes[i]);
         assert_int_equal(strlen(cml_text_next(&text)), sizes[i]);
         assert_null(cml_text_next(&text));
@@ -123,15 +123,15 @@ static void unreadable_files_are_refused(void **state)
     (void)state;
     struct cml_error err;
     struct cml_text text;
-    assert_int_equal(cml_text_read(in_directory("none"), &text, &err), CML_E_INPUT);
+    assert_int_equal(cml_text_read(NULL, in_directory("none"), &text, &err), CML_E_INPUT);
     assert_fails_for(&err, CML_E_INPUT, "none", "cannot be read (No such file or directory)");
     assert_int_equal(mkdir(in_directory("folder"), 0700), 0);
-    assert_int_equal(cml_text_read(in_directory("folder"), &text, &err), CML_E_INPUT);
+    assert_int_equal(cml_text_read(NULL, in_directory("folder"), &text, &err), CML_E_INPUT);
     assert_fails_for(&err, CML_E_INPUT, "folder", "cannot be read (Is a directory)");
     assert_null(text.data);
     rmdir(in_directory("folder"));
     write_bytes("nul", "1\0002\n", 4);
-    assert_int_equal(cml_text_read(in_directory("nul"), &text, &err), CML_E_INPUT);
+    assert_int_equal(cml_text_read(NULL, in_directory("nul"), &text, &err), CML_E_INPUT);
     assert_fails_for(&err, CML_E_INPUT, "nul",
                      "cannot be read (it holds a NUL byte, so it is not a text file)");
     assert_null(text.path);

@@ -33,7 +33,7 @@ static cml_status read_bytes(void **state, const char *name, const char *bytes, 
     case_write_bytes(state, name, bytes, size);
     *err = (struct cml_error){0};
     const bool gsf = strcmp(name, "x.gsf") == 0;
-    const cml_status status = (gsf ? cml_gsf_read : cml_esri_read)(path, unit, map, err);
+    const cml_status status = (gsf ? cml_gsf_read : cml_esri_read)(NULL, path, unit, map, err);
     case_remove(state, name);
     case_normalise(state, err->text);
     assert_true(status == CML_OK || !map->h);

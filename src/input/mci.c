@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci.h"
 
+#include "input/mci_beam.h"
 #include "input/mci_boundary.h"
 #include "input/mci_lines.h"
 #include "input/mci_map.h"
@@ -52,8 +53,8 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
 
 /* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the
  * number of the boundary that lies before it. */
-static cml_status seek(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene, int b,
-                       const char *field)
+static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene,
+                                 int b, const char *field)
 {
     for (;;) {
         enum cml_mci_kind kind;
@@ -95,7 +96,7 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
 static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scene_list *list,
                             struct cml_scene *scene)
 {
-    CML_TRY(seek(reader, STAGE_NAME, scene, 0, "output name"));
+    CML_TRY(next_data_line(reader, STAGE_NAME, scene, 0, "output name"));
     scene->line = reader->text.line;
     CML_TRY(cml_text_copy(reader->text.path, &scene->file, reader->err));
     const char *name = cml_text_word(&reader->cursor);
@@ -132,14 +133,14 @@ static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *sce
     static const struct cml_mci_field bins[] = {
         {"nz", 1, 1e9, true, count}, {"nr", 1, 1e9, true, count}, {"na", 1, 1e9, true, count}};
     double values[3];
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "photons"));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
     CML_TRY(cml_mci_numbers(reader, NULL, &photons, 1, values));
     scene->photons = (uint64_t)values[0];
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "dz dr"));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "dz dr"));
     CML_TRY(cml_mci_numbers(reader, NULL, steps, 2, values));
     scene->dz = values[0];
     scene->dr = values[1];
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "nz nr na"));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "nz nr na"));
     CML_TRY(cml_mci_numbers(reader, NULL, bins, 3, values));
     CML_TRY(check_cells(reader, values));
     scene->nz = (int)values[0];
@@ -153,7 +154,7 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
     static const struct cml_mci_field field = {"number of layers", 1, MAX_LAYERS, true,
                                                "a whole number of 1..100000"};
     double number = 0;
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, field.name));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, field.name));
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &number));
     scene->num_layers = (int)number;
     const size_t layers = (size_t)scene->num_layers;
@@ -172,7 +173,7 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
     const struct cml_mci_field field = {above ? "n above" : "n below", MIN_INDEX, MAX_INDEX, false,
                                         index_range};
     struct cml_medium_def *medium = &scene->media[above ? 0 : scene->num_layers + 1];
-    CML_TRY(seek(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
+    CML_TRY(next_data_line(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
     return cml_mci_numbers(reader, NULL, &field, 1, &medium->n);
 }
 
@@ -189,7 +190,7 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     char owner[32];
     double values[5];
     snprintf(owner, sizeof owner, "layer %d", layer);
-    CML_TRY(seek(reader, STAGE_LAYERS, scene, layer - 1, owner));
+    CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
     scene->media[layer] = (struct cml_medium_def){
         .n = values[0], .mua = values[1], .mus = values[2], .g = values[3], .d = values[4]};
@@ -242,8 +243,8 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     static const struct cml_mci_field field = {"number of runs", 1, MAX_RUNS, true,
                                                "a whole number of 1..32767"};
     double runs = 0;
-    CML_TRY(seek(reader, STAGE_NAME, NULL, 0, "file version"));
-    CML_TRY(seek(reader, STAGE_NAME, NULL, 0, field.name));
+    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, "file version"));
+    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, field.name));
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &runs));
     while (list->count < (int)runs) CML_TRY(read_run(reader, list));
     return check_rest(reader);

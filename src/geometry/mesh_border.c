@@ -62,7 +62,7 @@ static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving,
     struct loop outer = {0}, hole = {0};
     size_t num_loops = 0;
     for (uint32_t v = 0; v < mesh->num_vertices; v++) {
-        if (leaving[v] == CML_NO_MATE || seen[v]) continue;
+        if (leaving[v] == CML_NO_OPPOSITE || seen[v]) continue;
         const struct loop loop = walk_loop(mesh, leaving, v, seen, NULL);
         const bool larger = num_loops++ == 0 || fabs(loop.area) > fabs(outer.area);
         if (num_loops > 1) hole = larger ? outer : loop;
@@ -85,7 +85,7 @@ static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struc
     struct cml_mesh *mesh = work->mesh;
     memset(leaving, 0xff, mesh->num_vertices * sizeof *leaving);
     for (uint32_t e = 0; e < 3 * mesh->num_triangles; e++)
-        if (work->mate[e] == CML_NO_MATE) leaving[cml_half_edge_from(mesh, e)] = e;
+        if (work->opposite[e] == CML_NO_OPPOSITE) leaving[cml_half_edge_from(mesh, e)] = e;
     uint8_t *seen = calloc(mesh->num_vertices, 1);
     if (!seen) return no_memory(mesh, err);
     const cml_status status = take_loop(work, leaving, seen, err);

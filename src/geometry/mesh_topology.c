@@ -51,7 +51,7 @@ static cml_status refuse_edge(const struct cml_mesh_work *work, uint32_t edge, s
                          cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, edge)], to), count);
 }
 
-/* Mates the half-edges of one lower vertex: equal other ends have become neighbours by sorting. */
+/* Pairs the half-edges of one lower vertex: equal other ends have become neighbours by sorting. */
 static cml_status join_spokes(struct cml_mesh_work *work, struct spoke *spokes, size_t count,
                               struct cml_error *err)
 {
@@ -60,8 +60,8 @@ static cml_status join_spokes(struct cml_mesh_work *work, struct spoke *spokes, 
         for (next = i + 1; next < count && spokes[next].higher == spokes[i].higher;) next++;
         if (next - i > 2) return refuse_edge(work, spokes[i + 2].edge, next - i, err);
         if (next - i < 2) continue;
-        work->mate[spokes[i].edge] = spokes[i + 1].edge;
-        work->mate[spokes[i + 1].edge] = spokes[i].edge;
+        work->opposite[spokes[i].edge] = spokes[i + 1].edge;
+        work->opposite[spokes[i + 1].edge] = spokes[i].edge;
     }
     return CML_OK;
 }
@@ -70,14 +70,14 @@ cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     const size_t num_edges = 3 * mesh->num_triangles;
-    work->mate = malloc(num_edges * sizeof *work->mate);
+    work->opposite = malloc(num_edges * sizeof *work->opposite);
     struct spoke *spokes = malloc(num_edges * sizeof *spokes);
     size_t *first = calloc(mesh->num_vertices + 1, sizeof *first);
     cml_status status = CML_OK;
-    if (!work->mate || !spokes || !first) {
+    if (!work->opposite || !spokes || !first) {
         status = no_memory(mesh, err);
     } else {
-        memset(work->mate, 0xff, num_edges * sizeof *work->mate);
+        memset(work->opposite, 0xff, num_edges * sizeof *work->opposite);
         list_spokes(mesh, first, spokes);
         for (size_t v = 0, begin = 0; v < mesh->num_vertices && status == CML_OK; begin = first[v++])
             status = join_spokes(work, spokes + begin, first[v] - begin, err);
@@ -89,17 +89,17 @@ cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err)
 
 enum { AS_IT_IS, TURNED, UNVISITED };
 
-/* The mate of a half-edge of a triangle that agrees runs the other way. */
+/* The opposite of a half-edge of a triangle that agrees runs the other way. */
 static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t, uint8_t *state,
                                    uint32_t *queue, size_t *tail, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     for (uint32_t edge = 3 * t; edge < 3 * t + 3; edge++) {
-        const uint32_t mate = work->mate[edge];
-        if (mate == CML_NO_MATE) continue;
-        const bool same_way = cml_half_edge_from(mesh, edge) == cml_half_edge_from(mesh, mate);
+        const uint32_t opposite = work->opposite[edge];
+        if (opposite == CML_NO_OPPOSITE) continue;
+        const bool same_way = cml_half_edge_from(mesh, edge) == cml_half_edge_from(mesh, opposite);
         const uint8_t wanted = (uint8_t)(state[t] ^ (same_way ? 1 : 0));
-        const uint32_t other = mate / 3;
+        const uint32_t other = opposite / 3;
         char place[112];
         if (state[other] == UNVISITED) {
             state[other] = wanted;
@@ -139,20 +139,20 @@ static cml_status visit_all(const struct cml_mesh_work *work, uint8_t *state, ui
 static void turn_triangles(struct cml_mesh_work *work, const uint8_t *state)
 {
     struct cml_mesh *mesh = work->mesh;
-    uint32_t *mate = work->mate;
+    uint32_t *opposite = work->opposite;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
         if (state[t] != TURNED) continue;
         work->notes.flipped++;
         uint32_t *corner = mesh->triangle[t];
-        const uint32_t second = corner[1], edge = mate[3 * t];
+        const uint32_t second = corner[1], edge = opposite[3 * t];
         corner[1] = corner[2];
         corner[2] = second;
-        mate[3 * t] = mate[3 * t + 2];
-        mate[3 * t + 2] = edge;
+        opposite[3 * t] = opposite[3 * t + 2];
+        opposite[3 * t + 2] = edge;
     }
     for (size_t e = 0; e < 3 * mesh->num_triangles; e++)
-        if (mate[e] != CML_NO_MATE && state[mate[e] / 3] == TURNED)
-            mate[e] = mate[e] / 3 * 3 + 2 - mate[e] % 3;
+        if (opposite[e] != CML_NO_OPPOSITE && state[opposite[e] / 3] == TURNED)
+            opposite[e] = opposite[e] / 3 * 3 + 2 - opposite[e] % 3;
 }
 
 cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err)
@@ -175,15 +175,15 @@ cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err)
 
 /* Marks the corners of the fan around the vertex of corner `start`: over incoming half-edges one way round,
  * and over outgoing ones the other way where the border stopped the first. */
-static void mark_fan(const uint32_t *mate, uint32_t start, uint8_t *marked)
+static void mark_fan(const uint32_t *opposite, uint32_t start, uint8_t *marked)
 {
     uint32_t corner = start;
     do {
         marked[corner] = 1;
-        corner = mate[corner / 3 * 3 + (corner + 2) % 3];
-    } while (corner != CML_NO_MATE && corner != start);
+        corner = opposite[corner / 3 * 3 + (corner + 2) % 3];
+    } while (corner != CML_NO_OPPOSITE && corner != start);
     if (corner == start) return;
-    for (uint32_t incoming = mate[start]; incoming != CML_NO_MATE; incoming = mate[corner]) {
+    for (uint32_t incoming = opposite[start]; incoming != CML_NO_OPPOSITE; incoming = opposite[corner]) {
         corner = incoming / 3 * 3 + (incoming + 1) % 3;
         marked[corner] = 1;
     }
@@ -205,7 +205,7 @@ cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_erro
                                    "around every vertex)",
                                    cml_mesh_place(mesh->vertex[vertex], place));
         has_fan[vertex] = 1;
-        mark_fan(work->mate, c, marked);
+        mark_fan(work->opposite, c, marked);
     }
     free(marked);
     free(has_fan);

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Does the line p-q, an edge of the triangle whose third vertex is `own`, separate it from the other one as
- * seen from above? The quick way out, which settles nearly all neighbours in sheets that are height
+ * seen from above? The quick way out, which decides for nearly all neighbours in sheets that are height
  * functions. Only sure signs count. */
 static bool edge_separates(const double *p, const double *q, const double *own, const double *const other[3])
 {

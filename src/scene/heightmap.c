@@ -52,7 +52,7 @@ static void swap_rows(struct cml_heightmap *map)
         }
 }
 
-void cml_heightmap_settle(struct cml_heightmap *map)
+void cml_heightmap_centre(struct cml_heightmap *map)
 {
     swap_rows(map);
     map->x0 = -0.5 * (map->nx - 1) * map->dx;

@@ -112,7 +112,7 @@ static void look_at_stationary(const struct comparison *c, const struct edge *ed
 static void look_at_edge(const struct comparison *c, const double *a, const double *b)
 {
     const struct edge edge = make_edge(a, b);
-    if (edge.along == 0.0) return; /* vertical: its ends settle it */
+    if (edge.along == 0.0) return; /* vertical: its ends, the vertices, have been looked at */
     const double r_a = hypot(a[0], a[1]), r_b = hypot(b[0], b[1]), to = fmax(r_a, r_b);
     const double from = edge.foot > 0.0 && edge.foot < 1.0 ? edge.distance : fmin(r_a, r_b);
     const int n = c->radial->n;

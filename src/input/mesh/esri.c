@@ -144,7 +144,7 @@ cml_status cml_esri_read(const struct cml_text_source *source, const char *path,
     const cml_status status = read_grid(&g, unit, map);
     cml_text_clear(&g.text);
     if (status == CML_OK)
-        cml_heightmap_settle(map);
+        cml_heightmap_centre(map);
     else
         cml_heightmap_clear(map);
     return status;

@@ -102,7 +102,7 @@ static cml_status check_header(const struct field *f)
 }
 
 /* The file's units, or the one given for a file without any. */
-static cml_status settle_units(struct field *f, double unit)
+static cml_status choose_units(struct field *f, double unit)
 {
     const bool inside = f->xy_unit > 0 && f->z_unit > 0, none = f->xy_unit == 0 && f->z_unit == 0;
     const char *path = f->text.path;
@@ -165,11 +165,11 @@ cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, 
     CML_TRY(cml_text_read_bytes(source, path, &f.text, err));
     cml_status status = read_header(&f);
     if (status == CML_OK) status = check_header(&f);
-    if (status == CML_OK) status = settle_units(&f, unit);
+    if (status == CML_OK) status = choose_units(&f, unit);
     if (status == CML_OK) status = read_heights(&f, map);
     cml_text_clear(&f.text);
     if (status == CML_OK)
-        cml_heightmap_settle(map);
+        cml_heightmap_centre(map);
     else
         cml_heightmap_clear(map);
     return status;

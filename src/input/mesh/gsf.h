@@ -10,7 +10,7 @@
 
 /* Reads `path` from `source`, NULL: from the file system. Lengths come in the file's units; `unit` (cm per
  * unit, 0: none given) is for files without any, and refused with others. Offsets are not used: the map's
- * middle lies at x = y = 0. The map is settled, in cm; free it with cml_heightmap_clear. CML_E_INPUT; then
+ * middle lies at x = y = 0. The map is centred, in cm; free it with cml_heightmap_clear. CML_E_INPUT; then
  * the map is cleared. */
 CML_NODISCARD cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
                                       struct cml_heightmap *map, struct cml_error *err);

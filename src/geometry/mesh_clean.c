@@ -1,5 +1,6 @@
 /* Makes a clean index list of a soup of vertices and triangles. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
+#include "geometry/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -90,10 +91,9 @@ bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
     if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) return true;
     const double *a = mesh->vertex[corner[0]], *b = mesh->vertex[corner[1]], *c = mesh->vertex[corner[2]];
     double u[3], v[3];
-    for (int k = 0; k < 3; k++) {
-        u[k] = b[k] - a[k];
-        v[k] = c[k] - a[k];
-    }
+    cml_vec3_subtract(b, a, u);
+    cml_vec3_subtract(c, a, v);
+    /* Products are compared, not their differences with 0, which are no numbers where products overflow. */
     return u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0];
 }
 

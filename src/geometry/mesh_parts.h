@@ -23,10 +23,10 @@ CML_NODISCARD cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_e
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
 
 /* Finds the opposites; refuses an edge with more than two triangles. */
-CML_NODISCARD cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err);
+CML_NODISCARD cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Turns triangles until all agree with the first; refuses several parts and sheets with one side. */
-CML_NODISCARD cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err);
+CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Refuses a vertex whose triangles are not one fan. */
 CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err);

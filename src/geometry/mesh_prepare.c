@@ -21,8 +21,8 @@ static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *er
     struct cml_mesh *mesh = work->mesh;
     CML_TRY(cml_mesh_clean(work, err));
     find_box(mesh);
-    CML_TRY(cml_mesh_join(work, err));
-    CML_TRY(cml_mesh_agree(work, err));
+    CML_TRY(cml_mesh_pair_edges(work, err));
+    CML_TRY(cml_mesh_orient(work, err));
     CML_TRY(cml_mesh_check_fans(work, err));
     CML_TRY(cml_mesh_find_border(work, err));
     find_box(mesh); /* the border has moved onto its plane */

@@ -10,13 +10,13 @@ static cml_status no_memory(const struct cml_mesh *mesh, struct cml_error *err)
 }
 
 /* A half-edge in the list of its lower vertex. */
-struct spoke {
+struct incident {
     uint32_t higher, edge;
 };
 
-static int compare_spokes(const void *left, const void *right)
+static int compare_incidents(const void *left, const void *right)
 {
-    const struct spoke *a = left, *b = right;
+    const struct incident *a = left, *b = right;
     if (a->higher != b->higher) return a->higher < b->higher ? -1 : 1;
     return a->edge < b->edge ? -1 : a->edge > b->edge;
 }
@@ -28,7 +28,7 @@ static uint32_t lower_end(const struct cml_mesh *mesh, uint32_t edge)
 }
 
 /* Counting sort of all half-edges by their lower vertex; first[v] becomes the end of v's list. */
-static void list_spokes(const struct cml_mesh *mesh, size_t *first, struct spoke *spokes)
+static void list_incidents(const struct cml_mesh *mesh, size_t *first, struct incident *incidents)
 {
     const uint32_t num_edges = (uint32_t)(3 * mesh->num_triangles);
     for (uint32_t e = 0; e < num_edges; e++) first[lower_end(mesh, e) + 1]++;
@@ -36,7 +36,7 @@ static void list_spokes(const struct cml_mesh *mesh, size_t *first, struct spoke
     for (uint32_t e = 0; e < num_edges; e++) {
         const uint32_t low = lower_end(mesh, e);
         const uint32_t a = cml_half_edge_from(mesh, e), b = cml_half_edge_to(mesh, e);
-        spokes[first[low]++] = (struct spoke){.higher = a + b - low, .edge = e};
+        incidents[first[low]++] = (struct incident){.higher = a + b - low, .edge = e};
     }
 }
 
@@ -52,42 +52,42 @@ static cml_status refuse_edge(const struct cml_mesh_work *work, uint32_t edge, s
 }
 
 /* Pairs the half-edges of one lower vertex: equal other ends have become neighbours by sorting. */
-static cml_status join_spokes(struct cml_mesh_work *work, struct spoke *spokes, size_t count,
-                              struct cml_error *err)
+static cml_status pair_incidents(struct cml_mesh_work *work, struct incident *incidents, size_t count,
+                                 struct cml_error *err)
 {
-    qsort(spokes, count, sizeof *spokes, compare_spokes);
+    qsort(incidents, count, sizeof *incidents, compare_incidents);
     for (size_t i = 0, next; i < count; i = next) {
-        for (next = i + 1; next < count && spokes[next].higher == spokes[i].higher;) next++;
-        if (next - i > 2) return refuse_edge(work, spokes[i + 2].edge, next - i, err);
+        for (next = i + 1; next < count && incidents[next].higher == incidents[i].higher;) next++;
+        if (next - i > 2) return refuse_edge(work, incidents[i + 2].edge, next - i, err);
         if (next - i < 2) continue;
-        work->opposite[spokes[i].edge] = spokes[i + 1].edge;
-        work->opposite[spokes[i + 1].edge] = spokes[i].edge;
+        work->opposite[incidents[i].edge] = incidents[i + 1].edge;
+        work->opposite[incidents[i + 1].edge] = incidents[i].edge;
     }
     return CML_OK;
 }
 
-cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err)
+cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     const size_t num_edges = 3 * mesh->num_triangles;
     work->opposite = malloc(num_edges * sizeof *work->opposite);
-    struct spoke *spokes = malloc(num_edges * sizeof *spokes);
+    struct incident *incidents = malloc(num_edges * sizeof *incidents);
     size_t *first = calloc(mesh->num_vertices + 1, sizeof *first);
     cml_status status = CML_OK;
-    if (!work->opposite || !spokes || !first) {
+    if (!work->opposite || !incidents || !first) {
         status = no_memory(mesh, err);
     } else {
         memset(work->opposite, 0xff, num_edges * sizeof *work->opposite);
-        list_spokes(mesh, first, spokes);
+        list_incidents(mesh, first, incidents);
         for (size_t v = 0, begin = 0; v < mesh->num_vertices && status == CML_OK; begin = first[v++])
-            status = join_spokes(work, spokes + begin, first[v] - begin, err);
+            status = pair_incidents(work, incidents + begin, first[v] - begin, err);
     }
-    free(spokes);
+    free(incidents);
     free(first);
     return status;
 }
 
-enum { AS_IT_IS, TURNED, UNVISITED };
+enum { KEPT, FLIPPED, UNVISITED };
 
 /* The opposite of a half-edge of a triangle that agrees runs the other way. */
 static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t, uint8_t *state,
@@ -123,7 +123,7 @@ static cml_status visit_all(const struct cml_mesh_work *work, uint8_t *state, ui
     for (uint32_t seed = 0; seed < mesh->num_triangles; seed++) {
         if (state[seed] != UNVISITED) continue;
         if (++parts == 2) second = seed;
-        state[seed] = AS_IT_IS;
+        state[seed] = KEPT;
         queue[tail++] = seed;
         while (head < tail) CML_TRY(visit_neighbours(work, queue[head++], state, queue, &tail, err));
     }
@@ -136,12 +136,12 @@ static cml_status visit_all(const struct cml_mesh_work *work, uint8_t *state, ui
 }
 
 /* A turned triangle (a, c, b) has its half-edges 0 and 2 exchanged. */
-static void turn_triangles(struct cml_mesh_work *work, const uint8_t *state)
+static void flip_triangles(struct cml_mesh_work *work, const uint8_t *state)
 {
     struct cml_mesh *mesh = work->mesh;
     uint32_t *opposite = work->opposite;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
-        if (state[t] != TURNED) continue;
+        if (state[t] != FLIPPED) continue;
         work->notes.flipped++;
         uint32_t *corner = mesh->triangle[t];
         const uint32_t second = corner[1], edge = opposite[3 * t];
@@ -151,11 +151,11 @@ static void turn_triangles(struct cml_mesh_work *work, const uint8_t *state)
         opposite[3 * t + 2] = edge;
     }
     for (size_t e = 0; e < 3 * mesh->num_triangles; e++)
-        if (opposite[e] != CML_NO_OPPOSITE && state[opposite[e] / 3] == TURNED)
+        if (opposite[e] != CML_NO_OPPOSITE && state[opposite[e] / 3] == FLIPPED)
             opposite[e] = opposite[e] / 3 * 3 + 2 - opposite[e] % 3;
 }
 
-cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err)
+cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err)
 {
     const size_t num_triangles = work->mesh->num_triangles;
     uint8_t *state = malloc(num_triangles);
@@ -166,7 +166,7 @@ cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err)
     } else {
         memset(state, UNVISITED, num_triangles);
         status = visit_all(work, state, queue, err);
-        if (status == CML_OK) turn_triangles(work, state);
+        if (status == CML_OK) flip_triangles(work, state);
     }
     free(state);
     free(queue);

@@ -86,7 +86,7 @@ void cml_polygon_rows_clear(struct cml_polygon_rows *rows)
 }
 
 /* Twice the signed area of the triangle a b c. */
-static double turn(const double a[2], const double b[2], const double c[2])
+static double twice_area(const double a[2], const double b[2], const double c[2])
 {
     return (double)(((long double)b[0] - a[0]) * ((long double)c[1] - a[1]) -
                     ((long double)b[1] - a[1]) * ((long double)c[0] - a[0]));
@@ -101,7 +101,8 @@ static bool in_box(const double a[2], const double b[2], const double p[2])
 /* Whether the segments a b and c d have a point in common. */
 static bool segments_meet(const double a[2], const double b[2], const double c[2], const double d[2])
 {
-    const double abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
+    const double abc = twice_area(a, b, c), abd = twice_area(a, b, d), cda = twice_area(c, d, a),
+                 cdb = twice_area(c, d, b);
     if (((abc > 0 && abd < 0) || (abc < 0 && abd > 0)) && ((cda > 0 && cdb < 0) || (cda < 0 && cdb > 0)))
         return true;
     return (abc == 0 && in_box(a, b, c)) || (abd == 0 && in_box(a, b, d)) || (cda == 0 && in_box(c, d, a)) ||
@@ -111,7 +112,7 @@ static bool segments_meet(const double a[2], const double b[2], const double c[2
 /* Neighbours share a point by right; they only meet elsewhere when one folds back onto the other. */
 static bool neighbours_fold(const double a[2], const double b[2], const double c[2])
 {
-    if (turn(a, b, c) != 0) return false;
+    if (twice_area(a, b, c) != 0) return false;
     return (a[0] - b[0]) * (c[0] - b[0]) + (a[1] - b[1]) * (c[1] - b[1]) >= 0;
 }
 

@@ -78,7 +78,7 @@ static void list_rim(struct builder *b)
 
 /* ---- the mesh ---- */
 
-static void place(const struct cml_heightmap *map, size_t sample, double out[3])
+static void position_of(const struct cml_heightmap *map, size_t sample, double out[3])
 {
     const size_t nx = (size_t)map->nx;
     out[0] = map->x0 + (double)(sample % nx) * map->dx;
@@ -86,7 +86,7 @@ static void place(const struct cml_heightmap *map, size_t sample, double out[3])
     out[2] = -map->h[sample];
 }
 
-static void emit(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
+static void add_face(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
 {
     const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
     memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
@@ -123,20 +123,20 @@ static void add_skirt(const struct builder *b, const struct cml_heightmap_notes 
         if (i > 0) {
             const size_t before = b->vertex[b->rim[i - 1]] - 1, old = outer;
             outer = add_outside(notes, mesh, here, sx[side], sy[side]);
-            emit(mesh, before, old, outer);
-            emit(mesh, before, outer, here);
+            add_face(mesh, before, old, outer);
+            add_face(mesh, before, outer, here);
         }
         if (i == b->num_rim || sample != corners[(side + 1) % 4]) continue;
         const int next = (side + 1) % 4;
         const size_t diagonal = add_outside(notes, mesh, here, sx[side] + sx[next], sy[side] + sy[next]);
         const size_t onward = add_outside(notes, mesh, here, sx[next], sy[next]);
-        if (i > 0) emit(mesh, here, outer, diagonal);
+        if (i > 0) add_face(mesh, here, outer, diagonal);
         if (i == 0) first_outer = diagonal;
-        emit(mesh, here, diagonal, onward);
+        add_face(mesh, here, diagonal, onward);
         outer = onward;
         side = next;
     }
-    emit(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
+    add_face(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
 }
 
 static cml_status build(struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh,
@@ -152,12 +152,12 @@ static cml_status build(struct builder *b, const struct cml_heightmap_notes *not
         return cml_fail_memory(err, 24.0 * (double)vertices + 12.0 * (double)triangles, "a mesh");
     for (size_t i = 0; i < samples; i++) {
         if (!b->vertex[i]) continue;
-        place(b->map, i, mesh->vertex[mesh->num_vertices++]);
+        position_of(b->map, i, mesh->vertex[mesh->num_vertices++]);
         b->vertex[i] = (uint32_t)mesh->num_vertices;
     }
     for (size_t t = 0; t < b->count; t++)
-        emit(mesh, b->vertex[b->corner[t][0]] - 1, b->vertex[b->corner[t][1]] - 1,
-             b->vertex[b->corner[t][2]] - 1);
+        add_face(mesh, b->vertex[b->corner[t][0]] - 1, b->vertex[b->corner[t][1]] - 1,
+                 b->vertex[b->corner[t][2]] - 1);
     add_skirt(b, notes, mesh);
     return CML_OK;
 }

@@ -77,18 +77,6 @@ struct search {
     struct cml_sheet_overlap *overlap;
 };
 
-static bool compare_strangers(void *context, uint32_t i, uint32_t j)
-{
-    const struct search *search = context;
-    const double *a[3], *b[3];
-    double at[3];
-    corners(search->a, i, a);
-    corners(search->b, j, b);
-    const enum cml_contact contact = cml_triangle_contact(a, b, 0, at);
-    if (contact != CML_APART) keep_stronger(search->overlap, contact, at, i, j);
-    return contact == CML_CROSS;
-}
-
 /* Moves the corners that triangles i and j have in common to the front of both; returns how many. */
 static int common_corners_first(const struct cml_mesh *mesh, uint32_t i, uint32_t j, const double *a[3],
                                 const double *b[3])
@@ -110,16 +98,19 @@ static int common_corners_first(const struct cml_mesh *mesh, uint32_t i, uint32_
     return shared;
 }
 
-static bool compare_relatives(void *context, uint32_t i, uint32_t j)
+/* Within one sheet neighbours have corners in common, and i and j come in any order. */
+static bool compare_triangles(void *context, uint32_t i, uint32_t j)
 {
     const struct search *search = context;
     const double *a[3], *b[3];
     double at[3];
     corners(search->a, i, a);
-    corners(search->a, j, b);
-    const int shared = common_corners_first(search->a->mesh, i, j, a, b);
+    corners(search->b, j, b);
+    const bool same = search->a == search->b;
+    const int shared = same ? common_corners_first(search->a->mesh, i, j, a, b) : 0;
     const enum cml_contact contact = cml_triangle_contact(a, b, shared, at);
-    if (contact != CML_APART) keep_stronger(search->overlap, contact, at, i < j ? i : j, i < j ? j : i);
+    const bool swap = same && j < i;
+    if (contact != CML_APART) keep_stronger(search->overlap, contact, at, swap ? j : i, swap ? i : j);
     return contact == CML_CROSS;
 }
 
@@ -163,7 +154,7 @@ void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_ov
 {
     memset(overlap, 0, sizeof *overlap);
     struct search search = {sheet, sheet, overlap};
-    if (cml_boxtree_own_pairs(sheet->tree, compare_relatives, &search)) return;
+    if (cml_boxtree_own_pairs(sheet->tree, compare_triangles, &search)) return;
     for (size_t i = 0; i < sheet->mesh->num_triangles; i++) {
         double at[3];
         const uint32_t t = (uint32_t)i;
@@ -297,7 +288,7 @@ void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_she
     compare_planes(upper, lower, overlap);
     if (overlap->contact == CML_CROSS) return;
     struct search search = {upper, lower, overlap};
-    if (cml_boxtree_pairs(upper->tree, lower->tree, compare_strangers, &search)) return;
+    if (cml_boxtree_pairs(upper->tree, lower->tree, compare_triangles, &search)) return;
     compare_with_plane(upper, lower, true, overlap);
     compare_with_plane(lower, upper, false, overlap);
 }

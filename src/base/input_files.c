@@ -32,6 +32,7 @@ static cml_status record(void *context, const char *path, char **data, size_t *s
     return append(context, path, *data, *size, err);
 }
 
+/* Paths are compared as they were asked for: both ranks read the same .mci, so they ask alike. */
 static cml_status replay(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
 {
     const struct cml_inputs *inputs = context;

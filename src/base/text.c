@@ -9,6 +9,7 @@
 
 static const char blanks[] = " \t\v\f\r";
 
+/* In growing pieces: standard input has no length to ask for. */
 static cml_status read_stream(FILE *stream, const char *path, char **data, size_t *size,
                               struct cml_error *err)
 {
@@ -77,6 +78,7 @@ void cml_text_clear(struct cml_text *text)
     *text = (struct cml_text){0};
 }
 
+/* Lines are cut in place, so that a file of 1e8 numbers is in memory once. */
 char *cml_text_next(struct cml_text *text)
 {
     if (text->cursor >= text->size) return NULL;

@@ -60,6 +60,7 @@ cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_
     return cml_fail(err, CML_E_INPUT, "%s%s: %s", work->source->path, where, message);
 }
 
+/* Triangles may have been dropped before: `origin` leads back to the file's numbering. */
 int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t)
 {
     if (!work->source || !work->source->triangle_line) return 0;

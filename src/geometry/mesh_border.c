@@ -20,7 +20,9 @@ struct loop {
     double area; /* signed, in (x, y), cm^2 */
 };
 
-/* Walks the loop from `start`; leaving[v] is the border half-edge that begins at v. `border` may be NULL. */
+/* Walks the loop from `start`; leaving[v] is the border half-edge that begins at v: only one does, as the
+ * triangles around v are one fan. The area is a sum of triangles from `start` on [the shoelace formula].
+ * `seen` and `border` may be NULL. */
 static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leaving, uint32_t start,
                              uint8_t *seen, uint32_t *border)
 {
@@ -79,6 +81,7 @@ static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving,
     return CML_OK;
 }
 
+/* Border half-edges are those without an opposite one. *border becomes the loop of mesh->border. */
 static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struct loop *border,
                             struct cml_error *err)
 {
@@ -100,6 +103,8 @@ static double largest_extent(const struct cml_mesh *mesh)
     return extent;
 }
 
+/* Files have decimals: a border that is horizontal there may not be so in binary, or in other units. It is
+ * put exactly onto one depth, since the outer plane goes on there without a gap. */
 static cml_status level_border(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct cml_error *err)
 {
@@ -142,6 +147,7 @@ static cml_status refuse_crossing(const struct cml_mesh_work *work, const uint32
                          cml_mesh_place(work->mesh->vertex[vertex], place));
 }
 
+/* A border that crosses itself has no inside in which the outer plane could end. */
 static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct cml_error *err)
 {

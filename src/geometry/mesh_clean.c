@@ -37,6 +37,7 @@ static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_e
     return CML_OK;
 }
 
+/* Mixes all bits into all others by multiplying and shifting: coordinates on a grid differ in few bits. */
 static size_t hash_vertex(const double p[3])
 {
     uint64_t bits[3];
@@ -47,7 +48,8 @@ static size_t hash_vertex(const double p[3])
     return (size_t)(h ^ h >> 31);
 }
 
-/* same[i] becomes the first vertex that is equal to vertex i. */
+/* same[i] becomes the first vertex that is equal to vertex i. A table with open addressing and linear
+ * probing, at least twice as long as the list: the time is linear in it. */
 static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t mask, uint32_t *same)
 {
     size_t welded = 0;
@@ -63,6 +65,8 @@ static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t ma
     return welded;
 }
 
+/* Exporters write the corners of every face anew. Only equal coordinates are joined: a distance below which
+ * vertices count as one could close a thin layer. */
 static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -85,6 +89,7 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
     return good ? CML_OK : cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
 }
 
+/* An area of exactly 0: a sliver that is merely thin is a surface like any other. */
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];

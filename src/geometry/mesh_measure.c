@@ -19,6 +19,7 @@ static void area_vector(const struct cml_mesh *mesh, size_t t, double out[3])
     cml_vec3_area(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], out);
 }
 
+/* By atan2: the arc cosine loses half of the digits of small angles. */
 static double angle_between(const double u[3], const double v[3])
 {
     double normal[3];
@@ -26,6 +27,11 @@ static double angle_between(const double u[3], const double v[3])
     return atan2(cml_vec3_length(normal), cml_vec3_dot(u, v));
 }
 
+/* Weights by the angle at the corner: the normal then does not depend on how a face is cut into triangles
+ * [G. Thuermer and C. A. Wuethrich, Computing vertex normals from polygonal facets, J. Graphics Tools 3
+ * (1998) 43], and a point near the vertex is on the side that the normal says [J. A. Baerentzen and H.
+ * Aanaes, Signed distance computation using the angle weighted pseudonormal, IEEE Trans. Vis. Comput. Graph.
+ * 11 (2005) 243]. */
 static void add_triangle(struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];
@@ -100,6 +106,7 @@ static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
     return count;
 }
 
+/* The median, because a few needles must not hide how fine a mesh is. */
 static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);
@@ -112,7 +119,8 @@ static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary
     free(lengths);
 }
 
-/* Integral of z - reference, and of its square, over a triangle's projection of unit area. */
+/* Integral of z - reference, and of its square, over a triangle's projection of unit area: the mean of the
+ * corners, and the mean of the products of all pairs of corners, equal ones included. */
 static void height_moments(const struct cml_mesh *mesh, size_t t, double reference, double moment[2])
 {
     double z[3];
@@ -139,6 +147,7 @@ static void sum_heights(const struct cml_mesh *mesh, double reference, double su
     }
 }
 
+/* Twice over the triangles: squares about a far reference would lose the digits of a shallow relief. */
 void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     *summary = (struct cml_mesh_summary){0};

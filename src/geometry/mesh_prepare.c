@@ -16,6 +16,7 @@ static void find_box(struct cml_mesh *mesh)
     }
 }
 
+/* The order matters: each step relies on what those before it have refused (mesh_parts.h). */
 static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

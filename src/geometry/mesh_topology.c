@@ -27,7 +27,8 @@ static uint32_t lower_end(const struct cml_mesh *mesh, uint32_t edge)
     return a < b ? a : b;
 }
 
-/* Counting sort of all half-edges by their lower vertex; first[v] becomes the end of v's list. */
+/* Counting sort of all half-edges by their lower vertex, in linear time; first[v] becomes the end of v's
+ * list. */
 static void list_incidents(const struct cml_mesh *mesh, size_t *first, struct incident *incidents)
 {
     const uint32_t num_edges = (uint32_t)(3 * mesh->num_triangles);
@@ -51,7 +52,8 @@ static cml_status refuse_edge(const struct cml_mesh_work *work, uint32_t edge, s
                          cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, edge)], to), count);
 }
 
-/* Pairs the half-edges of one lower vertex: equal other ends have become neighbours by sorting. */
+/* Pairs the half-edges of one lower vertex: equal other ends have become neighbours by sorting. These lists
+ * are short but at the tip of a fan, so that all of them together cost no more than the counting. */
 static cml_status pair_incidents(struct cml_mesh_work *work, struct incident *incidents, size_t count,
                                  struct cml_error *err)
 {
@@ -89,7 +91,7 @@ cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err
 
 enum { KEPT, FLIPPED, UNVISITED };
 
-/* The opposite of a half-edge of a triangle that agrees runs the other way. */
+/* Two triangles agree when their common edge runs one way in one and the other way in the other. */
 static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t, uint8_t *state,
                                    uint32_t *queue, size_t *tail, struct cml_error *err)
 {
@@ -114,6 +116,8 @@ static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t,
     return CML_OK;
 }
 
+/* Breadth first from triangle to triangle over common edges. A sheet is orientable when no triangle is asked
+ * to run both ways, and connected when one start reaches all. */
 static cml_status visit_all(const struct cml_mesh_work *work, uint8_t *state, uint32_t *queue,
                             struct cml_error *err)
 {
@@ -189,6 +193,8 @@ static void mark_fan(const uint32_t *opposite, uint32_t start, uint8_t *marked)
     }
 }
 
+/* Around a vertex of a sheet the triangles are one fan, closed or open at the border. A vertex with two joins
+ * parts of the sheet at a point, where no side is above. */
 cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;

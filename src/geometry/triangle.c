@@ -20,6 +20,7 @@ static bool edge_separates(const double *p, const double *q, const double *own, 
     return true;
 }
 
+/* Whether a vertical plane through an edge of either surely has one triangle on each side. */
 static bool apart_from_above(const double *const a[3], const double *const b[3])
 {
     for (int i = 0; i < 3; i++) {
@@ -44,6 +45,7 @@ static bool wedges_apart_from_above(const double *const a[3], const double *cons
            outside_wedge(b[0], b[1], b[2], a[1]) && outside_wedge(b[0], b[1], b[2], a[2]);
 }
 
+/* Rounded: where on a segment the plane is met. That it is met was decided by exact signs before. */
 static double determinant(const double *a, const double *b, const double *c, const double *d)
 {
     double m[3][3];
@@ -90,6 +92,7 @@ static bool choose_view(const double *const t[3], struct view *view)
     return orientation(*view, t[0], t[1], t[2]) != 0;
 }
 
+/* Of a point in the triangle's plane: no edge has it on its outer side; points on the border count. */
 static bool contains(struct view view, const double *const t[3], const double *p)
 {
     const int whole = orientation(view, t[0], t[1], t[2]);
@@ -98,6 +101,9 @@ static bool contains(struct view view, const double *const t[3], const double *p
     return true;
 }
 
+/* Two segments in one plane meet when each has the other's ends on both sides of it, or an end on it.
+ * Segments on one line do not count here: an end of p-q then lies in the triangle, or p-q passes through a
+ * corner, where another edge begins. */
 static bool edges_meet(struct view view, const double *p, const double *q, const double *a, const double *b,
                        double place[3])
 {
@@ -127,6 +133,8 @@ static enum cml_contact flat_segment_contact(const double *p, const double *q, c
     return CML_APART;
 }
 
+/* Signs of volumes of tetrahedra: the ends must be on both sides of the plane, and the line must pass the
+ * three edges on the same side. It is a crossing only when it passes strictly inside; all else is a touch. */
 static enum cml_contact segment_contact(const double *p, const double *q, const double *const t[3],
                                         double place[3])
 {
@@ -157,6 +165,8 @@ static enum cml_contact stronger(enum cml_contact found, const double *p, const 
     return now;
 }
 
+/* A whole triangle strictly on one side of the other's plane: the cheap exact test, before six segments are
+ * tried. */
 static bool on_one_side(const double *const t[3], const double *const other[3])
 {
     const int side = cml_orient3d(t[0], t[1], t[2], other[0]);
@@ -164,6 +174,7 @@ static bool on_one_side(const double *const t[3], const double *const other[3])
            cml_orient3d(t[0], t[1], t[2], other[2]) == side;
 }
 
+/* Triangles without a common vertex meet exactly when an edge of one meets the other. */
 static enum cml_contact contact_of_separate(const double *const a[3], const double *const b[3],
                                             double place[3])
 {

@@ -28,6 +28,7 @@ static bool is_of_run(enum cml_mci_kind kind)
     return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS;
 }
 
+/* A line of ours where it cannot stand: says where it can. */
 static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                  const char *instead)
 {
@@ -71,6 +72,8 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
     }
 }
 
+/* Names are refused now that could only fail when the result is written, hours later; and a second run of
+ * that name, which would overwrite the first. */
 static cml_status check_output(const struct cml_mci_reader *reader, const struct cml_scene_list *list,
                                const char *name)
 {
@@ -149,6 +152,7 @@ static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
+/* A number of layers is at most 1e5, so that a wrong one cannot ask for all memory. */
 static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     static const struct cml_mci_field field = {"number of layers", 1, MAX_LAYERS, true,

@@ -7,6 +7,7 @@
 
 enum { BEAM_AT, BEAM_ANGLE, BEAM_AZIMUTH };
 
+/* Angles are degrees in the file, as people write them, and rad from here on. */
 static cml_status set_beam_option(const struct cml_mci_line_options *options, struct cml_beam *beam)
 {
     const double rad = acos(-1.0) / 180;

@@ -112,6 +112,7 @@ static cml_status read_samples(struct samples *samples, int *n)
     return fail_sample(samples, "number after the last spacing", word, expected);
 }
 
+/* Files give spacings; all else needs radii. */
 static cml_status sum_radii(const struct samples *samples, struct cml_radial *radial)
 {
     const size_t n = samples->num_values / 2;
@@ -129,6 +130,7 @@ static cml_status sum_radii(const struct samples *samples, struct cml_radial *ra
     return CML_OK;
 }
 
+/* Numbers in the line, or the name of a file in quotes and nothing else. */
 static cml_status open_samples(struct samples *samples, struct cml_boundary *boundary)
 {
     struct cml_mci_reader *reader = samples->reader;
@@ -218,6 +220,7 @@ static cml_status check_mesh_name(const struct cml_mci_line_options *options, co
     return cml_mci_fail_option(options, "file", name, "an .obj file, or a .gsf or .asc heightmap");
 }
 
+/* The heights are needed no longer once the mesh is made. */
 static cml_status read_heightmap(const struct cml_mci_line_options *options, enum mesh_file kind,
                                  const struct cml_obj_options *given, struct cml_boundary *boundary)
 {

@@ -34,6 +34,7 @@ cml_status cml_mci_next_option(struct cml_mci_line_options *options, bool *more)
     return cml_mci_fail_option(options, "option", word, options->list);
 }
 
+/* Every number goes through the strict conversion by itself. */
 bool cml_mci_parse_list(const char *text, int count, double *values)
 {
     static const struct cml_mci_field length = {"", -CML_MCI_HUGE, CML_MCI_HUGE, false, ""};

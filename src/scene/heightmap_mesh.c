@@ -17,6 +17,7 @@ struct builder {
     bool out_of_memory;
 };
 
+/* What cml_split_walk calls: triangles and the vertices that they use. */
 static void add_triangle(void *context, const size_t corner[3])
 {
     struct builder *b = context;
@@ -51,7 +52,7 @@ static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
     return (2 * x + 2 * y - k) * nx;
 }
 
-/* Mean height along the rim. */
+/* Mean height along the rim, by the trapezoidal rule, as spacings along x and y may differ. */
 static double rim_mean(const struct cml_heightmap *map)
 {
     const size_t length = rim_length(map);
@@ -66,6 +67,7 @@ static double rim_mean(const struct cml_heightmap *map)
     return sum / weight;
 }
 
+/* Which samples of the rim the merged triangles still use; the skirt begins at these, or slits would open. */
 static void list_rim(struct builder *b)
 {
     const size_t length = rim_length(b->map);
@@ -139,6 +141,8 @@ static void add_skirt(const struct builder *b, const struct cml_heightmap_notes 
     add_face(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
 }
 
+/* Vertices are numbered in the order of the samples, so that a map where nothing was merged stays a regular
+ * grid, row by row: the mesh's query knows such grids (surface/mesh/grid_mesh.h). */
 static cml_status build(struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh,
                         struct cml_error *err)
 {
@@ -164,6 +168,7 @@ static cml_status build(struct builder *b, const struct cml_heightmap_notes *not
 
 /* ---- the notes ---- */
 
+/* A skirt as wide as its highest step is nowhere steeper than 45 degrees. */
 static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes *notes)
 {
     const size_t length = rim_length(map);
@@ -217,6 +222,8 @@ static void clear(struct builder *b, double *surface)
     free(b->rim);
 }
 
+/* Heights are merged first, at the samples; only what is left becomes vertices and triangles, so that a large
+ * map never has all its triangles in memory. */
 cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
                               struct cml_mesh *mesh, struct cml_heightmap_notes *notes, struct cml_error *err)
 {

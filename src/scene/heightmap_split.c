@@ -32,7 +32,8 @@ static size_t index_of(const struct cml_heightmap *map, struct point p)
     return (size_t)p.y * (size_t)map->nx + (size_t)p.x;
 }
 
-/* Squares begin at sample 0, 0 and may reach beyond the last row and column. */
+/* Squares begin at sample 0, 0 and may reach beyond the last row and column: triangles there are bisected
+ * until they are inside or outside. */
 static enum place place_of(const struct cml_heightmap *map, const struct triangle *t)
 {
     if (on_map(map, t->a) && on_map(map, t->b) && on_map(map, t->c)) return INSIDE;
@@ -42,6 +43,7 @@ static enum place place_of(const struct cml_heightmap *map, const struct triangl
     return right || above ? OUTSIDE : ACROSS;
 }
 
+/* Longest-edge bisection: both halves are right-angled again, with the new middle as the right angle. */
 static void bisect(const struct triangle *t, struct triangle half[2])
 {
     const struct point m = middle(t->a, t->b);
@@ -73,6 +75,7 @@ static bool spans_rim(const struct cml_heightmap *map, struct point a, struct po
     return (upright || level) && abs(a.x - b.x) + abs(a.y - b.y) > CML_RIM_CELLS;
 }
 
+/* Infinite: must be bisected. */
 static double own_error(const struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;
@@ -81,6 +84,9 @@ static double own_error(const struct cml_split *split, const struct triangle *t,
                          map->h[index_of(map, t->b)], map->h[index_of(map, t->c)]);
 }
 
+/* Errors are saturated: that of a middle is no less than those of the middles below it. So one comparison
+ * decides whether to stop, and both triangles at a side decide alike [P. Lindstrom and V. Pascucci,
+ * Visualization of large terrains made easy, IEEE Visualization 2001]. */
 static void gather_error(struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;
@@ -108,6 +114,7 @@ static void gather_errors(struct cml_split *split, const struct triangle *t, int
 
 /* ---- squares ---- */
 
+/* Two triangles, cut along the rising diagonal. */
 static void square_at(int x, int y, int size, struct triangle half[2])
 {
     const struct point low = {x, y}, high = {x + size, y + size};
@@ -149,6 +156,7 @@ struct walk {
     void *context;
 };
 
+/* The heights of a merged triangle at the samples that it covers: what it stands for. */
 static void fill_surface(const struct walk *walk, const struct triangle *t, int depths, double za, double zb,
                          double zc)
 {
@@ -172,6 +180,8 @@ static void keep_triangle(const struct walk *walk, const struct triangle *t, int
     walk->visit(walk->context, corner);
 }
 
+/* From the squares down; stops where the middle's error, and so every error below, is within the tolerance.
+ */
 static void refine(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_split *split = walk->split;

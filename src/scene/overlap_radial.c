@@ -54,7 +54,7 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
         keep_closest(c->closest, x, y, field, mesh, size);
 }
 
-/* The first sample with r_i >= r; n when there is none. */
+/* The first sample with r_i >= r; n when there is none. Bisection. */
 static int first_sample_from(const struct cml_radial *radial, double r)
 {
     int low = 0, high = radial->n;
@@ -92,6 +92,8 @@ static void compare_on_edge(const struct comparison *c, const struct edge *edge,
     compare_at_point(c, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]));
 }
 
+/* Where the edge, seen from above, passes the circle of radius r. (r - d) (r + d), because r^2 - d^2 cancels.
+ */
 static void compare_at_ring(const struct comparison *c, const struct edge *edge, double r)
 {
     if (r < edge->distance) return;
@@ -112,6 +114,8 @@ static void compare_where_parallel(const struct comparison *c, const struct edge
     compare_on_edge(c, edge, edge->foot + copysign(1.0, k) * way / edge->along);
 }
 
+/* Along an edge the gap bends at the rings that it crosses, and between two of them is least at an end or
+ * where the edge runs parallel to the cone. */
 static void compare_edge(const struct comparison *c, const double *a, const double *b)
 {
     const struct edge edge = make_edge(a, b);
@@ -139,7 +143,8 @@ static void place_vertex(const struct section *section, const double *v, double 
     *across = v[0] * section->direction[1] - v[1] * section->direction[0];
 }
 
-/* False when the triangle stands upright or the line misses it. */
+/* False when the triangle stands upright or the line misses it. Over a flat triangle the gap to a cone is
+ * least where the cone's gradient, which is radial, is the triangle's: on this line. */
 static bool find_section(const double *const v[3], struct section *section)
 {
     double normal[3];
@@ -174,6 +179,7 @@ static void compare_section(const struct comparison *c, const struct section *se
     }
 }
 
+/* The places where the gap over a triangle can be least: see cml_radial_against_mesh. */
 static void compare_triangle(const struct comparison *c, const double *const v[3])
 {
     struct section section;

@@ -49,6 +49,7 @@ static double slope_between(const struct cml_radial *radial, int a, int b)
     return (radial->h[b] - radial->h[a]) / (radial->r[b] - radial->r[a]);
 }
 
+/* The line may pass sample i anywhere within the rounding of its height and radius. */
 static void narrow_slopes(struct slopes *slopes, const struct cml_radial *radial, int anchor, int i)
 {
     const double slope = slope_between(radial, anchor, i);
@@ -60,7 +61,9 @@ static void narrow_slopes(struct slopes *slopes, const struct cml_radial *radial
 }
 
 /* The furthest sample (< n) that a straight line from `anchor` reaches without leaving those between.
- * Compared from the anchor, not from neighbour to neighbour: small bends must not add up unseen. */
+ * Compared from the anchor, not from neighbour to neighbour: small bends must not add up unseen. The slopes
+ * that are still allowed are a wedge that every sample narrows [J. Sklansky and V. Gonzalez, Fast polygonal
+ * approximation of digitized curves, Pattern Recognition 12 (1980) 327]. */
 static int furthest_on_line(const struct cml_radial *radial, int anchor, int n)
 {
     struct slopes slopes = {-INFINITY, INFINITY};

@@ -40,6 +40,7 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
+/* Bisection for the segment, then linear. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;

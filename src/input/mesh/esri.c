@@ -26,6 +26,7 @@ static cml_status fail(const struct grid *g, const char *name, const char *value
     return cml_fail_field(g->err, g->text.path, g->text.line, name, value, expected);
 }
 
+/* Lines do not matter: some programs break rows after some numbers. */
 static char *next_word(struct grid *g)
 {
     for (;;) {

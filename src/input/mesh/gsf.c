@@ -135,6 +135,7 @@ static cml_status find_heights(const struct field *f, size_t *begin)
                     found, *begin, expected, f->xres, f->yres);
 }
 
+/* By bytes: the file's order is fixed, the machine's is not, and the address need not be aligned. */
 static double float_at(const char *data)
 {
     const unsigned char *byte = (const unsigned char *)data;
@@ -145,6 +146,7 @@ static double float_at(const char *data)
     return (double)value;
 }
 
+/* XReal is the width of XRes pixels, each of which has one height. */
 static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
 {
     size_t begin = 0;

@@ -26,6 +26,7 @@ static double signed_area(const struct polygon *p, size_t a, size_t b, size_t c)
     return cml_vec3_dot(area, p->normal);
 }
 
+/* The normal from the sum of all triangles of a fan [Newell's method]: it needs no corner that is convex. */
 static bool find_plane(struct polygon *p)
 {
     for (size_t i = 1; i + 1 < p->size; i++) {
@@ -74,6 +75,7 @@ static double smallest_triangle(const struct polygon *p, size_t apex)
     return smallest;
 }
 
+/* All corners are tried: O(n^2) with at most CML_OBJ_MAX_CORNERS of them, and faces have few. */
 const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
                           uint32_t (*triangle)[3])
 {

@@ -32,8 +32,8 @@ CML_FN int cml_has_work(__global struct cml_control *control, __global const str
     return *(volatile __global cml_u32 *)&control->taken < control->count;
 }
 
-/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the books up
- * to the last mark. */
+/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the weight
+ * balance up to the last mark. */
 struct cml_device_flight {
     struct cml_device_lanes lanes;
     struct cml_packet packets[CML_DEVICE_LANES];

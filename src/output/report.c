@@ -28,10 +28,10 @@ static double steps_of(const struct cml_result *result)
     return (double)(result->count[CML_COUNT_INTERACTIONS] + result->count[CML_COUNT_BOUNDARY_EVENTS]);
 }
 
-static void print_total(FILE *stream, const char *name, const struct cml_result *result, enum cml_book book,
-                        enum cml_total total)
+static void print_total(FILE *stream, const char *name, const struct cml_result *result,
+                        enum cml_balance_term term, enum cml_total total)
 {
-    fprintf(stream, "  %-4s %.6f +- %.6f\n", name, cml_result_share(result, book),
+    fprintf(stream, "  %-4s %.6f +- %.6f\n", name, cml_result_share(result, term),
             cml_result_error(result, total));
 }
 
@@ -55,13 +55,13 @@ static void print_rarities(FILE *stream, const struct cml_result *result, uint32
     for (int i = 0; i < result->lost.count; i++)
         fprintf(stream, "  lost: clustermcml trace ... %llu --run %u\n",
                 (unsigned long long)result->lost.index[i], run_index + 1);
-    const double overflow = cml_result_share(result, CML_BOOK_OVERFLOW_R);
+    const double overflow = cml_result_share(result, CML_BALANCE_OVERFLOW_R);
     if (overflow > 0)
         fprintf(stream, "  %.4g of the weight was scored beyond r = nr dr, in the last bin\n", overflow);
-    const double below = cml_result_share(result, CML_BOOK_OVERFLOW_Z);
+    const double below = cml_result_share(result, CML_BALANCE_OVERFLOW_Z);
     if (below > 0)
         fprintf(stream, "  %.4g of the weight was absorbed below z = nz dz, in the last bin\n", below);
-    const double above = cml_result_share(result, CML_BOOK_ABOVE);
+    const double above = cml_result_share(result, CML_BALANCE_ABOVE);
     if (above > 0)
         fprintf(stream, "  %.4g of the weight was absorbed above z = 0, in the first bin\n", above);
 }
@@ -70,12 +70,12 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = &report->run->result;
     const double seconds = report->run->seconds, steps = steps_of(result);
-    print_total(stream, "Rsp", result, CML_BOOK_SPECULAR, CML_TOTAL_SPECULAR);
-    print_total(stream, "Rd", result, CML_BOOK_REFLECTED, CML_TOTAL_REFLECTED);
-    print_total(stream, "A", result, CML_BOOK_ABSORBED, CML_TOTAL_ABSORBED);
-    print_total(stream, "Tt", result, CML_BOOK_TRANSMITTED, CML_TOTAL_TRANSMITTED);
-    fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_residue(result),
-            cml_result_share(result, CML_BOOK_GAINED), cml_result_share(result, CML_BOOK_ROULETTE),
+    print_total(stream, "Rsp", result, CML_BALANCE_SPECULAR, CML_TOTAL_SPECULAR);
+    print_total(stream, "Rd", result, CML_BALANCE_REFLECTED, CML_TOTAL_REFLECTED);
+    print_total(stream, "A", result, CML_BALANCE_ABSORBED, CML_TOTAL_ABSORBED);
+    print_total(stream, "Tt", result, CML_BALANCE_TRANSMITTED, CML_TOTAL_TRANSMITTED);
+    fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
+            cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));
     print_rarities(stream, result, report->run_index);
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps, %.3g ns/step on %d thread%s\n", seconds,
@@ -134,10 +134,10 @@ static void set_integer(json_t *object, const char *key, uint64_t value)
 static void set_results(json_t *object, const struct cml_report *report)
 {
     const struct cml_result *result = &report->run->result;
-    set_real(object, "Rsp", cml_result_share(result, CML_BOOK_SPECULAR));
-    set_real(object, "Rd", cml_result_share(result, CML_BOOK_REFLECTED));
-    set_real(object, "A", cml_result_share(result, CML_BOOK_ABSORBED));
-    set_real(object, "Tt", cml_result_share(result, CML_BOOK_TRANSMITTED));
+    set_real(object, "Rsp", cml_result_share(result, CML_BALANCE_SPECULAR));
+    set_real(object, "Rd", cml_result_share(result, CML_BALANCE_REFLECTED));
+    set_real(object, "A", cml_result_share(result, CML_BALANCE_ABSORBED));
+    set_real(object, "Tt", cml_result_share(result, CML_BALANCE_TRANSMITTED));
     set_real(object, "Rsp_se", cml_result_error(result, CML_TOTAL_SPECULAR));
     set_real(object, "Rd_se", cml_result_error(result, CML_TOTAL_REFLECTED));
     set_real(object, "A_se", cml_result_error(result, CML_TOTAL_ABSORBED));
@@ -145,8 +145,8 @@ static void set_results(json_t *object, const struct cml_report *report)
     set_integer(object, "lost", cml_result_lost(result));
     set_integer(object, "trapped", (uint64_t)result->count[CML_COUNT_TRAPPED]);
     set_integer(object, "shading_overruled", (uint64_t)result->count[CML_COUNT_SHADING_OVERRULED]);
-    set_real(object, "residue", cml_result_residue(result));
-    set_real(object, "overflow_r", cml_result_share(result, CML_BOOK_OVERFLOW_R));
+    set_real(object, "residue", cml_result_imbalance(result));
+    set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
 }
 
 static json_t *ranks_json(const struct cml_run_result *run)

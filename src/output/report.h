@@ -41,8 +41,8 @@ CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, c
                                          struct cml_error *err);
 
 /* Scales the tallies as original MCML does and adds our own sections behind Tt_ra: boundaries, seed, engine,
- * standard errors, books. Nothing in it depends on time, threads or chunks but `user_time`. *mco is the
- * caller's to clear. */
+ * standard errors, weight balance. Nothing in it depends on time, threads or chunks but `user_time`. *mco is
+ * the caller's to clear. */
 CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco,
                                         struct cml_error *err);
 
@@ -50,7 +50,7 @@ CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct 
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
                            const struct cml_surface_set *surfaces);
 
-/* Rsp, Rd, A, Tt with standard errors, books, speed. */
+/* Rsp, Rd, A, Tt with standard errors, weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
 /* One line per rank: packets, and where its time went; and the shares of all together. */

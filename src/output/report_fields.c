@@ -225,31 +225,32 @@ static void add_totals(struct cml_catalogue *c)
 {
     static const struct {
         const char *name, *long_name;
-        enum cml_book book;
+        enum cml_balance_term term;
         enum cml_total total;
     } totals[] = {
-        {"Rsp", "specular reflectance", CML_BOOK_SPECULAR, CML_TOTAL_SPECULAR},
-        {"Rd", "diffuse reflectance", CML_BOOK_REFLECTED, CML_TOTAL_REFLECTED},
-        {"A", "absorbed fraction", CML_BOOK_ABSORBED, CML_TOTAL_ABSORBED},
-        {"Tt", "transmittance", CML_BOOK_TRANSMITTED, CML_TOTAL_TRANSMITTED},
+        {"Rsp", "specular reflectance", CML_BALANCE_SPECULAR, CML_TOTAL_SPECULAR},
+        {"Rd", "diffuse reflectance", CML_BALANCE_REFLECTED, CML_TOTAL_REFLECTED},
+        {"A", "absorbed fraction", CML_BALANCE_ABSORBED, CML_TOTAL_ABSORBED},
+        {"Tt", "transmittance", CML_BALANCE_TRANSMITTED, CML_TOTAL_TRANSMITTED},
     };
     const struct cml_result *result = &c->report->run->result;
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        add_number(c, totals[i].name, totals[i].long_name, cml_result_share(result, totals[i].book));
+        add_number(c, totals[i].name, totals[i].long_name, cml_result_share(result, totals[i].term));
         add_errors(c, number_value)->number = cml_result_error(result, totals[i].total);
     }
 }
 
-static void add_books(struct cml_catalogue *c)
+static void add_balance(struct cml_catalogue *c)
 {
-    static const char *const names[CML_NUM_BOOKS] = {"book_launched",   "book_gained",      "book_specular",
-                                                     "book_reflected",  "book_transmitted", "book_absorbed",
-                                                     "book_roulette",   "book_trapped",     "book_lost",
-                                                     "book_overflow_r", "book_overflow_z",  "book_above"};
+    static const char *const names[CML_NUM_BALANCE_TERMS] = {
+        "book_launched",    "book_gained",     "book_specular",   "book_reflected",
+        "book_transmitted", "book_absorbed",   "book_roulette",   "book_trapped",
+        "book_lost",        "book_overflow_r", "book_overflow_z", "book_above"};
     const struct cml_result *result = &c->report->run->result;
-    for (int i = 0; i < CML_NUM_BOOKS; i++)
-        add_number(c, names[i], cml_book_text((enum cml_book)i), cml_result_share(result, (enum cml_book)i));
-    add_number(c, "residue", "launched + gained - all fates, in 2^-31 packets", cml_result_residue(result));
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
+        add_number(c, names[i], cml_balance_text((enum cml_balance_term)i),
+                   cml_result_share(result, (enum cml_balance_term)i));
+    add_number(c, "residue", "launched + gained - all fates, in 2^-31 packets", cml_result_imbalance(result));
     add_number(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
 }
 
@@ -273,7 +274,7 @@ void cml_catalogue_results(struct cml_catalogue *c, const struct cml_mco *mco)
     struct cml_profile profiles[CML_PROFILES];
     cml_report_profiles(c->report, profiles);
     add_totals(c);
-    add_books(c);
+    add_balance(c);
     add_array(c, "A_l", "absorption by layer", "1", mco->A_l, &c->layer, NULL);
     add_profile(c, &profiles[0], "absorption by depth; what lies outside is in the outermost bins", mco->A_z,
                 &c->z);

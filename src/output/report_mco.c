@@ -137,32 +137,32 @@ static void write_errors(FILE *out, const struct cml_report *report)
     }
 }
 
-const char *cml_book_text(enum cml_book book)
+const char *cml_balance_text(enum cml_balance_term term)
 {
-    static const char *const names[CML_NUM_BOOKS] = {"launched",
-                                                     "gained in roulette",
-                                                     "specular (Rsp)",
-                                                     "reflected (Rd)",
-                                                     "transmitted (Tt)",
-                                                     "absorbed (A)",
-                                                     "lost in roulette",
-                                                     "trapped",
-                                                     "lost",
-                                                     "scored in the last r bin from beyond it",
-                                                     "absorbed below the last z bin",
-                                                     "absorbed above z = 0"};
-    return names[book];
+    static const char *const names[CML_NUM_BALANCE_TERMS] = {"launched",
+                                                             "gained in roulette",
+                                                             "specular (Rsp)",
+                                                             "reflected (Rd)",
+                                                             "transmitted (Tt)",
+                                                             "absorbed (A)",
+                                                             "lost in roulette",
+                                                             "trapped",
+                                                             "lost",
+                                                             "scored in the last r bin from beyond it",
+                                                             "absorbed below the last z bin",
+                                                             "absorbed above z = 0"};
+    return names[term];
 }
 
-static void write_books(FILE *out, const struct cml_result *result)
+static void write_balance(FILE *out, const struct cml_result *result)
 {
     fprintf(out,
             "\nbooks # weight per launched packet; launched + gained = all others up to lost, exactly\n");
-    for (int i = 0; i < CML_NUM_BOOKS; i++)
-        fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_book)i),
-                cml_book_text((enum cml_book)i));
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
+        fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_balance_term)i),
+                cml_balance_text((enum cml_balance_term)i));
     fprintf(out, "\nresidue # of the books, in 2^-31 packets; 0 unless the program is wrong\n%.17g\n",
-            cml_result_residue(result));
+            cml_result_imbalance(result));
     fprintf(out,
             "\nlost # packets; behind it the smallest of their indices, for `clustermcml trace`\n%.17g\n",
             (double)cml_result_lost(result));
@@ -195,7 +195,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
             cml_result_error(result, CML_TOTAL_SPECULAR), cml_result_error(result, CML_TOTAL_REFLECTED),
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));
     write_errors(out, report);
-    write_books(out, result);
+    write_balance(out, result);
     write_heightfields(out, scene);
 }
 
@@ -221,10 +221,10 @@ cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco, 
         cml_mco_clear(mco);
         return status;
     }
-    mco->Rsp = cml_result_share(result, CML_BOOK_SPECULAR);
-    mco->Rd = cml_result_share(result, CML_BOOK_REFLECTED);
-    mco->A = cml_result_share(result, CML_BOOK_ABSORBED);
-    mco->Tt = cml_result_share(result, CML_BOOK_TRANSMITTED);
+    mco->Rsp = cml_result_share(result, CML_BALANCE_SPECULAR);
+    mco->Rd = cml_result_share(result, CML_BALANCE_REFLECTED);
+    mco->A = cml_result_share(result, CML_BALANCE_ABSORBED);
+    mco->Tt = cml_result_share(result, CML_BALANCE_TRANSMITTED);
     fill_profiles(&scaling, result, mco);
     fill_grids(&scaling, result, mco);
     return CML_OK;

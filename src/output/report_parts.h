@@ -25,8 +25,8 @@ void cml_report_profiles(const struct cml_report *report, struct cml_profile pro
 /* Standard error of bin i in the profile's units. */
 double cml_profile_error(const struct cml_report *report, const struct cml_profile *profile, int i);
 
-/* What a book holds, in words. */
-const char *cml_book_text(enum cml_book book);
+/* What a term holds, in words. */
+const char *cml_balance_text(enum cml_balance_term term);
 
 /* Where a field gets its values; which members count is the affair of its function. */
 struct cml_field_source {

@@ -320,14 +320,14 @@ void cml_run_result_free(struct cml_run_result *out)
 double cml_run_error(const struct cml_result *result)
 {
     static const struct {
-        enum cml_book book;
+        enum cml_balance_term term;
         enum cml_total total;
-    } totals[] = {{CML_BOOK_REFLECTED, CML_TOTAL_REFLECTED},
-                  {CML_BOOK_ABSORBED, CML_TOTAL_ABSORBED},
-                  {CML_BOOK_TRANSMITTED, CML_TOTAL_TRANSMITTED}};
+    } totals[] = {{CML_BALANCE_REFLECTED, CML_TOTAL_REFLECTED},
+                  {CML_BALANCE_ABSORBED, CML_TOTAL_ABSORBED},
+                  {CML_BALANCE_TRANSMITTED, CML_TOTAL_TRANSMITTED}};
     double largest = 0;
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        const double share = cml_result_share(result, totals[i].book);
+        const double share = cml_result_share(result, totals[i].term);
         if (share < CML_TARGET_LEAST_SHARE) continue;
         largest = fmax(largest, cml_result_error(result, totals[i].total) / share);
     }
@@ -364,7 +364,7 @@ double cml_run_communication(const struct cml_run_result *run)
 cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                            struct cml_error *err)
 {
-    const double residue = cml_result_residue(result);
+    const double residue = cml_result_imbalance(result);
     if (residue != 0)
         return cml_fail(err, CML_E_NUMERIC,
                         "%s: the energy books do not balance: residue %.17g of 2^-31 packets", scene->output,

@@ -75,7 +75,7 @@ double cml_run_error(const struct cml_result *result);
 double cml_run_idle(const struct cml_run_result *run);
 double cml_run_communication(const struct cml_run_result *run);
 
-/* P9, P10: CML_E_NUMERIC when books do not balance or more than 1e-6 of the packets were lost. */
+/* P9, P10: CML_E_NUMERIC when the weight does not balance or more than 1e-6 of the packets were lost. */
 CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                                          struct cml_error *err);
 

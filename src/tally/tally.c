@@ -143,7 +143,7 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 void cml_tally_zero(struct cml_tally *tally)
 {
     memset(tally->A_l, 0, cml_tally_cells(&tally->grid) * sizeof *tally->A_l);
-    memset(tally->book, 0, sizeof tally->book);
+    memset(tally->balance, 0, sizeof tally->balance);
     memset(tally->count, 0, sizeof tally->count);
     memset(tally->square, 0, sizeof tally->square);
     tally->lost.count = 0;
@@ -183,7 +183,7 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from, int part, int 
     const size_t cells = cml_tally_cells(&from->grid), n = (size_t)parts, i = (size_t)part;
     move_cells(to->A_l, from->A_l, cells * i / n, cells * (i + 1) / n);
     if (part > 0) return;
-    move_cells(to->book, from->book, 0, CML_NUM_BOOKS);
+    move_cells(to->balance, from->balance, 0, CML_NUM_BALANCE_TERMS);
     move_cells(to->count, from->count, 0, CML_NUM_COUNTS);
     for (int k = 0; k < CML_NUM_TOTALS; k++) {
         to->square[k] += from->square[k];
@@ -281,7 +281,7 @@ static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *f
         for (size_t ia = 0; ia < na; ia++) {
             const uint64_t cell = from[i * na + ia];
             to[ir * na + ia] += cell;
-            if (i == nr) result->book[CML_BOOK_OVERFLOW_R] += cell;
+            if (i == nr) result->balance[CML_BALANCE_OVERFLOW_R] += cell;
         }
     }
 }
@@ -295,9 +295,9 @@ static void add_absorption(struct cml_result *result, const uint64_t *A_rz)
             const uint64_t cell = A_rz[i * (nz + 2) + j];
             const size_t iz = j == 0 ? 0 : (j <= nz ? j - 1 : nz - 1);
             result->A_rz[ir * nz + iz] += cell;
-            if (i == nr) result->book[CML_BOOK_OVERFLOW_R] += cell;
-            if (j == 0) result->book[CML_BOOK_ABOVE] += cell;
-            if (j > nz) result->book[CML_BOOK_OVERFLOW_Z] += cell;
+            if (i == nr) result->balance[CML_BALANCE_OVERFLOW_R] += cell;
+            if (j == 0) result->balance[CML_BALANCE_ABOVE] += cell;
+            if (j > nz) result->balance[CML_BALANCE_OVERFLOW_Z] += cell;
         }
     }
 }
@@ -319,7 +319,7 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
     add_exits(result, result->Tt_ra, tally->Tt_ra);
     if (grid->absorption) add_absorption(result, tally->A_rz);
     add_maps(result, tally);
-    for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] += tally->book[i];
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->balance[i] += tally->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] += tally->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] += tally->square[i];
     merge_lost(&result->lost, &tally->lost);
@@ -336,7 +336,7 @@ void cml_result_summary(const struct cml_result *result, struct cml_summary *sum
 {
     *summary = (struct cml_summary){.lost = result->lost};
     cml_u128 *sum = summary->sum;
-    for (int i = 0; i < CML_NUM_BOOKS; i++) *sum++ = result->book[i];
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) *sum++ = result->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) *sum++ = result->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) *sum++ = result->square[i];
 }
@@ -344,7 +344,7 @@ void cml_result_summary(const struct cml_result *result, struct cml_summary *sum
 void cml_result_set_summary(struct cml_result *result, const struct cml_summary *summary)
 {
     const cml_u128 *sum = summary->sum;
-    for (int i = 0; i < CML_NUM_BOOKS; i++) result->book[i] = *sum++;
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->balance[i] = *sum++;
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->count[i] = *sum++;
     for (int i = 0; i < CML_NUM_TOTALS; i++) result->square[i] = *sum++;
     result->lost = summary->lost;
@@ -380,7 +380,7 @@ static double difference(cml_u128 a, cml_u128 b)
 }
 
 /* Both sides of all facets: what arrives minus what leaves. */
-static double facet_residue(const struct cml_result *result)
+static double facet_imbalance(const struct cml_result *result)
 {
     cml_u128 in = 0, out = 0;
     for (size_t i = 0; i < result->grid.facets; i++) {
@@ -391,33 +391,33 @@ static double facet_residue(const struct cml_result *result)
     return difference(in, out);
 }
 
-double cml_result_residue(const struct cml_result *result)
+double cml_result_imbalance(const struct cml_result *result)
 {
     const struct cml_grid *grid = &result->grid;
-    const cml_u128 *book = result->book;
-    const cml_u128 in = book[CML_BOOK_LAUNCHED] + book[CML_BOOK_GAINED];
+    const cml_u128 *balance = result->balance;
+    const cml_u128 in = balance[CML_BALANCE_LAUNCHED] + balance[CML_BALANCE_GAINED];
     cml_u128 out = 0;
-    for (int i = CML_BOOK_SPECULAR; i <= CML_BOOK_LOST; i++) out += book[i];
-    const cml_u128 absorbed = book[CML_BOOK_ABSORBED];
-    const double residues[] = {
+    for (int i = CML_BALANCE_SPECULAR; i <= CML_BALANCE_LOST; i++) out += balance[i];
+    const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED];
+    const double differences[] = {
         difference(in, out),
         difference(sum_of(result->A_l, (size_t)grid->num_layers + 2), absorbed),
         grid->absorption ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
-        difference(sum_of(result->Rd_ra, cells_ra(grid)), book[CML_BOOK_REFLECTED]),
-        difference(sum_of(result->Tt_ra, cells_ra(grid)), book[CML_BOOK_TRANSMITTED]),
-        grid->nx ? difference(sum_of(result->Rd_xya, cells_map(grid)), book[CML_BOOK_REFLECTED]) : 0,
-        grid->nx ? difference(sum_of(result->Tt_xya, cells_map(grid)), book[CML_BOOK_TRANSMITTED]) : 0,
+        difference(sum_of(result->Rd_ra, cells_ra(grid)), balance[CML_BALANCE_REFLECTED]),
+        difference(sum_of(result->Tt_ra, cells_ra(grid)), balance[CML_BALANCE_TRANSMITTED]),
+        grid->nx ? difference(sum_of(result->Rd_xya, cells_map(grid)), balance[CML_BALANCE_REFLECTED]) : 0,
+        grid->nx ? difference(sum_of(result->Tt_xya, cells_map(grid)), balance[CML_BALANCE_TRANSMITTED]) : 0,
         grid->volume ? difference(sum_of(result->A_xyz, cells_volume(grid)), absorbed) : 0,
-        facet_residue(result),
+        facet_imbalance(result),
     };
-    for (size_t i = 0; i < sizeof residues / sizeof *residues; i++)
-        if (residues[i] != 0) return residues[i];
+    for (size_t i = 0; i < sizeof differences / sizeof *differences; i++)
+        if (differences[i] != 0) return differences[i];
     return 0;
 }
 
-double cml_result_share(const struct cml_result *result, enum cml_book book)
+double cml_result_share(const struct cml_result *result, enum cml_balance_term term)
 {
-    return (double)result->book[book] / (double)result->book[CML_BOOK_LAUNCHED];
+    return (double)result->balance[term] / (double)result->balance[CML_BALANCE_LAUNCHED];
 }
 
 /* Standard error of a mean over n packets: sqrt((sum x^2 - (sum x)^2 / n) / (n - 1) / n), in the unit of x.
@@ -431,10 +431,10 @@ static double error_of_mean(long double n, long double sum, long double squares)
 
 double cml_result_error(const struct cml_result *result, enum cml_total total)
 {
-    static const enum cml_book book_of[CML_NUM_TOTALS] = {CML_BOOK_SPECULAR, CML_BOOK_REFLECTED,
-                                                          CML_BOOK_TRANSMITTED, CML_BOOK_ABSORBED};
+    static const enum cml_balance_term term_of[CML_NUM_TOTALS] = {
+        CML_BALANCE_SPECULAR, CML_BALANCE_REFLECTED, CML_BALANCE_TRANSMITTED, CML_BALANCE_ABSORBED};
     const long double n = (long double)result->count[CML_COUNT_PHOTONS];
-    const long double sum = (long double)result->book[book_of[total]];
+    const long double sum = (long double)result->balance[term_of[total]];
     return error_of_mean(n, sum, (long double)result->square[total]) * CML_WEIGHT_UNIT;
 }
 

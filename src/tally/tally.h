@@ -8,7 +8,7 @@
 #ifndef CML_TALLY_H
 #define CML_TALLY_H
 
-#include "books.h"
+#include "balance.h"
 #include "facet.h"
 #include "base/status.h"
 
@@ -58,7 +58,7 @@ struct cml_tally {
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
     uint64_t *facets;            /* [facets][CML_FACET_SCORES] or NULL */
-    uint64_t book[CML_NUM_BOOKS];
+    uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
     struct cml_lost_list lost;
@@ -74,7 +74,7 @@ struct cml_result {
     cml_u128 *Rd_a, *Tt_a;   /* [64][na] */
     cml_u128 *A_z;           /* [64][nz] or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets;
-    cml_u128 book[CML_NUM_BOOKS];
+    cml_u128 balance[CML_NUM_BALANCE_TERMS];
     cml_u128 count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS];
     struct cml_lost_list lost;
@@ -132,7 +132,7 @@ cml_u128 *cml_result_cells(struct cml_result *result, size_t *count);
 
 /* The part of a result that does not grow with its grid, to be moved or stored beside the cells. */
 struct cml_summary {
-    cml_u128 sum[CML_NUM_BOOKS + CML_NUM_COUNTS + CML_NUM_TOTALS];
+    cml_u128 sum[CML_NUM_BALANCE_TERMS + CML_NUM_COUNTS + CML_NUM_TOTALS];
     struct cml_lost_list lost;
 };
 void cml_result_summary(const struct cml_result *result, struct cml_summary *summary);
@@ -149,11 +149,11 @@ uint64_t cml_batch_first(uint64_t photons, int batch);
 /* P10: launched + gained minus everything that came of it; 0 unless the program is wrong. Also compares the
  * absorbed weight with the sums of A_l, A_rz and A_xyz, R and T with those of Rd_ra, Tt_ra, Rd_xya and
  * Tt_xya, and what arrives at the facets with what leaves them: the first difference found is returned. */
-double cml_result_residue(const struct cml_result *result);
+double cml_result_imbalance(const struct cml_result *result);
 
-/* A book as a share of the launched weight; a total's standard error as such a share (from squares per
- * packet). */
-double cml_result_share(const struct cml_result *result, enum cml_book book);
+/* A term of the balance as a share of the launched weight; a total's standard error as such a share (from
+ * squares per packet). */
+double cml_result_share(const struct cml_result *result, enum cml_balance_term term);
 double cml_result_error(const struct cml_result *result, enum cml_total total);
 
 /* Standard error, in launched packets' weight per photon, of bin i of a batched profile profile[64][n]. */

@@ -15,7 +15,7 @@ ROOMS = {
     "kernels": "",
     "src/base": "",
     "src/geometry": "src/base",
-    "src/tally": "src/base kernels/books.h kernels/facet.h",
+    "src/tally": "src/base kernels/balance.h kernels/facet.h",
     "src/scene": "src/geometry src/base kernels/facet.h",
     "src/input": "src/scene src/geometry src/base kernels/facet.h",
     "src/surface/mesh": "src/geometry src/base kernels",

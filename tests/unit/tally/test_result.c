@@ -7,15 +7,15 @@ static void a_broken_map_leaves_a_residue(void **state)
     struct cml_error err;
     struct cml_result result;
     assert_int_equal(cml_result_create(&map_grid, 100, &result, &err), CML_OK);
-    assert_true(cml_result_residue(&result) == 0);
+    assert_true(cml_result_imbalance(&result) == 0);
     cml_u128 *const cells[] = {&result.Rd_xya[5], &result.Tt_xya[0], &result.A_xyz[8],
                                &result.facets[CML_FACET_IRRADIANCE_BELOW],
                                &result.facets[CML_FACET_SCORES + CML_FACET_EXITANCE_ABOVE]};
     for (int i = 0; i < COUNT(cells); i++) {
         ++*cells[i];
-        assert_true(cml_result_residue(&result) != 0);
+        assert_true(cml_result_imbalance(&result) != 0);
         --*cells[i];
-        assert_true(cml_result_residue(&result) == 0);
+        assert_true(cml_result_imbalance(&result) == 0);
     }
     cml_result_free(&result);
 }
@@ -71,8 +71,8 @@ static void a_result_has_the_margins_of_its_batches(void **state)
     }
     for (int r = 0; r < 3; r++)
         for (int a = 0; a < 2; a++) assert_true(result.Rd_ra[2 * r + a] == wanted[r][a]);
-    assert_true(cml_result_residue(&result) == 0);
-    assert_true(cml_result_share(&result, CML_BOOK_ABSORBED) == 0.5);
+    assert_true(cml_result_imbalance(&result) == 0);
+    assert_true(cml_result_share(&result, CML_BALANCE_ABSORBED) == 0.5);
     cml_result_free(&result);
 }
 
@@ -102,7 +102,7 @@ static void a_tally_may_serve_many_batches(void **state)
     const cml_u128 *a = cml_result_cells(&result, &cells), *b = cml_result_cells(&apart, &same);
     assert_int_equal(cells, same);
     assert_memory_equal(a, b, cells * sizeof *a);
-    assert_memory_equal(result.book, apart.book, sizeof result.book);
+    assert_memory_equal(result.balance, apart.balance, sizeof result.balance);
     cml_tally_free(&all);
     cml_result_free(&result);
     cml_result_free(&apart);
@@ -126,8 +126,8 @@ static void cells_beyond_the_grid_go_into_its_rim(void **state)
     assert_true(result.A_rz[1 * 4 + 0] == 4 && result.A_rz[2 * 4 + 3] == 8 + 32 &&
                 result.A_rz[2 * 4 + 1] == 16);
     assert_true(result.A_z[7 * 4] == 4 && result.A_z[7 * 4 + 1] == 16 && result.A_z[7 * 4 + 3] == 40);
-    assert_true(result.book[CML_BOOK_OVERFLOW_R] == 1 + 2 + 16 + 32);
-    assert_true(result.book[CML_BOOK_OVERFLOW_Z] == 8 + 32 && result.book[CML_BOOK_ABOVE] == 4);
+    assert_true(result.balance[CML_BALANCE_OVERFLOW_R] == 1 + 2 + 16 + 32);
+    assert_true(result.balance[CML_BALANCE_OVERFLOW_Z] == 8 + 32 && result.balance[CML_BALANCE_ABOVE] == 4);
     cml_tally_free(&tally);
     cml_result_free(&result);
 }
@@ -141,25 +141,25 @@ static void a_broken_cell_leaves_a_residue(void **state)
     struct cml_tally tally = make_tally(&grid);
     score_at_random(&dice, &tally, 100);
     add_to_batch(&result, 0, &tally);
-    assert_true(cml_result_residue(&result) == 0);
+    assert_true(cml_result_imbalance(&result) == 0);
     cml_u128 *const cells[] = {&result.A_rz[5],
                                &result.Rd_ra[1],
                                &result.Tt_ra[4],
                                &result.A_l[2],
-                               &result.book[CML_BOOK_LAUNCHED],
-                               &result.book[CML_BOOK_GAINED],
-                               &result.book[CML_BOOK_SPECULAR],
-                               &result.book[CML_BOOK_REFLECTED],
-                               &result.book[CML_BOOK_ROULETTE],
-                               &result.book[CML_BOOK_TRAPPED],
-                               &result.book[CML_BOOK_LOST],
-                               &result.book[CML_BOOK_ABSORBED],
-                               &result.book[CML_BOOK_TRANSMITTED]};
+                               &result.balance[CML_BALANCE_LAUNCHED],
+                               &result.balance[CML_BALANCE_GAINED],
+                               &result.balance[CML_BALANCE_SPECULAR],
+                               &result.balance[CML_BALANCE_REFLECTED],
+                               &result.balance[CML_BALANCE_ROULETTE],
+                               &result.balance[CML_BALANCE_TRAPPED],
+                               &result.balance[CML_BALANCE_LOST],
+                               &result.balance[CML_BALANCE_ABSORBED],
+                               &result.balance[CML_BALANCE_TRANSMITTED]};
     for (int i = 0; i < COUNT(cells); i++) {
         ++*cells[i];
-        assert_true(cml_result_residue(&result) != 0);
+        assert_true(cml_result_imbalance(&result) != 0);
         --*cells[i];
-        assert_true(cml_result_residue(&result) == 0);
+        assert_true(cml_result_imbalance(&result) == 0);
     }
     cml_result_free(&result);
     cml_tally_free(&tally);
@@ -177,7 +177,7 @@ static void the_error_of_a_total_is_that_of_its_packets(void **state)
         const uint32_t w = dice_word(&dice) >> 1;
         weight[n] = w * 0x1p-31;
         sum += weight[n];
-        tally.book[CML_BOOK_REFLECTED] += w;
+        tally.balance[CML_BALANCE_REFLECTED] += w;
         tally.square[CML_TOTAL_REFLECTED] += (cml_u128)w * w;
         tally.count[CML_COUNT_PHOTONS]++;
     }
@@ -236,16 +236,16 @@ static void a_result_does_not_overflow(void **state)
     struct cml_tally tally = make_tally(&grid);
     const uint64_t full = CML_TALLY_MAX_PHOTONS * ((uint64_t)1 << 31);
     tally.Rd_ra[0] = full;
-    tally.book[CML_BOOK_LAUNCHED] = full;
-    tally.book[CML_BOOK_REFLECTED] = full;
+    tally.balance[CML_BALANCE_LAUNCHED] = full;
+    tally.balance[CML_BALANCE_REFLECTED] = full;
     tally.count[CML_COUNT_PHOTONS] = CML_TALLY_MAX_PHOTONS;
     tally.square[CML_TOTAL_REFLECTED] = (cml_u128)full << 31;
     for (int n = 0; n < 1 << 18; n++) add_to_batch(&result, n >> 12, &tally);
     assert_true(result.Rd_ra[0] == (cml_u128)1 << 79);
     assert_true(result.Rd_r[5 * 3] == (cml_u128)1 << 73);
     assert_true(result.count[CML_COUNT_PHOTONS] == (cml_u128)1 << 48);
-    assert_true(cml_result_residue(&result) == 0);
-    assert_true(cml_result_share(&result, CML_BOOK_REFLECTED) == 1);
+    assert_true(cml_result_imbalance(&result) == 0);
+    assert_true(cml_result_share(&result, CML_BALANCE_REFLECTED) == 1);
     assert_true(cml_result_error(&result, CML_TOTAL_REFLECTED) == 0);
     assert_true(cml_result_bin_error(&result, result.Rd_r, 3, 0) == 0);
     cml_result_free(&result);
@@ -300,8 +300,8 @@ static void a_summary_goes_there_and_back(void **state)
     cml_result_set_summary(&result, &summary);
     cml_result_summary(&result, &back);
     assert_memory_equal(&back, &summary, sizeof back);
-    assert_true(result.book[CML_BOOK_GAINED] == summary.sum[CML_BOOK_GAINED]);
-    assert_true(result.count[0] == summary.sum[CML_NUM_BOOKS]);
+    assert_true(result.balance[CML_BALANCE_GAINED] == summary.sum[CML_BALANCE_GAINED]);
+    assert_true(result.count[0] == summary.sum[CML_NUM_BALANCE_TERMS]);
     cml_result_free(&result);
 }
 

@@ -25,13 +25,13 @@ void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_sc
 
 static double steps_of(const struct cml_result *result)
 {
-    return (double)(result->count[CML_COUNT_INTERACTIONS] + result->count[CML_COUNT_BOUNDARY_EVENTS]);
+    return (double)(result->summary.count[CML_COUNT_INTERACTIONS] +
+                    result->summary.count[CML_COUNT_BOUNDARY_EVENTS]);
 }
 
-static void print_total(FILE *stream, const char *name, const struct cml_result *result,
-                        enum cml_balance_term term, enum cml_total total)
+static void print_total(FILE *stream, const char *name, const struct cml_result *result, enum cml_total total)
 {
-    fprintf(stream, "  %-4s %.6f +- %.6f\n", name, cml_result_share(result, term),
+    fprintf(stream, "  %-4s %.6f +- %.6f\n", name, cml_result_total(result, total),
             cml_result_error(result, total));
 }
 
@@ -50,11 +50,12 @@ static void print_rarities(FILE *stream, const struct cml_result *result, uint32
         {CML_COUNT_SHADING_OVERRULED, "boundary events where the facet overruled the shading normal"},
     };
     for (size_t i = 0; i < sizeof rarities / sizeof *rarities; i++)
-        if (result->count[rarities[i].count] > 0)
-            fprintf(stream, "  %.0f %s\n", (double)result->count[rarities[i].count], rarities[i].text);
-    for (int i = 0; i < result->lost.count; i++)
+        if (result->summary.count[rarities[i].count] > 0)
+            fprintf(stream, "  %.0f %s\n", (double)result->summary.count[rarities[i].count],
+                    rarities[i].text);
+    for (int i = 0; i < result->summary.lost.count; i++)
         fprintf(stream, "  lost: clustermcml trace ... %llu --run %u\n",
-                (unsigned long long)result->lost.index[i], run_index + 1);
+                (unsigned long long)result->summary.lost.index[i], run_index + 1);
     const double overflow = cml_result_share(result, CML_BALANCE_OVERFLOW_R);
     if (overflow > 0)
         fprintf(stream, "  %.4g of the weight was scored beyond r = nr dr, in the last bin\n", overflow);
@@ -70,10 +71,10 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = &report->run->result;
     const double seconds = report->run->seconds, steps = steps_of(result);
-    print_total(stream, "Rsp", result, CML_BALANCE_SPECULAR, CML_TOTAL_SPECULAR);
-    print_total(stream, "Rd", result, CML_BALANCE_REFLECTED, CML_TOTAL_REFLECTED);
-    print_total(stream, "A", result, CML_BALANCE_ABSORBED, CML_TOTAL_ABSORBED);
-    print_total(stream, "Tt", result, CML_BALANCE_TRANSMITTED, CML_TOTAL_TRANSMITTED);
+    print_total(stream, "Rsp", result, CML_TOTAL_SPECULAR);
+    print_total(stream, "Rd", result, CML_TOTAL_REFLECTED);
+    print_total(stream, "A", result, CML_TOTAL_ABSORBED);
+    print_total(stream, "Tt", result, CML_TOTAL_TRANSMITTED);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));
@@ -134,17 +135,17 @@ static void set_integer(json_t *object, const char *key, uint64_t value)
 static void set_results(json_t *object, const struct cml_report *report)
 {
     const struct cml_result *result = &report->run->result;
-    set_real(object, "Rsp", cml_result_share(result, CML_BALANCE_SPECULAR));
-    set_real(object, "Rd", cml_result_share(result, CML_BALANCE_REFLECTED));
-    set_real(object, "A", cml_result_share(result, CML_BALANCE_ABSORBED));
-    set_real(object, "Tt", cml_result_share(result, CML_BALANCE_TRANSMITTED));
+    set_real(object, "Rsp", cml_result_total(result, CML_TOTAL_SPECULAR));
+    set_real(object, "Rd", cml_result_total(result, CML_TOTAL_REFLECTED));
+    set_real(object, "A", cml_result_total(result, CML_TOTAL_ABSORBED));
+    set_real(object, "Tt", cml_result_total(result, CML_TOTAL_TRANSMITTED));
     set_real(object, "Rsp_se", cml_result_error(result, CML_TOTAL_SPECULAR));
     set_real(object, "Rd_se", cml_result_error(result, CML_TOTAL_REFLECTED));
     set_real(object, "A_se", cml_result_error(result, CML_TOTAL_ABSORBED));
     set_real(object, "Tt_se", cml_result_error(result, CML_TOTAL_TRANSMITTED));
     set_integer(object, "lost", cml_result_lost(result));
-    set_integer(object, "trapped", (uint64_t)result->count[CML_COUNT_TRAPPED]);
-    set_integer(object, "shading_overruled", (uint64_t)result->count[CML_COUNT_SHADING_OVERRULED]);
+    set_integer(object, "trapped", (uint64_t)result->summary.count[CML_COUNT_TRAPPED]);
+    set_integer(object, "shading_overruled", (uint64_t)result->summary.count[CML_COUNT_SHADING_OVERRULED]);
     set_real(object, "residue", cml_result_imbalance(result));
     set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
 }
@@ -169,8 +170,8 @@ static void set_speed(json_t *object, const struct cml_report *report)
     set_real(object, "seconds", run->seconds);
     set_real(object, "cpu_s", cml_run_processor(run));
     set_real(object, "steps", steps);
-    set_real(object, "crossings", (double)run->result.count[CML_COUNT_BOUNDARY_EVENTS]);
-    set_real(object, "queries", (double)run->result.count[CML_COUNT_QUERIES]);
+    set_real(object, "crossings", (double)run->result.summary.count[CML_COUNT_BOUNDARY_EVENTS]);
+    set_real(object, "queries", (double)run->result.summary.count[CML_COUNT_QUERIES]);
     set_real(object, "ns_per_step", steps > 0 ? 1e9 * run->seconds / steps : 0);
     set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);
     set_integer(object, "threads", (uint64_t)run->threads);

@@ -225,17 +225,16 @@ static void add_totals(struct cml_catalogue *c)
 {
     static const struct {
         const char *name, *long_name;
-        enum cml_balance_term term;
         enum cml_total total;
     } totals[] = {
-        {"Rsp", "specular reflectance", CML_BALANCE_SPECULAR, CML_TOTAL_SPECULAR},
-        {"Rd", "diffuse reflectance", CML_BALANCE_REFLECTED, CML_TOTAL_REFLECTED},
-        {"A", "absorbed fraction", CML_BALANCE_ABSORBED, CML_TOTAL_ABSORBED},
-        {"Tt", "transmittance", CML_BALANCE_TRANSMITTED, CML_TOTAL_TRANSMITTED},
+        {"Rsp", "specular reflectance", CML_TOTAL_SPECULAR},
+        {"Rd", "diffuse reflectance", CML_TOTAL_REFLECTED},
+        {"A", "absorbed fraction", CML_TOTAL_ABSORBED},
+        {"Tt", "transmittance", CML_TOTAL_TRANSMITTED},
     };
     const struct cml_result *result = &c->report->run->result;
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        add_number(c, totals[i].name, totals[i].long_name, cml_result_share(result, totals[i].term));
+        add_number(c, totals[i].name, totals[i].long_name, cml_result_total(result, totals[i].total));
         add_errors(c, number_value)->number = cml_result_error(result, totals[i].total);
     }
 }

@@ -166,8 +166,8 @@ static void write_balance(FILE *out, const struct cml_result *result)
     fprintf(out,
             "\nlost # packets; behind it the smallest of their indices, for `clustermcml trace`\n%.17g\n",
             (double)cml_result_lost(result));
-    for (int i = 0; i < result->lost.count; i++)
-        fprintf(out, "%llu\n", (unsigned long long)result->lost.index[i]);
+    for (int i = 0; i < result->summary.lost.count; i++)
+        fprintf(out, "%llu\n", (unsigned long long)result->summary.lost.index[i]);
 }
 
 /* The shape that was simulated, so that a plot can show it: r_0 h_0 r_1 h_1 ..., one number per line. Long
@@ -221,10 +221,10 @@ cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco, 
         cml_mco_clear(mco);
         return status;
     }
-    mco->Rsp = cml_result_share(result, CML_BALANCE_SPECULAR);
-    mco->Rd = cml_result_share(result, CML_BALANCE_REFLECTED);
-    mco->A = cml_result_share(result, CML_BALANCE_ABSORBED);
-    mco->Tt = cml_result_share(result, CML_BALANCE_TRANSMITTED);
+    mco->Rsp = cml_result_total(result, CML_TOTAL_SPECULAR);
+    mco->Rd = cml_result_total(result, CML_TOTAL_REFLECTED);
+    mco->A = cml_result_total(result, CML_TOTAL_ABSORBED);
+    mco->Tt = cml_result_total(result, CML_TOTAL_TRANSMITTED);
     fill_profiles(&scaling, result, mco);
     fill_grids(&scaling, result, mco);
     return CML_OK;

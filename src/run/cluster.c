@@ -430,20 +430,17 @@ static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
     if (world.size == 1) return CML_OK;
-    struct cml_summary summary;
     size_t cells = 0;
     cml_u128 *cell = cml_result_cells(result, &cells);
     for (size_t done = 0; done < cells; done += SLICE_CELLS) {
         const size_t count = cells - done < SLICE_CELLS ? cells - done : SLICE_CELLS;
         CML_TRY(sum_elements(cell + done, (int)count, world.cell, world.add_cells, err));
     }
-    cml_result_summary(result, &summary);
-    CML_TRY(sum_elements(&summary, 1, world.summary, world.add_summary, err));
+    CML_TRY(sum_elements(&result->summary, 1, world.summary, world.add_summary, err));
     if (world.rank != 0) {
         memset(cell, 0, cells * sizeof *cell);
-        memset(&summary, 0, sizeof summary);
+        memset(&result->summary, 0, sizeof result->summary);
     }
-    cml_result_set_summary(result, &summary);
     return CML_OK;
 }
 

@@ -14,7 +14,7 @@
 #ifndef CML_CLUSTER_H
 #define CML_CLUSTER_H
 
-#include "tally/tally.h"
+#include "tally/result.h"
 
 /* Starts MPI when a launcher started this process. CML_E_INPUT when the launcher started several processes
  * that do not find each other (then each would write the same files), CML_E_DEVICE when MPI cannot start. */

@@ -319,17 +319,12 @@ void cml_run_result_free(struct cml_run_result *out)
 
 double cml_run_error(const struct cml_result *result)
 {
-    static const struct {
-        enum cml_balance_term term;
-        enum cml_total total;
-    } totals[] = {{CML_BALANCE_REFLECTED, CML_TOTAL_REFLECTED},
-                  {CML_BALANCE_ABSORBED, CML_TOTAL_ABSORBED},
-                  {CML_BALANCE_TRANSMITTED, CML_TOTAL_TRANSMITTED}};
+    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
     double largest = 0;
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        const double share = cml_result_share(result, totals[i].term);
+        const double share = cml_result_total(result, totals[i]);
         if (share < CML_TARGET_LEAST_SHARE) continue;
-        largest = fmax(largest, cml_result_error(result, totals[i].total) / share);
+        largest = fmax(largest, cml_result_error(result, totals[i]) / share);
     }
     return largest;
 }
@@ -369,7 +364,8 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
         return cml_fail(err, CML_E_NUMERIC,
                         "%s: the energy books do not balance: residue %.17g of 2^-31 packets", scene->output,
                         residue);
-    const double lost = (double)cml_result_lost(result), photons = (double)result->count[CML_COUNT_PHOTONS];
+    const double lost = (double)cml_result_lost(result),
+                 photons = (double)result->summary.count[CML_COUNT_PHOTONS];
     if (lost > 1e-6 * photons)
         return cml_fail(err, CML_E_NUMERIC, "%s: %.0f of %.0f packets lost (at most 1 in 1e6 may be)",
                         scene->output, lost, photons);

@@ -7,6 +7,7 @@
 #define CML_RUN_H
 
 #include "engine/engine.h"
+#include "tally/result.h"
 
 struct cml_progress {
     uint64_t done, total; /* photons */

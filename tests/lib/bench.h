@@ -7,6 +7,7 @@
 
 #include "engine/engine.h"
 #include "input/mci.h"
+#include "tally/result.h"
 
 #include <string.h>
 
@@ -59,8 +60,8 @@ static inline void assert_weight_balances(const struct cml_tally *tally, uint64_
     cml_result_note(&result, 0, tally);
     cml_result_add(&result, tally);
     assert_true(cml_result_imbalance(&result) == 0);
-    assert_true(result.count[CML_COUNT_PHOTONS] == photons);
-    assert_true(result.balance[CML_BALANCE_LAUNCHED] == (cml_u128)photons << 31);
+    assert_true(result.summary.count[CML_COUNT_PHOTONS] == photons);
+    assert_true(result.summary.balance[CML_BALANCE_LAUNCHED] == (cml_u128)photons << 31);
     assert_int_equal(cml_result_lost(&result), 0);
     cml_result_free(&result);
 }

@@ -4,7 +4,7 @@
 #define TALLY_CASES_H
 
 #include "lib/dice.h"
-#include "tally/tally.h"
+#include "tally/result.h"
 
 #include <math.h>
 

@@ -1,6 +1,7 @@
 /* Tallies as fields: names, units, axes, and the arithmetic from weights to densities.
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
+#include "output/scaling.h"
 #include "surface/surface_facets.h"
 
 #include <stdlib.h>
@@ -58,14 +59,19 @@ static void pixel_errors(const void *context, size_t begin, size_t count, double
                                                   sum_of_pixel(source->squares, begin + i, source->na));
 }
 
+/* Of the cell of a map, whose angle bins are those of the run. */
+static double projected_solid_angle(const struct cml_field_source *source, size_t cell)
+{
+    return cml_projected_solid_angle(cml_angle_width((int)source->na), (int)(cell % source->na));
+}
+
 /* Bins of pixel and angle, per projected solid angle. */
 static void angle_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     const double k = per_photon(source) * source->scale;
     for (size_t i = begin; i < begin + count; i++)
-        *out++ = (double)source->cells[i] * k /
-                 cml_projected_solid_angle(source->report->scene, (int)(i % source->na));
+        *out++ = (double)source->cells[i] * k / projected_solid_angle(source, i);
 }
 
 static void angle_errors(const void *context, size_t begin, size_t count, double *out)
@@ -73,7 +79,7 @@ static void angle_errors(const void *context, size_t begin, size_t count, double
     const struct cml_field_source *source = context;
     for (size_t i = begin; i < begin + count; i++)
         *out++ = cml_result_once_error(&source->report->run->result, source->cells[i], source->squares[i]) *
-                 source->scale / cml_projected_solid_angle(source->report->scene, (int)(i % source->na));
+                 source->scale / projected_solid_angle(source, i);
 }
 
 static double facet_area(const struct cml_field_source *source, size_t facet)
@@ -115,7 +121,7 @@ static void set_axes(struct cml_catalogue *c)
 {
     const struct cml_scene *scene = c->report->scene;
     const struct cml_map_def *map = &scene->map;
-    const double da = 1.57079632679489661923 / scene->na;
+    const double da = cml_angle_width(scene->na);
     c->layer = (struct cml_axis){"layer", "layer, from 1", "1", (size_t)scene->num_layers, 1, 1};
     c->r = (struct cml_axis){"r",           "distance from the z axis, middle of the bin",
                              "cm",          (size_t)scene->nr,

@@ -6,17 +6,13 @@
 #include "output/hdf5_file.h"
 #include "output/report.h"
 
-/* Area of a radial bin [cm2] and solid angles of an angular one [sr], as MCML divides by. */
-double cml_ring_area(const struct cml_scene *scene, int ir);
-double cml_solid_angle(const struct cml_scene *scene, int ia);
-double cml_projected_solid_angle(const struct cml_scene *scene, int ia);
-
 /* A profile that is kept batch by batch. */
 struct cml_profile {
     const char *name, *units;
     const cml_u128 *batches; /* [64][n], or NULL when it is not tallied */
     int n;
-    double (*scale)(const struct cml_scene *, int i); /* what a bin's weight is divided by */
+    double width;                           /* of its bins, cm or rad */
+    double (*measure)(double width, int i); /* of bin i, by which its weight is divided (scaling.h) */
 };
 
 #define CML_PROFILES 5

@@ -329,6 +329,12 @@ double cml_run_error(const struct cml_result *result)
     return largest;
 }
 
+double cml_run_steps(const struct cml_run_result *run)
+{
+    const cml_u128 *count = run->result.summary.count;
+    return (double)(count[CML_COUNT_INTERACTIONS] + count[CML_COUNT_BOUNDARY_EVENTS]);
+}
+
 double cml_run_processor(const struct cml_run_result *run)
 {
     double seconds = 0;

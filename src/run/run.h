@@ -59,6 +59,9 @@ struct cml_run_result {
     struct cml_rank_report *rank; /* [ranks] on rank 0 */
 };
 
+/* Interactions and boundary events of all packets: what the time per step counts. */
+double cml_run_steps(const struct cml_run_result *run);
+
 /* Processor seconds of the photons' flight on all ranks: what it costs on a machine that others use too. */
 double cml_run_processor(const struct cml_run_result *run);
 

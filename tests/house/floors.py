@@ -36,7 +36,7 @@ FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
     "tiny_obj_loader.h": "src/input/obj_tiny",
     "immintrin.h": "src/engine/cpu/bundle_masks",
-    "jansson.h": "src/output/report src/output/report_json src/plot/compare_report",
+    "jansson.h": "src/output/report_json src/plot/compare_report",
     "omp.h": "src/run/cores src/engine/cpu/engine_cpu_level",
     "CL/*": "src/engine/opencl/opencl_parts",
     "getopt.h": "src/cli/options",

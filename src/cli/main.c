@@ -56,7 +56,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
 {
     struct cml_options options;
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
-    cml_cluster_set_patience(options.patience);
+    cml_cluster_set_timeout(options.timeout);
     cml_status status = CML_OK;
     if (!answer_question(&options)) status = dispatch(&options, err);
     if (fflush(stdout) != 0 && status == CML_OK)
@@ -81,8 +81,8 @@ int main(int argc, char **argv)
     }
     status = work(argc, argv, &err);
     if (cml_cluster_rank() == 0) complain(status, &err);
-    if (cml_cluster_broken()) {
-        cml_cluster_leave_it_to_the_launcher();
+    if (cml_cluster_contact_lost()) {
+        cml_cluster_await_launcher();
         if (cml_cluster_rank() != 0) complain(status, &err);
     }
     cml_cluster_end(status);

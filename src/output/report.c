@@ -81,7 +81,7 @@ void cml_report_ranks(FILE *stream, const struct cml_run_result *run)
         const double percent = 100 / rank->elapsed;
         fprintf(stream, "  %4d %14llu %8.2f %8.2f %8.2f %8.2f\n", i, (unsigned long long)rank->photons,
                 percent * rank->flying, percent * rank->waiting, percent * rank->asking,
-                percent * rank->meeting);
+                percent * rank->summing);
     }
     fprintf(stream, "  all ranks: idle %.2f %%, communication %.2f %%\n", 100 * cml_run_idle(run),
             100 * cml_run_communication(run));

@@ -67,7 +67,7 @@ static json_t *ranks_json(const struct cml_run_result *run)
         json_array_append_new(list, json_pack("{s:I, s:I, s:f, s:f, s:f, s:f}", "photons",
                                               (json_int_t)rank->photons, "ranges", (json_int_t)rank->ranges,
                                               "flying", rank->flying, "idle", rank->waiting, "asking",
-                                              rank->asking, "sums", rank->meeting));
+                                              rank->asking, "sums", rank->summing));
     }
     return list;
 }

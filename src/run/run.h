@@ -1,8 +1,8 @@
 /* One run: photon indices through an engine into a result, on all ranks, with progress and checkpoints.
- * Knows no terminal. All ranks fly ranges (work_ranges.h) into results of their own and meet when nothing is
- * left, when a checkpoint is due, on a signal and on an error; there the results are summed into that of rank
- * 0. A result is a sum of integers over indices: it depends neither on the number of ranks and threads nor on
- * stops. SPDX-License-Identifier: MIT */
+ * Knows no terminal. All ranks fly ranges (work_ranges.h) into results of their own and synchronise when
+ * nothing is left, when a checkpoint is due, on a signal and on an error; there the results are summed into
+ * that of rank 0. A result is a sum of integers over indices: it depends neither on the number of ranks and
+ * threads nor on stops. SPDX-License-Identifier: MIT */
 #ifndef CML_RUN_H
 #define CML_RUN_H
 
@@ -44,8 +44,8 @@ struct cml_rank_report {
     uint64_t photons, ranges;
     double flying;  /* in the engine */
     double asking;  /* for ranges */
-    double waiting; /* for other ranks, at meetings */
-    double meeting; /* sums and checkpoints, once all were there */
+    double waiting; /* for other ranks, at synchronisations */
+    double summing; /* sums and checkpoints, once all were there */
     double elapsed;
     double processor; /* of all threads, since the start or the resume */
 };
@@ -75,7 +75,8 @@ void cml_run_result_free(struct cml_run_result *out);
 /* The relative standard error that --target-error asks for. */
 double cml_run_error(const struct cml_result *result);
 
-/* Shares of all ranks' time that went into waiting for other ranks, and into asking and meetings. */
+/* Shares of all ranks' time that went into waiting for other ranks, and into requests and synchronisations.
+ */
 double cml_run_idle(const struct cml_run_result *run);
 double cml_run_communication(const struct cml_run_result *run);
 

@@ -26,7 +26,7 @@ static const struct command {
     {"plot", 1, 64, false, "a.mco [b.mco ...] or a.map.vti [b.map.vti ...]", cml_command_plot},
 };
 
-static cml_status dispatch(struct cml_options *options, struct cml_error *err)
+static cml_status run_command(struct cml_options *options, struct cml_error *err)
 {
     const struct command *command = &commands[0];
     for (size_t i = 0; options->num_operands > 0 && i < sizeof commands / sizeof *commands; i++) {
@@ -58,7 +58,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
     cml_cluster_set_timeout(options.timeout);
     cml_status status = CML_OK;
-    if (!answer_question(&options)) status = dispatch(&options, err);
+    if (!answer_question(&options)) status = run_command(&options, err);
     if (fflush(stdout) != 0 && status == CML_OK)
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
     return cml_cluster_agree(status, err);

@@ -30,9 +30,10 @@ void cml_report_clear(struct cml_report *report);
 /* Bytes that cml_report_write holds at its peak besides the results. */
 double cml_report_bytes(const struct cml_grid *grid);
 
-/* Whether a scene asks for a .h5 file, this program can write one, and two outputs share their stem. */
+/* Whether a scene asks for a .h5 file: by its format, or because maps or facets need one. */
 bool cml_report_wants_fields(const struct cml_scene *scene);
-bool cml_report_has_fields(void);
+
+/* Whether two outputs are the same but for their ending, .mco or .h5: their other files would be the same. */
 bool cml_report_same_stem(const char *a, const char *b);
 
 /* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the

@@ -117,7 +117,7 @@ static void facet_errors(const void *context, size_t begin, size_t count, double
 /* --- the list --------------------------------------------------------------------------------------------
  */
 
-static void set_axes(struct cml_catalogue *c)
+static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
     const struct cml_map_def *map = &scene->map;
@@ -138,7 +138,7 @@ static void set_axes(struct cml_catalogue *c)
                                     (size_t)scene->nz, map->top + scene->dz / 2,     scene->dz};
 }
 
-static void set_facet_axes(struct cml_catalogue *c)
+static void set_facet_axes(struct cml_field_list *c)
 {
     const struct cml_surface_set *surfaces = c->report->surfaces;
     for (int b = 0; b < surfaces->count; b++) {
@@ -150,17 +150,17 @@ static void set_facet_axes(struct cml_catalogue *c)
 }
 
 /* Room for the results, the map's eight fields, and fourteen for every boundary. */
-cml_status cml_catalogue_create(const struct cml_report *report, struct cml_catalogue *c,
-                                struct cml_error *err)
+cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
+                                 struct cml_error *err)
 {
     const size_t boundaries = (size_t)report->surfaces->count, capacity = 64 + 14 * boundaries;
-    *c = (struct cml_catalogue){.report = report, .capacity = (int)capacity};
+    *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
     c->facet = calloc(boundaries, sizeof *c->facet);
     c->facet_names = calloc(boundaries, sizeof *c->facet_names);
     if (!c->fields || !c->sources || !c->facet || !c->facet_names) {
-        cml_catalogue_free(c);
+        cml_field_list_free(c);
         return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
                                "a list of fields");
     }
@@ -169,16 +169,16 @@ cml_status cml_catalogue_create(const struct cml_report *report, struct cml_cata
     return CML_OK;
 }
 
-void cml_catalogue_free(struct cml_catalogue *c)
+void cml_field_list_free(struct cml_field_list *c)
 {
     free(c->fields);
     free(c->sources);
     free(c->facet);
     free(c->facet_names);
-    *c = (struct cml_catalogue){0};
+    *c = (struct cml_field_list){0};
 }
 
-static struct cml_field_source *add(struct cml_catalogue *c, const char *name, const char *long_name,
+static struct cml_field_source *add(struct cml_field_list *c, const char *name, const char *long_name,
                                     const char *units, cml_field_values *values)
 {
     struct cml_field *field = &c->fields[c->num_fields];
@@ -195,7 +195,7 @@ static struct cml_field_source *add(struct cml_catalogue *c, const char *name, c
 }
 
 /* Axes of the field added last, slowest first. */
-static void along(struct cml_catalogue *c, const struct cml_axis *a, const struct cml_axis *b,
+static void along(struct cml_field_list *c, const struct cml_axis *a, const struct cml_axis *b,
                   const struct cml_axis *d)
 {
     const struct cml_axis *axes[CML_FIELD_AXES] = {a, b, d};
@@ -203,13 +203,13 @@ static void along(struct cml_catalogue *c, const struct cml_axis *a, const struc
     for (int i = 0; i < CML_FIELD_AXES && axes[i]; i++) field->axis[field->num_axes++] = axes[i];
 }
 
-static void add_number(struct cml_catalogue *c, const char *name, const char *long_name, double number)
+static void add_number(struct cml_field_list *c, const char *name, const char *long_name, double number)
 {
     add(c, name, long_name, "1", number_value)->number = number;
 }
 
 /* The field added last has its standard errors in the one that is added next, NAME_se. */
-static struct cml_field_source *add_errors(struct cml_catalogue *c, cml_field_values *values)
+static struct cml_field_source *add_errors(struct cml_field_list *c, cml_field_values *values)
 {
     struct cml_field *of = &c->fields[c->num_fields - 1];
     char name[sizeof of->name];
@@ -227,7 +227,7 @@ static struct cml_field_source *add_errors(struct cml_catalogue *c, cml_field_va
 /* --- what an .mco file holds -----------------------------------------------------------------------------
  */
 
-static void add_totals(struct cml_catalogue *c)
+static void add_totals(struct cml_field_list *c)
 {
     static const struct {
         const char *name, *long_name;
@@ -245,7 +245,7 @@ static void add_totals(struct cml_catalogue *c)
     }
 }
 
-static void add_balance(struct cml_catalogue *c)
+static void add_balance(struct cml_field_list *c)
 {
     static const char *const names[CML_NUM_BALANCE_TERMS] = {
         "book_launched",    "book_gained",     "book_specular",   "book_reflected",
@@ -259,14 +259,14 @@ static void add_balance(struct cml_catalogue *c)
     add_number(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
 }
 
-static void add_array(struct cml_catalogue *c, const char *name, const char *long_name, const char *units,
+static void add_array(struct cml_field_list *c, const char *name, const char *long_name, const char *units,
                       const double *array, const struct cml_axis *slow, const struct cml_axis *fast)
 {
     add(c, name, long_name, units, array_values)->array = array;
     along(c, slow, fast, NULL);
 }
 
-static void add_profile(struct cml_catalogue *c, const struct cml_profile *profile, const char *long_name,
+static void add_profile(struct cml_field_list *c, const struct cml_profile *profile, const char *long_name,
                         const double *array, const struct cml_axis *axis)
 {
     if (!profile->batches) return;
@@ -274,7 +274,7 @@ static void add_profile(struct cml_catalogue *c, const struct cml_profile *profi
     add_errors(c, profile_errors)->profile = *profile;
 }
 
-void cml_catalogue_results(struct cml_catalogue *c, const struct cml_mco *mco)
+void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
 {
     struct cml_profile profiles[CML_PROFILES];
     cml_report_profiles(c->report, profiles);
@@ -299,7 +299,7 @@ void cml_catalogue_results(struct cml_catalogue *c, const struct cml_mco *mco)
 /* --- maps, volume, facets --------------------------------------------------------------------------------
  */
 
-static void add_pixels(struct cml_catalogue *c, const char *name, const char *long_name,
+static void add_pixels(struct cml_field_list *c, const char *name, const char *long_name,
                        const cml_u128 *cells, const cml_u128 *squares, bool angles)
 {
     const struct cml_map_def *map = &c->report->scene->map;
@@ -314,7 +314,7 @@ static void add_pixels(struct cml_catalogue *c, const char *name, const char *lo
     add_errors(c, angles ? angle_errors : pixel_errors);
 }
 
-void cml_catalogue_map(struct cml_catalogue *c)
+void cml_add_map_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = &c->report->run->result;
     if (!r->Rd_xya) return;
@@ -325,7 +325,7 @@ void cml_catalogue_map(struct cml_catalogue *c)
     add_pixels(c, "Tt_xya", "transmittance by angle", r->Tt_xya, r->Tt_xya2, true);
 }
 
-void cml_catalogue_volume(struct cml_catalogue *c)
+void cml_add_volume_fields(struct cml_field_list *c)
 {
     const struct cml_result *result = &c->report->run->result;
     const struct cml_scene *scene = c->report->scene;
@@ -338,7 +338,7 @@ void cml_catalogue_volume(struct cml_catalogue *c)
     c->fields[c->num_fields - 1].single = true;
 }
 
-void cml_catalogue_outside(struct cml_catalogue *c)
+void cml_add_outside_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = &c->report->run->result;
     const struct cml_grid *grid = &r->grid;
@@ -399,7 +399,7 @@ static const char *score_text(int b, size_t i)
 }
 
 /* Axes of the field added last. */
-static void along_facets(struct cml_catalogue *c, int b)
+static void along_facets(struct cml_field_list *c, int b)
 {
     if (is_plane(c->report, b))
         along(c, &c->y, &c->x, NULL);
@@ -407,7 +407,7 @@ static void along_facets(struct cml_catalogue *c, int b)
         along(c, &c->facet[b], NULL, NULL);
 }
 
-void cml_catalogue_facets(struct cml_catalogue *c, int b, const char *prefix, size_t per_facet)
+void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const cml_u128 *first = facets_of(c->report, b);
     char name[64];
@@ -427,7 +427,7 @@ void cml_catalogue_facets(struct cml_catalogue *c, int b, const char *prefix, si
     }
 }
 
-void cml_catalogue_outer_plane(struct cml_catalogue *c, int b, const char *prefix)
+void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_surface_def *surface = &c->report->surfaces->item[b];
     const cml_u128 *first = facets_of(c->report, b);

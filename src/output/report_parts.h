@@ -38,7 +38,7 @@ struct cml_field_source {
 };
 
 /* A list of fields, their sources and their axes. Nothing in it moves. */
-struct cml_catalogue {
+struct cml_field_list {
     const struct cml_report *report;
     int num_fields, capacity;
     struct cml_field *fields;         /* [capacity] */
@@ -48,27 +48,27 @@ struct cml_catalogue {
     char (*facet_names)[32]; /* [L + 1] */
 };
 
-CML_NODISCARD cml_status cml_catalogue_create(const struct cml_report *report,
-                                              struct cml_catalogue *catalogue, struct cml_error *err);
-void cml_catalogue_free(struct cml_catalogue *catalogue);
+CML_NODISCARD cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *list,
+                                               struct cml_error *err);
+void cml_field_list_free(struct cml_field_list *list);
 
-/* Everything an .mco file holds, with standard errors. *mco must outlive the catalogue. */
-void cml_catalogue_results(struct cml_catalogue *catalogue, const struct cml_mco *mco);
+/* Everything an .mco file holds, with standard errors. *mco must outlive the list. */
+void cml_add_result_fields(struct cml_field_list *list, const struct cml_mco *mco);
 
 /* Rd_xy, Tt_xy, with angles Rd_xya, Tt_xya, and standard errors; nothing without a map. */
-void cml_catalogue_map(struct cml_catalogue *catalogue);
+void cml_add_map_fields(struct cml_field_list *list);
 
 /* A_xyz; nothing when it is not tallied. */
-void cml_catalogue_volume(struct cml_catalogue *catalogue);
+void cml_add_volume_fields(struct cml_field_list *list);
 
 /* What lies outside map and volume. */
-void cml_catalogue_outside(struct cml_catalogue *catalogue);
+void cml_add_outside_fields(struct cml_field_list *list);
 
 /* Irradiance and exitance of the facets of boundary b but the last one, each `per_facet` times in a row,
  * under names that begin with `prefix`; of a plane along y and x, and nothing without a map. */
-void cml_catalogue_facets(struct cml_catalogue *catalogue, int b, const char *prefix, size_t per_facet);
+void cml_add_facet_fields(struct cml_field_list *list, int b, const char *prefix, size_t per_facet);
 
 /* The same of the last one: shares of the launched weight; and the areas of facets that are no pixels. */
-void cml_catalogue_outer_plane(struct cml_catalogue *catalogue, int b, const char *prefix);
+void cml_add_outer_plane_fields(struct cml_field_list *list, int b, const char *prefix);
 
 #endif

@@ -18,7 +18,7 @@ static const char *const names[STAGES] = {
     [REACH] = "reach planes (every lane is at one)",
     [TURN] = "turn: Fresnel, reflect, refract (every lane)",
     [FLY_AGAIN] = "fly again, after a plane (every lane)",
-    [EXIT] = "exit: collect the packet, its bins, books and squares (every lane)",
+    [EXIT] = "exit: collect the packet, its bins, balance and squares (every lane)",
     [LAUNCH] = "launch (every lane)",
 };
 enum { PASS = SCATTER + 1, CELLS = 52 * 202, EXIT_CELLS = 51 * 30 };

@@ -17,7 +17,7 @@ struct cml_device_lanes {
         uy[CML_DEVICE_LANES], uz[CML_DEVICE_LANES];
     real tau[CML_DEVICE_LANES]; /* below 0: to be drawn; infinite: to be drawn from the tail */
     cml_u32 w[CML_DEVICE_LANES];
-    cml_u32 flushed_w[CML_DEVICE_LANES]; /* weight when the deposits since were last added to a book */
+    cml_u32 flushed_w[CML_DEVICE_LANES]; /* weight when the deposits since were last added to the balance */
     cml_u32 interactions[CML_DEVICE_LANES];
     cml_u32 touched[CML_DEVICE_LANES]; /* the interactions before the last boundary event */
     cml_u32 draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],

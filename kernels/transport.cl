@@ -32,16 +32,16 @@ CML_FN int cml_device_has_work(__global struct cml_control *control, __global co
     return *(volatile __global cml_u32 *)&control->taken < control->count;
 }
 
-/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the books up
- * to the last mark. */
+/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the weight
+ * balance up to the last mark. */
 struct cml_device_flight {
     struct cml_device_lanes lanes;
     struct cml_packet packets[CML_DEVICE_LANES];
     cml_u32 alive; /* packets */
 };
 
-/* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
- * weight: to be called before either changes. */
+/* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
+ * as lost weight: to be called before either changes. */
 CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
     const cml_u32 deposited = f->lanes.flushed_w[i] - f->lanes.w[i];

@@ -1,7 +1,7 @@
 /* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
- * The rules it cites, P1 to P10, are written down in README.md beside it. A packet's books are kept here, the
- * deposits are streamed into the arrays of the caller, everything else is returned in the packet.
- * SPDX-License-Identifier: MIT */
+ * The rules it cites, P1 to P10, are written down in README.md beside it. A packet's part of the weight
+ * balance is kept here, the deposits are streamed into the arrays of the caller, everything else is returned
+ * in the packet. SPDX-License-Identifier: MIT */
 #ifndef CML_WALK_H
 #define CML_WALK_H
 

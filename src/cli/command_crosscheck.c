@@ -41,11 +41,11 @@ static void dump_head(const struct dump *dump)
 static void print_side(const struct cml_check_side *side, const struct cml_result *result)
 {
     printf("  %-12s Rsp %.6f  Rd %.6f +- %.6f  A %.6f +- %.6f  Tt %.6f +- %.6f  lost %llu, residue %.17g\n",
-           side->name, cml_result_share(result, CML_BOOK_SPECULAR),
-           cml_result_share(result, CML_BOOK_REFLECTED), cml_result_error(result, CML_TOTAL_REFLECTED),
-           cml_result_share(result, CML_BOOK_ABSORBED), cml_result_error(result, CML_TOTAL_ABSORBED),
-           cml_result_share(result, CML_BOOK_TRANSMITTED), cml_result_error(result, CML_TOTAL_TRANSMITTED),
-           (unsigned long long)cml_result_lost(result), cml_result_residue(result));
+           side->name, cml_result_share(result, CML_BALANCE_SPECULAR),
+           cml_result_share(result, CML_BALANCE_REFLECTED), cml_result_error(result, CML_TOTAL_REFLECTED),
+           cml_result_share(result, CML_BALANCE_ABSORBED), cml_result_error(result, CML_TOTAL_ABSORBED),
+           cml_result_share(result, CML_BALANCE_TRANSMITTED), cml_result_error(result, CML_TOTAL_TRANSMITTED),
+           (unsigned long long)cml_result_lost(result), cml_result_imbalance(result));
 }
 
 static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)

@@ -33,11 +33,6 @@ static const char *picture_path(const struct cml_options *options)
 
 /* ---- curves over r ---- */
 
-static cml_status write_script(FILE *out, const void *what, struct cml_error *err)
-{
-    return cml_plot_script(out, what, err);
-}
-
 static cml_status read_one(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
     CML_TRY(is_curve(path) ? cml_curve_read(path, mco, err) : cml_mco_read(path, mco, err));
@@ -73,7 +68,7 @@ static cml_status draw_curves(const struct cml_options *options, enum cml_pictur
     if (status == CML_OK) status = read_all(options, results, names, &plot, err);
     plot.results = results;
     plot.names = names;
-    if (status == CML_OK) status = cml_gnuplot_draw(write_script, &plot, picture_path(options), err);
+    if (status == CML_OK) status = cml_gnuplot_draw(cml_plot_script, &plot, picture_path(options), err);
     for (int i = 0; i < plot.count; i++) cml_mco_clear(&results[i]);
     free(results);
     free(names);
@@ -81,11 +76,6 @@ static cml_status draw_curves(const struct cml_options *options, enum cml_pictur
 }
 
 /* ---- maps ---- */
-
-static cml_status write_map_script(FILE *out, const void *what, struct cml_error *err)
-{
-    return cml_map_script(out, what, err);
-}
 
 /* Reflectance and transmittance have short names here; every other array is called as in the file. */
 static const char *array_of(const char *of, const char **quantity)
@@ -110,7 +100,7 @@ static cml_status draw_maps(const struct cml_options *options, enum cml_picture 
     cml_status status = maps ? CML_OK : cml_fail_memory(err, 1, "the maps");
     for (int i = 0; i < count && status == CML_OK; i++)
         status = cml_vti_read(options->operands[i], array, &maps[i], err);
-    if (status == CML_OK) status = cml_gnuplot_draw(write_map_script, &plot, picture_path(options), err);
+    if (status == CML_OK) status = cml_gnuplot_draw(cml_map_script, &plot, picture_path(options), err);
     for (int i = 0; i < count && maps; i++) cml_pixels_clear(&maps[i]);
     free(maps);
     return status;

@@ -7,6 +7,7 @@
 #include "run/cluster.h"
 #include "run/cores.h"
 #include "run/identity.h"
+#include "output/hdf5_file.h"
 #include "output/report.h"
 #include "run/stop.h"
 #include "base/text.h"
@@ -80,7 +81,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
            (unsigned long long)setup->options.seed);
     cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
-    if (cml_report_wants_fields(scene) && !cml_report_has_fields())
+    if (cml_report_wants_fields(scene) && !cml_hdf5_available())
         printf("  no .h5 file: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);
     fflush(stdout);
@@ -226,7 +227,7 @@ static cml_status check_files(const struct cml_options *options, const struct cm
 {
     const bool more = scene->map.nx > 0 || scene->facets;
     char *path = NULL;
-    if (scene->format == 'B' && !cml_report_has_fields())
+    if (scene->format == 'B' && !cml_hdf5_available())
         return cml_fail_field(err, scene->file, scene->line, "format", "B",
                               "A: this program was built without HDF5");
     CML_TRY(cml_output_path(options, scene->output, &path, err));

@@ -263,7 +263,7 @@ static cml_status seconds(const char *option, const char *value, double *number,
 static cml_status parse_stopping(int key, const char *value, struct cml_options *options,
                                  struct cml_error *err)
 {
-    if (key == KEY_PATIENCE) return seconds("patience", value, &options->patience, err);
+    if (key == KEY_PATIENCE) return seconds("patience", value, &options->timeout, err);
     if (key == KEY_CHECKPOINT) {
         options->checkpoint_interval = 0;
         return strcmp(value, "off") == 0 ? CML_OK
@@ -353,7 +353,7 @@ static void set_defaults(struct cml_options *options)
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
     options->checkpoint_interval = 60;
-    options->patience = 60;
+    options->timeout = 60;
     options->surface.force = CML_SURFACE_AUTO;
     options->surface.tolerance = 1e-3;
     options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;

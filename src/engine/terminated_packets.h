@@ -1,6 +1,6 @@
-/* Finished packets on their way into a tally. They are collected, so that exit bins, books and squares of
- * many packets are computed in one vector loop however rarely packets end. In the precision of the file that
- * includes this, and static: each level of the processor has its own copy.
+/* Finished packets on their way into a tally. They are collected, so that exit bins, weight balance and
+ * squares of many packets are computed in one vector loop however rarely packets end. In the precision of the
+ * file that includes this, and static: each level of the processor has its own copy.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_TERMINATED_PACKETS_H
 #define CML_TERMINATED_PACKETS_H
@@ -109,11 +109,11 @@ static inline void cml_terminated_add_sums(const struct cml_setup *setup,
 {
     const struct cml_terminated_sums sums = cml_terminated_sum(terminated);
     const uint64_t count = times * (uint64_t)terminated->count, specular = setup->specular;
-    tally->book[CML_BOOK_LAUNCHED] += count * CML_WEIGHT_ONE;
-    tally->book[CML_BOOK_SPECULAR] += count * specular + times * sums.specular;
-    tally->book[CML_BOOK_REFLECTED] += times * sums.reflected;
-    tally->book[CML_BOOK_TRANSMITTED] += times * sums.transmitted;
-    tally->book[CML_BOOK_ABSORBED] += times * sums.absorbed;
+    tally->balance[CML_BALANCE_LAUNCHED] += count * CML_WEIGHT_ONE;
+    tally->balance[CML_BALANCE_SPECULAR] += count * specular + times * sums.specular;
+    tally->balance[CML_BALANCE_REFLECTED] += times * sums.reflected;
+    tally->balance[CML_BALANCE_TRANSMITTED] += times * sums.transmitted;
+    tally->balance[CML_BALANCE_ABSORBED] += times * sums.absorbed;
     tally->A_l[1] += times * sums.deposited_above;
     tally->A_l[setup->num_layers] += times * (sums.deposited - sums.deposited_above);
     tally->count[CML_COUNT_PHOTONS] += count;
@@ -210,10 +210,10 @@ static inline int cml_tallies_places(const struct cml_tally *tally)
 static inline void cml_tally_loss(const struct cml_termination *end, struct cml_tally *tally)
 {
     if (end->fate == CML_FATE_TRAPPED) {
-        tally->book[CML_BOOK_TRAPPED] += end->w;
+        tally->balance[CML_BALANCE_TRAPPED] += end->w;
         tally->count[CML_COUNT_TRAPPED]++;
     } else if (end->fate == CML_FATE_LOST) {
-        tally->book[CML_BOOK_LOST] += end->w;
+        tally->balance[CML_BALANCE_LOST] += end->w;
         tally->count[CML_COUNT_LOST_NO_SURFACE + end->cause - CML_LOST_NO_SURFACE]++;
         cml_lost_list_add(&tally->lost, end->index);
     }
@@ -240,8 +240,8 @@ static inline void cml_terminated_push(const struct cml_setup *setup, struct cml
 /* What only a packet of kernels/walk.h keeps for itself. */
 static inline void cml_tally_events(const struct cml_packet *packet, struct cml_tally *tally)
 {
-    tally->book[CML_BOOK_GAINED] += packet->gained;
-    tally->book[CML_BOOK_ROULETTE] += packet->roulette;
+    tally->balance[CML_BALANCE_GAINED] += packet->gained;
+    tally->balance[CML_BALANCE_ROULETTE] += packet->roulette;
     tally->count[CML_COUNT_QUERIES] += packet->queries;
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }

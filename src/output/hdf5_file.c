@@ -186,7 +186,7 @@ static void write_all(struct writer *w, const struct cml_attribute *attributes, 
     for (int i = 0; i < num_fields && !w->failed; i++) write_field(w, &fields[i]);
 }
 
-bool cml_fields_available(void)
+bool cml_hdf5_available(void)
 {
     return true;
 }
@@ -214,8 +214,8 @@ static cml_status finish(const struct writer *w, struct cml_file *file, struct c
 }
 
 /* HDF5 opens the temporary file once more by its name; the commit syncs and renames that same file. */
-cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
-                            const struct cml_field *fields, int num_fields, struct cml_error *err)
+cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
+                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
     struct cml_file file;
     struct writer w = {.buffer = malloc(CHUNK * sizeof *w.buffer)};
@@ -233,13 +233,13 @@ cml_status cml_fields_write(const char *path, const struct cml_attribute *attrib
 
 #else
 
-bool cml_fields_available(void)
+bool cml_hdf5_available(void)
 {
     return false;
 }
 
-cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
-                            const struct cml_field *fields, int num_fields, struct cml_error *err)
+cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
+                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
     (void)attributes, (void)num_attributes, (void)fields, (void)num_fields;
     return cml_fail(err, CML_E_INPUT, "%s: this program was built without HDF5", path);

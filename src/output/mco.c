@@ -2,7 +2,6 @@
 #include "output/mco.h"
 
 #include "base/atomic_file.h"
-#include "base/constants.h"
 #include "output/mco_sections.h"
 #include "base/text.h"
 
@@ -106,17 +105,6 @@ void cml_mco_clear(struct cml_mco *mco)
     free(mco->output);
     free(mco->extra);
     *mco = (struct cml_mco){0};
-}
-
-double cml_mco_ring_area(double dr, int i)
-{
-    return 2 * CML_PI * (i + 0.5) * dr * dr;
-}
-
-double cml_mco_solid_angle(int na, int i)
-{
-    const double da = CML_PI / 2 / na;
-    return 2 * CML_PI * sin((i + 0.5) * da) * da;
 }
 
 /* The hours are those of the seconds as printed: computed from the unrounded time they could not be found

@@ -2,6 +2,7 @@
 #include "plot/compare.h"
 
 #include "base/significance.h"
+#include "output/scaling.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -56,27 +57,33 @@ static const double *profile_of(const struct cml_mco *mco, enum cml_quantity whi
     return profiles[which];
 }
 
+static bool is_radial(enum cml_quantity which)
+{
+    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r;
+}
+
 static int bins_of(const struct cml_mco *mco, enum cml_quantity which)
 {
     if (is_total(which)) return 1;
     if (which == CML_QUANTITY_A_z) return mco->nz;
-    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? mco->nr : mco->na;
+    return is_radial(which) ? mco->nr : mco->na;
 }
 
-/* Width of a bin on its axis. */
+/* Width of a bin on its axis, cm or rad. */
 static double width_of(const struct cml_mco *mco, enum cml_quantity which)
 {
     if (is_total(which)) return 0;
     if (which == CML_QUANTITY_A_z) return mco->dz;
-    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? mco->dr : acos(0.0) / mco->na;
+    return is_radial(which) ? mco->dr : cml_angle_width(mco->na);
 }
 
+/* What turns a value of the file back into weight per packet. */
 static double measure_of(const struct cml_mco *mco, enum cml_quantity which, int i)
 {
+    const double width = width_of(mco, which);
     if (is_total(which)) return 1;
-    if (which == CML_QUANTITY_A_z) return mco->dz;
-    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? cml_mco_ring_area(mco->dr, i)
-                                                                    : cml_mco_solid_angle(mco->na, i);
+    if (which == CML_QUANTITY_A_z) return width;
+    return is_radial(which) ? cml_ring_area(width, i) : cml_solid_angle(width, i);
 }
 
 /* Fewer packets than batches make no error. */

@@ -306,8 +306,9 @@ static void lay_out(struct drawing *d)
     d->height = HEAD + ROW * d->rows + GAP + PANEL + GAP + PANEL + d->foot;
 }
 
-cml_status cml_plot_script(FILE *out, const struct cml_plot *plot, struct cml_error *err)
+cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
 {
+    const struct cml_plot *plot = what;
     struct drawing d = {
         .out = out,
         .plot = plot,

@@ -266,14 +266,14 @@ static void write_panel(const struct drawing *d, int k)
     fputs("unset colorbox\nunset label\n", d->out);
 }
 
-cml_status cml_map_script(FILE *out, const struct cml_map_plot *plot, struct cml_error *err)
+cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err)
 {
     struct drawing d = {.out = out, .plot = plot};
     CML_TRY(find_colours(&d, err));
     find_extent(&d);
     lay_out(&d);
     write_frame(&d);
-    for (int k = 0; k < plot->count; k++) write_panel(&d, k);
+    for (int k = 0; k < d.plot->count; k++) write_panel(&d, k);
     fputs("unset multiplot\n", out);
     return CML_OK;
 }

@@ -61,17 +61,16 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
                         .begin = state->begin,
                         .end = state->end,
                         .seconds = state->seconds};
-    struct cml_summary summary = {.lost = {0}};
+    static const struct cml_summary none;
     size_t cells = 0;
     const cml_u128 *cell = result ? cml_result_cells(result, &cells) : NULL;
-    if (result) cml_result_summary(result, &summary);
     memcpy(head.magic, magic, sizeof magic);
     head.num_ranges = state->open.count;
     head.num_cells = cells;
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
     put(&sink, state->open.item, state->open.count * sizeof *state->open.item);
-    put(&sink, &summary, sizeof summary);
+    put(&sink, result ? &result->summary : &none, sizeof none);
     put(&sink, cell, cells * sizeof *cell);
     const uint64_t sum = sink.sum;
     fwrite(&sum, sizeof sum, 1, stream);
@@ -187,17 +186,15 @@ static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, 
 static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
                                struct cml_error *err)
 {
-    struct cml_summary summary;
     size_t cells = 0;
     cml_u128 *cell = cml_result_cells(result, &cells);
     state->begin = source->head.begin;
     state->end = source->head.end;
     state->seconds = source->head.seconds;
     CML_TRY(read_ranges(source, &state->open, err));
-    if (source->head.num_cells != cells || !get(source, &summary, sizeof summary) ||
+    if (source->head.num_cells != cells || !get(source, &result->summary, sizeof result->summary) ||
         !get(source, cell, cells * sizeof *cell))
         return fail_damaged(source, "its grid", err);
-    cml_result_set_summary(result, &summary);
     return CML_OK;
 }
 

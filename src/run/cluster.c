@@ -13,53 +13,53 @@
 #include <string.h>
 #include <time.h>
 
-enum { TAG_PULSE = 1, TAG_QUESTION, TAG_ANSWER };
+enum { TAG_HEARTBEAT = 1, TAG_REQUEST, TAG_REPLY };
 
 #define HOST_SIZE 64
-#define SLICE_CELLS ((size_t)1 << 18)  /* of a sum: 4 MiB */
-#define SLICE_BYTES ((size_t)64 << 20) /* of a block sent to all */
+#define SLICE_CELLS ((size_t)1 << 18)  /* of a sum: 4 MiB, which keeps MPI's own buffers small */
+#define SLICE_BYTES ((size_t)64 << 20) /* of a block sent to all: counts of MPI are ints */
 
-/* What a rank keeps about one that it exchanges pulses with: rank 0 about all, the others about rank 0. */
+/* What a rank keeps about its peers: rank 0 about all others, the others about rank 0. */
 struct peer {
-    double heard;    /* on the attendant's clock */
-    double sent;     /* the last pulse */
-    uint64_t told;   /* number of the meeting that it said */
-    uint64_t number; /* the pulse under way */
-    MPI_Request pulse;
+    double heard;          /* last, on the service clock */
+    double sent;           /* the last heartbeat, on the same clock */
+    uint64_t syncs_told;   /* syncs_requested as it said */
+    uint64_t message;      /* of the heartbeat under way: MPI reads it until that is complete */
+    MPI_Request heartbeat; /* MPI_REQUEST_NULL: none is under way */
 };
 
+/* A process is one rank, so this is its only state. What the service thread and others both use is atomic or
+ * under a lock. */
 static struct {
-    int rank, size, local_rank, local_size;
-    int fair_cores;
+    int rank, size, local_rank, local_size, fair_cores;
     MPI_Datatype cell, summary;
     MPI_Op add_cells, add_summary;
-    struct peer *peer; /* [size] on rank 0, [1] on others */
-    char (*host)[HOST_SIZE];
-    pthread_mutex_t lock; /* around every call of MPI once the attendant lives */
-    pthread_t attendant;
-    double clock; /* the attendant's: stands still while the process is stopped */
-    _Atomic double patience;
+    struct peer *peer;       /* [size] on rank 0, [1] on others; the service thread's alone */
+    char (*host)[HOST_SIZE]; /* [size] */
+    pthread_mutex_t lock;    /* around every call of MPI once the service thread runs */
+    pthread_t service;
+    double clock;           /* s, the service thread's: stands still while the process is stopped */
+    _Atomic double timeout; /* s */
     atomic_bool leaving;
-    atomic_int silent;             /* rank that contact was lost with; -1: none */
-    _Atomic uint64_t called, held; /* meetings */
-    pthread_mutex_t desk;          /* around the clerk */
-    cml_cluster_clerk *clerk;
-    void *clerk_context;
+    atomic_int lost_rank;                         /* that contact was lost with; -1: none */
+    _Atomic uint64_t syncs_requested, syncs_done; /* numbers of the last ones */
+    pthread_mutex_t handler_lock; /* held while the handler runs, so that it can be taken away safely */
+    cml_cluster_handler *handler;
+    void *handler_context;
 } world = {.size = 1,
            .local_size = 1,
-           .patience = 60,
-           .silent = -1,
+           .timeout = 60,
+           .lost_rank = -1,
            .lock = PTHREAD_MUTEX_INITIALIZER,
-           .desk = PTHREAD_MUTEX_INITIALIZER};
+           .handler_lock = PTHREAD_MUTEX_INITIALIZER};
 
-static void nap(double seconds)
+static void sleep_for(double seconds)
 {
     const struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
     nanosleep(&t, NULL);
 }
 
-/* ---- waiting
- * ------------------------------------------------------------------------------------------------ */
+/* ---- waiting ---- */
 
 static cml_status fail_mpi(int code, struct cml_error *err)
 {
@@ -69,53 +69,54 @@ static cml_status fail_mpi(int code, struct cml_error *err)
     return cml_fail(err, CML_E_IO, "MPI failed (%s)", text);
 }
 
-static cml_status fail_silent(struct cml_error *err)
+static cml_status fail_contact_lost(struct cml_error *err)
 {
-    const int rank = atomic_load(&world.silent);
+    const int rank = atomic_load(&world.lost_rank);
     return cml_fail(err, CML_E_IO,
                     "contact lost: nothing heard from rank %d on %s for %g s (process, host or network down; "
                     "--resume continues from the last checkpoint)",
-                    rank, world.host[rank], world.patience);
+                    rank, world.host[rank], world.timeout);
 }
 
-/* First without sleep, because most answers come at once; then with naps that leave the core to those who
- * fly. */
-static cml_status wait_for(MPI_Request *request, struct cml_error *err)
+/* Waits for a nonblocking call to complete, but not for a lost rank. First without sleep, because most
+ * replies come at once; then with short sleeps, which leave the core to those who compute. */
+static cml_status wait_for(MPI_Request *call, struct cml_error *err)
 {
-    for (int turns = 0;; turns++) {
+    for (int tries = 0;; tries++) {
         int done = 0;
         pthread_mutex_lock(&world.lock);
-        const int code = MPI_Test(request, &done, MPI_STATUS_IGNORE);
+        const int code = MPI_Test(call, &done, MPI_STATUS_IGNORE);
         pthread_mutex_unlock(&world.lock);
         if (code != MPI_SUCCESS) return fail_mpi(code, err);
         if (done) return CML_OK;
-        if (atomic_load(&world.silent) >= 0) return fail_silent(err);
-        if (turns < 1000)
+        if (atomic_load(&world.lost_rank) >= 0) return fail_contact_lost(err);
+        if (tries < 1000)
             sched_yield();
         else
-            nap(turns < 20000 ? 5e-5 : 1e-3);
+            sleep_for(tries < 20000 ? 5e-5 : 1e-3);
     }
 }
 
-/* Starts a nonblocking call under the lock and waits for its end. */
-#define COMPLETE(start, err) (pthread_mutex_lock(&world.lock), finish(start, &request, err))
+/* Starts a nonblocking call of MPI, which leaves its MPI_Request in `call`, and waits for its end. A macro,
+ * because the call itself must run under the lock. */
+#define COMPLETE(start, err) (pthread_mutex_lock(&world.lock), finish(start, &call, err))
 
-static cml_status finish(int code, MPI_Request *request, struct cml_error *err)
+static cml_status finish(int code, MPI_Request *call, struct cml_error *err)
 {
     pthread_mutex_unlock(&world.lock);
-    return code == MPI_SUCCESS ? wait_for(request, err) : fail_mpi(code, err);
+    return code == MPI_SUCCESS ? wait_for(call, err) : fail_mpi(code, err);
 }
 
-/* ---- the attendant
- * ------------------------------------------------------------------------------------------ */
+/* ---- the service thread ---- */
 
-static void raise_called(uint64_t number)
+/* Synchronisations are numbered, so that a request that arrives late, or twice, asks for nothing new. */
+static void raise_requested(uint64_t number)
 {
-    uint64_t known = atomic_load(&world.called);
-    while (known < number && !atomic_compare_exchange_weak(&world.called, &known, number)) continue;
+    uint64_t known = atomic_load(&world.syncs_requested);
+    while (known < number && !atomic_compare_exchange_weak(&world.syncs_requested, &known, number)) continue;
 }
 
-/* The next message with this tag, if there is one. */
+/* The next message with this tag, if there is one. A blocking receive, because the message is there. */
 static bool receive(int tag, void *data, int size, int *from)
 {
     int found = 0;
@@ -128,46 +129,49 @@ static bool receive(int tag, void *data, int size, int *from)
     return found != 0;
 }
 
-static void receive_pulses(void)
+static void receive_heartbeats(void)
 {
     uint64_t number = 0;
     int from = 0;
-    while (receive(TAG_PULSE, &number, sizeof number, &from)) {
+    while (receive(TAG_HEARTBEAT, &number, sizeof number, &from)) {
         world.peer[from].heard = world.clock;
-        raise_called(number);
+        raise_requested(number);
     }
 }
 
-static void answer_questions(void)
+/* On rank 0. The reply is waited for, under the same watch for lost ranks as every other call. */
+static void answer_requests(void)
 {
-    struct cml_question question;
-    struct cml_answer answer;
+    struct cml_work_request request;
+    struct cml_work_reply reply;
     int from = 0;
-    while (receive(TAG_QUESTION, &question, sizeof question, &from)) {
-        MPI_Request request;
-        struct cml_error ignored; /* silence: whoever waits will see it too */
-        answer = (struct cml_answer){0};
+    while (receive(TAG_REQUEST, &request, sizeof request, &from)) {
+        MPI_Request call;
+        struct cml_error ignored; /* whoever else waits will see that contact is lost */
+        reply = (struct cml_work_reply){0};
         world.peer[from].heard = world.clock;
-        pthread_mutex_lock(&world.desk);
-        if (world.clerk) world.clerk(world.clerk_context, from, &question, &answer);
-        pthread_mutex_unlock(&world.desk);
-        if (COMPLETE(MPI_Isend(&answer, sizeof answer, MPI_BYTE, from, TAG_ANSWER, MPI_COMM_WORLD, &request),
+        pthread_mutex_lock(&world.handler_lock);
+        if (world.handler) world.handler(world.handler_context, from, &request, &reply);
+        pthread_mutex_unlock(&world.handler_lock);
+        if (COMPLETE(MPI_Isend(&reply, sizeof reply, MPI_BYTE, from, TAG_REPLY, MPI_COMM_WORLD, &call),
                      &ignored) != CML_OK)
             return;
     }
 }
 
-/* Says that this rank lives, and which meeting was called: now and then, and when there is news. */
-static void send_pulse(struct peer *peer, int to)
+/* Says that this rank lives, and which synchronisation was requested: four times per timeout, and at once
+ * when there is news. Rank 0 passes requests on, because the others hear it alone. */
+static void send_heartbeat(struct peer *peer, int to)
 {
-    const uint64_t called = atomic_load(&world.called);
-    if (called == peer->told && world.clock - peer->sent < world.patience / 4) return;
+    const uint64_t requested = atomic_load(&world.syncs_requested);
+    if (requested == peer->syncs_told && world.clock - peer->sent < world.timeout / 4) return;
     int done = 0;
-    MPI_Test(&peer->pulse, &done, MPI_STATUS_IGNORE);
+    MPI_Test(&peer->heartbeat, &done, MPI_STATUS_IGNORE);
     if (!done) return;
-    peer->number = called;
-    MPI_Isend(&peer->number, sizeof peer->number, MPI_BYTE, to, TAG_PULSE, MPI_COMM_WORLD, &peer->pulse);
-    peer->told = called;
+    peer->message = requested;
+    MPI_Isend(&peer->message, sizeof peer->message, MPI_BYTE, to, TAG_HEARTBEAT, MPI_COMM_WORLD,
+              &peer->heartbeat);
+    peer->syncs_told = requested;
     peer->sent = world.clock;
 }
 
@@ -181,38 +185,41 @@ static int end_of_peers(void)
     return world.rank == 0 ? world.size : 1;
 }
 
-static void send_pulses(void)
+static void send_heartbeats(void)
 {
     pthread_mutex_lock(&world.lock);
-    for (int i = first_peer(); i < end_of_peers(); i++) send_pulse(&world.peer[i], i);
+    for (int i = first_peer(); i < end_of_peers(); i++) send_heartbeat(&world.peer[i], i);
     pthread_mutex_unlock(&world.lock);
 }
 
-static void check_silence(void)
+static void check_heartbeats(void)
 {
     for (int i = first_peer(); i < end_of_peers(); i++)
-        if (world.clock - world.peer[i].heard > world.patience) atomic_store(&world.silent, i);
+        if (world.clock - world.peer[i].heard > world.timeout) atomic_store(&world.lost_rank, i);
 }
 
-static void *attend(void *unused)
+/* The service thread. A process that was stopped (SIGSTOP, a suspended machine) must not find on waking that
+ * all others have been silent, so the clock counts at most 0.1 s a round. */
+static void *serve(void *unused)
 {
     double last = cml_now();
     while (!atomic_load(&world.leaving)) {
         const double time = cml_now();
-        world.clock +=
-            time - last < 0.1 ? time - last : 0.1; /* a stopped process does not count its own sleep */
+        world.clock += time - last < 0.1 ? time - last : 0.1;
         last = time;
-        receive_pulses();
-        if (world.rank == 0) answer_questions();
-        send_pulses();
-        check_silence();
-        nap(world.rank == 0 ? 1e-3 : 5e-3);
+        receive_heartbeats();
+        if (world.rank == 0) answer_requests();
+        send_heartbeats();
+        check_heartbeats();
+        sleep_for(world.rank == 0 ? 1e-3 : 5e-3);
     }
     return unused;
 }
 
-/* ---- beginning and end
- * -------------------------------------------------------------------------------------- */
+/* ---- beginning and end ---- */
+
+/* MPI knows no integers of 128 bits: sums of cells and of summaries are operations of our own, on types that
+ * are bytes to MPI. Both commute, as MPI_Op_create is told. */
 
 static void add_cells(void *in, void *inout, int *count, MPI_Datatype *type)
 {
@@ -248,7 +255,8 @@ static void create_types(void)
     MPI_Op_create(add_summaries, 1, &world.add_summary);
 }
 
-static void look_at_cores(MPI_Comm machine)
+/* The cores that any rank of the machine may run on, shared evenly, but not more than this one may run on. */
+static void share_cores(MPI_Comm machine)
 {
     struct cml_cores mine, all;
     cml_cores_mine(&mine);
@@ -257,13 +265,15 @@ static void look_at_cores(MPI_Comm machine)
     world.fair_cores = share < 1 ? 1 : share < most ? share : most;
 }
 
-static void look_around(void)
+/* Which ranks share this machine, and the names of all hosts for messages. Before the service thread runs, so
+ * these calls may block. */
+static void find_machine(void)
 {
     MPI_Comm machine;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, world.rank, MPI_INFO_NULL, &machine);
     MPI_Comm_rank(machine, &world.local_rank);
     MPI_Comm_size(machine, &world.local_size);
-    look_at_cores(machine);
+    share_cores(machine);
     MPI_Comm_free(&machine);
     char name[MPI_MAX_PROCESSOR_NAME] = "", host[HOST_SIZE] = "";
     int length = 0;
@@ -278,10 +288,10 @@ static cml_status join_world(struct cml_error *err)
     world.peer = calloc((size_t)end_of_peers(), sizeof *world.peer);
     world.host = calloc((size_t)world.size, sizeof *world.host);
     if (!world.peer || !world.host) return cml_fail_memory(err, world.size * 128.0, "the ranks");
-    for (int i = 0; i < end_of_peers(); i++) world.peer[i].pulse = MPI_REQUEST_NULL;
+    for (int i = 0; i < end_of_peers(); i++) world.peer[i].heartbeat = MPI_REQUEST_NULL;
     create_types();
-    look_around();
-    if (pthread_create(&world.attendant, NULL, attend, NULL) != 0)
+    find_machine();
+    if (pthread_create(&world.service, NULL, serve, NULL) != 0)
         return cml_fail(err, CML_E_DEVICE, "the thread that answers other ranks cannot start");
     return CML_OK;
 }
@@ -300,20 +310,21 @@ cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
     return status == CML_OK && world.size > 1 ? join_world(err) : status;
 }
 
-/* Pulses that crossed the end. */
+/* Heartbeats that were under way when the others left: MPI_Finalize wants every message received. */
 static void drain(void)
 {
     uint64_t number = 0;
     int from = 0;
-    while (receive(TAG_PULSE, &number, sizeof number, &from)) continue;
-    for (int i = first_peer(); i < end_of_peers(); i++) MPI_Wait(&world.peer[i].pulse, MPI_STATUS_IGNORE);
+    while (receive(TAG_HEARTBEAT, &number, sizeof number, &from)) continue;
+    for (int i = first_peer(); i < end_of_peers(); i++) MPI_Wait(&world.peer[i].heartbeat, MPI_STATUS_IGNORE);
 }
 
-/* mpiexec that is told to end the ranks of a lost host, before it found out itself, waits for that host's
- * answer until TCP gives up, a quarter of an hour; so does its daemon there, when it has something to say. */
-void cml_cluster_leave_it_to_the_launcher(void)
+/* Why not abort at once: mpiexec that is told to end the ranks of a lost host, before it found out itself,
+ * waits for that host's answer until TCP gives up, a quarter of an hour; so does its daemon there, when it
+ * has something to say. */
+void cml_cluster_await_launcher(void)
 {
-    for (double waited = 0; waited < 2 * world.patience; waited += 0.1) nap(0.1);
+    for (double waited = 0; waited < 2 * world.timeout; waited += 0.1) sleep_for(0.1);
 }
 
 void cml_cluster_end(cml_status status)
@@ -321,10 +332,10 @@ void cml_cluster_end(cml_status status)
     int begun = 0;
     MPI_Initialized(&begun);
     if (!begun) return;
-    if (cml_cluster_broken()) MPI_Abort(MPI_COMM_WORLD, (int)status);
+    if (cml_cluster_contact_lost()) MPI_Abort(MPI_COMM_WORLD, (int)status);
     if (world.size > 1) {
         atomic_store(&world.leaving, true);
-        pthread_join(world.attendant, NULL);
+        pthread_join(world.service, NULL);
         drain();
         free(world.peer);
         free(world.host);
@@ -357,41 +368,40 @@ int cml_cluster_fair_cores(void)
     return world.fair_cores;
 }
 
-void cml_cluster_set_patience(double seconds)
+void cml_cluster_set_timeout(double seconds)
 {
-    world.patience = seconds;
+    world.timeout = seconds;
 }
 
-bool cml_cluster_broken(void)
+bool cml_cluster_contact_lost(void)
 {
-    return atomic_load(&world.silent) >= 0;
+    return atomic_load(&world.lost_rank) >= 0;
 }
 
-/* ---- together
- * ----------------------------------------------------------------------------------------------- */
+/* ---- together ---- */
 
 cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
 {
     if (world.size == 1) return mine;
-    if (cml_cluster_broken()) return mine != CML_OK ? mine : fail_silent(err);
+    if (cml_cluster_contact_lost()) return mine != CML_OK ? mine : fail_contact_lost(err);
     struct {
         int status, rank;
     } worst = {(int)mine, world.rank};
-    MPI_Request request;
-    CML_TRY(COMPLETE(MPI_Iallreduce(MPI_IN_PLACE, &worst, 1, MPI_2INT, MPI_MAXLOC, MPI_COMM_WORLD, &request),
-                     err));
+    MPI_Request call;
+    CML_TRY(
+        COMPLETE(MPI_Iallreduce(MPI_IN_PLACE, &worst, 1, MPI_2INT, MPI_MAXLOC, MPI_COMM_WORLD, &call), err));
     if (worst.status == CML_OK) return CML_OK;
-    CML_TRY(COMPLETE(MPI_Ibcast(err, sizeof *err, MPI_BYTE, worst.rank, MPI_COMM_WORLD, &request), err));
+    CML_TRY(COMPLETE(MPI_Ibcast(err, sizeof *err, MPI_BYTE, worst.rank, MPI_COMM_WORLD, &call), err));
     return (cml_status)worst.status;
 }
 
 cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
-    MPI_Request request;
+    MPI_Request call;
     char *bytes = data;
     for (size_t done = 0; world.size > 1 && done < size; done += SLICE_BYTES) {
         const size_t count = size - done < SLICE_BYTES ? size - done : SLICE_BYTES;
-        CML_TRY(COMPLETE(MPI_Ibcast(bytes + done, (int)count, MPI_BYTE, 0, MPI_COMM_WORLD, &request), err));
+        CML_TRY(COMPLETE(MPI_Ibcast(bytes + done, (int)count, MPI_BYTE, 0, MPI_COMM_WORLD, &call), err));
     }
     return CML_OK;
 }
@@ -414,77 +424,74 @@ cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct c
         memcpy(all, mine, size);
         return CML_OK;
     }
-    MPI_Request request;
+    MPI_Request call;
     return COMPLETE(
-        MPI_Igather(mine, (int)size, MPI_BYTE, all, (int)size, MPI_BYTE, 0, MPI_COMM_WORLD, &request), err);
+        MPI_Igather(mine, (int)size, MPI_BYTE, all, (int)size, MPI_BYTE, 0, MPI_COMM_WORLD, &call), err);
 }
 
-/* Into rank 0's own elements. */
+/* Into rank 0's own elements: MPI wants it to say so, and the others to give theirs. */
 static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI_Op op, struct cml_error *err)
 {
-    MPI_Request request;
+    MPI_Request call;
     const void *from = world.rank == 0 ? MPI_IN_PLACE : elements;
-    return COMPLETE(MPI_Ireduce(from, elements, count, type, op, 0, MPI_COMM_WORLD, &request), err);
+    return COMPLETE(MPI_Ireduce(from, elements, count, type, op, 0, MPI_COMM_WORLD, &call), err);
 }
 
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
     if (world.size == 1) return CML_OK;
-    struct cml_summary summary;
     size_t cells = 0;
     cml_u128 *cell = cml_result_cells(result, &cells);
     for (size_t done = 0; done < cells; done += SLICE_CELLS) {
         const size_t count = cells - done < SLICE_CELLS ? cells - done : SLICE_CELLS;
         CML_TRY(sum_elements(cell + done, (int)count, world.cell, world.add_cells, err));
     }
-    cml_result_summary(result, &summary);
-    CML_TRY(sum_elements(&summary, 1, world.summary, world.add_summary, err));
+    CML_TRY(sum_elements(&result->summary, 1, world.summary, world.add_summary, err));
     if (world.rank != 0) {
         memset(cell, 0, cells * sizeof *cell);
-        memset(&summary, 0, sizeof summary);
+        memset(&result->summary, 0, sizeof result->summary);
     }
-    cml_result_set_summary(result, &summary);
     return CML_OK;
 }
 
-/* ---- meetings and questions
- * --------------------------------------------------------------------------------- */
+/* ---- synchronisations and requests ---- */
 
-void cml_cluster_call(void)
+void cml_cluster_request_sync(void)
 {
-    raise_called(atomic_load(&world.held) + 1);
+    raise_requested(atomic_load(&world.syncs_done) + 1);
 }
 
-bool cml_cluster_called(void)
+bool cml_cluster_sync_requested(void)
 {
-    return atomic_load(&world.called) > atomic_load(&world.held);
+    return atomic_load(&world.syncs_requested) > atomic_load(&world.syncs_done);
 }
 
-cml_status cml_cluster_meet(struct cml_error *err)
+cml_status cml_cluster_synchronise(struct cml_error *err)
 {
-    MPI_Request request;
-    cml_cluster_call();
-    if (world.size > 1) CML_TRY(COMPLETE(MPI_Ibarrier(MPI_COMM_WORLD, &request), err));
-    atomic_fetch_add(&world.held, 1);
+    MPI_Request call;
+    cml_cluster_request_sync();
+    if (world.size > 1) CML_TRY(COMPLETE(MPI_Ibarrier(MPI_COMM_WORLD, &call), err));
+    atomic_fetch_add(&world.syncs_done, 1);
     return CML_OK;
 }
 
-void cml_cluster_serve(cml_cluster_clerk *clerk, void *context)
+void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
 {
-    pthread_mutex_lock(&world.desk);
-    world.clerk = clerk;
-    world.clerk_context = context;
-    pthread_mutex_unlock(&world.desk);
+    pthread_mutex_lock(&world.handler_lock);
+    world.handler = handler;
+    world.handler_context = context;
+    pthread_mutex_unlock(&world.handler_lock);
 }
 
-cml_status cml_cluster_ask(const struct cml_question *question, struct cml_answer *answer,
-                           struct cml_error *err)
+/* The receive is posted before the request is sent, so that the reply finds its place. */
+cml_status cml_cluster_request(const struct cml_work_request *request, struct cml_work_reply *reply,
+                               struct cml_error *err)
 {
-    MPI_Request request, reply;
+    MPI_Request sent, received;
     pthread_mutex_lock(&world.lock);
-    int code = MPI_Irecv(answer, sizeof *answer, MPI_BYTE, 0, TAG_ANSWER, MPI_COMM_WORLD, &reply);
+    int code = MPI_Irecv(reply, sizeof *reply, MPI_BYTE, 0, TAG_REPLY, MPI_COMM_WORLD, &received);
     if (code == MPI_SUCCESS)
-        code = MPI_Isend(question, sizeof *question, MPI_BYTE, 0, TAG_QUESTION, MPI_COMM_WORLD, &request);
-    CML_TRY(finish(code, &request, err));
-    return wait_for(&reply, err);
+        code = MPI_Isend(request, sizeof *request, MPI_BYTE, 0, TAG_REQUEST, MPI_COMM_WORLD, &sent);
+    CML_TRY(finish(code, &sent, err));
+    return wait_for(&received, err);
 }

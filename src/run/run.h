@@ -1,12 +1,13 @@
 /* One run: photon indices through an engine into a result, on all ranks, with progress and checkpoints.
- * Knows no terminal. All ranks fly ranges (work_ranges.h) into results of their own and meet when nothing is
- * left, when a checkpoint is due, on a signal and on an error; there the results are summed into that of rank
- * 0. A result is a sum of integers over indices: it depends neither on the number of ranks and threads nor on
- * stops. SPDX-License-Identifier: MIT */
+ * Knows no terminal. All ranks fly ranges (work_ranges.h) into results of their own and synchronise when
+ * nothing is left, when a checkpoint is due, on a signal and on an error; there the results are summed into
+ * that of rank 0. A result is a sum of integers over indices: it depends neither on the number of ranks and
+ * threads nor on stops. SPDX-License-Identifier: MIT */
 #ifndef CML_RUN_H
 #define CML_RUN_H
 
 #include "engine/engine.h"
+#include "tally/result.h"
 
 struct cml_progress {
     uint64_t done, total; /* photons */
@@ -43,8 +44,8 @@ struct cml_rank_report {
     uint64_t photons, ranges;
     double flying;  /* in the engine */
     double asking;  /* for ranges */
-    double waiting; /* for other ranks, at meetings */
-    double meeting; /* sums and checkpoints, once all were there */
+    double waiting; /* for other ranks, at synchronisations */
+    double summing; /* sums and checkpoints, once all were there */
     double elapsed;
     double processor; /* of all threads, since the start or the resume */
 };
@@ -57,6 +58,9 @@ struct cml_run_result {
     int ranks;
     struct cml_rank_report *rank; /* [ranks] on rank 0 */
 };
+
+/* Interactions and boundary events of all packets: what the time per step counts. */
+double cml_run_steps(const struct cml_run_result *run);
 
 /* Processor seconds of the photons' flight on all ranks: what it costs on a machine that others use too. */
 double cml_run_processor(const struct cml_run_result *run);
@@ -71,11 +75,12 @@ void cml_run_result_free(struct cml_run_result *out);
 /* The relative standard error that --target-error asks for. */
 double cml_run_error(const struct cml_result *result);
 
-/* Shares of all ranks' time that went into waiting for other ranks, and into asking and meetings. */
+/* Shares of all ranks' time that went into waiting for other ranks, and into requests and synchronisations.
+ */
 double cml_run_idle(const struct cml_run_result *run);
 double cml_run_communication(const struct cml_run_result *run);
 
-/* P9, P10: CML_E_NUMERIC when books do not balance or more than 1e-6 of the packets were lost. */
+/* P9, P10: CML_E_NUMERIC when the weight does not balance or more than 1e-6 of the packets were lost. */
 CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                                          struct cml_error *err);
 

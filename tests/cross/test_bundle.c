@@ -1,6 +1,6 @@
 /* The vector passes of the CPU engine against the scalar walk: whole tallies, bit for bit.
- * A tally holds every deposit, book, count and square, so one packet that goes another way shows.
- * SPDX-License-Identifier: MIT */
+ * A tally holds every deposit, term of the balance, count and square, so one packet that goes another way
+ * shows. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include "engine/cpu/bundle_walk.h"
@@ -15,8 +15,8 @@ static void expect_same_tally(const struct cml_tally *a, const struct cml_tally 
     const size_t cells = cml_tally_cells(&a->grid);
     for (size_t i = 0; i < cells; i++)
         if (a->A_l[i] != b->A_l[i]) fail_msg("%s: cell %zu differs", name, i);
-    for (int i = 0; i < CML_NUM_BOOKS; i++)
-        if (a->book[i] != b->book[i]) fail_msg("%s: book %d differs", name, i);
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
+        if (a->balance[i] != b->balance[i]) fail_msg("%s: term %d of the balance differs", name, i);
     for (int i = 0; i < CML_NUM_COUNTS; i++)
         if (i != CML_COUNT_QUERIES && a->count[i] != b->count[i]) fail_msg("%s: count %d differs", name, i);
     assert_memory_equal(a->square, b->square, sizeof a->square);

@@ -64,7 +64,7 @@ def kernel(starts):
 
 def convolution(verdict, name, beam, starts, pencil, seed):
     record, sections = fly(beam, seed)
-    cml.books(verdict, name, record)
+    cml.check_balance(verdict, name, record)
     shares = kernel(starts)
     for key in ("Rd_r", "Tt_r"):
         ours = profiles.ring_sums(sections[key], DR, GROUP)
@@ -91,7 +91,7 @@ def plate(verdict, angle, azimuth, at):
     with tempfile.TemporaryDirectory() as keep:
         record = cml.run(scene(beam, layers=[f"{n} {mua} 0 0 {d}"], photons=photons), "--seed", 5, keep=keep)[0]
         sections = cml.read_sections(record["output"])
-    cml.books(verdict, name, record)
+    cml.check_balance(verdict, name, record)
     back = R * (1 - R) ** 2 * e * e / (1 - R * R * e * e)
     through = (1 - R) ** 2 * e / (1 - R * R * e * e)
     for key, truth in (("Rsp", R), ("Rd", back), ("Tt", through)):
@@ -120,7 +120,7 @@ def angles(verdict):
         with tempfile.TemporaryDirectory() as keep:
             record = cml.run(text, "--seed", 6, keep=keep)[0]
             sections = cml.read_sections(record["output"])
-        cml.books(verdict, name, record)
+        cml.check_balance(verdict, name, record)
         for key in ("Tt_a", "Rd_a") if not surfaces else ("Tt_a",):
             # weights: an .mco divides a bin by 2 pi sin(a) da
             weights = [x * math.sin(math.radians((i + 0.5) * step)) for i, x in enumerate(sections[key])]
@@ -165,7 +165,7 @@ def symmetries(verdict):
 def main():
     verdict = cml.Verdict("beams")
     record, pencil = fly("", 41)
-    cml.books(verdict, "pencil", record)
+    cml.check_balance(verdict, "pencil", record)
     convolution(verdict, "disk", "beam disk 0.1", disk(0.1), pencil, 42)
     convolution(verdict, "gaussian", "beam gaussian 0.1", gaussian(0.1), pencil, 43)
     convolution(verdict, "at", "beam pencil at=0.12,-0.16", [0.2], pencil, 44)

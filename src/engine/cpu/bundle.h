@@ -50,7 +50,7 @@ struct cml_bundle {
                             tail */
     real s[CML_LANES];   /* distance to the next interaction, cm */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass */
-    cml_u32 flushed_w[CML_LANES];        /* weight when the deposits since were last added to a book */
+    cml_u32 flushed_w[CML_LANES];        /* weight when the deposits since were last added to the balance */
     cml_u32 draw0[CML_LANES], draw1[CML_LANES], draw2[CML_LANES]; /* words of the next interaction's block */
     cml_u32 index_low[CML_LANES], index_high[CML_LANES];
     cml_u32 interactions[CML_LANES], crossings[CML_LANES], boundary_events[CML_LANES];

@@ -112,8 +112,8 @@ static void cml_load_medium(struct cml_flight *f, int i)
     for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
-/* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
- * weight: to be called before either changes. */
+/* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
+ * as lost weight: to be called before either changes. */
 static void cml_flush_deposits(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* A binary tree of axis-parallel boxes, as of a bounding volume hierarchy, without links: its shape follows
+ * from the number of triangles alone. SPDX-License-Identifier: MIT */
 #include "geometry/box_tree.h"
 
 #include <math.h>
@@ -26,6 +27,7 @@ static struct node root_of(const struct cml_boxtree *tree)
     return (struct node){0, 0, tree->n};
 }
 
+/* Preorder: the left child follows its parent, and its 2 count - 1 nodes come before the right one. */
 static struct node left_of(struct node node)
 {
     return (struct node){node.at + 1, node.first, node.count / 2};
@@ -56,6 +58,7 @@ struct builder {
     double (*centre)[3]; /* [n], three times the centroid */
 };
 
+/* Closed boxes of the exact coordinates: triangles that touch have boxes that touch. */
 static struct box box_of_triangle(const struct builder *builder, uint32_t i)
 {
     const double *a = builder->vertex[builder->triangle[i][0]];
@@ -226,6 +229,7 @@ bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b,
     return search_two(&search, root_of(a), root_of(b));
 }
 
+/* Shared vertices make neighbours' boxes touch, so that all neighbours are among the pairs. */
 bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pair, void *context)
 {
     const struct search search = {tree, tree, pair, context};
@@ -240,6 +244,7 @@ struct column {
     void *context;
 };
 
+/* A column has no upper or lower end: z does not count. */
 static void search_column(const struct column *column, struct node node)
 {
     const struct box *box = &column->tree->box[node.at];

@@ -67,6 +67,7 @@ int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t)
     return work->source->triangle_line[work->origin ? work->origin[t] : t];
 }
 
+/* Heights, as in the file, not depths; 0.0 - z, because -z would print a height of zero as -0. */
 const char *cml_mesh_place(const double position[3], char text[112])
 {
     snprintf(text, 112, "(%.6g, %.6g, height %.6g) cm", position[0], position[1], 0.0 - position[2]);

@@ -40,6 +40,8 @@ static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leavin
     return loop;
 }
 
+/* The middle of the hole says more than one of its edges: a hole of three edges is hard to find in 1e6
+ * triangles. */
 static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *leaving, struct loop hole,
                               size_t num_loops, struct cml_error *err)
 {
@@ -55,7 +57,9 @@ static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *
                          hole.count, cml_mesh_place(center, place), num_loops);
 }
 
-/* Takes the loop of the largest area for the border; any other one is a hole. */
+/* Takes the loop of the largest area for the border; any other one is a hole, and which of several is named
+ * does not matter. A sheet without any border edge encloses something: it has no side to be called above
+ * everywhere. */
 static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving, uint8_t *seen,
                             struct loop *border, struct cml_error *err)
 {
@@ -96,6 +100,7 @@ static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struc
     return status;
 }
 
+/* What the tolerance of the border's depth is relative to. */
 static double largest_extent(const struct cml_mesh *mesh)
 {
     double extent = 0;
@@ -136,6 +141,7 @@ static cml_status level_border(const struct cml_mesh_work *work, const uint32_t 
     return CML_OK;
 }
 
+/* Names the edge's first vertex: an edge number would mean nothing to whoever made the mesh. */
 static cml_status refuse_crossing(const struct cml_mesh_work *work, const uint32_t *leaving, size_t edge,
                                   struct cml_error *err)
 {
@@ -167,6 +173,7 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
+/* All triangles and the border change their sense; depths and places stay. */
 static void flip_sheet(struct cml_mesh_work *work)
 {
     struct cml_mesh *mesh = work->mesh;

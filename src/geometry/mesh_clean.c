@@ -8,6 +8,7 @@
 
 #define EMPTY UINT32_MAX
 
+/* Numbers in files are finite, but units and scale may take them beyond the range of double. */
 static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -21,6 +22,7 @@ static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_er
     return CML_OK;
 }
 
+/* Half-edges are numbered in 32 bits: 3 * 2^30 of them fit. */
 static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -102,6 +104,7 @@ bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
     return u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0];
 }
 
+/* In place and in order. `origin` remembers where each triangle stood, for messages with line numbers. */
 static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* sum += factor * a */
 static void add_scaled(double sum[3], double factor, const double a[3])
 {
     for (int k = 0; k < 3; k++) sum[k] += factor * a[k];
@@ -129,7 +130,8 @@ static void height_moments(const struct cml_mesh *mesh, size_t t, double referen
     moment[1] = (z[0] * (z[0] + z[1]) + z[1] * (z[1] + z[2]) + z[2] * (z[2] + z[0])) / 6;
 }
 
-/* Area-weighted sums over the projected triangles: [0] area, [1] z, [2] z^2, [3] slope^2. */
+/* Area-weighted sums over the projected triangles: [0] area, [1] z, [2] z^2, [3] slope^2. A vertical wall has
+ * no projected area, and an infinite slope. */
 static void sum_heights(const struct cml_mesh *mesh, double reference, double sum[4],
                         struct cml_mesh_summary *summary)
 {

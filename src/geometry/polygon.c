@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Edges in rows, and the sweep that looks for crossings: two edges can meet only in a row in which both are.
+ * SPDX-License-Identifier: MIT */
 #include "geometry/polygon.h"
 
 #include "geometry/predicate.h"
@@ -17,6 +18,7 @@ size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y)
     return row < (double)(rows->num_rows - 1) ? (size_t)row : rows->num_rows - 1;
 }
 
+/* The rows that an edge overlaps, both ends included. */
 static void edge_rows(const struct cml_polygon_rows *rows, size_t edge, size_t *low, size_t *high)
 {
     const size_t next = edge + 1 < rows->num_points ? edge + 1 : 0;
@@ -89,6 +91,7 @@ void cml_polygon_rows_clear(struct cml_polygon_rows *rows)
     *rows = (struct cml_polygon_rows){0};
 }
 
+/* For a point that is on the segment's line already: is it between the ends? */
 static bool in_box(const double a[2], const double b[2], const double p[2])
 {
     return p[0] >= fmin(a[0], b[0]) && p[0] <= fmax(a[0], b[0]) && p[1] >= fmin(a[1], b[1]) &&

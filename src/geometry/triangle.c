@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Triangle against triangle by signs of exact determinants only, so that no tolerance decides; rounded
+ * arithmetic says at most where the contact is. SPDX-License-Identifier: MIT */
 #include "geometry/triangle.h"
 
 #include "geometry/predicate.h"
@@ -73,6 +74,7 @@ struct view {
     int x, y;
 };
 
+/* The exact orientation of three points as the view shows them. */
 static int orientation(struct view view, const double *a, const double *b, const double *c)
 {
     const double p[2] = {a[view.x], a[view.y]};
@@ -153,7 +155,8 @@ static enum cml_contact segment_contact(const double *p, const double *q, const 
     return at_p && at_q && left + right == 3 ? CML_CROSS : CML_TOUCH;
 }
 
-/* The stronger of what was found and what this segment shows. */
+/* The stronger of what was found and what this segment shows. A crossing cannot be beaten, so the search is
+ * over. */
 static enum cml_contact stronger(enum cml_contact found, const double *p, const double *q,
                                  const double *const t[3], double place[3])
 {

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* The grammar of .mci files: which data line follows which, and where ours may stand between them.
+ * SPDX-License-Identifier: MIT */
 #include "input/mci.h"
 
 #include "input/mci_beam.h"
@@ -96,6 +97,7 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
     return CML_OK;
 }
 
+/* The file's first word of a run may be anything, also a keyword: see STAGE_NAME. */
 static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scene_list *list,
                             struct cml_scene *scene)
 {
@@ -126,6 +128,7 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const double 
     return cml_mci_fail(reader, "nz nr na", value, expected);
 }
 
+/* Photons, bin sizes, numbers of bins. */
 static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     static const struct cml_mci_field photons = {"photons", 1, 281474976710656.0, true,
@@ -172,6 +175,7 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
 
 static const char index_range[] = "a refractive index of 0.01..100";
 
+/* The media above and below have a refractive index only: nothing is absorbed or scattered there. */
 static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *scene, bool above)
 {
     const struct cml_mci_field field = {above ? "n above" : "n below", MIN_INDEX, MAX_INDEX, false,

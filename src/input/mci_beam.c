@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* The beam line. SPDX-License-Identifier: MIT */
 #include "input/mci_beam.h"
 
 #include "input/mci_options.h"

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Lines b and m, and the files that they name. SPDX-License-Identifier: MIT */
 #include "input/mci_boundary.h"
 
 #include "input/mesh/esri.h"
@@ -24,6 +24,7 @@ struct samples {
     double radius; /* of the sample read last */
 };
 
+/* Names the heights' own file and line when the numbers stand in one. */
 static cml_status fail_sample(const struct samples *samples, const char *field, const char *value,
                               const char *expected)
 {
@@ -34,6 +35,7 @@ static cml_status fail_sample(const struct samples *samples, const char *field, 
                           expected);
 }
 
+/* In a file numbers may be broken into lines anywhere; in the .mci they are one line. */
 static char *next_word(struct samples *samples)
 {
     for (;;) {
@@ -93,6 +95,8 @@ static cml_status read_number(struct samples *samples, size_t i, int n)
     return fail_number(samples, i, n, word, "a spacing that takes the radius further, up to 1e30 cm");
 }
 
+/* Text behind the last number is a comment in the .mci, as behind all its fields; in a file of nothing but
+ * numbers it is a mistake. */
 static cml_status read_samples(struct samples *samples, int *n)
 {
     const bool in_file = samples->file.data != NULL;
@@ -168,6 +172,7 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 
 enum { MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_UP, MESH_NORMALS };
 
+/* One case per key; a heightmap takes the same options as a mesh, but for up=y. */
 static cml_status set_mesh_option(const struct cml_mci_line_options *options, struct cml_obj_options *obj)
 {
     static const char *const units[] = {"cm", "mm", "um", "m"};
@@ -206,6 +211,7 @@ static cml_status set_mesh_option(const struct cml_mci_line_options *options, st
 
 enum mesh_file { FILE_OBJ, FILE_GSF, FILE_ASC };
 
+/* The ending decides how a file is read. */
 static cml_status check_mesh_name(const struct cml_mci_line_options *options, const char *name,
                                   enum mesh_file *kind)
 {
@@ -238,6 +244,7 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
     return status;
 }
 
+/* Options are read before the file, so that a mistake in the line is found before a long read. */
 static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     char owner[32];
@@ -265,6 +272,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     return CML_OK;
 }
 
+/* The line is kept as written: results say what their boundaries were. */
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* What is the same in all lines of .mci files: comments, keywords, numbers, messages.
+ * SPDX-License-Identifier: MIT */
 #include "input/mci_lines.h"
 
 #include <stdlib.h>
@@ -110,6 +111,7 @@ cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_m
     return CML_OK;
 }
 
+/* Quoted names may hold a '#'. */
 void cml_mci_cut_comment(char *text)
 {
     bool quoted = false;
@@ -126,6 +128,8 @@ cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, 
     return cml_fail_field(reader->err, reader->text.path, reader->text.line, field, value, expected);
 }
 
+/* Whole numbers go through both: cml_parse_count refuses what is not whole, the range is compared as a
+ * double. */
 bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value)
 {
     double number = 0;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Lines map and facets. SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
 #include "facet.h"
@@ -68,6 +68,8 @@ cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets)
     return cml_mci_fail(reader, "text after facets", word, "the end of the line or a # comment");
 }
 
+/* A map's cells are counted in double: their product may exceed 64 bits. Four per pixel: Rd and Tt, each with
+ * squares. */
 cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const struct cml_map_def *map = &scene->map;

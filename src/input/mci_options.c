@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Options of a line, one at a time, in any order. SPDX-License-Identifier: MIT */
 #include "input/mci_options.h"
 
 #include <string.h>

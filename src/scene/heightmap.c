@@ -1,10 +1,11 @@
-/* SPDX-License-Identifier: MIT */
+/* Heightmaps as they are measured: memory, missing heights, place, moments. SPDX-License-Identifier: MIT */
 #include "scene/heightmap.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* In double: the product of two ints from a file may not fit an int. */
 cml_status cml_heightmap_allocate(const char *path, double nx, double ny, struct cml_heightmap *map,
                                   struct cml_error *err)
 {

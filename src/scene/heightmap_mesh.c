@@ -35,13 +35,13 @@ static void add_triangle(void *context, const size_t corner[3])
 
 /* ---- the rim ---- */
 
-/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x.
- */
 static size_t rim_length(const struct cml_heightmap *map)
 {
     return 2 * ((size_t)map->nx - 1) + 2 * ((size_t)map->ny - 1);
 }
 
+/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x.
+ */
 static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
 {
     const size_t nx = (size_t)map->nx, x = nx - 1, y = (size_t)map->ny - 1;
@@ -182,6 +182,8 @@ static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes
     notes->skirt[1] = fmax(map->dy, notes->rim_step);
 }
 
+/* The tolerance is relative to the relief, so that it does not depend on units or on where heights count
+ * from. */
 static void note_map(const struct cml_heightmap *map, double tolerance, struct cml_heightmap_notes *notes)
 {
     *notes = (struct cml_heightmap_notes){.nx = map->nx, .ny = map->ny, .dx = map->dx, .dy = map->dy};

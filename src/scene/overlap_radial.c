@@ -1,4 +1,6 @@
-/* SPDX-License-Identifier: MIT */
+/* The least vertical gap between surfaces of which one is a function of the radius. It is piecewise smooth,
+ * so it is enough to look where pieces meet and where its derivative vanishes. SPDX-License-Identifier: MIT
+ */
 #include "scene/overlap_radial.h"
 
 #include "geometry/vec3.h"
@@ -75,6 +77,7 @@ struct edge {
     double along, foot, distance;
 };
 
+/* Seen from above a vertical edge is a point: `along` is 0, and the rest means nothing. */
 static struct edge make_edge(const double *a, const double *b)
 {
     struct edge edge = {a, b, hypot(b[0] - a[0], b[1] - a[1]), 0.0, hypot(a[0], a[1])};
@@ -85,6 +88,7 @@ static struct edge make_edge(const double *a, const double *b)
     return edge;
 }
 
+/* Ends do not count: vertices are compared by themselves. */
 static void compare_on_edge(const struct comparison *c, const struct edge *edge, double t)
 {
     if (!(t > 0.0 && t < 1.0)) return;
@@ -167,6 +171,8 @@ static bool find_section(const double *const v[3], struct section *section)
     return ends == 2 && section->s[0] != section->s[1];
 }
 
+/* On a line through the axis both surfaces are piecewise linear: the gap is least at a ring, or at an end,
+ * which is on an edge. `side` 1 and -1 are the two halves of the line. */
 static void compare_section(const struct comparison *c, const struct section *section, double side)
 {
     const double s_0 = side * section->s[0], s_1 = side * section->s[1];
@@ -210,6 +216,7 @@ static double least_gap(const struct comparison *c, const double *const v[3], do
     return c->mesh_is_upper ? field_top - (c->z_mesh + bottom) : c->z_mesh + top - field_bottom;
 }
 
+/* The field's range of depths is known once, and lets whole triangles pass (least_gap). */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest)

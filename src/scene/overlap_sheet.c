@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* Sheets against themselves and each other: order by columns through vertices, contact by pairs of triangles.
+ * SPDX-License-Identifier: MIT */
 #include "scene/overlap_sheet.h"
 
 #include "geometry/predicate.h"
@@ -9,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Depth is added once; all exact decisions are about these rounded sums. */
 static void place_vertices(struct cml_sheet *sheet, double z)
 {
     const struct cml_mesh *mesh = sheet->mesh;
@@ -181,6 +183,8 @@ static bool passes_right(const double *a, const double *b, const double *point)
     return (a[1] < b[1] ? cml_orient2d(a, b, point) : cml_orient2d(b, a, point)) > 0;
 }
 
+/* The depth of a triangle over a point, from barycentric coordinates; only for the message, so rounding does
+ * not matter. */
 static double depth_in_column(const double *const v[3], const double *point)
 {
     double weight[3], sum = 0.0, z = 0.0;
@@ -193,6 +197,8 @@ static double depth_in_column(const double *const v[3], const double *point)
     return sum > 0.0 ? z / sum : v[0][2];
 }
 
+/* A triangle is above the point when the point is on its lower side: the exact 3D orientation, with the sign
+ * that the triangle's turn seen from above gives it. */
 static void visit_column(void *context, uint32_t i)
 {
     struct column *column = context;
@@ -230,6 +236,7 @@ static double depth_on_wrong_side(const struct cml_sheet *sheet, const double *p
     return column.nearest;
 }
 
+/* A depth is something that a user can see and mend, so the deepest place is named rather than the first. */
 static void keep_deepest(struct cml_sheet_overlap *overlap, double depth, double x, double y, double z)
 {
     if (!(depth > overlap->depth)) return;
@@ -240,6 +247,8 @@ static void keep_deepest(struct cml_sheet_overlap *overlap, double depth, double
     overlap->at[2] = z;
 }
 
+/* Where one sheet reaches through the other with a vertex, the vertex is on the wrong side. Vertices beyond
+ * all of the other sheet need no column. */
 static void compare_vertices(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {
@@ -266,6 +275,7 @@ static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet
         keep_stronger(overlap, CML_TOUCH, at, CML_SHEET_OUTER_PLANE, CML_SHEET_OUTER_PLANE);
 }
 
+/* What the triangles of one sheet do in the outer plane of the other, which has no triangles of its own. */
 static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_sheet *other, bool sheet_first,
                                struct cml_sheet_overlap *overlap)
 {
@@ -279,6 +289,7 @@ static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_s
     }
 }
 
+/* The cheap comparison of vertices first: it also finds the depth, which makes the better message. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Rings that are not needed are found from the samples alone. SPDX-License-Identifier: MIT */
 #include "scene/radial.h"
 
 #include <float.h>
@@ -31,7 +31,8 @@ static cml_status allocate(struct cml_radial *radial, int n, struct cml_error *e
     return cml_fail_memory(err, 2.0 * (double)bytes, "a radial heightfield");
 }
 
-/* How many samples are left when those at the end that repeat the last height are dropped. */
+/* How many samples are left when those at the end that repeat the last height are dropped: beyond the last
+ * sample the surface is level anyway. */
 static int count_without_tail(const struct cml_radial *radial)
 {
     int n = radial->n;
@@ -77,6 +78,7 @@ static int furthest_on_line(const struct cml_radial *radial, int anchor, int n)
     return furthest;
 }
 
+/* Greedy: each line goes as far as it can. */
 cml_status cml_radial_merge(const struct cml_radial *from, struct cml_radial *to, struct cml_error *err)
 {
     const int n = count_without_tail(from);

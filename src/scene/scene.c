@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* What belongs to a scene is freed here, and a radial height is looked up. SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
 #include <stdlib.h>

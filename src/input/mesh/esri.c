@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* ESRI ASCII grids: keywords in any order, then rows of numbers. SPDX-License-Identifier: MIT */
 #include "input/mesh/esri.h"
 
 #include "base/text.h"
@@ -58,6 +58,7 @@ static cml_status check_value(const struct grid *g, int key, const char *word)
     return CML_OK;
 }
 
+/* Case does not matter, and every keyword may come once. */
 static cml_status read_keyword(struct grid *g, const char *name)
 {
     int key = 0;
@@ -107,6 +108,8 @@ static cml_status check_size(const struct grid *g)
                     g->value[NCOLS], g->value[NROWS], g->text.size);
 }
 
+/* A height that equals NODATA_value exactly is missing: it was written by the same program in the same way.
+ */
 static cml_status read_heights(struct grid *g, const char *word, double unit, struct cml_heightmap *map)
 {
     const size_t cells = (size_t)map->nx * (size_t)map->ny;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Gwyddion Simple Field files: a header of text, then floats. SPDX-License-Identifier: MIT */
 #include "input/mesh/gsf.h"
 
 #include "base/text.h"
@@ -31,6 +31,7 @@ static char *trim(char *text)
     return text;
 }
 
+/* One row or column would have no slope along the other axis. */
 static cml_status read_resolution(const struct field *f, const char *name, const char *value, int *resolution)
 {
     if (*resolution != 0) return fail(f, name, value, "this line only once");
@@ -45,6 +46,7 @@ static cml_status read_size(const struct field *f, const char *name, const char 
     return fail(f, name, value, "a length of 1e-30..1e30");
 }
 
+/* The two bytes before the m are the micro sign and the Greek letter mu in UTF-8. */
 static cml_status read_unit(const struct field *f, const char *name, const char *value, double *unit)
 {
     static const struct {
@@ -74,6 +76,7 @@ static cml_status read_line(struct field *f, char *line)
     return CML_OK;
 }
 
+/* The header ends at the first NUL byte, before which it is text like any other. */
 static cml_status read_header(struct field *f)
 {
     const size_t size = sizeof magic - 1;

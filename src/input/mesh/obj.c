@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* OBJ files in and out: faces become triangles, axes and units ours. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj.h"
 
 #include "base/atomic_file.h"
@@ -16,6 +16,7 @@ static cml_status no_memory(const struct cml_obj_scan *scan, struct cml_error *e
     return cml_fail_memory(err, 28.0 * (double)scan->num_corners, "the faces of a mesh");
 }
 
+/* tinyobjloader resolves relative numbers; that they are in range is checked here, with the face's line. */
 static cml_status read_corners(const struct cml_text *text, const struct cml_obj_scan *scan, uint32_t *corner,
                                struct cml_error *err)
 {
@@ -94,6 +95,7 @@ static void turn_axes(enum cml_up_axis up, const double file[3], double out[3])
     memcpy(out, turned[up], sizeof turned[up]);
 }
 
+/* Turned, scaled, shifted, and then depth instead of height. */
 static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *options)
 {
     const double factor = options->unit * options->scale;

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Convex planar polygons cut into the fan whose smallest triangle is largest. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_polygon.h"
 
 #include "geometry/vec3.h"

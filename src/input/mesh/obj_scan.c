@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* The strict scan. It works in place: what is not needed becomes blanks, and the text keeps its length for
+ * the next reader. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_scan.h"
 
 #include <stdlib.h>

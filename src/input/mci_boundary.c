@@ -272,7 +272,6 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     return CML_OK;
 }
 
-/* The line is kept as written: results say what their boundaries were. */
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {
@@ -283,7 +282,6 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
     }
     boundary->line = reader->text.line;
-    CML_TRY(cml_text_copy(cml_mci_raw(reader), &boundary->text, reader->err));
     CML_TRY(kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary));
     if (reader->options->flat) cml_boundary_flatten(boundary);
     return CML_OK;

@@ -18,7 +18,6 @@ static void clear_boundary(struct cml_boundary *boundary)
 {
     cml_boundary_flatten(boundary);
     free(boundary->file);
-    free(boundary->text);
 }
 
 void cml_scene_clear(struct cml_scene *scene)

@@ -38,7 +38,6 @@ struct cml_boundary {
     struct cml_heightmap_notes map_notes; /* of the heightmap that the mesh was made of; zero: of none */
     char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
     int line;   /* line of the .mci, 0 when the boundary is implicit */
-    char *text; /* that line as written, NULL when implicit */
 };
 
 enum cml_beam_kind { CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN };

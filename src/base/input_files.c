@@ -14,6 +14,7 @@ static char *copy_data(const char *data, size_t size)
     return copy;
 }
 
+/* An entry counts as soon as it is there, even half made, so that clearing frees what it has. */
 static cml_status append(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
                          struct cml_error *err)
 {
@@ -55,6 +56,7 @@ struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs)
     return (struct cml_text_source){replay, inputs};
 }
 
+/* Path, size, bytes, and so on: both sides are the same program on the same kind of machine. */
 cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size, struct cml_error *err)
 {
     FILE *out = open_memstream(block, size);

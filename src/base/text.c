@@ -9,7 +9,7 @@
 
 static const char blanks[] = " \t\v\f\r";
 
-/* In growing pieces: standard input has no length to ask for. */
+/* In growing pieces: standard input has no length to ask for. One byte stays free for the final NUL. */
 static cml_status read_stream(FILE *stream, const char *path, char **data, size_t *size,
                               struct cml_error *err)
 {
@@ -106,6 +106,8 @@ char *cml_text_word(char **cursor)
     return close ? word + 1 : word;
 }
 
+/* strtod takes more than a number in a file should be: the set of characters excludes hexadecimal, nan and
+ * inf. */
 bool cml_parse_double(const char *word, double *value)
 {
     if (word[strspn(word, "+-.0123456789eE")] != '\0') return false;
@@ -116,6 +118,7 @@ bool cml_parse_double(const char *word, double *value)
     return true;
 }
 
+/* Up to 2^53, to which every whole number is a double. */
 bool cml_parse_count(const char *word, uint64_t *value)
 {
     double number = 0;

@@ -123,7 +123,8 @@ static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *
     return CML_OK;
 }
 
-/* Numbers the vertices that triangles use, in their old order, and packs them. */
+/* Numbers the vertices that triangles use, in their old order, and packs them: a prepared mesh comes through
+ * unchanged. */
 static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -24,6 +24,7 @@ enum stage {
     STAGE_LAYERS /* b and m */
 };
 
+/* Lines that hold for the whole run, not for one boundary. */
 static bool is_of_run(enum cml_mci_kind kind)
 {
     return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS;
@@ -46,6 +47,7 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
+/* Each of them may stand once, which its reader checks. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
@@ -173,6 +175,7 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
                            "the layers");
 }
 
+/* Named once, as it is a field of the media above and below and of every layer. */
 static const char index_range[] = "a refractive index of 0.01..100";
 
 /* The media above and below have a refractive index only: nothing is absorbed or scattered there. */
@@ -185,6 +188,7 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
     return cml_mci_numbers(reader, NULL, &field, 1, &medium->n);
 }
 
+/* The boundary above the layer, number layer - 1, may have its line before this one. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
     static const char coefficient[] = "a coefficient of 0..1e30 1/cm";
@@ -246,6 +250,7 @@ static cml_status check_rest(struct cml_mci_reader *reader)
     return fail_misplaced(reader, kind, "the end of the run");
 }
 
+/* The file version is any data line: original MCML does not look at it either. */
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
     static const struct cml_mci_field field = {"number of runs", 1, MAX_RUNS, true,
@@ -258,6 +263,7 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     return check_rest(reader);
 }
 
+/* A scene that is half read is never seen: a failure clears all. */
 cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
                         struct cml_scene_list *list, struct cml_error *err)
 {

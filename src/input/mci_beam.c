@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+/* The order of the keys in cml_mci_beam. */
 enum { BEAM_AT, BEAM_ANGLE, BEAM_AZIMUTH };
 
 /* Angles are degrees in the file, as people write them, and rad from here on. */
@@ -32,6 +33,7 @@ static cml_status set_beam_option(const struct cml_mci_line_options *options, st
     }
 }
 
+/* The shape comes first and is no option: without it nobody would know what the radius is of. */
 static cml_status read_beam_shape(const struct cml_mci_line_options *options, struct cml_beam *beam)
 {
     static const char *const shapes[] = {"pencil", "disk", "gaussian"};
@@ -48,6 +50,7 @@ static cml_status read_beam_shape(const struct cml_mci_line_options *options, st
     return cml_mci_fail_option(options, radius.name, word, radius.expected);
 }
 
+/* A second line would overrule the first unseen: it is refused. */
 cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_beam *beam)
 {
     struct cml_mci_line_options options = {.reader = reader,

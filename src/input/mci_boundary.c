@@ -73,6 +73,7 @@ static cml_status fail_number(const struct samples *samples, size_t i, int n, co
     return fail_sample(samples, name, word, word ? expected : total);
 }
 
+/* A spacing so small that the radius stays the same in double would make a ring of no width. */
 static cml_status read_number(struct samples *samples, size_t i, int n)
 {
     static const struct cml_mci_field height = {"h", -CML_MCI_HUGE, CML_MCI_HUGE, false,
@@ -153,6 +154,7 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
     return CML_OK;
 }
 
+/* Numbers first, as many as there are; radii and heights when all are known to be right. */
 static cml_status read_radial(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     struct samples samples = {.reader = reader};
@@ -170,6 +172,7 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 /* --- m: a mesh or a heightmap -----------------------------------------------------------------------------
  */
 
+/* The order of the keys in read_mesh. */
 enum { MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_UP, MESH_NORMALS };
 
 /* One case per key; a heightmap takes the same options as a mesh, but for up=y. */

@@ -30,6 +30,7 @@ void cml_mci_forget(struct cml_mci_reader *reader)
     reader->kept_last = 0;
 }
 
+/* The memory changes hands, and the reader begins a new one. */
 char *cml_mci_take_kept(struct cml_mci_reader *reader)
 {
     char *kept = reader->kept;
@@ -93,6 +94,7 @@ static enum cml_mci_kind take_keyword(char **cursor)
     return CML_MCI_DATA;
 }
 
+/* Only data lines and lines of ours are kept: comments change no result. */
 cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
 {
     char *line = NULL;
@@ -141,6 +143,7 @@ bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *
     return true;
 }
 
+/* One field of the current line; the message names owner and field. */
 static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
                               const struct cml_mci_field *field, double *value)
 {
@@ -151,6 +154,8 @@ static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
     return cml_mci_fail(reader, name, word, field->expected);
 }
 
+/* Behind the last field original MCML's files have comments without a '#': words are ignored, but a further
+ * number was probably meant for something. */
 cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                            const struct cml_mci_field *fields, int count, double *values)
 {

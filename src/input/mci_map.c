@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+/* The four numbers that every map has. */
 static cml_status read_pixels(struct cml_mci_reader *reader, struct cml_map_def *map)
 {
     static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9";
@@ -45,6 +46,7 @@ static cml_status read_word(struct cml_mci_reader *reader, const char *word, str
                                                     : cml_mci_fail(reader, top.name, word + 4, top.expected);
 }
 
+/* Options follow in any order, but top= only behind volume. */
 cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_map_def *map)
 {
     if (map->nx > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one map line per run");

@@ -16,6 +16,7 @@ cml_status cml_mci_fail_value(const struct cml_mci_line_options *options, const 
     return cml_mci_fail_option(options, options->keys[options->key], options->value, expected);
 }
 
+/* An option that comes twice is refused: one of the two was not meant. */
 cml_status cml_mci_next_option(struct cml_mci_line_options *options, bool *more)
 {
     char *word = cml_text_word(&options->reader->cursor);
@@ -52,6 +53,7 @@ bool cml_mci_parse_list(const char *text, int count, double *values)
     return true;
 }
 
+/* Names are compared exactly: in units the case matters. */
 int cml_mci_choose(const char *word, const char *const *names, int count)
 {
     for (int i = 0; i < count; i++)

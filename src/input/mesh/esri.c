@@ -45,6 +45,7 @@ static bool parse_height(const char *word, double *value)
     return true;
 }
 
+/* What is wrong with a value is said where it stands, not after the whole header. */
 static cml_status check_value(const struct grid *g, int key, const char *word)
 {
     const double value = g->value[key];
@@ -85,6 +86,8 @@ static cml_status read_header(struct grid *g, char **height)
     }
 }
 
+/* Either square cells by cellsize, or dx and dy, as some programs write; both together would contradict each
+ * other. */
 static cml_status check_header(const struct grid *g, double unit)
 {
     const char *path = g->text.path;

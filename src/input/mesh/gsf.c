@@ -23,6 +23,7 @@ static cml_status fail(const struct field *f, const char *name, const char *valu
     return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
 }
 
+/* Blanks around names and values do not count. */
 static char *trim(char *text)
 {
     text += strspn(text, " \t");
@@ -92,6 +93,7 @@ static cml_status read_header(struct field *f)
     return CML_OK;
 }
 
+/* The format lets sizes be missing; slopes would then be a guess. */
 static cml_status check_header(const struct field *f)
 {
     const char *path = f->text.path;

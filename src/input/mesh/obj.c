@@ -69,6 +69,7 @@ static cml_status split_faces(const char *path, const struct cml_obj_scan *scan,
     return CML_OK;
 }
 
+/* A polygon of n corners becomes n - 2 triangles: so many are there in all. */
 static cml_status build_triangles(const struct cml_text *text, const struct cml_obj_scan *scan,
                                   struct cml_mesh *mesh, int **triangle_line, struct cml_error *err)
 {
@@ -129,6 +130,7 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
     return status;
 }
 
+/* The file's text is blanked by the scan, so that tinyobjloader reads nothing that was not checked. */
 cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
                         const struct cml_obj_options *options, struct cml_mesh *mesh,
                         struct cml_mesh_notes *notes, struct cml_error *err)
@@ -144,6 +146,7 @@ cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
     return status;
 }
 
+/* Every line of the comment needs its own '#'. */
 static void write_comment(FILE *stream, const char *comment)
 {
     fputs("# ", stream);

@@ -19,6 +19,7 @@ static const double *point(const struct polygon *p, size_t i)
     return p->vertex[p->corner[i % p->size]];
 }
 
+/* Against the polygon's own normal: negative where the corner turns inwards. */
 static double signed_area(const struct polygon *p, size_t a, size_t b, size_t c)
 {
     double area[3];
@@ -67,6 +68,7 @@ static bool is_convex(const struct polygon *p)
     return fabs(turned) < 9; /* 2 pi, not 4 pi */
 }
 
+/* Corners on a straight side make triangles of no area with some apexes, and not with others. */
 static double smallest_triangle(const struct polygon *p, size_t apex)
 {
     double smallest = INFINITY;

@@ -93,6 +93,8 @@ static bool parse_corner(const char *word, int *number)
     return count < 3 || cml_parse_int(part[2], &ignored);
 }
 
+/* Numbers may be relative to the vertices read so far (-1 is the last one); those that come later can be
+ * known only at the end. */
 static cml_status scan_corner(const struct line *line, const char *word, size_t num_vertices,
                               struct cml_error *err)
 {
@@ -110,6 +112,7 @@ static cml_status scan_corner(const struct line *line, const char *word, size_t 
     return CML_OK;
 }
 
+/* Only counts and checks corners: tinyobjloader hands out the numbers. */
 static cml_status scan_face(const struct line *line, char *cursor, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {

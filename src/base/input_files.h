@@ -16,8 +16,7 @@ struct cml_inputs {
     struct cml_input *item; /* [count], in the order of reading */
 };
 
-/* A source that reads the file system and adds to `inputs` every file that it read. `inputs` must outlive it.
- */
+/* A source that reads the file system and adds every file that it read to `inputs`, which must outlive it. */
 struct cml_text_source cml_inputs_recorder(struct cml_inputs *inputs);
 
 /* A source that finds files in `inputs` and nowhere else. CML_E_INPUT for any other path. */

@@ -129,8 +129,7 @@ static void select_middle(const struct builder *builder, size_t first, size_t co
     }
 }
 
-/* Median split: the depth is log2 n whatever the triangles are. Boxes are those of the children, from below.
- */
+/* Median split: the depth is log2 n whatever the triangles are. Boxes come from the children's. */
 static void build(const struct builder *builder, struct node node)
 {
     struct cml_boxtree *tree = builder->tree;

@@ -169,8 +169,7 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
     return status;
 }
 
-/* --- m: a mesh or a heightmap -----------------------------------------------------------------------------
- */
+/* --- m: a mesh or a heightmap -------------------------------------------------------------------------- */
 
 /* The order of the keys in read_mesh. */
 enum { MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_UP, MESH_NORMALS };

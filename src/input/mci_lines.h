@@ -1,7 +1,6 @@
-/* Lines and numbers of .mci files: what mci.c (grammar) and the files mci_*.c of the lines that are ours
- * stand on. Hands out data lines, tells the lines that original MCML does not know, reads the fields of a
- * line against their allowed ranges, and keeps the run's lines as written. SPDX-License-Identifier: MIT
- */
+/* Lines and numbers of .mci files: what mci.c (grammar) and the files mci_*.c of our own lines stand on.
+ * Hands out data lines, tells the lines that original MCML does not know, reads the fields of a line against
+ * their allowed ranges, and keeps the run's lines as written. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_LINES_H
 #define CML_MCI_LINES_H
 
@@ -64,8 +63,7 @@ void cml_mci_forget(struct cml_mci_reader *reader);
 /* Hands the lines kept to the caller, who frees them. */
 char *cml_mci_take_kept(struct cml_mci_reader *reader);
 
-/* Ends the text at the first '#' outside quotes. A number may be glued to it ("0.1#dz"), as in the original.
- */
+/* Ends the text at the first '#' outside quotes. A number may be glued to it ("0.1#dz"), as in MCML. */
 void cml_mci_cut_comment(char *text);
 
 /* cml_fail_field at the current line. */

@@ -90,8 +90,7 @@ static double slope_squares(const struct cml_heightmap *map, const double *h, in
     return sum / 2;
 }
 
-/* Squares about the mean in a second pass: in one, a shallow relief at a large height would lose its digits.
- */
+/* Squares about the mean in a second pass: in one, a shallow relief far up would lose its digits. */
 void cml_heightmap_measure(const struct cml_heightmap *map, const double *h, struct cml_relief *relief)
 {
     const size_t count = (size_t)map->nx * (size_t)map->ny;

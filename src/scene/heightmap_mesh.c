@@ -40,8 +40,7 @@ static size_t rim_length(const struct cml_heightmap *map)
     return 2 * ((size_t)map->nx - 1) + 2 * ((size_t)map->ny - 1);
 }
 
-/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x.
- */
+/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x */
 static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
 {
     const size_t nx = (size_t)map->nx, x = nx - 1, y = (size_t)map->ny - 1;

@@ -180,8 +180,7 @@ static void keep_triangle(const struct walk *walk, const struct triangle *t, int
     walk->visit(walk->context, corner);
 }
 
-/* From the squares down; stops where the middle's error, and so every error below, is within the tolerance.
- */
+/* From the squares down; stops where the middle's error, and so every one below, is within tolerance. */
 static void refine(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_split *split = walk->split;

@@ -1,6 +1,5 @@
 /* The least vertical gap between surfaces of which one is a function of the radius. It is piecewise smooth,
- * so it is enough to look where pieces meet and where its derivative vanishes. SPDX-License-Identifier: MIT
- */
+ * so it is enough to look where pieces meet and where its derivative is 0. SPDX-License-Identifier: MIT */
 #include "scene/overlap_radial.h"
 
 #include "geometry/vec3.h"
@@ -96,8 +95,7 @@ static void compare_on_edge(const struct comparison *c, const struct edge *edge,
     compare_at_point(c, a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1]), a[2] + t * (b[2] - a[2]));
 }
 
-/* Where the edge, seen from above, passes the circle of radius r. (r - d) (r + d), because r^2 - d^2 cancels.
- */
+/* Where the edge, seen from above, passes the circle of radius r. (r - d) (r + d): r^2 - d^2 would cancel. */
 static void compare_at_ring(const struct comparison *c, const struct edge *edge, double r)
 {
     if (r < edge->distance) return;

@@ -111,8 +111,7 @@ static cml_status check_size(const struct grid *g)
                     g->value[NCOLS], g->value[NROWS], g->text.size);
 }
 
-/* A height that equals NODATA_value exactly is missing: it was written by the same program in the same way.
- */
+/* A height that equals NODATA_value exactly is missing: the same program wrote both. */
 static cml_status read_heights(struct grid *g, const char *word, double unit, struct cml_heightmap *map)
 {
     const size_t cells = (size_t)map->nx * (size_t)map->ny;

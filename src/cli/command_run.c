@@ -5,7 +5,7 @@
 #include "base/atomic_file.h"
 #include "run/checkpoint.h"
 #include "run/cluster.h"
-#include "run/cores.h"
+#include "run/launcher.h"
 #include "run/identity.h"
 #include "output/hdf5_file.h"
 #include "output/report.h"

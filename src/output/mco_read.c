@@ -75,6 +75,7 @@ static void next_parameters(struct reader *r)
     r->cursor = NULL;
 }
 
+/* A number of the file: its name in messages, and what it may be. */
 struct field {
     const char *name, *expected;
     double low, high;
@@ -100,6 +101,7 @@ static cml_status read_double(struct reader *r, const struct field *field, doubl
     return fail(r, field->name, word, field->expected);
 }
 
+/* Sizes are ints; whether the file can hold so many numbers is checked when all three are known. */
 static cml_status read_count(struct reader *r, const char *name, int *value)
 {
     const char *word = next_word(r);
@@ -127,12 +129,14 @@ static cml_status check_numbers(const struct reader *r, const char *field, const
     return fail(r, field, value, expected);
 }
 
+/* As a double, because a sum of products of ints may overflow 64 bits. */
 static double grid_numbers(const struct cml_mco *mco)
 {
     const double nz = mco->nz, nr = mco->nr, na = mco->na;
     return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na;
 }
 
+/* A1 or B1: MCML writes text for both, and so does everyone else. */
 static cml_status read_format(struct reader *r)
 {
     next_line(r);
@@ -141,6 +145,8 @@ static cml_status read_format(struct reader *r)
     return fail(r, "format", word, "A1, the results of MCML 1");
 }
 
+/* The time stands in a comment, which readers skip everywhere else; so this goes line by line until the
+ * first key. */
 static cml_status read_head(struct reader *r)
 {
     static const char mark[] = "# User time:";
@@ -188,6 +194,7 @@ static cml_status read_name(struct reader *r)
     return fail(r, "output name", NULL, expected);
 }
 
+/* A count like 1e5 is read, too: copied .mci files have it. */
 static cml_status read_photons(struct reader *r)
 {
     next_parameters(r);
@@ -214,6 +221,7 @@ static cml_status read_grid(struct reader *r)
     return check_numbers(r, "nz nr na", value, grid_numbers(mco));
 }
 
+/* Six numbers of the file belong to a layer: five parameters and A_l. */
 static cml_status read_layer_count(struct reader *r)
 {
     struct cml_mco *mco = r->mco;
@@ -244,6 +252,7 @@ static cml_status read_media(struct reader *r)
     return read_outside(r, &field_below, &mco->n_below);
 }
 
+/* Keys come in a fixed order, so any other one is an error that names both. */
 static cml_status read_key(struct reader *r, const char *key)
 {
     next_line(r);
@@ -281,6 +290,7 @@ static cml_status read_values(struct reader *r, const char *key, int columns, do
     return word ? fail_cell(r, key, columns, cells, word, "the end of the section") : CML_OK;
 }
 
+/* Their order in the file is Rsp, Rd, A, Tt; only comments name them there. */
 static cml_status read_totals(struct reader *r)
 {
     double totals[4];
@@ -322,6 +332,7 @@ static cml_status read_extra(struct reader *r)
     return CML_OK;
 }
 
+/* Arrays are allocated once the number of layers is known, before the media are read into one of them. */
 static cml_status read_all(struct reader *r)
 {
     CML_TRY(read_format(r));

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* In capitals, too: file systems that do not tell them apart would have two runs write one file. */
 static size_t stem_length(const char *path)
 {
     const size_t length = strlen(path);
@@ -88,6 +89,7 @@ static void fill_attributes(const struct cml_report *report, const char *boundar
     memcpy(attributes, all, sizeof all);
 }
 
+/* The same lines as in the .mco file, as one attribute. */
 static cml_status describe_boundaries(const struct cml_report *report, char **text, struct cml_error *err)
 {
     size_t size = 0;
@@ -119,6 +121,7 @@ static void fill_list(struct cml_field_list *list, const struct cml_mco *mco)
     }
 }
 
+/* Values are computed while they are written, so the list of fields is all that is in memory. */
 static cml_status write_h5(const struct cml_report *report, const struct cml_mco *mco, const char *path,
                            struct cml_error *err)
 {
@@ -172,6 +175,7 @@ static cml_status write_image(const struct cml_report *report, bool volume, cons
     return status;
 }
 
+/* Of a boundary that is no plane: its faces and what they received. */
 static cml_status write_boundary(const struct cml_report *report, int b, const char *path,
                                  struct cml_error *err)
 {
@@ -189,6 +193,7 @@ static cml_status write_boundary(const struct cml_report *report, int b, const c
     return status;
 }
 
+/* Planes are in the map's image. */
 static cml_status write_boundaries(struct cml_report *report, const char *path, struct cml_error *err)
 {
     char suffix[64];
@@ -201,6 +206,8 @@ static cml_status write_boundaries(struct cml_report *report, const char *path, 
     return CML_OK;
 }
 
+/* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
+ * program without HDF5 writes what it can; that was announced before the run. */
 static cml_status write_tables(struct cml_report *report, const char *path, const struct cml_mco *mco,
                                struct cml_error *err)
 {

@@ -20,6 +20,7 @@ static double processor_seconds(void)
 /* What rank 0 decides at a synchronisation. */
 enum next_step { CONTINUE, FINISHED, STOPPED };
 
+/* One call of cml_run on this rank. */
 struct flight {
     const struct cml_run_setup *setup;
     struct cml_run_result *out;
@@ -48,6 +49,7 @@ static void empty_tally(struct flight *flight)
     flight->in_tally = 0;
 }
 
+/* The engine adds to the tally; its profiles go to the batch at once, all else when the tally is full. */
 static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, uint64_t count,
                             struct cml_error *err)
 {
@@ -258,6 +260,8 @@ static double measure_overhead(struct flight *flight)
     return 2 * (cml_now() - begin);
 }
 
+/* What may fail on one rank alone: memory, the engine, a checkpoint. run_flight makes all ranks agree on
+ * it before the first photon. */
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -269,6 +273,7 @@ static cml_status open_flight(struct flight *flight, const struct cml_grid *grid
     return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;
 }
 
+/* How each rank spent its time, for --verbose and --json. */
 static cml_status gather_reports(struct flight *flight, struct cml_error *err)
 {
     struct cml_run_result *out = flight->out;
@@ -303,6 +308,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     return gather_reports(flight, err);
 }
 
+/* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
@@ -325,6 +331,8 @@ void cml_run_result_free(struct cml_run_result *out)
     *out = (struct cml_run_result){0};
 }
 
+/* A total below the least share is left out: its relative error would need a hundred times the photons for
+ * a number that hardly matters. */
 double cml_run_error(const struct cml_result *result)
 {
     static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
@@ -386,6 +394,8 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
     return CML_OK;
 }
 
+/* The result, the tally of the run, and the tally of each thread; what the engine itself takes is counted
+ * where its surfaces are made. */
 double cml_run_bytes(const struct cml_grid *grid, int threads)
 {
     const struct cml_grid of_thread = cml_grid_of_thread(grid);

@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+/* Neighbours are not joined: ranks give back few ranges, and taking them from the end needs no order. */
 cml_status cml_ranges_add(struct cml_ranges *ranges, struct cml_range range, struct cml_error *err)
 {
     if (range.count == 0) return CML_OK;

@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A plane has no triangles and gets no file. The depth is a comment, because heights in the file count
+ * from it. */
 static cml_status write_boundary(const struct cml_options *options, const struct cml_scene *scene, int b,
                                  struct cml_error *err)
 {

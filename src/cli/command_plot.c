@@ -16,6 +16,7 @@ static bool ends_in(const char *path, const char *extension)
     return dot && strcasecmp(dot, extension) == 0;
 }
 
+/* Operands are told apart by their ending. */
 static bool is_curve(const char *path)
 {
     return ends_in(path, ".csv");
@@ -26,6 +27,7 @@ static bool is_map(const char *path)
     return ends_in(path, ".vti");
 }
 
+/* For plot --output is the picture, not a folder. */
 static const char *picture_path(const struct cml_options *options)
 {
     return options->output ? options->output : "plot.svg";
@@ -33,6 +35,7 @@ static const char *picture_path(const struct cml_options *options)
 
 /* ---- curves over r ---- */
 
+/* Curves and results become the same structure; two bins, of which the last is not drawn, make no curve. */
 static cml_status read_one(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
     CML_TRY(is_curve(path) ? cml_curve_read(path, mco, err) : cml_mco_read(path, mco, err));
@@ -57,6 +60,7 @@ static cml_status read_all(const struct cml_options *options, struct cml_mco *re
     return CML_OK;
 }
 
+/* plot.count is the number read so far, so that only those are cleared after a failure. */
 static cml_status draw_curves(const struct cml_options *options, enum cml_picture picture,
                               struct cml_error *err)
 {
@@ -85,6 +89,7 @@ static const char *array_of(const char *of, const char **quantity)
     return top ? "Rd_xy" : bottom ? "Tt_xy" : of;
 }
 
+/* Maps that were not read are zero, and clearing them does nothing. */
 static cml_status draw_maps(const struct cml_options *options, enum cml_picture picture,
                             struct cml_error *err)
 {

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Long options only, but for -o and -h; above all characters, as getopt wants it. */
 enum option_key {
     KEY_PHOTONS = 256,
     KEY_SEED,
@@ -156,6 +157,7 @@ const char *cml_options_help(void)
     return help;
 }
 
+/* Every message names the option, what was given, and what was expected. */
 static cml_status fail(struct cml_error *err, const char *option, const char *value, const char *expected)
 {
     return cml_fail(err, CML_E_INPUT, "--%s %s (expected %s)", option, value, expected);
@@ -177,6 +179,7 @@ static cml_status choose(const char *option, const char *value, const char *cons
     return fail(err, option, value, expected);
 }
 
+/* Counts may be written like 1e7; limits are part of the message. */
 static cml_status count(const char *option, const char *value, uint64_t least, uint64_t most,
                         uint64_t *number, struct cml_error *err)
 {
@@ -190,6 +193,8 @@ static cml_status count(const char *option, const char *value, uint64_t least, u
     return CML_OK;
 }
 
+/* What is flown, where and how. Upper limits: 2^48 photons is what a result holds, 2^53 what a seed may be
+ * to survive as a number in JSON and HDF5. */
 static cml_status parse_machine(int key, const char *value, struct cml_options *options,
                                 struct cml_error *err)
 {
@@ -223,6 +228,8 @@ static cml_status parse_machine(int key, const char *value, struct cml_options *
     }
 }
 
+/* How boundaries are represented. A tolerance that the user gives also allows a boundary to be taken for a
+ * plane where that is within it. */
 static cml_status parse_surface(int key, const char *value, struct cml_options *options,
                                 struct cml_error *err)
 {
@@ -254,12 +261,14 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     return CML_OK;
 }
 
+/* Zero would mean for ever in one place and never in another, so it is refused; `off` says it in words. */
 static cml_status seconds(const char *option, const char *value, double *number, struct cml_error *err)
 {
     if (cml_parse_double(value, number) && *number > 0 && *number <= 1e9) return CML_OK;
     return fail(err, option, value, "seconds above 0, up to 1e9");
 }
 
+/* When a run ends or is saved. --patience is the timeout after which a silent rank counts as lost. */
 static cml_status parse_stopping(int key, const char *value, struct cml_options *options,
                                  struct cml_error *err)
 {
@@ -282,6 +291,7 @@ static cml_status parse_alpha(const char *value, struct cml_options *options, st
                : fail(err, "alpha", value, "a number above 0 and below 1");
 }
 
+/* Options without a value, which cannot be wrong. */
 static void set_flag(int key, struct cml_options *options)
 {
     if (key == KEY_IGNORE_ABSORPTION) options->engine_options.absorption = false;
@@ -297,6 +307,7 @@ static void set_flag(int key, struct cml_options *options)
     if (key == KEY_VERSION) options->version = true;
 }
 
+/* By groups, because one function for all of them would be too long to read. */
 static cml_status parse_one(int key, const char *value, struct cml_options *options, struct cml_error *err)
 {
     switch (key) {
@@ -344,6 +355,7 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     }
 }
 
+/* Whatever is not zero. */
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};
@@ -368,6 +380,8 @@ static void keep_command(int argc, char **argv, struct cml_options *options)
                                  i > 0 ? " " : "", argv[i]);
 }
 
+/* getopt prints nothing (opterr) and sorts operands behind the options, so that both may mix. The colon in
+ * front of the short options tells a missing value from an unknown option. */
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
     set_defaults(options);

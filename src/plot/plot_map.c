@@ -70,6 +70,7 @@ static double cell_value(const struct cml_pixels *map, const struct axis axis[2]
 
 /* ---- ranges ---- */
 
+/* For qsort; the values are finite. */
 static int by_size(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
@@ -143,6 +144,7 @@ static void find_extent(struct drawing *d)
     }
 }
 
+/* Panels side by side as long as they are not too narrow: three in a row, two by two for four. */
 static void lay_out(struct drawing *d)
 {
     const double ratio = (d->to[1] - d->from[1]) / (d->to[0] - d->from[0]);
@@ -159,6 +161,7 @@ static void lay_out(struct drawing *d)
 
 /* ---- data ---- */
 
+/* Without a value gnuplot leaves the pixel empty, and the grey below shows. */
 static void write_row(const struct drawing *d, const struct cml_pixels *map, const struct axis axis[2],
                       size_t y)
 {
@@ -199,6 +202,7 @@ static void write_colour_ticks(const struct drawing *d)
     fputs(")\n", d->out);
 }
 
+/* One bar for all panels, beside them, over their whole height. */
 static void write_colours(const struct drawing *d)
 {
     const double bar_height = d->height - d->foot - HEAD,
@@ -222,6 +226,7 @@ static void write_colours(const struct drawing *d)
     fputc('\n', d->out);
 }
 
+/* x and y have the same ticks, some TICKS points apart. */
 static void write_frame(const struct drawing *d)
 {
     const double step = cml_plot_round_step((d->to[0] - d->from[0]) / d->width * TICKS);
@@ -266,6 +271,7 @@ static void write_panel(const struct drawing *d, int k)
     fputs("unset colorbox\nunset label\n", d->out);
 }
 
+/* Colours and extent first: they are common to all panels. */
 cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err)
 {
     struct drawing d = {.out = out, .plot = plot};

@@ -120,7 +120,7 @@ int main(int argc, char **argv)
     struct cml_surface_options how = {.force = CML_SURFACE_AUTO, .tessellation = {.tolerance = 1e-3}};
     if (argc > 2) how.force = strcmp(argv[2], "--mesh") == 0 ? CML_SURFACE_MESH : CML_SURFACE_CONE;
     const char *path = argc > 1 ? argv[1] : "samples/shapes/hinoise.mci";
-    cml_status status = cml_mci_read(path, &list, &err);
+    cml_status status = cml_mci_read(path, NULL, &list, &err);
     if (status == CML_OK) status = cml_surfaces_create(&list.scenes[0], &how, &surfaces, &err);
     if (status == CML_OK) status = scalar_world_create(&list.scenes[0], &surfaces, &options, &world, &err);
     if (status != CML_OK) {

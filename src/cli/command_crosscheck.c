@@ -139,14 +139,16 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
 }
 
 /* Maps, volume and facets are neither compared nor recorded: the opencl engine would refuse them. */
-static cml_status check_scene(const struct cml_options *options, struct cml_scene *scene, int index,
+static cml_status check_scene(const struct cml_options *options, const struct cml_scene *whole, int index,
                               struct cml_error *err)
 {
+    struct cml_scene bare = *whole;
+    bare.map = (struct cml_map_def){0};
+    bare.facets = false;
+    const struct cml_scene *scene = &bare;
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;
     as_mesh.force = CML_SURFACE_MESH;
-    scene->map = (struct cml_map_def){0};
-    scene->facets = false;
     CML_TRY(cml_surfaces_create(scene, &options->surface, &chosen, err));
     cml_status status = cml_surfaces_create(scene, &as_mesh, &meshes, err);
     if (status == CML_OK) {

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "input/obj.h"
+#include "input/mesh/obj.h"
 
 #include <stdio.h>
 #include <stdlib.h>

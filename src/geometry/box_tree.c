@@ -79,6 +79,7 @@ static struct box box_of_both(const struct box *a, const struct box *b)
     return box;
 }
 
+/* Halving along the widest axis keeps boxes compact. */
 static int widest_axis(const struct builder *builder, struct node node)
 {
     double width[3];
@@ -102,8 +103,8 @@ static void swap_index(uint32_t *a, uint32_t *b)
     *b = keep;
 }
 
-/* Hoare's selection: afterwards no key before `middle` is above any key from it on. The pivot comes from the
- * middle of the range, so that sorted input is no bad case. */
+/* Hoare's selection [Algorithm 65: Find, Comm. ACM 4 (1961) 321]: afterwards no key before `middle` is above
+ * any key from it on. The pivot comes from the middle of the range, so that sorted input is no bad case. */
 static void select_middle(const struct builder *builder, size_t first, size_t count, size_t middle, int axis)
 {
     uint32_t *index = builder->tree->index;
@@ -125,6 +126,8 @@ static void select_middle(const struct builder *builder, size_t first, size_t co
     }
 }
 
+/* Median split: the depth is log2 n whatever the triangles are. Boxes are those of the children, from below.
+ */
 static void build(const struct builder *builder, struct node node)
 {
     struct cml_boxtree *tree = builder->tree;
@@ -195,6 +198,9 @@ struct search {
     void *context;
 };
 
+/* Both trees are gone down together, the one with more triangles first; pairs of nodes whose boxes are apart
+ * end the search below them [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH 1996, 171, with
+ * oriented boxes]. */
 static bool search_two(const struct search *search, struct node a, struct node b)
 {
     if (!boxes_touch(&search->a->box[a.at], &search->b->box[b.at])) return false;
@@ -204,6 +210,8 @@ static bool search_two(const struct search *search, struct node a, struct node b
     return search_two(search, a, left_of(b)) || search_two(search, a, right_of(b));
 }
 
+/* Every pair of triangles of one tree is parted by exactly one node: where one is on its left, the other on
+ * its right. */
 static bool search_own(const struct search *search, struct node node)
 {
     if (node.count == 1) return false;

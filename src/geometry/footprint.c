@@ -40,6 +40,8 @@ static bool edge_is_right(const double p[2], const double q[2], double x, double
     return x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
 }
 
+/* A ray from an inner point leaves the polygon an odd number of times (Jordan's curve theorem; the even-odd
+ * rule of M. Shimrat, Algorithm 112, Comm. ACM 5 (1962) 434). */
 bool cml_footprint_contains(const struct cml_footprint *footprint, double x, double y)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;

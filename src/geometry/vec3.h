@@ -1,7 +1,9 @@
-/* Vectors of three doubles: what the files about triangles share.
+/* Vectors of three doubles: what the files about triangles share. `out` may not be one of the arguments.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_VEC3_H
 #define CML_VEC3_H
+
+#include <math.h>
 
 /* out = a - b */
 static inline void cml_vec3_subtract(const double a[3], const double b[3], double out[3])
@@ -19,6 +21,28 @@ static inline void cml_vec3_cross(const double a[3], const double b[3], double o
 static inline double cml_vec3_dot(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double cml_vec3_length(const double a[3])
+{
+    return sqrt(cml_vec3_dot(a, a));
+}
+
+/* out = cross(b - a, c - a): normal to the triangle a b c, towards the side from which it runs
+ * counter-clockwise, and as long as twice its area. */
+static inline void cml_vec3_area(const double a[3], const double b[3], const double c[3], double out[3])
+{
+    double u[3], v[3];
+    cml_vec3_subtract(b, a, u);
+    cml_vec3_subtract(c, a, v);
+    cml_vec3_cross(u, v, out);
+}
+
+/* Twice the signed area of the triangle o p q in the plane of x and y, positive counter-clockwise. Rounded:
+ * where the sign matters, cml_orient2d decides (predicate.h). */
+static inline double cml_vec2_area(const double o[2], const double p[2], const double q[2])
+{
+    return (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
 }
 
 #endif

@@ -25,6 +25,7 @@ static cml_status read_pixels(struct cml_mci_reader *reader, struct cml_map_def 
     return CML_OK;
 }
 
+/* `top` belongs to the volume; without it the option would have no effect, and its writer would not know. */
 static cml_status read_word(struct cml_mci_reader *reader, const char *word, struct cml_map_def *map)
 {
     static const struct cml_mci_field top = {"map: top", -CML_MCI_HUGE, CML_MCI_HUGE, false,

@@ -352,7 +352,7 @@ cml_status cml_mco_read(const char *path, struct cml_mco *mco, struct cml_error 
 {
     struct reader reader = {.mco = mco, .err = err};
     *mco = (struct cml_mco){0};
-    CML_TRY(cml_text_read(path, &reader.text, err));
+    CML_TRY(cml_text_read(NULL, path, &reader.text, err));
     const cml_status status = read_all(&reader);
     cml_text_clear(&reader.text);
     if (status != CML_OK) cml_mco_clear(mco);

@@ -129,7 +129,7 @@ cml_status cml_curve_read(const char *path, struct cml_mco *mco, struct cml_erro
 {
     struct table t = {.err = err};
     *mco = (struct cml_mco){0};
-    CML_TRY(cml_text_read(path, &t.text, err));
+    CML_TRY(cml_text_read(NULL, path, &t.text, err));
     cml_status status = read_names(&t);
     if (status == CML_OK) status = read_rows(&t);
     if (status == CML_OK) status = make_result(&t, mco);

@@ -296,7 +296,7 @@ cml_status cml_vti_read(const char *path, const char *name, struct cml_pixels *p
 {
     struct reader r = {.wanted = name, .pixels = pixels, .err = err};
     *pixels = (struct cml_pixels){0};
-    CML_TRY(cml_text_read_bytes(path, &r.text, err));
+    CML_TRY(cml_text_read_bytes(NULL, path, &r.text, err));
     cml_status status = read_header(&r);
     if (status == CML_OK) status = read_values(&r);
     cml_text_clear(&r.text);

@@ -69,7 +69,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     struct cml_scene_list list;
     char full[4096];
     snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, path);
-    require_ok(cml_mci_read(full, &list, &err), &err);
+    require_ok(cml_mci_read(full, NULL, &list, &err), &err);
     for (int i = 0; i < list.count; i++) {
         compare(&list.scenes[i], kind, photons, true);
         compare(&list.scenes[i], kind, photons / 4, false);
@@ -124,7 +124,7 @@ static void maps_and_facets_have_the_same_tally(void **state)
         struct cml_scene_list list;
         char full[4096];
         snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, samples[i]);
-        require_ok(cml_mci_read(full, &list, &err), &err);
+        require_ok(cml_mci_read(full, NULL, &list, &err), &err);
         struct cml_scene *scene = &list.scenes[0];
         scene->map = (struct cml_map_def){
             .nx = 17, .ny = 10, .dx = 0.03, .dy = 0.05, .angles = i % 2 == 0, .volume = true, .top = -0.05};

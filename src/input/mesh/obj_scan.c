@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/obj_scan.h"
+#include "input/mesh/obj_scan.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +35,7 @@ static cml_status grow(size_t count, size_t *capacity, void **first, size_t firs
     return CML_OK;
 }
 
+/* Like cml_text_word, for a line whose blanks are all spaces (make_plain). */
 static char *cut_word(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, " ");
@@ -45,6 +46,7 @@ static char *cut_word(char **cursor)
     return word;
 }
 
+/* Behind x y z a weight or a colour may stand; both are checked, and not used. */
 static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_obj_scan *scan,
                               struct cml_error *err)
 {
@@ -161,6 +163,7 @@ static void restore_line(const struct cml_text *text, const struct line *line)
     if (text->cursor <= text->size) text->data[text->cursor - 1] = '\n';
 }
 
+/* Only lines `v` and `f` are left; what else OBJ knows (normals, groups, materials) becomes blanks. */
 static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {

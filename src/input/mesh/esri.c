@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/esri.h"
+#include "input/mesh/esri.h"
 
 #include "base/text.h"
 
@@ -26,6 +26,7 @@ static cml_status fail(const struct grid *g, const char *name, const char *value
     return cml_fail_field(g->err, g->text.path, g->text.line, name, value, expected);
 }
 
+/* Lines do not matter: some programs break rows after some numbers. */
 static char *next_word(struct grid *g)
 {
     for (;;) {
@@ -135,15 +136,16 @@ static cml_status read_grid(struct grid *g, double unit, struct cml_heightmap *m
     return cml_heightmap_check(g->text.path, map, g->err);
 }
 
-cml_status cml_esri_read(const char *path, double unit, struct cml_heightmap *map, struct cml_error *err)
+cml_status cml_esri_read(const struct cml_text_source *source, const char *path, double unit,
+                         struct cml_heightmap *map, struct cml_error *err)
 {
     struct grid g = {.err = err};
     *map = (struct cml_heightmap){0};
-    CML_TRY(cml_text_read(path, &g.text, err));
+    CML_TRY(cml_text_read(source, path, &g.text, err));
     const cml_status status = read_grid(&g, unit, map);
     cml_text_clear(&g.text);
     if (status == CML_OK)
-        cml_heightmap_settle(map);
+        cml_heightmap_centre(map);
     else
         cml_heightmap_clear(map);
     return status;

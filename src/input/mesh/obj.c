@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/obj.h"
+#include "input/mesh/obj.h"
 
 #include "base/atomic_file.h"
-#include "input/obj_polygon.h"
-#include "input/obj_scan.h"
-#include "input/obj_tiny.h"
+#include "input/mesh/obj_polygon.h"
+#include "input/mesh/obj_scan.h"
+#include "input/mesh/obj_tiny.h"
 #include "base/text.h"
 
 #include <stdio.h>
@@ -30,6 +30,7 @@ static cml_status read_corners(const struct cml_text *text, const struct cml_obj
     return CML_OK;
 }
 
+/* A triangle, the usual case, needs no look at its plane. */
 static cml_status split_face(const char *path, const struct cml_obj_scan *scan, size_t face,
                              const uint32_t *corner, uint32_t (*triangle)[3], struct cml_error *err)
 {
@@ -104,6 +105,7 @@ static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *
     }
 }
 
+/* The vertices move from the scan into the mesh: large files are never in memory twice. */
 static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
                              const struct cml_obj_options *options, struct cml_mesh *mesh,
                              struct cml_mesh_notes *notes, struct cml_error *err)
@@ -125,13 +127,14 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
     return status;
 }
 
-cml_status cml_obj_read(const char *path, const struct cml_obj_options *options, struct cml_mesh *mesh,
+cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
+                        const struct cml_obj_options *options, struct cml_mesh *mesh,
                         struct cml_mesh_notes *notes, struct cml_error *err)
 {
     struct cml_text text;
     struct cml_obj_scan scan = {0};
     *mesh = (struct cml_mesh){0};
-    CML_TRY(cml_text_read(path, &text, err));
+    CML_TRY(cml_text_read(source, path, &text, err));
     const cml_status status = build_mesh(&text, &scan, options, mesh, notes, err);
     cml_obj_scan_clear(&scan);
     cml_text_clear(&text);
@@ -149,6 +152,7 @@ static void write_comment(FILE *stream, const char *comment)
     fputc('\n', stream);
 }
 
+/* 17 digits give every double back. */
 cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
                          struct cml_error *err)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/gsf.h"
+#include "input/mesh/gsf.h"
 
 #include "base/text.h"
 
@@ -102,7 +102,7 @@ static cml_status check_header(const struct field *f)
 }
 
 /* The file's units, or the one given for a file without any. */
-static cml_status settle_units(struct field *f, double unit)
+static cml_status choose_units(struct field *f, double unit)
 {
     const bool inside = f->xy_unit > 0 && f->z_unit > 0, none = f->xy_unit == 0 && f->z_unit == 0;
     const char *path = f->text.path;
@@ -135,6 +135,7 @@ static cml_status find_heights(const struct field *f, size_t *begin)
                     found, *begin, expected, f->xres, f->yres);
 }
 
+/* By bytes: the file's order is fixed, the machine's is not, and the address need not be aligned. */
 static double float_at(const char *data)
 {
     const unsigned char *byte = (const unsigned char *)data;
@@ -145,6 +146,7 @@ static double float_at(const char *data)
     return (double)value;
 }
 
+/* XReal is the width of XRes pixels, each of which has one height. */
 static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
 {
     size_t begin = 0;
@@ -157,18 +159,19 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     return cml_heightmap_check(f->text.path, map, f->err);
 }
 
-cml_status cml_gsf_read(const char *path, double unit, struct cml_heightmap *map, struct cml_error *err)
+cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
+                        struct cml_heightmap *map, struct cml_error *err)
 {
     struct field f = {.err = err};
     *map = (struct cml_heightmap){0};
-    CML_TRY(cml_text_read_bytes(path, &f.text, err));
+    CML_TRY(cml_text_read_bytes(source, path, &f.text, err));
     cml_status status = read_header(&f);
     if (status == CML_OK) status = check_header(&f);
-    if (status == CML_OK) status = settle_units(&f, unit);
+    if (status == CML_OK) status = choose_units(&f, unit);
     if (status == CML_OK) status = read_heights(&f, map);
     cml_text_clear(&f.text);
     if (status == CML_OK)
-        cml_heightmap_settle(map);
+        cml_heightmap_centre(map);
     else
         cml_heightmap_clear(map);
     return status;

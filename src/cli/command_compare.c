@@ -45,6 +45,7 @@ static cml_status compare(const struct cml_options *options, const struct cml_mc
     return status;
 }
 
+/* Both are read before anything is said of either. */
 cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_mco mco[2];

@@ -32,6 +32,7 @@ static cml_status write_boundary(const struct cml_options *options, const struct
     return status;
 }
 
+/* All runs of the file: their boundaries may differ. */
 cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;

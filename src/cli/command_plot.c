@@ -10,6 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* In capitals, too, as files come from other systems. */
 static bool ends_in(const char *path, const char *extension)
 {
     const char *dot = strrchr(path, '.');
@@ -123,6 +124,7 @@ static cml_status find_kind(const struct cml_options *options, bool *maps, struc
     return cml_fail(err, CML_E_INPUT, "--of %s (expected with maps only: .vti files)", options->of);
 }
 
+/* Everything that can be wrong with the command line is found before a file is read. */
 cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err)
 {
     enum cml_picture picture;

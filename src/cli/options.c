@@ -45,6 +45,7 @@ enum option_key {
     KEY_VERSION,
 };
 
+/* In the order of the help text. */
 static const struct option long_options[] = {
     {"photons", required_argument, NULL, KEY_PHOTONS},
     {"seed", required_argument, NULL, KEY_SEED},
@@ -283,6 +284,7 @@ static cml_status parse_stopping(int key, const char *value, struct cml_options 
     return fail(err, "target-error", value, "a relative error between 0 and 1");
 }
 
+/* 0 would never differ, 1 always. */
 static cml_status parse_alpha(const char *value, struct cml_options *options, struct cml_error *err)
 {
     const bool number = cml_parse_double(value, &options->alpha);
@@ -359,11 +361,14 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};
+    /* a level of one false alarm in a hundred comparisons */
     options->alpha = 0.01;
+    /* a fixed seed, so that a run can be repeated by whoever has its file */
     options->engine_options.seed = 1;
     options->run = 1;
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
+    /* s: a minute of work may be lost, and a host that is busy must not be taken for a lost one */
     options->checkpoint_interval = 60;
     options->timeout = 60;
     options->surface.force = CML_SURFACE_AUTO;

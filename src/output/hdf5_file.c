@@ -13,7 +13,9 @@
 
 #define CHUNK ((size_t)1 << 17) /* values: what is in memory at a time */
 
-/* The library's calls return a negative number when they fail; the first failure is remembered. */
+/* The library's calls return a negative number when they fail. The first failure is remembered, and the calls
+ * after it fail too, or do nothing, on the invalid handles that it left: so code runs straight on, and looks
+ * once at the end. */
 struct writer {
     hid_t file;
     bool failed;
@@ -39,6 +41,7 @@ static void put_text(struct writer *w, hid_t object, const char *name, const cha
     H5Tclose(type);
 }
 
+/* Numbers are doubles throughout: 2^53 is enough for seeds and photons, and every reader has them. */
 static void put_number(struct writer *w, hid_t object, const char *name, double number)
 {
     const hid_t space = H5Screate(H5S_SCALAR);
@@ -126,6 +129,7 @@ static void axis_values(const void *context, size_t begin, size_t count, double 
     for (size_t i = 0; i < count; i++) out[i] = axis->first + (double)(begin + i) * axis->step;
 }
 
+/* Names of attributes as in the CF conventions, which xarray shows and plots with. */
 static void describe(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
     put_text(w, dataset, "long_name", field->long_name);
@@ -133,6 +137,7 @@ static void describe(struct writer *w, hid_t dataset, const struct cml_field *fi
     if (field->errors) put_text(w, dataset, "ancillary_variables", field->errors);
 }
 
+/* Without axes there are no chunks. */
 static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
     field->values(field->context, 0, 1, w->buffer);

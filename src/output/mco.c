@@ -106,6 +106,7 @@ cml_status cml_mco_allocate(struct cml_mco *mco, struct cml_error *err)
     return cml_fail_memory(err, bytes, "the results");
 }
 
+/* Also of one that was never filled, as long as it is zero. */
 void cml_mco_clear(struct cml_mco *mco)
 {
     free_arrays(mco);
@@ -152,6 +153,7 @@ static void write_parameters(FILE *out, const struct cml_mco *mco)
     fprintf(out, "%G\t\t\t\t\t# n for medium below\n\n", mco->n_below);
 }
 
+/* Six digits, in a field of fourteen characters as MCML pads it. */
 static void write_totals(FILE *out, const struct cml_mco *mco)
 {
     fprintf(out, "RAT #Reflectance, absorption, transmission. \n");

@@ -51,11 +51,13 @@ static bool next_line(struct reader *r)
     return false;
 }
 
+/* NULL at the end of a line: most fields must stand on the line where MCML writes them. */
 static char *next_word(struct reader *r)
 {
     return r->cursor ? cml_text_word(&r->cursor) : NULL;
 }
 
+/* A key is a whole word: A_z must not be found in A_zx. */
 static bool begins_with(const char *line, const char *key)
 {
     const size_t length = strlen(key);
@@ -204,6 +206,7 @@ static cml_status read_photons(struct reader *r)
     return end_fields(r);
 }
 
+/* Sizes are checked against the length of the file here, before any memory is asked for. */
 static cml_status read_grid(struct reader *r)
 {
     struct cml_mco *mco = r->mco;
@@ -240,6 +243,8 @@ static cml_status read_outside(struct reader *r, const struct field *field, doub
     return end_fields(r);
 }
 
+/* n, mua, mus, g and d as in the .mci. The last layer of a half space has d = 1E+08, which is a number
+ * like any other. */
 static cml_status read_media(struct reader *r)
 {
     struct cml_mco *mco = r->mco;
@@ -261,6 +266,7 @@ static cml_status read_key(struct reader *r, const char *key)
     return word && strcmp(word, key) == 0 ? CML_OK : fail(r, "section", word, key);
 }
 
+/* Cells are named as in the manual, Rd_ra[ir][ia], so that the place in the file can be counted. */
 static cml_status fail_cell(const struct reader *r, const char *key, int columns, size_t cell,
                             const char *word, const char *expected)
 {
@@ -302,6 +308,7 @@ static cml_status read_totals(struct reader *r)
     return CML_OK;
 }
 
+/* The table that the writer goes by (mco_sections.h): both cannot differ. */
 static cml_status read_sections(struct reader *r)
 {
     for (int i = 0; i < CML_MCO_SECTIONS; i++) {

@@ -22,6 +22,7 @@ static void array_values(const void *context, size_t begin, size_t count, double
     memcpy(out, source->array + begin, count * sizeof *out);
 }
 
+/* There is one value, whatever part is asked for. */
 static void number_value(const void *context, size_t begin, size_t count, double *out)
 {
     (void)begin, (void)count;
@@ -45,6 +46,7 @@ static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
     return sum;
 }
 
+/* Pixels of a map, or voxels with na = 1: per area or volume, which are equal for all. */
 static void pixel_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -100,6 +102,8 @@ static void facet_areas(const void *context, size_t begin, size_t count, double 
     for (size_t i = 0; i < count; i++) out[i] = facet_area(source, begin + i);
 }
 
+/* `cells` begins at the score in question of the first facet, and others follow at a distance of
+ * CML_FACET_SCORES. Faces that are parts of one facet all get its value. */
 static void facet_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -273,6 +277,7 @@ static void add_balance(struct cml_field_list *c)
     add_number(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
 }
 
+/* fast may be NULL: a profile. */
 static void add_array(struct cml_field_list *c, const char *name, const char *long_name, const char *units,
                       const double *array, const struct cml_axis *slow, const struct cml_axis *fast)
 {
@@ -331,6 +336,7 @@ static void add_pixels(struct cml_field_list *c, const char *name, const char *l
     add_errors(c, angles ? angle_errors : pixel_errors);
 }
 
+/* With angles there is both, the sum and its parts: most users look at the sum. */
 void cml_add_map_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = &c->report->run->result;
@@ -431,6 +437,8 @@ static void along_facets(struct cml_field_list *c, int b)
         along(c, &c->facet[b], NULL, NULL);
 }
 
+/* The axis is as long as the drawing has faces, so a file for tables and one for pictures differ in
+ * nothing else. */
 void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const cml_u128 *first = facets_of(c->report, b);

@@ -25,11 +25,13 @@ bool cml_report_same_stem(const char *a, const char *b)
     return stem_length(a) == stem_length(b) && strncmp(a, b, stem_length(a)) == 0;
 }
 
+/* Maps and facets have no place in an .mco file. */
 bool cml_report_wants_fields(const struct cml_scene *scene)
 {
     return scene->format == 'B' || scene->map.nx > 0 || scene->facets;
 }
 
+/* All files of a run share the stem, whichever of them the user named. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {
     const size_t length = stem_length(path), size = length + strlen(suffix) + 1;
@@ -60,6 +62,7 @@ static cml_status next_file(struct cml_report *report, const char *path, const c
     return CML_OK;
 }
 
+/* Its name stays where it is when the list grows. */
 static const char *last_file(const struct cml_report *report)
 {
     return report->files[report->num_files - 1];
@@ -221,6 +224,8 @@ static cml_status write_tables(struct cml_report *report, const char *path, cons
     return write_h5(report, mco, last_file(report), err);
 }
 
+/* The tables first, for they are what a user without pictures waits for. Each file is complete before the
+ * next is begun. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
     const struct cml_grid *grid = &report->run->result.grid;

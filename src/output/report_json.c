@@ -25,6 +25,7 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
     return list;
 }
 
+/* The main result comes first, as it was written first. */
 static json_t *files_json(const struct cml_report *report)
 {
     json_t *list = json_array();

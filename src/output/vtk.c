@@ -14,6 +14,7 @@ struct layout {
     uint64_t offset; /* of the next array behind the underscore */
 };
 
+/* An array's size in bytes comes before it, and counts in the offset of the next. */
 static void describe(struct layout *layout, const char *type, const char *name, size_t components,
                      uint64_t bytes)
 {
@@ -128,6 +129,7 @@ static void put_faces(FILE *out, const struct cml_faces *faces)
     }
 }
 
+/* Points in 64 bits: a small facet far from the axis would lose its shape in 32. */
 cml_status cml_vtp_write(const char *path, const struct cml_faces *faces, const struct cml_field *fields,
                          int num_fields, struct cml_error *err)
 {

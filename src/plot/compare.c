@@ -337,6 +337,7 @@ static void conclude(struct cml_comparison *c)
     c->p = c->worst < 0 ? 1 : cml_sidak(c->test[c->worst].p, c->count);
 }
 
+/* At most one test per bin and total, so the tests' memory is known beforehand. */
 cml_status cml_compare(const struct cml_mco *a, const struct cml_mco *b, const char *const names[2],
                        struct cml_comparison *c, struct cml_error *err)
 {

@@ -133,6 +133,7 @@ static void print_worst(FILE *stream, const struct cml_comparison *c)
     }
 }
 
+/* From what is known to what follows from it: files, totals, profiles, the worst, the verdict. */
 void cml_compare_summary(FILE *stream, const struct cml_compare_report *report)
 {
     const struct cml_comparison *c = report->comparison;

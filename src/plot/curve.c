@@ -20,6 +20,7 @@ struct table {
     struct cml_error *err;
 };
 
+/* With file and line, as every reader of ours. */
 static cml_status fail(const struct table *t, const char *field, const char *value, const char *expected)
 {
     return cml_fail_field(t->err, t->text.path, t->text.line, field, value, expected);
@@ -125,6 +126,7 @@ static cml_status make_result(const struct table *t, struct cml_mco *mco)
     return CML_OK;
 }
 
+/* As a result whose other arrays are zero, so that the plot need not tell curves from results. */
 cml_status cml_curve_read(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
     struct table t = {.err = err};

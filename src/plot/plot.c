@@ -39,6 +39,7 @@ struct drawing {
     struct panel panels[2];
 };
 
+/* Curves of others have both profiles, one of them perhaps zero. */
 static const double *profile_of(const struct panel *panel, const struct cml_mco *mco)
 {
     return panel->top ? mco->Rd_r : mco->Tt_r;
@@ -50,6 +51,7 @@ static bool linear(const struct drawing *d)
     return d->plot->scale == CML_SCALE_LINEAR;
 }
 
+/* Of bin i, cm: r Rd(r) is drawn at the middle of its bin, by which others' curves are told, too. */
 static double centre(const struct cml_mco *mco, int i)
 {
     return (i + 0.5) * mco->dr;

@@ -49,6 +49,7 @@ struct axis {
     double step; /* cm from number to number */
 };
 
+/* Whole pixels are joined, so a cell is a mean of pixels and never a part of one. */
 static struct axis axis_of(const struct cml_pixels *map, int axis)
 {
     const size_t n = map->n[axis], join = (n + MOST_CELLS - 1) / MOST_CELLS, cells = (n + join - 1) / join;
@@ -174,6 +175,7 @@ static void write_row(const struct drawing *d, const struct cml_pixels *map, con
     fputc('\n', d->out);
 }
 
+/* `with image` paints cells by their middles, which therefore begin half a step from the corner. */
 static void write_map(const struct drawing *d, int k)
 {
     const struct cml_pixels *map = &d->plot->maps[k];

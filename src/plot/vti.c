@@ -27,6 +27,7 @@ struct reader {
     struct cml_error *err;
 };
 
+/* Lines count to the underscore; behind it are bytes. */
 static cml_status fail(const struct reader *r, int line, const char *name, const char *value,
                        const char *expected)
 {
@@ -272,6 +273,7 @@ static cml_status find_values(const struct reader *r, const char **values)
     return CML_OK;
 }
 
+/* What is infinite, not a number or below 0 is no light, and would spoil the range of colours for all. */
 static cml_status read_values(const struct reader *r)
 {
     struct cml_pixels *pixels = r->pixels;

@@ -97,6 +97,7 @@ cml_status cml_checkpoint_write(const char *path, const char *identity, const st
     return status;
 }
 
+/* Errors are of no interest: what is not there needs no removing, and what cannot be removed does no harm. */
 void cml_checkpoint_remove(const char *path)
 {
     struct cml_error ignored;
@@ -123,6 +124,7 @@ static cml_status fail_damaged(const struct source *source, const char *what, st
     return cml_fail(err, CML_E_IO, "%s: the checkpoint is damaged (%s)", source->path, what);
 }
 
+/* Exactly so many bytes, or the file is cut short. */
 static bool get(struct source *source, void *data, size_t size)
 {
     return fread(data, 1, size, source->stream) == size;

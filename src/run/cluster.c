@@ -11,6 +11,7 @@
 
 struct cml_ranks cml_ranks = {.size = 1, .timeout = 60, .lost_rank = -1, .lock = PTHREAD_MUTEX_INITIALIZER};
 
+/* What is known of this machine's ranks. */
 static struct {
     int rank, size; /* among the ranks of this machine */
     int fair_cores;
@@ -50,6 +51,7 @@ static void add_summaries(void *in, void *inout, int *count, MPI_Datatype *type)
     }
 }
 
+/* Types for whole cells, since MPI may cut a message between two elements, not within one. */
 static void create_types(void)
 {
     MPI_Type_contiguous(sizeof(cml_u128), MPI_BYTE, &types.cell);
@@ -99,6 +101,7 @@ static cml_status join_world(struct cml_error *err)
     return cml_service_start(err);
 }
 
+/* Without a launcher MPI is not even initialised. One rank under a launcher needs no service thread. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     if (!cml_launcher_found()) return CML_OK;
@@ -189,6 +192,7 @@ cml_status cml_cluster_agree(cml_status mine, struct cml_error *err)
     return (cml_status)worst.status;
 }
 
+/* In slices for the count of MPI, an int. */
 cml_status cml_cluster_share(void *data, size_t size, struct cml_error *err)
 {
     MPI_Request call;
@@ -214,6 +218,7 @@ cml_status cml_cluster_share_block(char **block, size_t *size, struct cml_error 
     return cml_cluster_share(*block, *size, err);
 }
 
+/* Blocks are small (a report per rank), so one call will do. */
 cml_status cml_cluster_gather(const void *mine, size_t size, void *all, struct cml_error *err)
 {
     if (cml_ranks.size == 1) {
@@ -234,6 +239,7 @@ static cml_status sum_elements(void *elements, int count, MPI_Datatype type, MPI
     return CML_COMPLETE(MPI_Ireduce(from, elements, count, type, op, 0, MPI_COMM_WORLD, &call), &call, err);
 }
 
+/* In slices: MPI would otherwise hold another copy of a result that may fill half of the memory. */
 cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 {
     if (cml_ranks.size == 1) return CML_OK;

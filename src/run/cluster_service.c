@@ -74,6 +74,7 @@ static cml_status wait_for(MPI_Request *call, struct cml_error *err)
     }
 }
 
+/* A call that could not be started has nothing to wait for. */
 cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *err)
 {
     pthread_mutex_unlock(&cml_ranks.lock);
@@ -103,6 +104,7 @@ static bool receive(int tag, void *data, int size, int *from)
     return found != 0;
 }
 
+/* All that have come. Each carries the number of the last synchronisation that its sender knows of. */
 static void receive_heartbeats(void)
 {
     uint64_t number = 0;
@@ -149,6 +151,8 @@ static void send_heartbeat(struct peer *peer, int to)
     peer->sent = service.clock;
 }
 
+/* Peers: all other ranks on rank 0, rank 0 elsewhere. So messages grow with the number of ranks, not with
+ * its square. */
 static int first_peer(void)
 {
     return cml_ranks.rank == 0 ? 1 : 0;
@@ -159,6 +163,7 @@ static int end_of_peers(void)
     return cml_ranks.rank == 0 ? cml_ranks.size : 1;
 }
 
+/* Once under the lock for all peers: starting a message does not wait. */
 static void send_heartbeats(void)
 {
     pthread_mutex_lock(&cml_ranks.lock);
@@ -166,6 +171,7 @@ static void send_heartbeats(void)
     pthread_mutex_unlock(&cml_ranks.lock);
 }
 
+/* Requests count as signs of life, too. Whoever waits sees lost_rank, and fails. */
 static void check_heartbeats(void)
 {
     for (int i = first_peer(); i < end_of_peers(); i++)
@@ -190,6 +196,7 @@ static void *serve(void *unused)
     return unused;
 }
 
+/* The peers are there before the thread, which alone uses them from here on. */
 cml_status cml_service_start(struct cml_error *err)
 {
     const size_t peers = (size_t)end_of_peers();
@@ -211,6 +218,8 @@ static void drain(void)
         MPI_Wait(&service.peer[i].heartbeat, MPI_STATUS_IGNORE);
 }
 
+/* By the thread's own look at `leaving`, within a few milliseconds; only then are messages drained, as two
+ * threads must not receive them. */
 void cml_service_stop(void)
 {
     atomic_store(&service.leaving, true);
@@ -221,6 +230,7 @@ void cml_service_stop(void)
 
 /* ---- synchronisations and requests ---- */
 
+/* One more than were held. Other ranks learn it by the next heartbeat, which goes out at once. */
 void cml_cluster_request_sync(void)
 {
     raise_requested(atomic_load(&service.syncs_done) + 1);
@@ -231,6 +241,8 @@ bool cml_cluster_sync_requested(void)
     return atomic_load(&service.syncs_requested) > atomic_load(&service.syncs_done);
 }
 
+/* It counts as requested here as well, since another rank may have asked without this one having heard.
+ * The barrier is the only wait; what follows is collective anyway. */
 cml_status cml_cluster_synchronise(struct cml_error *err)
 {
     MPI_Request call;
@@ -240,6 +252,7 @@ cml_status cml_cluster_synchronise(struct cml_error *err)
     return CML_OK;
 }
 
+/* Waits for a request that is being handled, so that what the handler uses may be freed afterwards. */
 void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
 {
     pthread_mutex_lock(&service.handler_lock);

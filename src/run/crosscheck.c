@@ -161,6 +161,7 @@ static void compare_profile(const char *name, const cml_u128 *a, const cml_u128 
     }
 }
 
+/* All profiles; the grids over two variables have no batches. */
 static void compare_bins(const struct cml_result *first, const struct cml_result *other,
                          struct cml_check_pair *pair)
 {
@@ -197,6 +198,7 @@ static cml_status run_side(const struct cml_check_setup *setup, int s, struct cm
     return cml_run_verdict(setup->scene, &run->result, err);
 }
 
+/* Packets first, as that is where a fault can be pinned to a photon number; then whole runs for the bins. */
 cml_status cml_crosscheck(const struct cml_check_setup *setup, struct cml_check_result *result,
                           struct cml_error *err)
 {
@@ -215,6 +217,7 @@ cml_status cml_crosscheck(const struct cml_check_setup *setup, struct cml_check_
     return CML_OK;
 }
 
+/* Runs that were not made are zero, and clearing them does nothing. */
 void cml_check_clear(struct cml_check_result *result)
 {
     for (int s = 0; s < CML_CHECK_MOST_SIDES; s++) cml_run_result_free(&result->runs[s]);

@@ -358,6 +358,8 @@ double cml_run_processor(const struct cml_run_result *run)
     return seconds;
 }
 
+/* Weighted by time, not the mean of the ranks' shares: a rank that was there for a short time counts for
+ * little. */
 double cml_run_idle(const struct cml_run_result *run)
 {
     double waiting = 0, elapsed = 0;
@@ -378,6 +380,8 @@ double cml_run_communication(const struct cml_run_result *run)
     return elapsed > 0 ? spent / elapsed : 0;
 }
 
+/* An imbalance is a fault of the program, and comes first. Lost packets are a numerical failure that is
+ * allowed as long as it is rarer than the noise of any run. */
 cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                            struct cml_error *err)
 {

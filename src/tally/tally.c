@@ -24,6 +24,7 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
     return small;
 }
 
+/* Angles have no cells beyond the grid: all directions are within it. */
 static size_t tally_cells_ra(const struct cml_grid *grid)
 {
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
@@ -66,6 +67,7 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     tally->facets = owner->facets;
 }
 
+/* Not what is borrowed: others score there meanwhile. */
 void cml_tally_zero(struct cml_tally *tally)
 {
     memset(tally->A_l, 0, cml_tally_cells(&tally->grid) * sizeof *tally->A_l);

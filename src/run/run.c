@@ -134,6 +134,22 @@ static cml_status write_checkpoint(struct flight *flight, bool stop, double begi
     return status;
 }
 
+/* Of the launched weight: a total that hardly scores would keep --target-error flying for ever. */
+#define LEAST_SHARE 1e-3
+
+/* The largest relative standard error of those of Rd, A and Tt that hold at least this share. */
+static double relative_error(const struct cml_result *result)
+{
+    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
+    double largest = 0;
+    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
+        const double share = cml_result_total(result, totals[i]);
+        if (share < LEAST_SHARE) continue;
+        largest = fmax(largest, cml_result_error(result, totals[i]) / share);
+    }
+    return largest;
+}
+
 /* The next round of --target-error where one is needed: as long as all before it together. */
 static cml_status begin_round(struct flight *flight, struct cml_error *err)
 {
@@ -141,7 +157,7 @@ static cml_status begin_round(struct flight *flight, struct cml_error *err)
     struct cml_result *result = &flight->out->result;
     struct cml_run_state *state = &flight->state;
     const bool full = state->end > ((uint64_t)1 << 47);
-    if (setup->target_error <= 0 || full || cml_run_error(result) <= setup->target_error) return CML_OK;
+    if (setup->target_error <= 0 || full || relative_error(result) <= setup->target_error) return CML_OK;
     state->begin = state->end;
     state->end = 2 * state->end;
     result->photons = state->end;
@@ -331,20 +347,6 @@ void cml_run_result_free(struct cml_run_result *out)
     *out = (struct cml_run_result){0};
 }
 
-/* A total below the least share is left out: its relative error would need a hundred times the photons for
- * a number that hardly matters. */
-double cml_run_error(const struct cml_result *result)
-{
-    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
-    double largest = 0;
-    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        const double share = cml_result_total(result, totals[i]);
-        if (share < CML_TARGET_LEAST_SHARE) continue;
-        largest = fmax(largest, cml_result_error(result, totals[i]) / share);
-    }
-    return largest;
-}
-
 double cml_run_steps(const struct cml_run_result *run)
 {
     const cml_u128 *count = run->result.summary.count;
@@ -385,11 +387,11 @@ double cml_run_communication(const struct cml_run_result *run)
 cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                            struct cml_error *err)
 {
-    const double residue = cml_result_imbalance(result);
-    if (residue != 0)
+    const double imbalance = cml_result_imbalance(result);
+    if (imbalance != 0)
         return cml_fail(err, CML_E_NUMERIC,
                         "%s: the energy books do not balance: residue %.17g of 2^-31 packets", scene->output,
-                        residue);
+                        imbalance);
     const double lost = (double)cml_result_lost(result),
                  photons = (double)result->summary.count[CML_COUNT_PHOTONS];
     if (lost > 1e-6 * photons)

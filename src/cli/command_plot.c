@@ -10,12 +10,14 @@
 #include <string.h>
 #include <strings.h>
 
+/* In capitals, too, as files come from other systems. */
 static bool ends_in(const char *path, const char *extension)
 {
     const char *dot = strrchr(path, '.');
     return dot && strcasecmp(dot, extension) == 0;
 }
 
+/* Operands are told apart by their ending. */
 static bool is_curve(const char *path)
 {
     return ends_in(path, ".csv");
@@ -26,6 +28,7 @@ static bool is_map(const char *path)
     return ends_in(path, ".vti");
 }
 
+/* For plot --output is the picture, not a folder. */
 static const char *picture_path(const struct cml_options *options)
 {
     return options->output ? options->output : "plot.svg";
@@ -33,6 +36,7 @@ static const char *picture_path(const struct cml_options *options)
 
 /* ---- curves over r ---- */
 
+/* Curves and results become the same structure; two bins, of which the last is not drawn, make no curve. */
 static cml_status read_one(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
     CML_TRY(is_curve(path) ? cml_curve_read(path, mco, err) : cml_mco_read(path, mco, err));
@@ -57,6 +61,7 @@ static cml_status read_all(const struct cml_options *options, struct cml_mco *re
     return CML_OK;
 }
 
+/* plot.count is the number read so far, so that only those are cleared after a failure. */
 static cml_status draw_curves(const struct cml_options *options, enum cml_picture picture,
                               struct cml_error *err)
 {
@@ -85,6 +90,7 @@ static const char *array_of(const char *of, const char **quantity)
     return top ? "Rd_xy" : bottom ? "Tt_xy" : of;
 }
 
+/* Maps that were not read are zero, and clearing them does nothing. */
 static cml_status draw_maps(const struct cml_options *options, enum cml_picture picture,
                             struct cml_error *err)
 {
@@ -118,6 +124,7 @@ static cml_status find_kind(const struct cml_options *options, bool *maps, struc
     return cml_fail(err, CML_E_INPUT, "--of %s (expected with maps only: .vti files)", options->of);
 }
 
+/* Everything that can be wrong with the command line is found before a file is read. */
 cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err)
 {
     enum cml_picture picture;

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Commands with the number of operands that each takes. The first one is meant where none is named. */
 static const struct command {
     const char *name;
     int least, most; /* operands */
@@ -26,6 +27,8 @@ static const struct command {
     {"plot", 1, 64, false, "a.mco [b.mco ...] or a.map.vti [b.map.vti ...]", cml_command_plot},
 };
 
+/* A word that is no command is the operand of `run`: `clustermcml scene.mci` is enough. Commands that are
+ * not parallel run on rank 0 while the others wait for its status. */
 static cml_status run_command(struct cml_options *options, struct cml_error *err)
 {
     const struct command *command = &commands[0];
@@ -64,6 +67,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     return cml_cluster_agree(status, err);
 }
 
+/* The only place that prints an error. */
 static void complain(cml_status status, const struct cml_error *err)
 {
     if (status != CML_OK) fprintf(stderr, "clustermcml: %s\n", err->text);

@@ -38,8 +38,8 @@ CML_NODISCARD cml_status cml_mco_allocate(struct cml_mco *mco, struct cml_error 
 
 void cml_mco_clear(struct cml_mco *mco);
 
-/* Writes to `path` atomically (text.h). CML_E_IO on failure. The time is rounded to whole seconds, as in the
- * original. */
+/* Writes to `path` atomically (atomic_file.h). CML_E_IO on failure. The time is rounded to whole seconds, as
+ * in the original. */
 CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_mco *mco, struct cml_error *err);
 
 /* Reads a file written by us, by original MCML 1.x, by MSVC builds of it (3-digit exponents), by gpumcml,

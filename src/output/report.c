@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
+/* Also a part of the .mco file, whose bytes must not depend on the machine: nothing that was measured is
+ * named. */
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
                            const struct cml_surface_set *surfaces)
 {
@@ -17,6 +19,7 @@ void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_sc
     }
 }
 
+/* The letters are MCML's; the error is that of one standard deviation. */
 static void print_total(FILE *stream, const char *name, const struct cml_result *result, enum cml_total total)
 {
     fprintf(stream, "  %-4s %.6f +- %.6f\n", name, cml_result_total(result, total),
@@ -55,6 +58,8 @@ static void print_rarities(FILE *stream, const struct cml_result *result, uint32
         fprintf(stream, "  %.4g of the weight was absorbed above z = 0, in the first bin\n", above);
 }
 
+/* The words `books` and `residue` are those of the output files; the code says weight balance and
+ * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = &report->run->result;
@@ -72,6 +77,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
             report->run->threads == 1 ? "" : "s");
 }
 
+/* Shares of each rank's own time. */
 void cml_report_ranks(FILE *stream, const struct cml_run_result *run)
 {
     fprintf(stream, "  %4s %14s %8s %8s %8s %8s\n", "rank", "photons", "flying %", "idle %", "asking %",

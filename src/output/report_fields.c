@@ -7,26 +7,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- where values come from ------------------------------------------------------------------------------
- */
+/* ---- where values come from ---- */
 
+/* From units of weight to a share of one packet. */
 static double per_photon(const struct cml_field_source *source)
 {
     return CML_WEIGHT_UNIT / (double)source->report->run->result.photons;
 }
 
+/* Values that are densities already (struct cml_mco). */
 static void array_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     memcpy(out, source->array + begin, count * sizeof *out);
 }
 
+/* There is one value, whatever part is asked for. */
 static void number_value(const void *context, size_t begin, size_t count, double *out)
 {
     (void)begin, (void)count;
     *out = ((const struct cml_field_source *)context)->number;
 }
 
+/* Computed when they are written: each takes a loop over 64 batches. */
 static void profile_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -34,6 +37,8 @@ static void profile_errors(const void *context, size_t begin, size_t count, doub
         out[i] = cml_profile_error(source->report, &source->profile, (int)(begin + i));
 }
 
+/* Over the angle bins of a pixel, as integers: so the map without angles is the exact sum of that with
+ * angles. */
 static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
 {
     cml_u128 sum = 0;
@@ -41,6 +46,7 @@ static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
     return sum;
 }
 
+/* Pixels of a map, or voxels with na = 1: per area or volume, which are equal for all. */
 static void pixel_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -49,6 +55,8 @@ static void pixel_values(const void *context, size_t begin, size_t count, double
         out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
 }
 
+/* A packet ends in one angle bin of one pixel, so its squares add up like its weights, and the error of a
+ * pixel is that of a weight which every packet adds to at most once. */
 static void pixel_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -82,6 +90,7 @@ static void angle_errors(const void *context, size_t begin, size_t count, double
                  source->scale / projected_solid_angle(source, i);
 }
 
+/* Of a triangle, a ring or a pixel of the map; per_facet successive faces of a drawing share one. */
 static double facet_area(const struct cml_field_source *source, size_t facet)
 {
     return cml_surface_facet_area(source->surface, &source->report->scene->map, facet);
@@ -93,6 +102,8 @@ static void facet_areas(const void *context, size_t begin, size_t count, double 
     for (size_t i = 0; i < count; i++) out[i] = facet_area(source, begin + i);
 }
 
+/* `cells` begins at the score in question of the first facet, and others follow at a distance of
+ * CML_FACET_SCORES. Faces that are parts of one facet all get its value. */
 static void facet_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -103,6 +114,7 @@ static void facet_values(const void *context, size_t begin, size_t count, double
     }
 }
 
+/* For escaped weight only: of irradiances, which a packet may add to many times, no squares are kept. */
 static void facet_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -114,9 +126,9 @@ static void facet_errors(const void *context, size_t begin, size_t count, double
     }
 }
 
-/* --- the list --------------------------------------------------------------------------------------------
- */
+/* ---- the list ---- */
 
+/* Middles of bins. x and y are centred on the axis of the beam, as the map is; r and alpha count from 0. */
 static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
@@ -138,6 +150,7 @@ static void set_axes(struct cml_field_list *c)
                                     (size_t)scene->nz, map->top + scene->dz / 2,     scene->dz};
 }
 
+/* One for each boundary, because numbers of facets differ; without the last facet, the plane around it. */
 static void set_facet_axes(struct cml_field_list *c)
 {
     const struct cml_surface_set *surfaces = c->report->surfaces;
@@ -178,6 +191,8 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
+/* Fields and their sources lie in arrays of fixed size, so that a field may point to its source. Returns
+ * the source to be filled in. */
 static struct cml_field_source *add(struct cml_field_list *c, const char *name, const char *long_name,
                                     const char *units, cml_field_values *values)
 {
@@ -203,6 +218,7 @@ static void along(struct cml_field_list *c, const struct cml_axis *a, const stru
     for (int i = 0; i < CML_FIELD_AXES && axes[i]; i++) field->axis[field->num_axes++] = axes[i];
 }
 
+/* A field without axes. */
 static void add_number(struct cml_field_list *c, const char *name, const char *long_name, double number)
 {
     add(c, name, long_name, "1", number_value)->number = number;
@@ -224,9 +240,9 @@ static struct cml_field_source *add_errors(struct cml_field_list *c, cml_field_v
     return source;
 }
 
-/* --- what an .mco file holds -----------------------------------------------------------------------------
- */
+/* ---- what an .mco file holds ---- */
 
+/* Totals in double, as in the JSON line; in the .mco they have six digits. */
 static void add_totals(struct cml_field_list *c)
 {
     static const struct {
@@ -245,6 +261,8 @@ static void add_totals(struct cml_field_list *c)
     }
 }
 
+/* The names begin with book_ as the section `books` of an .mco file is called; `residue` is the imbalance.
+ * They are part of the file format. */
 static void add_balance(struct cml_field_list *c)
 {
     static const char *const names[CML_NUM_BALANCE_TERMS] = {
@@ -259,6 +277,7 @@ static void add_balance(struct cml_field_list *c)
     add_number(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
 }
 
+/* fast may be NULL: a profile. */
 static void add_array(struct cml_field_list *c, const char *name, const char *long_name, const char *units,
                       const double *array, const struct cml_axis *slow, const struct cml_axis *fast)
 {
@@ -266,6 +285,7 @@ static void add_array(struct cml_field_list *c, const char *name, const char *lo
     along(c, slow, fast, NULL);
 }
 
+/* A profile and its errors; nothing where it was not tallied. */
 static void add_profile(struct cml_field_list *c, const struct cml_profile *profile, const char *long_name,
                         const double *array, const struct cml_axis *axis)
 {
@@ -274,6 +294,8 @@ static void add_profile(struct cml_field_list *c, const struct cml_profile *prof
     add_errors(c, profile_errors)->profile = *profile;
 }
 
+/* The order in the file is that of an .mco, so that both can be read side by side. Of the grids over two
+ * variables no errors are known: batches are kept of profiles only. */
 void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
 {
     struct cml_profile profiles[CML_PROFILES];
@@ -296,9 +318,9 @@ void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
     add_array(c, "Tt_ra", "transmittance by radius and angle", "1/(cm2 sr)", mco->Tt_ra, &c->r, &c->alpha);
 }
 
-/* --- maps, volume, facets --------------------------------------------------------------------------------
- */
+/* ---- maps, volume, facets ---- */
 
+/* 32-bit floats: a pixel of the largest maps has fewer packets than these have digits. */
 static void add_pixels(struct cml_field_list *c, const char *name, const char *long_name,
                        const cml_u128 *cells, const cml_u128 *squares, bool angles)
 {
@@ -314,6 +336,7 @@ static void add_pixels(struct cml_field_list *c, const char *name, const char *l
     add_errors(c, angles ? angle_errors : pixel_errors);
 }
 
+/* With angles there is both, the sum and its parts: most users look at the sum. */
 void cml_add_map_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = &c->report->run->result;
@@ -325,6 +348,8 @@ void cml_add_map_fields(struct cml_field_list *c)
     add_pixels(c, "Tt_xya", "transmittance by angle", r->Tt_xya, r->Tt_xya2, true);
 }
 
+/* Without errors: a packet deposits in a voxel many times, and squares of its sums would need a volume per
+ * packet. */
 void cml_add_volume_fields(struct cml_field_list *c)
 {
     const struct cml_result *result = &c->report->run->result;
@@ -338,6 +363,7 @@ void cml_add_volume_fields(struct cml_field_list *c)
     c->fields[c->num_fields - 1].single = true;
 }
 
+/* With them the sums of map and volume are the totals, which is how a reader can check them. */
 void cml_add_outside_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = &c->report->run->result;
@@ -354,6 +380,7 @@ void cml_add_outside_fields(struct cml_field_list *c)
                    (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
 }
 
+/* With the last one, the plane around the boundary. */
 static size_t num_facets(const struct cml_report *report, int b)
 {
     return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
@@ -368,11 +395,14 @@ static const cml_u128 *facets_of(const struct cml_report *report, int b)
     return report->run->result.facets + first * CML_FACET_SCORES;
 }
 
+/* Facets of planes are the pixels of the map. */
 static bool is_plane(const struct cml_report *report, int b)
 {
     return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
 }
 
+/* Irradiance and radiant exitance as in radiometry: power per area that arrives at, or leaves, a surface.
+ * The last row is reflectance or transmittance and has its name from the boundary. */
 static const struct {
     const char *name, *long_name;
     enum cml_facet_score score;
@@ -407,6 +437,8 @@ static void along_facets(struct cml_field_list *c, int b)
         along(c, &c->facet[b], NULL, NULL);
 }
 
+/* The axis is as long as the drawing has faces, so a file for tables and one for pictures differ in
+ * nothing else. */
 void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const cml_u128 *first = facets_of(c->report, b);
@@ -427,6 +459,7 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
     }
 }
 
+/* The plane around a boundary has no area to divide by, so it has shares of the launched weight. */
 void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_surface_def *surface = &c->report->surfaces->item[b];

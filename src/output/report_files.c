@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* In capitals, too: file systems that do not tell them apart would have two runs write one file. */
 static size_t stem_length(const char *path)
 {
     const size_t length = strlen(path);
@@ -24,11 +25,13 @@ bool cml_report_same_stem(const char *a, const char *b)
     return stem_length(a) == stem_length(b) && strncmp(a, b, stem_length(a)) == 0;
 }
 
+/* Maps and facets have no place in an .mco file. */
 bool cml_report_wants_fields(const struct cml_scene *scene)
 {
     return scene->format == 'B' || scene->map.nx > 0 || scene->facets;
 }
 
+/* All files of a run share the stem, whichever of them the user named. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {
     const size_t length = stem_length(path), size = length + strlen(suffix) + 1;
@@ -59,6 +62,7 @@ static cml_status next_file(struct cml_report *report, const char *path, const c
     return CML_OK;
 }
 
+/* Its name stays where it is when the list grows. */
 static const char *last_file(const struct cml_report *report)
 {
     return report->files[report->num_files - 1];
@@ -88,6 +92,7 @@ static void fill_attributes(const struct cml_report *report, const char *boundar
     memcpy(attributes, all, sizeof all);
 }
 
+/* The same lines as in the .mco file, as one attribute. */
 static cml_status describe_boundaries(const struct cml_report *report, char **text, struct cml_error *err)
 {
     size_t size = 0;
@@ -119,6 +124,7 @@ static void fill_list(struct cml_field_list *list, const struct cml_mco *mco)
     }
 }
 
+/* Values are computed while they are written, so the list of fields is all that is in memory. */
 static cml_status write_h5(const struct cml_report *report, const struct cml_mco *mco, const char *path,
                            struct cml_error *err)
 {
@@ -172,6 +178,7 @@ static cml_status write_image(const struct cml_report *report, bool volume, cons
     return status;
 }
 
+/* Of a boundary that is no plane: its faces and what they received. */
 static cml_status write_boundary(const struct cml_report *report, int b, const char *path,
                                  struct cml_error *err)
 {
@@ -189,6 +196,7 @@ static cml_status write_boundary(const struct cml_report *report, int b, const c
     return status;
 }
 
+/* Planes are in the map's image. */
 static cml_status write_boundaries(struct cml_report *report, const char *path, struct cml_error *err)
 {
     char suffix[64];
@@ -201,6 +209,8 @@ static cml_status write_boundaries(struct cml_report *report, const char *path, 
     return CML_OK;
 }
 
+/* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
+ * program without HDF5 writes what it can; that was announced before the run. */
 static cml_status write_tables(struct cml_report *report, const char *path, const struct cml_mco *mco,
                                struct cml_error *err)
 {
@@ -214,6 +224,8 @@ static cml_status write_tables(struct cml_report *report, const char *path, cons
     return write_h5(report, mco, last_file(report), err);
 }
 
+/* The tables first, for they are what a user without pictures waits for. Each file is complete before the
+ * next is begun. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
     const struct cml_grid *grid = &report->run->result.grid;

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* An unknown bias is infinite, which JSON cannot say: null. */
 static json_t *boundaries_json(const struct cml_surface_set *surfaces)
 {
     json_t *list = json_array();
@@ -24,6 +25,7 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
     return list;
 }
 
+/* The main result comes first, as it was written first. */
 static json_t *files_json(const struct cml_report *report)
 {
     json_t *list = json_array();
@@ -31,6 +33,7 @@ static json_t *files_json(const struct cml_report *report)
     return list;
 }
 
+/* Keys keep the order in which they are set (jansson 2.8 and later). */
 static void set_real(json_t *object, const char *key, double value)
 {
     json_object_set_new(object, key, json_real(value));
@@ -41,6 +44,7 @@ static void set_integer(json_t *object, const char *key, uint64_t value)
     json_object_set_new(object, key, json_integer((json_int_t)value));
 }
 
+/* `residue` is the imbalance of weight in units of 2^-31 packets, 0 unless the program is wrong. */
 static void set_results(json_t *object, const struct cml_report *report)
 {
     const struct cml_result *result = &report->run->result;
@@ -59,6 +63,7 @@ static void set_results(json_t *object, const struct cml_report *report)
     set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
 }
 
+/* Seconds. `idle` waited for other ranks, `asking` for photons, `sums` summed and wrote checkpoints. */
 static json_t *ranks_json(const struct cml_run_result *run)
 {
     json_t *list = json_array();
@@ -72,6 +77,7 @@ static json_t *ranks_json(const struct cml_run_result *run)
     return list;
 }
 
+/* What depends on the machine and the moment, not on the light. */
 static void set_speed(json_t *object, const struct cml_report *report)
 {
     const struct cml_run_result *run = report->run;
@@ -90,6 +96,7 @@ static void set_speed(json_t *object, const struct cml_report *report)
     set_real(object, "communication", cml_run_communication(run));
 }
 
+/* jansson refuses a name that is not UTF-8, which looks like a lack of memory: the message names both. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     json_t *object = json_pack("{s:s, s:s, s:s}", "scene", report->scene->file, "output", report->files[0],

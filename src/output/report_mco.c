@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What the file repeats of the input, and the arrays. The whole of it may fail; cml_report_mco clears what
+ * is there. */
 static cml_status fill_input(const struct cml_report *report, struct cml_mco *mco, struct cml_error *err)
 {
     const struct cml_scene *scene = report->scene;
@@ -33,6 +35,7 @@ static cml_status fill_input(const struct cml_report *report, struct cml_mco *mc
     return CML_OK;
 }
 
+/* In MCML's order and units. A_z comes without batches where absorption was not tallied. */
 void cml_report_profiles(const struct cml_report *report, struct cml_profile profiles[CML_PROFILES])
 {
     const struct cml_scene *scene = report->scene;
@@ -48,6 +51,7 @@ void cml_report_profiles(const struct cml_report *report, struct cml_profile pro
     memcpy(profiles, all, sizeof all);
 }
 
+/* The error of the weight per photon, scaled like the value. */
 double cml_profile_error(const struct cml_report *report, const struct cml_profile *profile, int i)
 {
     return cml_result_bin_error(&report->run->result, profile->batches, profile->n, i) /
@@ -66,6 +70,8 @@ static void write_errors(FILE *out, const struct cml_report *report)
     }
 }
 
+/* Stands behind every number of the section `books`, and is the long name of the fields book_... of .h5
+ * files. */
 const char *cml_balance_text(enum cml_balance_term term)
 {
     static const char *const names[CML_NUM_BALANCE_TERMS] = {"launched",
@@ -83,6 +89,8 @@ const char *cml_balance_text(enum cml_balance_term term)
     return names[term];
 }
 
+/* Sections `books` (the terms of the weight balance, P10), `residue` (by how much they do not balance) and
+ * `lost`. The names are part of the file format and older than the words of the code. */
 static void write_balance(FILE *out, const struct cml_result *result)
 {
     fprintf(out,
@@ -112,6 +120,8 @@ static void write_heightfields(FILE *out, const struct cml_scene *scene)
     }
 }
 
+/* Everything behind Tt_ra, where readers of MCML's files have stopped. Lines that begin with # come first:
+ * they are comments for those who read on. Nothing here may depend on time, threads, ranks or the machine. */
 static void write_extra(FILE *out, const struct cml_report *report)
 {
     const struct cml_scene *scene = report->scene;
@@ -128,6 +138,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
     write_heightfields(out, scene);
 }
 
+/* As a text in memory, because the writer of .mco files knows no runs; a reader keeps it as a text, too. */
 static cml_status fill_extra(const struct cml_report *report, struct cml_mco *mco, struct cml_error *err)
 {
     size_t size = 0;
@@ -139,6 +150,7 @@ static cml_status fill_extra(const struct cml_report *report, struct cml_mco *mc
     return CML_OK;
 }
 
+/* The text first: it is what may fail; scaling cannot. */
 cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco, struct cml_error *err)
 {
     *mco = (struct cml_mco){0};

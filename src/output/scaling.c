@@ -65,6 +65,7 @@ static void scale_absorption(const struct cml_result *result, double per_photon,
         mco->A_z[iz] = cml_result_bin_sum(result->A_z, mco->nz, iz) * per_photon / mco->dz;
 }
 
+/* A_l counts from the first layer; its sums begin with the medium above. Media outside absorb nothing. */
 void cml_scale_result(const struct cml_result *result, struct cml_mco *mco)
 {
     const double per_photon = CML_WEIGHT_UNIT / (double)result->photons, da = cml_angle_width(mco->na);

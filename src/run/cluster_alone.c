@@ -9,6 +9,7 @@
 
 static atomic_bool sync_requested;
 
+/* A launcher that started several of these would have each write the same files. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     (void)argc;

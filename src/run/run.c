@@ -20,6 +20,7 @@ static double processor_seconds(void)
 /* What rank 0 decides at a synchronisation. */
 enum next_step { CONTINUE, FINISHED, STOPPED };
 
+/* One call of cml_run on this rank. */
 struct flight {
     const struct cml_run_setup *setup;
     struct cml_run_result *out;
@@ -48,6 +49,7 @@ static void empty_tally(struct flight *flight)
     flight->in_tally = 0;
 }
 
+/* The engine adds to the tally; its profiles go to the batch at once, all else when the tally is full. */
 static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, uint64_t count,
                             struct cml_error *err)
 {
@@ -132,6 +134,22 @@ static cml_status write_checkpoint(struct flight *flight, bool stop, double begi
     return status;
 }
 
+/* Of the launched weight: a total that hardly scores would keep --target-error flying for ever. */
+#define LEAST_SHARE 1e-3
+
+/* The largest relative standard error of those of Rd, A and Tt that hold at least this share. */
+static double relative_error(const struct cml_result *result)
+{
+    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
+    double largest = 0;
+    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
+        const double share = cml_result_total(result, totals[i]);
+        if (share < LEAST_SHARE) continue;
+        largest = fmax(largest, cml_result_error(result, totals[i]) / share);
+    }
+    return largest;
+}
+
 /* The next round of --target-error where one is needed: as long as all before it together. */
 static cml_status begin_round(struct flight *flight, struct cml_error *err)
 {
@@ -139,7 +157,7 @@ static cml_status begin_round(struct flight *flight, struct cml_error *err)
     struct cml_result *result = &flight->out->result;
     struct cml_run_state *state = &flight->state;
     const bool full = state->end > ((uint64_t)1 << 47);
-    if (setup->target_error <= 0 || full || cml_run_error(result) <= setup->target_error) return CML_OK;
+    if (setup->target_error <= 0 || full || relative_error(result) <= setup->target_error) return CML_OK;
     state->begin = state->end;
     state->end = 2 * state->end;
     result->photons = state->end;
@@ -258,6 +276,8 @@ static double measure_overhead(struct flight *flight)
     return 2 * (cml_now() - begin);
 }
 
+/* What may fail on one rank alone: memory, the engine, a checkpoint. run_flight makes all ranks agree on
+ * it before the first photon. */
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -269,6 +289,7 @@ static cml_status open_flight(struct flight *flight, const struct cml_grid *grid
     return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;
 }
 
+/* How each rank spent its time, for --verbose and --json. */
 static cml_status gather_reports(struct flight *flight, struct cml_error *err)
 {
     struct cml_run_result *out = flight->out;
@@ -303,6 +324,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     return gather_reports(flight, err);
 }
 
+/* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
@@ -325,18 +347,6 @@ void cml_run_result_free(struct cml_run_result *out)
     *out = (struct cml_run_result){0};
 }
 
-double cml_run_error(const struct cml_result *result)
-{
-    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
-    double largest = 0;
-    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        const double share = cml_result_total(result, totals[i]);
-        if (share < CML_TARGET_LEAST_SHARE) continue;
-        largest = fmax(largest, cml_result_error(result, totals[i]) / share);
-    }
-    return largest;
-}
-
 double cml_run_steps(const struct cml_run_result *run)
 {
     const cml_u128 *count = run->result.summary.count;
@@ -350,6 +360,8 @@ double cml_run_processor(const struct cml_run_result *run)
     return seconds;
 }
 
+/* Weighted by time, not the mean of the ranks' shares: a rank that was there for a short time counts for
+ * little. */
 double cml_run_idle(const struct cml_run_result *run)
 {
     double waiting = 0, elapsed = 0;
@@ -370,14 +382,16 @@ double cml_run_communication(const struct cml_run_result *run)
     return elapsed > 0 ? spent / elapsed : 0;
 }
 
+/* An imbalance is a fault of the program, and comes first. Lost packets are a numerical failure that is
+ * allowed as long as it is rarer than the noise of any run. */
 cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                            struct cml_error *err)
 {
-    const double residue = cml_result_imbalance(result);
-    if (residue != 0)
+    const double imbalance = cml_result_imbalance(result);
+    if (imbalance != 0)
         return cml_fail(err, CML_E_NUMERIC,
                         "%s: the energy books do not balance: residue %.17g of 2^-31 packets", scene->output,
-                        residue);
+                        imbalance);
     const double lost = (double)cml_result_lost(result),
                  photons = (double)result->summary.count[CML_COUNT_PHOTONS];
     if (lost > 1e-6 * photons)
@@ -386,6 +400,8 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
     return CML_OK;
 }
 
+/* The result, the tally of the run, and the tally of each thread; what the engine itself takes is counted
+ * where its surfaces are made. */
 double cml_run_bytes(const struct cml_grid *grid, int threads)
 {
     const struct cml_grid of_thread = cml_grid_of_thread(grid);

@@ -52,6 +52,8 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
     reply->count = range.count;
 }
 
+/* All ranks begin with the same small range, because their speeds are not known: all_wants is their sum
+ * then. */
 cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, double overhead,
                          struct cml_error *err)
 {
@@ -88,6 +90,7 @@ cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cm
     return CML_OK;
 }
 
+/* At most a quarter of a range, but not below 25 times the overhead of a piece. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work)
 {
     const double pieces = fmin(4, target_seconds(work) / (25 * work->overhead));
@@ -120,6 +123,7 @@ struct returned {
     uint64_t stop;
 };
 
+/* On rank 0. What a rank did not fly is open again; ranges need no order. */
 static cml_status collect(struct cml_work_ranges *work, const struct returned *all, bool *stop,
                           struct cml_error *err)
 {
@@ -131,6 +135,8 @@ static cml_status collect(struct cml_work_ranges *work, const struct returned *a
     return CML_OK;
 }
 
+/* Both ends agree on their status, because a rank that failed to get memory must not leave the others in
+ * the gather. */
 cml_status cml_work_return(struct cml_work_ranges *work, struct cml_range left, uint64_t flown, bool *stop,
                            struct cml_error *err)
 {

@@ -224,6 +224,7 @@ static cml_u128 sum_of(const cml_u128 *cells, size_t n)
     return sum;
 }
 
+/* Unsigned sums: the smaller must be taken from the larger. */
 static double difference(cml_u128 a, cml_u128 b)
 {
     return a >= b ? (double)(a - b) : -(double)(b - a);
@@ -241,6 +242,7 @@ static double facet_imbalance(const struct cml_result *result)
     return difference(in, out);
 }
 
+/* All of it is exact, in integers, so any difference at all is a fault; the first is enough to say so. */
 double cml_result_imbalance(const struct cml_result *result)
 {
     const struct cml_grid *grid = &result->grid;
@@ -305,6 +307,7 @@ double cml_result_error(const struct cml_result *result, enum cml_total total)
     return error_of_mean(n, sum, (long double)result->summary.square[total]) * CML_WEIGHT_UNIT;
 }
 
+/* The sum is turned into the unit of the squares, which was made coarser so that they fit. */
 double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
 {
     const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
@@ -339,6 +342,7 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : 0;
 }
 
+/* The causes of loss are neighbours in enum cml_count. */
 uint64_t cml_result_lost(const struct cml_result *result)
 {
     cml_u128 lost = 0;

@@ -6,12 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of a tally, with the cells beyond the grid. */
+/* A tally has cells of its own for what lies beyond the grid (P7), so that scoring needs no branch for it:
+ * one more row of r, one more depth above and one below. */
 static size_t tally_cells_A(const struct cml_grid *grid)
 {
     return grid->absorption ? ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
 }
 
+/* All of A_rz or nothing: half a grid would have to be looked up at every deposit. */
 struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
 {
     struct cml_grid small = *grid;
@@ -22,6 +24,7 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
     return small;
 }
 
+/* Angles have no cells beyond the grid: all directions are within it. */
 static size_t tally_cells_ra(const struct cml_grid *grid)
 {
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
@@ -52,6 +55,7 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     return CML_OK;
 }
 
+/* Only what a thread has none of itself; NULL stays NULL where the owner has none either. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
     if (!tally->grid.absorption) tally->A_rz = owner->A_rz;
@@ -63,6 +67,7 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     tally->facets = owner->facets;
 }
 
+/* Not what is borrowed: others score there meanwhile. */
 void cml_tally_zero(struct cml_tally *tally)
 {
     memset(tally->A_l, 0, cml_tally_cells(&tally->grid) * sizeof *tally->A_l);
@@ -78,6 +83,8 @@ void cml_tally_free(struct cml_tally *tally)
     *tally = (struct cml_tally){0};
 }
 
+/* Insertion into a short sorted list. Which packets are kept must not depend on the order in which threads
+ * and ranks report them, so it is the smallest. */
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index)
 {
     int place = list->count;
@@ -101,6 +108,8 @@ static void move_cells(uint64_t *restrict to, uint64_t *restrict from, size_t fi
     }
 }
 
+/* Parts of the block of cells have equal sizes whatever arrays lie there. Part 0 takes the few sums that
+ * are not in it. */
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from, int part, int parts)
 {
     const size_t cells = cml_tally_cells(&from->grid), n = (size_t)parts, i = (size_t)part;

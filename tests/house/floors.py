@@ -38,16 +38,16 @@ FOREIGN = {
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/engine/cpu/bundle_masks",
     "jansson.h": "src/output/report_json src/plot/compare_report",
-    "omp.h": "src/run/cores src/engine/cpu/engine_cpu_level",
+    "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level",
     "CL/*": "src/engine/opencl/opencl_parts",
     "getopt.h": "src/cli/options",
     "hdf5*.h": "src/output/hdf5_file",
     "sys/resource.h": "src/cli/command_load",
     "spawn.h": "src/plot/gnuplot",
     "signal.h": "src/plot/gnuplot src/run/stop",
-    "mpi.h": "src/run/cluster",
-    "pthread.h": "src/run/cluster src/run/work_ranges",
-    "sched.h": "src/run/cluster src/run/cores",
+    "mpi.h": "src/run/cluster_parts",
+    "pthread.h": "src/run/cluster_parts src/run/work_ranges",
+    "sched.h": "src/run/cluster_service src/run/launcher",
     "zlib.h": "src/run/checkpoint src/run/identity",
     "sys/wait.h": "src/plot/gnuplot",
 }
@@ -207,8 +207,8 @@ def check_the_check():
                        ("src/run/stop.c", '#include "run/stop.h"\n#include "run/cores.h"\n')]:
         files = {**sound, path: text}
         if path == "src/run/stop.c":  # a circle by sources alone
-            files["src/run/stop.h"], files["src/run/cores.h"] = "", ""
-            files["src/run/cores.c"] = '#include "run/stop.h"\n'
+            files["src/run/stop.h"], files["src/run/launcher.h"] = "", ""
+            files["src/run/launcher.c"] = '#include "run/stop.h"\n'
         assert len(check(files)) == 1, (path, text, check(files))
     caller = "{}cml_status cml_run_{}(int a)\n{{\n    return cml_run_{}(a); /* cml_run_none */\n}}\n"
     calls = {"src/run/run.c": caller.format("", "one", "two"), "src/run/stop.c": caller.format("", "two", "three"),

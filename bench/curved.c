@@ -43,14 +43,14 @@ static int answer;
 #define TIMED(part, call) (begin(part), (call), end(part))
 #define TIMED_ANSWER(part, call) (begin(part), answer = (call), end(part), answer)
 
-#define cml_hits_settle_rings(world, side, h) TIMED(TURN, cml_hits_settle_rings(world, side, h))
-#define cml_hits_turn(setup, side, n1, n2, h) TIMED_ANSWER(TURN, cml_hits_turn(setup, side, n1, n2, h))
-#define cml_find_reaches(f, medium, lanes) TIMED(AHEAD, cml_find_reaches(f, medium, lanes))
-#define cml_bundle_look_around(b, steepest) TIMED_ANSWER(AROUND, cml_bundle_look_around(b, steepest))
+#define cml_hits_refine_rings(world, side, h) TIMED(TURN, cml_hits_refine_rings(world, side, h))
+#define cml_hits_reflect_or_refract(setup, side, n1, n2, h) TIMED_ANSWER(TURN, cml_hits_reflect_or_refract(setup, side, n1, n2, h))
+#define cml_gather_intervals(f, medium, lanes) TIMED(AHEAD, cml_gather_intervals(f, medium, lanes))
+#define cml_bundle_classify_near(b, steepest) TIMED_ANSWER(AROUND, cml_bundle_classify_near(b, steepest))
 #include "engine/cpu/bundle_curved_cross.h"
-#define cml_meet_hits(f, medium, side, h) TIMED(HITS, cml_meet_hits(f, medium, side, h))
+#define cml_process_hits(f, medium, side, h) TIMED(HITS, cml_process_hits(f, medium, side, h))
 #include "engine/cpu/bundle_curved_search.h"
-#define cml_meet_curves(f) TIMED(CURVES, cml_meet_curves(f))
+#define cml_process_curved(f) TIMED(CURVES, cml_process_curved(f))
 
 #define CML_LEVEL curved
 #include "engine/cpu/engine_cpu_level.c"

@@ -31,7 +31,7 @@ static cml_status bench_open(const char *path, enum cml_surface_kind force, stru
     const struct cml_surface_options how = {.force = force, .tessellation = {.tolerance = 1e-3}};
     const struct cml_engine_options options = {.seed = 1, .threads = 1, .reentry = true, .absorption = true};
     *flight = (struct bench_flight){0};
-    CML_TRY(cml_mci_read(path, &flight->list, err));
+    CML_TRY(cml_mci_read(path, NULL, &flight->list, err));
     const struct cml_scene *scene = &flight->list.scenes[0];
     CML_TRY(cml_surfaces_create(scene, &how, &flight->surfaces, err));
     const struct cml_grid grid = cml_engine_grid(scene, &flight->surfaces, &options);

@@ -15,7 +15,7 @@ enum { COUNT = 20000, TRIES = 15 };
 
 struct near_packet {
     struct cml_packet packet;
-    struct cml_reach reach;
+    struct cml_boundary_intervals intervals;
     struct cml_hit hit;
 };
 
@@ -51,28 +51,28 @@ static int is_below(const struct cml_world *world, struct cml_packet packet)
 {
     const struct cml_vec up = {0, 0, -1};
     const real far = 2 * (packet.p.z - world->surfaces[0].lowest) + 1;
-    const struct cml_reach straight = {{1, 0, far}, {0, 0, far}};
+    const struct cml_boundary_intervals above = {{1, 0, far}, {0, 0, far}};
     struct cml_hit hit;
     packet.u = up;
-    return cml_nearest(world, &packet, straight, &hit);
+    return cml_nearest_hit(world, &packet, above, &hit);
 }
 
 static void find_reach(const struct cml_world *world, struct near_packet *near)
 {
     const struct cml_packet *p = &near->packet;
-    near->reach = cml_find_reach(world, p, p->tau * world->media[1].mfp);
+    near->intervals = cml_find_intervals(world, p, p->tau * world->media[1].mfp);
 }
 
 static void query(const struct cml_world *world, struct near_packet *near)
 {
     struct cml_packet packet = near->packet;
-    sink = cml_nearest(world, &packet, near->reach, &near->hit);
+    sink = cml_nearest_hit(world, &packet, near->intervals, &near->hit);
 }
 
 static void cross(const struct cml_world *world, struct near_packet *near)
 {
     struct cml_packet packet = near->packet;
-    cml_cross(world, &packet, &near->hit);
+    cml_boundary_event(world, &packet, &near->hit);
     sink = packet.fate;
 }
 
@@ -96,7 +96,7 @@ static void report(const struct cml_world *world)
         do place(world, placed++, &all[i].packet);
         while (!is_below(world, all[i].packet));
         find_reach(world, &all[i]);
-        if (!all[i].reach.above.meets) continue;
+        if (!all[i].intervals.above.meets) continue;
         asked[num_asked++] = all[i];
         query(world, &all[i]);
         if (sink) met[num_met++] = all[i];
@@ -120,7 +120,7 @@ int main(int argc, char **argv)
     struct cml_surface_options how = {.force = CML_SURFACE_AUTO, .tessellation = {.tolerance = 1e-3}};
     if (argc > 2) how.force = strcmp(argv[2], "--mesh") == 0 ? CML_SURFACE_MESH : CML_SURFACE_CONE;
     const char *path = argc > 1 ? argv[1] : "samples/shapes/hinoise.mci";
-    cml_status status = cml_mci_read(path, &list, &err);
+    cml_status status = cml_mci_read(path, NULL, &list, &err);
     if (status == CML_OK) status = cml_surfaces_create(&list.scenes[0], &how, &surfaces, &err);
     if (status == CML_OK) status = scalar_world_create(&list.scenes[0], &surfaces, &options, &world, &err);
     if (status != CML_OK) {

@@ -18,7 +18,7 @@ static const char *const names[STAGES] = {
     [REACH] = "reach planes (every lane is at one)",
     [TURN] = "turn: Fresnel, reflect, refract (every lane)",
     [FLY_AGAIN] = "fly again, after a plane (every lane)",
-    [EXIT] = "exit: collect the packet, its bins, books and squares (every lane)",
+    [EXIT] = "exit: collect the packet, its bins, balance and squares (every lane)",
     [LAUNCH] = "launch (every lane)",
 };
 enum { PASS = SCATTER + 1, CELLS = 52 * 202, EXIT_CELLS = 51 * 30 };
@@ -63,7 +63,7 @@ static void fill_bundle(void)
         bundle.uz[i] = 1;
         bundle.z[i] = 0.5f;
         bundle.tau[i] = 1;
-        bundle.w[i] = bundle.marked[i] = CML_WEIGHT_ONE;
+        bundle.w[i] = bundle.flushed_w[i] = CML_WEIGHT_ONE;
         bundle.index_low[i] = (cml_u32)i;
         bundle.medium[i] = bundle.entered[i] = 1;
         for (size_t k = 0; k < CML_LANE_MEDIUM_MEMBERS; k++) bundle.of_medium[k][i] = row[k];
@@ -115,7 +115,7 @@ static void run_stage(int stage)
         sink = (cml_u32)cml_bundle_reach_planes(&bundle);
         break;
     case TURN:
-        cml_bundle_turn(&world.setup, &bundle);
+        cml_bundle_reflect_or_refract(&world.setup, &bundle);
         break;
     case FLY_AGAIN:
         cml_bundle_fly_again(&bundle);
@@ -153,7 +153,7 @@ int main(void)
         printf("\"%s\",%.2f,%.2f\n", names[stage], time_stages(stage, stage + 1, -1),
                pass - time_stages(0, PASS, stage));
     for (int stage = PASS; stage < STAGES; stage++) {
-        set_task(stage < REACH ? CML_LANE_INTERACT : (stage == TURN ? CML_LANE_TURN : CML_LANE_NEAR));
+        set_task(stage < REACH ? CML_LANE_INTERACT : (stage == TURN ? CML_LANE_AT_PLANE : CML_LANE_NEAR));
         printf("\"%s\",%.2f,\n", names[stage], time_stages(stage, stage + 1, -1));
     }
     return 0;

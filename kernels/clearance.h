@@ -68,18 +68,19 @@ CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, 
 }
 
 /* The part of a path on which a packet can meet a surface, if any: distances from its start. */
-struct cml_stretch {
+struct cml_interval {
     int meets;
     real from, to;
 };
 
-/* What is left of a stretch without what keeps clear of the surface, for a packet on the given side (+1
+/* What is left of an interval without what keeps clear of the surface, for a packet on the given side (+1
  * below, -1 above) that begins it at p, in the boundary's frame, x and y from the scene's axis. Below rings
  * its ends are cut as well, but for a 1024th of the distance, which is more than rounding; a mesh has a tree
- * for that. Where a stretch is not finite nothing is known to be clear. */
-CML_FN struct cml_stretch cml_near_stretch(const CML_GLOBAL struct cml_clearance *grid,
-                                           const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec u,
-                                           real side, struct cml_stretch s, const int rings)
+ * for that. Where an interval is not finite nothing is known to be clear. */
+CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_clearance *grid,
+                                             const CML_GLOBAL real *bounds, struct cml_vec p,
+                                             struct cml_vec u, real side, struct cml_interval s,
+                                             const int rings)
 {
     const real length = s.to - s.from;
     const struct cml_vec d = {length * u.x, length * u.y, length * u.z};
@@ -90,8 +91,8 @@ CML_FN struct cml_stretch cml_near_stretch(const CML_GLOBAL struct cml_clearance
     const int begins_clear = finite & (here > 0), ends_clear = finite & (end > 0);
     const real cut = CML_FMA(length, here / (here - end), s.from), late = (real)1.0009765625 * cut;
     const real from = begins_clear ? cut : s.from, to = (ends_clear & (late < s.to)) ? late : s.to;
-    const struct cml_stretch left = {s.meets & !(begins_clear & ends_clear), (real)0.9990234375 * from,
-                                     rings ? to : s.to};
+    const struct cml_interval left = {s.meets & !(begins_clear & ends_clear), (real)0.9990234375 * from,
+                                      rings ? to : s.to};
     return left;
 }
 

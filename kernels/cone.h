@@ -66,7 +66,7 @@ CML_FN real cml_ring_end(struct cml_rings rings, int i)
 
 /* Depth of a place on a ring that begins and ends at these: between walls that are steep, rounding across
  * them would else carry a packet out beyond where they meet, deeper with every reflection. */
-CML_FN real cml_onto_ring(real begin, real end, real z)
+CML_FN real cml_clamp_to_ring(real begin, real end, real z)
 {
     const real low = begin < end ? begin : end, high = begin < end ? end : begin;
     return z > low ? (z < high ? z : high) : low;
@@ -161,11 +161,11 @@ CML_FN struct cml_cone_quadratic cml_ring_quadratic(struct cml_ring ring, const 
 }
 
 /* Whether the ray goes below the real nappe of ring i and comes up again, deepest in (t0, t1); *t where it
- * goes below, *room from there to the deepest point. A < 0 puts both roots on one nappe. The height at the
- * deepest point itself decides, and says how far from it the root is: a discriminant would have lost these
- * digits where the ray just touches the cone. */
+ * goes below, *half_root_gap from there to the deepest point. A < 0 puts both roots on one nappe. The height
+ * at the deepest point itself decides, and says how far from it the root is: a discriminant would have lost
+ * these digits where the ray just touches the cone. */
 CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
-                         real *t, real *room)
+                         real *t, real *half_root_gap)
 {
     const struct cml_cone_quadratic q = cml_ring_quadratic(cml_ring_at(rings, i), ray);
     if (!(q.A < 0)) return 0;
@@ -175,17 +175,17 @@ CML_FN int cml_ring_dips(struct cml_rings rings, const struct cml_cone_ray *ray,
     const real r = CML_SQRT(x * x + y * y);
     const real height = ray->p.z + middle * ray->u.z - rings.z[i] - m * (r - rings.r[i]);
     if (!(ray->side * height < 0)) return 0;
-    *room = CML_SQRT(height * (height + 2 * m * r) / -q.A);
-    *t = middle - *room;
+    *half_root_gap = CML_SQRT(height * (height + 2 * m * r) / -q.A);
+    *t = middle - *half_root_gap;
     return 1;
 }
 
 /* The only root of a ring's cone, of slope other than 0, at which the ray leaves its side: of the two roots
  * the one where side * f falls. A change of sign or a dip has shown that it is real: a discriminant below 0
- * is rounding, the ray passes through the tip. standing: t = 0 is a root and is divided out. *room: half the
- * distance between the two roots. */
+ * is rounding, the ray passes through the tip. standing: t = 0 is a root and is divided out. *half_root_gap:
+ * half the distance between the two roots. */
 CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray *ray, int standing,
-                                 real *room)
+                                 real *half_root_gap)
 {
     const real m = ring.slope;
     const struct cml_cone_quadratic c = cml_ring_quadratic(ring, ray);
@@ -194,22 +194,22 @@ CML_FN real cml_ring_sloped_root(struct cml_ring ring, const struct cml_cone_ray
     const real q = ray->side * m > 0 ? -c.B - root : -c.B + root;
     const real q_other = ray->side * m > 0 ? -c.B + root : -c.B - root;
     const int larger = (q < 0 ? -q : q) >= (q_other < 0 ? -q_other : q_other);
-    *room = root / (c.A < 0 ? -c.A : c.A);
+    *half_root_gap = root / (c.A < 0 ? -c.A : c.A);
     return (larger ? q : C) / (larger ? c.A : q_other);
 }
 
 /* The same for any slope. Returns 0 when there is none; *t may lie outside the span. */
 CML_FN int cml_ring_root(struct cml_rings rings, const struct cml_cone_ray *ray, int i, int standing, real *t,
-                         real *room)
+                         real *half_root_gap)
 {
     const struct cml_ring ring = cml_ring_at(rings, i);
-    *room = CML_INFINITY;
+    *half_root_gap = CML_INFINITY;
     if (ring.slope == 0) {
         if (!(ray->side * ray->u.z < 0)) return 0;
         *t = standing ? (real)0 : (ring.z - ray->p.z) / ray->u.z;
         return 1;
     }
-    *t = cml_ring_sloped_root(ring, ray, standing, room);
+    *t = cml_ring_sloped_root(ring, ray, standing, half_root_gap);
     return 1;
 }
 
@@ -238,16 +238,16 @@ CML_FN real cml_ring_search(struct cml_rings rings, const struct cml_cone_ray *r
 /* One Newton step on the height itself: the quadratic's root loses digits where a ray from far away passes
  * close to the apex, the height at the root does not. Where the ray just touches the cone, or lies almost in
  * it, the root may have lost all of them and the step goes anywhere. It counts, and 1 is returned, when it is
- * small against `room` and the distance from the axis, between which the slope changes. */
+ * small against `half_root_gap` and the distance from the axis, between which the slope changes. */
 CML_FN int cml_ring_newton(struct cml_ring ring, const struct cml_cone_ray *ray, real t0, real t1, real t,
-                           real room, real *better)
+                           real half_root_gap, real *better)
 {
     const real m = ring.slope;
     const real x = ray->p.x + t * ray->u.x, y = ray->p.y + t * ray->u.y, r = CML_SQRT(x * x + y * y);
     const real height = ray->p.z + t * ray->u.z - ring.z - m * (r - ring.r);
     const real rate = ray->u.z - m * (x * ray->u.x + y * ray->u.y) / r;
     const real step = height / rate, moved = t - step;
-    const int small = 16 * (step < 0 ? -step : step) <= (room < r ? room : r);
+    const int small = 16 * (step < 0 ? -step : step) <= (half_root_gap < r ? half_root_gap : r);
     *better = moved;
     return (r > 0) & (ray->side * rate < 0) & small & (moved >= t0) & (moved <= t1);
 }
@@ -258,16 +258,16 @@ CML_FN int cml_ring_newton(struct cml_ring ring, const struct cml_cone_ray *ray,
  * whether it has left the surface at all before: beside a tip the root may be one of the cone's other nappe.
  */
 CML_FN real cml_ring_polish(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real t0, real t1,
-                            int standing, real t, real room)
+                            int standing, real t, real half_root_gap)
 {
     real better;
-    if (cml_ring_newton(cml_ring_at(rings, i), ray, t0, t1, t, room, &better)) return better;
+    if (cml_ring_newton(cml_ring_at(rings, i), ray, t0, t1, t, half_root_gap, &better)) return better;
     const int apart = standing && !(cml_ring_height(rings, ray, i, -1, t / 2) < 0);
     return cml_ring_search(rings, ray, i, apart ? t / 2 : t0, t1, t);
 }
 
 /* What lies nearest to a root in a span. */
-CML_FN real cml_into_span(real root, real t0, real t1)
+CML_FN real cml_clamp_to_span(real root, real t0, real t1)
 {
     return root > t0 ? (root < t1 ? root : t1) : t0;
 }
@@ -283,12 +283,12 @@ CML_FN int cml_ring_in_tip(struct cml_rings rings, const struct cml_cone_ray *ra
 CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray, int i, real end,
                          int standing, real t0, real t1, real *t)
 {
-    real root, room;
+    real root, half_root_gap;
     if (!(end < 0)) {
         const int convex = ray->side * rings.slope[i] < 0;
-        if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1, &root, &room)) return 0;
-        t1 = root + room;
-    } else if (!cml_ring_root(rings, ray, i, standing, &root, &room)) {
+        if (standing || !convex || !cml_ring_dips(rings, ray, i, t0, t1, &root, &half_root_gap)) return 0;
+        t1 = root + half_root_gap;
+    } else if (!cml_ring_root(rings, ray, i, standing, &root, &half_root_gap)) {
         return 0;
     }
     if (standing && !(root >= 0 && root <= t1)) {
@@ -297,8 +297,8 @@ CML_FN int cml_ring_span(struct cml_rings rings, const struct cml_cone_ray *ray,
         *t = t0;
         return cml_ring_in_tip(rings, ray, i);
     }
-    root = cml_into_span(root, t0, t1);
-    *t = cml_ring_polish(rings, ray, i, t0, t1, standing, root, room);
+    root = cml_clamp_to_span(root, t0, t1);
+    *t = cml_ring_polish(rings, ray, i, t0, t1, standing, root, half_root_gap);
     return 1;
 }
 
@@ -419,8 +419,9 @@ CML_FN enum cml_cone_verdict cml_cone_go(struct cml_rings rings, struct cml_cone
         t1 = last ? t_max : (t1 > t0 ? t1 : t0);
         march->t1 = t1;
         if (next < 0 && rings.slope[i] == 0) {
-            real room;
-            const int plane = cml_ring_root(rings, ray, i, standing, t, &room) && !standing && *t < t1;
+            real half_root_gap;
+            const int plane =
+                cml_ring_root(rings, ray, i, standing, t, &half_root_gap) && !standing && *t < t1;
             if (plane) *t = *t > t0 ? *t : t0;
             return plane ? CML_CONE_HIT : CML_CONE_MISSED;
         }

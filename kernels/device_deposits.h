@@ -97,9 +97,9 @@ CML_FN void cml_add_to_facet(const struct cml_deposits *to, int facet, enum cml_
     (void)to, (void)facet, (void)score, (void)w;
 }
 
-CML_FN void cml_add_book(const struct cml_deposits *to, enum cml_book book, cml_u64 amount)
+CML_FN void cml_add_to_balance(const struct cml_deposits *to, enum cml_balance_term term, cml_u64 amount)
 {
-    if (amount) cml_add_near(to->near + CML_CELL_BOOK + (cml_u32)book, amount);
+    if (amount) cml_add_near(to->near + CML_CELL_BALANCE + (cml_u32)term, amount);
 }
 
 CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, cml_u32 amount)

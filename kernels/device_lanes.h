@@ -17,7 +17,7 @@ struct cml_device_lanes {
         uy[CML_DEVICE_LANES], uz[CML_DEVICE_LANES];
     real tau[CML_DEVICE_LANES]; /* below 0: to be drawn; infinite: to be drawn from the tail */
     cml_u32 w[CML_DEVICE_LANES];
-    cml_u32 marked[CML_DEVICE_LANES]; /* weight when the deposits since were last added to a book */
+    cml_u32 flushed_w[CML_DEVICE_LANES]; /* weight when the deposits since were last added to the balance */
     cml_u32 interactions[CML_DEVICE_LANES];
     cml_u32 touched[CML_DEVICE_LANES]; /* the interactions before the last boundary event */
     cml_u32 draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
@@ -51,9 +51,9 @@ struct cml_device_lanes {
 /* Whether lane i may meet a boundary before its interaction, s away: 0 only where none can be met. What is
  * not a number, or infinite, may. A plane is met at the end of the path or before, never by a packet that
  * stands on it and leads away. */
-CML_FN cml_u32 cml_is_near(const struct cml_device_lanes *l, cml_u32 i, real s)
+CML_FN cml_u32 cml_device_is_near(const struct cml_device_lanes *l, cml_u32 i, real s)
 {
-    const real z = l->z[i], step = s * l->uz[i], end = z + step, slack = cml_depth_slack(z, step);
+    const real z = l->z[i], step = s * l->uz[i], end = z + step, slack = cml_err_depth(z, step);
     return !((end - slack > l->stop_above[i]) & (end + slack < l->stop_below[i]) &
              (z - slack > l->start_above[i]) & (z + slack < l->start_below[i]));
 }
@@ -70,7 +70,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_fly(struct cml_stream stream, struct cml_devi
                                                    l->interactions[i], (cml_u32)CML_PURPOSE_INTERACTION);
         const real fresh = cml_depth_or_tail(draw.w[0]), old = l->tau[i], tau = old < 0 ? fresh : old;
         const real s = cml_path(tau, l->mfp[i]);
-        const cml_u32 near = cml_is_near(l, i, s);
+        const cml_u32 near = cml_device_is_near(l, i, s);
         const cml_u32 live = l->live[i];
         l->draw1[i] = draw.w[1];
         l->draw2[i] = draw.w[2];

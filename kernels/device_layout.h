@@ -4,7 +4,7 @@
 #ifndef CML_DEVICE_LAYOUT_H
 #define CML_DEVICE_LAYOUT_H
 
-#include "books.h"
+#include "balance.h"
 #include "types.h"
 
 #ifndef __OPENCL_VERSION__
@@ -14,10 +14,10 @@
 #define CML_OFFSET(type, member) ((cml_u32)(size_t) & ((type *)0)->member)
 #endif
 
-/* All tallies of a device are one block of 64-bit cells: books, counts, squares, A_l, Rd_ra, Tt_ra, A_rz. A
- * square is three cells: the sums of bits 0 to 31, 32 to 63 and 64 to 127 of the squares. */
-#define CML_CELL_BOOK 0
-#define CML_CELL_COUNT (CML_CELL_BOOK + (cml_u32)CML_NUM_BOOKS)
+/* All tallies of a device are one block of 64-bit cells: weight balance, counts, squares, A_l, Rd_ra, Tt_ra,
+ * A_rz. A square is three cells: the sums of bits 0 to 31, 32 to 63 and 64 to 127 of the squares. */
+#define CML_CELL_BALANCE 0
+#define CML_CELL_COUNT (CML_CELL_BALANCE + (cml_u32)CML_NUM_BALANCE_TERMS)
 #define CML_CELL_SQUARE (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
 #define CML_CELL_LAYER (CML_CELL_SQUARE + 3u * (cml_u32)CML_NUM_TOTALS)
 
@@ -30,7 +30,7 @@ struct cml_window {
 };
 
 struct cml_windows {
-    /* sums: books to A_l; begins both memories, and its cells below CML_CELL_LAYER are always near */
+    /* sums: balance to A_l; begins both memories, and its cells below CML_CELL_LAYER are always near */
     struct cml_window sums, reflected, transmitted, absorbed;
 };
 

@@ -1,19 +1,19 @@
-/* A finished packet's entry into the tallies of an OpenCL device: books, counts, squares and exit bins, which
- * src/engine/packet_ends.h adds up on the host, for many packets at once. OpenCL C only.
+/* A finished packet's entry into the tallies of an OpenCL device: weight balance, counts, squares and exit
+ * bins, which src/engine/terminated_packets.h adds up on the host, for many packets at once. OpenCL C only.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_DEVICE_SCORE_H
 #define CML_DEVICE_SCORE_H
 
 #include "walk.h"
 
-CML_FN enum cml_book cml_book_of(int fate)
+CML_FN enum cml_balance_term cml_balance_term_of(int fate)
 {
-    return fate == CML_FATE_ABSORBED      ? CML_BOOK_ROULETTE
-           : fate == CML_FATE_REFLECTED   ? CML_BOOK_REFLECTED
-           : fate == CML_FATE_TRANSMITTED ? CML_BOOK_TRANSMITTED
-           : fate == CML_FATE_SPECULAR    ? CML_BOOK_SPECULAR
-           : fate == CML_FATE_TRAPPED     ? CML_BOOK_TRAPPED
-                                          : CML_BOOK_LOST;
+    return fate == CML_FATE_ABSORBED      ? CML_BALANCE_ROULETTE
+           : fate == CML_FATE_REFLECTED   ? CML_BALANCE_REFLECTED
+           : fate == CML_FATE_TRANSMITTED ? CML_BALANCE_TRANSMITTED
+           : fate == CML_FATE_SPECULAR    ? CML_BALANCE_SPECULAR
+           : fate == CML_FATE_TRAPPED     ? CML_BALANCE_TRAPPED
+                                          : CML_BALANCE_LOST;
 }
 
 /* R and T by exit bin; what is rare by its cause. */
@@ -49,12 +49,12 @@ CML_FN void cml_score(const struct cml_setup *setup, const struct cml_packet *pa
 {
     cml_score_fate(setup, packet, to);
     cml_score_squares(setup, packet, to);
-    cml_add_book(to, cml_book_of(packet->fate), packet->w);
-    cml_add_book(to, CML_BOOK_LAUNCHED, CML_WEIGHT_ONE);
-    cml_add_book(to, CML_BOOK_SPECULAR, setup->specular);
-    cml_add_book(to, CML_BOOK_ABSORBED, packet->absorbed);
-    cml_add_book(to, CML_BOOK_GAINED, packet->gained);
-    cml_add_book(to, CML_BOOK_ROULETTE, packet->roulette);
+    cml_add_to_balance(to, cml_balance_term_of(packet->fate), packet->w);
+    cml_add_to_balance(to, CML_BALANCE_LAUNCHED, CML_WEIGHT_ONE);
+    cml_add_to_balance(to, CML_BALANCE_SPECULAR, setup->specular);
+    cml_add_to_balance(to, CML_BALANCE_ABSORBED, packet->absorbed);
+    cml_add_to_balance(to, CML_BALANCE_GAINED, packet->gained);
+    cml_add_to_balance(to, CML_BALANCE_ROULETTE, packet->roulette);
     cml_add_count(to, CML_COUNT_PHOTONS, 1);
     cml_add_count(to, CML_COUNT_INTERACTIONS, packet->interactions);
     cml_add_count(to, CML_COUNT_BOUNDARY_EVENTS, packet->boundary_events);

@@ -29,7 +29,7 @@ CML_FN struct cml_vec cml_renormalise(struct cml_vec u)
     return v;
 }
 
-/* Optical depth to the next interaction: -ln(u), exponential with mean 1 [eq. 3.9, dimensionless].
+/* P2: optical depth to the next interaction: -ln(u), exponential with mean 1 [eq. 3.9, dimensionless].
  * A word of 0 stands for all u < 2^-32: by the lack of memory its depth is 32 ln 2 plus a fresh draw, so the
  * tail has no end at 22 mean free paths. */
 CML_FN real cml_optical_depth(struct cml_stream stream, cml_u64 photon, cml_u32 event, cml_u32 word)
@@ -109,7 +109,7 @@ CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, 
     return cml_spin(u, per_divisor, ct, st, cp, sp);
 }
 
-/* Fresnel reflectance of unpolarised light [eqs 3.25-3.26] in cosine form: no angle is ever computed.
+/* P5: Fresnel reflectance of unpolarised light [eqs 3.25-3.26] in cosine form: no angle is ever computed.
  * n1, n2 > 0  indices on the near, far side; ci cosine of incidence, 0..1
  * ct          out: cosine of transmission by Snell's law, 0 at total reflection
  * returns R, 0..1; exactly 1 at total reflection. Absolute error < 1e-6 in float, 1e-14 in double, plus what

@@ -36,7 +36,7 @@ CML_FN struct cml_vec cml_from_scene_axis(const struct cml_world *world, struct 
 
 /* Plane z = 0 of its frame. A packet that rounding has put beyond it crosses at once when it heads outwards.
  */
-CML_FN int cml_plane_hit(struct cml_vec p, struct cml_vec u, real side, real t_max, struct cml_hit *hit)
+CML_FN int cml_intersect_plane(struct cml_vec p, struct cml_vec u, real side, real t_max, struct cml_hit *hit)
 {
     if (!(side * u.z < 0)) return 0;
     const real t = -p.z / u.z;
@@ -53,18 +53,19 @@ CML_FN int cml_plane_hit(struct cml_vec p, struct cml_vec u, real side, real t_m
 
 /* first: the beam itself strikes. It may well be aimed at a ridge, where the mean normal holds (P1); a packet
  * later on meets one only because rounding put it there, and the ring it is on has the better normal. */
-CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
-                         real side, struct cml_stretch s, int standing_on, int first, struct cml_hit *hit)
+CML_FN int cml_intersect_field(const struct cml_world *world, int boundary, struct cml_vec p,
+                               struct cml_vec u, real side, struct cml_interval s, int on_primitive,
+                               int first, struct cml_hit *hit)
 {
     const struct cml_rings rings = cml_rings_of(world, boundary);
-    const real t_min = standing_on >= 0 ? (real)0 : s.from;
+    const real t_min = on_primitive >= 0 ? (real)0 : s.from;
     real t;
     int ring;
-    if (!cml_cone_hit(rings, cml_from_scene_axis(world, p), u, side, t_min, s.to, standing_on, &t, &ring))
+    if (!cml_cone_hit(rings, cml_from_scene_axis(world, p), u, side, t_min, s.to, on_primitive, &t, &ring))
         return 0;
     hit->t = t;
     hit->point = cml_along(p, t, u);
-    hit->point.z = cml_onto_ring(rings.z[ring], cml_ring_end(rings, ring), hit->point.z);
+    hit->point.z = cml_clamp_to_ring(rings.z[ring], cml_ring_end(rings, ring), hit->point.z);
     const struct cml_vec q = cml_from_scene_axis(world, hit->point);
     hit->facet = cml_cone_facet(rings, ring, q.x, q.y);
     hit->normal = first ? cml_cone_normal(rings, ring, q.x, q.y) : hit->facet;
@@ -74,17 +75,17 @@ CML_FN int cml_field_hit(const struct cml_world *world, int boundary, struct cml
 
 #ifndef __OPENCL_VERSION__
 /* *beside: the crossing's ends_beside. */
-CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
-                        real side, real t_max, int standing_on, int straight, struct cml_hit *hit,
-                        int *beside)
+CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
+                              real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
+                              int *beside)
 {
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double span =
         side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */
     const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]) + span);
     struct cml_mesh_crossing c;
-    const int found = world->intersect_mesh(world->meshes[boundary], dp, du, side > 0, t_max, standing_on,
-                                            straight, sizeof(real) == sizeof(double), slack, &c);
+    const int found = world->intersect_mesh(world->meshes[boundary], dp, du, side > 0, t_max, on_primitive,
+                                            undeflected, sizeof(real) == sizeof(double), slack, &c);
     *beside = c.ends_beside;
     if (!found) return 0;
     hit->t = (real)c.t;
@@ -102,11 +103,11 @@ CML_FN int cml_mesh_hit(const struct cml_world *world, int boundary, struct cml_
 /* The slope from which on packets that leave a curved surface to their side of it meet it never again: that
  * of its steepest part, and of a packet that stands on a ring that of all it sees from there. */
 CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                        real side, int standing_on)
+                        real side, int on_primitive)
 {
-    if (surface->kind != CML_SURFACE_CONE || standing_on < 0) return surface->steepest;
+    if (surface->kind != CML_SURFACE_CONE || on_primitive < 0) return surface->steepest;
     return (side > 0 ? world->ring_horizon_below
-                     : world->ring_horizon_above)[surface->first_ring + standing_on];
+                     : world->ring_horizon_above)[surface->first_ring + on_primitive];
 }
 
 /* Whether a direction leads away from the surface, and as steeply as that. */
@@ -116,88 +117,89 @@ CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
 }
 
 /* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
- * below it, -1 above. standing_on: what of it, -1 or CML_BESIDE_FACETS. */
-CML_FN struct cml_stretch cml_can_meet_curved(const struct cml_world *world,
-                                              const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
-                                              struct cml_vec u, real side, int standing_on, real t_max)
+ * below it, -1 above. on_primitive: what of it, -1 or CML_BESIDE_FACETS. */
+CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
+                                               const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
+                                               struct cml_vec u, real side, int on_primitive, real t_max)
 {
-    const real horizon = cml_horizon(world, surface, side, standing_on);
+    const real horizon = cml_horizon(world, surface, side, on_primitive);
     const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
     const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
     const real inside = side * (nearest - p.z), away = side * u.z;
     const int passes = inside < away * t_max; /* that depth */
-    struct cml_stretch s = {0, 0, t_max};
+    struct cml_interval s = {0, 0, t_max};
     if (away < 0 ? passes : (inside < 0) | cml_heads_away(horizon, u, side)) return s;
     const real there = inside / away;
     s.meets = 1;
     if (inside < 0) s.from = there;
     if ((away >= 0) & passes) s.to = there;
     const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, s.from, u));
-    return cml_near_stretch(&surface->clearance, bounds, start, u, side, s,
-                            surface->kind == CML_SURFACE_CONE);
+    return cml_clip_interval(&surface->clearance, bounds, start, u, side, s,
+                             surface->kind == CML_SURFACE_CONE);
 }
 
 /* The same for any kind of surface. */
-CML_FN struct cml_stretch cml_can_meet(const struct cml_world *world,
-                                       const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
-                                       struct cml_vec u, real side, int standing_on, real t_max)
+CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
+                                                const CML_GLOBAL struct cml_surface *surface,
+                                                struct cml_vec p, struct cml_vec u, real side,
+                                                int on_primitive, real t_max)
 {
     if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
-        const struct cml_stretch s = {side * u.z < 0 && -p.z / u.z < t_max, 0, t_max};
+        const struct cml_interval s = {side * u.z < 0 && -p.z / u.z < t_max, 0, t_max};
         return s;
     }
-    return cml_can_meet_curved(world, surface, p, u, side, standing_on, t_max);
+    return cml_curved_interval(world, surface, p, u, side, on_primitive, t_max);
 }
 
 /* Where a packet can meet the boundaries of its medium. */
-struct cml_reach {
-    struct cml_stretch above, below;
+struct cml_boundary_intervals {
+    struct cml_interval above, below;
 };
 
 /* What the packet stands on of a boundary: -1 nothing, or CML_BESIDE_FACETS. */
-CML_FN int cml_stands_on(const struct cml_packet *packet, int boundary)
+CML_FN int cml_on_primitive(const struct cml_packet *packet, int boundary)
 {
     return packet->on_boundary == boundary ? packet->on_primitive : -1;
 }
 
-CML_FN struct cml_reach cml_find_reach(const struct cml_world *world, const struct cml_packet *packet,
-                                       real t_max)
+CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *world,
+                                                        const struct cml_packet *packet, real t_max)
 {
     const int medium = packet->medium;
-    const struct cml_stretch none = {0, 0, t_max};
-    struct cml_reach reach = {none, none};
+    const struct cml_interval none = {0, 0, t_max};
+    struct cml_boundary_intervals intervals = {none, none};
     struct cml_vec p = packet->p;
     if (medium > 0)
-        reach.above = cml_can_meet(world, &world->surfaces[medium - 1], p, packet->u, 1,
-                                   cml_stands_on(packet, medium - 1), t_max);
+        intervals.above = cml_surface_interval(world, &world->surfaces[medium - 1], p, packet->u, 1,
+                                               cml_on_primitive(packet, medium - 1), t_max);
     if (medium <= world->setup.num_layers) {
         p.z -= world->media[medium].span;
-        reach.below = cml_can_meet(world, &world->surfaces[medium], p, packet->u, -1,
-                                   cml_stands_on(packet, medium), t_max);
+        intervals.below = cml_surface_interval(world, &world->surfaces[medium], p, packet->u, -1,
+                                               cml_on_primitive(packet, medium), t_max);
     }
-    return reach;
+    return intervals;
 }
 
 /* Crossing of one boundary that the packet can meet; p in that boundary's frame. Without one *hit stays as it
  * is. */
-CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *packet, int boundary,
-                           struct cml_vec p, real side, struct cml_stretch s, struct cml_hit *hit)
+CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packet *packet, int boundary,
+                                 struct cml_vec p, real side, struct cml_interval s, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
-    const int standing_on = cml_stands_on(packet, boundary);
+    const int on_primitive = cml_on_primitive(packet, boundary);
     int found = 0;
     if (CML_ALL_PLANES || surface->kind == CML_SURFACE_PLANE) {
-        found = cml_plane_hit(p, packet->u, side, s.to, hit);
+        found = cml_intersect_plane(p, packet->u, side, s.to, hit);
     } else {
         packet->queries++;
         if (surface->kind == CML_SURFACE_CONE)
-            found = cml_field_hit(world, boundary, p, packet->u, side, s, standing_on,
-                                  packet->boundary_events == 0, hit);
+            found = cml_intersect_field(world, boundary, p, packet->u, side, s, on_primitive,
+                                        packet->boundary_events == 0, hit);
 #ifndef __OPENCL_VERSION__
         else {
             int beside;
-            found = cml_mesh_hit(world, boundary, p, packet->u, side, s.to, standing_on, packet->straight,
-                                 hit, &beside);
+            found = cml_intersect_mesh(world, boundary, p, packet->u, side, s.to, on_primitive,
+                                       packet->undeflected, hit, &beside);
             if (beside) packet->beside = boundary + 1;
         }
 #endif
@@ -207,20 +209,20 @@ CML_FN int cml_surface_hit(const struct cml_world *world, struct cml_packet *pac
 }
 
 /* The first boundary of the packet's medium that it crosses within reach. */
-CML_FN int cml_nearest(const struct cml_world *world, struct cml_packet *packet, struct cml_reach reach,
-                       struct cml_hit *hit)
+CML_FN int cml_nearest_hit(const struct cml_world *world, struct cml_packet *packet,
+                           struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
     const int medium = packet->medium;
     int found = 0;
     packet->beside = 0;
-    if (reach.above.meets) {
-        found = cml_surface_hit(world, packet, medium - 1, packet->p, 1, reach.above, hit);
-        if (found && hit->t < reach.below.to) reach.below.to = hit->t;
+    if (intervals.above.meets) {
+        found = cml_intersect_surface(world, packet, medium - 1, packet->p, 1, intervals.above, hit);
+        if (found && hit->t < intervals.below.to) intervals.below.to = hit->t;
     }
-    if (reach.below.meets) {
+    if (intervals.below.meets) {
         struct cml_vec p = packet->p;
         p.z -= world->media[medium].span;
-        found |= cml_surface_hit(world, packet, medium, p, -1, reach.below, hit);
+        found |= cml_intersect_surface(world, packet, medium, p, -1, intervals.below, hit);
     }
     return found;
 }

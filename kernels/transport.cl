@@ -3,7 +3,7 @@
  * events; its packets wait in global memory for the next launch. SPDX-License-Identifier: MIT */
 #include "device_lanes.h"
 
-CML_FN int cml_take(__global struct cml_control *control, cml_u64 *index)
+CML_FN int cml_device_take(__global struct cml_control *control, cml_u64 *index)
 {
     if (*(volatile __global cml_u32 *)&control->taken >= control->count) return 0; /* count stays small */
     const cml_u32 taken = atomic_inc(&control->taken);
@@ -11,7 +11,7 @@ CML_FN int cml_take(__global struct cml_control *control, cml_u64 *index)
     return taken < control->count;
 }
 
-CML_FN void cml_write_fate(const struct cml_packet *packet, __global struct cml_device_fate *fate)
+CML_FN void cml_device_write_fate(const struct cml_packet *packet, __global struct cml_device_fate *fate)
 {
     fate->absorbed = packet->absorbed;
     fate->fate = packet->fate;
@@ -25,29 +25,29 @@ CML_FN void cml_write_fate(const struct cml_packet *packet, __global struct cml_
 }
 
 /* Whether the item can do anything in this launch. */
-CML_FN int cml_has_work(__global struct cml_control *control, __global const struct cml_packet *saved)
+CML_FN int cml_device_has_work(__global struct cml_control *control, __global const struct cml_packet *saved)
 {
     for (int lane = 0; lane < CML_DEVICE_LANES; lane++)
         if (saved[lane].fate == CML_FATE_ALIVE) return 1;
     return *(volatile __global cml_u32 *)&control->taken < control->count;
 }
 
-/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the books up
- * to the last mark. */
+/* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the weight
+ * balance up to the last mark. */
 struct cml_device_flight {
     struct cml_device_lanes lanes;
     struct cml_packet packets[CML_DEVICE_LANES];
     cml_u32 alive; /* packets */
 };
 
-/* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
- * weight: to be called before either changes. */
-CML_FN void cml_device_mark_weight(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
+/* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
+ * as lost weight: to be called before either changes. */
+CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
-    const cml_u32 deposited = f->lanes.marked[i] - f->lanes.w[i];
+    const cml_u32 deposited = f->lanes.flushed_w[i] - f->lanes.w[i];
     if (deposited) cml_add_to_layer(to, f->packets[i].medium, deposited);
     f->packets[i].absorbed += deposited;
-    f->lanes.marked[i] = f->lanes.w[i];
+    f->lanes.flushed_w[i] = f->lanes.w[i];
 }
 
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
@@ -80,14 +80,14 @@ CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i, const st
 }
 
 /* The packet into its lane. */
-CML_FN void cml_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
+CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
     const struct cml_packet *packet = &f->packets[i];
     l->index_low[i] = (cml_u32)packet->index;
     l->index_high[i] = (cml_u32)(packet->index >> 32);
     cml_device_store_ray(l, i, packet);
-    l->w[i] = l->marked[i] = packet->w;
+    l->w[i] = l->flushed_w[i] = packet->w;
     l->interactions[i] = packet->interactions;
     l->touched[i] = packet->interactions - (packet->bounces == 0);
     l->live[i] = packet->fate == CML_FATE_ALIVE;
@@ -95,7 +95,7 @@ CML_FN void cml_load_lane(const struct cml_world *world, struct cml_device_fligh
 }
 
 /* The packet as its lane has it. */
-CML_FN void cml_read_lane(struct cml_device_flight *f, cml_u32 i)
+CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
 {
     const struct cml_device_lanes *l = &f->lanes;
     struct cml_packet *packet = &f->packets[i];
@@ -112,7 +112,8 @@ CML_FN void cml_read_lane(struct cml_device_flight *f, cml_u32 i)
 }
 
 /* Back into the lane what boundary events can change. medium: the packet's before. */
-CML_FN void cml_store_event(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i, int medium)
+CML_FN void cml_device_store_event(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i,
+                                   int medium)
 {
     struct cml_device_lanes *l = &f->lanes;
     const struct cml_packet *packet = &f->packets[i];
@@ -122,60 +123,60 @@ CML_FN void cml_store_event(const struct cml_world *world, struct cml_device_fli
 }
 
 /* The lane's flight into the tallies, and the next packet into the lane if there is one. */
-CML_FN void cml_replace(const struct cml_world *world, const struct cml_deposits *to,
-                        struct cml_launch launch, __global struct cml_device_fate *fates,
-                        struct cml_device_flight *f, cml_u32 i)
+CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
+                               struct cml_launch launch, __global struct cml_device_fate *fates,
+                               struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
-    cml_device_mark_weight(to, f, i);
+    cml_device_flush_deposits(to, f, i);
     cml_score(&world->setup, packet, to);
-    if (launch.record) cml_write_fate(packet, fates + (packet->index - to->control->first));
-    if (cml_take(to->control, &index))
+    if (launch.record) cml_device_write_fate(packet, fates + (packet->index - to->control->first));
+    if (cml_device_take(to->control, &index))
         cml_launch(world, index, packet);
     else
         f->alive--;
-    cml_load_lane(world, f, i);
+    cml_device_load_lane(world, f, i);
 }
 
 /* A lane that may meet a boundary has its event there, or is to interact after all. Returns 1 when its packet
  * has ended. */
-CML_FN cml_u32 cml_meet_lane(const struct cml_world *world, const struct cml_deposits *to,
-                             struct cml_device_flight *f, cml_u32 i)
+CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
+                                       struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
     struct cml_hit hit;
     const int medium = packet->medium;
-    cml_read_lane(f, i);
+    cml_device_read_lane(f, i);
     if (!(packet->tau < CML_INFINITY))
         packet->tau = cml_optical_depth(world->setup.stream, packet->index, packet->interactions, 0u);
     const real t = cml_free_path(world, packet);
-    const struct cml_reach reach = cml_find_reach(world, packet, t);
+    const struct cml_boundary_intervals intervals = cml_find_intervals(world, packet, t);
     if (!(cml_dot(packet->u, packet->u) < 2)) {
-        cml_lose(packet, CML_LOST_NAN);
-    } else if (cml_nearest(world, packet, reach, &hit)) {
-        cml_device_mark_weight(to, f, i);
-        cml_meet(world, to, packet, &hit);
+        cml_lose_packet(packet, CML_LOST_NAN);
+    } else if (cml_nearest_hit(world, packet, intervals, &hit)) {
+        cml_device_flush_deposits(to, f, i);
+        cml_score_boundary_event(world, to, packet, &hit);
     } else if (t < CML_INFINITY) {
         f->lanes.s[i] = t;
         f->lanes.mine[i] = !cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z);
         if (f->lanes.mine[i]) return 0;
-        cml_lose(packet, CML_LOST_LEAKED);
+        cml_lose_packet(packet, CML_LOST_LEAKED);
     } else {
-        cml_leave(world, packet);
+        cml_leave_scene(world, packet);
     }
-    cml_store_event(world, f, i, medium);
+    cml_device_store_event(world, f, i, medium);
     return packet->fate != CML_FATE_ALIVE;
 }
 
 /* P8, likewise. */
-CML_FN cml_u32 cml_roulette_lane(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
+CML_FN cml_u32 cml_device_roulette(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
-    cml_device_mark_weight(to, f, i);
-    cml_read_lane(f, i);
+    cml_device_flush_deposits(to, f, i);
+    cml_device_read_lane(f, i);
     cml_roulette(packet);
-    f->lanes.w[i] = f->lanes.marked[i] = packet->w;
+    f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w;
     return packet->fate != CML_FATE_ALIVE;
 }
 
@@ -187,18 +188,19 @@ CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_depo
     cml_u32 ended = 0;
     const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
-        ended |= cml_meet_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
+        ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     const cml_u32 low_lanes = cml_device_interact(&world->setup, &f->lanes);
     if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
     for (cml_u32 rest = low_lanes; rest; rest &= rest - 1)
-        ended |= cml_roulette_lane(to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
+        ended |= cml_device_roulette(to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     for (cml_u32 rest = ended; rest; rest &= rest - 1)
-        cml_replace(world, to, launch, fates, f, CML_LOWEST(rest));
+        cml_device_replace(world, to, launch, fates, f, CML_LOWEST(rest));
 }
 
 /* The events of one work-item in one launch. */
-CML_FN void cml_fly(const struct cml_world *world, const struct cml_deposits *to, struct cml_launch launch,
-                    __global struct cml_packet *saved, __global struct cml_device_fate *fates)
+CML_FN void cml_device_work_item(const struct cml_world *world, const struct cml_deposits *to,
+                                 struct cml_launch launch, __global struct cml_packet *saved,
+                                 __global struct cml_device_fate *fates)
 {
     struct cml_device_flight flight;
     flight.alive = 0;
@@ -206,15 +208,16 @@ CML_FN void cml_fly(const struct cml_world *world, const struct cml_deposits *to
         cml_u64 index;
         struct cml_packet *packet = &flight.packets[i];
         *packet = saved[i];
-        if (packet->fate != CML_FATE_ALIVE && cml_take(to->control, &index)) cml_launch(world, index, packet);
+        if (packet->fate != CML_FATE_ALIVE && cml_device_take(to->control, &index))
+            cml_launch(world, index, packet);
         flight.alive += packet->fate == CML_FATE_ALIVE;
-        cml_load_lane(world, &flight, i);
+        cml_device_load_lane(world, &flight, i);
     }
     for (cml_u32 step = 0; step < launch.steps && flight.alive; step++)
         cml_device_pass(world, to, launch, fates, &flight);
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
-        cml_device_mark_weight(to, &flight, i);
-        cml_read_lane(&flight, i);
+        cml_device_flush_deposits(to, &flight, i);
+        cml_device_read_lane(&flight, i);
         saved[i] = flight.packets[i];
     }
     if (flight.alive) atomic_add(&to->control->alive, flight.alive);
@@ -241,11 +244,12 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
     const struct cml_deposits to = {windows, near, cells, control};
     const size_t item = get_global_id(0);
 #if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */
-    if (!cml_has_work(control, packets + item * CML_DEVICE_LANES)) return;
+    if (!cml_device_has_work(control, packets + item * CML_DEVICE_LANES)) return;
 #endif
     cml_clear_near(near, launch.near_cells);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < launch.items) cml_fly(&world, &to, launch, packets + item * CML_DEVICE_LANES, fates);
+    if (item < launch.items)
+        cml_device_work_item(&world, &to, launch, packets + item * CML_DEVICE_LANES, fates);
     barrier(CLK_LOCAL_MEM_FENCE);
     cml_flush_window(&to, windows.sums);
     cml_flush_window(&to, windows.reflected);

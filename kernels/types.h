@@ -12,7 +12,7 @@
 #include "rng.h"
 #include "surface_kind.h"
 
-/* Weight is an integer, so that books balance to the last bit: a whole packet is 2^31 units. */
+/* Weight is an integer, so that the balance holds to the last bit (P10): a whole packet is 2^31 units. */
 #define CML_WEIGHT_ONE 0x80000000u
 #define CML_ROULETTE_THRESHOLD 214748u     /* 1e-4 of a packet */
 #define CML_ROULETTE_SURVIVAL 429496730u   /* 0.1 of 2^32 */
@@ -117,12 +117,12 @@ struct cml_packet {
     cml_u32 boundary_events; /* all of them */
     int medium;
     int on_boundary, on_primitive; /* what the packet stands on, -1: nothing, or CML_BESIDE_FACETS */
-    int beside;   /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none */
-    int straight; /* it came there without a turn: equal indices */
-    int entered;  /* has been in the material */
+    int beside;      /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none */
+    int undeflected; /* it came there without a turn: equal indices */
+    int entered;     /* has been in the material */
     int fate, cause;
     real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
-    /* books of this packet, in weight units */
+    /* terms of this packet in the weight balance, in weight units */
     cml_u64 gained, roulette, absorbed;
     cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */
     cml_u32 shading_overruled; /* events that the facet decided against the shading normal */

@@ -1,7 +1,7 @@
 /* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
- * The rules P1..P10 are those of the program's documentation; a packet's books are kept here, the deposits
- * are streamed into the arrays of the caller, everything else is returned in the packet.
- * SPDX-License-Identifier: MIT */
+ * The rules it cites, P1 to P10, are written down in README.md beside it. A packet's part of the weight
+ * balance is kept here, the deposits are streamed into the arrays of the caller, everything else is returned
+ * in the packet. SPDX-License-Identifier: MIT */
 #ifndef CML_WALK_H
 #define CML_WALK_H
 
@@ -32,7 +32,7 @@ CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *pa
 }
 
 /* P4. */
-CML_FN void cml_turn(real g, struct cml_packet *packet)
+CML_FN void cml_scatter_packet(real g, struct cml_packet *packet)
 {
     packet->u = cml_scatter(packet->u, g, packet->draw.w[1], packet->draw.w[2]);
 }
@@ -46,12 +46,12 @@ CML_FN void cml_event(const struct cml_world *world, const char *what, const str
 }
 #endif
 
-CML_FN void cml_end(struct cml_packet *packet, enum cml_fate fate)
+CML_FN void cml_end_packet(struct cml_packet *packet, enum cml_fate fate)
 {
     packet->fate = (int)fate;
 }
 
-CML_FN void cml_lose(struct cml_packet *packet, enum cml_lost_cause cause)
+CML_FN void cml_lose_packet(struct cml_packet *packet, enum cml_lost_cause cause)
 {
     packet->fate = CML_FATE_LOST;
     packet->cause = (int)cause;
@@ -71,7 +71,7 @@ CML_FN real cml_free_path(const struct cml_world *world, const struct cml_packet
 }
 
 /* How far rounding may take the depths of a path of height `step` from z. */
-CML_FN real cml_depth_slack(real z, real step)
+CML_FN real cml_err_depth(real z, real step)
 {
     return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
 }
@@ -177,8 +177,8 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     cml_add_to_cell(to, ir * (setup->nz + 2) + iz, dw);
 }
 
-/* w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight keeps
- * the mean however small the albedo's complement is. */
+/* P3: w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight
+ * keeps the mean however small the albedo's complement is. */
 CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 word)
 {
     const real lot = CML_FMA((real)(word & 255u), (real)0.00390625, (real)0.001953125);
@@ -196,7 +196,7 @@ CML_FN void cml_roulette(struct cml_packet *packet)
     } else {
         packet->roulette += packet->w;
         packet->w = 0;
-        cml_end(packet, CML_FATE_ABSORBED);
+        cml_end_packet(packet, CML_FATE_ABSORBED);
     }
 }
 
@@ -205,8 +205,8 @@ CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
     return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
 }
 
-/* A packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin is
- * rounding's. */
+/* P9: a packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin
+ * is rounding's. */
 CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
 {
     const CML_GLOBAL struct cml_surface *top = &world->surfaces[medium - 1],
@@ -228,17 +228,17 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     if (packet->beside) packet->on_primitive = CML_BESIDE_FACETS;
     packet->bounces = 0;
     if (cml_leaked(world, packet->medium, packet->p.z)) {
-        cml_lose(packet, CML_LOST_LEAKED);
+        cml_lose_packet(packet, CML_LOST_LEAKED);
         return;
     }
     const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[2]);
     packet->w -= dw;
     cml_deposit(world, to, packet, dw);
-    cml_turn(medium->g, packet);
+    cml_scatter_packet(medium->g, packet);
     packet->interactions++;
     cml_event(world, "interact", packet);
     if (!(cml_dot(packet->u, packet->u) < 2))
-        cml_lose(packet, CML_LOST_NAN);
+        cml_lose_packet(packet, CML_LOST_NAN);
     else
         cml_roulette(packet);
     if (packet->fate == CML_FATE_ALIVE) cml_next_flight(world, packet);
@@ -327,9 +327,9 @@ CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
 CML_FN void cml_score_exit(struct cml_packet *packet)
 {
     if (!packet->entered)
-        cml_end(packet, CML_FATE_SPECULAR);
+        cml_end_packet(packet, CML_FATE_SPECULAR);
     else
-        cml_end(packet, packet->medium == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED);
+        cml_end_packet(packet, packet->medium == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED);
 }
 
 /* P6: behind a crossing into an outer medium, or a reflection in one: is the packet gone for good? Its exit
@@ -347,20 +347,21 @@ CML_FN void cml_after_boundary(const struct cml_world *world, struct cml_packet 
         cml_score_exit(packet);
 }
 
-/* Bounds what total reflection could repeat for ever. */
+/* P9: bounds what total reflection could repeat for ever. */
 CML_FN void cml_count_bounce(const struct cml_world *world, struct cml_packet *packet)
 {
     packet->bounces++;
     packet->boundary_events++;
     if (packet->fate != CML_FATE_ALIVE) return;
     if (packet->bounces > CML_TRAPPED_LIMIT && !(world->media[packet->medium].mut > 0))
-        cml_end(packet, CML_FATE_TRAPPED);
+        cml_end_packet(packet, CML_FATE_TRAPPED);
     else if (packet->bounces > CML_STUCK_LIMIT)
-        cml_lose(packet, CML_LOST_STUCK);
+        cml_lose_packet(packet, CML_LOST_STUCK);
 }
 
 /* The packet has reached a boundary: P5, then P6. */
-CML_FN void cml_cross(const struct cml_world *world, struct cml_packet *packet, const struct cml_hit *hit)
+CML_FN void cml_boundary_event(const struct cml_world *world, struct cml_packet *packet,
+                               const struct cml_hit *hit)
 {
     const int from = packet->medium, boundary = hit->boundary;
     const int below = boundary < from; /* the boundary is the medium's upper one */
@@ -370,9 +371,9 @@ CML_FN void cml_cross(const struct cml_world *world, struct cml_packet *packet, 
     packet->tau = left > 0 ? left : (real)0;
     packet->on_boundary = boundary;
     packet->on_primitive = hit->primitive;
-    packet->straight = n1 == n2;
+    packet->undeflected = n1 == n2;
     const int transmitted =
-        packet->straight || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);
+        packet->undeflected || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);
     if (transmitted) packet->medium = other;
     packet->p = hit->point;
     if (packet->medium == boundary) packet->p.z += world->media[boundary].span;
@@ -415,32 +416,33 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* cml_cross, scored where facets are asked for. */
-CML_FN void cml_meet(const struct cml_world *world, const struct cml_deposits *to, struct cml_packet *packet,
-                     const struct cml_hit *hit)
+/* cml_boundary_event, scored where facets are asked for. */
+CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
+                                     struct cml_packet *packet, const struct cml_hit *hit)
 {
     const int from = packet->medium;
-    cml_cross(world, packet, hit);
+    cml_boundary_event(world, packet, hit);
     if (cml_has_facets(to))
         cml_score_facet(world, to, hit->boundary, hit->primitive, packet->p.x, packet->p.y, from,
                         packet->medium, packet->w);
 }
 
-/* No boundary ahead and no interaction: right only outside the material, or on a path parallel to everything.
+/* P9: no boundary ahead and no interaction: right only outside the material, or on a path parallel to
+ * everything.
  */
-CML_FN void cml_leave(const struct cml_world *world, struct cml_packet *packet)
+CML_FN void cml_leave_scene(const struct cml_world *world, struct cml_packet *packet)
 {
     const int last = world->setup.num_layers + 1;
     const real away = packet->medium == 0 ? -packet->u.z : packet->u.z;
     const int outside = packet->medium == 0 || packet->medium == last;
     if (!(cml_dot(packet->u, packet->u) < 2) || !(cml_dot(packet->p, packet->p) >= 0))
-        cml_lose(packet, CML_LOST_NAN);
+        cml_lose_packet(packet, CML_LOST_NAN);
     else if (outside && away >= 0 && packet->boundary_events > 0)
         cml_score_exit(packet);
     else if (packet->u.z == 0)
-        cml_end(packet, CML_FATE_TRAPPED);
+        cml_end_packet(packet, CML_FATE_TRAPPED);
     else
-        cml_lose(packet, CML_LOST_NO_SURFACE);
+        cml_lose_packet(packet, CML_LOST_NO_SURFACE);
 }
 
 /* One event of a packet that is alive: a boundary, an interaction, or the end of its flight. */
@@ -448,13 +450,13 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
 {
     const real t_max = cml_free_path(world, packet);
     struct cml_hit hit = {0}; /* filled where it is used, which not every compiler sees */
-    const struct cml_reach reach = cml_find_reach(world, packet, t_max);
-    if (cml_nearest(world, packet, reach, &hit))
-        cml_meet(world, to, packet, &hit);
+    const struct cml_boundary_intervals intervals = cml_find_intervals(world, packet, t_max);
+    if (cml_nearest_hit(world, packet, intervals, &hit))
+        cml_score_boundary_event(world, to, packet, &hit);
     else if (t_max < CML_INFINITY)
         cml_interact(world, to, packet, t_max);
     else
-        cml_leave(world, packet);
+        cml_leave_scene(world, packet);
 }
 
 /* The whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */

@@ -17,8 +17,7 @@ struct cml_file {
 
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
 
-/* Flush, fsync, close, rename. On failure (CML_E_IO) the temporary file is removed and PATH is what it was.
- */
+/* Flush, fsync, close, rename. On failure (CML_E_IO) the temporary file goes and PATH is what it was. */
 CML_NODISCARD cml_status cml_file_commit(struct cml_file *file, struct cml_error *err);
 
 /* Drops the temporary file. Does nothing after a commit. */

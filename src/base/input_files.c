@@ -14,6 +14,7 @@ static char *copy_data(const char *data, size_t size)
     return copy;
 }
 
+/* An entry counts as soon as it is there, even half made, so that clearing frees what it has. */
 static cml_status append(struct cml_inputs *inputs, const char *path, const char *data, size_t size,
                          struct cml_error *err)
 {
@@ -28,10 +29,11 @@ static cml_status append(struct cml_inputs *inputs, const char *path, const char
 
 static cml_status record(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
 {
-    CML_TRY(cml_text_from_file(NULL, path, data, size, err));
+    CML_TRY(cml_text_read_file(path, data, size, err));
     return append(context, path, *data, *size, err);
 }
 
+/* Paths are compared as they were asked for: both ranks read the same .mci, so they ask alike. */
 static cml_status replay(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
 {
     const struct cml_inputs *inputs = context;
@@ -44,22 +46,17 @@ static cml_status replay(void *context, const char *path, char **data, size_t *s
     return cml_fail(err, CML_E_INPUT, "%s: rank 0 did not read this file", cml_text_name(path));
 }
 
-void cml_inputs_record(struct cml_inputs *inputs)
+struct cml_text_source cml_inputs_recorder(struct cml_inputs *inputs)
 {
-    *inputs = (struct cml_inputs){0};
-    cml_text_set_source(record, inputs);
+    return (struct cml_text_source){record, inputs};
 }
 
-void cml_inputs_replay(struct cml_inputs *inputs)
+struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs)
 {
-    cml_text_set_source(replay, inputs);
+    return (struct cml_text_source){replay, inputs};
 }
 
-void cml_inputs_release(void)
-{
-    cml_text_set_source(NULL, NULL);
-}
-
+/* Path, size, bytes, and so on: both sides are the same program on the same kind of machine. */
 cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size, struct cml_error *err)
 {
     FILE *out = open_memstream(block, size);

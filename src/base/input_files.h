@@ -1,4 +1,4 @@
-/* The input files of this process, remembered as they are read: what rank 0 sends to the others, who read
+/* Input files, remembered as they are read: what rank 0 sends to the others, who read
  * from memory what it read from disk, and what a checkpoint is compared with. SPDX-License-Identifier: MIT */
 #ifndef CML_INPUT_FILES_H
 #define CML_INPUT_FILES_H
@@ -16,15 +16,11 @@ struct cml_inputs {
     struct cml_input *item; /* [count], in the order of reading */
 };
 
-/* From here on cml_text_read remembers every file that it reads; `inputs` begins empty and must outlive this.
- */
-void cml_inputs_record(struct cml_inputs *inputs);
+/* A source that reads the file system and adds every file that it read to `inputs`, which must outlive it. */
+struct cml_text_source cml_inputs_recorder(struct cml_inputs *inputs);
 
-/* From here on cml_text_read finds files in `inputs` and nowhere else. */
-void cml_inputs_replay(struct cml_inputs *inputs);
-
-/* From here on cml_text_read reads the file system again. */
-void cml_inputs_release(void);
+/* A source that finds files in `inputs` and nowhere else. CML_E_INPUT for any other path. */
+struct cml_text_source cml_inputs_replayer(struct cml_inputs *inputs);
 
 /* All files as one block, the caller's to free, and back. cml_inputs_unpack trusts its block. */
 CML_NODISCARD cml_status cml_inputs_pack(const struct cml_inputs *inputs, char **block, size_t *size,

@@ -10,7 +10,7 @@ typedef enum cml_status {
     CML_E_DIFFER = 1,   /* a comparison found a difference */
     CML_E_INPUT = 2,    /* usage or input, including requests that do not fit into memory */
     CML_E_DEVICE = 3,   /* no device, or the device refused */
-    CML_E_NUMERIC = 4,  /* too many lost packets, or books that do not balance */
+    CML_E_NUMERIC = 4,  /* too many lost packets, or a weight balance that is not 0 */
     CML_E_IO = 5,       /* a file could not be written or read to its end */
     CML_E_STOPPED = 75, /* stopped by a signal, can be resumed */
 } cml_status;

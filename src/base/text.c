@@ -9,6 +9,7 @@
 
 static const char blanks[] = " \t\v\f\r";
 
+/* In growing pieces: standard input has no length to ask for. One byte stays free for the final NUL. */
 static cml_status read_stream(FILE *stream, const char *path, char **data, size_t *size,
                               struct cml_error *err)
 {
@@ -37,10 +38,9 @@ const char *cml_text_name(const char *path)
     return strcmp(path, "-") == 0 ? "standard input" : path;
 }
 
-cml_status cml_text_from_file(void *context, const char *path, char **data, size_t *size,
-                              struct cml_error *err)
+cml_status cml_text_read_file(const char *path, char **data, size_t *size, struct cml_error *err)
 {
-    (void)context;
+    *data = NULL;
     const bool standard = strcmp(path, "-") == 0;
     FILE *stream = standard ? stdin : fopen(path, "rb");
     if (!stream) return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
@@ -49,27 +49,21 @@ cml_status cml_text_from_file(void *context, const char *path, char **data, size
     return status;
 }
 
-static cml_text_source *text_source = cml_text_from_file;
-static void *text_source_context;
-
-void cml_text_set_source(cml_text_source *source, void *context)
-{
-    text_source = source ? source : cml_text_from_file;
-    text_source_context = context;
-}
-
-cml_status cml_text_read_bytes(const char *path, struct cml_text *text, struct cml_error *err)
+cml_status cml_text_read_bytes(const struct cml_text_source *source, const char *path, struct cml_text *text,
+                               struct cml_error *err)
 {
     *text = (struct cml_text){0};
     CML_TRY(cml_text_copy(cml_text_name(path), &text->path, err));
-    const cml_status status = text_source(text_source_context, path, &text->data, &text->size, err);
+    const cml_status status = source ? source->read(source->context, path, &text->data, &text->size, err)
+                                     : cml_text_read_file(path, &text->data, &text->size, err);
     if (status != CML_OK) cml_text_clear(text);
     return status;
 }
 
-cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err)
+cml_status cml_text_read(const struct cml_text_source *source, const char *path, struct cml_text *text,
+                         struct cml_error *err)
 {
-    CML_TRY(cml_text_read_bytes(path, text, err));
+    CML_TRY(cml_text_read_bytes(source, path, text, err));
     if (strlen(text->data) == text->size) return CML_OK;
     const cml_status status = cml_fail(
         err, CML_E_INPUT, "%s: cannot be read (it holds a NUL byte, so it is not a text file)", text->path);
@@ -84,6 +78,7 @@ void cml_text_clear(struct cml_text *text)
     *text = (struct cml_text){0};
 }
 
+/* Lines are cut in place, so that a file of 1e8 numbers is in memory once. */
 char *cml_text_next(struct cml_text *text)
 {
     if (text->cursor >= text->size) return NULL;
@@ -111,6 +106,8 @@ char *cml_text_word(char **cursor)
     return close ? word + 1 : word;
 }
 
+/* strtod takes more than a number in a file should be: the set of characters excludes hexadecimal, nan and
+ * inf. */
 bool cml_parse_double(const char *word, double *value)
 {
     if (word[strspn(word, "+-.0123456789eE")] != '\0') return false;
@@ -121,6 +118,7 @@ bool cml_parse_double(const char *word, double *value)
     return true;
 }
 
+/* Up to 2^53, to which every whole number is a double. */
 bool cml_parse_count(const char *word, uint64_t *value)
 {
     double number = 0;

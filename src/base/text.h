@@ -20,22 +20,28 @@ struct cml_text {
     int line;      /* number of the line handed out last, from 1 */
 };
 
-/* Reads `path` ("-" is standard input). CML_E_INPUT when it cannot be opened or read, holds a NUL byte, or is
- * a directory: "PATH: cannot be read (REASON)". On failure *text is cleared. */
-CML_NODISCARD cml_status cml_text_read(const char *path, struct cml_text *text, struct cml_error *err);
+/* Where files come from. `read` makes *data the *size bytes of a file and a final NUL; also after a failure
+ * it is NULL or the caller's to free. A NULL pointer to a source stands for cml_text_read_file. */
+struct cml_text_source {
+    cml_status (*read)(void *context, const char *path, char **data, size_t *size, struct cml_error *err);
+    void *context;
+};
+
+/* Reads `path` ("-" is standard input) from `source`, NULL: the file system. CML_E_INPUT when it cannot be
+ * opened or read, holds a NUL byte, or is a directory: "PATH: cannot be read (REASON)". On failure *text is
+ * cleared. */
+CML_NODISCARD cml_status cml_text_read(const struct cml_text_source *source, const char *path,
+                                       struct cml_text *text, struct cml_error *err);
 
 /* The same for a file that is not text: NUL bytes are data. */
-CML_NODISCARD cml_status cml_text_read_bytes(const char *path, struct cml_text *text, struct cml_error *err);
+CML_NODISCARD cml_status cml_text_read_bytes(const struct cml_text_source *source, const char *path,
+                                             struct cml_text *text, struct cml_error *err);
+
+/* A whole file of the file system, or standard input: *size bytes and a final NUL, the caller's to free. */
+CML_NODISCARD cml_status cml_text_read_file(const char *path, char **data, size_t *size,
+                                            struct cml_error *err);
 
 void cml_text_clear(struct cml_text *text);
-
-/* Where cml_text_read gets its bytes: size bytes and a final NUL, owned by the caller. NULL stands for
- * cml_text_from_file, the file system and standard input. One source serves the whole process; set it before
- * reading, from one thread. */
-typedef cml_status cml_text_source(void *context, const char *path, char **data, size_t *size,
-                                   struct cml_error *err);
-cml_text_source cml_text_from_file;
-void cml_text_set_source(cml_text_source *source, void *context);
 
 /* A path as messages name it: "standard input" for "-". */
 const char *cml_text_name(const char *path);

@@ -6,6 +6,8 @@
 
 #include <math.h>
 
+/* As the program took them; the mean free path, 1 / (mua + mus), is what grid and boundaries should be
+ * compared with. */
 static void print_media(const struct cml_scene *scene)
 {
     printf("  %-8s %10s %10s %10s %10s %10s %12s\n", "medium", "n", "mua 1/cm", "mus 1/cm", "g", "d cm",
@@ -69,6 +71,7 @@ static void print_mesh(const struct cml_scene *scene, int b)
                ulp);
 }
 
+/* Only where it is asked for. */
 static void print_map(const struct cml_scene *scene)
 {
     const struct cml_map_def *map = &scene->map;
@@ -79,6 +82,8 @@ static void print_map(const struct cml_scene *scene)
     if (scene->facets) printf("  facets: irradiance and exitance of every boundary\n");
 }
 
+/* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
+ * memory needs their size. */
 static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
                               struct cml_error *err)
 {

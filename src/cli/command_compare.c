@@ -4,6 +4,7 @@
 
 #include "plot/compare_report.h"
 
+/* The picture first: where it fails the exit code says so, and nothing has been claimed yet. */
 static cml_status show(const struct cml_options *options, struct cml_compare_report *report,
                        struct cml_error *err)
 {
@@ -15,6 +16,7 @@ static cml_status show(const struct cml_options *options, struct cml_compare_rep
     return CML_OK;
 }
 
+/* A difference is a status of its own and becomes exit code 1, so that scripts can tell it from an error. */
 static cml_status verdict(const struct cml_compare_report *report, struct cml_error *err)
 {
     const struct cml_comparison *c = report->comparison;
@@ -27,6 +29,7 @@ static cml_status verdict(const struct cml_compare_report *report, struct cml_er
                     report->names[1], c->p, worst->z, cml_quantities[worst->quantity].name);
 }
 
+/* The picture's format is checked before the work, as everything that the user may have mistyped. */
 static cml_status compare(const struct cml_options *options, const struct cml_mco mco[2],
                           struct cml_error *err)
 {
@@ -42,6 +45,7 @@ static cml_status compare(const struct cml_options *options, const struct cml_mc
     return status;
 }
 
+/* Both are read before anything is said of either. */
 cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_mco mco[2];

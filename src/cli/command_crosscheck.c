@@ -41,11 +41,11 @@ static void dump_head(const struct dump *dump)
 static void print_side(const struct cml_check_side *side, const struct cml_result *result)
 {
     printf("  %-12s Rsp %.6f  Rd %.6f +- %.6f  A %.6f +- %.6f  Tt %.6f +- %.6f  lost %llu, residue %.17g\n",
-           side->name, cml_result_share(result, CML_BOOK_SPECULAR),
-           cml_result_share(result, CML_BOOK_REFLECTED), cml_result_error(result, CML_TOTAL_REFLECTED),
-           cml_result_share(result, CML_BOOK_ABSORBED), cml_result_error(result, CML_TOTAL_ABSORBED),
-           cml_result_share(result, CML_BOOK_TRANSMITTED), cml_result_error(result, CML_TOTAL_TRANSMITTED),
-           (unsigned long long)cml_result_lost(result), cml_result_residue(result));
+           side->name, cml_result_share(result, CML_BALANCE_SPECULAR),
+           cml_result_share(result, CML_BALANCE_REFLECTED), cml_result_error(result, CML_TOTAL_REFLECTED),
+           cml_result_share(result, CML_BALANCE_ABSORBED), cml_result_error(result, CML_TOTAL_ABSORBED),
+           cml_result_share(result, CML_BALANCE_TRANSMITTED), cml_result_error(result, CML_TOTAL_TRANSMITTED),
+           (unsigned long long)cml_result_lost(result), cml_result_imbalance(result));
 }
 
 static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)
@@ -139,14 +139,16 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
 }
 
 /* Maps, volume and facets are neither compared nor recorded: the opencl engine would refuse them. */
-static cml_status check_scene(const struct cml_options *options, struct cml_scene *scene, int index,
+static cml_status check_scene(const struct cml_options *options, const struct cml_scene *whole, int index,
                               struct cml_error *err)
 {
+    struct cml_scene bare = *whole;
+    bare.map = (struct cml_map_def){0};
+    bare.facets = false;
+    const struct cml_scene *scene = &bare;
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;
     as_mesh.force = CML_SURFACE_MESH;
-    scene->map = (struct cml_map_def){0};
-    scene->facets = false;
     CML_TRY(cml_surfaces_create(scene, &options->surface, &chosen, err));
     cml_status status = cml_surfaces_create(scene, &as_mesh, &meshes, err);
     if (status == CML_OK) {

@@ -12,26 +12,30 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* What is checked is what will fly: heightmaps at the tolerance. */
-static cml_status finish_all(const struct cml_options *options, struct cml_scene_list *list,
-                             struct cml_error *err)
+/* What is checked is what will fly. */
+static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)
 {
-    for (int i = 0; i < list->count; i++) {
-        CML_TRY(cml_scene_simplify(&list->scenes[i], options->surface.tolerance, err));
-        CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
-    }
+    for (int i = 0; i < list->count; i++) CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
     return CML_OK;
+}
+
+static cml_status load(const struct cml_options *options, const struct cml_text_source *source,
+                       struct cml_scene_list *list, struct cml_error *err)
+{
+    const struct cml_input_options how = {.source = source,
+                                          .tolerance = options->surface.tolerance,
+                                          .flat = options->ignore_heightfields ||
+                                                  options->surface.force == CML_SURFACE_PLANE};
+    CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
+    const cml_status status = check_all(list, err);
+    if (status != CML_OK) cml_scene_list_clear(list);
+    return status;
 }
 
 cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
                            struct cml_error *err)
 {
-    CML_TRY(cml_mci_read(options->operands[0], list, err));
-    const bool flat = options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE;
-    for (int i = 0; flat && i < list->count; i++) cml_scene_flatten(&list->scenes[i]);
-    const cml_status status = finish_all(options, list, err);
-    if (status != CML_OK) cml_scene_list_clear(list);
-    return status;
+    return load(options, NULL, list, err);
 }
 
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
@@ -53,12 +57,11 @@ static cml_status load_shared(const struct cml_options *options, struct cml_scen
 {
     const bool first = cml_cluster_rank() == 0;
     cml_status status = CML_OK;
-    cml_inputs_record(inputs);
-    if (first) status = cml_load_scenes(options, list, err);
+    const struct cml_text_source record = cml_inputs_recorder(inputs), replay = cml_inputs_replayer(inputs);
+    if (first) status = load(options, &record, list, err);
     CML_TRY(cml_cluster_agree(status, err));
     if (cml_cluster_size() > 1) status = share_inputs(inputs, err);
-    cml_inputs_replay(inputs);
-    if (status == CML_OK && !first) status = cml_load_scenes(options, list, err);
+    if (status == CML_OK && !first) status = load(options, &replay, list, err);
     return cml_cluster_agree(status, err);
 }
 
@@ -66,8 +69,8 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
                                   struct cml_inputs *inputs, struct cml_error *err)
 {
     *list = (struct cml_scene_list){0};
+    *inputs = (struct cml_inputs){0};
     const cml_status status = load_shared(options, list, inputs, err);
-    cml_inputs_release();
     if (status == CML_OK) return CML_OK;
     cml_scene_list_clear(list);
     cml_inputs_clear(inputs);

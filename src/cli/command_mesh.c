@@ -2,11 +2,13 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "input/obj.h"
+#include "input/mesh/obj.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
+/* A plane has no triangles and gets no file. The depth is a comment, because heights in the file count
+ * from it. */
 static cml_status write_boundary(const struct cml_options *options, const struct cml_scene *scene, int b,
                                  struct cml_error *err)
 {
@@ -30,6 +32,7 @@ static cml_status write_boundary(const struct cml_options *options, const struct
     return status;
 }
 
+/* All runs of the file: their boundaries may differ. */
 cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;

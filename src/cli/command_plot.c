@@ -10,12 +10,14 @@
 #include <string.h>
 #include <strings.h>
 
+/* In capitals, too, as files come from other systems. */
 static bool ends_in(const char *path, const char *extension)
 {
     const char *dot = strrchr(path, '.');
     return dot && strcasecmp(dot, extension) == 0;
 }
 
+/* Operands are told apart by their ending. */
 static bool is_curve(const char *path)
 {
     return ends_in(path, ".csv");
@@ -26,6 +28,7 @@ static bool is_map(const char *path)
     return ends_in(path, ".vti");
 }
 
+/* For plot --output is the picture, not a folder. */
 static const char *picture_path(const struct cml_options *options)
 {
     return options->output ? options->output : "plot.svg";
@@ -33,11 +36,7 @@ static const char *picture_path(const struct cml_options *options)
 
 /* ---- curves over r ---- */
 
-static cml_status write_script(FILE *out, const void *what, struct cml_error *err)
-{
-    return cml_plot_script(out, what, err);
-}
-
+/* Curves and results become the same structure; two bins, of which the last is not drawn, make no curve. */
 static cml_status read_one(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
     CML_TRY(is_curve(path) ? cml_curve_read(path, mco, err) : cml_mco_read(path, mco, err));
@@ -62,6 +61,7 @@ static cml_status read_all(const struct cml_options *options, struct cml_mco *re
     return CML_OK;
 }
 
+/* plot.count is the number read so far, so that only those are cleared after a failure. */
 static cml_status draw_curves(const struct cml_options *options, enum cml_picture picture,
                               struct cml_error *err)
 {
@@ -73,7 +73,7 @@ static cml_status draw_curves(const struct cml_options *options, enum cml_pictur
     if (status == CML_OK) status = read_all(options, results, names, &plot, err);
     plot.results = results;
     plot.names = names;
-    if (status == CML_OK) status = cml_gnuplot_draw(write_script, &plot, picture_path(options), err);
+    if (status == CML_OK) status = cml_gnuplot_draw(cml_plot_script, &plot, picture_path(options), err);
     for (int i = 0; i < plot.count; i++) cml_mco_clear(&results[i]);
     free(results);
     free(names);
@@ -81,11 +81,6 @@ static cml_status draw_curves(const struct cml_options *options, enum cml_pictur
 }
 
 /* ---- maps ---- */
-
-static cml_status write_map_script(FILE *out, const void *what, struct cml_error *err)
-{
-    return cml_map_script(out, what, err);
-}
 
 /* Reflectance and transmittance have short names here; every other array is called as in the file. */
 static const char *array_of(const char *of, const char **quantity)
@@ -95,6 +90,7 @@ static const char *array_of(const char *of, const char **quantity)
     return top ? "Rd_xy" : bottom ? "Tt_xy" : of;
 }
 
+/* Maps that were not read are zero, and clearing them does nothing. */
 static cml_status draw_maps(const struct cml_options *options, enum cml_picture picture,
                             struct cml_error *err)
 {
@@ -110,7 +106,7 @@ static cml_status draw_maps(const struct cml_options *options, enum cml_picture 
     cml_status status = maps ? CML_OK : cml_fail_memory(err, 1, "the maps");
     for (int i = 0; i < count && status == CML_OK; i++)
         status = cml_vti_read(options->operands[i], array, &maps[i], err);
-    if (status == CML_OK) status = cml_gnuplot_draw(write_map_script, &plot, picture_path(options), err);
+    if (status == CML_OK) status = cml_gnuplot_draw(cml_map_script, &plot, picture_path(options), err);
     for (int i = 0; i < count && maps; i++) cml_pixels_clear(&maps[i]);
     free(maps);
     return status;
@@ -128,6 +124,7 @@ static cml_status find_kind(const struct cml_options *options, bool *maps, struc
     return cml_fail(err, CML_E_INPUT, "--of %s (expected with maps only: .vti files)", options->of);
 }
 
+/* Everything that can be wrong with the command line is found before a file is read. */
 cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err)
 {
     enum cml_picture picture;

@@ -5,8 +5,9 @@
 #include "base/atomic_file.h"
 #include "run/checkpoint.h"
 #include "run/cluster.h"
-#include "run/cores.h"
+#include "run/launcher.h"
 #include "run/identity.h"
+#include "output/hdf5_file.h"
 #include "output/report.h"
 #include "run/stop.h"
 #include "base/text.h"
@@ -22,6 +23,7 @@ struct display {
     int tenths; /* lines printed so far */
 };
 
+/* The line is written over itself, and cleared at the end: results follow it. */
 static void draw_bar(const struct cml_progress *p)
 {
     char bar[31];
@@ -35,6 +37,7 @@ static void draw_bar(const struct cml_progress *p)
     fflush(stderr);
 }
 
+/* Nothing in the first ten seconds where a log would keep it. */
 static void show_progress(void *context, const struct cml_progress *p)
 {
     struct display *display = context;
@@ -56,6 +59,8 @@ static void show_note(void *context, const char *text)
     if (cml_cluster_rank() == 0) fprintf(stderr, "clustermcml: note: %s\n", text);
 }
 
+/* Files first: what is printed is then true. A run with lost packets or an imbalance is written all the
+ * same, and its status comes last. */
 static cml_status publish(const struct cml_options *options, struct cml_report *report, struct cml_error *err)
 {
     char *path = NULL;
@@ -72,6 +77,7 @@ static cml_status publish(const struct cml_options *options, struct cml_report *
     return status == CML_OK ? cml_run_verdict(report->scene, &report->run->result, err) : status;
 }
 
+/* Before the run, so that a wrong input shows in its first second and not after hours. */
 static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
 {
     if (options->quiet || options->json || cml_cluster_rank() != 0) return;
@@ -80,7 +86,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
            (unsigned long long)setup->options.seed);
     cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
-    if (cml_report_wants_fields(scene) && !cml_report_has_fields())
+    if (cml_report_wants_fields(scene) && !cml_hdf5_available())
         printf("  no .h5 file: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);
     fflush(stdout);
@@ -108,6 +114,7 @@ static cml_status check_same(const char *identity, struct cml_error *err)
     return cml_cluster_agree(status, err);
 }
 
+/* It will be overwritten, which may not be what the user wants. */
 static void note_old_checkpoint(const struct cml_options *options, const char *path)
 {
     if (options->resume || access(path, F_OK) != 0) return;
@@ -116,6 +123,8 @@ static void note_old_checkpoint(const struct cml_options *options, const char *p
     show_note(NULL, text);
 }
 
+/* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume of a file with
+ * several runs goes on with the next; that of the last run is not needed, as all are removed then. */
 static cml_status publish_run(const struct session *session, int index, const struct cml_run_setup *setup,
                               const struct cml_run_result *run, struct cml_error *err)
 {
@@ -139,6 +148,7 @@ static cml_status publish_run(const struct session *session, int index, const st
     return cml_checkpoint_write(setup->checkpoint, setup->identity, &nothing, NULL, err);
 }
 
+/* One run on all ranks. */
 static cml_status fly(const struct session *session, int index, struct cml_run_setup *setup,
                       struct cml_error *err)
 {
@@ -153,6 +163,7 @@ static cml_status fly(const struct session *session, int index, struct cml_run_s
     return cml_cluster_agree(status, err);
 }
 
+/* Beside the output, under its name. */
 static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
                                   char **path, struct cml_error *err)
 {
@@ -182,6 +193,8 @@ static cml_status prepare(const struct session *session, int index, struct cml_s
     return CML_OK;
 }
 
+/* What prepare made is freed whether it was complete or not; nothing here may return before all ranks
+ * agree. */
 static cml_status run_scene(const struct session *session, int index, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
@@ -208,6 +221,8 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
+/* By creating the temporary file beside it, which costs nothing and finds missing folders, rights and
+ * read-only disks. */
 static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
 {
     char *name = NULL;
@@ -226,7 +241,7 @@ static cml_status check_files(const struct cml_options *options, const struct cm
 {
     const bool more = scene->map.nx > 0 || scene->facets;
     char *path = NULL;
-    if (scene->format == 'B' && !cml_report_has_fields())
+    if (scene->format == 'B' && !cml_hdf5_available())
         return cml_fail_field(err, scene->file, scene->line, "format", "B",
                               "A: this program was built without HDF5");
     CML_TRY(cml_output_path(options, scene->output, &path, err));
@@ -258,6 +273,7 @@ static cml_status check_output(const struct session *session, int index, struct 
     return cml_cluster_rank() == 0 ? check_files(session->options, scene, err) : CML_OK;
 }
 
+/* All runs of the file before the first is flown. */
 static cml_status check_outputs(const struct session *session, struct cml_error *err)
 {
     cml_status status = CML_OK;
@@ -265,6 +281,7 @@ static cml_status check_outputs(const struct session *session, struct cml_error 
     return cml_cluster_agree(status, err);
 }
 
+/* More threads than cores take turns and are slow; under mpiexec it is the usual mistake. */
 static void warn_of_binding(int threads)
 {
     struct cml_cores cores;
@@ -301,6 +318,7 @@ static void remove_checkpoints(const struct session *session)
     }
 }
 
+/* Signals are watched only where a checkpoint can follow them; else they end the program as usual. */
 static cml_status run_all(const struct session *session, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
@@ -314,6 +332,7 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
     return CML_OK;
 }
 
+/* The bytes of the input are needed for the identity only, and freed before the run. */
 cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_options mine = *options;

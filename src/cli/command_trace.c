@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 
+/* Nine digits and more: events of one photon are compared between engines and machines. */
 static void print_event(void *context, const struct cml_trace_event *event)
 {
     long *row = context;
@@ -15,6 +16,7 @@ static void print_event(void *context, const struct cml_trace_event *event)
            event->direction[1], event->direction[2], event->weight);
 }
 
+/* Lines that are no events begin with #, so that the table can be read by other programs. */
 static cml_status trace(const struct cml_options *options, const struct cml_scene *scene, void *engine,
                         uint64_t photon, struct cml_error *err)
 {
@@ -32,6 +34,8 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     return CML_OK;
 }
 
+/* Runs count from 1 for people. The number is a part of each photon's random stream, so it must be that of
+ * the file. */
 static cml_status trace_scene(const struct cml_options *options, const struct cml_scene *scene,
                               uint64_t photon, struct cml_error *err)
 {
@@ -47,6 +51,7 @@ static cml_status trace_scene(const struct cml_options *options, const struct cm
     return status;
 }
 
+/* The photon's number is checked before the scene is read, which may take long. */
 cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err)
 {
     uint64_t photon = 0;

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Commands with the number of operands that each takes. The first one is meant where none is named. */
 static const struct command {
     const char *name;
     int least, most; /* operands */
@@ -26,7 +27,9 @@ static const struct command {
     {"plot", 1, 64, false, "a.mco [b.mco ...] or a.map.vti [b.map.vti ...]", cml_command_plot},
 };
 
-static cml_status dispatch(struct cml_options *options, struct cml_error *err)
+/* A word that is no command is the operand of `run`: `clustermcml scene.mci` is enough. Commands that are
+ * not parallel run on rank 0 while the others wait for its status. */
+static cml_status run_command(struct cml_options *options, struct cml_error *err)
 {
     const struct command *command = &commands[0];
     for (size_t i = 0; options->num_operands > 0 && i < sizeof commands / sizeof *commands; i++) {
@@ -56,14 +59,15 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
 {
     struct cml_options options;
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
-    cml_cluster_set_patience(options.patience);
+    cml_cluster_set_timeout(options.timeout);
     cml_status status = CML_OK;
-    if (!answer_question(&options)) status = dispatch(&options, err);
+    if (!answer_question(&options)) status = run_command(&options, err);
     if (fflush(stdout) != 0 && status == CML_OK)
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
     return cml_cluster_agree(status, err);
 }
 
+/* The only place that prints an error. */
 static void complain(cml_status status, const struct cml_error *err)
 {
     if (status != CML_OK) fprintf(stderr, "clustermcml: %s\n", err->text);
@@ -81,8 +85,8 @@ int main(int argc, char **argv)
     }
     status = work(argc, argv, &err);
     if (cml_cluster_rank() == 0) complain(status, &err);
-    if (cml_cluster_broken()) {
-        cml_cluster_leave_it_to_the_launcher();
+    if (cml_cluster_contact_lost()) {
+        cml_cluster_await_launcher();
         if (cml_cluster_rank() != 0) complain(status, &err);
     }
     cml_cluster_end(status);

@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Long options only, but for -o and -h; above all characters, as getopt wants it. */
 enum option_key {
     KEY_PHOTONS = 256,
     KEY_SEED,
@@ -44,6 +45,7 @@ enum option_key {
     KEY_VERSION,
 };
 
+/* In the order of the help text. */
 static const struct option long_options[] = {
     {"photons", required_argument, NULL, KEY_PHOTONS},
     {"seed", required_argument, NULL, KEY_SEED},
@@ -156,6 +158,7 @@ const char *cml_options_help(void)
     return help;
 }
 
+/* Every message names the option, what was given, and what was expected. */
 static cml_status fail(struct cml_error *err, const char *option, const char *value, const char *expected)
 {
     return cml_fail(err, CML_E_INPUT, "--%s %s (expected %s)", option, value, expected);
@@ -177,6 +180,7 @@ static cml_status choose(const char *option, const char *value, const char *cons
     return fail(err, option, value, expected);
 }
 
+/* Counts may be written like 1e7; limits are part of the message. */
 static cml_status count(const char *option, const char *value, uint64_t least, uint64_t most,
                         uint64_t *number, struct cml_error *err)
 {
@@ -190,6 +194,8 @@ static cml_status count(const char *option, const char *value, uint64_t least, u
     return CML_OK;
 }
 
+/* What is flown, where and how. Upper limits: 2^48 photons is what a result holds, 2^53 what a seed may be
+ * to survive as a number in JSON and HDF5. */
 static cml_status parse_machine(int key, const char *value, struct cml_options *options,
                                 struct cml_error *err)
 {
@@ -223,6 +229,8 @@ static cml_status parse_machine(int key, const char *value, struct cml_options *
     }
 }
 
+/* How boundaries are represented. A tolerance that the user gives also allows a boundary to be taken for a
+ * plane where that is within it. */
 static cml_status parse_surface(int key, const char *value, struct cml_options *options,
                                 struct cml_error *err)
 {
@@ -254,16 +262,18 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     return CML_OK;
 }
 
+/* Zero would mean for ever in one place and never in another, so it is refused; `off` says it in words. */
 static cml_status seconds(const char *option, const char *value, double *number, struct cml_error *err)
 {
     if (cml_parse_double(value, number) && *number > 0 && *number <= 1e9) return CML_OK;
     return fail(err, option, value, "seconds above 0, up to 1e9");
 }
 
+/* When a run ends or is saved. --patience is the timeout after which a silent rank counts as lost. */
 static cml_status parse_stopping(int key, const char *value, struct cml_options *options,
                                  struct cml_error *err)
 {
-    if (key == KEY_PATIENCE) return seconds("patience", value, &options->patience, err);
+    if (key == KEY_PATIENCE) return seconds("patience", value, &options->timeout, err);
     if (key == KEY_CHECKPOINT) {
         options->checkpoint_interval = 0;
         return strcmp(value, "off") == 0 ? CML_OK
@@ -274,6 +284,7 @@ static cml_status parse_stopping(int key, const char *value, struct cml_options 
     return fail(err, "target-error", value, "a relative error between 0 and 1");
 }
 
+/* 0 would never differ, 1 always. */
 static cml_status parse_alpha(const char *value, struct cml_options *options, struct cml_error *err)
 {
     const bool number = cml_parse_double(value, &options->alpha);
@@ -282,6 +293,7 @@ static cml_status parse_alpha(const char *value, struct cml_options *options, st
                : fail(err, "alpha", value, "a number above 0 and below 1");
 }
 
+/* Options without a value, which cannot be wrong. */
 static void set_flag(int key, struct cml_options *options)
 {
     if (key == KEY_IGNORE_ABSORPTION) options->engine_options.absorption = false;
@@ -297,6 +309,7 @@ static void set_flag(int key, struct cml_options *options)
     if (key == KEY_VERSION) options->version = true;
 }
 
+/* By groups, because one function for all of them would be too long to read. */
 static cml_status parse_one(int key, const char *value, struct cml_options *options, struct cml_error *err)
 {
     switch (key) {
@@ -344,16 +357,20 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     }
 }
 
+/* Whatever is not zero. */
 static void set_defaults(struct cml_options *options)
 {
     *options = (struct cml_options){.engine = cml_engine_find("cpu")};
+    /* a level of one false alarm in a hundred comparisons */
     options->alpha = 0.01;
+    /* a fixed seed, so that a run can be repeated by whoever has its file */
     options->engine_options.seed = 1;
     options->run = 1;
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
+    /* s: a minute of work may be lost, and a host that is busy must not be taken for a lost one */
     options->checkpoint_interval = 60;
-    options->patience = 60;
+    options->timeout = 60;
     options->surface.force = CML_SURFACE_AUTO;
     options->surface.tolerance = 1e-3;
     options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
@@ -368,6 +385,8 @@ static void keep_command(int argc, char **argv, struct cml_options *options)
                                  i > 0 ? " " : "", argv[i]);
 }
 
+/* getopt prints nothing (opterr) and sorts operands behind the options, so that both may mix. The colon in
+ * front of the short options tells a missing value from an unknown option. */
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
 {
     set_defaults(options);

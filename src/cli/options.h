@@ -17,7 +17,7 @@ struct cml_options {
     double target_error;        /* 0: none */
     double checkpoint_interval; /* s; 0: no checkpoints */
     bool resume;
-    double patience; /* s of a rank's silence */
+    double timeout; /* s of a rank's silence */
     bool quiet, json, verbose;
     double alpha;         /* level of `compare` */
     const char *caption;  /* of `plot`, NULL: none */

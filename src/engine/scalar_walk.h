@@ -6,7 +6,7 @@
 
 #include "engine/engine.h"
 #include "surface/ring_horizon.h"
-#include "engine/packet_ends.h"
+#include "engine/terminated_packets.h"
 #include "surface/surface_facets.h"
 #include "walk.h"
 
@@ -272,15 +272,15 @@ static inline void run_packets(const struct cml_world *world, uint64_t first, ui
                                struct cml_tally *tally)
 {
     const struct cml_deposits to = cml_deposits_of(tally);
-    struct cml_ends ends = {0};
+    struct cml_terminated terminated = {0};
     for (uint64_t i = 0; i < count; i++) {
         struct cml_packet packet;
         cml_walk(world, &to, first + i, &packet);
         cml_tally_events(&packet, tally);
-        const struct cml_end end = cml_end_of(&packet);
-        cml_ends_push(&world->setup, &ends, &end, tally);
+        const struct cml_termination end = cml_termination_of(&packet);
+        cml_terminated_push(&world->setup, &terminated, &end, tally);
     }
-    cml_ends_flush(&world->setup, &ends, tally);
+    cml_terminated_flush(&world->setup, &terminated, tally);
 }
 
 struct tracing {

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* A binary tree of axis-parallel boxes, as of a bounding volume hierarchy, without links: its shape follows
+ * from the number of triangles alone. SPDX-License-Identifier: MIT */
 #include "geometry/box_tree.h"
 
 #include <math.h>
@@ -26,6 +27,7 @@ static struct node root_of(const struct cml_boxtree *tree)
     return (struct node){0, 0, tree->n};
 }
 
+/* Preorder: the left child follows its parent, and its 2 count - 1 nodes come before the right one. */
 static struct node left_of(struct node node)
 {
     return (struct node){node.at + 1, node.first, node.count / 2};
@@ -56,6 +58,7 @@ struct builder {
     double (*centre)[3]; /* [n], three times the centroid */
 };
 
+/* Closed boxes of the exact coordinates: triangles that touch have boxes that touch. */
 static struct box box_of_triangle(const struct builder *builder, uint32_t i)
 {
     const double *a = builder->vertex[builder->triangle[i][0]];
@@ -79,6 +82,7 @@ static struct box box_of_both(const struct box *a, const struct box *b)
     return box;
 }
 
+/* Halving along the widest axis keeps boxes compact. */
 static int widest_axis(const struct builder *builder, struct node node)
 {
     double width[3];
@@ -102,8 +106,8 @@ static void swap_index(uint32_t *a, uint32_t *b)
     *b = keep;
 }
 
-/* Hoare's selection: afterwards no key before `middle` is above any key from it on. The pivot comes from the
- * middle of the range, so that sorted input is no bad case. */
+/* Hoare's selection [Algorithm 65: Find, Comm. ACM 4 (1961) 321]: afterwards no key before `middle` is above
+ * any key from it on. The pivot comes from the middle of the range, so that sorted input is no bad case. */
 static void select_middle(const struct builder *builder, size_t first, size_t count, size_t middle, int axis)
 {
     uint32_t *index = builder->tree->index;
@@ -125,6 +129,7 @@ static void select_middle(const struct builder *builder, size_t first, size_t co
     }
 }
 
+/* Median split: the depth is log2 n whatever the triangles are. Boxes come from the children's. */
 static void build(const struct builder *builder, struct node node)
 {
     struct cml_boxtree *tree = builder->tree;
@@ -195,6 +200,9 @@ struct search {
     void *context;
 };
 
+/* Both trees are gone down together, the one with more triangles first; pairs of nodes whose boxes are apart
+ * end the search below them [S. Gottschalk, M. C. Lin and D. Manocha, OBBTree, SIGGRAPH 1996, 171, with
+ * oriented boxes]. */
 static bool search_two(const struct search *search, struct node a, struct node b)
 {
     if (!boxes_touch(&search->a->box[a.at], &search->b->box[b.at])) return false;
@@ -204,6 +212,8 @@ static bool search_two(const struct search *search, struct node a, struct node b
     return search_two(search, a, left_of(b)) || search_two(search, a, right_of(b));
 }
 
+/* Every pair of triangles of one tree is parted by exactly one node: where one is on its left, the other on
+ * its right. */
 static bool search_own(const struct search *search, struct node node)
 {
     if (node.count == 1) return false;
@@ -218,6 +228,7 @@ bool cml_boxtree_pairs(const struct cml_boxtree *a, const struct cml_boxtree *b,
     return search_two(&search, root_of(a), root_of(b));
 }
 
+/* Shared vertices make neighbours' boxes touch, so that all neighbours are among the pairs. */
 bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pair, void *context)
 {
     const struct search search = {tree, tree, pair, context};
@@ -232,6 +243,7 @@ struct column {
     void *context;
 };
 
+/* A column has no upper or lower end: z does not count. */
 static void search_column(const struct column *column, struct node node)
 {
     const struct box *box = &column->tree->box[node.at];

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Where a point lies to the border of a mesh, seen from above. SPDX-License-Identifier: MIT */
 #include "geometry/footprint.h"
 #include "geometry/polygon.h"
 
@@ -40,6 +40,8 @@ static bool edge_is_right(const double p[2], const double q[2], double x, double
     return x < p[0] + (y - p[1]) / (q[1] - p[1]) * (q[0] - p[0]);
 }
 
+/* A ray from an inner point leaves the polygon an odd number of times (Jordan's curve theorem; the even-odd
+ * rule of M. Shimrat, Algorithm 112, Comm. ACM 5 (1962) 434). */
 bool cml_footprint_contains(const struct cml_footprint *footprint, double x, double y)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;
@@ -53,6 +55,7 @@ bool cml_footprint_contains(const struct cml_footprint *footprint, double x, dou
     return inside;
 }
 
+/* To the foot of the perpendicular, or to the end beyond which the foot lies. */
 static double distance_to_edge(const double p[2], const double q[2], double x, double y)
 {
     const double ex = q[0] - p[0], ey = q[1] - p[1], px = x - p[0], py = y - p[1];
@@ -60,6 +63,7 @@ static double distance_to_edge(const double p[2], const double q[2], double x, d
     return hypot(px - s * ex, py - s * ey);
 }
 
+/* All edges that come within d in y stand in the rows from y - d to y + d. */
 bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double x, double y, double d)
 {
     const struct cml_polygon_rows *rows = &footprint->rows;

@@ -8,8 +8,7 @@
 
 struct cml_footprint; /* edges sorted into rows of y */
 
-/* Builds the look-up from mesh->border. CML_E_INPUT only when memory runs out. The mesh need not outlive it.
- */
+/* Builds the look-up from mesh->border; the mesh need not outlive it. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_footprint_create(const struct cml_mesh *mesh, struct cml_footprint **footprint,
                                               struct cml_error *err);
 

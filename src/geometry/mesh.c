@@ -1,7 +1,6 @@
-/* SPDX-License-Identifier: MIT */
+/* Meshes as data, and the messages about them. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,55 +60,18 @@ cml_status cml_mesh_fail(const struct cml_mesh_work *work, int line, struct cml_
     return cml_fail(err, CML_E_INPUT, "%s%s: %s", work->source->path, where, message);
 }
 
+/* Triangles may have been dropped before: `origin` leads back to the file's numbering. */
 int cml_mesh_triangle_line(const struct cml_mesh_work *work, size_t t)
 {
     if (!work->source || !work->source->triangle_line) return 0;
     return work->source->triangle_line[work->origin ? work->origin[t] : t];
 }
 
+/* Heights, as in the file, not depths; 0.0 - z, because -z would print a height of zero as -0. */
 const char *cml_mesh_place(const double position[3], char text[112])
 {
     snprintf(text, 112, "(%.6g, %.6g, height %.6g) cm", position[0], position[1], 0.0 - position[2]);
     return text;
-}
-
-static void find_box(struct cml_mesh *mesh)
-{
-    for (int k = 0; k < 3; k++) mesh->lower[k] = mesh->upper[k] = mesh->vertex[0][k];
-    for (size_t i = 1; i < mesh->num_vertices; i++) {
-        for (int k = 0; k < 3; k++) {
-            mesh->lower[k] = fmin(mesh->lower[k], mesh->vertex[i][k]);
-            mesh->upper[k] = fmax(mesh->upper[k], mesh->vertex[i][k]);
-        }
-    }
-}
-
-static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *err)
-{
-    struct cml_mesh *mesh = work->mesh;
-    CML_TRY(cml_mesh_clean(work, err));
-    find_box(mesh);
-    CML_TRY(cml_mesh_join(work, err));
-    CML_TRY(cml_mesh_agree(work, err));
-    CML_TRY(cml_mesh_check_fans(work, err));
-    CML_TRY(cml_mesh_find_border(work, err));
-    find_box(mesh); /* the border has moved onto its plane */
-    return cml_mesh_find_normals(mesh, err);
-}
-
-cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
-                            struct cml_mesh_notes *notes, struct cml_error *err)
-{
-    struct cml_mesh_work work = {.mesh = mesh, .source = source};
-    free(mesh->border);
-    free(mesh->vertex_normal);
-    mesh->border = NULL;
-    mesh->vertex_normal = NULL;
-    const cml_status status = prepare_steps(&work, err);
-    free(work.origin);
-    free(work.mate);
-    if (notes) *notes = work.notes;
-    return status;
 }
 
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z)

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
 #include "geometry/polygon.h"
+#include "geometry/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,7 +20,9 @@ struct loop {
     double area; /* signed, in (x, y), cm^2 */
 };
 
-/* Walks the loop from `start`; leaving[v] is the border half-edge that begins at v. `border` may be NULL. */
+/* Walks the loop from `start`; leaving[v] is the border half-edge that begins at v: only one does, as the
+ * triangles around v are one fan. The area is a sum of triangles from `start` on [the shoelace formula].
+ * `seen` and `border` may be NULL. */
 static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leaving, uint32_t start,
                              uint8_t *seen, uint32_t *border)
 {
@@ -28,9 +31,7 @@ static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leavin
     uint32_t v = start;
     do {
         const uint32_t next = cml_half_edge_to(mesh, leaving[v]);
-        const double *p = mesh->vertex[v], *q = mesh->vertex[next];
-        loop.area +=
-            0.5 * ((p[0] - origin[0]) * (q[1] - origin[1]) - (p[1] - origin[1]) * (q[0] - origin[0]));
+        loop.area += 0.5 * cml_vec2_area(origin, mesh->vertex[v], mesh->vertex[next]);
         if (border) border[loop.count] = v;
         if (seen) seen[v] = 1;
         loop.count++;
@@ -39,6 +40,8 @@ static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leavin
     return loop;
 }
 
+/* The middle of the hole says more than one of its edges: a hole of three edges is hard to find in 1e6
+ * triangles. */
 static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *leaving, struct loop hole,
                               size_t num_loops, struct cml_error *err)
 {
@@ -54,15 +57,17 @@ static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *
                          hole.count, cml_mesh_place(center, place), num_loops);
 }
 
-/* Takes the loop of the largest area for the border; any other one is a hole. */
+/* Takes the loop of the largest area for the border; any other one is a hole, and which of several is named
+ * does not matter. A sheet without any border edge encloses something: it has no side to be called above
+ * everywhere. */
 static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving, uint8_t *seen,
-                            struct cml_error *err)
+                            struct loop *border, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
     struct loop outer = {0}, hole = {0};
     size_t num_loops = 0;
     for (uint32_t v = 0; v < mesh->num_vertices; v++) {
-        if (leaving[v] == CML_NO_MATE || seen[v]) continue;
+        if (leaving[v] == CML_NO_OPPOSITE || seen[v]) continue;
         const struct loop loop = walk_loop(mesh, leaving, v, seen, NULL);
         const bool larger = num_loops++ == 0 || fabs(loop.area) > fabs(outer.area);
         if (num_loops > 1) hole = larger ? outer : loop;
@@ -76,23 +81,26 @@ static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving,
     mesh->border = malloc(outer.count * sizeof *mesh->border);
     if (!mesh->border) return no_memory(mesh, err);
     mesh->num_border = outer.count;
-    walk_loop(mesh, leaving, outer.start, NULL, mesh->border);
+    *border = walk_loop(mesh, leaving, outer.start, NULL, mesh->border);
     return CML_OK;
 }
 
-static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struct cml_error *err)
+/* Border half-edges are those without an opposite one. *border becomes the loop of mesh->border. */
+static cml_status find_loop(struct cml_mesh_work *work, uint32_t *leaving, struct loop *border,
+                            struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
     memset(leaving, 0xff, mesh->num_vertices * sizeof *leaving);
     for (uint32_t e = 0; e < 3 * mesh->num_triangles; e++)
-        if (work->mate[e] == CML_NO_MATE) leaving[cml_half_edge_from(mesh, e)] = e;
+        if (work->opposite[e] == CML_NO_OPPOSITE) leaving[cml_half_edge_from(mesh, e)] = e;
     uint8_t *seen = calloc(mesh->num_vertices, 1);
     if (!seen) return no_memory(mesh, err);
-    const cml_status status = take_loop(work, leaving, seen, err);
+    const cml_status status = take_loop(work, leaving, seen, border, err);
     free(seen);
     return status;
 }
 
+/* What the tolerance of the border's depth is relative to. */
 static double largest_extent(const struct cml_mesh *mesh)
 {
     double extent = 0;
@@ -100,6 +108,8 @@ static double largest_extent(const struct cml_mesh *mesh)
     return extent;
 }
 
+/* Files have decimals: a border that is horizontal there may not be so in binary, or in other units. It is
+ * put exactly onto one depth, since the outer plane goes on there without a gap. */
 static cml_status level_border(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct cml_error *err)
 {
@@ -131,6 +141,7 @@ static cml_status level_border(const struct cml_mesh_work *work, const uint32_t 
     return CML_OK;
 }
 
+/* Names the edge's first vertex: an edge number would mean nothing to whoever made the mesh. */
 static cml_status refuse_crossing(const struct cml_mesh_work *work, const uint32_t *leaving, size_t edge,
                                   struct cml_error *err)
 {
@@ -142,6 +153,7 @@ static cml_status refuse_crossing(const struct cml_mesh_work *work, const uint32
                          cml_mesh_place(work->mesh->vertex[vertex], place));
 }
 
+/* A border that crosses itself has no inside in which the outer plane could end. */
 static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct cml_error *err)
 {
@@ -161,7 +173,8 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
-static void turn_sheet(struct cml_mesh_work *work)
+/* All triangles and the border change their sense; depths and places stay. */
+static void flip_sheet(struct cml_mesh_work *work)
 {
     struct cml_mesh *mesh = work->mesh;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
@@ -177,27 +190,18 @@ static void turn_sheet(struct cml_mesh_work *work)
     work->notes.flipped = mesh->num_triangles - work->notes.flipped;
 }
 
-/* Beyond the border the sheet goes on as the outer plane, whose up is -z. So the sheet is right side up when
- * its loop runs around the footprint in the negative sense of (x, y), however the sheet leaves the plane. */
-static bool is_upside_down(const struct cml_mesh *mesh)
-{
-    const double *origin = mesh->vertex[mesh->border[0]];
-    double area = 0;
-    for (size_t i = 1; i + 1 < mesh->num_border; i++) {
-        const double *p = mesh->vertex[mesh->border[i]], *q = mesh->vertex[mesh->border[i + 1]];
-        area += (p[0] - origin[0]) * (q[1] - origin[1]) - (p[1] - origin[1]) * (q[0] - origin[0]);
-    }
-    return area > 0;
-}
-
 cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err)
 {
     uint32_t *leaving = malloc(work->mesh->num_vertices * sizeof *leaving);
     if (!leaving) return no_memory(work->mesh, err);
-    cml_status status = find_loop(work, leaving, err);
+    struct loop border = {0};
+    cml_status status = find_loop(work, leaving, &border, err);
     if (status == CML_OK) status = level_border(work, leaving, err);
     if (status == CML_OK) status = check_simple(work, leaving, err);
-    if (status == CML_OK && is_upside_down(work->mesh)) turn_sheet(work);
+    /* Beyond the border the sheet goes on as the outer plane, whose up is -z. So the sheet is right side up
+     * when its loop runs around the footprint in the negative sense of (x, y), however the sheet leaves the
+     * plane. */
+    if (status == CML_OK && border.area > 0) flip_sheet(work);
     free(leaving);
     return status;
 }

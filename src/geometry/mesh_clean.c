@@ -1,5 +1,6 @@
 /* Makes a clean index list of a soup of vertices and triangles. SPDX-License-Identifier: MIT */
 #include "geometry/mesh_parts.h"
+#include "geometry/vec3.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -7,6 +8,7 @@
 
 #define EMPTY UINT32_MAX
 
+/* Numbers in files are finite, but units and scale may take them beyond the range of double. */
 static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -20,6 +22,7 @@ static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_er
     return CML_OK;
 }
 
+/* Half-edges are numbered in 32 bits: 3 * 2^30 of them fit. */
 static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
@@ -36,6 +39,7 @@ static cml_status check_triangles(const struct cml_mesh_work *work, struct cml_e
     return CML_OK;
 }
 
+/* Mixes all bits into all others by multiplying and shifting: coordinates on a grid differ in few bits. */
 static size_t hash_vertex(const double p[3])
 {
     uint64_t bits[3];
@@ -46,7 +50,8 @@ static size_t hash_vertex(const double p[3])
     return (size_t)(h ^ h >> 31);
 }
 
-/* same[i] becomes the first vertex that is equal to vertex i. */
+/* same[i] becomes the first vertex that is equal to vertex i. A table with open addressing and linear
+ * probing, at least twice as long as the list: the time is linear in it. */
 static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t mask, uint32_t *same)
 {
     size_t welded = 0;
@@ -62,6 +67,8 @@ static size_t find_equal(const struct cml_mesh *mesh, uint32_t *table, size_t ma
     return welded;
 }
 
+/* Exporters write the corners of every face anew. Only equal coordinates are joined: a distance below which
+ * vertices count as one could close a thin layer. */
 static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -84,19 +91,20 @@ static cml_status weld(struct cml_mesh_work *work, struct cml_error *err)
     return good ? CML_OK : cml_fail_memory(err, 4.0 * (double)size, "the vertices of a mesh");
 }
 
+/* An area of exactly 0: a sliver that is merely thin is a surface like any other. */
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];
     if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) return true;
     const double *a = mesh->vertex[corner[0]], *b = mesh->vertex[corner[1]], *c = mesh->vertex[corner[2]];
     double u[3], v[3];
-    for (int k = 0; k < 3; k++) {
-        u[k] = b[k] - a[k];
-        v[k] = c[k] - a[k];
-    }
+    cml_vec3_subtract(b, a, u);
+    cml_vec3_subtract(c, a, v);
+    /* Products are compared, not their differences with 0, which are no numbers where products overflow. */
     return u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2] && u[0] * v[1] == u[1] * v[0];
 }
 
+/* In place and in order. `origin` remembers where each triangle stood, for messages with line numbers. */
 static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
@@ -115,7 +123,8 @@ static cml_status drop_degenerate(struct cml_mesh_work *work, struct cml_error *
     return CML_OK;
 }
 
-/* Numbers the vertices that triangles use, in their old order, and packs them. */
+/* Numbers the vertices that triangles use, in their old order, and packs them: a prepared mesh comes through
+ * unchanged. */
 static cml_status drop_unused(struct cml_mesh_work *work, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;

@@ -7,39 +7,38 @@
 #include <math.h>
 #include <stdlib.h>
 
-static double length(const double a[3])
-{
-    return sqrt(cml_vec3_dot(a, a));
-}
-
+/* sum += factor * a */
 static void add_scaled(double sum[3], double factor, const double a[3])
 {
     for (int k = 0; k < 3; k++) sum[k] += factor * a[k];
 }
 
-/* The cross product of two edges: points up, twice the area long. */
+/* Points up. */
 static void area_vector(const struct cml_mesh *mesh, size_t t, double out[3])
 {
-    double u[3], v[3];
-    const double *a = mesh->vertex[mesh->triangle[t][0]];
-    cml_vec3_subtract(mesh->vertex[mesh->triangle[t][1]], a, u);
-    cml_vec3_subtract(mesh->vertex[mesh->triangle[t][2]], a, v);
-    cml_vec3_cross(u, v, out);
+    const uint32_t *corner = mesh->triangle[t];
+    cml_vec3_area(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], out);
 }
 
+/* By atan2: the arc cosine loses half of the digits of small angles. */
 static double angle_between(const double u[3], const double v[3])
 {
     double normal[3];
     cml_vec3_cross(u, v, normal);
-    return atan2(length(normal), cml_vec3_dot(u, v));
+    return atan2(cml_vec3_length(normal), cml_vec3_dot(u, v));
 }
 
+/* Weights by the angle at the corner: the normal then does not depend on how a face is cut into triangles
+ * [G. Thuermer and C. A. Wuethrich, Computing vertex normals from polygonal facets, J. Graphics Tools 3
+ * (1998) 43], and a point near the vertex is on the side that the normal says [J. A. Baerentzen and H.
+ * Aanaes, Signed distance computation using the angle weighted pseudonormal, IEEE Trans. Vis. Comput. Graph.
+ * 11 (2005) 243]. */
 static void add_triangle(struct cml_mesh *mesh, size_t t)
 {
     const uint32_t *corner = mesh->triangle[t];
     double normal[3], u[3], v[3];
     area_vector(mesh, t, normal);
-    const double size = length(normal);
+    const double size = cml_vec3_length(normal);
     if (!(size > 0)) return;
     for (int k = 0; k < 3; k++) {
         cml_vec3_subtract(mesh->vertex[corner[(k + 1) % 3]], mesh->vertex[corner[k]], u);
@@ -73,7 +72,7 @@ cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err)
     add_outer_plane(mesh);
     for (size_t i = 0; i < mesh->num_vertices; i++) {
         double *normal = mesh->vertex_normal[i];
-        const double size = length(normal);
+        const double size = cml_vec3_length(normal);
         if (!(size > 0)) normal[2] = -1; /* opposite facets cancel: any normal is as good */
         for (int k = 0; k < 3 && size > 0; k++) normal[k] /= size;
     }
@@ -90,7 +89,7 @@ static double edge_length(const struct cml_mesh *mesh, uint32_t a, uint32_t b)
 {
     double along[3];
     cml_vec3_subtract(mesh->vertex[b], mesh->vertex[a], along);
-    return length(along);
+    return cml_vec3_length(along);
 }
 
 /* Lengths of all edges, each once: inner edges are met in both directions, border edges in one. */
@@ -108,6 +107,7 @@ static size_t list_lengths(const struct cml_mesh *mesh, double *lengths)
     return count;
 }
 
+/* The median, because a few needles must not hide how fine a mesh is. */
 static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     double *lengths = malloc((3 * mesh->num_triangles + mesh->num_border) * sizeof *lengths);
@@ -120,7 +120,8 @@ static void summarise_edges(const struct cml_mesh *mesh, struct cml_mesh_summary
     free(lengths);
 }
 
-/* Integral of z - reference, and of its square, over a triangle's projection of unit area. */
+/* Integral of z - reference, and of its square, over a triangle's projection of unit area: the mean of the
+ * corners, and the mean of the products of all pairs of corners, equal ones included. */
 static void height_moments(const struct cml_mesh *mesh, size_t t, double reference, double moment[2])
 {
     double z[3];
@@ -129,7 +130,8 @@ static void height_moments(const struct cml_mesh *mesh, size_t t, double referen
     moment[1] = (z[0] * (z[0] + z[1]) + z[1] * (z[1] + z[2]) + z[2] * (z[2] + z[0])) / 6;
 }
 
-/* Area-weighted sums over the projected triangles: [0] area, [1] z, [2] z^2, [3] slope^2. */
+/* Area-weighted sums over the projected triangles: [0] area, [1] z, [2] z^2, [3] slope^2. A vertical wall has
+ * no projected area, and an infinite slope. */
 static void sum_heights(const struct cml_mesh *mesh, double reference, double sum[4],
                         struct cml_mesh_summary *summary)
 {
@@ -137,7 +139,7 @@ static void sum_heights(const struct cml_mesh *mesh, double reference, double su
         double area[3], moment[2];
         area_vector(mesh, t, area);
         const double flat = fabs(area[2]), slope = hypot(area[0], area[1]) / flat;
-        if (!(length(area) > 0)) continue;
+        if (!(cml_vec3_length(area) > 0)) continue;
         height_moments(mesh, t, reference, moment);
         sum[0] += flat;
         sum[1] += flat * moment[0];
@@ -147,6 +149,7 @@ static void sum_heights(const struct cml_mesh *mesh, double reference, double su
     }
 }
 
+/* Twice over the triangles: squares about a far reference would lose the digits of a shallow relief. */
 void cml_mesh_summarise(const struct cml_mesh *mesh, struct cml_mesh_summary *summary)
 {
     *summary = (struct cml_mesh_summary){0};

@@ -5,15 +5,15 @@
 
 #include "geometry/mesh.h"
 
-#define CML_NO_MATE UINT32_MAX
+#define CML_NO_OPPOSITE UINT32_MAX
 
 /* Half-edge 3t + k runs from vertex k to vertex k + 1 (mod 3) of triangle t; corner 3t + k is at vertex k. */
 struct cml_mesh_work {
     struct cml_mesh *mesh;
     const struct cml_mesh_source *source; /* or NULL */
     struct cml_mesh_notes notes;
-    uint32_t *origin; /* [num_triangles] number of the triangle before any was dropped */
-    uint32_t *mate;   /* [3 num_triangles] half-edge on the other side, or CML_NO_MATE at the border */
+    uint32_t *origin;   /* [num_triangles] number of the triangle before any was dropped */
+    uint32_t *opposite; /* [3 num_triangles] half-edge on the other side, or CML_NO_OPPOSITE at the border */
 };
 
 /* Refuses what is not finite or out of range; welds; drops degenerate triangles and unused vertices. */
@@ -22,11 +22,11 @@ CML_NODISCARD cml_status cml_mesh_clean(struct cml_mesh_work *work, struct cml_e
 /* Whether triangle t uses a vertex twice or has an area of exactly zero. */
 bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
 
-/* Finds the mates; refuses an edge with more than two triangles. */
-CML_NODISCARD cml_status cml_mesh_join(struct cml_mesh_work *work, struct cml_error *err);
+/* Finds the opposites; refuses an edge with more than two triangles. */
+CML_NODISCARD cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Turns triangles until all agree with the first; refuses several parts and sheets with one side. */
-CML_NODISCARD cml_status cml_mesh_agree(struct cml_mesh_work *work, struct cml_error *err);
+CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Refuses a vertex whose triangles are not one fan. */
 CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err);

@@ -1,11 +1,16 @@
-/* SPDX-License-Identifier: MIT */
+/* Edges in rows, and the sweep that looks for crossings: two edges can meet only in a row in which both are.
+ * SPDX-License-Identifier: MIT */
 #include "geometry/polygon.h"
+
+#include "geometry/predicate.h"
 
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Rounding may put a y beside its row, but edges and points alike: the row never decreases with y, so that
+ * every edge stands in the rows of all its points. */
 size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y)
 {
     const double row = (y - rows->y_low) * rows->rows_per_length;
@@ -13,6 +18,7 @@ size_t cml_polygon_row(const struct cml_polygon_rows *rows, double y)
     return row < (double)(rows->num_rows - 1) ? (size_t)row : rows->num_rows - 1;
 }
 
+/* The rows that an edge overlaps, both ends included. */
 static void edge_rows(const struct cml_polygon_rows *rows, size_t edge, size_t *low, size_t *high)
 {
     const size_t next = edge + 1 < rows->num_points ? edge + 1 : 0;
@@ -85,13 +91,7 @@ void cml_polygon_rows_clear(struct cml_polygon_rows *rows)
     *rows = (struct cml_polygon_rows){0};
 }
 
-/* Twice the signed area of the triangle a b c. */
-static double turn(const double a[2], const double b[2], const double c[2])
-{
-    return (double)(((long double)b[0] - a[0]) * ((long double)c[1] - a[1]) -
-                    ((long double)b[1] - a[1]) * ((long double)c[0] - a[0]));
-}
-
+/* For a point that is on the segment's line already: is it between the ends? */
 static bool in_box(const double a[2], const double b[2], const double p[2])
 {
     return p[0] >= fmin(a[0], b[0]) && p[0] <= fmax(a[0], b[0]) && p[1] >= fmin(a[1], b[1]) &&
@@ -101,9 +101,9 @@ static bool in_box(const double a[2], const double b[2], const double p[2])
 /* Whether the segments a b and c d have a point in common. */
 static bool segments_meet(const double a[2], const double b[2], const double c[2], const double d[2])
 {
-    const double abc = turn(a, b, c), abd = turn(a, b, d), cda = turn(c, d, a), cdb = turn(c, d, b);
-    if (((abc > 0 && abd < 0) || (abc < 0 && abd > 0)) && ((cda > 0 && cdb < 0) || (cda < 0 && cdb > 0)))
-        return true;
+    const int abc = cml_orient2d(a, b, c), abd = cml_orient2d(a, b, d), cda = cml_orient2d(c, d, a),
+              cdb = cml_orient2d(c, d, b);
+    if (abc * abd < 0 && cda * cdb < 0) return true;
     return (abc == 0 && in_box(a, b, c)) || (abd == 0 && in_box(a, b, d)) || (cda == 0 && in_box(c, d, a)) ||
            (cdb == 0 && in_box(c, d, b));
 }
@@ -111,10 +111,11 @@ static bool segments_meet(const double a[2], const double b[2], const double c[2
 /* Neighbours share a point by right; they only meet elsewhere when one folds back onto the other. */
 static bool neighbours_fold(const double a[2], const double b[2], const double c[2])
 {
-    if (turn(a, b, c) != 0) return false;
+    if (cml_orient2d(a, b, c) != 0) return false;
     return (a[0] - b[0]) * (c[0] - b[0]) + (a[1] - b[1]) * (c[1] - b[1]) >= 0;
 }
 
+/* A polygon is simple when no two edges meet but neighbours, and these at their common point only. */
 static bool edges_cross(const struct cml_polygon_rows *rows, size_t i, size_t j)
 {
     const size_t n = rows->num_points, i_next = i + 1 < n ? i + 1 : 0, j_next = j + 1 < n ? j + 1 : 0;
@@ -134,7 +135,8 @@ static int compare_spans(const void *left, const void *right)
     return (a->x_low > b->x_low) - (a->x_low < b->x_low);
 }
 
-/* Sweeps one row along x; returns an edge that meets another one, or CML_POLYGON_SIMPLE. */
+/* Sweeps one row along x, edges by their left ends: only those whose spans of x overlap are compared. Returns
+ * an edge that meets another one, or CML_POLYGON_SIMPLE. */
 static size_t sweep_row(const struct cml_polygon_rows *rows, size_t row, struct span *spans)
 {
     const size_t count = rows->first[row + 1] - rows->first[row];

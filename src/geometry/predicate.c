@@ -18,6 +18,8 @@ static int sign_of(double x)
     return (x > 0.0) - (x < 0.0);
 }
 
+/* a + b without error, as the rounded sum and what rounding took from it [D. E. Knuth, The art of computer
+ * programming 2, 4.2.2]. */
 static double two_sum(double a, double b, double *rest)
 {
     const double sum = a + b;
@@ -26,6 +28,7 @@ static double two_sum(double a, double b, double *rest)
     return sum;
 }
 
+/* The same of a * b: fma rounds once, so that what it gives is the rest exactly. */
 static double two_product(double a, double b, double *rest)
 {
     const double product = a * b;
@@ -33,6 +36,8 @@ static double two_product(double a, double b, double *rest)
     return product;
 }
 
+/* Shewchuk's Grow-Expansion: the value is carried through all parts, the smallest first, and what rounding
+ * leaves at each stays there. Zeros are left out, so that the last part has the sign of the whole. */
 static void exact_add(struct exact *x, double value)
 {
     int n = 0;
@@ -62,6 +67,7 @@ static struct difference subtract(double a, double b)
     return d;
 }
 
+/* Each difference is two doubles, so that a product of two is four exact products. */
 static void exact_add_product(struct exact *x, struct difference a, struct difference b, double sign)
 {
     for (int i = 0; i < 4; i++) {
@@ -97,6 +103,7 @@ static struct difference negate(struct difference d)
     return (struct difference){{-d.part[0], -d.part[1]}};
 }
 
+/* The same determinants as the filters, but every difference is exact, too. */
 static int orient2d_exact(const double a[2], const double b[2], const double c[2])
 {
     struct exact det = {0};
@@ -105,7 +112,7 @@ static int orient2d_exact(const double a[2], const double b[2], const double c[2
     return exact_sign(&det);
 }
 
-/* *sure is false when rounding may have decided the sign. */
+/* *sure is false when rounding may have decided the sign. The bound is Shewchuk's ccwerrboundA. */
 static int orient2d_filter(const double a[2], const double b[2], const double c[2], int *sure)
 {
     const double left = (a[0] - c[0]) * (b[1] - c[1]);
@@ -145,6 +152,8 @@ static int orient3d_exact(const double a[3], const double b[3], const double c[3
     return exact_sign(&det);
 }
 
+/* The bound is Shewchuk's o3derrboundA; `size` is the sum of the absolute values of what the determinant adds
+ * up. A bound of exactly 0 means that all products are exactly 0, as in a plane of the axes. */
 int cml_orient3d(const double a[3], const double b[3], const double c[3], const double d[3])
 {
     const double adx = a[0] - d[0], ady = a[1] - d[1], adz = a[2] - d[2];
@@ -187,6 +196,8 @@ static int line_side_moved(const double a[3], const double b[3], const double u[
     return 0;
 }
 
+/* The same shape of determinant as that of cml_orient3d, with one difference less, so the same bound holds.
+ * The direction u is taken as it is. */
 int cml_line_side(const double a[3], const double b[3], const double o[3], const double u[3])
 {
     const double ax = a[0] - o[0], ay = a[1] - o[1], az = a[2] - o[2];
@@ -200,6 +211,9 @@ int cml_line_side(const double a[3], const double b[3], const double o[3], const
     return sign != 0 ? sign : line_side_moved(a, b, u);
 }
 
+/* A point in the plane, moved by (e, e^2, e^3): the first coordinate in which the triangle's normal is not 0
+ * decides [the idea is that of H. Edelsbrunner and E. P. Muecke, Simulation of simplicity, ACM Trans.
+ * Graphics 9 (1990) 66]. Those coordinates are the areas of its projections. */
 int cml_plane_side(const double a[3], const double b[3], const double c[3], const double o[3])
 {
     int sign = cml_orient3d(a, b, c, o);

@@ -1,23 +1,27 @@
-/* Vectors of three doubles: what the files about triangles share. Results do not depend on who inlines them:
- * every sum is taken from left to right. SPDX-License-Identifier: MIT */
+/* Vectors of three doubles: what the files about triangles share. Sums are taken from left to right. `out`
+ * may be one of the arguments only where that is said. SPDX-License-Identifier: MIT */
 #ifndef CML_VEC3_H
 #define CML_VEC3_H
 
 #include <math.h>
 
-/* out = a - b; out may be a or b */
+/* out = a - b; out may be a or b. */
 static inline void cml_vec3_subtract(const double a[3], const double b[3], double out[3])
 {
     for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
 }
 
-/* out = a + s b; out may be a or b */
+/* out = a + s b; out may be a or b. */
 static inline void cml_vec3_add_scaled(const double a[3], double s, const double b[3], double out[3])
 {
     for (int k = 0; k < 3; k++) out[k] = a[k] + s * b[k];
 }
 
-/* out must be neither a nor b */
+static inline void cml_vec3_copy(const double from[3], double to[3])
+{
+    for (int k = 0; k < 3; k++) to[k] = from[k];
+}
+
 static inline void cml_vec3_cross(const double a[3], const double b[3], double out[3])
 {
     out[0] = a[1] * b[2] - a[2] * b[1];
@@ -35,25 +39,28 @@ static inline double cml_vec3_length(const double a[3])
     return sqrt(cml_vec3_dot(a, a));
 }
 
-/* a may not be 0 */
+/* To length 1; a may not be 0. */
 static inline void cml_vec3_normalise(double a[3])
 {
     const double k = 1 / cml_vec3_length(a);
     for (int i = 0; i < 3; i++) a[i] *= k;
 }
 
-static inline void cml_vec3_copy(const double from[3], double to[3])
+/* out = cross(b - a, c - a): normal to the triangle a b c, towards the side from which it runs
+ * counter-clockwise, and as long as twice its area. */
+static inline void cml_vec3_area(const double a[3], const double b[3], const double c[3], double out[3])
 {
-    for (int k = 0; k < 3; k++) to[k] = from[k];
+    double u[3], v[3];
+    cml_vec3_subtract(b, a, u);
+    cml_vec3_subtract(c, a, v);
+    cml_vec3_cross(u, v, out);
 }
 
-/* (b - a) x (c - a): normal of a triangle, twice its area long */
-static inline void cml_vec3_normal(const double a[3], const double b[3], const double c[3], double out[3])
+/* Twice the signed area of the triangle o p q in the plane of x and y, positive counter-clockwise. Rounded:
+ * where the sign matters, cml_orient2d decides (predicate.h). */
+static inline double cml_vec2_area(const double o[2], const double p[2], const double q[2])
 {
-    double ab[3], ac[3];
-    cml_vec3_subtract(b, a, ab);
-    cml_vec3_subtract(c, a, ac);
-    cml_vec3_cross(ab, ac, out);
+    return (p[0] - o[0]) * (q[1] - o[1]) - (p[1] - o[1]) * (q[0] - o[0]);
 }
 
 #endif

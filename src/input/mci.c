@@ -1,6 +1,8 @@
-/* SPDX-License-Identifier: MIT */
+/* The grammar of .mci files: which data line follows which, and where ours may stand between them.
+ * SPDX-License-Identifier: MIT */
 #include "input/mci.h"
 
+#include "input/mci_beam.h"
 #include "input/mci_boundary.h"
 #include "input/mci_lines.h"
 #include "input/mci_map.h"
@@ -22,11 +24,13 @@ enum stage {
     STAGE_LAYERS /* b and m */
 };
 
+/* Lines that hold for the whole run, not for one boundary. */
 static bool is_of_run(enum cml_mci_kind kind)
 {
     return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS;
 }
 
+/* A line of ours where it cannot stand: says where it can. */
 static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                  const char *instead)
 {
@@ -43,6 +47,7 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
+/* Each of them may stand once, which its reader checks. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
@@ -52,8 +57,8 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
 
 /* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the
  * number of the boundary that lies before it. */
-static cml_status seek(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene, int b,
-                       const char *field)
+static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene,
+                                 int b, const char *field)
 {
     for (;;) {
         enum cml_mci_kind kind;
@@ -70,6 +75,8 @@ static cml_status seek(struct cml_mci_reader *reader, enum stage stage, struct c
     }
 }
 
+/* Names are refused now that could only fail when the result is written, hours later; and a second run of
+ * that name, which would overwrite the first. */
 static cml_status check_output(const struct cml_mci_reader *reader, const struct cml_scene_list *list,
                                const char *name)
 {
@@ -92,10 +99,11 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
     return CML_OK;
 }
 
+/* The file's first word of a run may be anything, also a keyword: see STAGE_NAME. */
 static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scene_list *list,
                             struct cml_scene *scene)
 {
-    CML_TRY(seek(reader, STAGE_NAME, scene, 0, "output name"));
+    CML_TRY(next_data_line(reader, STAGE_NAME, scene, 0, "output name"));
     scene->line = reader->text.line;
     CML_TRY(cml_text_copy(reader->text.path, &scene->file, reader->err));
     const char *name = cml_text_word(&reader->cursor);
@@ -122,6 +130,7 @@ static cml_status check_cells(const struct cml_mci_reader *reader, const double 
     return cml_mci_fail(reader, "nz nr na", value, expected);
 }
 
+/* Photons, bin sizes, numbers of bins. */
 static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     static const struct cml_mci_field photons = {"photons", 1, 281474976710656.0, true,
@@ -132,14 +141,14 @@ static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *sce
     static const struct cml_mci_field bins[] = {
         {"nz", 1, 1e9, true, count}, {"nr", 1, 1e9, true, count}, {"na", 1, 1e9, true, count}};
     double values[3];
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "photons"));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
     CML_TRY(cml_mci_numbers(reader, NULL, &photons, 1, values));
     scene->photons = (uint64_t)values[0];
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "dz dr"));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "dz dr"));
     CML_TRY(cml_mci_numbers(reader, NULL, steps, 2, values));
     scene->dz = values[0];
     scene->dr = values[1];
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, "nz nr na"));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "nz nr na"));
     CML_TRY(cml_mci_numbers(reader, NULL, bins, 3, values));
     CML_TRY(check_cells(reader, values));
     scene->nz = (int)values[0];
@@ -148,12 +157,13 @@ static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
+/* A number of layers is at most 1e5, so that a wrong one cannot ask for all memory. */
 static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     static const struct cml_mci_field field = {"number of layers", 1, MAX_LAYERS, true,
                                                "a whole number of 1..100000"};
     double number = 0;
-    CML_TRY(seek(reader, STAGE_RUN, scene, 0, field.name));
+    CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, field.name));
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &number));
     scene->num_layers = (int)number;
     const size_t layers = (size_t)scene->num_layers;
@@ -165,17 +175,20 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
                            "the layers");
 }
 
+/* Named once, as it is a field of the media above and below and of every layer. */
 static const char index_range[] = "a refractive index of 0.01..100";
 
+/* The media above and below have a refractive index only: nothing is absorbed or scattered there. */
 static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *scene, bool above)
 {
     const struct cml_mci_field field = {above ? "n above" : "n below", MIN_INDEX, MAX_INDEX, false,
                                         index_range};
     struct cml_medium_def *medium = &scene->media[above ? 0 : scene->num_layers + 1];
-    CML_TRY(seek(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
+    CML_TRY(next_data_line(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
     return cml_mci_numbers(reader, NULL, &field, 1, &medium->n);
 }
 
+/* The boundary above the layer, number layer - 1, may have its line before this one. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
     static const char coefficient[] = "a coefficient of 0..1e30 1/cm";
@@ -189,7 +202,7 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     char owner[32];
     double values[5];
     snprintf(owner, sizeof owner, "layer %d", layer);
-    CML_TRY(seek(reader, STAGE_LAYERS, scene, layer - 1, owner));
+    CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
     scene->media[layer] = (struct cml_medium_def){
         .n = values[0], .mua = values[1], .mus = values[2], .g = values[3], .d = values[4]};
@@ -237,23 +250,27 @@ static cml_status check_rest(struct cml_mci_reader *reader)
     return fail_misplaced(reader, kind, "the end of the run");
 }
 
+/* The file version is any data line: original MCML does not look at it either. */
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
     static const struct cml_mci_field field = {"number of runs", 1, MAX_RUNS, true,
                                                "a whole number of 1..32767"};
     double runs = 0;
-    CML_TRY(seek(reader, STAGE_NAME, NULL, 0, "file version"));
-    CML_TRY(seek(reader, STAGE_NAME, NULL, 0, field.name));
+    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, "file version"));
+    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, field.name));
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &runs));
     while (list->count < (int)runs) CML_TRY(read_run(reader, list));
     return check_rest(reader);
 }
 
-cml_status cml_mci_read(const char *path, struct cml_scene_list *list, struct cml_error *err)
+/* A scene that is half read is never seen: a failure clears all. */
+cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
+                        struct cml_scene_list *list, struct cml_error *err)
 {
+    static const struct cml_input_options none;
     struct cml_mci_reader reader;
     *list = (struct cml_scene_list){0};
-    cml_status status = cml_mci_open(path, &reader, err);
+    cml_status status = cml_mci_open(path, options ? options : &none, &reader, err);
     if (status == CML_OK) status = read_file(&reader, list);
     cml_mci_close(&reader);
     if (status != CML_OK) cml_scene_list_clear(list);

@@ -3,14 +3,16 @@
 #ifndef CML_MCI_H
 #define CML_MCI_H
 
+#include "input/input_options.h"
 #include "scene/scene.h"
 
-/* Reads all runs of `path` ("-" is standard input) and the files they name. Every scene has passed all checks
- * but cml_scene_check_overlap, which costs time and is the caller's. CML_E_INPUT names file, line, field,
- * value and what was expected. On failure *list is cleared.
- * Limits: 32767 runs, 1e5 layers, 2^31 cells in all arrays of a run, 1e7 samples per heightfield, n
- * 0.01..100, lengths and coefficients up to 1e30. What follows the last run is ignored, as in the original,
- * unless a boundary line comes first. */
-CML_NODISCARD cml_status cml_mci_read(const char *path, struct cml_scene_list *list, struct cml_error *err);
+/* Reads all runs of `path` ("-" is standard input) and the files they name; options NULL: all zero. Every
+ * scene has passed all checks but cml_scene_check_overlap, which costs time and is the caller's. CML_E_INPUT
+ * names file, line, field, value and what was expected. On failure *list is cleared. Limits: 32767 runs, 1e5
+ * layers, 2^31 cells in all arrays of a run, 1e7 samples per heightfield, n 0.01..100, lengths and
+ * coefficients up to 1e30. What follows the last run is ignored, as in the original, unless a boundary line
+ * comes first. */
+CML_NODISCARD cml_status cml_mci_read(const char *path, const struct cml_input_options *options,
+                                      struct cml_scene_list *list, struct cml_error *err);
 
 #endif

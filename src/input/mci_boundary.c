@@ -1,9 +1,10 @@
-/* SPDX-License-Identifier: MIT */
+/* Lines b and m, and the files that they name. SPDX-License-Identifier: MIT */
 #include "input/mci_boundary.h"
 
-#include "input/esri.h"
-#include "input/gsf.h"
-#include "input/obj.h"
+#include "input/mesh/esri.h"
+#include "input/mesh/gsf.h"
+#include "input/mesh/obj.h"
+#include "input/mci_options.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,6 +24,7 @@ struct samples {
     double radius; /* of the sample read last */
 };
 
+/* Names the heights' own file and line when the numbers stand in one. */
 static cml_status fail_sample(const struct samples *samples, const char *field, const char *value,
                               const char *expected)
 {
@@ -33,6 +35,7 @@ static cml_status fail_sample(const struct samples *samples, const char *field, 
                           expected);
 }
 
+/* In a file numbers may be broken into lines anywhere; in the .mci they are one line. */
 static char *next_word(struct samples *samples)
 {
     for (;;) {
@@ -70,6 +73,7 @@ static cml_status fail_number(const struct samples *samples, size_t i, int n, co
     return fail_sample(samples, name, word, word ? expected : total);
 }
 
+/* A spacing so small that the radius stays the same in double would make a ring of no width. */
 static cml_status read_number(struct samples *samples, size_t i, int n)
 {
     static const struct cml_mci_field height = {"h", -CML_MCI_HUGE, CML_MCI_HUGE, false,
@@ -92,6 +96,8 @@ static cml_status read_number(struct samples *samples, size_t i, int n)
     return fail_number(samples, i, n, word, "a spacing that takes the radius further, up to 1e30 cm");
 }
 
+/* Text behind the last number is a comment in the .mci, as behind all its fields; in a file of nothing but
+ * numbers it is a mistake. */
 static cml_status read_samples(struct samples *samples, int *n)
 {
     const bool in_file = samples->file.data != NULL;
@@ -111,6 +117,7 @@ static cml_status read_samples(struct samples *samples, int *n)
     return fail_sample(samples, "number after the last spacing", word, expected);
 }
 
+/* Files give spacings; all else needs radii. */
 static cml_status sum_radii(const struct samples *samples, struct cml_radial *radial)
 {
     const size_t n = samples->num_values / 2;
@@ -128,6 +135,7 @@ static cml_status sum_radii(const struct samples *samples, struct cml_radial *ra
     return CML_OK;
 }
 
+/* Numbers in the line, or the name of a file in quotes and nothing else. */
 static cml_status open_samples(struct samples *samples, struct cml_boundary *boundary)
 {
     struct cml_mci_reader *reader = samples->reader;
@@ -141,11 +149,12 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
     if (rest)
         return fail_sample(samples, "text after the file name", rest, "the end of the line or a # comment");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
-    CML_TRY(cml_text_read(boundary->file, &samples->file, reader->err));
+    CML_TRY(cml_text_read(reader->options->source, boundary->file, &samples->file, reader->err));
     samples->cursor = NULL;
     return CML_OK;
 }
 
+/* Numbers first, as many as there are; radii and heights when all are known to be right. */
 static cml_status read_radial(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     struct samples samples = {.reader = reader};
@@ -160,80 +169,13 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
     return status;
 }
 
-/* --- m and beam: key=value options ---------------------------------------------------------------------- */
+/* --- m: a mesh or a heightmap -------------------------------------------------------------------------- */
 
-#define MAX_KEYS 5
-
-struct options {
-    struct cml_mci_reader *reader;
-    const char *owner; /* "boundary 2" or "beam" */
-    const char *keys[MAX_KEYS];
-    const char *list; /* the keys in words, for messages */
-    bool seen[MAX_KEYS];
-    int key; /* which one was read last */
-    char *value;
-};
-
-static cml_status fail_option(const struct options *options, const char *field, const char *value,
-                              const char *expected)
-{
-    char name[80];
-    snprintf(name, sizeof name, "%s: %s", options->owner, field);
-    return cml_mci_fail(options->reader, name, value, expected);
-}
-
-static cml_status fail_value(const struct options *options, const char *expected)
-{
-    return fail_option(options, options->keys[options->key], options->value, expected);
-}
-
-/* *more is false at the end of the line. */
-static cml_status next_option(struct options *options, bool *more)
-{
-    char *word = cml_text_word(&options->reader->cursor);
-    *more = word != NULL;
-    if (!word) return CML_OK;
-    char *equals = strchr(word, '=');
-    for (int k = 0; equals && k < MAX_KEYS && options->keys[k]; k++) {
-        const size_t length = strlen(options->keys[k]);
-        if (length != (size_t)(equals - word) || memcmp(word, options->keys[k], length) != 0) continue;
-        options->key = k;
-        options->value = equals + 1;
-        if (options->seen[k]) return fail_value(options, "this option only once");
-        options->seen[k] = true;
-        return CML_OK;
-    }
-    return fail_option(options, "option", word, options->list);
-}
-
-/* "1,2,3": exactly `count` numbers, with nothing between them but commas. */
-static bool parse_list(const char *text, int count, double *values)
-{
-    static const struct cml_mci_field length = {"", -CML_MCI_HUGE, CML_MCI_HUGE, false, ""};
-    for (int i = 0; i < count; i++) {
-        char word[64];
-        const size_t size = strcspn(text, ",");
-        if (size >= sizeof word) return false;
-        memcpy(word, text, size);
-        word[size] = '\0';
-        if (!cml_mci_parse(&length, word, &values[i])) return false;
-        text += size;
-        if (*text != (i + 1 < count ? ',' : '\0')) return false;
-        text++;
-    }
-    return true;
-}
-
-static int choose(const char *word, const char *const *names, int count)
-{
-    for (int i = 0; i < count; i++)
-        if (strcmp(word, names[i]) == 0) return i;
-    return -1;
-}
-
+/* The order of the keys in read_mesh. */
 enum { MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_UP, MESH_NORMALS };
 
-static cml_status set_mesh_option(const struct options *options, struct cml_obj_options *obj)
+/* One case per key; a heightmap takes the same options as a mesh, but for up=y. */
+static cml_status set_mesh_option(const struct cml_mci_line_options *options, struct cml_obj_options *obj)
 {
     static const char *const units[] = {"cm", "mm", "um", "m"};
     static const double cm[] = {1, 0.1, 1e-4, 100};
@@ -244,24 +186,26 @@ static cml_status set_mesh_option(const struct options *options, struct cml_obj_
     int which = -1;
     switch (options->key) {
     case MESH_UNITS:
-        which = choose(value, units, 4);
-        if (which < 0) return fail_value(options, "cm, mm, um or m");
+        which = cml_mci_choose(value, units, 4);
+        if (which < 0) return cml_mci_fail_value(options, "cm, mm, um or m");
         obj->unit = cm[which];
         return CML_OK;
     case MESH_SCALE:
-        if (!parse_list(value, 1, &obj->scale) || obj->scale < CML_MCI_TINY)
-            return fail_value(options, "a number of 1e-30..1e30");
+        if (!cml_mci_parse_list(value, 1, &obj->scale) || obj->scale < CML_MCI_TINY)
+            return cml_mci_fail_value(options, "a number of 1e-30..1e30");
         return CML_OK;
     case MESH_SHIFT:
-        return parse_list(value, 3, obj->shift) ? CML_OK : fail_value(options, "x,y,z in cm without blanks");
+        return cml_mci_parse_list(value, 3, obj->shift)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, "x,y,z in cm without blanks");
     case MESH_UP:
-        which = choose(value, ups, 3);
-        if (which < 0) return fail_value(options, "z, y or -z");
+        which = cml_mci_choose(value, ups, 3);
+        if (which < 0) return cml_mci_fail_value(options, "z, y or -z");
         obj->up = axes[which];
         return CML_OK;
     default:
-        which = choose(value, normals, 2);
-        if (which < 0) return fail_value(options, "face or vertex");
+        which = cml_mci_choose(value, normals, 2);
+        if (which < 0) return cml_mci_fail_value(options, "face or vertex");
         obj->normals = which == 0 ? CML_NORMALS_FACET : CML_NORMALS_VERTEX;
         return CML_OK;
     }
@@ -269,50 +213,61 @@ static cml_status set_mesh_option(const struct options *options, struct cml_obj_
 
 enum mesh_file { FILE_OBJ, FILE_GSF, FILE_ASC };
 
-static cml_status check_mesh_name(const struct options *options, const char *name, enum mesh_file *kind)
+/* The ending decides how a file is read. */
+static cml_status check_mesh_name(const struct cml_mci_line_options *options, const char *name,
+                                  enum mesh_file *kind)
 {
     static const char *const endings[] = {".obj", ".gsf", ".asc"};
     if (!name || *name == '"' || *name == '\0')
-        return fail_option(options, "file", name, "a file name in a pair of quotes");
+        return cml_mci_fail_option(options, "file", name, "a file name in a pair of quotes");
     const char *dot = strrchr(name, '.');
     for (int i = 0; dot && i < 3; i++) {
         *kind = (enum mesh_file)i;
         if (strcasecmp(dot, endings[i]) == 0) return CML_OK;
     }
-    return fail_option(options, "file", name, "an .obj file, or a .gsf or .asc heightmap");
+    return cml_mci_fail_option(options, "file", name, "an .obj file, or a .gsf or .asc heightmap");
 }
 
-static cml_status read_heightmap(const struct options *options, enum mesh_file kind,
+/* The heights are needed no longer once the mesh is made. */
+static cml_status read_heightmap(const struct cml_mci_line_options *options, enum mesh_file kind,
                                  const struct cml_obj_options *given, struct cml_boundary *boundary)
 {
+    const struct cml_input_options *input = options->reader->options;
     struct cml_error *err = options->reader->err;
     const double unit = options->seen[MESH_UNITS] ? given->unit : 0;
-    if (given->up == CML_UP_Y) return fail_option(options, "up", "y", "z or -z for a heightmap");
-    CML_TRY((kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(boundary->file, unit, &boundary->map, err));
-    cml_heightmap_place(&boundary->map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
-    return cml_heightmap_mesh(&boundary->map, 0, given->normals, &boundary->mesh, &boundary->map_notes, err);
+    if (given->up == CML_UP_Y) return cml_mci_fail_option(options, "up", "y", "z or -z for a heightmap");
+    struct cml_heightmap map;
+    CML_TRY(
+        (kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit, &map, err));
+    cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
+    const cml_status status = cml_heightmap_mesh(&map, input->tolerance, given->normals, &boundary->mesh,
+                                                 &boundary->map_notes, err);
+    cml_heightmap_clear(&map);
+    return status;
 }
 
+/* Options are read before the file, so that a mistake in the line is found before a long read. */
 static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     char owner[32];
     snprintf(owner, sizeof owner, "boundary %d", index);
-    struct options options = {.reader = reader,
-                              .owner = owner,
-                              .keys = {"units", "scale", "shift", "up", "normals"},
-                              .list = "units=, scale=, shift=, up= or normals="};
+    struct cml_mci_line_options options = {.reader = reader,
+                                           .owner = owner,
+                                           .keys = {"units", "scale", "shift", "up", "normals"},
+                                           .list = "units=, scale=, shift=, up= or normals="};
     struct cml_obj_options obj = {.unit = 1, .scale = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
     enum mesh_file kind = FILE_OBJ;
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
     CML_TRY(check_mesh_name(&options, name, &kind));
     for (bool more = true; more;) {
-        CML_TRY(next_option(&options, &more));
+        CML_TRY(cml_mci_next_option(&options, &more));
         if (more) CML_TRY(set_mesh_option(&options, &obj));
     }
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     if (kind == FILE_OBJ)
-        CML_TRY(cml_obj_read(boundary->file, &obj, &boundary->mesh, &boundary->mesh_notes, reader->err));
+        CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
+                             &boundary->mesh_notes, reader->err));
     else
         CML_TRY(read_heightmap(&options, kind, &obj, boundary));
     boundary->form = CML_FORM_MESH;
@@ -329,64 +284,7 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
     }
     boundary->line = reader->text.line;
-    CML_TRY(cml_text_copy(cml_mci_raw(reader), &boundary->text, reader->err));
-    return kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary);
-}
-
-enum { BEAM_AT, BEAM_ANGLE, BEAM_AZIMUTH };
-
-static cml_status set_beam_option(const struct options *options, struct cml_beam *beam)
-{
-    const double rad = acos(-1.0) / 180;
-    double values[2] = {0, 0};
-    switch (options->key) {
-    case BEAM_AT:
-        if (!parse_list(options->value, 2, values)) return fail_value(options, "x,y in cm without blanks");
-        beam->x = values[0];
-        beam->y = values[1];
-        return CML_OK;
-    case BEAM_ANGLE:
-        if (!parse_list(options->value, 1, values) || values[0] < 0 || values[0] >= 90)
-            return fail_value(options, "degrees, 0 <= angle < 90");
-        beam->angle = values[0] * rad;
-        return CML_OK;
-    default:
-        if (!parse_list(options->value, 1, values) || fabs(values[0]) > 360)
-            return fail_value(options, "degrees, -360..360");
-        beam->azimuth = values[0] * rad;
-        return CML_OK;
-    }
-}
-
-static cml_status read_beam_shape(const struct options *options, struct cml_beam *beam)
-{
-    static const char *const shapes[] = {"pencil", "disk", "gaussian"};
-    static const enum cml_beam_kind kinds[] = {CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN};
-    static const struct cml_mci_field radius = {"radius", CML_MCI_TINY, CML_MCI_HUGE, false,
-                                                "a length of 1e-30..1e30 cm"};
-    const char *word = cml_text_word(&options->reader->cursor);
-    const int which = word ? choose(word, shapes, 3) : -1;
-    if (which < 0) return fail_option(options, "shape", word, "pencil, disk R or gaussian R");
-    beam->kind = kinds[which];
-    if (beam->kind == CML_BEAM_PENCIL) return CML_OK;
-    word = cml_text_word(&options->reader->cursor);
-    if (word && cml_mci_parse(&radius, word, &beam->radius)) return CML_OK;
-    return fail_option(options, radius.name, word, radius.expected);
-}
-
-cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_beam *beam)
-{
-    struct options options = {.reader = reader,
-                              .owner = "beam",
-                              .keys = {"at", "angle", "azimuth"},
-                              .list = "at=, angle= or azimuth="};
-    if (beam->given) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one beam line per run");
-    beam->given = true;
-    cml_mci_cut_comment(reader->cursor);
-    CML_TRY(read_beam_shape(&options, beam));
-    for (bool more = true; more;) {
-        CML_TRY(next_option(&options, &more));
-        if (more) CML_TRY(set_beam_option(&options, beam));
-    }
+    CML_TRY(kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary));
+    if (reader->options->flat) cml_boundary_flatten(boundary);
     return CML_OK;
 }

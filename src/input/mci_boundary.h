@@ -1,4 +1,4 @@
-/* The lines of .mci files that original MCML does not know: b, m and beam.
+/* The lines of .mci files that give a boundary its shape: b and m.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_BOUNDARY_H
 #define CML_MCI_BOUNDARY_H
@@ -10,8 +10,5 @@
  * which is number `index`. What was allocated before a failure belongs to *boundary. */
 CML_NODISCARD cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                           struct cml_boundary *boundary);
-
-/* Reads the current beam line. */
-CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_beam *beam);
 
 #endif

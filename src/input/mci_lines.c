@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* What is the same in all lines of .mci files: comments, keywords, numbers, messages.
+ * SPDX-License-Identifier: MIT */
 #include "input/mci_lines.h"
 
 #include <stdlib.h>
@@ -6,10 +7,11 @@
 
 static const char blanks[] = " \t\v\f\r";
 
-cml_status cml_mci_open(const char *path, struct cml_mci_reader *reader, struct cml_error *err)
+cml_status cml_mci_open(const char *path, const struct cml_input_options *options,
+                        struct cml_mci_reader *reader, struct cml_error *err)
 {
-    *reader = (struct cml_mci_reader){.err = err};
-    CML_TRY(cml_text_read(path, &reader->text, err));
+    *reader = (struct cml_mci_reader){.options = options, .err = err};
+    CML_TRY(cml_text_read(options->source, path, &reader->text, err));
     /* Editors on Windows write a byte order mark; before a comment it would make that line the version. */
     if (strncmp(reader->text.data, "\xEF\xBB\xBF", 3) == 0) reader->text.cursor = 3;
     return CML_OK;
@@ -28,6 +30,7 @@ void cml_mci_forget(struct cml_mci_reader *reader)
     reader->kept_last = 0;
 }
 
+/* The memory changes hands, and the reader begins a new one. */
 char *cml_mci_take_kept(struct cml_mci_reader *reader)
 {
     char *kept = reader->kept;
@@ -91,6 +94,7 @@ static enum cml_mci_kind take_keyword(char **cursor)
     return CML_MCI_DATA;
 }
 
+/* Only data lines and lines of ours are kept: comments change no result. */
 cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
 {
     char *line = NULL;
@@ -109,6 +113,7 @@ cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_m
     return CML_OK;
 }
 
+/* Quoted names may hold a '#'. */
 void cml_mci_cut_comment(char *text)
 {
     bool quoted = false;
@@ -125,6 +130,8 @@ cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, 
     return cml_fail_field(reader->err, reader->text.path, reader->text.line, field, value, expected);
 }
 
+/* Whole numbers go through both: cml_parse_count refuses what is not whole, the range is compared as a
+ * double. */
 bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value)
 {
     double number = 0;
@@ -136,6 +143,7 @@ bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *
     return true;
 }
 
+/* One field of the current line; the message names owner and field. */
 static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
                               const struct cml_mci_field *field, double *value)
 {
@@ -146,6 +154,8 @@ static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
     return cml_mci_fail(reader, name, word, field->expected);
 }
 
+/* Behind the last field original MCML's files have comments without a '#': words are ignored, but a further
+ * number was probably meant for something. */
 cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                            const struct cml_mci_field *fields, int count, double *values)
 {

@@ -1,18 +1,20 @@
-/* Lines and numbers of .mci files: what mci.c (grammar), mci_boundary.c (b, m, beam) and mci_map.c (map,
- * facets) stand on. Hands out data lines, tells the lines that original MCML does not know, reads the fields
- * of a line against their allowed ranges, and keeps the run's lines as written. SPDX-License-Identifier: MIT
- */
+/* Lines and numbers of .mci files: what mci.c (grammar) and the files mci_*.c of our own lines stand on.
+ * Hands out data lines, tells the lines that original MCML does not know, reads the fields of a line against
+ * their allowed ranges, and keeps the run's lines as written. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_LINES_H
 #define CML_MCI_LINES_H
 
 #include "base/status.h"
 #include "base/text.h"
+#include "input/input_options.h"
 
 /* Beyond these a float overflows somewhere in the transport; nobody's tissue is a light year thick. */
 #define CML_MCI_HUGE 1e30
 #define CML_MCI_TINY 1e-30
 
+/* A file that is being read, line by line. */
 struct cml_mci_reader {
+    const struct cml_input_options *options;
     struct cml_text text;
     struct cml_error *err;
     char *cursor; /* what is left of the current line */
@@ -21,6 +23,7 @@ struct cml_mci_reader {
     size_t kept_last; /* where in `kept` the current line begins */
 };
 
+/* What a line is. */
 enum cml_mci_kind {
     CML_MCI_DATA,
     CML_MCI_B,
@@ -40,13 +43,15 @@ struct cml_mci_field {
     const char *expected;
 };
 
-CML_NODISCARD cml_status cml_mci_open(const char *path, struct cml_mci_reader *reader, struct cml_error *err);
+/* Reads the file and stands before its first line. `options` and `err` must outlive the reader; close it with
+ * cml_mci_close, also after a failure. */
+CML_NODISCARD cml_status cml_mci_open(const char *path, const struct cml_input_options *options,
+                                      struct cml_mci_reader *reader, struct cml_error *err);
 void cml_mci_close(struct cml_mci_reader *reader);
 
 /* Goes to the next line that is neither blank nor comment. `keywords`: b, m, beam, map and facets also count
- * without
- * "#@ " before them (an output may be named "b"). The cursor stands behind the keyword, or at the start of a
- * data line. */
+ * without "#@ " before them (an output may be named "b"). The cursor stands behind the keyword, or at the
+ * start of a data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
 /* The current line as written. Valid until the next call of cml_mci_next. */
@@ -58,8 +63,7 @@ void cml_mci_forget(struct cml_mci_reader *reader);
 /* Hands the lines kept to the caller, who frees them. */
 char *cml_mci_take_kept(struct cml_mci_reader *reader);
 
-/* Ends the text at the first '#' outside quotes. A number may be glued to it ("0.1#dz"), as in the original.
- */
+/* Ends the text at the first '#' outside quotes. A number may be glued to it ("0.1#dz"), as in MCML. */
 void cml_mci_cut_comment(char *text);
 
 /* cml_fail_field at the current line. */

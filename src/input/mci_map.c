@@ -1,10 +1,11 @@
-/* SPDX-License-Identifier: MIT */
+/* Lines map and facets. SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
 #include "facet.h"
 
 #include <string.h>
 
+/* The four numbers that every map has. */
 static cml_status read_pixels(struct cml_mci_reader *reader, struct cml_map_def *map)
 {
     static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9";
@@ -25,6 +26,7 @@ static cml_status read_pixels(struct cml_mci_reader *reader, struct cml_map_def 
     return CML_OK;
 }
 
+/* `top` belongs to the volume; without it the option would have no effect, and its writer would not know. */
 static cml_status read_word(struct cml_mci_reader *reader, const char *word, struct cml_map_def *map)
 {
     static const struct cml_mci_field top = {"map: top", -CML_MCI_HUGE, CML_MCI_HUGE, false,
@@ -44,6 +46,7 @@ static cml_status read_word(struct cml_mci_reader *reader, const char *word, str
                                                     : cml_mci_fail(reader, top.name, word + 4, top.expected);
 }
 
+/* Options follow in any order, but top= only behind volume. */
 cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_map_def *map)
 {
     if (map->nx > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one map line per run");
@@ -67,6 +70,8 @@ cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets)
     return cml_mci_fail(reader, "text after facets", word, "the end of the line or a # comment");
 }
 
+/* A map's cells are counted in double: their product may exceed 64 bits. Four per pixel: Rd and Tt, each with
+ * squares. */
 cml_status cml_mci_check_map(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
     const struct cml_map_def *map = &scene->map;

@@ -1,5 +1,5 @@
 /* A field: an array of numbers with a name, units and axes, and how to get its values. What the writers of
- * HDF5 and VTK files (fields.h, vtk.h) both read; they know nothing of what the numbers mean.
+ * HDF5 and VTK files (hdf5_file.h, vtk.h) both read; they know nothing of what the numbers mean.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_FIELD_H
 #define CML_FIELD_H

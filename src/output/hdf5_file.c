@@ -13,7 +13,9 @@
 
 #define CHUNK ((size_t)1 << 17) /* values: what is in memory at a time */
 
-/* The library's calls return a negative number when they fail; the first failure is remembered. */
+/* The library's calls return a negative number when they fail. The first failure is remembered, and the calls
+ * after it fail too, or do nothing, on the invalid handles that it left: so code runs straight on, and looks
+ * once at the end. */
 struct writer {
     hid_t file;
     bool failed;
@@ -25,6 +27,7 @@ static void check(struct writer *w, int64_t returned)
     if (returned < 0) w->failed = true;
 }
 
+/* Attributes of the file or of a data set. UTF-8, because names of files may be. */
 static void put_text(struct writer *w, hid_t object, const char *name, const char *text)
 {
     const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
@@ -38,6 +41,7 @@ static void put_text(struct writer *w, hid_t object, const char *name, const cha
     H5Tclose(type);
 }
 
+/* Numbers are doubles throughout: 2^53 is enough for seeds and photons, and every reader has them. */
 static void put_number(struct writer *w, hid_t object, const char *name, double number)
 {
     const hid_t space = H5Screate(H5S_SCALAR);
@@ -59,6 +63,8 @@ static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
     }
 }
 
+/* Without times, so that the same fields give the same bytes. Shuffled (all first bytes, all second bytes,
+ * ...) before deflate, which then finds what neighbouring numbers have in common; at level 1, the fastest. */
 static hid_t create_dataset(struct writer *w, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t size[CML_FIELD_AXES];
@@ -100,6 +106,8 @@ static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_fiel
     return count;
 }
 
+/* Chunk after chunk, each filled when it is written: a volume of 1e9 voxels is never in memory as doubles.
+ * Once a call has failed nothing more is tried. */
 static void write_values(struct writer *w, hid_t dataset, const struct cml_field *field, const hsize_t *chunk)
 {
     hsize_t start[CML_FIELD_AXES] = {0};
@@ -114,12 +122,14 @@ static void write_values(struct writer *w, hid_t dataset, const struct cml_field
     }
 }
 
+/* Bin middles, computed from their numbers and not summed, so that errors do not add up. */
 static void axis_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_axis *axis = context;
     for (size_t i = 0; i < count; i++) out[i] = axis->first + (double)(begin + i) * axis->step;
 }
 
+/* Names of attributes as in the CF conventions, which xarray shows and plots with. */
 static void describe(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
     put_text(w, dataset, "long_name", field->long_name);
@@ -127,12 +137,14 @@ static void describe(struct writer *w, hid_t dataset, const struct cml_field *fi
     if (field->errors) put_text(w, dataset, "ancillary_variables", field->errors);
 }
 
+/* Without axes there are no chunks. */
 static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
     field->values(field->context, 0, 1, w->buffer);
     check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, w->buffer));
 }
 
+/* After a failure the data set is returned all the same: the caller closes it. */
 static hid_t write_dataset(struct writer *w, const struct cml_field *field)
 {
     hsize_t chunk[CML_FIELD_AXES] = {1, 1, 1};
@@ -163,6 +175,7 @@ static hid_t open_axis(struct writer *w, const struct cml_axis *axis)
     return dataset;
 }
 
+/* Axes are attached as dimension scales, which xarray and MATLAB take for coordinates. */
 static void write_field(struct writer *w, const struct cml_field *field)
 {
     const hid_t dataset = write_dataset(w, field);
@@ -186,7 +199,7 @@ static void write_all(struct writer *w, const struct cml_attribute *attributes, 
     for (int i = 0; i < num_fields && !w->failed; i++) write_field(w, &fields[i]);
 }
 
-bool cml_fields_available(void)
+bool cml_hdf5_available(void)
 {
     return true;
 }
@@ -204,6 +217,7 @@ static void create_file(struct writer *w, const char *path)
     H5Pclose(access);
 }
 
+/* Only here a failure becomes a message: HDF5 reports a full disk at a flush, that is at some later call. */
 static cml_status finish(const struct writer *w, struct cml_file *file, struct cml_error *err)
 {
     if (!w->failed) return cml_file_commit(file, err);
@@ -214,8 +228,8 @@ static cml_status finish(const struct writer *w, struct cml_file *file, struct c
 }
 
 /* HDF5 opens the temporary file once more by its name; the commit syncs and renames that same file. */
-cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
-                            const struct cml_field *fields, int num_fields, struct cml_error *err)
+cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
+                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
     struct cml_file file;
     struct writer w = {.buffer = malloc(CHUNK * sizeof *w.buffer)};
@@ -233,13 +247,13 @@ cml_status cml_fields_write(const char *path, const struct cml_attribute *attrib
 
 #else
 
-bool cml_fields_available(void)
+bool cml_hdf5_available(void)
 {
     return false;
 }
 
-cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
-                            const struct cml_field *fields, int num_fields, struct cml_error *err)
+cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
+                          const struct cml_field *fields, int num_fields, struct cml_error *err)
 {
     (void)attributes, (void)num_attributes, (void)fields, (void)num_fields;
     return cml_fail(err, CML_E_INPUT, "%s: this program was built without HDF5", path);

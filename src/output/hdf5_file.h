@@ -16,12 +16,12 @@ struct cml_attribute {
 };
 
 /* False when the program was built without HDF5. */
-bool cml_fields_available(void);
+bool cml_hdf5_available(void);
 
-/* Writes to `path` atomically (text.h): whatever happens, it holds the old or the complete new file. Axes are
- * those that the fields name; two axes of one name are one. CML_E_IO when it cannot be written. */
-CML_NODISCARD cml_status cml_fields_write(const char *path, const struct cml_attribute *attributes,
-                                          int num_attributes, const struct cml_field *fields, int num_fields,
-                                          struct cml_error *err);
+/* Writes to `path` atomically (atomic_file.h): whatever happens, it holds the old or the complete new file.
+ * Axes are those that the fields name; two axes of one name are one. CML_E_IO when it cannot be written. */
+CML_NODISCARD cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes,
+                                        int num_attributes, const struct cml_field *fields, int num_fields,
+                                        struct cml_error *err);
 
 #endif

@@ -2,7 +2,6 @@
 #include "output/mco.h"
 
 #include "base/atomic_file.h"
-#include "base/constants.h"
 #include "output/mco_sections.h"
 #include "base/text.h"
 
@@ -11,12 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The writer, and what it shares with the reader: where each section of the file stands in struct cml_mco. */
+
 #define OFFSET(member) offsetof(struct cml_mco, member)
 
+/* The comment lines before a grid, as MCML 1.2.2 prints them. */
 #define GRID_COMMENT(q, what, last)                                                                          \
     "# " q what "\n# " q "[0][0], [0][1],..[0][" last "-1]\n# " q "[1][0], [1][1],..[1][" last               \
     "-1]\n# ...\n# " q "[nr-1][0], [nr-1][1],..[nr-1][" last "-1]\n"
 
+/* Blanks and the missing ones are MCML's: the file is to be the same byte by byte. */
 const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
     {"", "A_l", " #Absorption as a function of layer. [-]", OFFSET(A_l), OFFSET(num_layers), 0, true},
     {"", "A_z", " #A[0], [1],..A[nz-1]. [1/cm]", OFFSET(A_z), OFFSET(nz), 0, false},
@@ -31,6 +34,7 @@ const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
      false},
 };
 
+/* Members are reached by offset and memcpy, which no compiler may take for an access of another type. */
 static int int_at(const struct cml_mco *mco, size_t offset)
 {
     int value = 0;
@@ -71,6 +75,7 @@ static void free_arrays(struct cml_mco *mco)
     mco->layer = NULL;
 }
 
+/* As a double: sizes of a file that was not written by us may overflow any integer. */
 static double bytes_of(const struct cml_mco *mco)
 {
     double bytes = (double)mco->num_layers * (double)sizeof *mco->layer;
@@ -79,6 +84,7 @@ static double bytes_of(const struct cml_mco *mco)
     return bytes;
 }
 
+/* All or none: after the first failure the rest become NULL, so that free_arrays may run over all. */
 static bool allocate_arrays(struct cml_mco *mco)
 {
     mco->layer = calloc((size_t)mco->num_layers, sizeof *mco->layer);
@@ -100,23 +106,13 @@ cml_status cml_mco_allocate(struct cml_mco *mco, struct cml_error *err)
     return cml_fail_memory(err, bytes, "the results");
 }
 
+/* Also of one that was never filled, as long as it is zero. */
 void cml_mco_clear(struct cml_mco *mco)
 {
     free_arrays(mco);
     free(mco->output);
     free(mco->extra);
     *mco = (struct cml_mco){0};
-}
-
-double cml_mco_ring_area(double dr, int i)
-{
-    return 2 * CML_PI * (i + 0.5) * dr * dr;
-}
-
-double cml_mco_solid_angle(int na, int i)
-{
-    const double da = CML_PI / 2 / na;
-    return 2 * CML_PI * sin((i + 0.5) * da) * da;
 }
 
 /* The hours are those of the seconds as printed: computed from the unrounded time they could not be found
@@ -138,6 +134,8 @@ static void write_head(FILE *out, const struct cml_mco *mco)
             seconds / 3600);
 }
 
+/* The input as MCML repeats it, %G and tabs included. The letter A also where the format was B: the file
+ * is text. */
 static void write_parameters(FILE *out, const struct cml_mco *mco)
 {
     fprintf(out, "InParm \t\t\t# Input parameters. cm is used.\n");
@@ -155,6 +153,7 @@ static void write_parameters(FILE *out, const struct cml_mco *mco)
     fprintf(out, "%G\t\t\t\t\t# n for medium below\n\n", mco->n_below);
 }
 
+/* Six digits, in a field of fourteen characters as MCML pads it. */
 static void write_totals(FILE *out, const struct cml_mco *mco)
 {
     fprintf(out, "RAT #Reflectance, absorption, transmission. \n");
@@ -180,6 +179,7 @@ static void write_section(FILE *out, const struct cml_mco *mco, const struct cml
     fputc('\n', out);
 }
 
+/* Errors of single prints stay with the stream, and the commit looks at it. */
 cml_status cml_mco_write(const char *path, const struct cml_mco *mco, struct cml_error *err)
 {
     struct cml_file file;
@@ -209,6 +209,7 @@ static const char *find_values(const char *text, const char *key)
     return NULL;
 }
 
+/* Its first word as a number; what follows on the line is a comment. */
 static bool leading_number(const char *line, double *value)
 {
     char word[64];
@@ -220,6 +221,7 @@ static bool leading_number(const char *line, double *value)
     return cml_parse_double(word, value);
 }
 
+/* The values end with the first line that does not begin with a number: an empty line, or the next key. */
 int cml_mco_extra(const struct cml_mco *mco, const char *key, double *values, int capacity)
 {
     int count = 0;

@@ -1,8 +1,9 @@
 /* Original MCML's result file: the numbers, the writer and the reader.
  * Lines 1 to the end of Tt_ra are byte for byte what MCML 1.2.2 writes; what is ours follows as `extra` text,
  * whose lines begin with '#' or with a keyword that no section of MCML begins with. Knows nothing of tallies
- * or engines. Layout and scaling: MCML manual (Wang & Jacques 1992) chapters 4 and 7; observed on
- * version 1.2.2. SPDX-License-Identifier: MIT */
+ * or engines. Layout: MCML manual (Wang and Jacques 1992), chapter 7, and observed on version 1.2.2;
+ * scaling.h says how its numbers come about.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_MCO_H
 #define CML_MCO_H
 
@@ -37,8 +38,8 @@ CML_NODISCARD cml_status cml_mco_allocate(struct cml_mco *mco, struct cml_error 
 
 void cml_mco_clear(struct cml_mco *mco);
 
-/* Writes to `path` atomically (text.h). CML_E_IO on failure. The time is rounded to whole seconds, as in the
- * original. */
+/* Writes to `path` atomically (atomic_file.h). CML_E_IO on failure. The time is rounded to whole seconds, as
+ * in the original. */
 CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_mco *mco, struct cml_error *err);
 
 /* Reads a file written by us, by original MCML 1.x, by MSVC builds of it (3-digit exponents), by gpumcml,
@@ -46,12 +47,6 @@ CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_mco *m
  * CML_E_INPUT names file, line and what was expected. On failure *mco is cleared. Writing what was read from
  * our own file gives the same bytes. */
 CML_NODISCARD cml_status cml_mco_read(const char *path, struct cml_mco *mco, struct cml_error *err);
-
-/* What MCML divides a bin's weight per packet by [manual eqs 4.11-4.14; observed on 1.2.2]: area of radial
- * bin i, cm2, and solid angle of angular bin i of na, sr. The latter is the midpoint value, for na = 1 10 %
- * off; readers expect it. */
-double cml_mco_ring_area(double dr, int i);
-double cml_mco_solid_angle(int na, int i);
 
 /* Values of one of our own sections in `extra`: a line that begins with `key` and a blank, then numbers, one
  * per line. Returns how many were found, at most `capacity`; 0 when there is no such section. */

@@ -51,11 +51,13 @@ static bool next_line(struct reader *r)
     return false;
 }
 
+/* NULL at the end of a line: most fields must stand on the line where MCML writes them. */
 static char *next_word(struct reader *r)
 {
     return r->cursor ? cml_text_word(&r->cursor) : NULL;
 }
 
+/* A key is a whole word: A_z must not be found in A_zx. */
 static bool begins_with(const char *line, const char *key)
 {
     const size_t length = strlen(key);
@@ -75,6 +77,7 @@ static void next_parameters(struct reader *r)
     r->cursor = NULL;
 }
 
+/* A number of the file: its name in messages, and what it may be. */
 struct field {
     const char *name, *expected;
     double low, high;
@@ -100,6 +103,7 @@ static cml_status read_double(struct reader *r, const struct field *field, doubl
     return fail(r, field->name, word, field->expected);
 }
 
+/* Sizes are ints; whether the file can hold so many numbers is checked when all three are known. */
 static cml_status read_count(struct reader *r, const char *name, int *value)
 {
     const char *word = next_word(r);
@@ -127,12 +131,14 @@ static cml_status check_numbers(const struct reader *r, const char *field, const
     return fail(r, field, value, expected);
 }
 
+/* As a double, because a sum of products of ints may overflow 64 bits. */
 static double grid_numbers(const struct cml_mco *mco)
 {
     const double nz = mco->nz, nr = mco->nr, na = mco->na;
     return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na;
 }
 
+/* A1 or B1: MCML writes text for both, and so does everyone else. */
 static cml_status read_format(struct reader *r)
 {
     next_line(r);
@@ -141,6 +147,8 @@ static cml_status read_format(struct reader *r)
     return fail(r, "format", word, "A1, the results of MCML 1");
 }
 
+/* The time stands in a comment, which readers skip everywhere else; so this goes line by line until the
+ * first key. */
 static cml_status read_head(struct reader *r)
 {
     static const char mark[] = "# User time:";
@@ -188,6 +196,7 @@ static cml_status read_name(struct reader *r)
     return fail(r, "output name", NULL, expected);
 }
 
+/* A count like 1e5 is read, too: copied .mci files have it. */
 static cml_status read_photons(struct reader *r)
 {
     next_parameters(r);
@@ -197,6 +206,7 @@ static cml_status read_photons(struct reader *r)
     return end_fields(r);
 }
 
+/* Sizes are checked against the length of the file here, before any memory is asked for. */
 static cml_status read_grid(struct reader *r)
 {
     struct cml_mco *mco = r->mco;
@@ -214,6 +224,7 @@ static cml_status read_grid(struct reader *r)
     return check_numbers(r, "nz nr na", value, grid_numbers(mco));
 }
 
+/* Six numbers of the file belong to a layer: five parameters and A_l. */
 static cml_status read_layer_count(struct reader *r)
 {
     struct cml_mco *mco = r->mco;
@@ -232,6 +243,8 @@ static cml_status read_outside(struct reader *r, const struct field *field, doub
     return end_fields(r);
 }
 
+/* n, mua, mus, g and d as in the .mci. The last layer of a half space has d = 1E+08, which is a number
+ * like any other. */
 static cml_status read_media(struct reader *r)
 {
     struct cml_mco *mco = r->mco;
@@ -244,6 +257,7 @@ static cml_status read_media(struct reader *r)
     return read_outside(r, &field_below, &mco->n_below);
 }
 
+/* Keys come in a fixed order, so any other one is an error that names both. */
 static cml_status read_key(struct reader *r, const char *key)
 {
     next_line(r);
@@ -252,6 +266,7 @@ static cml_status read_key(struct reader *r, const char *key)
     return word && strcmp(word, key) == 0 ? CML_OK : fail(r, "section", word, key);
 }
 
+/* Cells are named as in the manual, Rd_ra[ir][ia], so that the place in the file can be counted. */
 static cml_status fail_cell(const struct reader *r, const char *key, int columns, size_t cell,
                             const char *word, const char *expected)
 {
@@ -281,6 +296,7 @@ static cml_status read_values(struct reader *r, const char *key, int columns, do
     return word ? fail_cell(r, key, columns, cells, word, "the end of the section") : CML_OK;
 }
 
+/* Their order in the file is Rsp, Rd, A, Tt; only comments name them there. */
 static cml_status read_totals(struct reader *r)
 {
     double totals[4];
@@ -292,6 +308,7 @@ static cml_status read_totals(struct reader *r)
     return CML_OK;
 }
 
+/* The table that the writer goes by (mco_sections.h): both cannot differ. */
 static cml_status read_sections(struct reader *r)
 {
     for (int i = 0; i < CML_MCO_SECTIONS; i++) {
@@ -322,6 +339,7 @@ static cml_status read_extra(struct reader *r)
     return CML_OK;
 }
 
+/* Arrays are allocated once the number of layers is known, before the media are read into one of them. */
 static cml_status read_all(struct reader *r)
 {
     CML_TRY(read_format(r));
@@ -341,7 +359,7 @@ cml_status cml_mco_read(const char *path, struct cml_mco *mco, struct cml_error 
 {
     struct reader reader = {.mco = mco, .err = err};
     *mco = (struct cml_mco){0};
-    CML_TRY(cml_text_read(path, &reader.text, err));
+    CML_TRY(cml_text_read(NULL, path, &reader.text, err));
     const cml_status status = read_all(&reader);
     cml_text_clear(&reader.text);
     if (status != CML_OK) cml_mco_clear(mco);

@@ -30,9 +30,10 @@ void cml_report_clear(struct cml_report *report);
 /* Bytes that cml_report_write holds at its peak besides the results. */
 double cml_report_bytes(const struct cml_grid *grid);
 
-/* Whether a scene asks for a .h5 file, this program can write one, and two outputs share their stem. */
+/* Whether a scene asks for a .h5 file: by its format, or because maps or facets need one. */
 bool cml_report_wants_fields(const struct cml_scene *scene);
-bool cml_report_has_fields(void);
+
+/* Whether two outputs are the same but for their ending, .mco or .h5: their other files would be the same. */
 bool cml_report_same_stem(const char *a, const char *b);
 
 /* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the
@@ -41,8 +42,8 @@ CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, c
                                          struct cml_error *err);
 
 /* Scales the tallies as original MCML does and adds our own sections behind Tt_ra: boundaries, seed, engine,
- * standard errors, books. Nothing in it depends on time, threads or chunks but `user_time`. *mco is the
- * caller's to clear. */
+ * standard errors, weight balance. Nothing in it depends on time, threads or chunks but `user_time`. *mco is
+ * the caller's to clear. */
 CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco,
                                         struct cml_error *err);
 
@@ -50,7 +51,7 @@ CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct 
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
                            const struct cml_surface_set *surfaces);
 
-/* Rsp, Rd, A, Tt with standard errors, books, speed. */
+/* Rsp, Rd, A, Tt with standard errors, weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
 /* One line per rank: packets, and where its time went; and the shares of all together. */

@@ -18,6 +18,8 @@ static cml_status allocate_faces(struct cml_faces *faces, struct cml_error *err)
     return cml_fail_memory(err, (double)(point_bytes + corner_bytes), "the faces of a boundary");
 }
 
+/* The mesh in memory lies about its own middle, heights relative to the boundary's depth; a picture wants
+ * the scene's coordinates. */
 static cml_status mesh_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                              struct cml_error *err)
 {
@@ -40,6 +42,7 @@ static size_t segments_of(size_t rings)
     return rings < 50000 ? 64 : 8;
 }
 
+/* Ring i lies between points i and i + 1 of the heightfield, and becomes n quadrangles. */
 static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                              struct cml_error *err)
 {
@@ -65,6 +68,7 @@ static cml_status ring_faces(const struct cml_surface_def *def, struct cml_faces
     return CML_OK;
 }
 
+/* The caller asks for no planes: their facets are pixels, which an image shows. */
 cml_status cml_report_faces(const struct cml_surface_def *def, struct cml_faces *faces, size_t *per_facet,
                             struct cml_error *err)
 {

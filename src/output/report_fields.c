@@ -1,31 +1,35 @@
 /* Tallies as fields: names, units, axes, and the arithmetic from weights to densities.
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
+#include "output/scaling.h"
 #include "surface/surface_facets.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* --- where values come from ------------------------------------------------------------------------------
- */
+/* ---- where values come from ---- */
 
+/* From units of weight to a share of one packet. */
 static double per_photon(const struct cml_field_source *source)
 {
     return CML_WEIGHT_UNIT / (double)source->report->run->result.photons;
 }
 
+/* Values that are densities already (struct cml_mco). */
 static void array_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     memcpy(out, source->array + begin, count * sizeof *out);
 }
 
+/* There is one value, whatever part is asked for. */
 static void number_value(const void *context, size_t begin, size_t count, double *out)
 {
     (void)begin, (void)count;
     *out = ((const struct cml_field_source *)context)->number;
 }
 
+/* Computed when they are written: each takes a loop over 64 batches. */
 static void profile_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -33,6 +37,8 @@ static void profile_errors(const void *context, size_t begin, size_t count, doub
         out[i] = cml_profile_error(source->report, &source->profile, (int)(begin + i));
 }
 
+/* Over the angle bins of a pixel, as integers: so the map without angles is the exact sum of that with
+ * angles. */
 static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
 {
     cml_u128 sum = 0;
@@ -40,6 +46,7 @@ static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
     return sum;
 }
 
+/* Pixels of a map, or voxels with na = 1: per area or volume, which are equal for all. */
 static void pixel_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -48,6 +55,8 @@ static void pixel_values(const void *context, size_t begin, size_t count, double
         out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
 }
 
+/* A packet ends in one angle bin of one pixel, so its squares add up like its weights, and the error of a
+ * pixel is that of a weight which every packet adds to at most once. */
 static void pixel_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -58,14 +67,19 @@ static void pixel_errors(const void *context, size_t begin, size_t count, double
                                                   sum_of_pixel(source->squares, begin + i, source->na));
 }
 
+/* Of the cell of a map, whose angle bins are those of the run. */
+static double projected_solid_angle(const struct cml_field_source *source, size_t cell)
+{
+    return cml_projected_solid_angle(cml_angle_width((int)source->na), (int)(cell % source->na));
+}
+
 /* Bins of pixel and angle, per projected solid angle. */
 static void angle_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     const double k = per_photon(source) * source->scale;
     for (size_t i = begin; i < begin + count; i++)
-        *out++ = (double)source->cells[i] * k /
-                 cml_projected_solid_angle(source->report->scene, (int)(i % source->na));
+        *out++ = (double)source->cells[i] * k / projected_solid_angle(source, i);
 }
 
 static void angle_errors(const void *context, size_t begin, size_t count, double *out)
@@ -73,9 +87,10 @@ static void angle_errors(const void *context, size_t begin, size_t count, double
     const struct cml_field_source *source = context;
     for (size_t i = begin; i < begin + count; i++)
         *out++ = cml_result_once_error(&source->report->run->result, source->cells[i], source->squares[i]) *
-                 source->scale / cml_projected_solid_angle(source->report->scene, (int)(i % source->na));
+                 source->scale / projected_solid_angle(source, i);
 }
 
+/* Of a triangle, a ring or a pixel of the map; per_facet successive faces of a drawing share one. */
 static double facet_area(const struct cml_field_source *source, size_t facet)
 {
     return cml_surface_facet_area(source->surface, &source->report->scene->map, facet);
@@ -87,6 +102,8 @@ static void facet_areas(const void *context, size_t begin, size_t count, double 
     for (size_t i = 0; i < count; i++) out[i] = facet_area(source, begin + i);
 }
 
+/* `cells` begins at the score in question of the first facet, and others follow at a distance of
+ * CML_FACET_SCORES. Faces that are parts of one facet all get its value. */
 static void facet_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -97,6 +114,7 @@ static void facet_values(const void *context, size_t begin, size_t count, double
     }
 }
 
+/* For escaped weight only: of irradiances, which a packet may add to many times, no squares are kept. */
 static void facet_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
@@ -108,14 +126,14 @@ static void facet_errors(const void *context, size_t begin, size_t count, double
     }
 }
 
-/* --- the list --------------------------------------------------------------------------------------------
- */
+/* ---- the list ---- */
 
-static void set_axes(struct cml_catalogue *c)
+/* Middles of bins. x and y are centred on the axis of the beam, as the map is; r and alpha count from 0. */
+static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
     const struct cml_map_def *map = &scene->map;
-    const double da = 1.57079632679489661923 / scene->na;
+    const double da = cml_angle_width(scene->na);
     c->layer = (struct cml_axis){"layer", "layer, from 1", "1", (size_t)scene->num_layers, 1, 1};
     c->r = (struct cml_axis){"r",           "distance from the z axis, middle of the bin",
                              "cm",          (size_t)scene->nr,
@@ -132,7 +150,8 @@ static void set_axes(struct cml_catalogue *c)
                                     (size_t)scene->nz, map->top + scene->dz / 2,     scene->dz};
 }
 
-static void set_facet_axes(struct cml_catalogue *c)
+/* One for each boundary, because numbers of facets differ; without the last facet, the plane around it. */
+static void set_facet_axes(struct cml_field_list *c)
 {
     const struct cml_surface_set *surfaces = c->report->surfaces;
     for (int b = 0; b < surfaces->count; b++) {
@@ -144,17 +163,17 @@ static void set_facet_axes(struct cml_catalogue *c)
 }
 
 /* Room for the results, the map's eight fields, and fourteen for every boundary. */
-cml_status cml_catalogue_create(const struct cml_report *report, struct cml_catalogue *c,
-                                struct cml_error *err)
+cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
+                                 struct cml_error *err)
 {
     const size_t boundaries = (size_t)report->surfaces->count, capacity = 64 + 14 * boundaries;
-    *c = (struct cml_catalogue){.report = report, .capacity = (int)capacity};
+    *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
     c->facet = calloc(boundaries, sizeof *c->facet);
     c->facet_names = calloc(boundaries, sizeof *c->facet_names);
     if (!c->fields || !c->sources || !c->facet || !c->facet_names) {
-        cml_catalogue_free(c);
+        cml_field_list_free(c);
         return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
                                "a list of fields");
     }
@@ -163,16 +182,18 @@ cml_status cml_catalogue_create(const struct cml_report *report, struct cml_cata
     return CML_OK;
 }
 
-void cml_catalogue_free(struct cml_catalogue *c)
+void cml_field_list_free(struct cml_field_list *c)
 {
     free(c->fields);
     free(c->sources);
     free(c->facet);
     free(c->facet_names);
-    *c = (struct cml_catalogue){0};
+    *c = (struct cml_field_list){0};
 }
 
-static struct cml_field_source *add(struct cml_catalogue *c, const char *name, const char *long_name,
+/* Fields and their sources lie in arrays of fixed size, so that a field may point to its source. Returns
+ * the source to be filled in. */
+static struct cml_field_source *add(struct cml_field_list *c, const char *name, const char *long_name,
                                     const char *units, cml_field_values *values)
 {
     struct cml_field *field = &c->fields[c->num_fields];
@@ -189,7 +210,7 @@ static struct cml_field_source *add(struct cml_catalogue *c, const char *name, c
 }
 
 /* Axes of the field added last, slowest first. */
-static void along(struct cml_catalogue *c, const struct cml_axis *a, const struct cml_axis *b,
+static void along(struct cml_field_list *c, const struct cml_axis *a, const struct cml_axis *b,
                   const struct cml_axis *d)
 {
     const struct cml_axis *axes[CML_FIELD_AXES] = {a, b, d};
@@ -197,13 +218,14 @@ static void along(struct cml_catalogue *c, const struct cml_axis *a, const struc
     for (int i = 0; i < CML_FIELD_AXES && axes[i]; i++) field->axis[field->num_axes++] = axes[i];
 }
 
-static void add_number(struct cml_catalogue *c, const char *name, const char *long_name, double number)
+/* A field without axes. */
+static void add_number(struct cml_field_list *c, const char *name, const char *long_name, double number)
 {
     add(c, name, long_name, "1", number_value)->number = number;
 }
 
 /* The field added last has its standard errors in the one that is added next, NAME_se. */
-static struct cml_field_source *add_errors(struct cml_catalogue *c, cml_field_values *values)
+static struct cml_field_source *add_errors(struct cml_field_list *c, cml_field_values *values)
 {
     struct cml_field *of = &c->fields[c->num_fields - 1];
     char name[sizeof of->name];
@@ -218,49 +240,53 @@ static struct cml_field_source *add_errors(struct cml_catalogue *c, cml_field_va
     return source;
 }
 
-/* --- what an .mco file holds -----------------------------------------------------------------------------
- */
+/* ---- what an .mco file holds ---- */
 
-static void add_totals(struct cml_catalogue *c)
+/* Totals in double, as in the JSON line; in the .mco they have six digits. */
+static void add_totals(struct cml_field_list *c)
 {
     static const struct {
         const char *name, *long_name;
-        enum cml_book book;
         enum cml_total total;
     } totals[] = {
-        {"Rsp", "specular reflectance", CML_BOOK_SPECULAR, CML_TOTAL_SPECULAR},
-        {"Rd", "diffuse reflectance", CML_BOOK_REFLECTED, CML_TOTAL_REFLECTED},
-        {"A", "absorbed fraction", CML_BOOK_ABSORBED, CML_TOTAL_ABSORBED},
-        {"Tt", "transmittance", CML_BOOK_TRANSMITTED, CML_TOTAL_TRANSMITTED},
+        {"Rsp", "specular reflectance", CML_TOTAL_SPECULAR},
+        {"Rd", "diffuse reflectance", CML_TOTAL_REFLECTED},
+        {"A", "absorbed fraction", CML_TOTAL_ABSORBED},
+        {"Tt", "transmittance", CML_TOTAL_TRANSMITTED},
     };
     const struct cml_result *result = &c->report->run->result;
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        add_number(c, totals[i].name, totals[i].long_name, cml_result_share(result, totals[i].book));
+        add_number(c, totals[i].name, totals[i].long_name, cml_result_total(result, totals[i].total));
         add_errors(c, number_value)->number = cml_result_error(result, totals[i].total);
     }
 }
 
-static void add_books(struct cml_catalogue *c)
+/* The names begin with book_ as the section `books` of an .mco file is called; `residue` is the imbalance.
+ * They are part of the file format. */
+static void add_balance(struct cml_field_list *c)
 {
-    static const char *const names[CML_NUM_BOOKS] = {"book_launched",   "book_gained",      "book_specular",
-                                                     "book_reflected",  "book_transmitted", "book_absorbed",
-                                                     "book_roulette",   "book_trapped",     "book_lost",
-                                                     "book_overflow_r", "book_overflow_z",  "book_above"};
+    static const char *const names[CML_NUM_BALANCE_TERMS] = {
+        "book_launched",    "book_gained",     "book_specular",   "book_reflected",
+        "book_transmitted", "book_absorbed",   "book_roulette",   "book_trapped",
+        "book_lost",        "book_overflow_r", "book_overflow_z", "book_above"};
     const struct cml_result *result = &c->report->run->result;
-    for (int i = 0; i < CML_NUM_BOOKS; i++)
-        add_number(c, names[i], cml_book_text((enum cml_book)i), cml_result_share(result, (enum cml_book)i));
-    add_number(c, "residue", "launched + gained - all fates, in 2^-31 packets", cml_result_residue(result));
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
+        add_number(c, names[i], cml_balance_text((enum cml_balance_term)i),
+                   cml_result_share(result, (enum cml_balance_term)i));
+    add_number(c, "residue", "launched + gained - all fates, in 2^-31 packets", cml_result_imbalance(result));
     add_number(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
 }
 
-static void add_array(struct cml_catalogue *c, const char *name, const char *long_name, const char *units,
+/* fast may be NULL: a profile. */
+static void add_array(struct cml_field_list *c, const char *name, const char *long_name, const char *units,
                       const double *array, const struct cml_axis *slow, const struct cml_axis *fast)
 {
     add(c, name, long_name, units, array_values)->array = array;
     along(c, slow, fast, NULL);
 }
 
-static void add_profile(struct cml_catalogue *c, const struct cml_profile *profile, const char *long_name,
+/* A profile and its errors; nothing where it was not tallied. */
+static void add_profile(struct cml_field_list *c, const struct cml_profile *profile, const char *long_name,
                         const double *array, const struct cml_axis *axis)
 {
     if (!profile->batches) return;
@@ -268,12 +294,14 @@ static void add_profile(struct cml_catalogue *c, const struct cml_profile *profi
     add_errors(c, profile_errors)->profile = *profile;
 }
 
-void cml_catalogue_results(struct cml_catalogue *c, const struct cml_mco *mco)
+/* The order in the file is that of an .mco, so that both can be read side by side. Of the grids over two
+ * variables no errors are known: batches are kept of profiles only. */
+void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
 {
     struct cml_profile profiles[CML_PROFILES];
     cml_report_profiles(c->report, profiles);
     add_totals(c);
-    add_books(c);
+    add_balance(c);
     add_array(c, "A_l", "absorption by layer", "1", mco->A_l, &c->layer, NULL);
     add_profile(c, &profiles[0], "absorption by depth; what lies outside is in the outermost bins", mco->A_z,
                 &c->z);
@@ -290,10 +318,10 @@ void cml_catalogue_results(struct cml_catalogue *c, const struct cml_mco *mco)
     add_array(c, "Tt_ra", "transmittance by radius and angle", "1/(cm2 sr)", mco->Tt_ra, &c->r, &c->alpha);
 }
 
-/* --- maps, volume, facets --------------------------------------------------------------------------------
- */
+/* ---- maps, volume, facets ---- */
 
-static void add_pixels(struct cml_catalogue *c, const char *name, const char *long_name,
+/* 32-bit floats: a pixel of the largest maps has fewer packets than these have digits. */
+static void add_pixels(struct cml_field_list *c, const char *name, const char *long_name,
                        const cml_u128 *cells, const cml_u128 *squares, bool angles)
 {
     const struct cml_map_def *map = &c->report->scene->map;
@@ -308,7 +336,8 @@ static void add_pixels(struct cml_catalogue *c, const char *name, const char *lo
     add_errors(c, angles ? angle_errors : pixel_errors);
 }
 
-void cml_catalogue_map(struct cml_catalogue *c)
+/* With angles there is both, the sum and its parts: most users look at the sum. */
+void cml_add_map_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = &c->report->run->result;
     if (!r->Rd_xya) return;
@@ -319,7 +348,9 @@ void cml_catalogue_map(struct cml_catalogue *c)
     add_pixels(c, "Tt_xya", "transmittance by angle", r->Tt_xya, r->Tt_xya2, true);
 }
 
-void cml_catalogue_volume(struct cml_catalogue *c)
+/* Without errors: a packet deposits in a voxel many times, and squares of its sums would need a volume per
+ * packet. */
+void cml_add_volume_fields(struct cml_field_list *c)
 {
     const struct cml_result *result = &c->report->run->result;
     const struct cml_scene *scene = c->report->scene;
@@ -332,7 +363,8 @@ void cml_catalogue_volume(struct cml_catalogue *c)
     c->fields[c->num_fields - 1].single = true;
 }
 
-void cml_catalogue_outside(struct cml_catalogue *c)
+/* With them the sums of map and volume are the totals, which is how a reader can check them. */
+void cml_add_outside_fields(struct cml_field_list *c)
 {
     const struct cml_result *r = &c->report->run->result;
     const struct cml_grid *grid = &r->grid;
@@ -348,6 +380,7 @@ void cml_catalogue_outside(struct cml_catalogue *c)
                    (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
 }
 
+/* With the last one, the plane around the boundary. */
 static size_t num_facets(const struct cml_report *report, int b)
 {
     return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
@@ -362,11 +395,14 @@ static const cml_u128 *facets_of(const struct cml_report *report, int b)
     return report->run->result.facets + first * CML_FACET_SCORES;
 }
 
+/* Facets of planes are the pixels of the map. */
 static bool is_plane(const struct cml_report *report, int b)
 {
     return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
 }
 
+/* Irradiance and radiant exitance as in radiometry: power per area that arrives at, or leaves, a surface.
+ * The last row is reflectance or transmittance and has its name from the boundary. */
 static const struct {
     const char *name, *long_name;
     enum cml_facet_score score;
@@ -393,7 +429,7 @@ static const char *score_text(int b, size_t i)
 }
 
 /* Axes of the field added last. */
-static void along_facets(struct cml_catalogue *c, int b)
+static void along_facets(struct cml_field_list *c, int b)
 {
     if (is_plane(c->report, b))
         along(c, &c->y, &c->x, NULL);
@@ -401,7 +437,9 @@ static void along_facets(struct cml_catalogue *c, int b)
         along(c, &c->facet[b], NULL, NULL);
 }
 
-void cml_catalogue_facets(struct cml_catalogue *c, int b, const char *prefix, size_t per_facet)
+/* The axis is as long as the drawing has faces, so a file for tables and one for pictures differ in
+ * nothing else. */
+void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const cml_u128 *first = facets_of(c->report, b);
     char name[64];
@@ -421,7 +459,8 @@ void cml_catalogue_facets(struct cml_catalogue *c, int b, const char *prefix, si
     }
 }
 
-void cml_catalogue_outer_plane(struct cml_catalogue *c, int b, const char *prefix)
+/* The plane around a boundary has no area to divide by, so it has shares of the launched weight. */
+void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
     const struct cml_surface_def *surface = &c->report->surfaces->item[b];
     const cml_u128 *first = facets_of(c->report, b);

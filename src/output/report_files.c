@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
+/* In capitals, too: file systems that do not tell them apart would have two runs write one file. */
 static size_t stem_length(const char *path)
 {
     const size_t length = strlen(path);
@@ -24,16 +25,13 @@ bool cml_report_same_stem(const char *a, const char *b)
     return stem_length(a) == stem_length(b) && strncmp(a, b, stem_length(a)) == 0;
 }
 
+/* Maps and facets have no place in an .mco file. */
 bool cml_report_wants_fields(const struct cml_scene *scene)
 {
     return scene->format == 'B' || scene->map.nx > 0 || scene->facets;
 }
 
-bool cml_report_has_fields(void)
-{
-    return cml_fields_available();
-}
-
+/* All files of a run share the stem, whichever of them the user named. */
 cml_status cml_report_path(const char *path, const char *suffix, char **result, struct cml_error *err)
 {
     const size_t length = stem_length(path), size = length + strlen(suffix) + 1;
@@ -64,6 +62,7 @@ static cml_status next_file(struct cml_report *report, const char *path, const c
     return CML_OK;
 }
 
+/* Its name stays where it is when the list grows. */
 static const char *last_file(const struct cml_report *report)
 {
     return report->files[report->num_files - 1];
@@ -93,6 +92,7 @@ static void fill_attributes(const struct cml_report *report, const char *boundar
     memcpy(attributes, all, sizeof all);
 }
 
+/* The same lines as in the .mco file, as one attribute. */
 static cml_status describe_boundaries(const struct cml_report *report, char **text, struct cml_error *err)
 {
     size_t size = 0;
@@ -102,52 +102,58 @@ static cml_status describe_boundaries(const struct cml_report *report, char **te
     return fclose(out) == 0 ? CML_OK : cml_fail_memory(err, (double)size, "the boundaries in words");
 }
 
-static void add_facets(struct cml_catalogue *catalogue, int b)
+enum { PREFIX = 32 };
+
+/* In one file for all boundaries the fields of each begin with its number. */
+static void name_boundary(int b, char prefix[PREFIX])
 {
-    char prefix[32];
-    snprintf(prefix, sizeof prefix, "boundary%d_", b);
-    cml_catalogue_facets(catalogue, b, prefix, 1);
+    snprintf(prefix, PREFIX, "boundary%d_", b);
 }
 
-static void fill_catalogue(struct cml_catalogue *catalogue, const struct cml_mco *mco)
+static void fill_list(struct cml_field_list *list, const struct cml_mco *mco)
 {
-    char prefix[32];
-    cml_catalogue_results(catalogue, mco);
-    cml_catalogue_map(catalogue);
-    cml_catalogue_volume(catalogue);
-    cml_catalogue_outside(catalogue);
-    for (int b = 0; b <= catalogue->report->scene->num_layers; b++) {
-        snprintf(prefix, sizeof prefix, "boundary%d_", b);
-        add_facets(catalogue, b);
-        cml_catalogue_outer_plane(catalogue, b, prefix);
+    char prefix[PREFIX];
+    cml_add_result_fields(list, mco);
+    cml_add_map_fields(list);
+    cml_add_volume_fields(list);
+    cml_add_outside_fields(list);
+    for (int b = 0; b <= list->report->scene->num_layers; b++) {
+        name_boundary(b, prefix);
+        cml_add_facet_fields(list, b, prefix, 1);
+        cml_add_outer_plane_fields(list, b, prefix);
     }
 }
 
+/* Values are computed while they are written, so the list of fields is all that is in memory. */
 static cml_status write_h5(const struct cml_report *report, const struct cml_mco *mco, const char *path,
                            struct cml_error *err)
 {
-    struct cml_catalogue catalogue;
+    struct cml_field_list list;
     struct cml_attribute attributes[ATTRIBUTES];
     char *boundaries = NULL;
     CML_TRY(describe_boundaries(report, &boundaries, err));
-    cml_status status = cml_catalogue_create(report, &catalogue, err);
+    cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
-        fill_catalogue(&catalogue, mco);
+        fill_list(&list, mco);
         fill_attributes(report, boundaries, attributes);
-        status = cml_fields_write(path, attributes, ATTRIBUTES, catalogue.fields, catalogue.num_fields, err);
-        cml_catalogue_free(&catalogue);
+        status = cml_hdf5_write(path, attributes, ATTRIBUTES, list.fields, list.num_fields, err);
+        cml_field_list_free(&list);
     }
     free(boundaries);
     return status;
 }
 
 /* The facets of planes are pixels. */
-static void fill_map(struct cml_catalogue *catalogue)
+static void fill_map(struct cml_field_list *list)
 {
-    const struct cml_surface_set *surfaces = catalogue->report->surfaces;
-    cml_catalogue_map(catalogue);
-    for (int b = 0; b < surfaces->count; b++)
-        if (surfaces->item[b].kind == CML_SURFACE_PLANE) add_facets(catalogue, b);
+    const struct cml_surface_set *surfaces = list->report->surfaces;
+    char prefix[PREFIX];
+    cml_add_map_fields(list);
+    for (int b = 0; b < surfaces->count; b++) {
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE) continue;
+        name_boundary(b, prefix);
+        cml_add_facet_fields(list, b, prefix, 1);
+    }
 }
 
 /* Both images lie where the scene has them, z down. */
@@ -161,34 +167,36 @@ static cml_status write_image(const struct cml_report *report, bool volume, cons
         .origin = {-0.5 * map->nx * map->dx, -0.5 * map->ny * map->dy, volume ? map->top : 0},
         .spacing = {map->dx, map->dy, scene->dz},
     };
-    struct cml_catalogue catalogue;
-    CML_TRY(cml_catalogue_create(report, &catalogue, err));
+    struct cml_field_list list;
+    CML_TRY(cml_field_list_create(report, &list, err));
     if (volume)
-        cml_catalogue_volume(&catalogue);
+        cml_add_volume_fields(&list);
     else
-        fill_map(&catalogue);
-    const cml_status status = cml_vti_write(path, &image, catalogue.fields, catalogue.num_fields, err);
-    cml_catalogue_free(&catalogue);
+        fill_map(&list);
+    const cml_status status = cml_vti_write(path, &image, list.fields, list.num_fields, err);
+    cml_field_list_free(&list);
     return status;
 }
 
+/* Of a boundary that is no plane: its faces and what they received. */
 static cml_status write_boundary(const struct cml_report *report, int b, const char *path,
                                  struct cml_error *err)
 {
-    struct cml_catalogue catalogue;
+    struct cml_field_list list;
     struct cml_faces faces;
     size_t per_facet;
     CML_TRY(cml_report_faces(&report->surfaces->item[b], &faces, &per_facet, err));
-    cml_status status = cml_catalogue_create(report, &catalogue, err);
+    cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
-        cml_catalogue_facets(&catalogue, b, "", per_facet);
-        status = cml_vtp_write(path, &faces, catalogue.fields, catalogue.num_fields, err);
-        cml_catalogue_free(&catalogue);
+        cml_add_facet_fields(&list, b, "", per_facet);
+        status = cml_vtp_write(path, &faces, list.fields, list.num_fields, err);
+        cml_field_list_free(&list);
     }
     cml_report_faces_free(&faces);
     return status;
 }
 
+/* Planes are in the map's image. */
 static cml_status write_boundaries(struct cml_report *report, const char *path, struct cml_error *err)
 {
     char suffix[64];
@@ -201,6 +209,8 @@ static cml_status write_boundaries(struct cml_report *report, const char *path, 
     return CML_OK;
 }
 
+/* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
+ * program without HDF5 writes what it can; that was announced before the run. */
 static cml_status write_tables(struct cml_report *report, const char *path, const struct cml_mco *mco,
                                struct cml_error *err)
 {
@@ -209,11 +219,13 @@ static cml_status write_tables(struct cml_report *report, const char *path, cons
         CML_TRY(next_file(report, path, NULL, err));
         CML_TRY(cml_mco_write(last_file(report), mco, err));
     }
-    if (!cml_report_wants_fields(report->scene) || !cml_fields_available()) return CML_OK;
+    if (!cml_report_wants_fields(report->scene) || !cml_hdf5_available()) return CML_OK;
     CML_TRY(next_file(report, path, ".h5", err));
     return write_h5(report, mco, last_file(report), err);
 }
 
+/* The tables first, for they are what a user without pictures waits for. Each file is complete before the
+ * next is begun. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
     const struct cml_grid *grid = &report->run->result.grid;

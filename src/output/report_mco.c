@@ -2,79 +2,15 @@
  * SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
-#include "base/constants.h"
 #include "output/report_parts.h"
+#include "output/scaling.h"
 #include "base/version.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Factors from weight per photon to what MCML writes [manual eqs 4.11-4.14; observed on 1.2.2]. */
-struct scaling {
-    const struct cml_scene *scene;
-    double per_photon; /* weight units to weight per photon */
-};
-
-double cml_ring_area(const struct cml_scene *scene, int ir)
-{
-    return cml_mco_ring_area(scene->dr, ir);
-}
-
-double cml_solid_angle(const struct cml_scene *scene, int ia)
-{
-    return cml_mco_solid_angle(scene->na, ia);
-}
-
-double cml_projected_solid_angle(const struct cml_scene *scene, int ia)
-{
-    const double da = CML_PI / 2 / scene->na;
-    return 2 * CML_PI * sin(da / 2) * sin(2 * (ia + 0.5) * da);
-}
-
-static double batch_sum(const cml_u128 *profile, int n, int i)
-{
-    cml_u128 sum = 0;
-    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += profile[(size_t)b * (size_t)n + (size_t)i];
-    return (double)sum;
-}
-
-static void fill_profiles(const struct scaling *s, const struct cml_result *result, struct cml_mco *mco)
-{
-    const struct cml_scene *scene = s->scene;
-    for (int i = 0; i < scene->nr; i++) {
-        const double k = s->per_photon / cml_ring_area(scene, i);
-        mco->Rd_r[i] = batch_sum(result->Rd_r, scene->nr, i) * k;
-        mco->Tt_r[i] = batch_sum(result->Tt_r, scene->nr, i) * k;
-    }
-    for (int i = 0; i < scene->na; i++) {
-        const double k = s->per_photon / cml_solid_angle(scene, i);
-        mco->Rd_a[i] = batch_sum(result->Rd_a, scene->na, i) * k;
-        mco->Tt_a[i] = batch_sum(result->Tt_a, scene->na, i) * k;
-    }
-    for (int i = 0; result->A_z && i < scene->nz; i++)
-        mco->A_z[i] = batch_sum(result->A_z, scene->nz, i) * s->per_photon / scene->dz;
-    for (int l = 0; l < scene->num_layers; l++) mco->A_l[l] = (double)result->A_l[l + 1] * s->per_photon;
-}
-
-static void fill_grids(const struct scaling *s, const struct cml_result *result, struct cml_mco *mco)
-{
-    const struct cml_scene *scene = s->scene;
-    for (int ir = 0; ir < scene->nr; ir++) {
-        const double area = cml_ring_area(scene, ir);
-        for (int ia = 0; ia < scene->na; ia++) {
-            const size_t cell = (size_t)ir * (size_t)scene->na + (size_t)ia;
-            const double k = s->per_photon / (area * cml_projected_solid_angle(scene, ia));
-            mco->Rd_ra[cell] = (double)result->Rd_ra[cell] * k;
-            mco->Tt_ra[cell] = (double)result->Tt_ra[cell] * k;
-        }
-        for (int iz = 0; result->A_rz && iz < scene->nz; iz++) {
-            const size_t cell = (size_t)ir * (size_t)scene->nz + (size_t)iz;
-            mco->A_rz[cell] = (double)result->A_rz[cell] * s->per_photon / (area * scene->dz);
-        }
-    }
-}
-
+/* What the file repeats of the input, and the arrays. The whole of it may fail; cml_report_mco clears what
+ * is there. */
 static cml_status fill_input(const struct cml_report *report, struct cml_mco *mco, struct cml_error *err)
 {
     const struct cml_scene *scene = report->scene;
@@ -99,30 +35,27 @@ static cml_status fill_input(const struct cml_report *report, struct cml_mco *mc
     return CML_OK;
 }
 
-static double depth_bin(const struct cml_scene *scene, int iz)
-{
-    (void)iz;
-    return scene->dz;
-}
-
+/* In MCML's order and units. A_z comes without batches where absorption was not tallied. */
 void cml_report_profiles(const struct cml_report *report, struct cml_profile profiles[CML_PROFILES])
 {
     const struct cml_scene *scene = report->scene;
     const struct cml_result *result = &report->run->result;
+    const double da = cml_angle_width(scene->na);
     const struct cml_profile all[CML_PROFILES] = {
-        {"A_z", "1/cm", result->A_z, scene->nz, depth_bin},
-        {"Rd_r", "1/cm2", result->Rd_r, scene->nr, cml_ring_area},
-        {"Rd_a", "sr-1", result->Rd_a, scene->na, cml_solid_angle},
-        {"Tt_r", "1/cm2", result->Tt_r, scene->nr, cml_ring_area},
-        {"Tt_a", "sr-1", result->Tt_a, scene->na, cml_solid_angle},
+        {"A_z", "1/cm", result->A_z, scene->nz, scene->dz, cml_depth_width},
+        {"Rd_r", "1/cm2", result->Rd_r, scene->nr, scene->dr, cml_ring_area},
+        {"Rd_a", "sr-1", result->Rd_a, scene->na, da, cml_solid_angle},
+        {"Tt_r", "1/cm2", result->Tt_r, scene->nr, scene->dr, cml_ring_area},
+        {"Tt_a", "sr-1", result->Tt_a, scene->na, da, cml_solid_angle},
     };
     memcpy(profiles, all, sizeof all);
 }
 
+/* The error of the weight per photon, scaled like the value. */
 double cml_profile_error(const struct cml_report *report, const struct cml_profile *profile, int i)
 {
     return cml_result_bin_error(&report->run->result, profile->batches, profile->n, i) /
-           profile->scale(report->scene, i);
+           profile->measure(profile->width, i);
 }
 
 /* Sections "se_KEY # [unit]", then one standard error per line. */
@@ -137,37 +70,41 @@ static void write_errors(FILE *out, const struct cml_report *report)
     }
 }
 
-const char *cml_book_text(enum cml_book book)
+/* Stands behind every number of the section `books`, and is the long name of the fields book_... of .h5
+ * files. */
+const char *cml_balance_text(enum cml_balance_term term)
 {
-    static const char *const names[CML_NUM_BOOKS] = {"launched",
-                                                     "gained in roulette",
-                                                     "specular (Rsp)",
-                                                     "reflected (Rd)",
-                                                     "transmitted (Tt)",
-                                                     "absorbed (A)",
-                                                     "lost in roulette",
-                                                     "trapped",
-                                                     "lost",
-                                                     "scored in the last r bin from beyond it",
-                                                     "absorbed below the last z bin",
-                                                     "absorbed above z = 0"};
-    return names[book];
+    static const char *const names[CML_NUM_BALANCE_TERMS] = {"launched",
+                                                             "gained in roulette",
+                                                             "specular (Rsp)",
+                                                             "reflected (Rd)",
+                                                             "transmitted (Tt)",
+                                                             "absorbed (A)",
+                                                             "lost in roulette",
+                                                             "trapped",
+                                                             "lost",
+                                                             "scored in the last r bin from beyond it",
+                                                             "absorbed below the last z bin",
+                                                             "absorbed above z = 0"};
+    return names[term];
 }
 
-static void write_books(FILE *out, const struct cml_result *result)
+/* Sections `books` (the terms of the weight balance, P10), `residue` (by how much they do not balance) and
+ * `lost`. The names are part of the file format and older than the words of the code. */
+static void write_balance(FILE *out, const struct cml_result *result)
 {
     fprintf(out,
             "\nbooks # weight per launched packet; launched + gained = all others up to lost, exactly\n");
-    for (int i = 0; i < CML_NUM_BOOKS; i++)
-        fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_book)i),
-                cml_book_text((enum cml_book)i));
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
+        fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_balance_term)i),
+                cml_balance_text((enum cml_balance_term)i));
     fprintf(out, "\nresidue # of the books, in 2^-31 packets; 0 unless the program is wrong\n%.17g\n",
-            cml_result_residue(result));
+            cml_result_imbalance(result));
     fprintf(out,
             "\nlost # packets; behind it the smallest of their indices, for `clustermcml trace`\n%.17g\n",
             (double)cml_result_lost(result));
-    for (int i = 0; i < result->lost.count; i++)
-        fprintf(out, "%llu\n", (unsigned long long)result->lost.index[i]);
+    for (int i = 0; i < result->summary.lost.count; i++)
+        fprintf(out, "%llu\n", (unsigned long long)result->summary.lost.index[i]);
 }
 
 /* The shape that was simulated, so that a plot can show it: r_0 h_0 r_1 h_1 ..., one number per line. Long
@@ -183,6 +120,8 @@ static void write_heightfields(FILE *out, const struct cml_scene *scene)
     }
 }
 
+/* Everything behind Tt_ra, where readers of MCML's files have stopped. Lines that begin with # come first:
+ * they are comments for those who read on. Nothing here may depend on time, threads, ranks or the machine. */
 static void write_extra(FILE *out, const struct cml_report *report)
 {
     const struct cml_scene *scene = report->scene;
@@ -195,10 +134,11 @@ static void write_extra(FILE *out, const struct cml_report *report)
             cml_result_error(result, CML_TOTAL_SPECULAR), cml_result_error(result, CML_TOTAL_REFLECTED),
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));
     write_errors(out, report);
-    write_books(out, result);
+    write_balance(out, result);
     write_heightfields(out, scene);
 }
 
+/* As a text in memory, because the writer of .mco files knows no runs; a reader keeps it as a text, too. */
 static cml_status fill_extra(const struct cml_report *report, struct cml_mco *mco, struct cml_error *err)
 {
     size_t size = 0;
@@ -210,10 +150,9 @@ static cml_status fill_extra(const struct cml_report *report, struct cml_mco *mc
     return CML_OK;
 }
 
+/* The text first: it is what may fail; scaling cannot. */
 cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco, struct cml_error *err)
 {
-    const struct cml_result *result = &report->run->result;
-    const struct scaling scaling = {report->scene, CML_WEIGHT_UNIT / (double)result->photons};
     *mco = (struct cml_mco){0};
     cml_status status = fill_input(report, mco, err);
     if (status == CML_OK) status = fill_extra(report, mco, err);
@@ -221,11 +160,6 @@ cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco, 
         cml_mco_clear(mco);
         return status;
     }
-    mco->Rsp = cml_result_share(result, CML_BOOK_SPECULAR);
-    mco->Rd = cml_result_share(result, CML_BOOK_REFLECTED);
-    mco->A = cml_result_share(result, CML_BOOK_ABSORBED);
-    mco->Tt = cml_result_share(result, CML_BOOK_TRANSMITTED);
-    fill_profiles(&scaling, result, mco);
-    fill_grids(&scaling, result, mco);
+    cml_scale_result(&report->run->result, mco);
     return CML_OK;
 }

@@ -6,17 +6,13 @@
 #include "output/hdf5_file.h"
 #include "output/report.h"
 
-/* Area of a radial bin [cm2] and solid angles of an angular one [sr], as MCML divides by. */
-double cml_ring_area(const struct cml_scene *scene, int ir);
-double cml_solid_angle(const struct cml_scene *scene, int ia);
-double cml_projected_solid_angle(const struct cml_scene *scene, int ia);
-
 /* A profile that is kept batch by batch. */
 struct cml_profile {
     const char *name, *units;
     const cml_u128 *batches; /* [64][n], or NULL when it is not tallied */
     int n;
-    double (*scale)(const struct cml_scene *, int i); /* what a bin's weight is divided by */
+    double width;                           /* of its bins, cm or rad */
+    double (*measure)(double width, int i); /* of bin i, by which its weight is divided (scaling.h) */
 };
 
 #define CML_PROFILES 5
@@ -25,8 +21,8 @@ void cml_report_profiles(const struct cml_report *report, struct cml_profile pro
 /* Standard error of bin i in the profile's units. */
 double cml_profile_error(const struct cml_report *report, const struct cml_profile *profile, int i);
 
-/* What a book holds, in words. */
-const char *cml_book_text(enum cml_book book);
+/* What a term holds, in words. */
+const char *cml_balance_text(enum cml_balance_term term);
 
 /* Where a field gets its values; which members count is the affair of its function. */
 struct cml_field_source {
@@ -42,7 +38,7 @@ struct cml_field_source {
 };
 
 /* A list of fields, their sources and their axes. Nothing in it moves. */
-struct cml_catalogue {
+struct cml_field_list {
     const struct cml_report *report;
     int num_fields, capacity;
     struct cml_field *fields;         /* [capacity] */
@@ -52,27 +48,27 @@ struct cml_catalogue {
     char (*facet_names)[32]; /* [L + 1] */
 };
 
-CML_NODISCARD cml_status cml_catalogue_create(const struct cml_report *report,
-                                              struct cml_catalogue *catalogue, struct cml_error *err);
-void cml_catalogue_free(struct cml_catalogue *catalogue);
+CML_NODISCARD cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *list,
+                                               struct cml_error *err);
+void cml_field_list_free(struct cml_field_list *list);
 
-/* Everything an .mco file holds, with standard errors. *mco must outlive the catalogue. */
-void cml_catalogue_results(struct cml_catalogue *catalogue, const struct cml_mco *mco);
+/* Everything an .mco file holds, with standard errors. *mco must outlive the list. */
+void cml_add_result_fields(struct cml_field_list *list, const struct cml_mco *mco);
 
 /* Rd_xy, Tt_xy, with angles Rd_xya, Tt_xya, and standard errors; nothing without a map. */
-void cml_catalogue_map(struct cml_catalogue *catalogue);
+void cml_add_map_fields(struct cml_field_list *list);
 
 /* A_xyz; nothing when it is not tallied. */
-void cml_catalogue_volume(struct cml_catalogue *catalogue);
+void cml_add_volume_fields(struct cml_field_list *list);
 
 /* What lies outside map and volume. */
-void cml_catalogue_outside(struct cml_catalogue *catalogue);
+void cml_add_outside_fields(struct cml_field_list *list);
 
 /* Irradiance and exitance of the facets of boundary b but the last one, each `per_facet` times in a row,
  * under names that begin with `prefix`; of a plane along y and x, and nothing without a map. */
-void cml_catalogue_facets(struct cml_catalogue *catalogue, int b, const char *prefix, size_t per_facet);
+void cml_add_facet_fields(struct cml_field_list *list, int b, const char *prefix, size_t per_facet);
 
 /* The same of the last one: shares of the launched weight; and the areas of facets that are no pixels. */
-void cml_catalogue_outer_plane(struct cml_catalogue *catalogue, int b, const char *prefix);
+void cml_add_outer_plane_fields(struct cml_field_list *list, int b, const char *prefix);
 
 #endif

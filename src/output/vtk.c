@@ -1,4 +1,6 @@
-/* SPDX-License-Identifier: MIT */
+/* VTK's XML formats: a header that says where in the file each array stands, then all arrays as they lie in
+ * memory, each behind its size in bytes. Offsets count from the underscore that begins them (VTK file
+ * formats, "XML file formats", appended raw data). SPDX-License-Identifier: MIT */
 #include "output/vtk.h"
 
 #include "base/atomic_file.h"
@@ -12,6 +14,7 @@ struct layout {
     uint64_t offset; /* of the next array behind the underscore */
 };
 
+/* An array's size in bytes comes before it, and counts in the offset of the next. */
 static void describe(struct layout *layout, const char *type, const char *name, size_t components,
                      uint64_t bytes)
 {
@@ -22,6 +25,8 @@ static void describe(struct layout *layout, const char *type, const char *name, 
     layout->offset += sizeof bytes + bytes;
 }
 
+/* All on cells: a pixel, a voxel or a face has one value, not its corners. More values than cells are
+ * components, such as the angle bins of a pixel. */
 static void describe_fields(struct layout *layout, const struct cml_field *fields, int num_fields,
                             size_t cells)
 {
@@ -38,6 +43,7 @@ static void put_size(FILE *out, uint64_t bytes)
     fwrite(&bytes, sizeof bytes, 1, out);
 }
 
+/* Block by block, so that an array is never in memory as a whole. */
 static void put_field(FILE *out, const struct cml_field *field)
 {
     enum { BLOCK = 1024 };
@@ -53,6 +59,7 @@ static void put_field(FILE *out, const struct cml_field *field)
     }
 }
 
+/* Numbers are in this machine's byte order, and the header says which that is. */
 static void begin_file(FILE *out, const char *type)
 {
     const uint16_t one = 1;
@@ -74,6 +81,8 @@ static cml_status end_file(struct cml_file *file, struct cml_error *err)
     return cml_file_commit(file, err);
 }
 
+/* The extent counts points between cells: n cells from 0 to n. An extent of 0 in z is a flat image, whose
+ * cells are pixels. */
 cml_status cml_vti_write(const char *path, const struct cml_image *image, const struct cml_field *fields,
                          int num_fields, struct cml_error *err)
 {
@@ -105,6 +114,7 @@ static void describe_faces(struct layout *layout, const struct cml_faces *faces)
     fprintf(layout->out, "      </Polys>\n");
 }
 
+/* `offsets` are the ends of the faces in `connectivity`, as VTK wants them. */
 static void put_faces(FILE *out, const struct cml_faces *faces)
 {
     const size_t corners = faces->num_faces * (size_t)faces->corners;
@@ -119,6 +129,7 @@ static void put_faces(FILE *out, const struct cml_faces *faces)
     }
 }
 
+/* Points in 64 bits: a small facet far from the axis would lose its shape in 32. */
 cml_status cml_vtp_write(const char *path, const struct cml_faces *faces, const struct cml_field *fields,
                          int num_fields, struct cml_error *err)
 {

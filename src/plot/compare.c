@@ -2,6 +2,7 @@
 #include "plot/compare.h"
 
 #include "base/significance.h"
+#include "output/scaling.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -49,6 +50,7 @@ static bool is_total(enum cml_quantity which)
     return which < CML_QUANTITY_A_z;
 }
 
+/* In the order of enum cml_quantity; a total is a profile of one bin. */
 static const double *profile_of(const struct cml_mco *mco, enum cml_quantity which)
 {
     const double *const profiles[CML_NUM_QUANTITIES] = {&mco->Rsp, &mco->Rd,  &mco->A,   &mco->Tt, mco->A_z,
@@ -56,27 +58,33 @@ static const double *profile_of(const struct cml_mco *mco, enum cml_quantity whi
     return profiles[which];
 }
 
+static bool is_radial(enum cml_quantity which)
+{
+    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r;
+}
+
 static int bins_of(const struct cml_mco *mco, enum cml_quantity which)
 {
     if (is_total(which)) return 1;
     if (which == CML_QUANTITY_A_z) return mco->nz;
-    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? mco->nr : mco->na;
+    return is_radial(which) ? mco->nr : mco->na;
 }
 
-/* Width of a bin on its axis. */
+/* Width of a bin on its axis, cm or rad. */
 static double width_of(const struct cml_mco *mco, enum cml_quantity which)
 {
     if (is_total(which)) return 0;
     if (which == CML_QUANTITY_A_z) return mco->dz;
-    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? mco->dr : acos(0.0) / mco->na;
+    return is_radial(which) ? mco->dr : cml_angle_width(mco->na);
 }
 
+/* What turns a value of the file back into weight per packet. */
 static double measure_of(const struct cml_mco *mco, enum cml_quantity which, int i)
 {
+    const double width = width_of(mco, which);
     if (is_total(which)) return 1;
-    if (which == CML_QUANTITY_A_z) return mco->dz;
-    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r ? cml_mco_ring_area(mco->dr, i)
-                                                                    : cml_mco_solid_angle(mco->na, i);
+    if (which == CML_QUANTITY_A_z) return width;
+    return is_radial(which) ? cml_ring_area(width, i) : cml_solid_angle(width, i);
 }
 
 /* Fewer packets than batches make no error. */
@@ -102,12 +110,15 @@ static bool read_errors(const struct cml_mco *mco, enum cml_quantity which, doub
     return any || which == CML_QUANTITY_Rsp;
 }
 
+/* Says it of the second file, as if the first were right: one of them has to give way. */
 static cml_status fail_grid(const char *const names[2], const char *field, double a, double b,
                             struct cml_error *err)
 {
     return cml_fail(err, CML_E_INPUT, "%s: %s = %g (expected %g, as in %s)", names[1], field, b, a, names[0]);
 }
 
+/* Without equal bins there is nothing to compare bin by bin. Materials may differ: that is often the
+ * question. */
 static cml_status check_grids(const struct cml_mco *a, const struct cml_mco *b, const char *const names[2],
                               struct cml_error *err)
 {
@@ -133,6 +144,8 @@ static double rounding_of(double value, int digits)
     return value > 0 ? pow(10, floor(log10(value)) + 1 - digits) / sqrt(12.0) : 0;
 }
 
+/* Both means, their errors added in both ways, and what the digits of both files leave open. Totals are
+ * printed with six digits, bins with five. */
 static void add_bin(const struct quantity *q, int i, struct group *group)
 {
     const double measure = measure_of(q->mco[0], q->which, i);
@@ -149,6 +162,7 @@ static void add_bin(const struct quantity *q, int i, struct group *group)
     }
 }
 
+/* What is left over at a profile's end joins the last group that was closed. */
 static void join(struct group *group, const struct group *next)
 {
     group->last = next->last;
@@ -218,6 +232,8 @@ static double freedom_of(const struct quantity *q, const double variance[2])
     return each * sum * sum / (variance[0] * variance[0] + variance[1] * variance[1]);
 }
 
+/* When both files have errors, the larger of two estimates counts: each by its own variance (Welch), or
+ * both by the common one, weighted by packets. */
 static struct spread spread_of(const struct quantity *q, const struct group *group)
 {
     const double n0 = q->packets[0], n1 = q->packets[1], n = n0 + n1;
@@ -237,6 +253,8 @@ static struct spread spread_of(const struct quantity *q, const struct group *gro
     return s;
 }
 
+/* Equal means agree whatever their errors: two runs that hold nothing have none. Errors of bins come from 64
+ * batches, so the quotient is a Student deviate (Student 1908, Biometrika 6, 1). */
 static double deviate(const struct group *group, const struct spread *spread)
 {
     const double difference = group->mean[0] - group->mean[1];
@@ -244,6 +262,7 @@ static double deviate(const struct group *group, const struct spread *spread)
     return cml_normal_of_student(difference / sqrt(spread->of_difference + group->rounding), spread->freedom);
 }
 
+/* What is shown are means over the group's bins, in the unit of the file. */
 static struct cml_compare_test test_group(const struct quantity *q, const struct group *group)
 {
     const struct spread spread = spread_of(q, group);
@@ -291,6 +310,7 @@ static bool tallied_absorption(const struct cml_mco *mco)
     return !(mco->A > 0);
 }
 
+/* Each quantity is read into the same scratch memory, for its tests keep what they need. */
 static void test_all(const struct cml_mco *const mco[2], double *scratch, int most, struct cml_comparison *c)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -317,6 +337,7 @@ static void conclude(struct cml_comparison *c)
     c->p = c->worst < 0 ? 1 : cml_sidak(c->test[c->worst].p, c->count);
 }
 
+/* At most one test per bin and total, so the tests' memory is known beforehand. */
 cml_status cml_compare(const struct cml_mco *a, const struct cml_mco *b, const char *const names[2],
                        struct cml_comparison *c, struct cml_error *err)
 {

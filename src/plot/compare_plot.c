@@ -19,6 +19,7 @@ struct drawing {
     double limit; /* |z| at the level */
 };
 
+/* Profiles without a single test get none. */
 static int count_panels(const struct cml_comparison *c)
 {
     int panels = 0;
@@ -26,6 +27,7 @@ static int count_panels(const struct cml_comparison *c)
     return panels;
 }
 
+/* Names of files go through quoting; the second line is ours alone and needs none. */
 static void write_head(const struct drawing *d)
 {
     const struct cml_compare_report *report = d->report;
@@ -57,6 +59,8 @@ static void write_data(const struct drawing *d, int q)
     fputs("EOD\n", d->out);
 }
 
+/* Error bars along the axis show which bins were taken together. The two labels are drawn with the first
+ * panel and then forgotten, as gnuplot would repeat them in each. */
 static void write_panel(const struct drawing *d, int q, int place)
 {
     const struct cml_comparison *c = d->report->comparison;
@@ -77,6 +81,7 @@ static void write_panel(const struct drawing *d, int q, int place)
         fmin(d->limit, most), fmax(-d->limit, -most), q);
 }
 
+/* The limit is that of |z| in one of so many tests at which all together keep the level (Sidak 1967). */
 cml_status cml_compare_script(FILE *out, const void *report, struct cml_error *err)
 {
     struct drawing d = {.out = out, .report = report};

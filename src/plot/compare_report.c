@@ -23,6 +23,7 @@ static int find_worst(const struct cml_comparison *c, const struct cml_compare_t
     return count;
 }
 
+/* NULL where the quantity was not tested; *tests counts them. */
 static const struct cml_compare_test *worst_of(const struct cml_comparison *c, enum cml_quantity quantity,
                                                int *tests)
 {
@@ -38,6 +39,7 @@ static const struct cml_compare_test *worst_of(const struct cml_comparison *c, e
 
 /* ---- for people ---- */
 
+/* Where the errors come from decides how much a difference means, so it stands first. */
 static void print_file(FILE *stream, const struct cml_compare_report *report, int k)
 {
     const char *errors = "standard errors from the file";
@@ -56,6 +58,7 @@ static bool stream_of(const struct cml_mco *mco, unsigned long long *seed, unsig
     return text && sscanf(text, "seed %llu, run %u", seed, run) == 2;
 }
 
+/* What explains a difference, or an agreement, without being tested itself. */
 static void print_notes(FILE *stream, const struct cml_compare_report *report)
 {
     static const char *const fields[5] = {"n", "mua", "mus", "g", "d"};
@@ -78,6 +81,7 @@ static void print_notes(FILE *stream, const struct cml_compare_report *report)
         fputs("note: A_z is left out: one of the runs did not tally it\n", stream);
 }
 
+/* Tests are ordered by quantity, totals first. */
 static void print_totals(FILE *stream, const struct cml_comparison *c)
 {
     fprintf(stream, "%-5s %12s %10s %12s %10s %8s\n", "", "a", "error", "b", "error", "z");
@@ -95,6 +99,7 @@ static void print_place(FILE *stream, const struct cml_compare_test *t)
     if (axis) fprintf(stream, "%s %.4g..%.4g", axis, t->lower, t->upper);
 }
 
+/* One line per profile, also for those that could not be tested: silence would look like agreement. */
 static void print_profiles(FILE *stream, const struct cml_comparison *c)
 {
     for (int q = 0; q < CML_NUM_QUANTITIES; q++) {
@@ -112,6 +117,7 @@ static void print_profiles(FILE *stream, const struct cml_comparison *c)
     }
 }
 
+/* Of all quantities together, because the p-value below is that of the first of them. */
 static void print_worst(FILE *stream, const struct cml_comparison *c)
 {
     const struct cml_compare_test *worst[WORST_LISTED];
@@ -127,6 +133,7 @@ static void print_worst(FILE *stream, const struct cml_comparison *c)
     }
 }
 
+/* From what is known to what follows from it: files, totals, profiles, the worst, the verdict. */
 void cml_compare_summary(FILE *stream, const struct cml_compare_report *report)
 {
     const struct cml_comparison *c = report->comparison;
@@ -147,6 +154,7 @@ static double without_infinity(double z)
     return fmin(fmax(z, -1e300), 1e300);
 }
 
+/* Values in the unit of the file, ends of the bins on the axis in cm or rad. */
 static json_t *test_json(const struct cml_compare_test *t)
 {
     return json_pack("{s:s, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "quantity",
@@ -169,6 +177,8 @@ static void add_deviates(json_t *object, const struct cml_comparison *c, int qua
     json_object_set_new(object, "z", z);
 }
 
+/* All quantities have an entry, so that readers need not ask whether one is there; `worst` is null where
+ * there was no test. */
 static json_t *quantities_json(const struct cml_comparison *c)
 {
     json_t *object = json_object();
@@ -192,6 +202,7 @@ static json_t *worst_json(const struct cml_comparison *c)
     return list;
 }
 
+/* Names of files that are not UTF-8 are what makes it fail, besides memory. */
 cml_status cml_compare_json(FILE *stream, const struct cml_compare_report *report, struct cml_error *err)
 {
     const struct cml_comparison *c = report->comparison;

@@ -11,6 +11,7 @@
 enum { BIN, RADIUS, REFLECTANCE, TRANSMITTANCE, NUM_COLUMNS, MOST_BINS = 1000000 };
 static const char *const names[NUM_COLUMNS] = {"bin", "r_mid_cm", "Rd_r_per_cm2", "Tt_r_per_cm2"};
 
+/* The file while it is read: which columns it has, and all rows. */
 struct table {
     struct cml_text text;
     int column[NUM_COLUMNS]; /* where it stands, -1: nowhere */
@@ -19,6 +20,7 @@ struct table {
     struct cml_error *err;
 };
 
+/* With file and line, as every reader of ours. */
 static cml_status fail(const struct table *t, const char *field, const char *value, const char *expected)
 {
     return cml_fail_field(t->err, t->text.path, t->text.line, field, value, expected);
@@ -35,6 +37,7 @@ static char *next_cell(char **cursor)
     return cell;
 }
 
+/* Comments and empty lines may stand anywhere. */
 static char *next_line(struct table *t)
 {
     char *line = cml_text_next(&t->text);
@@ -42,6 +45,7 @@ static char *next_line(struct table *t)
     return line;
 }
 
+/* Other columns are allowed and skipped: the files of others have more than we draw. */
 static cml_status read_names(struct table *t)
 {
     char *cursor = next_line(t), *cell = NULL;
@@ -55,6 +59,7 @@ static cml_status read_names(struct table *t)
     return fail(t, names[REFLECTANCE], NULL, "a column of this name, or Tt_r_per_cm2");
 }
 
+/* Densities below 0 cannot be drawn on a log scale, and are nothing that light can do. */
 static cml_status read_cell(const struct table *t, int column, const char *cell, double row[NUM_COLUMNS])
 {
     const double most = column == BIN ? MOST_BINS - 2 : 1e300;
@@ -65,6 +70,7 @@ static cml_status read_cell(const struct table *t, int column, const char *cell,
     return CML_OK;
 }
 
+/* Bins must rise, so that each is there once, and the last row has the largest. */
 static cml_status read_row(struct table *t, char *cursor)
 {
     double row[NUM_COLUMNS] = {0, 0, 0, 0};
@@ -85,6 +91,7 @@ static cml_status read_row(struct table *t, char *cursor)
     return CML_OK;
 }
 
+/* Two rows at least: from one no width of a bin can be told. */
 static cml_status read_rows(struct table *t)
 {
     for (char *line = next_line(t); line; line = next_line(t)) {
@@ -119,11 +126,12 @@ static cml_status make_result(const struct table *t, struct cml_mco *mco)
     return CML_OK;
 }
 
+/* As a result whose other arrays are zero, so that the plot need not tell curves from results. */
 cml_status cml_curve_read(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
     struct table t = {.err = err};
     *mco = (struct cml_mco){0};
-    CML_TRY(cml_text_read(path, &t.text, err));
+    CML_TRY(cml_text_read(NULL, path, &t.text, err));
     cml_status status = read_names(&t);
     if (status == CML_OK) status = read_rows(&t);
     if (status == CML_OK) status = make_result(&t, mco);

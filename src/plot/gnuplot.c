@@ -18,6 +18,7 @@ extern char **environ;
 
 /* ---- the script ---- */
 
+/* Judged before anything is read or computed. The dot must be in the name itself, not in a folder. */
 cml_status cml_picture_of(const char *path, enum cml_picture *picture, struct cml_error *err)
 {
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
@@ -26,6 +27,8 @@ cml_status cml_picture_of(const char *path, enum cml_picture *picture, struct cm
     return cml_fail(err, CML_E_INPUT, "--output %s (expected a name that ends in .svg or .png)", path);
 }
 
+/* `noenhanced`, because names of files have underscores, which gnuplot would take for subscripts. A PNG
+ * has twice the pixels and the lines and letters to match, for screens and print. */
 void cml_gnuplot_begin(FILE *out, enum cml_picture picture, int width, int height)
 {
     const bool svg = picture == CML_PICTURE_SVG;
@@ -69,17 +72,21 @@ void cml_gnuplot_quote(FILE *out, const char *text)
 
 /* ---- the process ---- */
 
+/* A script in memory: gnuplot starts only when it is complete, and data of any size go through the pipe. */
 struct script {
     char *text;
     size_t size;
 };
 
+/* Closed on exec: gnuplot would otherwise hold the writing end of its own input, and never see it end. */
 static bool open_pipe(int ends[2])
 {
     if (pipe(ends) != 0) return false;
     return fcntl(ends[0], F_SETFD, FD_CLOEXEC) == 0 && fcntl(ends[1], F_SETFD, FD_CLOEXEC) == 0;
 }
 
+/* Without a shell, so nothing in a name can be an order. No settings of the user's, so that a picture is
+ * the same everywhere. Returns an error number, 0 when it runs. */
 static int spawn(int in, int out, int messages, pid_t *child)
 {
     char *arguments[] = {"gnuplot", "--default-settings", "-", NULL};
@@ -125,6 +132,7 @@ static void listen(int messages, char *said, size_t size)
     said[used] = '\0';
 }
 
+/* Only the last line of what it said: the lines before repeat the script. */
 static cml_status wait_for(pid_t child, const char *said, struct cml_error *err)
 {
     int state = 0;
@@ -135,6 +143,8 @@ static cml_status wait_for(pid_t child, const char *said, struct cml_error *err)
     return cml_fail(err, CML_E_IO, "gnuplot failed (%s)", line ? line + 1 : said);
 }
 
+/* The whole script first, then the messages: gnuplot says little before its first error, after which it
+ * reads no further. The ends that belong to the child are closed here, or reading would never end. */
 static cml_status converse(const struct script *script, int picture, int in[2], int messages[2],
                            struct cml_error *err)
 {
@@ -154,6 +164,7 @@ static cml_status converse(const struct script *script, int picture, int in[2], 
     return wait_for(child, said, err);
 }
 
+/* The picture goes straight into the file; only the script and the messages pass through pipes. */
 static cml_status run_gnuplot(const struct script *script, FILE *picture, struct cml_error *err)
 {
     int in[2], messages[2];
@@ -166,6 +177,7 @@ static cml_status run_gnuplot(const struct script *script, FILE *picture, struct
     return converse(script, fileno(picture), in, messages, err);
 }
 
+/* A failure of `write` counts before that of memory. */
 static cml_status make_script(cml_status (*write)(FILE *, const void *, struct cml_error *), const void *what,
                               struct script *script, struct cml_error *err)
 {
@@ -178,6 +190,7 @@ static cml_status make_script(cml_status (*write)(FILE *, const void *, struct c
     return status;
 }
 
+/* The file is created before gnuplot starts: where it cannot be written nothing need be drawn. */
 cml_status cml_gnuplot_draw(cml_status (*write)(FILE *, const void *, struct cml_error *), const void *what,
                             const char *path, struct cml_error *err)
 {

@@ -20,6 +20,7 @@ static const double strip = 0.25;
 /* Lengths in points of the SVG; the PNG has twice as many pixels. */
 enum { WIDTH = 900, PANEL = 340, GAP = 44, HEAD = 50, ROW = 18, FOOT = 62 };
 
+/* One of the two pictures, one above the other, with a common axis of r. */
 struct panel {
     const char *name, *title, *axis, *error_key;
     bool top;                /* R over the top surface, else T over the bottom */
@@ -38,16 +39,19 @@ struct drawing {
     struct panel panels[2];
 };
 
+/* Curves of others have both profiles, one of them perhaps zero. */
 static const double *profile_of(const struct panel *panel, const struct cml_mco *mco)
 {
     return panel->top ? mco->Rd_r : mco->Tt_r;
 }
 
+/* Curves span decades, so log is what they are without being asked. */
 static bool linear(const struct drawing *d)
 {
     return d->plot->scale == CML_SCALE_LINEAR;
 }
 
+/* Of bin i, cm: r Rd(r) is drawn at the middle of its bin, by which others' curves are told, too. */
 static double centre(const struct cml_mco *mco, int i)
 {
     return (i + 0.5) * mco->dr;
@@ -73,6 +77,8 @@ static void write_title(FILE *out, const struct cml_plot *plot)
 
 /* ---- ranges ---- */
 
+/* The top panel shows the first boundary, the other one the last. Pairs of r and h; returns how many
+ * numbers, an even one. */
 static int read_heights(const struct drawing *d, const struct panel *panel, const struct cml_mco *mco)
 {
     char key[32];
@@ -80,6 +86,7 @@ static int read_heights(const struct drawing *d, const struct panel *panel, cons
     return cml_mco_extra(mco, key, d->values, MOST_HEIGHTS) & ~1;
 }
 
+/* Over all files, since they share the axis. */
 static void find_heights(struct drawing *d, struct panel *panel)
 {
     panel->lowest = INFINITY;
@@ -98,6 +105,7 @@ static bool has_heights(const struct panel *panel)
     return panel->lowest <= panel->highest;
 }
 
+/* Zeros have no place on a log axis and do not lower its range. */
 static void widen(struct panel *panel, double y)
 {
     if (y > panel->high) panel->high = y;
@@ -160,6 +168,7 @@ static void write_profile(const struct drawing *d, const struct panel *panel, in
     fputs("EOD\n", d->out);
 }
 
+/* The last height goes on to the edge of the picture, as the boundary does. */
 static void write_heights(const struct drawing *d, const struct panel *panel, int k)
 {
     const int n = read_heights(d, panel, &d->plot->results[k]);
@@ -169,6 +178,7 @@ static void write_heights(const struct drawing *d, const struct panel *panel, in
     fprintf(d->out, "%.9g %.9g\nEOD\n", fmax(d->r_max, d->values[n - 2]), d->values[n - 1]);
 }
 
+/* The last bin holds what lies beyond the grid and is not drawn. */
 static bool lit(const struct panel *panel, const struct cml_mco *mco)
 {
     const double *profile = profile_of(panel, mco);
@@ -179,6 +189,7 @@ static bool lit(const struct panel *panel, const struct cml_mco *mco)
 
 /* ---- the picture ---- */
 
+/* All that both panels share. The legend stands above them, once. */
 static void write_frame(const struct drawing *d)
 {
     cml_gnuplot_begin(d->out, d->plot->picture, WIDTH, d->height);
@@ -224,6 +235,7 @@ static void write_height_axis(FILE *out, const struct panel *panel)
             strip / 2);
 }
 
+/* r is labelled below the lower panel only. Labels with fixed numbers replace those of the panel before. */
 static void write_axes(const struct drawing *d, const struct panel *panel)
 {
     const int bottom = d->foot + (panel->top ? PANEL + GAP : 0);
@@ -244,6 +256,8 @@ static void write_axes(const struct drawing *d, const struct panel *panel)
         fprintf(d->out, "set ytics 0,%g\n", cml_plot_round_step(panel->high / 5));
 }
 
+/* The colours repeat after eight curves, then with another dash; curves of others have the colour of the
+ * result that they belong to. A curve without light still gets its place in the legend. */
 static void write_curve(const struct drawing *d, const struct panel *panel, int k)
 {
     const struct cml_mco *mco = &d->plot->results[k];
@@ -272,6 +286,7 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
                 colour);
 }
 
+/* Data first, since gnuplot wants blocks complete before a plot names them. */
 static void write_panel(const struct drawing *d, const struct panel *panel)
 {
     for (int k = 0; k < d->plot->count; k++) {
@@ -306,8 +321,10 @@ static void lay_out(struct drawing *d)
     d->height = HEAD + ROW * d->rows + GAP + PANEL + GAP + PANEL + d->foot;
 }
 
-cml_status cml_plot_script(FILE *out, const struct cml_plot *plot, struct cml_error *err)
+/* The caption comes with the last panel: a label that is set earlier would be drawn twice. */
+cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
 {
+    const struct cml_plot *plot = what;
     struct drawing d = {
         .out = out,
         .plot = plot,

@@ -17,7 +17,8 @@ struct cml_plot {
     enum cml_scale scale; /* of the curves; log unless linear */
 };
 
-/* Writes a script that holds its data and leaves the picture on gnuplot's standard output. */
-CML_NODISCARD cml_status cml_plot_script(FILE *out, const struct cml_plot *plot, struct cml_error *err);
+/* For cml_gnuplot_draw: writes a script that holds its data and leaves the picture on gnuplot's standard
+ * output. `plot` is a struct cml_plot. CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_plot_script(FILE *out, const void *plot, struct cml_error *err);
 
 #endif

@@ -49,6 +49,7 @@ struct axis {
     double step; /* cm from number to number */
 };
 
+/* Whole pixels are joined, so a cell is a mean of pixels and never a part of one. */
 static struct axis axis_of(const struct cml_pixels *map, int axis)
 {
     const size_t n = map->n[axis], join = (n + MOST_CELLS - 1) / MOST_CELLS, cells = (n + join - 1) / join;
@@ -70,6 +71,7 @@ static double cell_value(const struct cml_pixels *map, const struct axis axis[2]
 
 /* ---- ranges ---- */
 
+/* For qsort; the values are finite. */
 static int by_size(const void *a, const void *b)
 {
     const float x = *(const float *)a, y = *(const float *)b;
@@ -143,6 +145,7 @@ static void find_extent(struct drawing *d)
     }
 }
 
+/* Panels side by side as long as they are not too narrow: three in a row, two by two for four. */
 static void lay_out(struct drawing *d)
 {
     const double ratio = (d->to[1] - d->from[1]) / (d->to[0] - d->from[0]);
@@ -159,6 +162,7 @@ static void lay_out(struct drawing *d)
 
 /* ---- data ---- */
 
+/* Without a value gnuplot leaves the pixel empty, and the grey below shows. */
 static void write_row(const struct drawing *d, const struct cml_pixels *map, const struct axis axis[2],
                       size_t y)
 {
@@ -171,6 +175,7 @@ static void write_row(const struct drawing *d, const struct cml_pixels *map, con
     fputc('\n', d->out);
 }
 
+/* `with image` paints cells by their middles, which therefore begin half a step from the corner. */
 static void write_map(const struct drawing *d, int k)
 {
     const struct cml_pixels *map = &d->plot->maps[k];
@@ -199,6 +204,7 @@ static void write_colour_ticks(const struct drawing *d)
     fputs(")\n", d->out);
 }
 
+/* One bar for all panels, beside them, over their whole height. */
 static void write_colours(const struct drawing *d)
 {
     const double bar_height = d->height - d->foot - HEAD,
@@ -222,6 +228,7 @@ static void write_colours(const struct drawing *d)
     fputc('\n', d->out);
 }
 
+/* x and y have the same ticks, some TICKS points apart. */
 static void write_frame(const struct drawing *d)
 {
     const double step = cml_plot_round_step((d->to[0] - d->from[0]) / d->width * TICKS);
@@ -266,14 +273,15 @@ static void write_panel(const struct drawing *d, int k)
     fputs("unset colorbox\nunset label\n", d->out);
 }
 
-cml_status cml_map_script(FILE *out, const struct cml_map_plot *plot, struct cml_error *err)
+/* Colours and extent first: they are common to all panels. */
+cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err)
 {
     struct drawing d = {.out = out, .plot = plot};
     CML_TRY(find_colours(&d, err));
     find_extent(&d);
     lay_out(&d);
     write_frame(&d);
-    for (int k = 0; k < plot->count; k++) write_panel(&d, k);
+    for (int k = 0; k < d.plot->count; k++) write_panel(&d, k);
     fputs("unset multiplot\n", out);
     return CML_OK;
 }

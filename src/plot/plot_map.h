@@ -17,8 +17,9 @@ struct cml_map_plot {
     enum cml_scale scale; /* AUTO: log where the light spans more than two decades */
 };
 
-/* Writes a script that holds its data and leaves the picture on gnuplot's standard output. Maps of more than
- * 1000 pixels a side are averaged to fewer. */
-CML_NODISCARD cml_status cml_map_script(FILE *out, const struct cml_map_plot *plot, struct cml_error *err);
+/* For cml_gnuplot_draw: writes a script that holds its data and leaves the picture on gnuplot's standard
+ * output. `plot` is a struct cml_map_plot. Maps of more than 1000 pixels a side are averaged to fewer.
+ * CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err);
 
 #endif

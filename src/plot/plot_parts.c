@@ -7,12 +7,14 @@
 /* Points, and what fits across a picture. */
 enum { LINE = 17, LINE_CHARACTERS = 118 };
 
+/* A path that ends in a slash keeps it, so that the name is never empty. */
 const char *cml_plot_base_name(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash && slash[1] ? slash + 1 : path;
 }
 
+/* The middle goes, because names of one series differ at their ends. */
 void cml_plot_name(const char *const *paths, int count, int i, size_t most, char name[CML_PLOT_NAME])
 {
     const char *text = cml_plot_base_name(paths[i]);
@@ -38,6 +40,7 @@ static size_t line_length(const char *rest)
     return end == 1 ? LINE_CHARACTERS : end;
 }
 
+/* gnuplot breaks no lines, so each is a label of its own; labels 1 to 9 belong to the pictures. */
 int cml_plot_caption(FILE *out, const char *caption, enum cml_picture picture, int top, int height)
 {
     int lines = 0;
@@ -56,6 +59,7 @@ int cml_plot_caption(FILE *out, const char *caption, enum cml_picture picture, i
     return LINE * lines;
 }
 
+/* Borders between 1, 2, 5 and 10 a little above their geometric means. */
 double cml_plot_round_step(double length)
 {
     const double power = pow(10, floor(log10(length))), digit = length / power;

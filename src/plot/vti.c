@@ -27,6 +27,7 @@ struct reader {
     struct cml_error *err;
 };
 
+/* Lines count to the underscore; behind it are bytes. */
 static cml_status fail(const struct reader *r, int line, const char *name, const char *value,
                        const char *expected)
 {
@@ -35,11 +36,13 @@ static cml_status fail(const struct reader *r, int line, const char *name, const
 
 /* ---- tags ---- */
 
+/* What has not been read yet; a zero stands behind the last byte. */
 static char *cursor_of(const struct reader *r)
 {
     return r->text.data + r->text.cursor;
 }
 
+/* Lines are counted for messages only. */
 static void advance(struct reader *r, size_t length)
 {
     for (size_t i = 0; i < length; i++) r->text.line += cursor_of(r)[i] == '\n';
@@ -62,6 +65,8 @@ static bool cut_attribute(struct tag *tag, char **rest)
     return true;
 }
 
+/* Attributes may come in any order and with blanks around them, as XML allows; a "/" or "?" before the end
+ * is no attribute. */
 static cml_status split_tag(const struct reader *r, char *text, struct tag *tag)
 {
     const size_t length = strcspn(text, blanks);
@@ -76,6 +81,8 @@ static cml_status split_tag(const struct reader *r, char *text, struct tag *tag)
     }
 }
 
+/* The text between tags must be blank: the arrays' values are not here but behind the underscore. The tag
+ * is cut out in place, its ">" becoming a zero. */
 static cml_status next_tag(struct reader *r, const char *expected, struct tag *tag)
 {
     advance(r, strspn(cursor_of(r), blanks));
@@ -87,12 +94,14 @@ static cml_status next_tag(struct reader *r, const char *expected, struct tag *t
     return split_tag(r, begin + 1, tag);
 }
 
+/* The next tag must be this one. */
 static cml_status expect(struct reader *r, const char *name, struct tag *tag)
 {
     CML_TRY(next_tag(r, name, tag));
     return strcmp(tag->name, name) == 0 ? CML_OK : fail(r, tag->line, "tag", tag->name, name);
 }
 
+/* NULL where there is none. */
 static const char *attribute(const struct tag *tag, const char *key)
 {
     for (int i = 0; i < tag->count; i++)
@@ -122,6 +131,8 @@ static bool parse_numbers(const char *value, double *number, int count)
 
 /* ---- the header ---- */
 
+/* Raw 64-bit sizes and no compression are what our writer uses; other files of VTK are refused by the
+ * attribute that says so. An XML declaration may come first. */
 static cml_status read_kind(struct reader *r)
 {
     struct tag tag;
@@ -139,6 +150,7 @@ static cml_status read_kind(struct reader *r)
                : fail(r, tag.line, "byte_order", order, "LittleEndian or BigEndian");
 }
 
+/* Points, so that n cells are 0 to n. The third axis must be flat: volumes cannot be drawn as a map. */
 static cml_status read_extent(const struct reader *r, const struct tag *tag, const char *key, size_t n[2])
 {
     const char *value = attribute(tag, key);
@@ -170,6 +182,7 @@ static cml_status read_grid(const struct reader *r, const struct tag *tag)
     return CML_OK;
 }
 
+/* Other arrays are passed over, but their names are kept for the message that the wanted one is missing. */
 static cml_status read_array(struct reader *r, const struct tag *tag)
 {
     const char *name = attribute(tag, "Name"), *components = attribute(tag, "NumberOfComponents");
@@ -188,6 +201,7 @@ static cml_status read_array(struct reader *r, const struct tag *tag)
                : fail(r, tag->line, "offset", offset, "a number of bytes");
 }
 
+/* Up to the closing tag, so that an array that is there twice is noticed. */
 static cml_status read_arrays(struct reader *r)
 {
     struct tag tag;
@@ -204,6 +218,7 @@ static cml_status read_arrays(struct reader *r)
                     r->names[0] ? r->names : " none, the file has no arrays");
 }
 
+/* Step by step as the writer wrote it: VTKFile, ImageData, Piece, CellData, AppendedData. */
 static cml_status read_header(struct reader *r)
 {
     struct tag tag;
@@ -229,6 +244,7 @@ static cml_status read_header(struct reader *r)
 
 /* ---- the data ---- */
 
+/* In the file's byte order, whatever that of this machine is. */
 static uint64_t word_at(const struct reader *r, const char *data, int size)
 {
     const unsigned char *byte = (const unsigned char *)data;
@@ -257,6 +273,7 @@ static cml_status find_values(const struct reader *r, const char **values)
     return CML_OK;
 }
 
+/* What is infinite, not a number or below 0 is no light, and would spoil the range of colours for all. */
 static cml_status read_values(const struct reader *r)
 {
     struct cml_pixels *pixels = r->pixels;
@@ -276,11 +293,12 @@ static cml_status read_values(const struct reader *r)
     return CML_OK;
 }
 
+/* Once read as bytes: a file of a map is a few MiB, and the header is text only up to the underscore. */
 cml_status cml_vti_read(const char *path, const char *name, struct cml_pixels *pixels, struct cml_error *err)
 {
     struct reader r = {.wanted = name, .pixels = pixels, .err = err};
     *pixels = (struct cml_pixels){0};
-    CML_TRY(cml_text_read_bytes(path, &r.text, err));
+    CML_TRY(cml_text_read_bytes(NULL, path, &r.text, err));
     cml_status status = read_header(&r);
     if (status == CML_OK) status = read_values(&r);
     cml_text_clear(&r.text);

@@ -9,7 +9,8 @@
 #include <string.h>
 #include <zlib.h>
 
-/* Fixed sizes and no padding; identity, ranges, summary, cells and the checksum of all that follow. */
+/* A checkpoint is this head, the identity, the ranges not flown, the summary of the result, its cells, and
+ * the CRC-32 of all of that in 64 bits. Members of fixed sizes and no padding. */
 struct head {
     char magic[24];
     uint64_t order, version, finished;
@@ -18,9 +19,10 @@ struct head {
     double seconds;
 };
 static const char magic[24] = "clustermcml checkpoint\n";
-#define ORDER 0x0102030405060708u
-#define VERSION 1u
+#define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
+#define VERSION 1u                /* of this layout; a program refuses what it does not know */
 
+/* *name is the path with the suffix, the caller's to free. */
 static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
 {
     const size_t size = strlen(path) + strlen(suffix) + 1;
@@ -35,9 +37,9 @@ cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error
     return joined(output, ".checkpoint", path, err);
 }
 
-/* ---- writing
- * ------------------------------------------------------------------------------------------------ */
+/* ---- writing ---- */
 
+/* What is written goes into the checksum as well. */
 struct sink {
     FILE *stream;
     uLong sum;
@@ -50,6 +52,7 @@ static void put(struct sink *sink, const void *data, size_t size)
     sink->sum = crc32_z(sink->sum, data, size);
 }
 
+/* Without a result the run is finished: a later --resume skips it, and nothing needs to be stored. */
 static void write_all(FILE *stream, const char *identity, const struct cml_run_state *state,
                       struct cml_result *result)
 {
@@ -61,22 +64,23 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
                         .begin = state->begin,
                         .end = state->end,
                         .seconds = state->seconds};
-    struct cml_summary summary = {.lost = {0}};
+    static const struct cml_summary none;
     size_t cells = 0;
     const cml_u128 *cell = result ? cml_result_cells(result, &cells) : NULL;
-    if (result) cml_result_summary(result, &summary);
     memcpy(head.magic, magic, sizeof magic);
     head.num_ranges = state->open.count;
     head.num_cells = cells;
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
     put(&sink, state->open.item, state->open.count * sizeof *state->open.item);
-    put(&sink, &summary, sizeof summary);
+    put(&sink, result ? &result->summary : &none, sizeof none);
     put(&sink, cell, cells * sizeof *cell);
     const uint64_t sum = sink.sum;
     fwrite(&sum, sizeof sum, 1, stream);
 }
 
+/* The file that stood there before is kept as ".old": at any moment a whole checkpoint is on the disk, and
+ * another one where the newest turns out to be damaged. */
 cml_status cml_checkpoint_write(const char *path, const char *identity, const struct cml_run_state *state,
                                 struct cml_result *result, struct cml_error *err)
 {
@@ -93,6 +97,7 @@ cml_status cml_checkpoint_write(const char *path, const char *identity, const st
     return status;
 }
 
+/* Errors are of no interest: what is not there needs no removing, and what cannot be removed does no harm. */
 void cml_checkpoint_remove(const char *path)
 {
     struct cml_error ignored;
@@ -102,8 +107,7 @@ void cml_checkpoint_remove(const char *path)
     free(old);
 }
 
-/* ---- reading
- * ------------------------------------------------------------------------------------------------ */
+/* ---- reading ---- */
 
 /* One file being read: its name for messages, and what became of it. */
 struct source {
@@ -113,11 +117,14 @@ struct source {
     char *identity;
 };
 
+/* CML_E_IO, which makes the reader try the older file; CML_E_INPUT ends the run, because an older
+ * checkpoint of another run is as wrong. */
 static cml_status fail_damaged(const struct source *source, const char *what, struct cml_error *err)
 {
     return cml_fail(err, CML_E_IO, "%s: the checkpoint is damaged (%s)", source->path, what);
 }
 
+/* Exactly so many bytes, or the file is cut short. */
 static bool get(struct source *source, void *data, size_t size)
 {
     return fread(data, 1, size, source->stream) == size;
@@ -144,6 +151,8 @@ static cml_status check_sum(struct source *source, struct cml_error *err)
     return stored == sum ? CML_OK : fail_damaged(source, "checksum", err);
 }
 
+/* The checksum was right, so what does not fit here was written so: by another program, or for another
+ * file format. The identity ends with a zero that the file does not hold. */
 static cml_status read_head(struct source *source, struct cml_error *err)
 {
     struct head *head = &source->head;
@@ -174,6 +183,7 @@ static cml_status check_identity(const struct source *source, const char *mine, 
                     source->path, (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine);
 }
 
+/* Through cml_ranges_add, which counts the total anew. */
 static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, struct cml_error *err)
 {
     for (uint64_t i = 0; i < source->head.num_ranges; i++) {
@@ -184,23 +194,25 @@ static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, 
     return CML_OK;
 }
 
+/* The identity holds grid and photons, so another number of cells cannot come from a sound file of this
+ * run. */
 static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
                                struct cml_error *err)
 {
-    struct cml_summary summary;
     size_t cells = 0;
     cml_u128 *cell = cml_result_cells(result, &cells);
     state->begin = source->head.begin;
     state->end = source->head.end;
     state->seconds = source->head.seconds;
     CML_TRY(read_ranges(source, &state->open, err));
-    if (source->head.num_cells != cells || !get(source, &summary, sizeof summary) ||
+    if (source->head.num_cells != cells || !get(source, &result->summary, sizeof result->summary) ||
         !get(source, cell, cells * sizeof *cell))
         return fail_damaged(source, "its grid", err);
-    cml_result_set_summary(result, &summary);
     return CML_OK;
 }
 
+/* In this order, because an identity is worth reading only where the checksum is right, and tallies only
+ * where the identity is that of this run. */
 static cml_status read_source(struct source *source, const char *identity, enum cml_checkpoint_kind *kind,
                               struct cml_run_state *state, struct cml_result *result, struct cml_error *err)
 {
@@ -226,6 +238,8 @@ static cml_status read_one(const char *path, const char *identity, enum cml_chec
     return status;
 }
 
+/* `note` holds why the newer file was not taken, if there was one. It becomes the text that tells the user
+ * what is continued, or the error when there is nothing to continue from. */
 static cml_status read_older(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
                              struct cml_run_state *state, struct cml_result *result, struct cml_error *note,
                              struct cml_error *err)

@@ -7,7 +7,7 @@
 #define CML_CHECKPOINT_H
 
 #include "tally/ranges.h"
-#include "tally/tally.h"
+#include "tally/result.h"
 
 struct cml_run_state {
     struct cml_ranges open; /* indices not flown yet */

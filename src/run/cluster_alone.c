@@ -1,5 +1,5 @@
-/* The cluster of a build without MPI: one rank, alone.
- * SPDX-License-Identifier: MIT */
+/* The cluster of a build without MPI: one rank, alone. All that is shared, gathered or summed is there
+ * already; a synchronisation is over as soon as it is asked for. SPDX-License-Identifier: MIT */
 #include "run/cluster.h"
 
 #include "run/launcher.h"
@@ -7,8 +7,9 @@
 #include <stdatomic.h>
 #include <string.h>
 
-static atomic_bool called;
+static atomic_bool sync_requested;
 
+/* A launcher that started several of these would have each write the same files. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
 {
     (void)argc;
@@ -46,17 +47,17 @@ int cml_cluster_fair_cores(void)
     return 0;
 }
 
-void cml_cluster_set_patience(double seconds)
+void cml_cluster_set_timeout(double seconds)
 {
     (void)seconds;
 }
 
-bool cml_cluster_broken(void)
+bool cml_cluster_contact_lost(void)
 {
     return false;
 }
 
-void cml_cluster_leave_it_to_the_launcher(void)
+void cml_cluster_await_launcher(void)
 {
 }
 
@@ -96,34 +97,34 @@ cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
     return CML_OK;
 }
 
-void cml_cluster_call(void)
+void cml_cluster_request_sync(void)
 {
-    atomic_store(&called, true);
+    atomic_store(&sync_requested, true);
 }
 
-bool cml_cluster_called(void)
+bool cml_cluster_sync_requested(void)
 {
-    return atomic_load(&called);
+    return atomic_load(&sync_requested);
 }
 
-cml_status cml_cluster_meet(struct cml_error *err)
+cml_status cml_cluster_synchronise(struct cml_error *err)
 {
     (void)err;
-    atomic_store(&called, false);
+    atomic_store(&sync_requested, false);
     return CML_OK;
 }
 
-void cml_cluster_serve(cml_cluster_clerk *clerk, void *context)
+void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
 {
-    (void)clerk;
+    (void)handler;
     (void)context;
 }
 
-cml_status cml_cluster_ask(const struct cml_question *question, struct cml_answer *answer,
-                           struct cml_error *err)
+cml_status cml_cluster_request(const struct cml_work_request *request, struct cml_work_reply *reply,
+                               struct cml_error *err)
 {
-    (void)question;
+    (void)request;
     (void)err;
-    *answer = (struct cml_answer){0};
+    *reply = (struct cml_work_reply){0};
     return CML_OK;
 }

@@ -8,6 +8,8 @@
 #include <string.h>
 #include <zlib.h>
 
+/* Only what changes bits: threads, ranks, chunks and devices do not, and a run may be resumed with others.
+ * Numbers with 17 digits, which tell any two doubles apart. */
 static void write_options(FILE *out, const struct cml_run_setup *setup,
                           const struct cml_surface_options *surface, bool flat)
 {
@@ -30,6 +32,7 @@ static void write_input(FILE *out, const struct cml_input *input)
     fprintf(out, "input %s of %zu bytes, crc32 %08lx\n", slash ? slash + 1 : path, input->size, sum);
 }
 
+/* A stream in memory fails only where memory runs out. */
 static cml_status close_text(FILE *out, const size_t *size, struct cml_error *err)
 {
     const int failed = ferror(out);
@@ -37,6 +40,7 @@ static cml_status close_text(FILE *out, const size_t *size, struct cml_error *er
     return cml_fail_memory(err, (double)*size, "the run's identity");
 }
 
+/* Of all files that were read, in the order in which they were: a mesh that was changed makes another run. */
 cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, struct cml_error *err)
 {
     size_t size = 0;
@@ -46,6 +50,8 @@ cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, str
     return close_text(out, &size, err);
 }
 
+/* The lines for options come first, because the first line that differs is shown, and an option says more
+ * than a checksum. */
 cml_status cml_identity_of(const struct cml_run_setup *setup, const struct cml_surface_options *surface,
                            bool flat, const char *inputs, char **identity, struct cml_error *err)
 {

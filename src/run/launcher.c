@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+#define _GNU_SOURCE /* sched_getaffinity */
 #include "run/launcher.h"
 
 #include "base/text.h"
 
+#include <omp.h>
+#include <sched.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* OMPI_COMM_WORLD_SIZE: Open MPI; PMI_RANK: MPICH, Intel MPI, srun --mpi=pmi2; PMIX_RANK: srun --mpi=pmix. */
 bool cml_launcher_found(void)
@@ -28,6 +32,8 @@ static int number_started(const char **variable)
     return 1;
 }
 
+/* One process that was started alone, and a batch script that runs the program without srun, see one rank
+ * by right. */
 cml_status cml_launcher_check(int size, struct cml_error *err)
 {
     const char *variable = NULL;
@@ -38,4 +44,45 @@ cml_status cml_launcher_check(int size, struct cml_error *err)
         "%s = %d processes were started, but each sees only itself (expected this program built with "
         "MPI and the launcher of the same MPI, or srun --mpi=pmix)",
         variable, started);
+}
+
+/* ---- cores ---- */
+
+_Static_assert(sizeof(cpu_set_t) == sizeof(struct cml_cores), "a mask of 1024 cores");
+
+/* Cores beyond 1024 are left out: cpu_set_t has no place for them either. */
+static void add_core(struct cml_cores *cores, int core)
+{
+    const size_t bit = (size_t)core;
+    if (core >= 0 && bit < 8 * sizeof cores->bits) cores->bits[bit / 8] |= (unsigned char)(1u << bit % 8);
+}
+
+/* A place is a set of cores to which OpenMP binds a thread. Without memory for their numbers the place
+ * does not count. */
+static void add_place(struct cml_cores *cores, int place)
+{
+    const int count = omp_get_place_num_procs(place);
+    int *ids = count > 0 ? calloc((size_t)count, sizeof *ids) : NULL;
+    if (!ids) return;
+    omp_get_place_proc_ids(place, ids);
+    for (int i = 0; i < count; i++) add_core(cores, ids[i]);
+    free(ids);
+}
+
+/* Where OpenMP binds threads (OMP_PROC_BIND, OMP_PLACES) it has bound the main one before main() begins, and
+ * only its places tell what the process may use. */
+void cml_cores_mine(struct cml_cores *cores)
+{
+    cpu_set_t mask;
+    CPU_ZERO(&mask);
+    sched_getaffinity(0, sizeof mask, &mask);
+    memcpy(cores, &mask, sizeof *cores);
+    for (int place = 0; place < omp_get_num_places(); place++) add_place(cores, place);
+}
+
+int cml_cores_count(const struct cml_cores *cores)
+{
+    int count = 0;
+    for (unsigned i = 0; i < 8 * sizeof cores->bits; i++) count += cores->bits[i / 8] >> i % 8 & 1;
+    return count;
 }

@@ -11,32 +11,36 @@
 #include <stdlib.h>
 #include <time.h>
 
-static double processor(void)
+/* Of all threads of this process, s. */
+static double processor_seconds(void)
 {
     return (double)clock() / CLOCKS_PER_SEC;
 }
 
-enum verdict { GO_ON, DONE, STOPPED };
+/* What rank 0 decides at a synchronisation. */
+enum next_step { CONTINUE, FINISHED, STOPPED };
 
+/* One call of cml_run on this rank. */
 struct flight {
     const struct cml_run_setup *setup;
     struct cml_run_result *out;
     struct cml_tally tally; /* of the pieces that the result has not been given yet, but for their profiles */
     uint64_t in_tally;      /* packets */
     void *engine;
-    struct cml_dispatch dispatch;
+    struct cml_work_ranges work;
     struct cml_run_state state; /* `open` is rank 0's */
     struct cml_rank_report mine;
     double begin; /* of this process' flight */
     double due;   /* on rank 0: time of the next checkpoint */
 };
 
-/* ---- flying
- * ------------------------------------------------------------------------------------------------- */
+/* ---- flying ---- */
 
 /* So many packets may each cross a facet 500 times before a cell of a tally overflows. */
 #define MOST_IN_TALLY ((uint64_t)1 << 24)
 
+/* Gives the tally to the result. Not after every piece: adding 64-bit cells to 128-bit ones takes longer than
+ * summing profiles. */
 static void empty_tally(struct flight *flight)
 {
     if (flight->in_tally == 0) return;
@@ -45,6 +49,7 @@ static void empty_tally(struct flight *flight)
     flight->in_tally = 0;
 }
 
+/* The engine adds to the tally; its profiles go to the batch at once, all else when the tally is full. */
 static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, uint64_t count,
                             struct cml_error *err)
 {
@@ -58,45 +63,46 @@ static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, ui
     return CML_OK;
 }
 
-/* Piece by piece, each within one batch, until the range is flown or a meeting is called. */
+/* Piece by piece, each within one batch, until the range is flown or a synchronisation is requested. This
+ * rank requests one when it got a signal and, on rank 0, when a checkpoint is due. */
 static cml_status fly_range(struct flight *flight, struct cml_range *range, struct cml_error *err)
 {
     const uint64_t round = flight->state.end - flight->state.begin;
-    while (range->count > 0 && !cml_cluster_called()) {
+    while (range->count > 0 && !cml_cluster_sync_requested()) {
         const uint64_t place = range->first - flight->state.begin;
         const int batch = cml_batch_of(round, place);
         const uint64_t in_batch = cml_batch_first(round, batch + 1) - place;
-        const uint64_t piece = cml_dispatch_piece(&flight->dispatch);
+        const uint64_t piece = cml_work_piece(&flight->work);
         uint64_t count = in_batch < range->count ? in_batch : range->count;
         if (count > piece) count = piece;
         CML_TRY(fly_piece(flight, batch, range->first, count, err));
         range->first += count;
         range->count -= count;
         if ((flight->setup->checkpoint && cml_stop_requested()) || cml_now() > flight->due)
-            cml_cluster_call();
+            cml_cluster_request_sync();
     }
     return CML_OK;
 }
 
+/* Rank 0 shows what it was told of, and what it has just flown itself. */
 static void show_progress(struct flight *flight, uint64_t just_flown)
 {
     const struct cml_run_setup *setup = flight->setup;
-    const struct cml_progress progress = {cml_dispatch_flown(&flight->dispatch) + just_flown,
-                                          flight->state.end,
+    const struct cml_progress progress = {cml_work_flown(&flight->work) + just_flown, flight->state.end,
                                           flight->state.seconds + cml_now() - flight->begin};
     if (setup->on_progress && cml_cluster_rank() == 0) setup->on_progress(setup->context, &progress);
 }
 
-/* Range after range until there is a reason to meet. *left is what was not flown of the last, *flown what
- * rank 0 has not been told of. */
+/* Range after range until a synchronisation is requested. *left is what was not flown of the last, *flown
+ * what rank 0 has not been told of. */
 static cml_status fly(struct flight *flight, struct cml_range *left, uint64_t *flown, struct cml_error *err)
 {
     for (;;) {
         struct cml_range taken;
         const double begin = cml_now();
-        CML_TRY(cml_dispatch_take(&flight->dispatch, *flown, &taken, err));
-        const double answered = cml_now();
-        flight->mine.asking += answered - begin;
+        CML_TRY(cml_work_take(&flight->work, *flown, &taken, err));
+        const double replied = cml_now();
+        flight->mine.asking += replied - begin;
         *flown = 0;
         if (taken.count == 0) return CML_OK;
         flight->mine.ranges++;
@@ -104,13 +110,12 @@ static cml_status fly(struct flight *flight, struct cml_range *left, uint64_t *f
         CML_TRY(fly_range(flight, left, err));
         *flown = taken.count - left->count;
         if (left->count > 0) return CML_OK;
-        cml_dispatch_timed(&flight->dispatch, taken, cml_now() - answered);
+        cml_work_timed(&flight->work, taken, cml_now() - replied);
         show_progress(flight, *flown);
     }
 }
 
-/* ---- meetings
- * ----------------------------------------------------------------------------------------------- */
+/* ---- synchronisations ---- */
 
 /* A failure ends a run that was asked to stop; otherwise the photons fly on, and the next attempt may
  * succeed. */
@@ -129,14 +134,30 @@ static cml_status write_checkpoint(struct flight *flight, bool stop, double begi
     return status;
 }
 
-/* The next round where one is needed. */
+/* Of the launched weight: a total that hardly scores would keep --target-error flying for ever. */
+#define LEAST_SHARE 1e-3
+
+/* The largest relative standard error of those of Rd, A and Tt that hold at least this share. */
+static double relative_error(const struct cml_result *result)
+{
+    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
+    double largest = 0;
+    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
+        const double share = cml_result_total(result, totals[i]);
+        if (share < LEAST_SHARE) continue;
+        largest = fmax(largest, cml_result_error(result, totals[i]) / share);
+    }
+    return largest;
+}
+
+/* The next round of --target-error where one is needed: as long as all before it together. */
 static cml_status begin_round(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
     struct cml_result *result = &flight->out->result;
     struct cml_run_state *state = &flight->state;
     const bool full = state->end > ((uint64_t)1 << 47);
-    if (setup->target_error <= 0 || full || cml_run_error(result) <= setup->target_error) return CML_OK;
+    if (setup->target_error <= 0 || full || relative_error(result) <= setup->target_error) return CML_OK;
     state->begin = state->end;
     state->end = 2 * state->end;
     result->photons = state->end;
@@ -144,71 +165,75 @@ static cml_status begin_round(struct flight *flight, struct cml_error *err)
 }
 
 /* What rank 0 decides when it has everything. */
-static cml_status decide(struct flight *flight, bool stop, double begin, enum verdict *verdict,
+static cml_status decide(struct flight *flight, bool stop, double begin, enum next_step *next,
                          struct cml_error *err)
 {
-    *verdict = stop ? STOPPED : GO_ON;
+    *next = stop ? STOPPED : CONTINUE;
     if (flight->state.open.total == 0) CML_TRY(begin_round(flight, err));
     if (flight->state.open.total == 0)
-        *verdict = DONE;
+        *next = FINISHED;
     else if (flight->setup->checkpoint && (stop || cml_now() > flight->due))
         return write_checkpoint(flight, stop, begin, err);
     return CML_OK;
 }
 
-/* Rank 0's round and verdict become everyone's. */
-static cml_status follow(struct flight *flight, enum verdict *verdict, struct cml_error *err)
+/* Rank 0's round and decision become everyone's. */
+static cml_status share_decision(struct flight *flight, enum next_step *next, struct cml_error *err)
 {
-    uint64_t word[3] = {flight->state.begin, flight->state.end, (uint64_t)*verdict};
+    uint64_t word[3] = {flight->state.begin, flight->state.end, (uint64_t)*next};
     CML_TRY(cml_cluster_share(word, sizeof word, err));
     flight->state.begin = word[0];
     flight->state.end = word[1];
-    *verdict = (enum verdict)word[2];
+    *next = (enum next_step)word[2];
     return CML_OK;
 }
 
-static cml_status meet(struct flight *flight, cml_status mine, struct cml_range left, uint64_t flown,
-                       enum verdict *verdict, struct cml_error *err)
+/* All ranks come together: what they did not fly goes back, their results are summed, rank 0 decides how it
+ * goes on. `mine` is how this rank fared; a failure of any ends the run on all. */
+static cml_status synchronise(struct flight *flight, cml_status mine, struct cml_range left, uint64_t flown,
+                              enum next_step *next, struct cml_error *err)
 {
     const double begin = cml_now();
-    CML_TRY(cml_cluster_meet(err));
-    const double met = cml_now();
-    flight->mine.waiting += met - begin;
+    CML_TRY(cml_cluster_synchronise(err));
+    const double all_here = cml_now();
+    flight->mine.waiting += all_here - begin;
     CML_TRY(cml_cluster_agree(mine, err));
     bool stop = flight->setup->checkpoint && cml_stop_requested();
-    CML_TRY(cml_dispatch_return(&flight->dispatch, left, flown, &stop, err));
+    CML_TRY(cml_work_return(&flight->work, left, flown, &stop, err));
     empty_tally(flight);
     CML_TRY(cml_cluster_sum(&flight->out->result, err));
     cml_status status = CML_OK;
-    if (cml_cluster_rank() == 0) status = decide(flight, stop, met, verdict, err);
+    if (cml_cluster_rank() == 0) status = decide(flight, stop, all_here, next, err);
     CML_TRY(cml_cluster_agree(status, err));
-    CML_TRY(follow(flight, verdict, err));
-    flight->mine.meeting += cml_now() - met;
+    CML_TRY(share_decision(flight, next, err));
+    flight->mine.summing += cml_now() - all_here;
     return CML_OK;
 }
 
+/* From synchronisation to synchronisation until rank 0 says that it is enough. */
 static cml_status fly_all(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
-    enum verdict verdict = GO_ON;
-    while (verdict == GO_ON) {
+    enum next_step next = CONTINUE;
+    while (next == CONTINUE) {
         struct cml_range left = {0};
         uint64_t flown = 0;
         const cml_status status = fly(flight, &left, &flown, err);
         if (status != CML_OK) left = (struct cml_range){0};
-        CML_TRY(meet(flight, status, left, flown, &verdict, err));
+        CML_TRY(synchronise(flight, status, left, flown, &next, err));
         show_progress(flight, 0);
     }
-    if (verdict == DONE) return CML_OK;
+    if (next == FINISHED) return CML_OK;
     return cml_fail(err, CML_E_STOPPED,
                     "%s: stopped with %llu of %llu packets to fly; --resume continues from %s",
                     setup->scene->output, (unsigned long long)flight->state.open.total,
                     (unsigned long long)flight->state.end, setup->checkpoint);
 }
 
-/* ---- beginning and end
- * -------------------------------------------------------------------------------------- */
+/* ---- beginning and end ---- */
 
+/* On rank 0: the state of a checkpoint where --resume asks for it. *fresh: there was none, and the run begins
+ * anew. */
 static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -251,6 +276,8 @@ static double measure_overhead(struct flight *flight)
     return 2 * (cml_now() - begin);
 }
 
+/* What may fail on one rank alone: memory, the engine, a checkpoint. run_flight makes all ranks agree on
+ * it before the first photon. */
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -258,10 +285,11 @@ static cml_status open_flight(struct flight *flight, const struct cml_grid *grid
     CML_TRY(cml_tally_create(grid, &flight->tally, err));
     CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &setup->options, &flight->engine, err));
     flight->out->threads = setup->engine->threads(flight->engine);
-    CML_TRY(cml_dispatch_open(&flight->dispatch, &flight->state.open, measure_overhead(flight), err));
+    CML_TRY(cml_work_open(&flight->work, &flight->state.open, measure_overhead(flight), err));
     return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;
 }
 
+/* How each rank spent its time, for --verbose and --json. */
 static cml_status gather_reports(struct flight *flight, struct cml_error *err)
 {
     struct cml_run_result *out = flight->out;
@@ -272,22 +300,23 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
         status = cml_fail_memory(err, out->ranks * (double)sizeof *out->rank, "the ranks' reports");
     CML_TRY(cml_cluster_agree(status, err));
     flight->mine.elapsed = cml_now() - flight->begin;
-    flight->mine.processor = processor() - flight->mine.processor;
+    flight->mine.processor = processor_seconds() - flight->mine.processor;
     out->seconds = flight->state.seconds + flight->mine.elapsed;
     return cml_cluster_gather(&flight->mine, sizeof flight->mine, out->rank, err);
 }
 
-/* Between the agreement that everyone is ready and the last meeting nobody may leave. */
+/* Between the agreement that everyone is ready and the last synchronisation nobody may leave: the others
+ * would wait for it. So failures are carried there, and agreed on. */
 static cml_status run_flight(struct flight *flight, cml_status ready, struct cml_error *err)
 {
-    enum verdict verdict = flight->out->finished ? DONE : GO_ON;
+    enum next_step next = flight->out->finished ? FINISHED : CONTINUE;
     CML_TRY(cml_cluster_agree(ready, err));
-    CML_TRY(follow(flight, &verdict, err));
-    flight->out->finished = verdict == DONE;
-    if (verdict == DONE) return CML_OK;
-    flight->dispatch.flown = flight->state.end - flight->state.open.total;
+    CML_TRY(share_decision(flight, &next, err));
+    flight->out->finished = next == FINISHED;
+    if (next == FINISHED) return CML_OK;
+    flight->work.flown = flight->state.end - flight->state.open.total;
     flight->begin = cml_now();
-    flight->mine.processor = processor();
+    flight->mine.processor = processor_seconds();
     flight->due = cml_cluster_rank() == 0 && flight->setup->checkpoint
                       ? flight->begin + flight->setup->interval
                       : INFINITY;
@@ -295,6 +324,7 @@ static cml_status run_flight(struct flight *flight, cml_status ready, struct cml
     return gather_reports(flight, err);
 }
 
+/* Cleared first and freed last, so that every step may fail: closing what was not opened does nothing. */
 cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out, struct cml_error *err)
 {
     const struct cml_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
@@ -302,7 +332,7 @@ cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out
     *out = (struct cml_run_result){0};
     cml_status status = open_flight(&flight, &grid, err);
     status = run_flight(&flight, status, err);
-    cml_dispatch_close(&flight.dispatch);
+    cml_work_close(&flight.work);
     setup->engine->close(flight.engine);
     cml_tally_free(&flight.tally);
     cml_ranges_clear(&flight.state.open);
@@ -317,21 +347,10 @@ void cml_run_result_free(struct cml_run_result *out)
     *out = (struct cml_run_result){0};
 }
 
-double cml_run_error(const struct cml_result *result)
+double cml_run_steps(const struct cml_run_result *run)
 {
-    static const struct {
-        enum cml_book book;
-        enum cml_total total;
-    } totals[] = {{CML_BOOK_REFLECTED, CML_TOTAL_REFLECTED},
-                  {CML_BOOK_ABSORBED, CML_TOTAL_ABSORBED},
-                  {CML_BOOK_TRANSMITTED, CML_TOTAL_TRANSMITTED}};
-    double largest = 0;
-    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        const double share = cml_result_share(result, totals[i].book);
-        if (share < CML_TARGET_LEAST_SHARE) continue;
-        largest = fmax(largest, cml_result_error(result, totals[i].total) / share);
-    }
-    return largest;
+    const cml_u128 *count = run->result.summary.count;
+    return (double)(count[CML_COUNT_INTERACTIONS] + count[CML_COUNT_BOUNDARY_EVENTS]);
 }
 
 double cml_run_processor(const struct cml_run_result *run)
@@ -341,6 +360,8 @@ double cml_run_processor(const struct cml_run_result *run)
     return seconds;
 }
 
+/* Weighted by time, not the mean of the ranks' shares: a rank that was there for a short time counts for
+ * little. */
 double cml_run_idle(const struct cml_run_result *run)
 {
     double waiting = 0, elapsed = 0;
@@ -355,27 +376,32 @@ double cml_run_communication(const struct cml_run_result *run)
 {
     double spent = 0, elapsed = 0;
     for (int i = 0; i < run->ranks; i++) {
-        spent += run->rank[i].asking + run->rank[i].meeting;
+        spent += run->rank[i].asking + run->rank[i].summing;
         elapsed += run->rank[i].elapsed;
     }
     return elapsed > 0 ? spent / elapsed : 0;
 }
 
+/* An imbalance is a fault of the program, and comes first. Lost packets are a numerical failure that is
+ * allowed as long as it is rarer than the noise of any run. */
 cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                            struct cml_error *err)
 {
-    const double residue = cml_result_residue(result);
-    if (residue != 0)
+    const double imbalance = cml_result_imbalance(result);
+    if (imbalance != 0)
         return cml_fail(err, CML_E_NUMERIC,
                         "%s: the energy books do not balance: residue %.17g of 2^-31 packets", scene->output,
-                        residue);
-    const double lost = (double)cml_result_lost(result), photons = (double)result->count[CML_COUNT_PHOTONS];
+                        imbalance);
+    const double lost = (double)cml_result_lost(result),
+                 photons = (double)result->summary.count[CML_COUNT_PHOTONS];
     if (lost > 1e-6 * photons)
         return cml_fail(err, CML_E_NUMERIC, "%s: %.0f of %.0f packets lost (at most 1 in 1e6 may be)",
                         scene->output, lost, photons);
     return CML_OK;
 }
 
+/* The result, the tally of the run, and the tally of each thread; what the engine itself takes is counted
+ * where its surfaces are made. */
 double cml_run_bytes(const struct cml_grid *grid, int threads)
 {
     const struct cml_grid of_thread = cml_grid_of_thread(grid);

@@ -1,12 +1,13 @@
 /* One run: photon indices through an engine into a result, on all ranks, with progress and checkpoints.
- * Knows no terminal. All ranks fly ranges (work_ranges.h) into results of their own and meet when nothing is
- * left, when a checkpoint is due, on a signal and on an error; there the results are summed into that of rank
- * 0. A result is a sum of integers over indices: it depends neither on the number of ranks and threads nor on
- * stops. SPDX-License-Identifier: MIT */
+ * Knows no terminal. All ranks fly ranges (work_ranges.h) into results of their own and synchronise when
+ * nothing is left, when a checkpoint is due, on a signal and on an error; there the results are summed into
+ * that of rank 0. A result is a sum of integers over indices: it depends neither on the number of ranks and
+ * threads nor on stops. SPDX-License-Identifier: MIT */
 #ifndef CML_RUN_H
 #define CML_RUN_H
 
 #include "engine/engine.h"
+#include "tally/result.h"
 
 struct cml_progress {
     uint64_t done, total; /* photons */
@@ -15,10 +16,6 @@ struct cml_progress {
 typedef void cml_progress_function(void *context, const struct cml_progress *progress);
 typedef void cml_note_function(void *context, const char *text); /* one line for people */
 
-/* Largest relative standard error of those of Rd, A and Tt that hold at least this share of the launched
- * weight: a total that hardly scores would keep --target-error flying for ever. */
-#define CML_TARGET_LEAST_SHARE 1e-3
-
 struct cml_run_setup {
     const struct cml_scene *scene;
     const struct cml_surface_set *surfaces;
@@ -26,14 +23,15 @@ struct cml_run_setup {
     struct cml_engine_options options;
     uint64_t photons;
     double target_error; /* 0: fly `photons`. Else rounds of N, N, 2N, 4N ... packets, N = `photons` rounded
-                          * up to 64, until cml_run_error after a round is not above it: it is looked at
-                          * nowhere else, so that the end depends on the seed only. Each round has its own 64
-                          * batches, all equally long, so batch b holds the b-th 64th of every round. */
+                          * up to 64, until after a round the relative standard errors of Rd, A and Tt, those
+                          * above 1e-3, are not above it: it is looked at nowhere else, so that the end
+                          * depends on the seed only. Each round has its own 64 batches, all equally long, so
+                          * batch b holds the b-th 64th of every round. */
     const char *checkpoint; /* file; NULL: none, and no signal is watched */
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;               /* of the run, see identity.h; with a checkpoint */
     bool resume;                        /* continue from the checkpoint, if there is one */
-    cml_progress_function *on_progress; /* about four times a second; NULL: silent */
+    cml_progress_function *on_progress; /* after every range of rank 0, some twice a second; NULL: silent */
     cml_note_function *on_note;         /* NULL: silent */
     void *context;
 };
@@ -43,8 +41,8 @@ struct cml_rank_report {
     uint64_t photons, ranges;
     double flying;  /* in the engine */
     double asking;  /* for ranges */
-    double waiting; /* for other ranks, at meetings */
-    double meeting; /* sums and checkpoints, once all were there */
+    double waiting; /* for other ranks, at synchronisations */
+    double summing; /* sums and checkpoints, once all were there */
     double elapsed;
     double processor; /* of all threads, since the start or the resume */
 };
@@ -58,24 +56,25 @@ struct cml_run_result {
     struct cml_rank_report *rank; /* [ranks] on rank 0 */
 };
 
+/* Interactions and boundary events of all packets: what the time per step counts. */
+double cml_run_steps(const struct cml_run_result *run);
+
 /* Processor seconds of the photons' flight on all ranks: what it costs on a machine that others use too. */
 double cml_run_processor(const struct cml_run_result *run);
 
 /* Flies all photons. Collective; the result is rank 0's, that of the others is zero. *out is owned by the
- * caller (cml_run_result_free), cleared on failure. Lost packets and residues are no failure here: see
+ * caller (cml_run_result_free), cleared on failure. Lost packets and an imbalance are no failure here: see
  * cml_run_verdict. CML_E_STOPPED: a signal came, and the checkpoint was written. */
 CML_NODISCARD cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out,
                                  struct cml_error *err);
 void cml_run_result_free(struct cml_run_result *out);
 
-/* The relative standard error that --target-error asks for. */
-double cml_run_error(const struct cml_result *result);
-
-/* Shares of all ranks' time that went into waiting for other ranks, and into asking and meetings. */
+/* Shares of all ranks' time that went into waiting for other ranks, and into requests and synchronisations.
+ */
 double cml_run_idle(const struct cml_run_result *run);
 double cml_run_communication(const struct cml_run_result *run);
 
-/* P9, P10: CML_E_NUMERIC when books do not balance or more than 1e-6 of the packets were lost. */
+/* P9, P10: CML_E_NUMERIC when the weight does not balance or more than 1e-6 of the packets were lost. */
 CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,
                                          struct cml_error *err);
 

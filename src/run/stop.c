@@ -5,14 +5,19 @@
 #include <stddef.h>
 #include <unistd.h>
 
+/* All that a signal handler may write without harm; the run looks at it between two pieces. */
 static volatile sig_atomic_t requested;
 
+/* The second signal ends the process as if it had not been caught: exit code 128 + number, as shells
+ * report it. _exit, because exit is not safe in a handler. */
 static void remember(int signal)
 {
     if (requested) _exit(128 + signal);
     requested = 1;
 }
 
+/* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.
+ * nohup and the like set signals to be ignored, and mean it. */
 void cml_stop_watch(void)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGUSR1, SIGUSR2, SIGXCPU};

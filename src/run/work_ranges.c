@@ -6,135 +6,148 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define FIRST_WANT 1024
-#define LEAST_PIECE 4096
+#define FIRST_WANT 1024  /* packets of a rank's first range, whose speed nobody knows yet */
+#define LEAST_PIECE 4096 /* packets: fewer leave threads and vectors without work */
 
-/* Seconds that a range shall take. Rank 0 can answer some 1e5 questions per second; at this pace 1e4 ranks
- * ask 1e4. A piece shall take 25 times its overhead, a range two pieces at least. */
-static double target_seconds(const struct cml_dispatch *dispatch)
+/* Seconds that a range shall take. Rank 0 can answer some 1e5 requests per second; at this pace 1e4 ranks
+ * send 1e4. A piece shall take 25 times its overhead, a range two pieces at least. */
+static double target_seconds(const struct cml_work_ranges *work)
 {
-    return fmax(0.5, fmax(1e-4 * cml_cluster_size(), 50 * dispatch->overhead));
+    return fmax(0.5, fmax(1e-4 * cml_cluster_size(), 50 * work->overhead));
 }
 
-/* Not below a sixteenth of what was asked for: that would cost more in questions than it saves in waiting. */
-static uint64_t fair_count(struct cml_dispatch *dispatch, int rank, uint64_t want)
+/* Half of the rank's share of what is left, by what ranks last wanted, which is as their speeds; but not
+ * below a sixteenth of what was asked for: that would cost more in requests than it saves in waiting. */
+static uint64_t fair_count(struct cml_work_ranges *work, int rank, uint64_t want)
 {
     if (cml_cluster_size() == 1) return want;
-    dispatch->all_wants += want - dispatch->wants[rank];
-    dispatch->wants[rank] = want;
-    const cml_u128 half = dispatch->open->total / 2;
-    const uint64_t fair = (uint64_t)(half * want / dispatch->all_wants), least = want / 16 + 1;
+    work->all_wants += want - work->wants[rank];
+    work->wants[rank] = want;
+    const cml_u128 half = work->open->total / 2;
+    const uint64_t fair = (uint64_t)(half * want / work->all_wants), least = want / 16 + 1;
     if (fair > want) return want;
     return fair > least ? fair : least;
 }
 
-/* On rank 0, for any rank. */
-static struct cml_range take(struct cml_dispatch *dispatch, int rank, uint64_t want, uint64_t flown)
+/* On rank 0, for any rank. Once nothing is left all must synchronise: ranks may still bring indices back. */
+static struct cml_range take(struct cml_work_ranges *work, int rank, uint64_t want, uint64_t flown)
 {
     struct cml_range range = {0};
-    pthread_mutex_lock(&dispatch->lock);
-    dispatch->flown += flown;
-    if (!cml_cluster_called()) {
-        range = cml_ranges_take(dispatch->open, fair_count(dispatch, rank, want));
-        if (range.count == 0) cml_cluster_call();
+    pthread_mutex_lock(&work->lock);
+    work->flown += flown;
+    if (!cml_cluster_sync_requested()) {
+        range = cml_ranges_take(work->open, fair_count(work, rank, want));
+        if (range.count == 0) cml_cluster_request_sync();
     }
-    pthread_mutex_unlock(&dispatch->lock);
+    pthread_mutex_unlock(&work->lock);
     return range;
 }
 
-static void answer(void *context, int rank, const struct cml_question *question, struct cml_answer *answer)
+/* In rank 0's service thread, for another rank. */
+static void reply_to(void *context, int rank, const struct cml_work_request *request,
+                     struct cml_work_reply *reply)
 {
-    const struct cml_range range = take(context, rank, question->want, question->flown);
-    answer->first = range.first;
-    answer->count = range.count;
+    const struct cml_range range = take(context, rank, request->want, request->flown);
+    reply->first = range.first;
+    reply->count = range.count;
 }
 
-cml_status cml_dispatch_open(struct cml_dispatch *dispatch, struct cml_ranges *open, double overhead,
-                             struct cml_error *err)
+/* All ranks begin with the same small range, because their speeds are not known: all_wants is their sum
+ * then. */
+cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, double overhead,
+                         struct cml_error *err)
 {
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
-    *dispatch = (struct cml_dispatch){
+    *work = (struct cml_work_ranges){
         .open = open, .overhead = overhead, .want = FIRST_WANT, .all_wants = size * FIRST_WANT};
-    dispatch->wants = malloc(size * sizeof *dispatch->wants);
-    if (!dispatch->wants) return cml_fail_memory(err, (double)size * 8, "the ranks");
-    for (size_t i = 0; i < size; i++) dispatch->wants[i] = FIRST_WANT;
-    pthread_mutex_init(&dispatch->lock, NULL);
-    if (cml_cluster_rank() == 0) cml_cluster_serve(answer, dispatch);
+    work->wants = malloc(size * sizeof *work->wants);
+    if (!work->wants) return cml_fail_memory(err, (double)size * 8, "the ranks");
+    for (size_t i = 0; i < size; i++) work->wants[i] = FIRST_WANT;
+    pthread_mutex_init(&work->lock, NULL);
+    if (cml_cluster_rank() == 0) cml_cluster_set_handler(reply_to, work);
     return CML_OK;
 }
 
-void cml_dispatch_close(struct cml_dispatch *dispatch)
+void cml_work_close(struct cml_work_ranges *work)
 {
-    if (cml_cluster_rank() == 0) cml_cluster_serve(NULL, NULL);
-    if (dispatch->wants) pthread_mutex_destroy(&dispatch->lock);
-    free(dispatch->wants);
+    if (cml_cluster_rank() == 0) cml_cluster_set_handler(NULL, NULL);
+    if (work->wants) pthread_mutex_destroy(&work->lock);
+    free(work->wants);
 }
 
-cml_status cml_dispatch_take(struct cml_dispatch *dispatch, uint64_t flown, struct cml_range *range,
-                             struct cml_error *err)
+/* Rank 0 serves itself without a message. */
+cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cml_range *range,
+                         struct cml_error *err)
 {
-    const struct cml_question question = {dispatch->want, flown};
-    struct cml_answer answer;
+    const struct cml_work_request request = {work->want, flown};
+    struct cml_work_reply reply;
     if (cml_cluster_rank() == 0) {
-        *range = take(dispatch, 0, question.want, flown);
+        *range = take(work, 0, request.want, flown);
         return CML_OK;
     }
-    CML_TRY(cml_cluster_ask(&question, &answer, err));
-    *range = (struct cml_range){answer.first, answer.count};
+    CML_TRY(cml_cluster_request(&request, &reply, err));
+    *range = (struct cml_range){reply.first, reply.count};
     return CML_OK;
 }
 
-uint64_t cml_dispatch_piece(const struct cml_dispatch *dispatch)
+/* At most a quarter of a range, but not below 25 times the overhead of a piece. */
+uint64_t cml_work_piece(const struct cml_work_ranges *work)
 {
-    const double pieces = fmin(4, target_seconds(dispatch) / (25 * dispatch->overhead));
-    return (uint64_t)fmax(LEAST_PIECE, (double)dispatch->want / pieces);
+    const double pieces = fmin(4, target_seconds(work) / (25 * work->overhead));
+    return (uint64_t)fmax(LEAST_PIECE, (double)work->want / pieces);
 }
 
-uint64_t cml_dispatch_flown(struct cml_dispatch *dispatch)
+uint64_t cml_work_flown(struct cml_work_ranges *work)
 {
-    pthread_mutex_lock(&dispatch->lock);
-    const uint64_t flown = dispatch->flown;
-    pthread_mutex_unlock(&dispatch->lock);
+    pthread_mutex_lock(&work->lock);
+    const uint64_t flown = work->flown;
+    pthread_mutex_unlock(&work->lock);
     return flown;
 }
 
-void cml_dispatch_timed(struct cml_dispatch *dispatch, struct cml_range range, double seconds)
+/* Times within two thirds and twice the target change nothing, and no step is larger than a factor of 4 down
+ * or 8 up: a single range that was disturbed must not upset the next. */
+void cml_work_timed(struct cml_work_ranges *work, struct cml_range range, double seconds)
 {
-    const double ratio = target_seconds(dispatch) / fmax(seconds, 1e-9);
-    if (range.count < dispatch->want) return; /* cut short: says little of the speed */
+    const double ratio = target_seconds(work) / fmax(seconds, 1e-9);
+    if (range.count < work->want) return; /* cut short: says little of the speed */
     if (ratio > 0.67 && ratio < 2) return;
-    const double want = (double)dispatch->want * fmin(8, fmax(0.25, ratio));
-    dispatch->want = (uint64_t)fmin((double)CML_TALLY_MAX_PHOTONS, fmax(1, want));
+    const double want = (double)work->want * fmin(8, fmax(0.25, ratio));
+    work->want = (uint64_t)fmin((double)CML_TALLY_MAX_PHOTONS, fmax(1, want));
 }
 
-/* What a rank brings to a meeting. */
+/* What a rank brings to a synchronisation. */
 struct returned {
     struct cml_range left;
     uint64_t flown;
     uint64_t stop;
 };
 
-static cml_status collect(struct cml_dispatch *dispatch, const struct returned *all, bool *stop,
+/* On rank 0. What a rank did not fly is open again; ranges need no order. */
+static cml_status collect(struct cml_work_ranges *work, const struct returned *all, bool *stop,
                           struct cml_error *err)
 {
     for (int i = 0; i < cml_cluster_size(); i++) {
-        dispatch->flown += all[i].flown;
+        work->flown += all[i].flown;
         *stop = *stop || all[i].stop;
-        CML_TRY(cml_ranges_add(dispatch->open, all[i].left, err));
+        CML_TRY(cml_ranges_add(work->open, all[i].left, err));
     }
     return CML_OK;
 }
 
-cml_status cml_dispatch_return(struct cml_dispatch *dispatch, struct cml_range left, uint64_t flown,
-                               bool *stop, struct cml_error *err)
+/* Both ends agree on their status, because a rank that failed to get memory must not leave the others in
+ * the gather. */
+cml_status cml_work_return(struct cml_work_ranges *work, struct cml_range left, uint64_t flown, bool *stop,
+                           struct cml_error *err)
 {
     const struct returned mine = {left, flown, *stop};
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
     struct returned *all = malloc(size * sizeof *all);
-    cml_status status = all ? CML_OK : cml_fail_memory(err, (double)(size * sizeof *all), "the meeting");
+    cml_status status =
+        all ? CML_OK : cml_fail_memory(err, (double)(size * sizeof *all), "what ranks give back");
     status = cml_cluster_agree(status, err);
     if (status == CML_OK) status = cml_cluster_gather(&mine, sizeof mine, all, err);
-    if (status == CML_OK && cml_cluster_rank() == 0) status = collect(dispatch, all, stop, err);
+    if (status == CML_OK && cml_cluster_rank() == 0) status = collect(work, all, stop, err);
     free(all);
     return cml_cluster_agree(status, err);
 }

@@ -1,10 +1,11 @@
-/* SPDX-License-Identifier: MIT */
+/* Heightmaps as they are measured: memory, missing heights, place, moments. SPDX-License-Identifier: MIT */
 #include "scene/heightmap.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* In double: the product of two ints from a file may not fit an int. */
 cml_status cml_heightmap_allocate(const char *path, double nx, double ny, struct cml_heightmap *map,
                                   struct cml_error *err)
 {
@@ -40,6 +41,7 @@ cml_status cml_heightmap_check(const char *path, const struct cml_heightmap *map
         path, missing, count, first / nx + 1, first % nx + 1);
 }
 
+/* Rows in the opposite order: from the top row first to the lowest y first, and a turn about the x axis. */
 static void swap_rows(struct cml_heightmap *map)
 {
     const size_t nx = (size_t)map->nx, ny = (size_t)map->ny;
@@ -52,13 +54,15 @@ static void swap_rows(struct cml_heightmap *map)
         }
 }
 
-void cml_heightmap_settle(struct cml_heightmap *map)
+void cml_heightmap_centre(struct cml_heightmap *map)
 {
     swap_rows(map);
     map->x0 = -0.5 * (map->nx - 1) * map->dx;
     map->y0 = -0.5 * (map->ny - 1) * map->dy;
 }
 
+/* A turn about the x axis changes the signs of y and of the heights; y is symmetric about the map's middle,
+ * so that only the order of the rows changes. */
 void cml_heightmap_place(struct cml_heightmap *map, double scale, const double shift[3], bool turn)
 {
     const size_t count = (size_t)map->nx * (size_t)map->ny;
@@ -86,6 +90,7 @@ static double slope_squares(const struct cml_heightmap *map, const double *h, in
     return sum / 2;
 }
 
+/* Squares about the mean in a second pass: in one, a shallow relief far up would lose its digits. */
 void cml_heightmap_measure(const struct cml_heightmap *map, const double *h, struct cml_relief *relief)
 {
     const size_t count = (size_t)map->nx * (size_t)map->ny;

@@ -57,7 +57,7 @@ CML_NODISCARD cml_status cml_heightmap_check(const char *path, const struct cml_
                                              struct cml_error *err);
 
 /* From a file's order, top row first, to ours, and the map's middle to x = y = 0. */
-void cml_heightmap_settle(struct cml_heightmap *map);
+void cml_heightmap_centre(struct cml_heightmap *map);
 
 /* scale > 0 multiplies all lengths; then `turn` puts the map upside down, about the x axis; then the shift
  * (x, y, height; cm) is added. */

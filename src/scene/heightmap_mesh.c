@@ -17,6 +17,7 @@ struct builder {
     bool out_of_memory;
 };
 
+/* What cml_split_walk calls: triangles and the vertices that they use. */
 static void add_triangle(void *context, const size_t corner[3])
 {
     struct builder *b = context;
@@ -34,13 +35,12 @@ static void add_triangle(void *context, const size_t corner[3])
 
 /* ---- the rim ---- */
 
-/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x.
- */
 static size_t rim_length(const struct cml_heightmap *map)
 {
     return 2 * ((size_t)map->nx - 1) + 2 * ((size_t)map->ny - 1);
 }
 
+/* Sample k of the rim, 0 <= k < rim_length, counter-clockwise; *side: 0 low y, 1 high x, 2 high y, 3 low x */
 static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
 {
     const size_t nx = (size_t)map->nx, x = nx - 1, y = (size_t)map->ny - 1;
@@ -51,7 +51,7 @@ static size_t rim_sample(const struct cml_heightmap *map, size_t k, int *side)
     return (2 * x + 2 * y - k) * nx;
 }
 
-/* Mean height along the rim. */
+/* Mean height along the rim, by the trapezoidal rule, as spacings along x and y may differ. */
 static double rim_mean(const struct cml_heightmap *map)
 {
     const size_t length = rim_length(map);
@@ -66,6 +66,7 @@ static double rim_mean(const struct cml_heightmap *map)
     return sum / weight;
 }
 
+/* Which samples of the rim the merged triangles still use; the skirt begins at these, or slits would open. */
 static void list_rim(struct builder *b)
 {
     const size_t length = rim_length(b->map);
@@ -78,7 +79,7 @@ static void list_rim(struct builder *b)
 
 /* ---- the mesh ---- */
 
-static void place(const struct cml_heightmap *map, size_t sample, double out[3])
+static void position_of(const struct cml_heightmap *map, size_t sample, double out[3])
 {
     const size_t nx = (size_t)map->nx;
     out[0] = map->x0 + (double)(sample % nx) * map->dx;
@@ -86,7 +87,7 @@ static void place(const struct cml_heightmap *map, size_t sample, double out[3])
     out[2] = -map->h[sample];
 }
 
-static void emit(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
+static void add_face(struct cml_mesh *mesh, size_t a, size_t b, size_t c)
 {
     const uint32_t corner[3] = {(uint32_t)a, (uint32_t)b, (uint32_t)c};
     memcpy(mesh->triangle[mesh->num_triangles++], corner, sizeof corner);
@@ -123,22 +124,24 @@ static void add_skirt(const struct builder *b, const struct cml_heightmap_notes 
         if (i > 0) {
             const size_t before = b->vertex[b->rim[i - 1]] - 1, old = outer;
             outer = add_outside(notes, mesh, here, sx[side], sy[side]);
-            emit(mesh, before, old, outer);
-            emit(mesh, before, outer, here);
+            add_face(mesh, before, old, outer);
+            add_face(mesh, before, outer, here);
         }
         if (i == b->num_rim || sample != corners[(side + 1) % 4]) continue;
         const int next = (side + 1) % 4;
         const size_t diagonal = add_outside(notes, mesh, here, sx[side] + sx[next], sy[side] + sy[next]);
         const size_t onward = add_outside(notes, mesh, here, sx[next], sy[next]);
-        if (i > 0) emit(mesh, here, outer, diagonal);
+        if (i > 0) add_face(mesh, here, outer, diagonal);
         if (i == 0) first_outer = diagonal;
-        emit(mesh, here, diagonal, onward);
+        add_face(mesh, here, diagonal, onward);
         outer = onward;
         side = next;
     }
-    emit(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
+    add_face(mesh, b->vertex[b->rim[0]] - 1, outer, first_outer);
 }
 
+/* Vertices are numbered in the order of the samples, so that a map where nothing was merged stays a regular
+ * grid, row by row: the mesh's query knows such grids (surface/mesh/grid_mesh.h). */
 static cml_status build(struct builder *b, const struct cml_heightmap_notes *notes, struct cml_mesh *mesh,
                         struct cml_error *err)
 {
@@ -152,18 +155,19 @@ static cml_status build(struct builder *b, const struct cml_heightmap_notes *not
         return cml_fail_memory(err, 24.0 * (double)vertices + 12.0 * (double)triangles, "a mesh");
     for (size_t i = 0; i < samples; i++) {
         if (!b->vertex[i]) continue;
-        place(b->map, i, mesh->vertex[mesh->num_vertices++]);
+        position_of(b->map, i, mesh->vertex[mesh->num_vertices++]);
         b->vertex[i] = (uint32_t)mesh->num_vertices;
     }
     for (size_t t = 0; t < b->count; t++)
-        emit(mesh, b->vertex[b->corner[t][0]] - 1, b->vertex[b->corner[t][1]] - 1,
-             b->vertex[b->corner[t][2]] - 1);
+        add_face(mesh, b->vertex[b->corner[t][0]] - 1, b->vertex[b->corner[t][1]] - 1,
+                 b->vertex[b->corner[t][2]] - 1);
     add_skirt(b, notes, mesh);
     return CML_OK;
 }
 
 /* ---- the notes ---- */
 
+/* A skirt as wide as its highest step is nowhere steeper than 45 degrees. */
 static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes *notes)
 {
     const size_t length = rim_length(map);
@@ -177,6 +181,8 @@ static void note_rim(const struct cml_heightmap *map, struct cml_heightmap_notes
     notes->skirt[1] = fmax(map->dy, notes->rim_step);
 }
 
+/* The tolerance is relative to the relief, so that it does not depend on units or on where heights count
+ * from. */
 static void note_map(const struct cml_heightmap *map, double tolerance, struct cml_heightmap_notes *notes)
 {
     *notes = (struct cml_heightmap_notes){.nx = map->nx, .ny = map->ny, .dx = map->dx, .dy = map->dy};
@@ -217,6 +223,8 @@ static void clear(struct builder *b, double *surface)
     free(b->rim);
 }
 
+/* Heights are merged first, at the samples; only what is left becomes vertices and triangles, so that a large
+ * map never has all its triangles in memory. */
 cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
                               struct cml_mesh *mesh, struct cml_heightmap_notes *notes, struct cml_error *err)
 {

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Errors from the finest triangles up, then triangles from the squares down. SPDX-License-Identifier: MIT */
 #include "scene/heightmap_split.h"
 
 #include <math.h>
@@ -22,7 +22,7 @@ static struct point middle(struct point a, struct point b)
     return (struct point){(a.x + b.x) / 2, (a.y + b.y) / 2};
 }
 
-static bool holds(const struct cml_heightmap *map, struct point p)
+static bool on_map(const struct cml_heightmap *map, struct point p)
 {
     return p.x < map->nx && p.y < map->ny;
 }
@@ -32,17 +32,19 @@ static size_t index_of(const struct cml_heightmap *map, struct point p)
     return (size_t)p.y * (size_t)map->nx + (size_t)p.x;
 }
 
-/* Squares begin at sample 0, 0 and may reach beyond the last row and column. */
+/* Squares begin at sample 0, 0 and may reach beyond the last row and column: triangles there are bisected
+ * until they are inside or outside. */
 static enum place place_of(const struct cml_heightmap *map, const struct triangle *t)
 {
-    if (holds(map, t->a) && holds(map, t->b) && holds(map, t->c)) return INSIDE;
+    if (on_map(map, t->a) && on_map(map, t->b) && on_map(map, t->c)) return INSIDE;
     const int x = map->nx - 1, y = map->ny - 1;
     const bool right = t->a.x >= x && t->b.x >= x && t->c.x >= x;
     const bool above = t->a.y >= y && t->b.y >= y && t->c.y >= y;
     return right || above ? OUTSIDE : ACROSS;
 }
 
-static void halve(const struct triangle *t, struct triangle half[2])
+/* Longest-edge bisection: both halves are right-angled again, with the new middle as the right angle. */
+static void bisect(const struct triangle *t, struct triangle half[2])
 {
     const struct point m = middle(t->a, t->b);
     half[0] = (struct triangle){t->c, t->a, m};
@@ -53,15 +55,15 @@ static void halve(const struct triangle *t, struct triangle half[2])
 
 /* Largest distance between samples and the plane of a triangle, whose heights at a, b, c are given: the
  * plane's height at a middle is the mean of the side's ends. */
-static double worst(const struct cml_heightmap *map, const struct triangle *t, int depths, double za,
-                    double zb, double zc)
+static double largest_error(const struct cml_heightmap *map, const struct triangle *t, int depths, double za,
+                            double zb, double zc)
 {
     if (depths == 0) return 0;
     struct triangle half[2];
-    halve(t, half);
+    bisect(t, half);
     const double zm = (za + zb) / 2, here = fabs(map->h[index_of(map, half[0].c)] - zm);
-    const double first = worst(map, &half[0], depths - 1, zc, za, zm);
-    const double second = worst(map, &half[1], depths - 1, zb, zc, zm);
+    const double first = largest_error(map, &half[0], depths - 1, zc, za, zm);
+    const double second = largest_error(map, &half[1], depths - 1, zb, zc, zm);
     return fmax(here, fmax(first, second));
 }
 
@@ -73,41 +75,46 @@ static bool spans_rim(const struct cml_heightmap *map, struct point a, struct po
     return (upright || level) && abs(a.x - b.x) + abs(a.y - b.y) > CML_RIM_CELLS;
 }
 
+/* Infinite: must be bisected. */
 static double own_error(const struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;
     if (place_of(map, t) != INSIDE || spans_rim(map, t->a, t->b)) return INFINITY;
-    return worst(map, t, split->depths - depth, map->h[index_of(map, t->a)], map->h[index_of(map, t->b)],
-                 map->h[index_of(map, t->c)]);
+    return largest_error(map, t, split->depths - depth, map->h[index_of(map, t->a)],
+                         map->h[index_of(map, t->b)], map->h[index_of(map, t->c)]);
 }
 
-static void note_error(struct cml_split *split, const struct triangle *t, int depth)
+/* Errors are saturated: that of a middle is no less than those of the middles below it. So one comparison
+ * decides whether to stop, and both triangles at a side decide alike [P. Lindstrom and V. Pascucci,
+ * Visualization of large terrains made easy, IEEE Visualization 2001]. */
+static void gather_error(struct cml_split *split, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = split->map;
     const struct point m = middle(t->a, t->b), below[2] = {middle(t->c, t->a), middle(t->b, t->c)};
-    if (!holds(map, m)) return;
+    if (!on_map(map, m)) return;
     double *error = &split->error[index_of(map, m)];
     *error = fmax(*error, own_error(split, t, depth));
     for (int i = 0; i < 2 && depth + 1 < split->depths; i++)
-        if (holds(map, below[i])) *error = fmax(*error, split->error[index_of(map, below[i])]);
+        if (on_map(map, below[i])) *error = fmax(*error, split->error[index_of(map, below[i])]);
 }
 
 /* Goes down to all triangles of one depth: the errors below a middle must be complete before it is looked at.
- */
-static void note_errors(struct cml_split *split, const struct triangle *t, int depth, int wanted)
+ * Going down anew for every depth costs no memory; depths are at most 16. */
+static void gather_errors(struct cml_split *split, const struct triangle *t, int depth, int wanted)
 {
     if (place_of(split->map, t) == OUTSIDE) return;
     if (depth == wanted) {
-        note_error(split, t, depth);
+        gather_error(split, t, depth);
         return;
     }
     struct triangle half[2];
-    halve(t, half);
-    for (int i = 0; i < 2; i++) note_errors(split, &half[i], depth + 1, wanted);
+    bisect(t, half);
+    for (int i = 0; i < 2; i++) gather_errors(split, &half[i], depth + 1, wanted);
 }
 
 /* ---- squares ---- */
 
+/* Two triangles, cut along the rising diagonal. */
 static void square_at(int x, int y, int size, struct triangle half[2])
 {
     const struct point low = {x, y}, high = {x + size, y + size};
@@ -128,7 +135,7 @@ cml_status cml_split_create(const struct cml_heightmap *map, struct cml_split *s
             for (int x = 0; x + 1 < map->nx; x += split->size) {
                 struct triangle half[2];
                 square_at(x, y, split->size, half);
-                for (int i = 0; i < 2; i++) note_errors(split, &half[i], 0, wanted);
+                for (int i = 0; i < 2; i++) gather_errors(split, &half[i], 0, wanted);
             }
     return CML_OK;
 }
@@ -149,29 +156,32 @@ struct walk {
     void *context;
 };
 
-static void fill(const struct walk *walk, const struct triangle *t, int depths, double za, double zb,
-                 double zc)
+/* The heights of a merged triangle at the samples that it covers: what it stands for. */
+static void fill_surface(const struct walk *walk, const struct triangle *t, int depths, double za, double zb,
+                         double zc)
 {
     const struct cml_heightmap *map = walk->split->map;
     if (depths == 0) return;
     struct triangle half[2];
-    halve(t, half);
+    bisect(t, half);
     const double zm = (za + zb) / 2;
     walk->surface[index_of(map, half[0].c)] = zm;
-    fill(walk, &half[0], depths - 1, zc, za, zm);
-    fill(walk, &half[1], depths - 1, zb, zc, zm);
+    fill_surface(walk, &half[0], depths - 1, zc, za, zm);
+    fill_surface(walk, &half[1], depths - 1, zb, zc, zm);
 }
 
-static void keep(const struct walk *walk, const struct triangle *t, int depth)
+static void keep_triangle(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_heightmap *map = walk->split->map;
     const size_t corner[3] = {index_of(map, t->a), index_of(map, t->b), index_of(map, t->c)};
     for (int k = 0; k < 3; k++) walk->surface[corner[k]] = map->h[corner[k]];
-    fill(walk, t, walk->split->depths - depth, map->h[corner[0]], map->h[corner[1]], map->h[corner[2]]);
+    fill_surface(walk, t, walk->split->depths - depth, map->h[corner[0]], map->h[corner[1]],
+                 map->h[corner[2]]);
     walk->visit(walk->context, corner);
 }
 
-static void go_down(const struct walk *walk, const struct triangle *t, int depth)
+/* From the squares down; stops where the middle's error, and so every one below, is within tolerance. */
+static void refine(const struct walk *walk, const struct triangle *t, int depth)
 {
     const struct cml_split *split = walk->split;
     const struct point m = middle(t->a, t->b);
@@ -179,14 +189,15 @@ static void go_down(const struct walk *walk, const struct triangle *t, int depth
     if (place == OUTSIDE) return;
     if (place == INSIDE &&
         (depth == split->depths || split->error[index_of(split->map, m)] <= walk->tolerance)) {
-        keep(walk, t, depth);
+        keep_triangle(walk, t, depth);
         return;
     }
     struct triangle half[2];
-    halve(t, half);
-    for (int i = 0; i < 2; i++) go_down(walk, &half[i], depth + 1);
+    bisect(t, half);
+    for (int i = 0; i < 2; i++) refine(walk, &half[i], depth + 1);
 }
 
+/* A square of 256 x 256 cells is 2 triangles instead of 131072 at best: larger ones would save no more. */
 void cml_split_walk(const struct cml_split *split, double tolerance, double *surface, cml_split_visit *visit,
                     void *context)
 {
@@ -195,6 +206,6 @@ void cml_split_walk(const struct cml_split *split, double tolerance, double *sur
         for (int x = 0; x + 1 < split->map->nx; x += split->size) {
             struct triangle half[2];
             square_at(x, y, split->size, half);
-            for (int i = 0; i < 2; i++) go_down(&walk, &half[i], 0);
+            for (int i = 0; i < 2; i++) refine(&walk, &half[i], 0);
         }
 }

@@ -23,6 +23,7 @@ struct shape {
 static double zero[1];
 static const struct cml_radial level = {1, zero, zero};
 
+/* A plane is a heightfield of one sample: so planes, too, are compared by cml_radial_against_*. */
 static void make_plane(struct shape *shape, double z)
 {
     shape->is_plane = true;
@@ -30,6 +31,7 @@ static void make_plane(struct shape *shape, double z)
     shape->top = shape->bottom = z;
 }
 
+/* Heights count up, depths down. */
 static void make_field(struct shape *shape, const struct cml_radial *radial, double z)
 {
     shape->field = (struct cml_radial_surface){radial, z};
@@ -140,6 +142,7 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
                     upper->number, lower->number, at[0], at[1], at[2]);
 }
 
+/* Most pairs lie at different depths altogether, and cost nothing. */
 static cml_status compare(const struct cml_scene *scene, const struct shape *upper, const struct shape *lower,
                           struct cml_error *err)
 {
@@ -156,6 +159,7 @@ static cml_status check_self(const struct cml_scene *scene, const struct shape *
     return overlap.contact == CML_APART ? CML_OK : fail_self(scene, shape, &overlap, err);
 }
 
+/* All shapes are made once, and compared pair by pair. */
 static cml_status check(const struct cml_scene *scene, struct shape *shapes, struct cml_error *err)
 {
     const int n = scene->num_layers + 1;

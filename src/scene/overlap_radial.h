@@ -22,7 +22,7 @@ struct cml_closest {
     double rounding; /* |gap| up to this is none, cm */
 };
 
-/* Both piecewise linear in r, so the radii of both settle it. */
+/* Both piecewise linear in r, so the least gap is at a radius of one of them. */
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest);
 

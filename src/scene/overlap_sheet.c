@@ -1,13 +1,16 @@
-/* SPDX-License-Identifier: MIT */
+/* Sheets against themselves and each other: order by columns through vertices, contact by pairs of triangles.
+ * SPDX-License-Identifier: MIT */
 #include "scene/overlap_sheet.h"
 
 #include "geometry/predicate.h"
+#include "geometry/vec3.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* Depth is added once; all exact decisions are about these rounded sums. */
 static void place_vertices(struct cml_sheet *sheet, double z)
 {
     const struct cml_mesh *mesh = sheet->mesh;
@@ -60,8 +63,8 @@ static void corners(const struct cml_sheet *sheet, uint32_t i, const double *v[3
 }
 
 /* Keeps the stronger of two contacts. */
-static void note(struct cml_sheet_overlap *overlap, enum cml_contact contact, const double at[3], uint32_t i,
-                 uint32_t j)
+static void keep_stronger(struct cml_sheet_overlap *overlap, enum cml_contact contact, const double at[3],
+                          uint32_t i, uint32_t j)
 {
     if (contact <= overlap->contact) return;
     overlap->contact = contact;
@@ -75,18 +78,6 @@ struct search {
     const struct cml_sheet *a, *b;
     struct cml_sheet_overlap *overlap;
 };
-
-static bool compare_strangers(void *context, uint32_t i, uint32_t j)
-{
-    const struct search *search = context;
-    const double *a[3], *b[3];
-    double at[3];
-    corners(search->a, i, a);
-    corners(search->b, j, b);
-    const enum cml_contact contact = cml_triangle_contact(a, b, 0, at);
-    if (contact != CML_APART) note(search->overlap, contact, at, i, j);
-    return contact == CML_CROSS;
-}
 
 /* Moves the corners that triangles i and j have in common to the front of both; returns how many. */
 static int common_corners_first(const struct cml_mesh *mesh, uint32_t i, uint32_t j, const double *a[3],
@@ -109,16 +100,19 @@ static int common_corners_first(const struct cml_mesh *mesh, uint32_t i, uint32_
     return shared;
 }
 
-static bool compare_relatives(void *context, uint32_t i, uint32_t j)
+/* Within one sheet neighbours have corners in common, and i and j come in any order. */
+static bool compare_triangles(void *context, uint32_t i, uint32_t j)
 {
     const struct search *search = context;
     const double *a[3], *b[3];
     double at[3];
     corners(search->a, i, a);
-    corners(search->a, j, b);
-    const int shared = common_corners_first(search->a->mesh, i, j, a, b);
+    corners(search->b, j, b);
+    const bool same = search->a == search->b;
+    const int shared = same ? common_corners_first(search->a->mesh, i, j, a, b) : 0;
     const enum cml_contact contact = cml_triangle_contact(a, b, shared, at);
-    if (contact != CML_APART) note(search->overlap, contact, at, i < j ? i : j, i < j ? j : i);
+    const bool swap = same && j < i;
+    if (contact != CML_APART) keep_stronger(search->overlap, contact, at, swap ? j : i, swap ? i : j);
     return contact == CML_CROSS;
 }
 
@@ -162,13 +156,13 @@ void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_ov
 {
     memset(overlap, 0, sizeof *overlap);
     struct search search = {sheet, sheet, overlap};
-    if (cml_boxtree_own_pairs(sheet->tree, compare_relatives, &search)) return;
+    if (cml_boxtree_own_pairs(sheet->tree, compare_triangles, &search)) return;
     for (size_t i = 0; i < sheet->mesh->num_triangles; i++) {
         double at[3];
         const uint32_t t = (uint32_t)i;
         const enum cml_contact flat = flat_contact(sheet, t, at);
         const enum cml_contact contact = flat == CML_APART ? plane_contact(sheet, sheet, t, at) : flat;
-        if (contact != CML_APART) note(overlap, contact, at, t, CML_SHEET_OUTER_PLANE);
+        if (contact != CML_APART) keep_stronger(overlap, contact, at, t, CML_SHEET_OUTER_PLANE);
     }
 }
 
@@ -189,18 +183,22 @@ static bool passes_right(const double *a, const double *b, const double *point)
     return (a[1] < b[1] ? cml_orient2d(a, b, point) : cml_orient2d(b, a, point)) > 0;
 }
 
+/* The depth of a triangle over a point, from barycentric coordinates; only for the message, so rounding does
+ * not matter. */
 static double depth_in_column(const double *const v[3], const double *point)
 {
     double weight[3], sum = 0.0, z = 0.0;
     for (int k = 0; k < 3; k++) {
         const double *a = v[(k + 1) % 3], *b = v[(k + 2) % 3];
-        weight[k] = fabs((a[0] - point[0]) * (b[1] - point[1]) - (a[1] - point[1]) * (b[0] - point[0]));
+        weight[k] = fabs(cml_vec2_area(point, a, b));
         sum += weight[k];
     }
     for (int k = 0; k < 3; k++) z += weight[k] * v[k][2];
     return sum > 0.0 ? z / sum : v[0][2];
 }
 
+/* A triangle is above the point when the point is on its lower side: the exact 3D orientation, with the sign
+ * that the triangle's turn seen from above gives it. */
 static void visit_column(void *context, uint32_t i)
 {
     struct column *column = context;
@@ -227,7 +225,7 @@ static void add_outer_plane(struct column *column)
 }
 
 /* How far the point is on the wrong side of the sheet in the vertical; 0 when it is on the right one. */
-static double wrong_by(const struct cml_sheet *sheet, const double *point, bool should_be_below)
+static double depth_on_wrong_side(const struct cml_sheet *sheet, const double *point, bool should_be_below)
 {
     struct column column = {sheet, point, 0, 0, false, INFINITY};
     cml_boxtree_column(sheet->tree, point[0], point[1], visit_column, &column);
@@ -238,7 +236,8 @@ static double wrong_by(const struct cml_sheet *sheet, const double *point, bool 
     return column.nearest;
 }
 
-static void deepen(struct cml_sheet_overlap *overlap, double depth, double x, double y, double z)
+/* A depth is something that a user can see and mend, so the deepest place is named rather than the first. */
+static void keep_deepest(struct cml_sheet_overlap *overlap, double depth, double x, double y, double z)
 {
     if (!(depth > overlap->depth)) return;
     overlap->contact = CML_CROSS;
@@ -248,18 +247,20 @@ static void deepen(struct cml_sheet_overlap *overlap, double depth, double x, do
     overlap->at[2] = z;
 }
 
+/* Where one sheet reaches through the other with a vertex, the vertex is on the wrong side. Vertices beyond
+ * all of the other sheet need no column. */
 static void compare_vertices(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {
     for (size_t i = 0; i < upper->mesh->num_vertices; i++) {
         const double *v = upper->vertex[i];
-        if (v[2] > lower->top) deepen(overlap, wrong_by(lower, v, false), v[0], v[1], v[2]);
+        if (v[2] > lower->top) keep_deepest(overlap, depth_on_wrong_side(lower, v, false), v[0], v[1], v[2]);
     }
     for (size_t i = 0; i < lower->mesh->num_vertices; i++) {
         const double *v = lower->vertex[i];
         if (!(v[2] < upper->bottom)) continue;
-        const double depth = wrong_by(upper, v, true);
-        deepen(overlap, depth, v[0], v[1], v[2] + depth);
+        const double depth = depth_on_wrong_side(upper, v, true);
+        keep_deepest(overlap, depth, v[0], v[1], v[2] + depth);
     }
 }
 
@@ -269,11 +270,12 @@ static void compare_planes(const struct cml_sheet *upper, const struct cml_sheet
 {
     const double at[3] = {fmax(upper->mesh->upper[0], lower->mesh->upper[0]),
                           fmax(upper->mesh->upper[1], lower->mesh->upper[1]), upper->z_plane};
-    deepen(overlap, upper->z_plane - lower->z_plane, at[0], at[1], at[2]);
+    keep_deepest(overlap, upper->z_plane - lower->z_plane, at[0], at[1], at[2]);
     if (upper->z_plane == lower->z_plane)
-        note(overlap, CML_TOUCH, at, CML_SHEET_OUTER_PLANE, CML_SHEET_OUTER_PLANE);
+        keep_stronger(overlap, CML_TOUCH, at, CML_SHEET_OUTER_PLANE, CML_SHEET_OUTER_PLANE);
 }
 
+/* What the triangles of one sheet do in the outer plane of the other, which has no triangles of its own. */
 static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_sheet *other, bool sheet_first,
                                struct cml_sheet_overlap *overlap)
 {
@@ -282,11 +284,12 @@ static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_s
         const uint32_t t = (uint32_t)i;
         const enum cml_contact contact = plane_contact(sheet, other, t, at);
         if (contact != CML_APART)
-            note(overlap, contact, at, sheet_first ? t : CML_SHEET_OUTER_PLANE,
-                 sheet_first ? CML_SHEET_OUTER_PLANE : t);
+            keep_stronger(overlap, contact, at, sheet_first ? t : CML_SHEET_OUTER_PLANE,
+                          sheet_first ? CML_SHEET_OUTER_PLANE : t);
     }
 }
 
+/* The cheap comparison of vertices first: it also finds the depth, which makes the better message. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
 {
@@ -296,7 +299,7 @@ void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_she
     compare_planes(upper, lower, overlap);
     if (overlap->contact == CML_CROSS) return;
     struct search search = {upper, lower, overlap};
-    if (cml_boxtree_pairs(upper->tree, lower->tree, compare_strangers, &search)) return;
+    if (cml_boxtree_pairs(upper->tree, lower->tree, compare_triangles, &search)) return;
     compare_with_plane(upper, lower, true, overlap);
     compare_with_plane(lower, upper, false, overlap);
 }

@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* Rings that are not needed are found from the samples alone. SPDX-License-Identifier: MIT */
 #include "scene/radial.h"
 
 #include <float.h>
@@ -31,7 +31,8 @@ static cml_status allocate(struct cml_radial *radial, int n, struct cml_error *e
     return cml_fail_memory(err, 2.0 * (double)bytes, "a radial heightfield");
 }
 
-/* How many samples are left when those at the end that repeat the last height are dropped. */
+/* How many samples are left when those at the end that repeat the last height are dropped: beyond the last
+ * sample the surface is level anyway. */
 static int count_without_tail(const struct cml_radial *radial)
 {
     int n = radial->n;
@@ -49,36 +50,40 @@ static double slope_between(const struct cml_radial *radial, int a, int b)
     return (radial->h[b] - radial->h[a]) / (radial->r[b] - radial->r[a]);
 }
 
-static void narrow(struct slopes *slopes, const struct cml_radial *radial, int anchor, int i)
+/* The line may pass sample i anywhere within the rounding of its height and radius. */
+static void narrow_slopes(struct slopes *slopes, const struct cml_radial *radial, int anchor, int i)
 {
     const double slope = slope_between(radial, anchor, i);
     const double run = radial->r[i] - radial->r[anchor];
     const double height = fmax(fabs(radial->h[anchor]), fabs(radial->h[i]));
-    const double slack = 4.0 * DBL_EPSILON * (height + fabs(slope) * radial->r[i]) / run;
-    slopes->lowest = fmax(slopes->lowest, slope - slack);
-    slopes->highest = fmin(slopes->highest, slope + slack);
+    const double rounding = 4.0 * DBL_EPSILON * (height + fabs(slope) * radial->r[i]) / run;
+    slopes->lowest = fmax(slopes->lowest, slope - rounding);
+    slopes->highest = fmin(slopes->highest, slope + rounding);
 }
 
 /* The furthest sample (< n) that a straight line from `anchor` reaches without leaving those between.
- * Compared from the anchor, not from neighbour to neighbour: small bends must not add up unseen. */
-static int reach(const struct cml_radial *radial, int anchor, int n)
+ * Compared from the anchor, not from neighbour to neighbour: small bends must not add up unseen. The slopes
+ * that are still allowed are a wedge that every sample narrows [J. Sklansky and V. Gonzalez, Fast polygonal
+ * approximation of digitized curves, Pattern Recognition 12 (1980) 327]. */
+static int furthest_on_line(const struct cml_radial *radial, int anchor, int n)
 {
     struct slopes slopes = {-INFINITY, INFINITY};
     int furthest = anchor + 1;
     for (int i = anchor + 1; i < n; i++) {
         const double slope = slope_between(radial, anchor, i);
         if (slope >= slopes.lowest && slope <= slopes.highest) furthest = i;
-        narrow(&slopes, radial, anchor, i);
+        narrow_slopes(&slopes, radial, anchor, i);
         if (slopes.lowest > slopes.highest) break;
     }
     return furthest;
 }
 
+/* Greedy: each line goes as far as it can. */
 cml_status cml_radial_merge(const struct cml_radial *from, struct cml_radial *to, struct cml_error *err)
 {
     const int n = count_without_tail(from);
     CML_TRY(allocate(to, n, err));
-    for (int i = 0; i < n; i = i + 1 < n ? reach(from, i, n) : n) {
+    for (int i = 0; i < n; i = i + 1 < n ? furthest_on_line(from, i, n) : n) {
         to->r[to->n] = from->r[i];
         to->h[to->n] = from->h[i];
         to->n++;

@@ -1,24 +1,23 @@
-/* SPDX-License-Identifier: MIT */
+/* What belongs to a scene is freed here, and a radial height is looked up. SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
 #include <stdlib.h>
 
-static void clear_shape(struct cml_boundary *boundary)
+void cml_boundary_flatten(struct cml_boundary *boundary)
 {
     free(boundary->radial.r);
     free(boundary->radial.h);
     boundary->radial = (struct cml_radial){0};
     if (boundary->form == CML_FORM_MESH) cml_mesh_clear(&boundary->mesh);
     boundary->mesh_notes = (struct cml_mesh_notes){0};
-    cml_heightmap_clear(&boundary->map);
+    boundary->map_notes = (struct cml_heightmap_notes){0};
     boundary->form = CML_FORM_PLANE;
 }
 
 static void clear_boundary(struct cml_boundary *boundary)
 {
-    clear_shape(boundary);
+    cml_boundary_flatten(boundary);
     free(boundary->file);
-    free(boundary->text);
 }
 
 void cml_scene_clear(struct cml_scene *scene)
@@ -40,26 +39,7 @@ void cml_scene_list_clear(struct cml_scene_list *list)
     *list = (struct cml_scene_list){0};
 }
 
-void cml_scene_flatten(struct cml_scene *scene)
-{
-    for (int b = 0; b <= scene->num_layers; b++) clear_shape(&scene->boundaries[b]);
-}
-
-cml_status cml_scene_simplify(struct cml_scene *scene, double tolerance, struct cml_error *err)
-{
-    for (int b = 0; b <= scene->num_layers; b++) {
-        struct cml_boundary *boundary = &scene->boundaries[b];
-        if (!boundary->map.h) continue;
-        struct cml_mesh mesh;
-        CML_TRY(cml_heightmap_mesh(&boundary->map, tolerance, boundary->mesh.normals, &mesh,
-                                   &boundary->map_notes, err));
-        cml_mesh_clear(&boundary->mesh);
-        boundary->mesh = mesh;
-        cml_heightmap_clear(&boundary->map);
-    }
-    return CML_OK;
-}
-
+/* Bisection for the segment, then linear. */
 double cml_radial_height(const struct cml_radial *radial, double r)
 {
     const int last = radial->n - 1;

@@ -1,4 +1,5 @@
-/* The scene: what one run of an .mci file describes, checked and immutable once read.
+/* The scene: what one run of an .mci file describes. Its reader makes it (input/mci.h); from then on it is
+ * immutable, and everyone else has a pointer to a const one.
  * Lengths in cm, coefficients in 1/cm, z down. Media 0..L+1, boundaries 0..L; boundary b lies between medium
  * b (above) and medium b+1 (below) at the nominal depth z_b = d_1 + ... + d_b. Knows no files, engines or
  * rays. SPDX-License-Identifier: MIT */
@@ -34,11 +35,9 @@ struct cml_boundary {
     struct cml_radial radial;    /* CML_FORM_RADIAL */
     struct cml_mesh mesh;        /* CML_FORM_MESH, prepared, in the boundary's frame */
     struct cml_mesh_notes mesh_notes;
-    struct cml_heightmap map; /* what the mesh was made of; no heights when it was no heightmap */
-    struct cml_heightmap_notes map_notes;
+    struct cml_heightmap_notes map_notes; /* of the heightmap that the mesh was made of; zero: of none */
     char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
     int line;   /* line of the .mci, 0 when the boundary is implicit */
-    char *text; /* that line as written, NULL when implicit */
 };
 
 enum cml_beam_kind { CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN };
@@ -86,12 +85,9 @@ struct cml_scene_list {
 void cml_scene_clear(struct cml_scene *scene);
 void cml_scene_list_clear(struct cml_scene_list *list);
 
-/* Replaces every heightfield and mesh by its nominal plane (the 2019 program's IGNORE_HEIGHTFIELDS). */
-void cml_scene_flatten(struct cml_scene *scene);
-
-/* Makes the meshes of heightmaps anew with this tolerance (heightmap.h); the reader merges only what lies in
- * one plane. */
-CML_NODISCARD cml_status cml_scene_simplify(struct cml_scene *scene, double tolerance, struct cml_error *err);
+/* For readers, of a scene that is not complete yet: frees the boundary's shape and leaves its nominal plane,
+ * and where it stands in the file. */
+void cml_boundary_flatten(struct cml_boundary *boundary);
 
 /* Height h(r) of a radial heightfield, cm; r >= 0. */
 double cml_radial_height(const struct cml_radial *radial, double r);

@@ -107,7 +107,7 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
         t.upper[k] = fmax(p[k], fmax(q[k], r[k]));
     }
     double n[3];
-    cml_vec3_normal(p, q, r, n);
+    cml_vec3_area(p, q, r, n);
     t.steep = fabs(n[2]) < 1e-3 * (fabs(n[0]) + fabs(n[1]));
     if (t.steep) return t;
     t.a = -n[0] / n[2];

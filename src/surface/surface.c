@@ -61,7 +61,7 @@ static double steepest_facet(const struct cml_mesh *mesh)
         const double *a = mesh->vertex[mesh->triangle[i][0]], *b = mesh->vertex[mesh->triangle[i][1]],
                      *c = mesh->vertex[mesh->triangle[i][2]];
         double normal[3];
-        cml_vec3_normal(a, b, c, normal);
+        cml_vec3_area(a, b, c, normal);
         const double up = -normal[2]; /* z points down */
         if (!(up > 0)) return INFINITY;
         steepest = fmax(steepest, hypot(normal[0], normal[1]) / up);

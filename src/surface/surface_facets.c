@@ -17,7 +17,7 @@ static double triangle_area(const struct cml_mesh *mesh, size_t i)
 {
     const uint32_t *corner = mesh->triangle[i];
     double normal[3];
-    cml_vec3_normal(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], normal);
+    cml_vec3_area(mesh->vertex[corner[0]], mesh->vertex[corner[1]], mesh->vertex[corner[2]], normal);
     return 0.5 * cml_vec3_length(normal);
 }
 

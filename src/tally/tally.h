@@ -1,14 +1,12 @@
 /* Tallies: integer sums of weight and events over a range of photon indices.
  * Integers, so that the order of summation cannot show: any number of threads, ranks and restarts gives the
- * same bits. Weight is in units of 2^-31 of a packet. A cml_tally (64 bits a cell) serves at most
- * CML_TALLY_MAX_PHOTONS packets; a cml_result (128 bits) collects tallies for up to 2^48, and keeps the 1D
- * profiles of 64 fixed ranges of indices
- * ("batches") apart, whose spread gives the standard errors.
+ * same bits. Weight is in units of 2^-31 of a packet. A tally has 64 bits a cell and serves at most
+ * CML_TALLY_MAX_PHOTONS packets; results (result.h) collect tallies.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_TALLY_H
 #define CML_TALLY_H
 
-#include "books.h"
+#include "balance.h"
 #include "facet.h"
 #include "base/status.h"
 
@@ -19,7 +17,6 @@
 __extension__ typedef unsigned __int128 cml_u128;
 
 #define CML_TALLY_MAX_PHOTONS ((uint64_t)1 << 30)
-#define CML_NUM_BATCHES 64
 #define CML_WEIGHT_UNIT 4.656612873077393e-10 /* one unit of weight as a share of a packet: 2^-31 */
 
 struct cml_grid {
@@ -58,37 +55,18 @@ struct cml_tally {
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
     uint64_t *facets;            /* [facets][CML_FACET_SCORES] or NULL */
-    uint64_t book[CML_NUM_BOOKS];
+    uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
     struct cml_lost_list lost;
-};
-
-struct cml_result {
-    struct cml_grid grid;
-    uint64_t photons;        /* asked for; batch b is the range [b*photons/64, (b+1)*photons/64) */
-    cml_u128 *A_rz;          /* [nr][nz] or NULL */
-    cml_u128 *Rd_ra, *Tt_ra; /* [nr][na] */
-    cml_u128 *A_l;           /* [num_layers + 2] by medium */
-    cml_u128 *Rd_r, *Tt_r;   /* [64][nr] */
-    cml_u128 *Rd_a, *Tt_a;   /* [64][na] */
-    cml_u128 *A_z;           /* [64][nz] or NULL */
-    cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets;
-    cml_u128 book[CML_NUM_BOOKS];
-    cml_u128 count[CML_NUM_COUNTS];
-    cml_u128 square[CML_NUM_TOTALS];
-    struct cml_lost_list lost;
-    uint64_t *noted,
-        *sums; /* profiles of the tally under way: as far as noted, and to sum them anew; owned */
 };
 
 /* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra, A_rz and the maps in this order, which lie in one block from
  * A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
-/* Bytes that a tally, or a result, of this grid takes. */
+/* Bytes that a tally of this grid takes. */
 double cml_tally_bytes(const struct cml_grid *grid);
-double cml_result_bytes(const struct cml_grid *grid);
 
 /* All cells zero, owned by the tally. CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
@@ -110,59 +88,10 @@ void cml_tally_free(struct cml_tally *tally);
 
 /* Keeps the list sorted and, when it is full, the smallest. */
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index);
+void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *from);
 
 /* to += from, and from = 0, but only one of several parts of that: part 0..parts - 1, which threads may do
  * side by side, each once. Same grid, or `from` has none of the maps and they stay as they are. */
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from, int part, int parts);
-
-/* A zero result for this number of photons, 1..2^48. CML_E_INPUT when memory runs out. */
-CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons,
-                                           struct cml_result *result, struct cml_error *err);
-void cml_result_free(struct cml_result *result);
-
-/* Gives what the tally has got since it was last noted, or was zero, to the profiles of a batch: packets that
- * all belong to that. */
-void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally);
-
-/* Adds the rest of a tally that has been noted; the next one begins at zero. */
-void cml_result_add(struct cml_result *result, const struct cml_tally *tally);
-
-/* All cells of a result as one block, for those who move or store it: *count of them, owned by the result. */
-cml_u128 *cml_result_cells(struct cml_result *result, size_t *count);
-
-/* The part of a result that does not grow with its grid, to be moved or stored beside the cells. */
-struct cml_summary {
-    cml_u128 sum[CML_NUM_BOOKS + CML_NUM_COUNTS + CML_NUM_TOTALS];
-    struct cml_lost_list lost;
-};
-void cml_result_summary(const struct cml_result *result, struct cml_summary *summary);
-void cml_result_set_summary(struct cml_result *result, const struct cml_summary *summary);
-/* to += from, in any order. */
-void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from);
-
-/* The batch that packet `index` < photons belongs to. */
-int cml_batch_of(uint64_t photons, uint64_t index);
-
-/* First photon index of a batch; batch 64 gives the number of photons. */
-uint64_t cml_batch_first(uint64_t photons, int batch);
-
-/* launched + gained minus everything that came of it; 0 unless the program is wrong. Also compares the
- * absorbed weight with the sums of A_l, A_rz and A_xyz, R and T with those of Rd_ra, Tt_ra, Rd_xya and
- * Tt_xya, and what arrives at the facets with what leaves them: the first difference found is returned. */
-double cml_result_residue(const struct cml_result *result);
-
-/* A book as a share of the launched weight; a total's standard error as such a share (from squares per
- * packet). */
-double cml_result_share(const struct cml_result *result, enum cml_book book);
-double cml_result_error(const struct cml_result *result, enum cml_total total);
-
-/* Standard error, in launched packets' weight per photon, of bin i of a batched profile profile[64][n]. */
-double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
-
-/* Standard error, in launched packets' weight per photon, of a sum of weights that every packet adds to at
- * most once, from the sum of its squares (Rd_xya2 and the like). */
-double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares);
-
-uint64_t cml_result_lost(const struct cml_result *result); /* packets, all causes */
 
 #endif

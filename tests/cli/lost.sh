@@ -14,7 +14,7 @@ scene stuck "b 2 0.17320508075688773 0.1 0 0" "2 1e-30 0 0 0.5" "beam pencil at=
 expect_code 4 "$work/stuck.mci" --photons 1 -o "$work"
 grep -q '^clustermcml: stuck.mco: 1 of 1 packets lost (at most 1 in 1e6 may be)$' "$work/err" ||
     complain "a lost packet is not an error: $(cat "$work/err")"
-grep -q 'residue 0, .*lost 1$' "$work/out" || complain "a lost packet is not in the books: $(cat "$work/out")"
+grep -q 'residue 0, .*lost 1$' "$work/out" || complain "a lost packet is not in the summary: $(cat "$work/out")"
 grep -q '1 packets lost: stuck$' "$work/out" || complain "no cause: $(cat "$work/out")"
 test "$(sed -n '/^lost #/,/^$/p' "$work/stuck.mco" | sed '1d;/^$/d' | tr '\n' ' ')" = "1 0 " ||
     complain "no index in the result: $(sed -n '/^lost #/,$p' "$work/stuck.mco" | head -n 4)"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Every sample flies with 2e4 photons and another seed than that of the table in samples/README.md: no packet may be
-# lost, the books must balance, and the totals must agree with the table within 5 standard errors, as the table's
+# lost, the weight must balance, and the totals must agree with the table within 5 standard errors, as the table's
 # must with those of the independent results beside them.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
@@ -23,7 +23,7 @@ compare_row() { # SAMPLE OUTPUT RSP ERR RD ERR A ERR TT ERR RD* ERR TT* ERR ("-"
     shift 2
     test "$(json_value lost "$output")" = 0 || complain "$sample: packets were lost"
     test "$(json_value trapped "$output")" = 0 || complain "$sample: packets were trapped"
-    awk -v r="$(json_value residue "$output")" 'BEGIN { exit !(r == 0) }' || complain "$sample: the books do not balance"
+    awk -v r="$(json_value residue "$output")" 'BEGIN { exit !(r == 0) }' || complain "$sample: the weight does not balance"
     Rd="$3 $4" Tt="$7 $8" independent_Rd="${9:-} ${10:-}" independent_Tt="${11:-} ${12:-}"
     for total in Rsp Rd A Tt; do
         agree "$output $total" "$(json_value $total "$output")" "$(json_value ${total}_se "$output")" "$1" "$2"

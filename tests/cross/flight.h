@@ -31,7 +31,7 @@ static inline void read_scenes(const char *text, struct cml_scene_list *list)
     assert_true(file >= 0);
     assert_int_equal(write(file, text, strlen(text)), (ssize_t)strlen(text));
     close(file);
-    const cml_status status = cml_mci_read(path, list, &err);
+    const cml_status status = cml_mci_read(path, NULL, list, &err);
     remove(path);
     require_ok(status, &err);
     for (int i = 0; i < list->count; i++) require_ok(cml_scene_check_overlap(&list->scenes[i], &err), &err);

@@ -1,6 +1,6 @@
 /* The vector passes of the CPU engine against the scalar walk: whole tallies, bit for bit.
- * A tally holds every deposit, book, count and square, so one packet that goes another way shows.
- * SPDX-License-Identifier: MIT */
+ * A tally holds every deposit, term of the balance, count and square, so one packet that goes another way
+ * shows. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
 #include "engine/cpu/bundle_walk.h"
@@ -15,8 +15,8 @@ static void expect_same_tally(const struct cml_tally *a, const struct cml_tally 
     const size_t cells = cml_tally_cells(&a->grid);
     for (size_t i = 0; i < cells; i++)
         if (a->A_l[i] != b->A_l[i]) fail_msg("%s: cell %zu differs", name, i);
-    for (int i = 0; i < CML_NUM_BOOKS; i++)
-        if (a->book[i] != b->book[i]) fail_msg("%s: book %d differs", name, i);
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
+        if (a->balance[i] != b->balance[i]) fail_msg("%s: term %d of the balance differs", name, i);
     for (int i = 0; i < CML_NUM_COUNTS; i++)
         if (i != CML_COUNT_QUERIES && a->count[i] != b->count[i]) fail_msg("%s: count %d differs", name, i);
     assert_memory_equal(a->square, b->square, sizeof a->square);
@@ -69,7 +69,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     struct cml_scene_list list;
     char full[4096];
     snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, path);
-    require_ok(cml_mci_read(full, &list, &err), &err);
+    require_ok(cml_mci_read(full, NULL, &list, &err), &err);
     for (int i = 0; i < list.count; i++) {
         compare(&list.scenes[i], kind, photons, true);
         compare(&list.scenes[i], kind, photons / 4, false);
@@ -124,7 +124,7 @@ static void maps_and_facets_have_the_same_tally(void **state)
         struct cml_scene_list list;
         char full[4096];
         snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, samples[i]);
-        require_ok(cml_mci_read(full, &list, &err), &err);
+        require_ok(cml_mci_read(full, NULL, &list, &err), &err);
         struct cml_scene *scene = &list.scenes[0];
         scene->map = (struct cml_map_def){
             .nx = 17, .ny = 10, .dx = 0.03, .dy = 0.05, .angles = i % 2 == 0, .volume = true, .top = -0.05};
@@ -258,7 +258,7 @@ static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind,
                                .tally = &b->tally,
                                .media = b->media,
                                .source = &b->source};
-    cml_take_off(&b->f);
+    cml_flight_begin(&b->f);
 }
 
 static void bundle_flight_close(struct bundle_flight *b)
@@ -269,17 +269,17 @@ static void bundle_flight_close(struct bundle_flight *b)
 }
 
 /* One word in 2^32 puts an optical depth into the tail, and lanes without a packet draw like the others. */
-static void a_lane_without_a_packet_ends_nothing(void **state)
+static void a_lane_without_a_terminated_packets_nothing(void **state)
 {
     (void)state;
     static struct bundle_flight b;
     bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 10\n1\n", CML_SURFACE_AUTO, CML_GROUP, &b);
     assert_int_equal(b.f.live, CML_GROUP_MASK);
-    while (b.f.live == CML_GROUP_MASK) cml_pass(&b.f);
+    while (b.f.live == CML_GROUP_MASK) cml_flight_pass(&b.f);
     const int empty = __builtin_ctzll(~b.f.live);
     b.bundle.tau[empty] = CML_INFINITY;
     b.bundle.task[empty] = CML_LANE_DONE;
-    cml_fly_on(&b.f);
+    cml_flight_run(&b.f);
     assert_int_equal(b.tally.count[CML_COUNT_PHOTONS], CML_GROUP);
     bundle_flight_close(&b);
 }
@@ -290,7 +290,7 @@ static void ballistic_light_has_the_same_tally(void **state)
     (void)state;
     static struct bundle_flight b;
     bundle_flight_take_off(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", CML_SURFACE_AUTO, 1000, &b);
-    cml_fly_on(&b.f);
+    cml_flight_run(&b.f);
     assert_in_range(b.f.ballistic.count, 820, 930); /* 0.98 exp(-0.11) of them */
     bundle_flight_close(&b);
     compare_text(HEAD GRID "1\n1\n1.34 0.1 1 0.5 0.1\n1\n", 3000);
@@ -363,7 +363,7 @@ static void an_interaction_beside_a_facet_is_remembered(void **state)
     const struct cml_world *world = &b.scalar.world;
     struct cml_packet packet = packet_on_an_edge(&b.scalar, &b.flight.surfaces), after;
     cml_store_packet(&b.f, 0, &packet);
-    cml_meet_or_interact(&b.f, 0, cml_find_reach(world, &packet, cml_free_path(world, &packet)));
+    cml_intersect_or_interact(&b.f, 0, cml_find_intervals(world, &packet, cml_free_path(world, &packet)));
     assert_int_equal(b.bundle.task[0], CML_LANE_INTERACT);
     b.bundle.interactions[0]++;
     cml_lane_packet(&b.bundle, 0, &after);
@@ -381,7 +381,7 @@ int main(void)
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
-        cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
+        cmocka_unit_test(a_lane_without_a_terminated_packets_nothing),
         cmocka_unit_test(ballistic_light_has_the_same_tally),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),
         cmocka_unit_test(an_interaction_beside_a_facet_is_remembered),

@@ -69,7 +69,7 @@ static int crosses(const struct bench *bench, struct cml_vec p, struct cml_vec u
 
 /* Rings are marched over what is left of a step as over all of it, to the last bit. */
 static int meets_the_same(const struct bench *bench, struct cml_vec p, struct cml_vec u, real side,
-                          real length, struct cml_stretch left)
+                          real length, struct cml_interval left)
 {
     const struct cml_rings rings = cml_rings_of(&bench->scalar.world, 0);
     real t[2] = {0, 0};
@@ -95,8 +95,8 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
         real length;
         random_step(&bench, reach, height, &p, &u, &length);
         const real side = i & 1 ? (real)1 : (real)-1;
-        const struct cml_stretch all = {1, 0, length};
-        const struct cml_stretch left = cml_near_stretch(
+        const struct cml_interval all = {1, 0, length};
+        const struct cml_interval left = cml_clip_interval(
             &surface->clearance, side > 0 ? world->deepest : world->highest, p, u, side, all, rings);
         clear += !left.meets;
         if (!left.meets) wrong += crosses(&bench, p, u, side, length);

@@ -72,16 +72,16 @@ static void expect_totals(const struct shot *shot)
         assert_true(t->Rd_xya[(pixels - 1) * na + a] > 0); /* outside the map */
     }
     const int last = shot->flight.surfaces.count - 1;
-    assert_int_equal(sum_of_score(shot, 0, CML_FACET_ESCAPED), t->book[CML_BOOK_REFLECTED]);
-    assert_int_equal(sum_of_score(shot, last, CML_FACET_ESCAPED), t->book[CML_BOOK_TRANSMITTED]);
+    assert_int_equal(sum_of_score(shot, 0, CML_FACET_ESCAPED), t->balance[CML_BALANCE_REFLECTED]);
+    assert_int_equal(sum_of_score(shot, last, CML_FACET_ESCAPED), t->balance[CML_BALANCE_TRANSMITTED]);
     for (size_t i = 0; i < t->grid.facets; i++) {
         const uint64_t *score = t->facets + i * CML_FACET_SCORES;
         assert_int_equal(score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW],
                          score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW]);
     }
     /* what has escaped left the facet upwards, and more did that came back */
-    assert_true(sum_of_score(shot, 0, CML_FACET_EXITANCE_ABOVE) > t->book[CML_BOOK_REFLECTED]);
-    assert_true(sum_of_score(shot, last, CML_FACET_EXITANCE_BELOW) > t->book[CML_BOOK_TRANSMITTED]);
+    assert_true(sum_of_score(shot, 0, CML_FACET_EXITANCE_ABOVE) > t->balance[CML_BALANCE_REFLECTED]);
+    assert_true(sum_of_score(shot, last, CML_FACET_EXITANCE_BELOW) > t->balance[CML_BALANCE_TRANSMITTED]);
 }
 
 static void sums_are_the_totals(void **state)
@@ -157,7 +157,7 @@ static void layers_of_the_volume_are_depth_bins(void **state)
 }
 
 /* Planes between which no packet meets roulette: what goes in and does not come out was absorbed. */
-static void the_flux_through_planes_is_what_the_books_say(void **state)
+static void the_flux_through_planes_is_what_the_balance_says(void **state)
 {
     (void)state;
     static const char *const engines[] = {"cpu", "reference"};
@@ -174,14 +174,15 @@ static void the_flux_through_planes_is_what_the_books_say(void **state)
             assert_true(sum_of_score(&shot, b, CML_FACET_IRRADIANCE_ABOVE) > 0);
             assert_int_equal(sum_of_score(&shot, b, CML_FACET_ESCAPED), 0);
         }
-        assert_int_equal(t->book[CML_BOOK_ROULETTE] + t->book[CML_BOOK_GAINED], 0);
-        assert_int_equal(sum_of_score(&shot, 0, CML_FACET_IRRADIANCE_ABOVE), t->book[CML_BOOK_LAUNCHED]);
+        assert_int_equal(t->balance[CML_BALANCE_ROULETTE] + t->balance[CML_BALANCE_GAINED], 0);
+        assert_int_equal(sum_of_score(&shot, 0, CML_FACET_IRRADIANCE_ABOVE),
+                         t->balance[CML_BALANCE_LAUNCHED]);
         assert_int_equal(sum_of_score(&shot, 0, CML_FACET_EXITANCE_ABOVE),
-                         t->book[CML_BOOK_SPECULAR] + t->book[CML_BOOK_REFLECTED]);
+                         t->balance[CML_BALANCE_SPECULAR] + t->balance[CML_BALANCE_REFLECTED]);
         assert_int_equal(net[0] - net[1], t->A_l[1]);
         assert_int_equal(net[1] - net[2], t->A_l[2]);
         assert_int_equal(net[2] - net[3], t->A_l[3]);
-        assert_int_equal(net[3], t->book[CML_BOOK_TRANSMITTED]);
+        assert_int_equal(net[3], t->balance[CML_BALANCE_TRANSMITTED]);
         assert_int_equal(sum_of_score(&shot, 3, CML_FACET_IRRADIANCE_BELOW), 0);
         clear(&shot);
     }
@@ -254,7 +255,7 @@ int main(void)
         cmocka_unit_test(sums_are_the_totals),
         cmocka_unit_test(flat_rings_are_radial_bins),
         cmocka_unit_test(layers_of_the_volume_are_depth_bins),
-        cmocka_unit_test(the_flux_through_planes_is_what_the_books_say),
+        cmocka_unit_test(the_flux_through_planes_is_what_the_balance_says),
         cmocka_unit_test(the_irradiance_of_a_slope_is_the_cosine),
         cmocka_unit_test(faces_have_their_areas),
     };

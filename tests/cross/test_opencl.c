@@ -89,8 +89,8 @@ static void records_add_up_to_the_tally(void **state)
         if (records[i].fate == 2) reflected += records[i].weight; /* CML_FATE_REFLECTED */
     }
     assert_true(interactions == tally.count[CML_COUNT_INTERACTIONS]);
-    assert_true(reflected == tally.book[CML_BOOK_REFLECTED] && reflected > 0);
-    assert_true(absorbed == tally.book[CML_BOOK_ABSORBED]);
+    assert_true(reflected == tally.balance[CML_BALANCE_REFLECTED] && reflected > 0);
+    assert_true(absorbed == tally.balance[CML_BALANCE_ABSORBED]);
     assert_true(square == tally.square[CML_TOTAL_ABSORBED]);
     cml_tally_free(&tally);
     cml_engine_opencl.close(self);
@@ -109,7 +109,7 @@ static void any_number_of_packets_balances(void **state)
         for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
             struct cml_tally tally =
                 fly_range(&bench, &cml_engine_opencl, self, ((uint64_t)1 << 33) - 5, counts[i]);
-            if (counts[i]) assert_books_balance(&tally, counts[i]);
+            if (counts[i]) assert_weight_balances(&tally, counts[i]);
             assert_true(tally.count[CML_COUNT_PHOTONS] == counts[i]);
             cml_tally_free(&tally);
         }

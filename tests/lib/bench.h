@@ -7,6 +7,7 @@
 
 #include "engine/engine.h"
 #include "input/mci.h"
+#include "tally/result.h"
 
 #include <string.h>
 
@@ -43,24 +44,24 @@ static inline struct cml_tally empty_tally(const struct bench *bench)
 /* what: named in the message. */
 static inline void expect_same(const struct cml_tally *a, const struct cml_tally *b, const char *what)
 {
-    if (memcmp(a->book, b->book, sizeof a->book) != 0) fail_msg("%s: other books", what);
+    if (memcmp(a->balance, b->balance, sizeof a->balance) != 0) fail_msg("%s: another weight balance", what);
     if (memcmp(a->count, b->count, sizeof a->count) != 0) fail_msg("%s: other counts", what);
     if (memcmp(a->square, b->square, sizeof a->square) != 0) fail_msg("%s: other squares", what);
     /* one block holds all cells */
     if (memcmp(a->A_l, b->A_l, (size_t)cml_tally_bytes(&a->grid)) != 0) fail_msg("%s: other cells", what);
 }
 
-/* The books of a tally, through a result of one batch. */
-static inline void assert_books_balance(const struct cml_tally *tally, uint64_t photons)
+/* The weight balance of a tally, through a result of one batch. */
+static inline void assert_weight_balances(const struct cml_tally *tally, uint64_t photons)
 {
     struct cml_error err;
     struct cml_result result;
     require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
     cml_result_note(&result, 0, tally);
     cml_result_add(&result, tally);
-    assert_true(cml_result_residue(&result) == 0);
-    assert_true(result.count[CML_COUNT_PHOTONS] == photons);
-    assert_true(result.book[CML_BOOK_LAUNCHED] == (cml_u128)photons << 31);
+    assert_true(cml_result_imbalance(&result) == 0);
+    assert_true(result.summary.count[CML_COUNT_PHOTONS] == photons);
+    assert_true(result.summary.balance[CML_BALANCE_LAUNCHED] == (cml_u128)photons << 31);
     assert_int_equal(cml_result_lost(&result), 0);
     cml_result_free(&result);
 }

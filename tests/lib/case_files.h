@@ -1,4 +1,4 @@
-/* A directory of a test's own, and files in it. SPDX-License-Identifier: MIT */
+/* A directory of a test's own, files in it, and messages without its name. SPDX-License-Identifier: MIT */
 #ifndef CASE_FILES_H
 #define CASE_FILES_H
 
@@ -42,6 +42,41 @@ static inline void case_write_bytes(void **state, const char *name, const char *
     assert_non_null(file);
     assert_int_equal(fwrite(bytes, 1, size, file), size);
     assert_int_equal(fclose(file), 0);
+}
+
+static inline void case_write(void **state, const char *name, const char *text)
+{
+    case_write_bytes(state, name, text, strlen(text));
+}
+
+/* The whole file is the text `expected`. */
+static inline void case_assert_holds(void **state, const char *name, const char *expected)
+{
+    static char bytes[1 << 18];
+    char path[256];
+    case_path(state, name, path);
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    bytes[fread(bytes, 1, sizeof bytes - 1, file)] = '\0';
+    assert_int_equal(fclose(file), 0);
+    assert_string_equal(bytes, expected);
+}
+
+static inline void case_remove(void **state, const char *name)
+{
+    char path[256];
+    case_path(state, name, path);
+    assert_int_equal(remove(path), 0);
+}
+
+/* Removes every occurrence of "DIRECTORY/" from the message. */
+static inline void case_normalise(void **state, char *text)
+{
+    char prefix[256];
+    case_path(state, "", prefix);
+    const size_t length = strlen(prefix);
+    for (char *at = strstr(text, prefix); at; at = strstr(at, prefix))
+        memmove(at, at + length, strlen(at + length) + 1);
 }
 
 #endif

@@ -106,7 +106,7 @@ def total_error(record, key, truth):
     return math.sqrt((truth + 1 / photons) / photons)
 
 
-def books(verdict, name, record):
-    """P9, P10: nothing lost, residue exactly 0."""
+def check_balance(verdict, name, record):
+    """P9, P10: nothing lost, the weight balances exactly."""
     verdict.check(name, record["lost"] == 0, f"lost {record['lost']}")
     verdict.check(name, record["residue"] == 0, f"residue {record['residue']}")

@@ -103,4 +103,18 @@ static inline void assert_near(const char *what, double value, double wanted, do
         fail_msg("%s: %.17g, wanted %.17g within %g", what, value, wanted, tolerance);
 }
 
+/* Damages a copy of a file: up to 3 times, one in `odds` cuts it, the others change a byte. Returns its size.
+ */
+static inline size_t dice_damage(struct dice *dice, char *bytes, size_t size, int odds)
+{
+    for (int edits = dice_below(dice, 4); edits > 0; edits--) {
+        const size_t at = (size_t)dice_below(dice, (int)size);
+        if (dice_below(dice, odds))
+            bytes[at] = (char)dice_below(dice, 256);
+        else
+            size = at + 1;
+    }
+    return size;
+}
+
 #endif

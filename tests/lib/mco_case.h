@@ -93,35 +93,6 @@ static const char case_full[] =
               "  1.0000E-03   2.0000E-03   3.0000E-03   4.0000E-03   5.0000E-03 \n"
               "  6.0000E-03   7.0000E-03   8.0000E-03   9.0000E-03   9.9000E-03 \n\n";
 
-static inline void case_assert_holds(void **state, const char *name, const char *expected)
-{
-    static char bytes[1 << 18];
-    char path[256];
-    case_path(state, name, path);
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    bytes[fread(bytes, 1, sizeof bytes - 1, file)] = '\0';
-    assert_int_equal(fclose(file), 0);
-    assert_string_equal(bytes, expected);
-}
-
-static inline void case_remove(void **state, const char *name)
-{
-    char path[256];
-    case_path(state, name, path);
-    assert_int_equal(remove(path), 0);
-}
-
-/* Removes every occurrence of "DIRECTORY/" from the message. */
-static inline void case_normalise(void **state, char *text)
-{
-    char prefix[256];
-    case_path(state, "", prefix);
-    const size_t length = strlen(prefix);
-    for (char *at = strstr(text, prefix); at; at = strstr(at, prefix))
-        memmove(at, at + length, strlen(at + length) + 1);
-}
-
 /* Reads the bytes as x.mco. The caller clears *mco when the status is CML_OK. */
 static inline cml_status case_read(void **state, const char *text, size_t size, struct cml_mco *mco,
                                    struct cml_error *err)

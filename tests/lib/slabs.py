@@ -31,7 +31,7 @@ def run_all(engine, photons, stride):
     records = cml.run("\n".join(text), "--engine", engine, "--ignore-absorption", "--seed", 20260101)
     verdict.check("number of runs", len(records) == len(chosen), f"{len(records)}, expected {len(chosen)}")
     for (name, _, ur1, ut1, _), record in zip(chosen, records):
-        cml.books(verdict, name, record)
+        cml.check_balance(verdict, name, record)
         verdict.z(name + " R", record["Rsp"] + record["Rd"], cml.total_error(record, "Rd", ur1 - record["Rsp"]), ur1)
         verdict.z(name + " T", record["Tt"], cml.total_error(record, "Tt", ut1), ut1)
     verdict.finish(LIMIT)

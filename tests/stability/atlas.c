@@ -78,9 +78,9 @@ static cml_status fly_file(const char *path, const struct method *method, struct
                            struct atlas_count *count, struct cml_error *err)
 {
     struct cml_scene_list list;
-    CML_TRY(cml_mci_read(path, &list, err));
+    const struct cml_input_options options = {.flat = method->force == CML_SURFACE_PLANE};
+    CML_TRY(cml_mci_read(path, &options, &list, err));
     flight->scene = &list.scenes[0];
-    if (method->force == CML_SURFACE_PLANE) cml_scene_flatten(&list.scenes[0]);
     cml_status status = cml_scene_check_overlap(&list.scenes[0], err);
     if (status == CML_OK) status = fly(method, flight, count, err);
     cml_scene_list_clear(&list);

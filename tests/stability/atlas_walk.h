@@ -223,7 +223,7 @@ static void cross(struct walker *walker, const struct cml_packet *from, const st
     const double margin = rounding(walker, from->p) + rounding(walker, hit->point);
     walker->count->spurious += !oracle_near(&walker->flight->oracle[hit->boundary], q, margin);
     walker->count->crossings++;
-    cml_meet(walker->world, &walker->deposits, &walker->packet, hit);
+    cml_score_boundary_event(walker->world, &walker->deposits, &walker->packet, hit);
 }
 
 /* One flight, as cml_walk does it, and what the oracle says of it. */
@@ -233,12 +233,12 @@ static void step(struct walker *walker)
     const struct cml_packet from = *packet;
     const real t_max = cml_free_path(walker->world, packet);
     struct cml_hit hit;
-    const struct cml_reach reach = cml_find_reach(walker->world, packet, t_max);
+    const struct cml_boundary_intervals intervals = cml_find_intervals(walker->world, packet, t_max);
     walker->count->steps++;
     walker->before = fmax(walker->before, size_of(from.p));
     bool there = true;
     real t = (real)(4 * walker->extent);
-    if (cml_nearest(walker->world, packet, reach, &hit)) {
+    if (cml_nearest_hit(walker->world, packet, intervals, &hit)) {
         t = hit.t;
         cross(walker, &from, &hit);
     } else if (t_max < CML_INFINITY) {
@@ -246,7 +246,7 @@ static void step(struct walker *walker)
         cml_interact(walker->world, &walker->deposits, packet, t_max);
         there = in_medium(walker, packet->medium, packet->p, false);
     } else {
-        cml_leave(walker->world, packet);
+        cml_leave_scene(walker->world, packet);
     }
     if (!is_sound(packet)) {
         walker->count->nan++;

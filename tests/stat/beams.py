@@ -5,6 +5,8 @@
   circle, acos((s^2 + d^2 - rho^2) / (2 s d)) / pi, and |s| runs through the beam's quantiles (a disk's are R sqrt(u), those
   of the irradiance exp(-2 r^2 / R^2) are R sqrt(-ln(1 - u) / 2)). Held against the beams' own runs.
 - Slanted light on an absorbing plate: Rsp, Rd, Tt by Fresnel and Snell, and the ring in which it leaves.
+- The angle in which light leaves: a plate returns the beam's own; a cone below, lit along its axis, turns it by
+  asin(n sin a) - a from the vertical, wherever the cone's normal points.
 - Turning the beam about z on a flat scene, and mirroring mesh and beam together, change nothing (`compare`, p > 1e-4).
 N = 1e6 for profiles; statistic: z of groups of bins, level 1e-4 over all."""
 import math
@@ -62,7 +64,7 @@ def kernel(starts):
 
 def convolution(verdict, name, beam, starts, pencil, seed):
     record, sections = fly(beam, seed)
-    cml.books(verdict, name, record)
+    cml.check_balance(verdict, name, record)
     shares = kernel(starts)
     for key in ("Rd_r", "Tt_r"):
         ours = profiles.ring_sums(sections[key], DR, GROUP)
@@ -89,7 +91,7 @@ def plate(verdict, angle, azimuth, at):
     with tempfile.TemporaryDirectory() as keep:
         record = cml.run(scene(beam, layers=[f"{n} {mua} 0 0 {d}"], photons=photons), "--seed", 5, keep=keep)[0]
         sections = cml.read_sections(record["output"])
-    cml.books(verdict, name, record)
+    cml.check_balance(verdict, name, record)
     back = R * (1 - R) ** 2 * e * e / (1 - R * R * e * e)
     through = (1 - R) ** 2 * e / (1 - R * R * e * e)
     for key, truth in (("Rsp", R), ("Rd", back), ("Tt", through)):
@@ -101,6 +103,29 @@ def plate(verdict, angle, azimuth, at):
         weights = profiles.ring_sums(sections[key], DR, 1)
         ring = weights.index(max(weights))
         verdict.check(f"{name} {key}", ring == int(math.hypot(x, y) / DR), f"ring {ring}, {math.hypot(x, y) / DR:.2f}")
+
+
+def angles(verdict):
+    """Clear media, 3 degrees a bin. All that leaves a plate does so in the beam's bin. Of what leaves the cone, the
+    light that has not been reflected before does so in the bin of its deviation: more than nine tenths at n = 1.33."""
+    na = 30
+    step = 90 / na
+    cone, n = 10, 1.33  # degrees
+    turned = math.degrees(math.asin(n * math.sin(math.radians(cone)))) - cone
+    below = {1: f"b 2 {-0.5 * math.tan(math.radians(cone)):.17g} 0.5 0 0"}
+    cases = [(f"plate {angle}", f"beam pencil angle={angle}", {}, angle, 1 - 1e-9) for angle in (10, 44, 46, 88)]
+    cases.append(("axicon", "beam pencil at=0.12,-0.09", below, turned, 0.9))
+    for name, beam, surfaces, angle, share in cases:
+        text = cml.mci([f"{n} 0 0 0 0.5"], photons=20000, bins=f"1 1 {na}", surfaces=surfaces, extra=[beam])
+        with tempfile.TemporaryDirectory() as keep:
+            record = cml.run(text, "--seed", 6, keep=keep)[0]
+            sections = cml.read_sections(record["output"])
+        cml.check_balance(verdict, name, record)
+        for key in ("Tt_a", "Rd_a") if not surfaces else ("Tt_a",):
+            # weights: an .mco divides a bin by 2 pi sin(a) da
+            weights = [x * math.sin(math.radians((i + 0.5) * step)) for i, x in enumerate(sections[key])]
+            held = weights[int(angle / step)] / sum(weights)
+            verdict.check(f"{name} {key}", held >= share, f"{held:.4f} of the light at {angle:.1f} degrees")
 
 
 def mirrored(path, out):
@@ -140,7 +165,7 @@ def symmetries(verdict):
 def main():
     verdict = cml.Verdict("beams")
     record, pencil = fly("", 41)
-    cml.books(verdict, "pencil", record)
+    cml.check_balance(verdict, "pencil", record)
     convolution(verdict, "disk", "beam disk 0.1", disk(0.1), pencil, 42)
     convolution(verdict, "gaussian", "beam gaussian 0.1", gaussian(0.1), pencil, 43)
     convolution(verdict, "at", "beam pencil at=0.12,-0.16", [0.2], pencil, 44)
@@ -148,6 +173,7 @@ def main():
     plate(verdict, 20, 30, (0.05, -0.02))
     plate(verdict, 55, -110, (0.03, 0.08))
     plate(verdict, 80, 200, (0.01, 0.0))
+    angles(verdict)
     symmetries(verdict)
     verdict.finish(profiles.student_limit(len(verdict.rows)))
 

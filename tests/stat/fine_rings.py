@@ -2,7 +2,7 @@
 
 Rings of 5e-5 cm in a medium of long paths: packets in single precision stand closer to ridges than anywhere else, and are
 beyond them by rounding more often. A rule of the walk that was wrong for one packet in 1e6 was found here and in no other
-test. N = 4e6 packets. Truth: none is lost, the residue is 0."""
+test. N = 4e6 packets. Truth: none is lost, the imbalance is 0."""
 import os
 import subprocess
 import sys
@@ -21,7 +21,7 @@ def main():
         heights = os.path.join(work, "rings.txt")
         subprocess.run([sys.executable, ROUGH, "rings", str(RINGS), str(AMPLITUDE), heights], check=True)
         scene = cml.mci(["1.34 0.1 1 0.5 1"], photons=PHOTONS, grid="1 0.005", bins="1 200 1", surfaces={0: 'b "rings.txt"'})
-        cml.books(verdict, "rings", cml.run(scene, "--boundaries", "cone", keep=work)[0])
+        cml.check_balance(verdict, "rings", cml.run(scene, "--boundaries", "cone", keep=work)[0])
     verdict.finish()
 
 

@@ -14,7 +14,7 @@ verdict = cml.Verdict("profiles")
 for name, scene, photons in CASES:
     record, sections = profiles.simulate(scene, photons)
     table = profiles.reference(name + ".csv")
-    cml.books(verdict, name, record)
+    cml.check_balance(verdict, name, record)
     profiles.compare(verdict, name, photons, sections, table, {"Rd_r": table["Rd_r_sem"], "Tt_r": table["Tt_r_sem"]})
 record, sections = profiles.simulate("fig7.mci", 1000000)
 table = profiles.reference("S3fig7.csv")

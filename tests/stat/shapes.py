@@ -18,10 +18,10 @@ CASES = [(shape, how) for shape in CURVED for how in ("reentry", "noreentry")] +
 
 
 def fly(verdict, shape, how, kind, *more):
-    """(record, sections) of one run; its books must balance."""
+    """(record, sections) of one run; its weight must balance."""
     options = ["--boundaries", kind, *more] + (["--no-reentry"] if how == "noreentry" else [])
     record, sections = profiles.simulate(f"shapes/{shape}.mci", PHOTONS, *options)
-    cml.books(verdict, f"{shape} {how} {kind}", record)
+    cml.check_balance(verdict, f"{shape} {how} {kind}", record)
     return record, sections
 
 

@@ -23,7 +23,7 @@ enum cml_lane_task {
     CML_LANE_INTERACT, /* flies s to its interaction */
     CML_LANE_NEAR,     /* may meet a boundary first */
     CML_LANE_CURVED,   /* may meet one that is no plane */
-    CML_LANE_TURN,     /* at a plane between unequal indices */
+    CML_LANE_AT_PLANE, /* at a plane between unequal indices */
     CML_LANE_REFLECTED,
     CML_LANE_TRANSMITTED,
     CML_LANE_NOWHERE, /* meets no plane and never interacts, or is not a number */
@@ -50,31 +50,31 @@ struct cml_bundle {
                             tail */
     real s[CML_LANES];   /* distance to the next interaction, cm */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass */
-    cml_u32 marked[CML_LANES];           /* weight when the deposits since were last added to a book */
+    cml_u32 flushed_w[CML_LANES];        /* weight when the deposits since were last added to the balance */
     cml_u32 draw0[CML_LANES], draw1[CML_LANES], draw2[CML_LANES]; /* words of the next interaction's block */
     cml_u32 index_low[CML_LANES], index_high[CML_LANES];
     cml_u32 interactions[CML_LANES], crossings[CML_LANES], boundary_events[CML_LANES];
     /* of the last boundary event: the number of interactions before it. What the packet stands on, and how
      * often it has bounced, holds only while there has been none since. */
     cml_u32 touched[CML_LANES], bounces[CML_LANES];
-    int on_boundary[CML_LANES], on_primitive[CML_LANES], straight[CML_LANES];
+    int on_boundary[CML_LANES], on_primitive[CML_LANES], undeflected[CML_LANES];
     int cell[CML_LANES]; /* of A_rz, of this pass */
     int task[CML_LANES];
     int medium[CML_LANES], entered[CML_LANES];
     real of_medium[CML_LANE_MEDIUM_MEMBERS][CML_LANES]; /* columns of struct cml_lane_medium */
 };
 
-#define CML_FRESH 64
+#define CML_QUEUE 64
 
 /* The next packets of the beam, numbered and with their first draws made: entries first..end-1, in order. A
  * group may be read from any of them. */
-struct cml_fresh {
+struct cml_launch_queue {
     int first, end;
-    _Alignas(64) cml_u32 index_low[CML_FRESH + CML_GROUP], index_high[CML_FRESH + CML_GROUP];
-    cml_u32 draw1[CML_FRESH + CML_GROUP], draw2[CML_FRESH + CML_GROUP];
-    real tau[CML_FRESH + CML_GROUP];
-    int through[CML_FRESH + CML_GROUP]; /* the boundary that all packets of the beam meet first */
-    int stays[CML_FRESH];               /* does not end as the ballistic ones do */
+    _Alignas(64) cml_u32 index_low[CML_QUEUE + CML_GROUP], index_high[CML_QUEUE + CML_GROUP];
+    cml_u32 draw1[CML_QUEUE + CML_GROUP], draw2[CML_QUEUE + CML_GROUP];
+    real tau[CML_QUEUE + CML_GROUP];
+    int through[CML_QUEUE + CML_GROUP]; /* the boundary that all packets of the beam meet first */
+    int stays[CML_QUEUE];               /* does not end as the ballistic ones do */
 };
 
 /* Column of a member of struct cml_lane_medium. */

@@ -6,18 +6,19 @@
 #include "engine/cpu/bundle_curved_hits.h"
 
 /* The lane's packet has gone through a boundary into outer medium `to`, and may meet it again. */
-static void cml_leave_lane(struct cml_flight *f, int i, int to)
+static void cml_lane_flies_outside(struct cml_flight *f, int i, int to)
 {
     struct cml_packet packet;
     cml_lane_packet(f->b, i, &packet);
     packet.medium = to;
-    cml_come_back(f, &packet);
-    cml_put_back(f, i, &packet);
+    cml_fly_outside(f, &packet);
+    cml_return_to_lane(f, i, &packet);
 }
 
 /* Whether a packet that has gone through a primitive of a boundary into outer medium `to` meets the boundary
  * never again. */
-static int cml_is_gone(const struct cml_world *world, int boundary, int primitive, int to, struct cml_vec u)
+static int cml_never_returns(const struct cml_world *world, int boundary, int primitive, int to,
+                             struct cml_vec u)
 {
     const real side = to > boundary ? (real)1 : (real)-1;
     const real horizon = cml_horizon(world, &world->surfaces[boundary], side, primitive);
@@ -26,11 +27,11 @@ static int cml_is_gone(const struct cml_world *world, int boundary, int primitiv
 }
 
 /* The lane's packet, which has been in the material, has left it so, in one boundary event more. */
-static void cml_lane_goes(struct cml_flight *f, int i, int to, int primitive, struct cml_vec p,
-                          struct cml_vec u)
+static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primitive, struct cml_vec p,
+                                 struct cml_vec u)
 {
     const struct cml_bundle *b = f->b;
-    const struct cml_end end = {
+    const struct cml_termination end = {
         .index = cml_lane_index(b, i),
         .fate = to == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED,
         .cause = CML_LOST_NOT,
@@ -42,62 +43,63 @@ static void cml_lane_goes(struct cml_flight *f, int i, int to, int primitive, st
         .uz = u.z,
         .primitive = primitive,
     };
-    cml_push_end(f, i, end);
+    cml_push_termination(f, i, end);
 }
 
-/* As cml_cross, for the k-th of the packets. */
-static void cml_cross_lane(struct cml_flight *f, const struct cml_hits *h, int k, int boundary, int other,
-                           int straight)
+/* As cml_boundary_event, for the k-th of the packets. */
+static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits *h, int k, int boundary,
+                                    int other, int undeflected)
 {
     const struct cml_world *world = f->world;
     struct cml_bundle *b = f->b;
-    const int i = h->lane[k], from = b->medium[i], through = straight || h->through[k];
+    const int i = h->lane[k], from = b->medium[i], through = undeflected || h->through[k];
     const int to = through ? other : from, stands = b->touched[i] == b->interactions[i];
     const real left = CML_FMA(-h->t[k], CML_OF_MEDIUM(b, mut)[i], b->tau[i]);
     const struct cml_vec p = {h->x[k], h->y[k], h->z[k] + (to == boundary ? world->media[to].span : (real)0)},
                          u = {h->ux[k], h->uy[k], h->uz[k]};
     const int outside = to == 0 || to > world->setup.num_layers;
-    if (outside && cml_is_gone(world, boundary, h->primitive[k], to, u)) {
-        cml_lane_goes(f, i, to, h->primitive[k], p, u);
+    if (outside && cml_never_returns(world, boundary, h->primitive[k], to, u)) {
+        cml_end_lane_outside(f, i, to, h->primitive[k], p, u);
         return;
     }
     cml_store_ray(b, i, p, u);
     b->tau[i] = left > 0 ? left : (real)0;
     b->bounces[i] = (stands ? b->bounces[i] : 0) + 1;
     b->touched[i] = b->interactions[i];
-    b->crossings[i] += (cml_u32)!straight;
+    b->crossings[i] += (cml_u32)!undeflected;
     b->boundary_events[i]++;
     b->on_boundary[i] = boundary;
     b->on_primitive[i] = h->primitive[k];
-    b->straight[i] = straight;
+    b->undeflected[i] = undeflected;
     b->task[i] = CML_LANE_DONE;
     if (to == from) return;
     if (outside) {
-        cml_leave_lane(f, i, to);
+        cml_lane_flies_outside(f, i, to);
         return;
     }
-    cml_mark_weight(f, i);
+    cml_flush_deposits(f, i);
     b->medium[i] = to;
     cml_load_medium(f, i);
 }
 
 /* Packets of a medium that meet a boundary. */
-static void cml_meet_hits(struct cml_flight *f, int medium, real side, struct cml_hits *h)
+static void cml_process_hits(struct cml_flight *f, int medium, real side, struct cml_hits *h)
 {
     const struct cml_world *world = f->world;
     const int boundary = side > 0 ? medium - 1 : medium, other = side > 0 ? medium - 1 : medium + 1;
     const real n1 = world->media[medium].n, n2 = world->media[other].n;
     uint64_t *counts = f->tally->count;
     if (h->count == 0) return;
-    if (world->surfaces[boundary].kind == CML_SURFACE_CONE) cml_hits_settle_rings(world, side, h);
+    if (world->surfaces[boundary].kind == CML_SURFACE_CONE) cml_hits_refine_rings(world, side, h);
     if (n1 != n2)
-        counts[CML_COUNT_SHADING_OVERRULED] += (uint64_t)cml_hits_turn(&world->setup, side, n1, n2, h);
+        counts[CML_COUNT_SHADING_OVERRULED] +=
+            (uint64_t)cml_hits_reflect_or_refract(&world->setup, side, n1, n2, h);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {
-            cml_handle_exception(f, h->lane[k]);
+            cml_process_lane(f, h->lane[k]);
         } else {
             counts[CML_COUNT_QUERIES]++;
-            cml_cross_lane(f, h, k, boundary, other, n1 == n2);
+            cml_lane_boundary_event(f, h, k, boundary, other, n1 == n2);
         }
     }
     h->count = 0;

@@ -31,14 +31,14 @@ static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct 
                                  real t1, real *root)
 {
     const struct cml_cone_ray ray = cml_cone_ray_make(p, u, side);
-    real room;
-    const real first = cml_into_span(cml_ring_sloped_root(ring, &ray, 0, &room), t0, t1);
-    return cml_ring_newton(ring, &ray, t0, t1, first, room, root);
+    real half_root_gap;
+    const real first = cml_clamp_to_span(cml_ring_sloped_root(ring, &ray, 0, &half_root_gap), t0, t1);
+    return cml_ring_newton(ring, &ray, t0, t1, first, half_root_gap, root);
 }
 
-/* Where packets meet their ring: fills t and doubtful, normals, and moves x, y, z there. As cml_field_hit for
- * a packet that is not the beam itself. */
-CML_PASS void cml_hits_settle_rings(const struct cml_world *world, real side, struct cml_hits *h)
+/* Where packets meet their ring: fills t and doubtful, normals, and moves x, y, z there. As
+ * cml_intersect_field for a packet that is not the beam itself. */
+CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, struct cml_hits *h)
 {
     const int size = cml_whole_vectors(h->count);
     const struct cml_vec axis = {0, 0, -1};
@@ -59,7 +59,7 @@ CML_PASS void cml_hits_settle_rings(const struct cml_world *world, real side, st
         h->doubtful[k] = !(known | (good & (better < t_max)));
         h->x[k] = point.x;
         h->y[k] = point.y;
-        h->z[k] = cml_onto_ring(ring.z, h->ring_end[k], point.z);
+        h->z[k] = cml_clamp_to_ring(ring.z, h->ring_end[k], point.z);
         h->normal_x[k] = r > 0 ? up.x : axis.x;
         h->normal_y[k] = r > 0 ? up.y : axis.y;
         h->normal_z[k] = r > 0 ? up.z : axis.z;
@@ -67,9 +67,10 @@ CML_PASS void cml_hits_settle_rings(const struct cml_world *world, real side, st
 }
 
 /* P5 there, between unequal indices, as cml_reflect_or_refract where normal and facet are the same: fills
- * through, and turns ux, uy, uz. Returns how many directions, of packets that are not doubtful, the facet has
- * overruled. */
-CML_PASS int cml_hits_turn(const struct cml_setup *setup, real side, real n1, real n2, struct cml_hits *h)
+ * through, and at_planes ux, uy, uz. Returns how many directions, of packets that are not doubtful, the facet
+ * has overruled. */
+CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real side, real n1, real n2,
+                                         struct cml_hits *h)
 {
     const struct cml_stream stream = setup->stream;
     const int count = h->count, size = cml_whole_vectors(count);

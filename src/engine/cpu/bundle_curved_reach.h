@@ -7,44 +7,45 @@
 #include "engine/cpu/bundle_curved_hits.h"
 
 /* Where lanes can meet one boundary. */
-struct cml_stretches {
+struct cml_intervals {
     _Alignas(64) int meets[CML_LANES];
     real from[CML_LANES], to[CML_LANES];
 };
 
-#define CML_CROWD (CML_LANES + CML_GROUP) /* packing writes whole groups */
+#define CML_GATHERED (CML_LANES + CML_GROUP) /* packing writes whole groups */
 
 /* Lanes of one medium side by side. size: whole vectors; what lies behind the lanes there may be anything. */
-struct cml_crowd {
+struct cml_gathered {
     int size;
-    _Alignas(64) real x[CML_CROWD], y[CML_CROWD], z[CML_CROWD], ux[CML_CROWD], uy[CML_CROWD], uz[CML_CROWD];
-    real s[CML_CROWD];
-    struct cml_stretches above, below;
+    _Alignas(64) real x[CML_GATHERED], y[CML_GATHERED], z[CML_GATHERED], ux[CML_GATHERED], uy[CML_GATHERED],
+        uz[CML_GATHERED];
+    real s[CML_GATHERED];
+    struct cml_intervals above, below;
     struct cml_hits hits_above, hits_below;
 };
 
 /* Packs lanes of one medium, in the order of their numbers. */
-static void cml_gather_crowd(const struct cml_bundle *b, uint64_t lanes, struct cml_crowd *crowd)
+static void cml_gather_lanes(const struct cml_bundle *b, uint64_t lanes, struct cml_gathered *gathered)
 {
     int at = 0;
     for (int first = 0; first < CML_LANES; first += CML_GROUP) {
         const cml_u32 mask = (cml_u32)(lanes >> first) & CML_GROUP_MASK;
         if (!mask) continue;
-        cml_group_pack(b->x + first, mask, crowd->x + at);
-        cml_group_pack(b->y + first, mask, crowd->y + at);
-        cml_group_pack(b->z + first, mask, crowd->z + at);
-        cml_group_pack(b->ux + first, mask, crowd->ux + at);
-        cml_group_pack(b->uy + first, mask, crowd->uy + at);
-        cml_group_pack(b->uz + first, mask, crowd->uz + at);
-        cml_group_pack(b->s + first, mask, crowd->s + at);
+        cml_group_pack(b->x + first, mask, gathered->x + at);
+        cml_group_pack(b->y + first, mask, gathered->y + at);
+        cml_group_pack(b->z + first, mask, gathered->z + at);
+        cml_group_pack(b->ux + first, mask, gathered->ux + at);
+        cml_group_pack(b->uy + first, mask, gathered->uy + at);
+        cml_group_pack(b->uz + first, mask, gathered->uz + at);
+        cml_group_pack(b->s + first, mask, gathered->s + at);
         at += __builtin_popcount(mask);
     }
-    crowd->size = cml_whole_vectors(at);
+    gathered->size = cml_whole_vectors(at);
 }
 
-/* As cml_can_meet of a plane. depth: of the plane. */
-CML_PASS void cml_crowd_reach_plane(const struct cml_crowd *c, real depth, real side,
-                                    struct cml_stretches *ahead)
+/* As cml_surface_interval of a plane. depth: of the plane. */
+CML_LOOP void cml_gathered_plane(const struct cml_gathered *c, real depth, real side,
+                                 struct cml_intervals *ahead)
 {
     const int size = c->size;
 #pragma omp simd
@@ -56,11 +57,11 @@ CML_PASS void cml_crowd_reach_plane(const struct cml_crowd *c, real depth, real 
     }
 }
 
-/* As cml_can_meet_curved, without its branches. */
+/* As cml_curved_interval, without its branches. */
 __attribute__((always_inline)) static inline void
-cml_crowd_reach_curved(const struct cml_world *world, const struct cml_surface *shared,
-                       const struct cml_crowd *c, real depth, real side, struct cml_stretches *ahead,
-                       const int rings)
+cml_gathered_curved(const struct cml_world *world, const struct cml_surface *shared,
+                    const struct cml_gathered *c, real depth, real side, struct cml_intervals *ahead,
+                    const int rings)
 {
     const struct cml_surface surface = *shared;
     const struct cml_clearance *grid = &surface.clearance;
@@ -73,33 +74,33 @@ cml_crowd_reach_curved(const struct cml_world *world, const struct cml_surface *
         const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
         const int passes = inside < away * s, leads_away = cml_heads_away(surface.steepest, u, side);
         const int misses = ((away < 0) & passes) | ((away >= 0) & ((inside < 0) | leads_away));
-        const struct cml_stretch within = {!misses, inside < 0 ? there : (real)0,
-                                           (away >= 0) & passes ? there : s};
+        const struct cml_interval within = {!misses, inside < 0 ? there : (real)0,
+                                            (away >= 0) & passes ? there : s};
         const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, within.from, u));
-        const struct cml_stretch near = cml_near_stretch(grid, bounds, start, u, side, within, rings);
+        const struct cml_interval near = cml_clip_interval(grid, bounds, start, u, side, within, rings);
         ahead->meets[k] = near.meets;
         ahead->from[k] = near.from;
         ahead->to[k] = near.to;
     }
 }
 
-CML_PASS void cml_crowd_reach_rings(const struct cml_world *world, const struct cml_surface *surface,
-                                    const struct cml_crowd *c, real depth, real side,
-                                    struct cml_stretches *ahead)
+CML_LOOP void cml_gathered_rings(const struct cml_world *world, const struct cml_surface *surface,
+                                 const struct cml_gathered *c, real depth, real side,
+                                 struct cml_intervals *ahead)
 {
-    cml_crowd_reach_curved(world, surface, c, depth, side, ahead, 1);
+    cml_gathered_curved(world, surface, c, depth, side, ahead, 1);
 }
 
-CML_PASS void cml_crowd_reach_mesh(const struct cml_world *world, const struct cml_surface *surface,
-                                   const struct cml_crowd *c, real depth, real side,
-                                   struct cml_stretches *ahead)
+CML_LOOP void cml_gathered_mesh(const struct cml_world *world, const struct cml_surface *surface,
+                                const struct cml_gathered *c, real depth, real side,
+                                struct cml_intervals *ahead)
 {
-    cml_crowd_reach_curved(world, surface, c, depth, side, ahead, 0);
+    cml_gathered_curved(world, surface, c, depth, side, ahead, 0);
 }
 
 /* The medium's boundary `boundary`, if there is one, seen from the side. */
-static void cml_crowd_reach(const struct cml_flight *f, int boundary, real depth, real side,
-                            struct cml_stretches *ahead)
+static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real depth, real side,
+                                  struct cml_intervals *ahead)
 {
     const struct cml_world *world = f->world;
     if (boundary < 0 || boundary > world->setup.num_layers) {
@@ -108,30 +109,30 @@ static void cml_crowd_reach(const struct cml_flight *f, int boundary, real depth
     }
     const struct cml_surface *surface = &world->surfaces[boundary];
     if (surface->kind == CML_SURFACE_PLANE)
-        cml_crowd_reach_plane(f->crowd, depth, side, ahead);
+        cml_gathered_plane(f->gathered, depth, side, ahead);
     else if (surface->kind == CML_SURFACE_CONE)
-        cml_crowd_reach_rings(world, surface, f->crowd, depth, side, ahead);
+        cml_gathered_rings(world, surface, f->gathered, depth, side, ahead);
     else
-        cml_crowd_reach_mesh(world, surface, f->crowd, depth, side, ahead);
+        cml_gathered_mesh(world, surface, f->gathered, depth, side, ahead);
 }
 
-/* As cml_find_reach, for lanes of one medium. */
-static void cml_find_reaches(const struct cml_flight *f, int medium, uint64_t lanes)
+/* As cml_find_intervals, for lanes of one medium. */
+static void cml_gather_intervals(const struct cml_flight *f, int medium, uint64_t lanes)
 {
-    struct cml_crowd *crowd = f->crowd;
-    cml_gather_crowd(f->b, lanes, crowd);
-    cml_crowd_reach(f, medium - 1, 0, 1, &crowd->above);
-    cml_crowd_reach(f, medium, f->world->media[medium].span, -1, &crowd->below);
+    struct cml_gathered *gathered = f->gathered;
+    cml_gather_lanes(f->b, lanes, gathered);
+    cml_gathered_boundary(f, medium - 1, 0, 1, &gathered->above);
+    cml_gathered_boundary(f, medium, f->world->media[medium].span, -1, &gathered->below);
 }
 
-static struct cml_stretch cml_stretch_of(const struct cml_stretches *of, int k)
+static struct cml_interval cml_interval_of(const struct cml_intervals *of, int k)
 {
-    const struct cml_stretch s = {of->meets[k], of->from[k], of->to[k]};
+    const struct cml_interval s = {of->meets[k], of->from[k], of->to[k]};
     return s;
 }
 
 /* Those of the lanes that are in a medium. */
-static uint64_t cml_lanes_in(const struct cml_bundle *b, uint64_t lanes, int medium)
+static uint64_t cml_lanes_in_medium(const struct cml_bundle *b, uint64_t lanes, int medium)
 {
     uint64_t mask = 0;
     for (int first = 0; first < CML_LANES; first += CML_GROUP)

@@ -5,9 +5,9 @@
 #include "engine/cpu/bundle_curved_cross.h"
 #include "engine/cpu/bundle_curved_reach.h"
 
-/* Whether the lane's packet is one for cml_seek_lane: in the material, about to meet no boundary but this
- * one, which is curved, and nothing rare about it. */
-static int cml_is_plain(const struct cml_flight *f, int i, int boundary)
+/* Whether the lane's packet is one for cml_intersect_lane: in the material, about to meet no boundary but
+ * this one, which is curved, and nothing rare about it. */
+static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
 {
     const struct cml_bundle *b = f->b;
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
@@ -19,7 +19,7 @@ static int cml_is_plain(const struct cml_flight *f, int i, int boundary)
 }
 
 /* What the lane's packet stands on of a boundary, -1: nothing. */
-static int cml_lane_stands_on(const struct cml_bundle *b, int i, int boundary)
+static int cml_lane_on_primitive(const struct cml_bundle *b, int i, int boundary)
 {
     const int stands = b->touched[i] == b->interactions[i] && b->on_boundary[i] == boundary;
     return stands ? b->on_primitive[i] : -1;
@@ -43,21 +43,22 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
     return k;
 }
 
-/* The lane's packet, at p in the boundary's frame, on its way to rings: cml_field_hit up to the root. */
+/* The lane's packet, at p in the boundary's frame, on its way to rings: cml_intersect_field up to the root.
+ */
 static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side,
-                           struct cml_stretch s, struct cml_hits *h)
+                           struct cml_interval s, struct cml_hits *h)
 {
     const struct cml_world *world = f->world;
     const struct cml_bundle *b = f->b;
     const struct cml_rings rings = cml_rings_of(world, boundary);
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-    const int on_ring = cml_lane_stands_on(b, i, boundary);
+    const int on_ring = cml_lane_on_primitive(b, i, boundary);
     const real t_min = on_ring >= 0 ? (real)0 : s.from;
     struct cml_cone_march march =
         cml_cone_begin(rings, cml_from_scene_axis(world, p), u, side, t_min, on_ring);
     const enum cml_cone_verdict verdict = cml_cone_go(rings, &march, s.to, 1, &h->t[h->count]);
     if (verdict == CML_CONE_MISSED) {
-        cml_lane_passes(f, i);
+        cml_lane_misses(f, i);
         return;
     }
     const int k = cml_add_hit(b, i, march.ring, p, h);
@@ -71,7 +72,7 @@ static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml
     h->t_max[k] = s.to;
 }
 
-static int cml_is_shaded(const struct cml_hit *hit)
+static int cml_has_shading_normal(const struct cml_hit *hit)
 {
     return hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
 }
@@ -84,14 +85,15 @@ static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
     struct cml_hit hit = {.boundary = boundary};
     int beside;
-    const int found = cml_mesh_hit(f->world, boundary, p, u, side, t_max, cml_lane_stands_on(b, i, boundary),
-                                   b->straight[i], &hit, &beside);
+    const int found =
+        cml_intersect_mesh(f->world, boundary, p, u, side, t_max, cml_lane_on_primitive(b, i, boundary),
+                           b->undeflected[i], &hit, &beside);
     if (!found && beside) {
-        cml_handle_exception(f, i);
+        cml_process_lane(f, i);
     } else if (!found) {
-        cml_lane_passes(f, i);
-    } else if (cml_is_shaded(&hit)) {
-        cml_meet_found(f, i, &hit);
+        cml_lane_misses(f, i);
+    } else if (cml_has_shading_normal(&hit)) {
+        cml_process_found_hit(f, i, &hit);
     } else {
         const int k = cml_add_hit(b, i, hit.primitive, hit.point, h);
         h->t[k] = hit.t;
@@ -103,8 +105,8 @@ static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml
 }
 
 /* The lane's packet on its way to a curved boundary. */
-static void cml_seek_lane(struct cml_flight *f, int i, int boundary, real side, struct cml_stretch s,
-                          struct cml_hits *h)
+static void cml_intersect_lane(struct cml_flight *f, int i, int boundary, real side, struct cml_interval s,
+                               struct cml_hits *h)
 {
     const struct cml_bundle *b = f->b;
     const real depth = side < 0 ? f->world->media[boundary].span : (real)0;
@@ -116,28 +118,29 @@ static void cml_seek_lane(struct cml_flight *f, int i, int boundary, real side, 
 }
 
 /* Lanes of one medium near a curved surface. */
-static void cml_meet_crowd(struct cml_flight *f, int medium, uint64_t lanes)
+static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t lanes)
 {
-    struct cml_crowd *crowd = f->crowd;
+    struct cml_gathered *gathered = f->gathered;
     int k = 0;
-    cml_find_reaches(f, medium, lanes);
+    cml_gather_intervals(f, medium, lanes);
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
-        const struct cml_reach reach = {cml_stretch_of(&crowd->above, k), cml_stretch_of(&crowd->below, k)};
-        const int above = reach.above.meets;
-        if (above == reach.below.meets || !cml_is_plain(f, i, above ? medium - 1 : medium))
-            cml_go_on(f, i, reach, f->b->s[i]);
+        const struct cml_boundary_intervals intervals = {cml_interval_of(&gathered->above, k),
+                                                         cml_interval_of(&gathered->below, k)};
+        const int above = intervals.above.meets;
+        if (above == intervals.below.meets || !cml_is_common_case(f, i, above ? medium - 1 : medium))
+            cml_continue_lane(f, i, intervals, f->b->s[i]);
         else if (above)
-            cml_seek_lane(f, i, medium - 1, 1, reach.above, &crowd->hits_above);
+            cml_intersect_lane(f, i, medium - 1, 1, intervals.above, &gathered->hits_above);
         else
-            cml_seek_lane(f, i, medium, -1, reach.below, &crowd->hits_below);
+            cml_intersect_lane(f, i, medium, -1, intervals.below, &gathered->hits_below);
     }
-    cml_meet_hits(f, medium, 1, &crowd->hits_above);
-    cml_meet_hits(f, medium, -1, &crowd->hits_below);
+    cml_process_hits(f, medium, 1, &gathered->hits_above);
+    cml_process_hits(f, medium, -1, &gathered->hits_below);
 }
 
 /* Lanes near curved surfaces wait for others, as those at planes do. */
-static void cml_meet_curves(struct cml_flight *f)
+static void cml_process_curved(struct cml_flight *f)
 {
     const int patience = f->b->lanes == CML_LANES ? 32 : 1;
     uint64_t lanes = cml_lanes_with(f->b, CML_LANE_CURVED);
@@ -146,11 +149,11 @@ static void cml_meet_curves(struct cml_flight *f)
     f->waited_near = 0;
     while (lanes) {
         const int medium = f->b->medium[__builtin_ctzll(lanes)];
-        const uint64_t here = cml_lanes_in(f->b, lanes, medium);
-        if (f->aimed && medium == 0)
-            cml_for_lanes(f, here, cml_handle_exception);
+        const uint64_t here = cml_lanes_in_medium(f->b, lanes, medium);
+        if (f->first_hit_known && medium == 0)
+            cml_for_lanes(f, here, cml_process_lane);
         else
-            cml_meet_crowd(f, medium, here);
+            cml_intersect_gathered(f, medium, here);
         lanes &= ~here;
     }
 }

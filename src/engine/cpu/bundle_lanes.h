@@ -4,7 +4,7 @@
 #define CML_BUNDLE_LANES_H
 
 #include "engine/cpu/bundle_masks.h"
-#include "engine/packet_ends.h"
+#include "engine/terminated_packets.h"
 
 #include <stddef.h>
 
@@ -50,7 +50,7 @@ struct cml_ballistic {
     real mfp;
     cml_u32 crossings; /* before its end */
     real reflectance;  /* there */
-    struct cml_end end;
+    struct cml_termination end;
     uint64_t count; /* so far */
 };
 
@@ -62,23 +62,23 @@ struct cml_flight {
     const struct cml_lane_medium *media; /* [num_layers + 2] */
     struct cml_packet start;             /* as the beam places packets */
     int pencil;                          /* it places all of them alike */
-    int aimed;                           /* then all of them meet `first`, above the material */
-    struct cml_hit first;
+    int first_hit_known;                 /* then all of them meet first_hit, above the material */
+    struct cml_hit first_hit;
     int enters;               /* and those that are not reflected there go on like `inside` */
     struct cml_packet inside; /* but for their indices */
     real reflectance;
     struct cml_ballistic ballistic;
-    struct cml_crowd *crowd;      /* bundle_curved_reach.h */
-    int curves;                   /* not all surfaces are planes */
-    real steepest;                /* slope of those that are none */
-    uint64_t live, ended;         /* masks of lanes: that hold packets; whose packet is finished */
-    uint64_t absorbed[CML_LANES]; /* of the lane's packet, up to the last mark */
+    struct cml_gathered *gathered; /* bundle_curved_reach.h */
+    int curves;                    /* not all surfaces are planes */
+    real steepest;                 /* slope of those that are none */
+    uint64_t live, ended;          /* masks of lanes: that hold packets; whose packet is finished */
+    uint64_t absorbed[CML_LANES];  /* of the lane's packet, up to the last mark */
     const struct cml_range_source *source;
     int waited;          /* passes that lanes at planes have waited, summed over them */
     int waited_near;     /* the same of lanes near curved surfaces */
     uint64_t next, left; /* of the range in hand: photon indices not drawn for yet */
-    struct cml_fresh fresh;
-    struct cml_ends ends;
+    struct cml_launch_queue queue;
+    struct cml_terminated terminated;
 };
 
 /* Lanes that go into one vector: loops over fewer take as long. */
@@ -112,15 +112,15 @@ static void cml_load_medium(struct cml_flight *f, int i)
     for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
-/* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
- * weight: to be called before either changes. */
-static void cml_mark_weight(struct cml_flight *f, int i)
+/* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
+ * as lost weight: to be called before either changes. */
+static void cml_flush_deposits(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
-    const cml_u32 deposited = b->marked[i] - b->w[i];
+    const cml_u32 deposited = b->flushed_w[i] - b->w[i];
     f->tally->A_l[b->medium[i]] += deposited;
     f->absorbed[i] += deposited;
-    b->marked[i] = b->w[i];
+    b->flushed_w[i] = b->w[i];
 }
 
 static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
@@ -149,7 +149,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->medium = b->medium[i];
     packet->on_boundary = stands ? b->on_boundary[i] : -1;
     packet->on_primitive = b->on_primitive[i];
-    packet->straight = b->straight[i];
+    packet->undeflected = b->undeflected[i];
     packet->beside = 0;
     packet->entered = b->entered[i];
     packet->fate = CML_FATE_ALIVE;
@@ -180,10 +180,10 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     b->boundary_events[i] = packet->boundary_events;
     b->on_boundary[i] = packet->on_boundary;
     b->on_primitive[i] = packet->on_primitive;
-    b->straight[i] = packet->straight;
+    b->undeflected[i] = packet->undeflected;
     b->entered[i] = packet->entered;
     if (packet->medium == b->medium[i]) return;
-    cml_mark_weight(f, i);
+    cml_flush_deposits(f, i);
     b->medium[i] = packet->medium;
     cml_load_medium(f, i);
 }
@@ -199,12 +199,12 @@ static void cml_store_beside(struct cml_bundle *b, int i, const struct cml_packe
 
 /* Inlined, so that the end goes from lane to collection without being built in memory: its members would be
  * stored one by one and loaded together, which stalls. */
-__attribute__((always_inline)) static inline void cml_push_end(struct cml_flight *f, int i,
-                                                               struct cml_end end)
+__attribute__((always_inline)) static inline void cml_push_termination(struct cml_flight *f, int i,
+                                                                       struct cml_termination end)
 {
-    cml_mark_weight(f, i);
+    cml_flush_deposits(f, i);
     end.absorbed = f->absorbed[i];
-    cml_ends_push(&f->world->setup, &f->ends, &end, f->tally);
+    cml_terminated_push(&f->world->setup, &f->terminated, &end, f->tally);
     f->b->task[i] = CML_LANE_ENDED;
     f->ended |= CML_LANE_BIT(i);
 }
@@ -213,7 +213,7 @@ __attribute__((always_inline)) static inline void cml_push_end(struct cml_flight
 static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
 {
     const struct cml_bundle *b = f->b;
-    const struct cml_end end = {
+    const struct cml_termination end = {
         .index = cml_lane_index(b, i),
         .fate = (int)fate,
         .cause = (int)cause,
@@ -224,7 +224,7 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
         .exit_y = b->y[i],
         .uz = b->uz[i],
     };
-    cml_push_end(f, i, end);
+    cml_push_termination(f, i, end);
 }
 
 /* Mask of the lanes with a task. */

@@ -15,7 +15,7 @@ static void cml_park_lane(struct cml_flight *f, int i)
     const struct cml_vec nowhere = {0, 0, 0}, down = {0, 0, 1};
     cml_store_ray(b, i, nowhere, down);
     b->tau[i] = 0;
-    b->w[i] = b->marked[i] = 0;
+    b->w[i] = b->flushed_w[i] = 0;
     b->task[i] = CML_LANE_DONE;
     b->medium[i] = 0;
     CML_OF_MEDIUM(b, mfp)[i] = 1;
@@ -24,31 +24,31 @@ static void cml_park_lane(struct cml_flight *f, int i)
     f->live &= ~CML_LANE_BIT(i);
 }
 
-/* Optical depths that cml_fresh_draw has left in the tail. */
-static void cml_fresh_draw_tails(struct cml_stream stream, uint64_t next, struct cml_fresh *fresh)
+/* Optical depths that cml_queue_draw has left in the tail. */
+static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct cml_launch_queue *queue)
 {
-    for (int i = 0; i < CML_FRESH; i++)
-        if (!(fresh->tau[i] < CML_INFINITY))
-            fresh->tau[i] = cml_optical_depth(stream, next + (uint64_t)i, 0, 0);
+    for (int i = 0; i < CML_QUEUE; i++)
+        if (!(queue->tau[i] < CML_INFINITY))
+            queue->tau[i] = cml_optical_depth(stream, next + (uint64_t)i, 0, 0);
 }
 
 /* Counts the ballistic ones among the first `count`, and closes up the others. Returns how many those are. */
 static int cml_drop_ballistic(struct cml_flight *f, int count)
 {
-    struct cml_fresh *fresh = &f->fresh;
+    struct cml_launch_queue *queue = &f->queue;
     struct cml_ballistic *like = &f->ballistic;
     int at = 0;
-    cml_fresh_find_staying(f->world->setup.stream, like->path, like->mfp, like->crossings, like->reflectance,
-                           fresh);
+    cml_queue_find_not_ballistic(f->world->setup.stream, like->path, like->mfp, like->crossings,
+                                 like->reflectance, queue);
     for (int first = 0; first < count; first += CML_GROUP) {
         const cml_u32 here = count - first < CML_GROUP ? (1u << (count - first)) - 1 : CML_GROUP_MASK;
-        const cml_u32 stay = cml_group_equal(fresh->stays + first, 1) & here;
-        cml_group_pack(fresh->index_low + first, stay, fresh->index_low + at);
-        cml_group_pack(fresh->index_high + first, stay, fresh->index_high + at);
-        cml_group_pack(fresh->tau + first, stay, fresh->tau + at);
-        cml_group_pack(fresh->draw1 + first, stay, fresh->draw1 + at);
-        cml_group_pack(fresh->draw2 + first, stay, fresh->draw2 + at);
-        cml_group_pack(fresh->through + first, stay, fresh->through + at);
+        const cml_u32 stay = cml_group_equal(queue->stays + first, 1) & here;
+        cml_group_pack(queue->index_low + first, stay, queue->index_low + at);
+        cml_group_pack(queue->index_high + first, stay, queue->index_high + at);
+        cml_group_pack(queue->tau + first, stay, queue->tau + at);
+        cml_group_pack(queue->draw1 + first, stay, queue->draw1 + at);
+        cml_group_pack(queue->draw2 + first, stay, queue->draw2 + at);
+        cml_group_pack(queue->through + first, stay, queue->through + at);
         at += __builtin_popcount(stay);
     }
     like->count += (uint64_t)(count - at);
@@ -56,19 +56,19 @@ static int cml_drop_ballistic(struct cml_flight *f, int count)
 }
 
 /* New packets are at hand. */
-static int cml_have_fresh(struct cml_flight *f)
+static int cml_fill_queue(struct cml_flight *f)
 {
-    struct cml_fresh *fresh = &f->fresh;
+    struct cml_launch_queue *queue = &f->queue;
     const struct cml_stream stream = f->world->setup.stream;
-    while (fresh->first >= fresh->end) {
+    while (queue->first >= queue->end) {
         if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
-        const int count = f->left < CML_FRESH ? (int)f->left : CML_FRESH;
-        if (cml_fresh_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, fresh))
-            cml_fresh_draw_tails(stream, f->next, fresh);
+        const int count = f->left < CML_QUEUE ? (int)f->left : CML_QUEUE;
+        if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
+            cml_queue_draw_tails(stream, f->next, queue);
         f->next += (uint64_t)count;
         f->left -= (uint64_t)count;
-        fresh->first = 0;
-        fresh->end = f->ballistic.possible ? cml_drop_ballistic(f, count) : count;
+        queue->first = 0;
+        queue->end = f->ballistic.possible ? cml_drop_ballistic(f, count) : count;
     }
     return 1;
 }
@@ -106,7 +106,7 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
 
 /* Nothing is left to launch: the packets in flight move together, so that passes need not go over lanes
  * without one. */
-static void cml_close_ranks(struct cml_flight *f)
+static void cml_compact_lanes(struct cml_flight *f)
 {
     const int lanes = (__builtin_popcountll(f->live) + CML_GROUP - 1) / CML_GROUP * CML_GROUP;
     if (lanes == f->b->lanes) return;
@@ -118,11 +118,11 @@ static void cml_close_ranks(struct cml_flight *f)
 }
 
 /* Packets like `start` for lanes of a group, which mostly are in its medium already. */
-static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start, int first, cml_u32 fresh)
+static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
-    cml_u32 elsewhere = fresh & ~cml_group_equal(b->medium + first, start->medium);
-    cml_bundle_launch(b, start, f->absorbed, first, fresh);
+    cml_u32 elsewhere = lanes & ~cml_group_equal(b->medium + first, start->medium);
+    cml_bundle_launch(b, start, f->absorbed, first, lanes);
     for (; elsewhere; elsewhere &= elsewhere - 1) {
         const int i = first + __builtin_ctz(elsewhere);
         b->medium[i] = start->medium;
@@ -131,26 +131,26 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
 }
 
 /* Those of a group's lanes that are to hold packets which go through the first boundary. */
-static cml_u32 cml_lanes_through(const struct cml_fresh *fresh, cml_u32 lanes)
+static cml_u32 cml_lanes_through(const struct cml_launch_queue *queue, cml_u32 lanes)
 {
     _Alignas(64) int through[CML_GROUP] = {0};
-    cml_group_unpack(fresh->through + fresh->first, lanes, through);
+    cml_group_unpack(queue->through + queue->first, lanes, through);
     return cml_group_equal(through, 1);
 }
 
 /* What is at hand, for lanes of a group; there is as much. */
-static void cml_launch_fresh(struct cml_flight *f, int first, cml_u32 lanes)
+static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
-    struct cml_fresh *fresh = &f->fresh;
-    const int at = fresh->first;
-    cml_group_unpack(fresh->index_low + at, lanes, b->index_low + first);
-    cml_group_unpack(fresh->index_high + at, lanes, b->index_high + first);
-    cml_group_unpack(fresh->draw1 + at, lanes, b->draw1 + first);
-    cml_group_unpack(fresh->draw2 + at, lanes, b->draw2 + first);
-    cml_group_unpack(fresh->tau + at, lanes, b->tau + first);
-    const cml_u32 inside = f->enters ? cml_lanes_through(fresh, lanes) : 0;
-    fresh->first += __builtin_popcount(lanes);
+    struct cml_launch_queue *queue = &f->queue;
+    const int at = queue->first;
+    cml_group_unpack(queue->index_low + at, lanes, b->index_low + first);
+    cml_group_unpack(queue->index_high + at, lanes, b->index_high + first);
+    cml_group_unpack(queue->draw1 + at, lanes, b->draw1 + first);
+    cml_group_unpack(queue->draw2 + at, lanes, b->draw2 + first);
+    cml_group_unpack(queue->tau + at, lanes, b->tau + first);
+    const cml_u32 inside = f->enters ? cml_lanes_through(queue, lanes) : 0;
+    queue->first += __builtin_popcount(lanes);
     if (inside) cml_launch_like(f, &f->inside, first, inside);
     if (lanes & ~inside) cml_launch_like(f, &f->start, first, lanes & ~inside);
     if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
@@ -159,9 +159,9 @@ static void cml_launch_fresh(struct cml_flight *f, int first, cml_u32 lanes)
 /* New packets for lanes of a group; those for which there are none are parked. */
 static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
 {
-    while (lanes && cml_have_fresh(f)) {
-        const cml_u32 now = cml_first_bits(lanes, f->fresh.end - f->fresh.first);
-        cml_launch_fresh(f, first, now);
+    while (lanes && cml_fill_queue(f)) {
+        const cml_u32 now = cml_first_bits(lanes, f->queue.end - f->queue.first);
+        cml_launch_from_queue(f, first, now);
         lanes &= ~now;
     }
     cml_for_lanes(f, (uint64_t)lanes << first, cml_park_lane);
@@ -176,7 +176,7 @@ static void cml_refill(struct cml_flight *f)
         const cml_u32 lanes = (cml_u32)(ended >> first) & CML_GROUP_MASK;
         if (lanes) cml_launch_group(f, first, lanes);
     }
-    if (ended & ~f->live) cml_close_ranks(f);
+    if (ended & ~f->live) cml_compact_lanes(f);
 }
 
 #endif

@@ -32,55 +32,55 @@ static inline real cml_pick(int mine, real a, real b)
 }
 
 /* Inlining would only mix their constants with those of their callers, and hide them from a profile. */
-#define CML_PASS static __attribute__((noinline))
+#define CML_LOOP static __attribute__((noinline))
 
 /* Photons from `next` on. Those that are not reflected at the first boundary go through it: P5, for unequal
  * indices. Returns 1 when an optical depth is in the tail. */
-CML_PASS int cml_fresh_draw(const struct cml_setup *setup, uint64_t next, real reflectance,
-                            struct cml_fresh *fresh)
+CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real reflectance,
+                            struct cml_launch_queue *queue)
 {
     const struct cml_stream stream = setup->stream;
     const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32);
     int tail = 0;
 #pragma omp simd reduction(| : tail)
-    for (int i = 0; i < CML_FRESH; i++) {
+    for (int i = 0; i < CML_QUEUE; i++) {
         const cml_u32 index = low + (cml_u32)i, carried = high + (cml_u32)(index < low);
         const struct cml_block draw = cml_threefry(stream, index, carried, 0, CML_PURPOSE_INTERACTION);
-        fresh->index_low[i] = index;
-        fresh->index_high[i] = carried;
-        fresh->tau[i] = cml_depth_or_tail(draw.w[0]);
-        fresh->draw1[i] = draw.w[1];
-        fresh->draw2[i] = draw.w[2];
-        fresh->through[i] = 1;
+        queue->index_low[i] = index;
+        queue->index_high[i] = carried;
+        queue->tau[i] = cml_depth_or_tail(draw.w[0]);
+        queue->draw1[i] = draw.w[1];
+        queue->draw2[i] = draw.w[2];
+        queue->through[i] = 1;
         tail |= draw.w[0] == 0u;
     }
     if (!(reflectance > 0)) return tail;
 #pragma omp simd
-    for (int i = 0; i < CML_FRESH; i++) {
+    for (int i = 0; i < CML_QUEUE; i++) {
         const struct cml_block draw =
-            cml_threefry(stream, fresh->index_low[i], fresh->index_high[i], 0, CML_PURPOSE_BOUNDARY);
-        fresh->through[i] = !(cml_uniform(draw.w[0]) <= reflectance);
+            cml_threefry(stream, queue->index_low[i], queue->index_high[i], 0, CML_PURPOSE_BOUNDARY);
+        queue->through[i] = !(cml_uniform(draw.w[0]) <= reflectance);
     }
     return tail;
 }
 
 /* Which of them do not end ballistically: they interact in a medium of that mean free path before `path`, or
  * are reflected at one of the boundaries before and behind it. */
-CML_PASS void cml_fresh_find_staying(struct cml_stream stream, real path, real mfp, cml_u32 crossings,
-                                     real reflectance, struct cml_fresh *fresh)
+CML_LOOP void cml_queue_find_not_ballistic(struct cml_stream stream, real path, real mfp, cml_u32 crossings,
+                                           real reflectance, struct cml_launch_queue *queue)
 {
 #pragma omp simd
-    for (int i = 0; i < CML_FRESH; i++) {
+    for (int i = 0; i < CML_QUEUE; i++) {
         const struct cml_block draw =
-            cml_threefry(stream, fresh->index_low[i], fresh->index_high[i], crossings, CML_PURPOSE_BOUNDARY);
-        const int interacts = !(path < cml_path(fresh->tau[i], mfp)), enters = fresh->through[i];
-        fresh->stays[i] = interacts | !enters | (cml_uniform(draw.w[0]) <= reflectance);
+            cml_threefry(stream, queue->index_low[i], queue->index_high[i], crossings, CML_PURPOSE_BOUNDARY);
+        const int interacts = !(path < cml_path(queue->tau[i], mfp)), enters = queue->through[i];
+        queue->stays[i] = interacts | !enters | (cml_uniform(draw.w[0]) <= reflectance);
     }
 }
 
 /* Lanes first + i with bit i of lanes: packets like `start`, but for indices, draws and media. absorbed:
  * [CML_LANES], of the lanes' packets. */
-CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,
+CML_LOOP void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *start, uint64_t *absorbed,
                                 int first, cml_u32 lanes)
 {
     const struct cml_packet like = *start;
@@ -94,7 +94,7 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
         b->uy[i] = cml_pick(mine, like.u.y, b->uy[i]);
         b->uz[i] = cml_pick(mine, like.u.z, b->uz[i]);
         b->w[i] = cml_pick_word(mine, like.w, b->w[i]);
-        b->marked[i] = cml_pick_word(mine, like.w, b->marked[i]);
+        b->flushed_w[i] = cml_pick_word(mine, like.w, b->flushed_w[i]);
         b->interactions[i] = cml_pick_word(mine, 0u, b->interactions[i]);
         b->crossings[i] = cml_pick_word(mine, like.crossings, b->crossings[i]);
         b->boundary_events[i] = cml_pick_word(mine, like.boundary_events, b->boundary_events[i]);
@@ -102,7 +102,7 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
         b->bounces[i] = cml_pick_word(mine, like.bounces, b->bounces[i]);
         b->on_boundary[i] = cml_pick_int(mine, like.on_boundary, b->on_boundary[i]);
         b->on_primitive[i] = cml_pick_int(mine, like.on_primitive, b->on_primitive[i]);
-        b->straight[i] = cml_pick_int(mine, like.straight, b->straight[i]);
+        b->undeflected[i] = cml_pick_int(mine, like.undeflected, b->undeflected[i]);
         b->entered[i] = cml_pick_int(mine, like.entered, b->entered[i]);
         b->task[i] = cml_pick_int(mine, CML_LANE_DONE, b->task[i]);
         absorbed[i] = mine ? 0u : absorbed[i];
@@ -112,17 +112,18 @@ CML_PASS void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
 /* Which boundaries lane i may meet on a path of length s. Conservative: one that is not
  * named here cannot be met, rounding included; what is not a number, or infinite, may meet all. A plane is
  * met at the end of the path or before, never by a packet that stands on it and leads away. */
-struct cml_ahead {
+struct cml_lane_candidates {
     int ends_above, ends_below, starts_above, starts_below; /* beyond a boundary, or within its heights */
 };
 
-static inline struct cml_ahead cml_lane_ahead(const struct cml_bundle *b, int i, real s)
+static inline struct cml_lane_candidates cml_find_lane_candidates(const struct cml_bundle *b, int i, real s)
 {
-    const real z = b->z[i], step = s * b->uz[i], end = z + step, slack = cml_depth_slack(z, step);
-    const struct cml_ahead ahead = {.ends_above = !(end - slack > CML_OF_MEDIUM(b, stop_above)[i]),
-                                    .ends_below = !(end + slack < CML_OF_MEDIUM(b, stop_below)[i]),
-                                    .starts_above = !(z - slack > CML_OF_MEDIUM(b, start_above)[i]),
-                                    .starts_below = !(z + slack < CML_OF_MEDIUM(b, start_below)[i])};
+    const real z = b->z[i], step = s * b->uz[i], end = z + step, slack = cml_err_depth(z, step);
+    const struct cml_lane_candidates ahead = {.ends_above = !(end - slack > CML_OF_MEDIUM(b, stop_above)[i]),
+                                              .ends_below = !(end + slack < CML_OF_MEDIUM(b, stop_below)[i]),
+                                              .starts_above = !(z - slack > CML_OF_MEDIUM(b, start_above)[i]),
+                                              .starts_below =
+                                                  !(z + slack < CML_OF_MEDIUM(b, start_below)[i])};
     return ahead;
 }
 
@@ -130,7 +131,7 @@ static inline struct cml_ahead cml_lane_ahead(const struct cml_bundle *b, int i,
 static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, real *distance)
 {
     const real s = cml_path(tau, CML_OF_MEDIUM(b, mfp)[i]);
-    const struct cml_ahead ahead = cml_lane_ahead(b, i, s);
+    const struct cml_lane_candidates ahead = cml_find_lane_candidates(b, i, s);
     *distance = s;
     return ahead.ends_above | ahead.ends_below | ahead.starts_above | ahead.starts_below;
 }
@@ -138,7 +139,7 @@ static inline int cml_lane_is_near(const struct cml_bundle *b, int i, real tau, 
 /* NEAR lanes that may meet a surface that is no plane get CURVED; those that can meet nothing before they
  * interact, INTERACT. steepest: slope of any surface; a direction that leaves one more steeply cannot cross
  * it. Returns 1 when any is CURVED. */
-CML_PASS int cml_bundle_look_around(struct cml_bundle *b, real steepest)
+CML_LOOP int cml_bundle_classify_near(struct cml_bundle *b, real steepest)
 {
     const int lanes = b->lanes;
     int any = 0;
@@ -149,7 +150,7 @@ CML_PASS int cml_bundle_look_around(struct cml_bundle *b, real steepest)
         const int steep = uz * uz >= steepest * steepest * (ux * ux + uy * uy);
         const int plane_above = !(CML_OF_MEDIUM(b, start_above)[i] > -CML_INFINITY),
                   plane_below = !(CML_OF_MEDIUM(b, start_below)[i] < CML_INFINITY);
-        const struct cml_ahead ahead = cml_lane_ahead(b, i, s);
+        const struct cml_lane_candidates ahead = cml_find_lane_candidates(b, i, s);
         const int above = (ahead.starts_above | ahead.ends_above) & !plane_above,
                   below = (ahead.starts_below | ahead.ends_below) & !plane_below;
         const int plane = (ahead.ends_above & plane_above) | (ahead.ends_below & plane_below);
@@ -163,7 +164,7 @@ CML_PASS int cml_bundle_look_around(struct cml_bundle *b, real steepest)
 }
 
 /* Lanes that had their event: s, and INTERACT or NEAR. */
-CML_PASS void cml_bundle_fly_again(struct cml_bundle *b)
+CML_LOOP void cml_bundle_fly_again(struct cml_bundle *b)
 {
     const int lanes = b->lanes;
 #pragma omp simd
@@ -178,7 +179,7 @@ CML_PASS void cml_bundle_fly_again(struct cml_bundle *b)
 
 /* All lanes: the block of the next interaction. Those with INTERACT have just had one; the others get the
  * block again that they have. */
-CML_PASS void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *b)
+CML_LOOP void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int lanes = b->lanes;
     const struct cml_stream stream = setup->stream;
@@ -200,7 +201,7 @@ enum { CML_ANY_NEAR = 1, CML_ANY_TAIL = 2 };
  * Returns CML_ANY_NEAR when any lane is near, and CML_ANY_TAIL with it when the optical depth of one is in
  * the tail.
  */
-CML_PASS int cml_bundle_fly(struct cml_bundle *b)
+CML_LOOP int cml_bundle_fly(struct cml_bundle *b)
 {
     const int lanes = b->lanes;
     int any = 0;
@@ -221,12 +222,12 @@ CML_PASS int cml_bundle_fly(struct cml_bundle *b)
     return any;
 }
 
-enum { CML_ANY_TURN = 1, CML_ANY_ODD = 2 };
+enum { CML_ANY_AT_PLANE = 1, CML_ANY_AT_LIMIT = 2 };
 
-/* Lanes that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or TURN,
- * or back to INTERACT, or NOWHERE. Returns CML_ANY_TURN when any is to turn, and CML_ANY_ODD with it when one
- * may be odd, as below. */
-CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
+/* Lanes that are NEAR: moved to the plane they meet and TRANSMITTED (equal indices) or AT_PLANE,
+ * or back to INTERACT, or NOWHERE. Returns CML_ANY_AT_PLANE when any is AT_PLANE, and CML_ANY_AT_LIMIT with
+ * it when one may be odd, as below. */
+CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b)
 {
     const real *restrict const muts = CML_OF_MEDIUM(b, mut), *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
@@ -236,8 +237,8 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
     const real *restrict const starts_above = CML_OF_MEDIUM(b, start_above);
     const real *restrict const starts_below = CML_OF_MEDIUM(b, start_below);
     const int lanes = b->lanes;
-    int turns = 0, odds = 0;
-#pragma omp simd reduction(| : turns, odds)
+    int at_planes = 0, at_limits = 0;
+#pragma omp simd reduction(| : at_planes, at_limits)
     for (int i = 0; i < lanes; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, p = {b->x[i], b->y[i], b->z[i]};
         const int task = b->task[i], mine = task == CML_LANE_NEAR, above = u.z < 0;
@@ -252,7 +253,7 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
         const struct cml_vec q = cml_along(p, ahead, u);
         const int matched = n1 == n2, lands = (s < CML_INFINITY) & number;
         const int missed = lands ? CML_LANE_INTERACT : CML_LANE_NOWHERE;
-        const int event = hit ? (matched ? CML_LANE_TRANSMITTED : CML_LANE_TURN) : missed;
+        const int event = hit ? (matched ? CML_LANE_TRANSMITTED : CML_LANE_AT_PLANE) : missed;
         const cml_u32 interactions = b->interactions[i], touched = b->touched[i], bounces = b->bounces[i];
         const cml_u32 row = touched == interactions ? bounces : 0u;
         b->x[i] = cml_pick(hit, q.x, p.x);
@@ -264,14 +265,14 @@ CML_PASS int cml_bundle_reach_planes(struct cml_bundle *b)
         b->bounces[i] = cml_pick_word(hit, row + 1u, bounces);
         b->boundary_events[i] += (cml_u32)hit;
         b->on_boundary[i] = cml_pick_int(hit, -1, b->on_boundary[i]);
-        turns |= hit & !matched;
-        odds |= (hit & (int)(bounces >= CML_TRAPPED_LIMIT)) | (mine & !hit & !lands);
+        at_planes |= hit & !matched;
+        at_limits |= (hit & (int)(bounces >= CML_TRAPPED_LIMIT)) | (mine & !hit & !lands);
     }
-    return turns * CML_ANY_TURN + odds * CML_ANY_ODD;
+    return at_planes * CML_ANY_AT_PLANE + at_limits * CML_ANY_AT_LIMIT;
 }
 
-/* Lanes with TURN: P5. */
-CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *b)
+/* Lanes AT_PLANE: P5. */
+CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const struct cml_stream stream = setup->stream;
     const int lanes = b->lanes;
@@ -281,7 +282,7 @@ CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *
 #pragma omp simd
     for (int i = 0; i < lanes; i++) {
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-        const int task = b->task[i], mine = task == CML_LANE_TURN;
+        const int task = b->task[i], mine = task == CML_LANE_AT_PLANE;
         const real na = n_above[i], nb = n_below[i];
         const struct cml_block draw =
             cml_threefry(stream, b->index_low[i], b->index_high[i], b->crossings[i], CML_PURPOSE_BOUNDARY);
@@ -297,8 +298,8 @@ CML_PASS void cml_bundle_turn(const struct cml_setup *setup, struct cml_bundle *
     }
 }
 
-/* Lane i, after reach_planes and turn: it is NOWHERE, or stays and has bounced too often. */
-static inline int cml_lane_is_odd(const struct cml_bundle *b, int i, int layers)
+/* Lane i, after reach_planes and reflect_or_refract: it is NOWHERE, or stays and has bounced too often. */
+static inline int cml_lane_is_at_limit(const struct cml_bundle *b, int i, int layers)
 {
     const int task = b->task[i], from = b->medium[i], crossed = task == CML_LANE_TRANSMITTED;
     const int medium = from + (b->uz[i] < 0 ? -crossed : crossed);
@@ -321,8 +322,8 @@ static inline cml_u32 cml_group_leaves(const struct cml_bundle *b, int first, in
 
 /* Lanes with INTERACT: hop, drop, spin. Fills dw (0 in other lanes) and cell, where absorption is tallied.
  * Returns 1 when a packet is below the roulette threshold. */
-__attribute__((always_inline)) static inline int cml_lanes_interact(const struct cml_setup *shared,
-                                                                    struct cml_bundle *b, const int tally)
+__attribute__((always_inline)) static inline int
+cml_bundle_hop_drop_spin(const struct cml_setup *shared, struct cml_bundle *b, const int tally)
 {
     const int lanes = b->lanes;
     const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
@@ -360,15 +361,15 @@ __attribute__((always_inline)) static inline int cml_lanes_interact(const struct
     return low;
 }
 
-CML_PASS int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
+CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    return cml_lanes_interact(setup, b, 1);
+    return cml_bundle_hop_drop_spin(setup, b, 1);
 }
 
 /* Where no absorption is tallied. */
-CML_PASS int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
+CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    return cml_lanes_interact(setup, b, 0);
+    return cml_bundle_hop_drop_spin(setup, b, 0);
 }
 
 #endif

@@ -16,7 +16,7 @@ static int cml_send_through(const struct cml_world *world, const struct cml_pack
     for (int i = 0; i < tries; i++) {
         *through = *like;
         through->index = (cml_u64)i;
-        cml_cross(world, through, hit);
+        cml_boundary_event(world, through, hit);
         if (through->shading_overruled) return 0;
         if (through->medium != like->medium) return 1;
     }
@@ -34,19 +34,19 @@ static real cml_reflectance_at(const struct cml_world *world, const struct cml_p
     return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
 }
 
-static void cml_aim(struct cml_flight *f)
+static void cml_find_first_hit(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
     if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
-    const struct cml_reach reach = cml_find_reach(f->world, &packet, CML_INFINITY);
-    f->aimed = cml_nearest(f->world, &packet, reach, &f->first);
-    if (!f->aimed || f->to.facets) return;
-    f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first);
-    f->enters = cml_send_through(f->world, &f->start, &f->first, &f->inside);
+    const struct cml_boundary_intervals intervals = cml_find_intervals(f->world, &packet, CML_INFINITY);
+    f->first_hit_known = cml_nearest_hit(f->world, &packet, intervals, &f->first_hit);
+    if (!f->first_hit_known || f->to.facets) return;
+    f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first_hit);
+    f->enters = cml_send_through(f->world, &f->start, &f->first_hit, &f->inside);
 }
 
 /* The next boundary is the same for all that do not interact before it, too. */
-static void cml_aim_on(struct cml_flight *f)
+static void cml_find_ballistic(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
     const struct cml_packet *like = f->enters ? &f->inside : &f->start;
@@ -54,20 +54,20 @@ static void cml_aim_on(struct cml_flight *f)
     struct cml_packet packet = *like;
     struct cml_hit hit;
     if (!f->pencil || like->medium == 0 || cml_tallies_places(f->tally)) return;
-    const struct cml_reach reach = cml_find_reach(world, like, CML_INFINITY);
-    if (!cml_nearest(world, &packet, reach, &hit) || !cml_is_plane(world, hit.boundary)) return;
+    const struct cml_boundary_intervals intervals = cml_find_intervals(world, like, CML_INFINITY);
+    if (!cml_nearest_hit(world, &packet, intervals, &hit) || !cml_is_plane(world, hit.boundary)) return;
     if (!cml_send_through(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
     ballistic->possible = 1;
     ballistic->path = hit.t;
     ballistic->mfp = world->media[like->medium].mfp;
     ballistic->crossings = like->crossings;
     ballistic->reflectance = cml_reflectance_at(world, like, &hit);
-    ballistic->end = cml_end_of(&packet);
+    ballistic->end = cml_termination_of(&packet);
 }
 
-static int cml_is_aimed(const struct cml_flight *f, int medium, cml_u32 boundary_events)
+static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u32 boundary_events)
 {
-    return f->aimed && medium == 0 && boundary_events == 0;
+    return f->first_hit_known && medium == 0 && boundary_events == 0;
 }
 
 #endif

@@ -12,7 +12,7 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     struct cml_bundle *b = f->b;
     const int upwards = b->uz[i] < 0, medium = b->medium[i] + 1 - 2 * upwards;
     const real span = f->media[medium].span;
-    cml_mark_weight(f, i);
+    cml_flush_deposits(f, i);
     b->medium[i] = medium;
     b->entered[i] = 1;
     b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
@@ -26,38 +26,38 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
     const struct cml_setup *setup = &f->world->setup;
-    struct cml_ends *ends = &f->ends;
-    const int at = ends->count;
+    struct cml_terminated *terminated = &f->terminated;
+    const int at = terminated->count;
     _Alignas(64) cml_u32 deposit[CML_GROUP];
     _Alignas(64) int fate[CML_GROUP];
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
-        deposit[k] = b->marked[first + k] - b->w[first + k];
+        deposit[k] = b->flushed_w[first + k] - b->w[first + k];
         const int gone = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
         fate[k] = b->entered[first + k] ? gone : CML_FATE_SPECULAR;
     }
-    cml_group_pack(deposit, exits, ends->deposit + at);
-    cml_group_pack(fate, exits, ends->fate + at);
-    cml_group_pack_wide(f->absorbed + first, exits, ends->absorbed + at);
-    cml_group_pack(b->x + first, exits, ends->exit_x + at);
-    cml_group_pack(b->y + first, exits, ends->exit_y + at);
-    cml_group_pack(b->uz + first, exits, ends->uz + at);
-    cml_group_pack(b->w + first, exits, ends->w + at);
-    cml_group_pack(b->interactions + first, exits, ends->interactions + at);
-    cml_group_pack(b->boundary_events + first, exits, ends->boundary_events + at);
-    ends->count = at + __builtin_popcount(exits);
+    cml_group_pack(deposit, exits, terminated->deposit + at);
+    cml_group_pack(fate, exits, terminated->fate + at);
+    cml_group_pack_wide(f->absorbed + first, exits, terminated->absorbed + at);
+    cml_group_pack(b->x + first, exits, terminated->exit_x + at);
+    cml_group_pack(b->y + first, exits, terminated->exit_y + at);
+    cml_group_pack(b->uz + first, exits, terminated->uz + at);
+    cml_group_pack(b->w + first, exits, terminated->w + at);
+    cml_group_pack(b->interactions + first, exits, terminated->interactions + at);
+    cml_group_pack(b->boundary_events + first, exits, terminated->boundary_events + at);
+    terminated->count = at + __builtin_popcount(exits);
     f->ended |= (uint64_t)exits << first;
     if (cml_tallies_places(f->tally))
-        for (int i = at; i < ends->count; i++) cml_tally_places(setup, ends, i, 0, f->tally);
-    cml_ends_make_room(setup, ends, f->tally);
+        for (int i = at; i < terminated->count; i++) cml_tally_places(setup, terminated, i, 0, f->tally);
+    cml_terminated_make_room(setup, terminated, f->tally);
 }
 
 /* Nothing ahead, or the bounds of cml_count_bounce. */
-static void cml_handle_odd(struct cml_flight *f, int i)
+static void cml_handle_limit(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
     if (b->task[i] == CML_LANE_NOWHERE) {
-        cml_handle_exception(f, i);
+        cml_process_lane(f, i);
         return;
     }
     if (b->task[i] == CML_LANE_TRANSMITTED) cml_enter_layer(f, i);
@@ -76,8 +76,8 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
     cml_roulette(&packet);
     cml_tally_events(&packet, f->tally);
-    cml_mark_weight(f, i);
-    b->w[i] = b->marked[i] = packet.w;
+    cml_flush_deposits(f, i);
+    b->w[i] = b->flushed_w[i] = packet.w;
     if (packet.fate == CML_FATE_ALIVE) return;
     b->interactions[i]++;
     cml_end_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
@@ -96,10 +96,10 @@ static void cml_score_planes(const struct cml_flight *f)
     }
 }
 
-static void cml_handle_odds(struct cml_flight *f)
+static void cml_handle_limits(struct cml_flight *f)
 {
     for (int i = 0; i < f->b->lanes; i++)
-        if (cml_lane_is_odd(f->b, i, f->world->setup.num_layers)) cml_handle_odd(f, i);
+        if (cml_lane_is_at_limit(f->b, i, f->world->setup.num_layers)) cml_handle_limit(f, i);
 }
 
 /* Planes met by the lanes that are NEAR. Then they fly once more, so that they may interact in this pass as
@@ -109,9 +109,9 @@ static void cml_cross_planes(struct cml_flight *f)
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
     const int any = cml_bundle_reach_planes(b);
-    if (any & CML_ANY_TURN) cml_bundle_turn(setup, b);
+    if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
     if (f->to.facets) cml_score_planes(f);
-    if (any & CML_ANY_ODD) cml_handle_odds(f);
+    if (any & CML_ANY_AT_LIMIT) cml_handle_limits(f);
     for (int first = 0; first < b->lanes; first += CML_GROUP) {
         const cml_u32 exits = cml_group_leaves(b, first, setup->num_layers);
         if (exits) cml_exit_group(f, first, exits);
@@ -137,7 +137,7 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
  * have waited as many passes, summed over lanes, as the loops take time, by measurement. For arrivals at
  * random that comes close to the least cost of waiting and loops together. Returns 1 when lanes have flown
  * on. */
-static int cml_meet_planes(struct cml_flight *f)
+static int cml_process_planes(struct cml_flight *f)
 {
     const int patience = f->b->lanes == CML_LANES ? 45 : 1;
     f->waited += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_NEAR));
@@ -148,12 +148,12 @@ static int cml_meet_planes(struct cml_flight *f)
 }
 
 /* tails: lanes whose optical depth lies in the tail. */
-static void cml_meet_boundaries(struct cml_flight *f, uint64_t tails)
+static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
 {
-    cml_for_lanes(f, tails, cml_handle_exception);
+    cml_for_lanes(f, tails, cml_process_lane);
     do {
-        if (f->curves && cml_bundle_look_around(f->b, f->steepest)) cml_meet_curves(f);
-    } while (cml_meet_planes(f));
+        if (f->curves && cml_bundle_classify_near(f->b, f->steepest)) cml_process_curved(f);
+    } while (cml_process_planes(f));
 }
 
 /* Into the thread's own A_rz, or into one that all threads share. By groups, which a compiler unrolls. */
@@ -177,7 +177,7 @@ static void cml_scatter_volume(const struct cml_flight *f)
     }
 }
 
-static void cml_interact_lanes(struct cml_flight *f)
+static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     int low;
@@ -192,25 +192,25 @@ static void cml_interact_lanes(struct cml_flight *f)
 }
 
 /* Returns the lanes in the tail. A lane without a packet draws like the others, but meets nothing. */
-static uint64_t cml_calm_tails(struct cml_flight *f)
+static uint64_t cml_park_dead_lanes(struct cml_flight *f)
 {
     const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_with(f->b, CML_LANE_NEAR));
     cml_for_lanes(f, tails & ~f->live, cml_park_lane);
     return tails & f->live;
 }
 
-static void cml_pass(struct cml_flight *f)
+static void cml_flight_pass(struct cml_flight *f)
 {
     cml_bundle_draw(&f->world->setup, f->b);
     const int any = cml_bundle_fly(f->b);
-    if (any) cml_meet_boundaries(f, any & CML_ANY_TAIL ? cml_calm_tails(f) : 0);
-    cml_interact_lanes(f);
+    if (any) cml_process_boundaries(f, any & CML_ANY_TAIL ? cml_park_dead_lanes(f) : 0);
+    cml_flight_interact(f);
     if (f->ended) cml_refill(f);
 }
 
 /* f holds world, bundle (all 0), tally, media and source: the first packets take their lanes.
  */
-static void cml_take_off(struct cml_flight *f)
+static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     f->to = cml_deposits_of(f->tally);
@@ -222,8 +222,8 @@ static void cml_take_off(struct cml_flight *f)
     }
     f->pencil = !(setup->disk > 0) && !(setup->gauss > 0);
     cml_place(f->world, 0, &f->start);
-    cml_aim(f);
-    cml_aim_on(f);
+    cml_find_first_hit(f);
+    cml_find_ballistic(f);
     f->b->lanes = CML_LANES;
     for (int i = 0; i < CML_LANES; i++) {
         f->b->medium[i] = -1; /* no columns yet */
@@ -235,14 +235,14 @@ static void cml_take_off(struct cml_flight *f)
 }
 
 /* Until the last packet has ended. */
-static void cml_fly_on(struct cml_flight *f)
+static void cml_flight_run(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
-    while (f->live) cml_pass(f);
-    cml_ends_flush(setup, &f->ends, f->tally);
+    while (f->live) cml_flight_pass(f);
+    cml_terminated_flush(setup, &f->terminated, f->tally);
     if (f->ballistic.count == 0) return;
-    cml_ends_push(setup, &f->ends, &f->ballistic.end, f->tally);
-    cml_ends_flush_times(setup, &f->ends, f->ballistic.count, f->tally);
+    cml_terminated_push(setup, &f->terminated, &f->ballistic.end, f->tally);
+    cml_terminated_flush_times(setup, &f->terminated, f->ballistic.count, f->tally);
 }
 
 /* Everything goes into `tally`. media: [num_layers + 2]. */
@@ -250,11 +250,15 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
                                    const struct cml_range_source *source, struct cml_tally *tally)
 {
     struct cml_bundle bundle = {0};
-    struct cml_crowd crowd = {0};
-    struct cml_flight f = {
-        .world = world, .b = &bundle, .crowd = &crowd, .tally = tally, .media = media, .source = source};
-    cml_take_off(&f);
-    cml_fly_on(&f);
+    struct cml_gathered gathered = {0};
+    struct cml_flight f = {.world = world,
+                           .b = &bundle,
+                           .gathered = &gathered,
+                           .tally = tally,
+                           .media = media,
+                           .source = source};
+    cml_flight_begin(&f);
+    cml_flight_run(&f);
 }
 
 #endif

@@ -162,7 +162,7 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
 /* kernels/device_layout.h says what lies where in the block. */
 static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tally *tally)
 {
-    for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] += cells[CML_CELL_BOOK + (cml_u32)i];
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] += cells[CML_CELL_BALANCE + (cml_u32)i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] += cells[CML_CELL_COUNT + (cml_u32)i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) {
         const uint64_t *square = &cells[CML_CELL_SQUARE + 3u * (cml_u32)i];

@@ -133,12 +133,11 @@ static enum verdict intersect_facet(const struct traversal *w, const int node[2]
  * which is not upright. */
 static void find_weights(const struct cml_mesh_query *q, int facet, double t, double weight[3])
 {
-    const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
+    const double place[2] = {q->origin[0] + t * q->direction[0], q->origin[1] + t * q->direction[1]};
     double sum = 0;
     for (int k = 0; k < 3; k++) {
-        const double *a = cml_body_corner(q->body, facet, (k + 1) % 3),
-                     *b = cml_body_corner(q->body, facet, (k + 2) % 3);
-        weight[k] = (a[0] - x) * (b[1] - y) - (a[1] - y) * (b[0] - x);
+        weight[k] = cml_vec2_area(place, cml_body_corner(q->body, facet, (k + 1) % 3),
+                                  cml_body_corner(q->body, facet, (k + 2) % 3));
         sum += weight[k];
     }
     for (int k = 0; k < 3; k++) weight[k] /= sum;

@@ -47,7 +47,7 @@ static cml_status find_planes(struct cml_mesh_body *body, struct cml_error *err)
         const double *a = cml_body_corner(body, (int)i, 0), *b = cml_body_corner(body, (int)i, 1),
                      *c = cml_body_corner(body, (int)i, 2);
         double *normal = body->plane[i];
-        cml_vec3_normal(a, b, c, normal);
+        cml_vec3_area(a, b, c, normal);
         cml_vec3_normalise(normal);
         normal[3] = cml_vec3_dot(normal, a);
     }

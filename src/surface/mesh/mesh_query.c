@@ -323,8 +323,8 @@ void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
     cml_vec3_add_scaled(q->origin, t, q->direction, place);
     for (int k = 0; k < 3; k++) {
         double normal[3];
-        cml_vec3_normal(place, cml_body_corner(q->body, primitive, (k + 1) % 3),
-                        cml_body_corner(q->body, primitive, (k + 2) % 3), normal);
+        cml_vec3_area(place, cml_body_corner(q->body, primitive, (k + 1) % 3),
+                      cml_body_corner(q->body, primitive, (k + 2) % 3), normal);
         area[k] = fmax(0, cml_vec3_dot(normal, q->body->plane[primitive]));
     }
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);

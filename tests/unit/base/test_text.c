@@ -1,70 +1,42 @@
 /* Lines, words, numbers, and files that appear only when complete. SPDX-License-Identifier: MIT */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-#include <cmocka.h>
-
 #include "base/atomic_file.h"
 #include "base/text.h"
+#include "lib/case_files.h"
 
-static char directory[64];
+#include <sys/stat.h>
 
-static char *in_directory(const char *name)
+static char *in_directory(void **state, const char *name)
 {
-    static char path[192];
-    snprintf(path, sizeof path, "%s/%s", directory, name);
+    static char path[256];
+    case_path(state, name, path);
     return path;
 }
 
-static void write_bytes(const char *name, const char *bytes, size_t size)
+static void assert_absent(void **state, const char *name)
 {
-    FILE *file = fopen(in_directory(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
-static void assert_holds(const char *name, const char *expected)
-{
-    struct cml_error err;
-    struct cml_text text;
-    assert_int_equal(cml_text_read(in_directory(name), &text, &err), CML_OK);
-    assert_string_equal(text.data, expected);
-    cml_text_clear(&text);
-}
-
-static void assert_absent(const char *name)
-{
-    assert_int_equal(access(in_directory(name), F_OK), -1);
+    assert_int_equal(access(in_directory(state, name), F_OK), -1);
 }
 
 /* The message must be "PATH: ENDING". */
-static void assert_fails_for(const struct cml_error *err, cml_status status, const char *name,
+static void assert_fails_for(void **state, const struct cml_error *err, cml_status status, const char *name,
                              const char *ending)
 {
-    char expected[256];
-    snprintf(expected, sizeof expected, "%s: %s", in_directory(name), ending);
+    char expected[512];
+    snprintf(expected, sizeof expected, "%s: %s", in_directory(state, name), ending);
     assert_string_equal(err->text, expected);
     assert_int_equal(err->status, status);
 }
 
 static void lines_lose_lf_and_crlf(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_text text;
     static const char bytes[] = "one\ntwo\r\n\r\n\nfi\rve\r\n six";
     static const char *const lines[] = {"one", "two", "", "", "fi\rve", " six"};
-    write_bytes("in", bytes, sizeof bytes - 1);
-    assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+    case_write_bytes(state, "in", bytes, sizeof bytes - 1);
+    assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
     assert_int_equal(text.size, sizeof bytes - 1);
-    assert_string_equal(text.path, in_directory("in"));
+    assert_string_equal(text.path, in_directory(state, "in"));
     for (int i = 0; i < 6; i++) {
         const char *line = cml_text_next(&text);
         assert_non_null(line);
@@ -76,30 +48,28 @@ static void lines_lose_lf_and_crlf(void **state)
     assert_int_equal(text.line, 6);
     cml_text_clear(&text);
     assert_null(text.data);
-    remove(in_directory("in"));
+    case_remove(state, "in");
 }
 
 static void empty_and_unended_files(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_text text;
-    write_bytes("in", "", 0);
-    assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+    case_write_bytes(state, "in", "", 0);
+    assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
     assert_null(cml_text_next(&text));
     cml_text_clear(&text);
-    write_bytes("in", "last\n", 5);
-    assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+    case_write_bytes(state, "in", "last\n", 5);
+    assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
     assert_string_equal(cml_text_next(&text), "last");
     assert_null(cml_text_next(&text));
     cml_text_clear(&text);
-    remove(in_directory("in"));
+    case_remove(state, "in");
 }
 
 /* Sizes at which the buffer is just full, and doubled twice. */
 static void files_of_any_size_are_read_whole(void **state)
 {
-    (void)state;
     static const size_t sizes[] = {65534, 65535, 65536, 131071, 131072, 300001};
     char *bytes = malloc(300001);
     assert_non_null(bytes);
@@ -107,35 +77,34 @@ static void files_of_any_size_are_read_whole(void **state)
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         struct cml_error err;
         struct cml_text text;
-        write_bytes("in", bytes, sizes[i]);
-        assert_int_equal(cml_text_read(in_directory("in"), &text, &err), CML_OK);
+        case_write_bytes(state, "in", bytes, sizes[i]);
+        assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
         assert_int_equal(text.size, sizes[i]);
         assert_int_equal(strlen(cml_text_next(&text)), sizes[i]);
         assert_null(cml_text_next(&text));
         cml_text_clear(&text);
     }
     free(bytes);
-    remove(in_directory("in"));
+    case_remove(state, "in");
 }
 
 static void unreadable_files_are_refused(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_text text;
-    assert_int_equal(cml_text_read(in_directory("none"), &text, &err), CML_E_INPUT);
-    assert_fails_for(&err, CML_E_INPUT, "none", "cannot be read (No such file or directory)");
-    assert_int_equal(mkdir(in_directory("folder"), 0700), 0);
-    assert_int_equal(cml_text_read(in_directory("folder"), &text, &err), CML_E_INPUT);
-    assert_fails_for(&err, CML_E_INPUT, "folder", "cannot be read (Is a directory)");
+    assert_int_equal(cml_text_read(NULL, in_directory(state, "none"), &text, &err), CML_E_INPUT);
+    assert_fails_for(state, &err, CML_E_INPUT, "none", "cannot be read (No such file or directory)");
+    assert_int_equal(mkdir(in_directory(state, "folder"), 0700), 0);
+    assert_int_equal(cml_text_read(NULL, in_directory(state, "folder"), &text, &err), CML_E_INPUT);
+    assert_fails_for(state, &err, CML_E_INPUT, "folder", "cannot be read (Is a directory)");
     assert_null(text.data);
-    rmdir(in_directory("folder"));
-    write_bytes("nul", "1\0002\n", 4);
-    assert_int_equal(cml_text_read(in_directory("nul"), &text, &err), CML_E_INPUT);
-    assert_fails_for(&err, CML_E_INPUT, "nul",
+    rmdir(in_directory(state, "folder"));
+    case_write_bytes(state, "nul", "1\0002\n", 4);
+    assert_int_equal(cml_text_read(NULL, in_directory(state, "nul"), &text, &err), CML_E_INPUT);
+    assert_fails_for(state, &err, CML_E_INPUT, "nul",
                      "cannot be read (it holds a NUL byte, so it is not a text file)");
     assert_null(text.path);
-    remove(in_directory("nul"));
+    case_remove(state, "nul");
 }
 
 static void words_are_cut_at_blanks_and_quotes(void **state)
@@ -239,88 +208,83 @@ static void names_are_found_beside(void **state)
 
 static void a_file_appears_at_commit(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_file file;
-    write_bytes("out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory("out"), &file, &err), CML_OK);
+    case_write_bytes(state, "out", "old", 3);
+    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
     fputs("new", file.stream);
     fflush(file.stream);
-    assert_holds("out", "old");
-    assert_holds("out.tmp", "new");
+    case_assert_holds(state, "out", "old");
+    case_assert_holds(state, "out.tmp", "new");
     assert_int_equal(cml_file_commit(&file, &err), CML_OK);
-    assert_holds("out", "new");
-    assert_absent("out.tmp");
+    case_assert_holds(state, "out", "new");
+    assert_absent(state, "out.tmp");
     cml_file_abort(&file); /* does nothing after a commit */
-    assert_holds("out", "new");
-    remove(in_directory("out"));
+    case_assert_holds(state, "out", "new");
+    case_remove(state, "out");
 }
 
 static void an_aborted_file_leaves_the_old_one(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_file file;
-    write_bytes("out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory("out"), &file, &err), CML_OK);
+    case_write_bytes(state, "out", "old", 3);
+    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
     fputs("half", file.stream);
     cml_file_abort(&file);
     assert_null(file.stream);
-    assert_absent("out.tmp");
-    assert_holds("out", "old");
+    assert_absent(state, "out.tmp");
+    case_assert_holds(state, "out", "old");
     cml_file_abort(&file);
-    remove(in_directory("out"));
-    assert_int_equal(cml_file_create(in_directory("out"), &file, &err), CML_OK);
+    case_remove(state, "out");
+    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
     cml_file_abort(&file);
-    assert_absent("out");
+    assert_absent(state, "out");
 }
 
 static void places_that_cannot_be_written(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_file file;
-    assert_int_equal(cml_file_create(in_directory("none/out"), &file, &err), CML_E_IO);
-    assert_fails_for(&err, CML_E_IO, "none/out", "cannot be written (No such file or directory)");
+    assert_int_equal(cml_file_create(in_directory(state, "none/out"), &file, &err), CML_E_IO);
+    assert_fails_for(state, &err, CML_E_IO, "none/out", "cannot be written (No such file or directory)");
     assert_null(file.path);
     assert_null(file.temporary);
-    assert_int_equal(mkdir(in_directory("taken"), 0700), 0);
-    assert_int_equal(cml_file_create(in_directory("taken"), &file, &err), CML_OK);
+    assert_int_equal(mkdir(in_directory(state, "taken"), 0700), 0);
+    assert_int_equal(cml_file_create(in_directory(state, "taken"), &file, &err), CML_OK);
     assert_int_equal(cml_file_commit(&file, &err), CML_E_IO);
-    assert_fails_for(&err, CML_E_IO, "taken", "cannot be written (Is a directory)");
-    assert_absent("taken.tmp");
-    assert_int_equal(rmdir(in_directory("taken")), 0);
+    assert_fails_for(state, &err, CML_E_IO, "taken", "cannot be written (Is a directory)");
+    assert_absent(state, "taken.tmp");
+    assert_int_equal(rmdir(in_directory(state, "taken")), 0);
 }
 
 /* Permissions do not stop root, so the test has nothing to say then. */
 static void a_read_only_directory_is_reported(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_file file;
     if (geteuid() == 0) skip();
-    assert_int_equal(mkdir(in_directory("locked"), 0500), 0);
-    assert_int_equal(cml_file_create(in_directory("locked/out"), &file, &err), CML_E_IO);
-    assert_fails_for(&err, CML_E_IO, "locked/out", "cannot be written (Permission denied)");
-    assert_int_equal(rmdir(in_directory("locked")), 0);
+    assert_int_equal(mkdir(in_directory(state, "locked"), 0500), 0);
+    assert_int_equal(cml_file_create(in_directory(state, "locked/out"), &file, &err), CML_E_IO);
+    assert_fails_for(state, &err, CML_E_IO, "locked/out", "cannot be written (Permission denied)");
+    assert_int_equal(rmdir(in_directory(state, "locked")), 0);
 }
 
 /* A full disk shows at the latest in the commit; the earlier result must survive it. */
 static void a_full_disk_keeps_the_old_file(void **state)
 {
-    (void)state;
     struct cml_error err;
     struct cml_file file;
-    write_bytes("out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory("out"), &file, &err), CML_OK);
+    case_write_bytes(state, "out", "old", 3);
+    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
     file.stream = freopen("/dev/full", "wb", file.stream);
     if (!file.stream) skip();
     fputs("new", file.stream);
     assert_int_equal(cml_file_commit(&file, &err), CML_E_IO);
-    assert_fails_for(&err, CML_E_IO, "out", "cannot be written (No space left on device)");
-    assert_holds("out", "old");
-    assert_absent("out.tmp");
-    remove(in_directory("out"));
+    assert_fails_for(state, &err, CML_E_IO, "out", "cannot be written (No space left on device)");
+    case_assert_holds(state, "out", "old");
+    assert_absent(state, "out.tmp");
+    case_remove(state, "out");
 }
 
 static void messages_are_one_line(void **state)
@@ -338,19 +302,6 @@ static void messages_are_one_line(void **state)
     assert_int_equal(strlen(err.text), strlen("f:3: x =  (expected less)") + 80);
     assert_int_equal(cml_fail_memory(&err, 3 << 20, "bins"), CML_E_INPUT);
     assert_string_equal(err.text, "out of memory: 3 MiB for bins");
-}
-
-static int make_directory(void **state)
-{
-    (void)state;
-    strcpy(directory, "/tmp/cml_text_XXXXXX");
-    return mkdtemp(directory) ? 0 : -1;
-}
-
-static int remove_directory(void **state)
-{
-    (void)state;
-    return rmdir(directory); /* fails when a test left a file behind */
 }
 
 int main(void)
@@ -372,5 +323,5 @@ int main(void)
         cmocka_unit_test(a_full_disk_keeps_the_old_file),
         cmocka_unit_test(messages_are_one_line),
     };
-    return cmocka_run_group_tests_name("text", tests, make_directory, remove_directory);
+    return cmocka_run_group_tests_name("text", tests, case_setup, case_teardown);
 }

@@ -71,7 +71,7 @@ static void threads_and_chunks_do_not_change_a_bit(void **state)
     for (int s = 0; s < num_scenes; s++) {
         struct bench bench = set_up(state, *scenes[s].text, scenes[s].force);
         struct cml_tally one = fly(&bench, cml_engine_cpu(), PACKETS / 8);
-        assert_books_balance(&one, PACKETS / 8);
+        assert_weight_balances(&one, PACKETS / 8);
         for (int i = 0; i < 6; i++) {
             bench.options.threads = threads[i];
             bench.options.chunk = chunks[i];
@@ -98,7 +98,7 @@ static void ranges_add_up_to_the_whole(void **state)
                 assert_int_equal(engines[e]->run(self, cuts[i], cuts[i + 1] - cuts[i], &parts, &err), CML_OK);
             engines[e]->close(self);
             expect_same(&whole, &parts, *scenes[s].text);
-            assert_books_balance(&whole, 3000);
+            assert_weight_balances(&whole, 3000);
             cml_tally_free(&whole);
             cml_tally_free(&parts);
             tear_down(&bench);
@@ -109,13 +109,13 @@ static void one_packet_and_none_and_a_far_index_work(void **state)
 {
     struct bench bench = set_up(state, hills, CML_SURFACE_AUTO);
     struct cml_tally one = fly(&bench, cml_engine_cpu(), 1), none = fly(&bench, cml_engine_cpu(), 0);
-    assert_books_balance(&one, 1);
+    assert_weight_balances(&one, 1);
     assert_int_equal(none.count[CML_COUNT_PHOTONS], 0);
     struct cml_tally far = empty_tally(&bench), near = empty_tally(&bench);
     add_range(&bench, cml_engine_cpu(), ((uint64_t)1 << 48) - 100, 100, &far);
     add_range(&bench, cml_engine_cpu(), ((uint64_t)1 << 32) - 100, 100, &near);
-    assert_books_balance(&far, 100);
-    assert_true(memcmp(far.book, near.book, sizeof far.book) != 0);
+    assert_weight_balances(&far, 100);
+    assert_true(memcmp(far.balance, near.balance, sizeof far.balance) != 0);
     cml_tally_free(&one);
     cml_tally_free(&none);
     cml_tally_free(&far);
@@ -134,7 +134,7 @@ static void seed_and_run_number_change_the_packets(void **state)
     }
     for (int i = 0; i < 4; i++)
         for (int k = 0; k < i; k++)
-            assert_true(memcmp(tally[i].book, tally[k].book, sizeof tally[i].book) != 0);
+            assert_true(memcmp(tally[i].balance, tally[k].balance, sizeof tally[i].balance) != 0);
     for (int i = 0; i < 4; i++) cml_tally_free(&tally[i]);
     tear_down(&bench);
 }
@@ -149,10 +149,10 @@ static void on_event(void *context, const struct cml_trace_event *event)
 static void a_trace_is_the_packet_of_the_run(void **state)
 {
     const struct cml_engine *const engines[] = {cml_engine_cpu(), &cml_engine_reference};
-    static const enum cml_book books[CML_NUM_FATES] = {
-        [CML_FATE_REFLECTED] = CML_BOOK_REFLECTED,
-        [CML_FATE_TRANSMITTED] = CML_BOOK_TRANSMITTED,
-        [CML_FATE_SPECULAR] = CML_BOOK_SPECULAR,
+    static const enum cml_balance_term term_of[CML_NUM_FATES] = {
+        [CML_FATE_REFLECTED] = CML_BALANCE_REFLECTED,
+        [CML_FATE_TRANSMITTED] = CML_BALANCE_TRANSMITTED,
+        [CML_FATE_SPECULAR] = CML_BALANCE_SPECULAR,
     };
     struct bench bench = set_up(state, hills, CML_SURFACE_AUTO);
     for (uint64_t index = 0; index < 200; index++) {
@@ -169,7 +169,7 @@ static void a_trace_is_the_packet_of_the_run(void **state)
         assert_int_equal(record.interactions, tally.count[CML_COUNT_INTERACTIONS]);
         assert_int_equal(record.boundary_events, tally.count[CML_COUNT_BOUNDARY_EVENTS]);
         assert_true(events >= 2 + (long)record.interactions + (long)record.boundary_events);
-        if (books[record.fate]) assert_int_equal(tally.book[books[record.fate]], record.weight);
+        if (term_of[record.fate]) assert_int_equal(tally.balance[term_of[record.fate]], record.weight);
         assert_int_equal(silent.fate, record.fate);
         assert_int_equal(silent.weight, record.weight);
         assert_true(silent.exit[0] == record.exit[0] && silent.direction[2] == record.direction[2]);

@@ -34,7 +34,6 @@ static void original_template_is_read(void **state)
     assert_true(scene->boundaries[3].z == 0.1 + 0.1 + 0.2);
     assert_int_equal(scene->boundaries[3].form, CML_FORM_PLANE);
     assert_int_equal(scene->boundaries[3].line, 0);
-    assert_null(scene->boundaries[3].text);
     assert_false(scene->beam.given);
     cml_scene_list_clear(&list);
     assert_null(list.scenes);
@@ -53,17 +52,12 @@ static void heightfields_become_radii_and_heights(void **state)
     assert_true(b[0].radial.r[0] == 0 && b[0].radial.r[1] == 0.5 && b[0].radial.r[2] == 0.75);
     assert_true(b[0].radial.h[0] == 0.1 && b[0].radial.h[1] == -0.2 && b[0].radial.h[2] == 0.3);
     assert_int_equal(b[0].line, 11);
-    assert_string_equal(b[0].text, "b 3 0.1 0.5 -0.2 0.25 0.3 0 a comment 7");
     assert_null(b[0].file);
     assert_int_equal(b[1].form, CML_FORM_PLANE);
     assert_int_equal(b[2].form, CML_FORM_RADIAL);
     assert_int_equal(b[2].radial.n, 1);
     assert_true(b[2].z == 3);
-    assert_string_equal(b[2].text, "  #@ b 1 0.5 -1 # bottom");
-    cml_scene_flatten(&list.scenes[0]);
-    assert_int_equal(b[0].form, CML_FORM_PLANE);
-    assert_null(b[0].radial.r);
-    assert_true(b[2].z == 3);
+    assert_int_equal(b[2].line, 15);
     cml_scene_list_clear(&list);
 }
 
@@ -116,11 +110,54 @@ static void mesh_options_are_applied(void **state)
     assert_int_equal(b->mesh.normals, CML_NORMALS_VERTEX);
     assert_non_null(strstr(b->file, "skin#1.obj"));
     assert_int_equal(b->line, 10);
-    cml_scene_flatten(&list.scenes[0]);
-    assert_int_equal(b->form, CML_FORM_PLANE);
-    assert_null(b->mesh.vertex);
     cml_scene_list_clear(&list);
     case_remove(state, "skin#1.obj");
+}
+
+static void flat_boundaries_keep_their_place_and_lose_their_shape(void **state)
+{
+    static const char text[] = HEAD RUN "2\n1\nb 2 0.1 0.5 -0.2 1\n1.4 1 2 0.9 3\n1.4 1 2 0.9 8\n"
+                                        "m \"skin.obj\"\n1\n";
+    const struct cml_input_options flat = {.flat = true};
+    struct cml_scene_list list;
+    struct cml_error err;
+    case_write(state, "skin.obj", pyramid);
+    case_read_ok_with(state, text, &flat, &list);
+    const struct cml_boundary *b = list.scenes[0].boundaries;
+    assert_int_equal(b[0].form, CML_FORM_PLANE);
+    assert_null(b[0].radial.r);
+    assert_int_equal(b[0].line, 9);
+    assert_int_equal(b[2].form, CML_FORM_PLANE);
+    assert_null(b[2].mesh.vertex);
+    assert_true(b[2].z == 11);
+    assert_non_null(b[2].file);
+    cml_scene_list_clear(&list);
+    case_remove(state, "skin.obj");
+    assert_int_equal(case_read_with(state, text, &flat, &list, &err),
+                     CML_E_INPUT); /* it is read all the same */
+}
+
+/* A shallow bump of 0.05 on a ramp of 0 to 4: flat within a tenth of the ramp, not exactly. */
+static void heightmaps_are_meshed_at_the_tolerance(void **state)
+{
+    static const char text[] = HEAD RUN "1\n1\nm \"map.asc\" units=cm\n1.4 1 2 0.9 9\n1\n";
+    const struct cml_input_options coarse = {.tolerance = 0.1};
+    struct cml_scene_list list;
+    case_write(state, "map.asc",
+               "ncols 5 nrows 5 cellsize 1\n0 1 2 3 4\n0 1 2 3 4\n0 1 2.05 3 4\n"
+               "0 1 2 3 4\n0 1 2 3 4\n");
+    case_read_ok(state, text, &list);
+    const struct cml_boundary *b = list.scenes[0].boundaries;
+    assert_int_equal(b->form, CML_FORM_MESH);
+    assert_true(b->map_notes.tolerance == 0 && b->map_notes.height_error == 0);
+    const size_t exact = b->map_notes.triangles;
+    cml_scene_list_clear(&list);
+    case_read_ok_with(state, text, &coarse, &list);
+    b = list.scenes[0].boundaries;
+    assert_true(fabs(b->map_notes.height_error - 0.05) < 1e-12 && b->map_notes.triangles < exact);
+    assert_true(fabs(b->map_notes.tolerance - 0.4) < 1e-12);
+    cml_scene_list_clear(&list);
+    case_remove(state, "map.asc");
 }
 
 static void beams_are_read_anywhere_before_the_layers(void **state)
@@ -241,6 +278,8 @@ int main(void)
         cmocka_unit_test(radial_height_is_linear_between_samples),
         cmocka_unit_test(heights_come_from_a_file_beside),
         cmocka_unit_test(mesh_options_are_applied),
+        cmocka_unit_test(flat_boundaries_keep_their_place_and_lose_their_shape),
+        cmocka_unit_test(heightmaps_are_meshed_at_the_tolerance),
         cmocka_unit_test(beams_are_read_anywhere_before_the_layers),
         cmocka_unit_test(maps_are_read_anywhere_before_the_layers),
         cmocka_unit_test(careless_text_is_read),

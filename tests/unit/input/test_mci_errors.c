@@ -354,7 +354,7 @@ static void missing_input_file(void **state)
     struct cml_error err;
     char path[256];
     case_path(state, "none.mci", path);
-    assert_int_equal(cml_mci_read(path, &list, &err), CML_E_INPUT);
+    assert_int_equal(cml_mci_read(path, NULL, &list, &err), CML_E_INPUT);
     case_normalise(state, err.text);
     assert_string_equal(err.text, "none.mci: cannot be read (No such file or directory)");
     assert_null(list.scenes);

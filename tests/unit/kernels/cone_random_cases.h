@@ -395,9 +395,9 @@ static void fly(struct dice *dice, struct walker *walker)
     const double free_path = -log(dice_uniform(dice)) * (dice_below(dice, 2) ? 10 : 0.2);
     struct cml_hit hit = {.t = (real)free_path};
     walker->flights++;
-    const struct cml_stretch s = {1, 0, hit.t};
-    const int found = cml_field_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side, s,
-                                    packet->on_primitive, 0, &hit);
+    const struct cml_interval s = {1, 0, hit.t};
+    const int found = cml_intersect_field(&walker->world, 0, packet->p, packet->u, (real)walker->side, s,
+                                          packet->on_primitive, 0, &hit);
     packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
     packet->on_primitive = found ? hit.primitive : -1;
     look(walker, (double)hit.t);
@@ -461,8 +461,8 @@ static void a_packet_does_not_sink_between_walls(void **state)
         struct cml_vec u = {0, 0, 1};
         struct cml_hit hit = {.primitive = -1};
         for (int k = 0; k < 2000 && u.z > 0; k++, reflections++) {
-            const struct cml_stretch s = {1, 0, CML_INFINITY};
-            if (!cml_field_hit(&walker.world, 0, p, u, -1, s, hit.primitive, 0, &hit)) break;
+            const struct cml_interval s = {1, 0, CML_INFINITY};
+            if (!cml_intersect_field(&walker.world, 0, p, u, -1, s, hit.primitive, 0, &hit)) break;
             assert_true(hit.point.z <= 0);
             p = hit.point;
             u = cml_reflect(u, hit.facet);

@@ -79,7 +79,7 @@ static void a_step_that_ends_on_a_plane_crosses_it_once(void **state)
         const float around[3] = {nextafterf(t, 0), t, nextafterf(t, INFINITY)};
         struct cml_hit hit = {0};
         const real t_max = around[n % 3];
-        if (cml_plane_hit(p, u, side, t_max, &hit)) {
+        if (cml_intersect_plane(p, u, side, t_max, &hit)) {
             assert_true(n % 3 == 2 && hit.t == t && hit.point.z == 0);
             crossed++;
             continue;
@@ -87,7 +87,7 @@ static void a_step_that_ends_on_a_plane_crosses_it_once(void **state)
         const struct cml_vec q = cml_along(p, t_max, u), v = random_direction(&dice);
         const int outwards = side * v.z < 0;
         assert_true(fabs((double)q.z) <= 4 * 0x1p-24 * fabs((double)p.z));
-        assert_int_equal(cml_plane_hit(q, v, side, CML_INFINITY, &hit), outwards);
+        assert_int_equal(cml_intersect_plane(q, v, side, CML_INFINITY, &hit), outwards);
         if (outwards)
             assert_true(hit.t >= 0 && hit.point.z == 0 &&
                         hit.t * CML_FABS(v.z) <= CML_FABS(q.z) * (real)1.000001);

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "output/scaling.h"
 #include "plot/compare.h"
 #include "base/significance.h"
 
@@ -221,7 +222,7 @@ static void poor_bins_are_taken_together(void **state)
     make_pair(&pair, false, false);
     for (int k = 0; k < 2; k++)
         for (int i = 0; i < NR; i++) /* 8 packets of weight 1 in every ring but the last, which has 1 */
-            pair.mco[k].Rd_r[i] = (i == NR - 1 ? 1.0 : 8.0) / N / cml_mco_ring_area(0.1, i);
+            pair.mco[k].Rd_r[i] = (i == NR - 1 ? 1.0 : 8.0) / N / cml_ring_area(0.1, i);
     compare(&pair);
     assert_ptr_equal(find(&pair, CML_QUANTITY_Rd_r, 0), find(&pair, CML_QUANTITY_Rd_r, 2));
     const struct cml_compare_test *first = find(&pair, CML_QUANTITY_Rd_r, 0);

@@ -248,13 +248,7 @@ static void mangled_files_end_in_one_line(void **state)
         struct cml_pixels pixels;
         struct cml_error err;
         size_t size = image(WHOLE, false, bytes);
-        for (int edits = dice_below(&dice, 4); edits > 0; edits--) {
-            const size_t at = (size_t)dice_below(&dice, (int)size);
-            if (dice_below(&dice, 3))
-                bytes[at] = (char)dice_below(&dice, 256);
-            else
-                size = at + 1;
-        }
+        size = dice_damage(&dice, bytes, size, 3);
         const cml_status status = read_bytes(state, bytes, size, "Tt_xy", &pixels, &err);
         assert_true(status == CML_OK || (status == CML_E_INPUT && err.text[0] && !strchr(err.text, '\n')));
         for (size_t i = 0; status == CML_OK && i < pixels.n[0] * pixels.n[1]; i++)

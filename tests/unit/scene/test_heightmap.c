@@ -10,7 +10,7 @@ static void make(int nx, int ny, double (*height)(double x, double y), struct cm
     assert_int_equal(cml_heightmap_allocate("x", nx, ny, map, &err), CML_OK);
     map->dx = 0.5;
     map->dy = 0.25;
-    cml_heightmap_settle(map);
+    cml_heightmap_centre(map);
     for (int j = 0; j < ny; j++)
         for (int i = 0; i < nx; i++)
             map->h[j * nx + i] = height(map->x0 + i * map->dx, map->y0 + j * map->dy);

@@ -110,7 +110,7 @@ static void represent(const char *text, const struct cml_surface_options *option
     const int file = mkstemp(path);
     assert_int_equal(write(file, text, strlen(text)), (ssize_t)strlen(text));
     close(file);
-    const cml_status status = cml_mci_read(path, list, &err);
+    const cml_status status = cml_mci_read(path, NULL, list, &err);
     remove(path);
     if (status != CML_OK) fail_msg("%s", err.text);
     if (cml_surfaces_create(&list->scenes[0], options, set, &err) != CML_OK) fail_msg("%s", err.text);

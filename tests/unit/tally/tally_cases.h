@@ -4,7 +4,7 @@
 #define TALLY_CASES_H
 
 #include "lib/dice.h"
-#include "tally/tally.h"
+#include "tally/result.h"
 
 #include <math.h>
 
@@ -45,9 +45,9 @@ static inline void score(struct cml_tally *tally, int r, int a, int z, bool up)
     (up ? tally->Rd_ra : tally->Tt_ra)[r * tally->grid.na + a] += half;
     if (tally->A_rz) tally->A_rz[r * (tally->grid.nz + 2) + z + 1] += half;
     tally->A_l[1] += half;
-    tally->book[CML_BOOK_LAUNCHED] += 2 * half;
-    tally->book[up ? CML_BOOK_REFLECTED : CML_BOOK_TRANSMITTED] += half;
-    tally->book[CML_BOOK_ABSORBED] += half;
+    tally->balance[CML_BALANCE_LAUNCHED] += 2 * half;
+    tally->balance[up ? CML_BALANCE_REFLECTED : CML_BALANCE_TRANSMITTED] += half;
+    tally->balance[CML_BALANCE_ABSORBED] += half;
     tally->count[CML_COUNT_PHOTONS]++;
     tally->square[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += (cml_u128)half * half;
     tally->square[CML_TOTAL_ABSORBED] += (cml_u128)half * half;

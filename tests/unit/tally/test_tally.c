@@ -23,7 +23,7 @@ static void a_new_tally_is_zero_and_has_all_its_cells(void **state)
 static void fill(struct cml_tally *tally, uint64_t from)
 {
     for (size_t i = 0; i < cml_tally_cells(&grid); i++) tally->A_l[i] = from++;
-    for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] = from++;
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] = from++;
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] = from++;
     for (int i = 0; i < CML_NUM_TOTALS; i++) tally->square[i] = from++;
 }
@@ -32,7 +32,7 @@ static void assert_zero(const struct cml_tally *tally)
 {
     struct cml_tally fresh = make_tally(&grid);
     assert_memory_equal(tally->A_l, fresh.A_l, (size_t)cml_tally_bytes(&grid));
-    assert_memory_equal(tally->book, fresh.book, sizeof fresh.book);
+    assert_memory_equal(tally->balance, fresh.balance, sizeof fresh.balance);
     assert_memory_equal(tally->count, fresh.count, sizeof fresh.count);
     assert_memory_equal(tally->square, fresh.square, sizeof fresh.square);
     assert_int_equal(tally->lost.count, 0);
@@ -47,7 +47,7 @@ static void move_in(int parts)
     move(&a, &b, parts);
     uint64_t wanted = 51000;
     for (size_t i = 0; i < cml_tally_cells(&grid); i++, wanted += 2) assert_int_equal(a.A_l[i], wanted);
-    for (int i = 0; i < CML_NUM_BOOKS; i++, wanted += 2) assert_int_equal(a.book[i], wanted);
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++, wanted += 2) assert_int_equal(a.balance[i], wanted);
     for (int i = 0; i < CML_NUM_COUNTS; i++, wanted += 2) assert_int_equal(a.count[i], wanted);
     for (int i = 0; i < CML_NUM_TOTALS; i++, wanted += 2) assert_true(a.square[i] == wanted);
     assert_zero(&b);

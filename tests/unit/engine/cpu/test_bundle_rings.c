@@ -69,8 +69,8 @@ struct path {
 
 static int field_hit(const struct made_up *m, const struct path *path, real side, struct cml_hit *hit)
 {
-    const struct cml_stretch s = {1, 0, path->t_max};
-    return cml_field_hit(&m->world, 0, path->p, path->u, side, s, path->on_ring, 0, hit);
+    const struct cml_interval s = {1, 0, path->t_max};
+    return cml_intersect_field(&m->world, 0, path->p, path->u, side, s, path->on_ring, 0, hit);
 }
 
 /* A direction to a place of ring i at radius r > 0 and azimuth 0: any; almost in the cone; almost along the
@@ -199,7 +199,7 @@ static void meet_rings(struct dice *dice, const struct made_up *m, real side, st
         seen->missed++;
         assert_false(field_hit(m, next, side, &hit));
     }
-    cml_hits_settle_rings(&m->world, side, &h);
+    cml_hits_refine_rings(&m->world, side, &h);
     for (int k = 0; k < h.count; k++) compare_settled(m, &path[k], side, &h, k, seen);
 }
 
@@ -318,7 +318,7 @@ static void packets_turn_at_rings_as_each_does_by_itself(void **state)
         h.count = 0;
         while (h.count < count) place_at_ring(&dice, side, n, &h);
         before = h;
-        const int counted = cml_hits_turn(&world.setup, side, (real)n[0], (real)n[1], &h);
+        const int counted = cml_hits_reflect_or_refract(&world.setup, side, (real)n[0], (real)n[1], &h);
         for (int k = 0; k < count; k++) overruled += compare_turned(&world, side, n, &before, &h, k, &sum);
         assert_int_equal(counted, overruled);
     }

@@ -57,10 +57,10 @@ static void cross(struct dice *dice, struct walker *walker, const struct cml_hit
 {
     static const double index[][2] = {{1, 1}, {1, 1.4}, {1.4, 1}, {1, 3}};
     const double *n = index[dice_below(dice, COUNT(index))];
-    walker->packet.straight = n[0] == n[1];
+    walker->packet.undeflected = n[0] == n[1];
     const int transmitted =
-        walker->packet.straight || cml_reflect_or_refract(&walker->world, &walker->packet, hit,
-                                                          (real)walker->side, (real)n[0], (real)n[1]);
+        walker->packet.undeflected || cml_reflect_or_refract(&walker->world, &walker->packet, hit,
+                                                             (real)walker->side, (real)n[0], (real)n[1]);
     if (transmitted) walker->side = -walker->side;
     walker->crossings++;
 }
@@ -73,8 +73,8 @@ static void fly(struct dice *dice, struct walker *walker)
     int ends_near_facet;
     walker->flights++;
     const int found =
-        cml_mesh_hit(&walker->world, 0, packet->p, packet->u, (real)walker->side, (real)free_path,
-                     packet->on_primitive, packet->straight, &hit, &ends_near_facet);
+        cml_intersect_mesh(&walker->world, 0, packet->p, packet->u, (real)walker->side, (real)free_path,
+                           packet->on_primitive, packet->undeflected, &hit, &ends_near_facet);
     packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
     packet->on_primitive = found ? hit.primitive : (ends_near_facet ? CML_BESIDE_FACETS : -1);
     look(dice, walker);

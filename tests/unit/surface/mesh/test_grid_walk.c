@@ -63,7 +63,7 @@ static struct subject scan(double tolerance)
     struct dice dice = dice_new(81);
     assert_int_equal(cml_heightmap_allocate("scan", 49, 33, &map, &err), CML_OK);
     map.dx = map.dy = 0.0625;
-    cml_heightmap_settle(&map);
+    cml_heightmap_centre(&map);
     for (int i = 0; i < map.nx * map.ny; i++) {
         const int x = i % map.nx, y = i / map.nx;
         map.h[i] = 0.05 * sin(0.2 * x) * cos(0.15 * y) + (x > 24 ? dice_between(&dice, -0.02, 0.02) : 0);

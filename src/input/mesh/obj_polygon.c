@@ -1,5 +1,7 @@
-/* SPDX-License-Identifier: MIT */
-#include "input/obj_polygon.h"
+/* Convex planar polygons cut into the fan whose smallest triangle is largest. SPDX-License-Identifier: MIT */
+#include "input/mesh/obj_polygon.h"
+
+#include "geometry/vec3.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -17,27 +19,20 @@ static const double *point(const struct polygon *p, size_t i)
     return p->vertex[p->corner[i % p->size]];
 }
 
-/* cross(b - a, c - a) */
-static void area_vector(const double a[3], const double b[3], const double c[3], double out[3])
-{
-    for (int k = 0; k < 3; k++) {
-        const int i = (k + 1) % 3, j = (k + 2) % 3;
-        out[k] = (b[i] - a[i]) * (c[j] - a[j]) - (b[j] - a[j]) * (c[i] - a[i]);
-    }
-}
-
+/* Against the polygon's own normal: negative where the corner turns inwards. */
 static double signed_area(const struct polygon *p, size_t a, size_t b, size_t c)
 {
     double area[3];
-    area_vector(point(p, a), point(p, b), point(p, c), area);
-    return area[0] * p->normal[0] + area[1] * p->normal[1] + area[2] * p->normal[2];
+    cml_vec3_area(point(p, a), point(p, b), point(p, c), area);
+    return cml_vec3_dot(area, p->normal);
 }
 
+/* The normal from the sum of all triangles of a fan [Newell's method]: it needs no corner that is convex. */
 static bool find_plane(struct polygon *p)
 {
     for (size_t i = 1; i + 1 < p->size; i++) {
         double area[3];
-        area_vector(point(p, 0), point(p, i), point(p, i + 1), area);
+        cml_vec3_area(point(p, 0), point(p, i), point(p, i + 1), area);
         for (int k = 0; k < 3; k++) p->normal[k] += area[k];
     }
     for (size_t i = 0; i < p->size; i++)
@@ -73,6 +68,7 @@ static bool is_convex(const struct polygon *p)
     return fabs(turned) < 9; /* 2 pi, not 4 pi */
 }
 
+/* Corners on a straight side make triangles of no area with some apexes, and not with others. */
 static double smallest_triangle(const struct polygon *p, size_t apex)
 {
     double smallest = INFINITY;
@@ -81,6 +77,7 @@ static double smallest_triangle(const struct polygon *p, size_t apex)
     return smallest;
 }
 
+/* All corners are tried: O(n^2) with at most CML_OBJ_MAX_CORNERS of them, and faces have few. */
 const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
                           uint32_t (*triangle)[3])
 {

@@ -1,10 +1,10 @@
-/* SPDX-License-Identifier: MIT */
-#include "input/obj.h"
+/* OBJ files in and out: faces become triangles, axes and units ours. SPDX-License-Identifier: MIT */
+#include "input/mesh/obj.h"
 
 #include "base/atomic_file.h"
-#include "input/obj_polygon.h"
-#include "input/obj_scan.h"
-#include "input/obj_tiny.h"
+#include "input/mesh/obj_polygon.h"
+#include "input/mesh/obj_scan.h"
+#include "input/mesh/obj_tiny.h"
 #include "base/text.h"
 
 #include <stdio.h>
@@ -16,6 +16,7 @@ static cml_status no_memory(const struct cml_obj_scan *scan, struct cml_error *e
     return cml_fail_memory(err, 28.0 * (double)scan->num_corners, "the faces of a mesh");
 }
 
+/* tinyobjloader resolves relative numbers; that they are in range is checked here, with the face's line. */
 static cml_status read_corners(const struct cml_text *text, const struct cml_obj_scan *scan, uint32_t *corner,
                                struct cml_error *err)
 {
@@ -30,6 +31,7 @@ static cml_status read_corners(const struct cml_text *text, const struct cml_obj
     return CML_OK;
 }
 
+/* A triangle, the usual case, needs no look at its plane. */
 static cml_status split_face(const char *path, const struct cml_obj_scan *scan, size_t face,
                              const uint32_t *corner, uint32_t (*triangle)[3], struct cml_error *err)
 {
@@ -67,6 +69,7 @@ static cml_status split_faces(const char *path, const struct cml_obj_scan *scan,
     return CML_OK;
 }
 
+/* A polygon of n corners becomes n - 2 triangles: so many are there in all. */
 static cml_status build_triangles(const struct cml_text *text, const struct cml_obj_scan *scan,
                                   struct cml_mesh *mesh, int **triangle_line, struct cml_error *err)
 {
@@ -93,6 +96,7 @@ static void turn_axes(enum cml_up_axis up, const double file[3], double out[3])
     memcpy(out, turned[up], sizeof turned[up]);
 }
 
+/* Turned, scaled, shifted, and then depth instead of height. */
 static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *options)
 {
     const double factor = options->unit * options->scale;
@@ -104,6 +108,7 @@ static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *
     }
 }
 
+/* The vertices move from the scan into the mesh: large files are never in memory twice. */
 static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
                              const struct cml_obj_options *options, struct cml_mesh *mesh,
                              struct cml_mesh_notes *notes, struct cml_error *err)
@@ -125,13 +130,15 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
     return status;
 }
 
-cml_status cml_obj_read(const char *path, const struct cml_obj_options *options, struct cml_mesh *mesh,
+/* The file's text is blanked by the scan, so that tinyobjloader reads nothing that was not checked. */
+cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
+                        const struct cml_obj_options *options, struct cml_mesh *mesh,
                         struct cml_mesh_notes *notes, struct cml_error *err)
 {
     struct cml_text text;
     struct cml_obj_scan scan = {0};
     *mesh = (struct cml_mesh){0};
-    CML_TRY(cml_text_read(path, &text, err));
+    CML_TRY(cml_text_read(source, path, &text, err));
     const cml_status status = build_mesh(&text, &scan, options, mesh, notes, err);
     cml_obj_scan_clear(&scan);
     cml_text_clear(&text);
@@ -139,6 +146,7 @@ cml_status cml_obj_read(const char *path, const struct cml_obj_options *options,
     return status;
 }
 
+/* Every line of the comment needs its own '#'. */
 static void write_comment(FILE *stream, const char *comment)
 {
     fputs("# ", stream);
@@ -149,6 +157,7 @@ static void write_comment(FILE *stream, const char *comment)
     fputc('\n', stream);
 }
 
+/* 17 digits give every double back. */
 cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const char *comment,
                          struct cml_error *err)
 {

@@ -1,5 +1,5 @@
-/* SPDX-License-Identifier: MIT */
-#include "input/esri.h"
+/* ESRI ASCII grids: keywords in any order, then rows of numbers. SPDX-License-Identifier: MIT */
+#include "input/mesh/esri.h"
 
 #include "base/text.h"
 
@@ -26,6 +26,7 @@ static cml_status fail(const struct grid *g, const char *name, const char *value
     return cml_fail_field(g->err, g->text.path, g->text.line, name, value, expected);
 }
 
+/* Lines do not matter: some programs break rows after some numbers. */
 static char *next_word(struct grid *g)
 {
     for (;;) {
@@ -44,6 +45,7 @@ static bool parse_height(const char *word, double *value)
     return true;
 }
 
+/* What is wrong with a value is said where it stands, not after the whole header. */
 static cml_status check_value(const struct grid *g, int key, const char *word)
 {
     const double value = g->value[key];
@@ -57,6 +59,7 @@ static cml_status check_value(const struct grid *g, int key, const char *word)
     return CML_OK;
 }
 
+/* Case does not matter, and every keyword may come once. */
 static cml_status read_keyword(struct grid *g, const char *name)
 {
     int key = 0;
@@ -83,6 +86,8 @@ static cml_status read_header(struct grid *g, char **height)
     }
 }
 
+/* Either square cells by cellsize, or dx and dy, as some programs write; both together would contradict each
+ * other. */
 static cml_status check_header(const struct grid *g, double unit)
 {
     const char *path = g->text.path;
@@ -106,6 +111,7 @@ static cml_status check_size(const struct grid *g)
                     g->value[NCOLS], g->value[NROWS], g->text.size);
 }
 
+/* A height that equals NODATA_value exactly is missing: the same program wrote both. */
 static cml_status read_heights(struct grid *g, const char *word, double unit, struct cml_heightmap *map)
 {
     const size_t cells = (size_t)map->nx * (size_t)map->ny;
@@ -135,15 +141,16 @@ static cml_status read_grid(struct grid *g, double unit, struct cml_heightmap *m
     return cml_heightmap_check(g->text.path, map, g->err);
 }
 
-cml_status cml_esri_read(const char *path, double unit, struct cml_heightmap *map, struct cml_error *err)
+cml_status cml_esri_read(const struct cml_text_source *source, const char *path, double unit,
+                         struct cml_heightmap *map, struct cml_error *err)
 {
     struct grid g = {.err = err};
     *map = (struct cml_heightmap){0};
-    CML_TRY(cml_text_read(path, &g.text, err));
+    CML_TRY(cml_text_read(source, path, &g.text, err));
     const cml_status status = read_grid(&g, unit, map);
     cml_text_clear(&g.text);
     if (status == CML_OK)
-        cml_heightmap_settle(map);
+        cml_heightmap_centre(map);
     else
         cml_heightmap_clear(map);
     return status;

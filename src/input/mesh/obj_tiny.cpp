@@ -2,7 +2,7 @@
  * taken: its number parser adds up digit times power of ten, so that half of all numbers with 6 digits and
  * two thirds of those with 17 differ from strtod's correctly rounded ones, by up to 5 units in the last
  * place. SPDX-License-Identifier: MIT */
-#include "input/obj_tiny.h"
+#include "input/mesh/obj_tiny.h"
 
 #define TINYOBJLOADER_USE_DOUBLE
 #define TINYOBJLOADER_IMPLEMENTATION

@@ -1,5 +1,5 @@
-/* SPDX-License-Identifier: MIT */
-#include "input/gsf.h"
+/* Gwyddion Simple Field files: a header of text, then floats. SPDX-License-Identifier: MIT */
+#include "input/mesh/gsf.h"
 
 #include "base/text.h"
 
@@ -23,6 +23,7 @@ static cml_status fail(const struct field *f, const char *name, const char *valu
     return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
 }
 
+/* Blanks around names and values do not count. */
 static char *trim(char *text)
 {
     text += strspn(text, " \t");
@@ -31,6 +32,7 @@ static char *trim(char *text)
     return text;
 }
 
+/* One row or column would have no slope along the other axis. */
 static cml_status read_resolution(const struct field *f, const char *name, const char *value, int *resolution)
 {
     if (*resolution != 0) return fail(f, name, value, "this line only once");
@@ -45,6 +47,7 @@ static cml_status read_size(const struct field *f, const char *name, const char 
     return fail(f, name, value, "a length of 1e-30..1e30");
 }
 
+/* The two bytes before the m are the micro sign and the Greek letter mu in UTF-8. */
 static cml_status read_unit(const struct field *f, const char *name, const char *value, double *unit)
 {
     static const struct {
@@ -74,6 +77,7 @@ static cml_status read_line(struct field *f, char *line)
     return CML_OK;
 }
 
+/* The header ends at the first NUL byte, before which it is text like any other. */
 static cml_status read_header(struct field *f)
 {
     const size_t size = sizeof magic - 1;
@@ -89,6 +93,7 @@ static cml_status read_header(struct field *f)
     return CML_OK;
 }
 
+/* The format lets sizes be missing; slopes would then be a guess. */
 static cml_status check_header(const struct field *f)
 {
     const char *path = f->text.path;
@@ -102,7 +107,7 @@ static cml_status check_header(const struct field *f)
 }
 
 /* The file's units, or the one given for a file without any. */
-static cml_status settle_units(struct field *f, double unit)
+static cml_status choose_units(struct field *f, double unit)
 {
     const bool inside = f->xy_unit > 0 && f->z_unit > 0, none = f->xy_unit == 0 && f->z_unit == 0;
     const char *path = f->text.path;
@@ -135,6 +140,7 @@ static cml_status find_heights(const struct field *f, size_t *begin)
                     found, *begin, expected, f->xres, f->yres);
 }
 
+/* By bytes: the file's order is fixed, the machine's is not, and the address need not be aligned. */
 static double float_at(const char *data)
 {
     const unsigned char *byte = (const unsigned char *)data;
@@ -145,6 +151,7 @@ static double float_at(const char *data)
     return (double)value;
 }
 
+/* XReal is the width of XRes pixels, each of which has one height. */
 static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
 {
     size_t begin = 0;
@@ -157,18 +164,19 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     return cml_heightmap_check(f->text.path, map, f->err);
 }
 
-cml_status cml_gsf_read(const char *path, double unit, struct cml_heightmap *map, struct cml_error *err)
+cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
+                        struct cml_heightmap *map, struct cml_error *err)
 {
     struct field f = {.err = err};
     *map = (struct cml_heightmap){0};
-    CML_TRY(cml_text_read_bytes(path, &f.text, err));
+    CML_TRY(cml_text_read_bytes(source, path, &f.text, err));
     cml_status status = read_header(&f);
     if (status == CML_OK) status = check_header(&f);
-    if (status == CML_OK) status = settle_units(&f, unit);
+    if (status == CML_OK) status = choose_units(&f, unit);
     if (status == CML_OK) status = read_heights(&f, map);
     cml_text_clear(&f.text);
     if (status == CML_OK)
-        cml_heightmap_settle(map);
+        cml_heightmap_centre(map);
     else
         cml_heightmap_clear(map);
     return status;

@@ -4,6 +4,7 @@
 #ifndef CML_OBJ_H
 #define CML_OBJ_H
 
+#include "base/text.h"
 #include "geometry/mesh.h"
 
 enum cml_up_axis { CML_UP_Z, CML_UP_Y, CML_UP_MINUS_Z };
@@ -16,11 +17,11 @@ struct cml_obj_options {
     enum cml_normals normals;
 };
 
-/* A prepared mesh in the boundary's frame: z = -(Z_obj * unit * scale + shift_z) for up = z. On failure
- * (CML_E_INPUT, file and line) *mesh is cleared. */
-CML_NODISCARD cml_status cml_obj_read(const char *path, const struct cml_obj_options *options,
-                                      struct cml_mesh *mesh, struct cml_mesh_notes *notes,
-                                      struct cml_error *err);
+/* A prepared mesh in the boundary's frame, of the file `path` of `source` (NULL: of the file system): z =
+ * -(Z_obj * unit * scale + shift_z) for up = z. On failure (CML_E_INPUT, file and line) *mesh is cleared. */
+CML_NODISCARD cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
+                                      const struct cml_obj_options *options, struct cml_mesh *mesh,
+                                      struct cml_mesh_notes *notes, struct cml_error *err);
 
 /* Writes a mesh as OBJ, heights up (Z_obj = -z), 17 digits: cml_obj_read gives the same doubles back.
  * `comment` stands above, every line behind a '#'; NULL: none. Atomic (text.h); CML_E_IO on failure. */

@@ -12,8 +12,8 @@
 
 #include <cmocka.h>
 
-#include "input/obj.h"
-#include "input/obj_polygon.h"
+#include "input/mesh/obj.h"
+#include "input/mesh/obj_polygon.h"
 #include "base/text.h"
 
 static const struct cml_obj_options centimetres = {.unit = 1, .scale = 1};
@@ -42,7 +42,7 @@ static cml_status read_text(void **state, const char *text, const struct cml_obj
     fputs(text, file);
     fclose(file);
     *err = (struct cml_error){0};
-    const cml_status status = cml_obj_read(path, options, mesh, notes, err);
+    const cml_status status = cml_obj_read(NULL, path, options, mesh, notes, err);
     remove(path);
     char *name = strstr(err->text, path);
     if (name) memmove(name, name + strlen(path) - 5, strlen(name + strlen(path) - 5) + 1);
@@ -179,7 +179,7 @@ static void refuses_missing_file(void **state)
     (void)state;
     struct cml_mesh mesh;
     struct cml_error err;
-    assert_int_equal(cml_obj_read("/nowhere/m.obj", &centimetres, &mesh, NULL, &err), CML_E_INPUT);
+    assert_int_equal(cml_obj_read(NULL, "/nowhere/m.obj", &centimetres, &mesh, NULL, &err), CML_E_INPUT);
     assert_string_equal(err.text, "/nowhere/m.obj: cannot be read (No such file or directory)");
 }
 
@@ -296,14 +296,14 @@ static void round_trip(void **state)
     const struct cml_obj_options odd = {.unit = 0.1, .scale = 1.0 / 3, .shift = {1e-3, 1.0 / 7, 0.2}};
     char path[128];
     snprintf(path, sizeof path, "%s/w.obj", (const char *)*state);
-    assert_int_equal(cml_obj_read("../meshes/ridges.obj", &odd, &mesh, NULL, &err), CML_OK);
+    assert_int_equal(cml_obj_read(NULL, "../meshes/ridges.obj", &odd, &mesh, NULL, &err), CML_OK);
     assert_int_equal(cml_obj_write(path, &mesh, "two\nlines", &err), CML_OK);
     struct cml_mesh_notes notes;
-    assert_int_equal(cml_obj_read(path, &centimetres, &again, &notes, &err), CML_OK);
+    assert_int_equal(cml_obj_read(NULL, path, &centimetres, &again, &notes, &err), CML_OK);
     same_mesh(&mesh, &again);
     assert_int_equal(notes.welded + notes.degenerate + notes.unused + notes.flipped, 0);
     struct cml_text text;
-    assert_int_equal(cml_text_read(path, &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, path, &text, &err), CML_OK);
     assert_string_equal(cml_text_next(&text), "# two");
     assert_string_equal(cml_text_next(&text), "# lines");
     cml_text_clear(&text);
@@ -333,7 +333,7 @@ static void sample_meshes_load(void **state)
         struct cml_mesh_notes notes;
         struct cml_error err = {0};
         snprintf(path, sizeof path, "../meshes/%s.obj", samples[i]);
-        assert_int_equal(cml_obj_read(path, &centimetres, &mesh, &notes, &err), CML_OK);
+        assert_int_equal(cml_obj_read(NULL, path, &centimetres, &mesh, &notes, &err), CML_OK);
         assert_int_equal(mesh.num_triangles, triangles[i]);
         assert_true(mesh.z_border == 0);
         assert_int_equal(notes.welded + notes.degenerate + notes.unused + notes.flipped, 0);
@@ -345,8 +345,8 @@ static void compare_files(const char *left, const char *right)
 {
     struct cml_text a, b;
     struct cml_error err;
-    assert_int_equal(cml_text_read_bytes(left, &a, &err), CML_OK);
-    assert_int_equal(cml_text_read_bytes(right, &b, &err), CML_OK);
+    assert_int_equal(cml_text_read_bytes(NULL, left, &a, &err), CML_OK);
+    assert_int_equal(cml_text_read_bytes(NULL, right, &b, &err), CML_OK);
     assert_int_equal(a.size, b.size);
     assert_memory_equal(a.data, b.data, a.size);
     cml_text_clear(&a);

@@ -1,12 +1,12 @@
 /* Reading .gsf and .asc files: what they mean, what is refused and in which words, and mangled bytes.
  * SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
-#include "lib/mco_case.h"
+#include "lib/case_files.h"
 
 #include <math.h>
 
-#include "input/esri.h"
-#include "input/gsf.h"
+#include "input/mesh/esri.h"
+#include "input/mesh/gsf.h"
 
 #define MAGIC "Gwyddion Simple Field 1.0\n"
 #define HEAD MAGIC "XRes = 3\nYRes = 2\nXReal = 6e-6\nYReal = 2e-6\nXYUnits = m\nZUnits = m\n"
@@ -33,7 +33,7 @@ static cml_status read_bytes(void **state, const char *name, const char *bytes, 
     case_write_bytes(state, name, bytes, size);
     *err = (struct cml_error){0};
     const bool gsf = strcmp(name, "x.gsf") == 0;
-    const cml_status status = (gsf ? cml_gsf_read : cml_esri_read)(path, unit, map, err);
+    const cml_status status = (gsf ? cml_gsf_read : cml_esri_read)(NULL, path, unit, map, err);
     case_remove(state, name);
     case_normalise(state, err->text);
     assert_true(status == CML_OK || !map->h);
@@ -257,13 +257,7 @@ static void mangled_files_end_in_one_line(void **state)
         const bool gsf = round % 2 == 0;
         size_t size =
             gsf ? field(HEAD, 6, bytes) : (size_t)sprintf(bytes, GRID "NODATA_value -1\n0 1 2\n3 4 5\n");
-        for (int edits = dice_below(&dice, 4); edits > 0; edits--) {
-            const size_t at = (size_t)dice_below(&dice, (int)size);
-            if (dice_below(&dice, 2))
-                bytes[at] = (char)dice_below(&dice, 256);
-            else
-                size = at + 1;
-        }
+        size = dice_damage(&dice, bytes, size, 2);
         struct cml_heightmap map;
         struct cml_error err;
         const cml_status status =

@@ -1,5 +1,6 @@
-/* SPDX-License-Identifier: MIT */
-#include "input/obj_scan.h"
+/* The strict scan. It works in place: what is not needed becomes blanks, and the text keeps its length for
+ * the next reader. SPDX-License-Identifier: MIT */
+#include "input/mesh/obj_scan.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +36,7 @@ static cml_status grow(size_t count, size_t *capacity, void **first, size_t firs
     return CML_OK;
 }
 
+/* Like cml_text_word, for a line whose blanks are all spaces (make_plain). */
 static char *cut_word(char **cursor)
 {
     char *word = *cursor + strspn(*cursor, " ");
@@ -45,6 +47,7 @@ static char *cut_word(char **cursor)
     return word;
 }
 
+/* Behind x y z a weight or a colour may stand; both are checked, and not used. */
 static cml_status scan_vertex(const struct line *line, char *cursor, struct cml_obj_scan *scan,
                               struct cml_error *err)
 {
@@ -90,6 +93,8 @@ static bool parse_corner(const char *word, int *number)
     return count < 3 || cml_parse_int(part[2], &ignored);
 }
 
+/* Numbers may be relative to the vertices read so far (-1 is the last one); those that come later can be
+ * known only at the end. */
 static cml_status scan_corner(const struct line *line, const char *word, size_t num_vertices,
                               struct cml_error *err)
 {
@@ -107,6 +112,7 @@ static cml_status scan_corner(const struct line *line, const char *word, size_t 
     return CML_OK;
 }
 
+/* Only counts and checks corners: tinyobjloader hands out the numbers. */
 static cml_status scan_face(const struct line *line, char *cursor, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {
@@ -161,6 +167,7 @@ static void restore_line(const struct cml_text *text, const struct line *line)
     if (text->cursor <= text->size) text->data[text->cursor - 1] = '\n';
 }
 
+/* Only lines `v` and `f` are left; what else OBJ knows (normals, groups, materials) becomes blanks. */
 static cml_status scan_line(struct cml_text *text, struct line *line, struct cml_obj_scan *scan,
                             struct cml_error *err)
 {

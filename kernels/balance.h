@@ -1,0 +1,50 @@
+/* The names of what is summed over packets: the terms of the weight balance, counts, totals.
+ * In files and messages for users the terms are called `books`, and by how much they do not balance
+ * `residue`. SPDX-License-Identifier: MIT */
+#ifndef CML_BALANCE_H
+#define CML_BALANCE_H
+
+/* launched + gained = specular + reflected + transmitted + absorbed + roulette + trapped + lost, exactly
+ * (P10). */
+enum cml_balance_term {
+    CML_BALANCE_LAUNCHED,
+    CML_BALANCE_GAINED, /* by packets that survived roulette */
+    CML_BALANCE_SPECULAR,
+    CML_BALANCE_REFLECTED,
+    CML_BALANCE_TRANSMITTED,
+    CML_BALANCE_ABSORBED,
+    CML_BALANCE_ROULETTE, /* lost by packets that did not survive it */
+    CML_BALANCE_TRAPPED,
+    CML_BALANCE_LOST,
+    /* parts of the above, not in the balance; a result's only, a tally has cells for them */
+    CML_BALANCE_OVERFLOW_R, /* of reflected, transmitted and absorbed: scored in the last radial bin from
+                            beyond it */
+    CML_BALANCE_OVERFLOW_Z, /* of absorbed: in the last depth bin from below it */
+    CML_BALANCE_ABOVE,      /* of absorbed: in the first depth bin from z < 0 */
+    CML_NUM_BALANCE_TERMS
+};
+
+enum cml_count {
+    CML_COUNT_PHOTONS,
+    CML_COUNT_INTERACTIONS,
+    CML_COUNT_BOUNDARY_EVENTS,
+    CML_COUNT_QUERIES,           /* curved surfaces asked for a crossing: a figure of speed, not a result */
+    CML_COUNT_SHADING_OVERRULED, /* boundary events that the facet decided against the shading normal */
+    CML_COUNT_TRAPPED,
+    CML_COUNT_LOST_NO_SURFACE,
+    CML_COUNT_LOST_NAN,
+    CML_COUNT_LOST_STUCK,
+    CML_COUNT_LOST_LEAKED,
+    CML_NUM_COUNTS
+};
+
+/* Totals whose squares per packet are summed for their standard errors. */
+enum cml_total {
+    CML_TOTAL_SPECULAR,
+    CML_TOTAL_REFLECTED,
+    CML_TOTAL_TRANSMITTED,
+    CML_TOTAL_ABSORBED,
+    CML_NUM_TOTALS
+};
+
+#endif

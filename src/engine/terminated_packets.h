@@ -1,0 +1,274 @@
+/* Finished packets on their way into a tally. They are collected, so that exit bins, weight balance and
+ * squares of many packets are computed in one vector loop however rarely packets end. In the precision of the
+ * file that includes this, and static: each level of the processor has its own copy.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TERMINATED_PACKETS_H
+#define CML_TERMINATED_PACKETS_H
+
+#include "tally/tally.h"
+#include "walk.h"
+
+#define CML_TERMINATED 128
+#define CML_TERMINATED_TOGETHER                                                                              \
+    16 /* so many can be added at once: they are emptied while there is room for as many */
+
+/* Structure of arrays; entries from `count` on hold nothing of interest. */
+struct cml_terminated {
+    int count;
+    uint64_t absorbed[CML_TERMINATED];
+    cml_u32 deposit[CML_TERMINATED]; /* absorbed as well, in the layer that the packet left, and not booked
+                                        there yet */
+    real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
+    cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
+    int fate[CML_TERMINATED];
+    int cell[CML_TERMINATED];       /* of Rd_ra or Tt_ra */
+    cml_u32 scored[CML_TERMINATED]; /* into it */
+};
+
+/* Sums over the collected packets; a square as its two halves of 32 bits. */
+struct cml_terminated_sums {
+    uint64_t reflected, transmitted, specular, absorbed, interactions, boundary_events;
+    uint64_t deposited, deposited_above; /* all deposits; those of packets that were reflected */
+    uint64_t reflected_low, reflected_high, transmitted_low, transmitted_high, specular_low, specular_high,
+        absorbed_low, absorbed_high;
+    uint64_t wide; /* bits of `absorbed` beyond 32: its squares then do not fit */
+};
+
+/* Cells, counted from the first of Rd_ra, and what goes into them. Tt_ra is as far away as the tally has it.
+ */
+static inline void cml_terminated_find_cells(const struct cml_setup *shared,
+                                             struct cml_terminated *terminated, const struct cml_tally *tally)
+{
+    const struct cml_setup setup = *shared;
+    const int na = setup.na, below = (int)(tally->Tt_ra - tally->Rd_ra);
+#pragma omp simd
+    for (int i = 0; i < CML_TERMINATED; i++) {
+        const int fate = terminated->fate[i], up = fate == CML_FATE_REFLECTED,
+                  down = fate == CML_FATE_TRANSMITTED;
+        const int ir = cml_radial_bin(&setup, terminated->exit_x[i], terminated->exit_y[i]);
+        terminated->cell[i] = ir * na + (down ? below : 0);
+        terminated->scored[i] = up | down ? terminated->w[i] : 0u;
+    }
+    if (na == 1) return;
+#pragma omp simd
+    for (int i = 0; i < CML_TERMINATED; i++) terminated->cell[i] += cml_angle_bin(&setup, terminated->uz[i]);
+}
+
+#define CML_SUM_SQUARE(sums, what, value)                                                                    \
+    do {                                                                                                     \
+        const uint64_t square_ = (value) * (value);                                                          \
+        (sums).what += (value);                                                                              \
+        (sums).what##_low += square_ & 0xffffffffu;                                                          \
+        (sums).what##_high += square_ >> 32;                                                                 \
+    } while (0)
+
+static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_terminated *terminated)
+{
+    struct cml_terminated_sums sums = {0};
+    for (int i = 0; i < terminated->count; i++) {
+        const int fate = terminated->fate[i];
+        const uint64_t w = terminated->w[i], deposit = terminated->deposit[i],
+                       absorbed = terminated->absorbed[i] + deposit;
+        const uint64_t reflected = fate == CML_FATE_REFLECTED ? w : 0;
+        const uint64_t transmitted = fate == CML_FATE_TRANSMITTED ? w : 0;
+        const uint64_t specular = fate == CML_FATE_SPECULAR ? w : 0;
+        CML_SUM_SQUARE(sums, reflected, reflected);
+        CML_SUM_SQUARE(sums, transmitted, transmitted);
+        CML_SUM_SQUARE(sums, specular, specular);
+        CML_SUM_SQUARE(sums, absorbed, absorbed);
+        sums.wide |= absorbed >> 32;
+        sums.deposited += deposit;
+        sums.deposited_above += fate == CML_FATE_REFLECTED ? deposit : 0;
+        sums.interactions += terminated->interactions[i];
+        sums.boundary_events += terminated->boundary_events[i];
+    }
+    return sums;
+}
+
+static inline cml_u128 cml_square_sum(uint64_t low, uint64_t high)
+{
+    return ((cml_u128)high << 32) + low;
+}
+
+static inline cml_u128 cml_terminated_absorbed_squares(const struct cml_terminated *terminated,
+                                                       const struct cml_terminated_sums *sums)
+{
+    if (!sums->wide) return cml_square_sum(sums->absorbed_low, sums->absorbed_high);
+    cml_u128 sum = 0;
+    for (int i = 0; i < terminated->count; i++) {
+        const uint64_t absorbed = terminated->absorbed[i] + terminated->deposit[i];
+        sum += (cml_u128)absorbed * absorbed;
+    }
+    return sum;
+}
+
+/* times: how often every packet of the collection has ended so. */
+static inline void cml_terminated_add_sums(const struct cml_setup *setup,
+                                           const struct cml_terminated *terminated, uint64_t times,
+                                           struct cml_tally *tally)
+{
+    const struct cml_terminated_sums sums = cml_terminated_sum(terminated);
+    const uint64_t count = times * (uint64_t)terminated->count, specular = setup->specular;
+    tally->balance[CML_BALANCE_LAUNCHED] += count * CML_WEIGHT_ONE;
+    tally->balance[CML_BALANCE_SPECULAR] += count * specular + times * sums.specular;
+    tally->balance[CML_BALANCE_REFLECTED] += times * sums.reflected;
+    tally->balance[CML_BALANCE_TRANSMITTED] += times * sums.transmitted;
+    tally->balance[CML_BALANCE_ABSORBED] += times * sums.absorbed;
+    tally->A_l[1] += times * sums.deposited_above;
+    tally->A_l[setup->num_layers] += times * (sums.deposited - sums.deposited_above);
+    tally->count[CML_COUNT_PHOTONS] += count;
+    tally->count[CML_COUNT_INTERACTIONS] += times * sums.interactions;
+    tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
+    /* where the beam's reflection is deterministic, no packet has a random one */
+    tally->square[CML_TOTAL_SPECULAR] +=
+        (cml_u128)count * specular * specular + times * cml_square_sum(sums.specular_low, sums.specular_high);
+    tally->square[CML_TOTAL_REFLECTED] += times * cml_square_sum(sums.reflected_low, sums.reflected_high);
+    tally->square[CML_TOTAL_TRANSMITTED] +=
+        times * cml_square_sum(sums.transmitted_low, sums.transmitted_high);
+    tally->square[CML_TOTAL_ABSORBED] += times * cml_terminated_absorbed_squares(terminated, &sums);
+}
+
+/* Empties the collection into the tally. */
+static inline void cml_terminated_flush_times(const struct cml_setup *setup,
+                                              struct cml_terminated *terminated, uint64_t times,
+                                              struct cml_tally *tally)
+{
+    cml_terminated_find_cells(setup, terminated, tally);
+    for (int i = 0; i < terminated->count; i++)
+        tally->Rd_ra[terminated->cell[i]] += times * terminated->scored[i];
+    cml_terminated_add_sums(setup, terminated, times, tally);
+    terminated->count = 0;
+}
+
+static inline void cml_terminated_flush(const struct cml_setup *setup, struct cml_terminated *terminated,
+                                        struct cml_tally *tally)
+{
+    cml_terminated_flush_times(setup, terminated, 1, tally);
+}
+
+static inline void cml_terminated_make_room(const struct cml_setup *setup, struct cml_terminated *terminated,
+                                            struct cml_tally *tally)
+{
+    if (terminated->count > CML_TERMINATED - CML_TERMINATED_TOGETHER)
+        cml_terminated_flush(setup, terminated, tally);
+}
+
+/* How a packet ended. */
+struct cml_termination {
+    uint64_t index, absorbed;
+    int fate, cause;
+    cml_u32 w, interactions, boundary_events;
+    real exit_x, exit_y, uz;
+    int primitive; /* touched last; 0 on planes */
+};
+
+/* A weight and its square into cells that other threads score into, too. */
+static inline void cml_tally_once(uint64_t *weight, uint64_t *square, cml_u32 w)
+{
+    const uint64_t rounded = ((uint64_t)w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
+    cml_add_shared(weight, w);
+    cml_add_shared(square, rounded * rounded);
+}
+
+/* Packet i of the collection, which has left, into its pixel. */
+static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_terminated *terminated,
+                                   int i, const struct cml_tally *tally)
+{
+    const int up = terminated->fate[i] == CML_FATE_REFLECTED, na = setup->map.na;
+    const size_t cell = cml_map_pixel(setup, terminated->exit_x[i], terminated->exit_y[i]) * (size_t)na +
+                        (size_t)(na > 1 ? cml_angle_bin(setup, terminated->uz[i]) : 0);
+    cml_tally_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, (up ? tally->Rd_xya2 : tally->Tt_xya2) + cell,
+                   terminated->w[i]);
+}
+
+/* The same into the facet that it touched last. */
+static inline void cml_tally_escape(const struct cml_setup *setup, const struct cml_terminated *terminated,
+                                    int i, int primitive, const struct cml_tally *tally)
+{
+    const struct cml_facet_range *range =
+        &setup->outer_facets[terminated->fate[i] == CML_FATE_REFLECTED ? 0 : 1];
+    if (range->count == 0) return;
+    uint64_t *score = tally->facets + (size_t)cml_facet_index(range, primitive) * CML_FACET_SCORES;
+    cml_tally_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, terminated->w[i]);
+}
+
+/* primitive: touched last; 0 on planes. */
+static inline void cml_tally_places(const struct cml_setup *setup, const struct cml_terminated *terminated,
+                                    int i, int primitive, const struct cml_tally *tally)
+{
+    if (terminated->fate[i] != CML_FATE_REFLECTED && terminated->fate[i] != CML_FATE_TRANSMITTED) return;
+    if (tally->Rd_xya) cml_tally_pixel(setup, terminated, i, tally);
+    if (tally->facets) cml_tally_escape(setup, terminated, i, primitive, tally);
+}
+
+static inline int cml_tallies_places(const struct cml_tally *tally)
+{
+    return tally->Rd_xya || tally->facets;
+}
+
+/* P9: what is rare goes into the tally at once. */
+static inline void cml_tally_loss(const struct cml_termination *end, struct cml_tally *tally)
+{
+    if (end->fate == CML_FATE_TRAPPED) {
+        tally->balance[CML_BALANCE_TRAPPED] += end->w;
+        tally->count[CML_COUNT_TRAPPED]++;
+    } else if (end->fate == CML_FATE_LOST) {
+        tally->balance[CML_BALANCE_LOST] += end->w;
+        tally->count[CML_COUNT_LOST_NO_SURFACE + end->cause - CML_LOST_NO_SURFACE]++;
+        cml_lost_list_add(&tally->lost, end->index);
+    }
+}
+
+static inline void cml_terminated_push(const struct cml_setup *setup, struct cml_terminated *terminated,
+                                       const struct cml_termination *end, struct cml_tally *tally)
+{
+    const int i = terminated->count++;
+    terminated->absorbed[i] = end->absorbed;
+    terminated->deposit[i] = 0;
+    terminated->exit_x[i] = end->exit_x;
+    terminated->exit_y[i] = end->exit_y;
+    terminated->uz[i] = end->uz;
+    terminated->w[i] = end->w;
+    terminated->interactions[i] = end->interactions;
+    terminated->boundary_events[i] = end->boundary_events;
+    terminated->fate[i] = end->fate;
+    cml_tally_loss(end, tally);
+    if (cml_tallies_places(tally)) cml_tally_places(setup, terminated, i, end->primitive, tally);
+    cml_terminated_make_room(setup, terminated, tally);
+}
+
+/* What only a packet of kernels/walk.h keeps for itself. */
+static inline void cml_tally_events(const struct cml_packet *packet, struct cml_tally *tally)
+{
+    tally->balance[CML_BALANCE_GAINED] += packet->gained;
+    tally->balance[CML_BALANCE_ROULETTE] += packet->roulette;
+    tally->count[CML_COUNT_QUERIES] += packet->queries;
+    tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
+}
+
+static inline struct cml_deposits cml_deposits_of(const struct cml_tally *tally)
+{
+    const struct cml_deposits to = {
+        .A_rz = tally->A_rz, .A_l = tally->A_l, .A_xyz = tally->A_xyz, .facets = tally->facets};
+    return to;
+}
+
+static inline struct cml_termination cml_termination_of(const struct cml_packet *packet)
+{
+    const struct cml_termination end = {
+        .index = packet->index,
+        .absorbed = packet->absorbed,
+        .fate = packet->fate,
+        .cause = packet->cause,
+        .w = packet->w,
+        .interactions = packet->interactions,
+        .boundary_events = packet->boundary_events,
+        .exit_x = packet->exit_x,
+        .exit_y = packet->exit_y,
+        .uz = packet->u.z,
+        .primitive = packet->on_primitive,
+    };
+    return end;
+}
+
+#endif

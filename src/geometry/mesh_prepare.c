@@ -1,0 +1,47 @@
+/* From a soup of triangles to a boundary mesh: the steps of mesh_parts.h, one after the other.
+ * SPDX-License-Identifier: MIT */
+#include "geometry/mesh_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Of all vertices: each belongs to a triangle by now. */
+static void find_box(struct cml_mesh *mesh)
+{
+    for (int k = 0; k < 3; k++) mesh->lower[k] = mesh->upper[k] = mesh->vertex[0][k];
+    for (size_t i = 1; i < mesh->num_vertices; i++) {
+        for (int k = 0; k < 3; k++) {
+            mesh->lower[k] = fmin(mesh->lower[k], mesh->vertex[i][k]);
+            mesh->upper[k] = fmax(mesh->upper[k], mesh->vertex[i][k]);
+        }
+    }
+}
+
+/* The order matters: each step relies on what those before it have refused (mesh_parts.h). */
+static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    CML_TRY(cml_mesh_clean(work, err));
+    find_box(mesh);
+    CML_TRY(cml_mesh_pair_edges(work, err));
+    CML_TRY(cml_mesh_orient(work, err));
+    CML_TRY(cml_mesh_check_fans(work, err));
+    CML_TRY(cml_mesh_find_border(work, err));
+    find_box(mesh); /* the border has moved onto its plane */
+    return cml_mesh_find_normals(mesh, err);
+}
+
+cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
+                            struct cml_mesh_notes *notes, struct cml_error *err)
+{
+    struct cml_mesh_work work = {.mesh = mesh, .source = source};
+    free(mesh->border);
+    free(mesh->vertex_normal);
+    mesh->border = NULL;
+    mesh->vertex_normal = NULL;
+    const cml_status status = prepare_steps(&work, err);
+    free(work.origin);
+    free(work.opposite);
+    if (notes) *notes = work.notes;
+    return status;
+}

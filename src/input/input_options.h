@@ -1,0 +1,17 @@
+/* What is made of the files that describe a scene while they are read. SPDX-License-Identifier: MIT */
+#ifndef CML_INPUT_OPTIONS_H
+#define CML_INPUT_OPTIONS_H
+
+#include "base/text.h"
+
+#include <stdbool.h>
+
+struct cml_input_options {
+    const struct cml_text_source *source; /* of all files; NULL: the file system */
+    double tolerance; /* [-] of the meshes of heightmaps (scene/heightmap.h); 0: merge only what lies in one
+                       * plane */
+    bool flat;        /* every boundary becomes its nominal plane; its file is read and checked all the same
+                       * (the 2019 program's IGNORE_HEIGHTFIELDS) */
+};
+
+#endif

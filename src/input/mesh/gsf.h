@@ -1,0 +1,18 @@
+/* Gwyddion Simple Field (.gsf) files: a line that says so, lines `name = value`, 1 to 4 NUL bytes up to a
+ * multiple of 4, then XRes * YRes heights, 32-bit floating point, least byte first, top row first [Gwyddion
+ * user guide, "Simple Field Files"]. Strict: what is not as it says is refused with line or byte.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_GSF_H
+#define CML_GSF_H
+
+#include "base/text.h"
+#include "scene/heightmap.h"
+
+/* Reads `path` from `source`, NULL: from the file system. Lengths come in the file's units; `unit` (cm per
+ * unit, 0: none given) is for files without any, and refused with others. Offsets are not used: the map's
+ * middle lies at x = y = 0. The map is centred, in cm; free it with cml_heightmap_clear. CML_E_INPUT; then
+ * the map is cleared. */
+CML_NODISCARD cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
+                                      struct cml_heightmap *map, struct cml_error *err);
+
+#endif

@@ -1,0 +1,119 @@
+/* The JSON line of a run. Its keys are those that README.md names under --json: programs read them, so they
+ * stay as they are. SPDX-License-Identifier: MIT */
+#include "output/report.h"
+
+#include "base/version.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* An unknown bias is infinite, which JSON cannot say: null. */
+static json_t *boundaries_json(const struct cml_surface_set *surfaces)
+{
+    json_t *list = json_array();
+    for (int b = 0; b < surfaces->count; b++) {
+        const struct cml_surface_def *def = &surfaces->item[b];
+        const struct cml_expectation *expect = &def->expectation;
+        json_t *bias = isfinite(expect->bias) ? json_real(expect->bias) : json_null();
+        json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind",
+                                              cml_surface_kind_name(def->kind), "reason", def->reason,
+                                              "primitives", (json_int_t)def->primitives, "build_s",
+                                              def->build_seconds, "MiB", def->bytes / 1048576, "bias", bias,
+                                              "query_ns", expect->query_ns, "deviation", expect->deviation));
+    }
+    return list;
+}
+
+/* The main result comes first, as it was written first. */
+static json_t *files_json(const struct cml_report *report)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < report->num_files; i++) json_array_append_new(list, json_string(report->files[i]));
+    return list;
+}
+
+/* Keys keep the order in which they are set (jansson 2.8 and later). */
+static void set_real(json_t *object, const char *key, double value)
+{
+    json_object_set_new(object, key, json_real(value));
+}
+
+static void set_integer(json_t *object, const char *key, uint64_t value)
+{
+    json_object_set_new(object, key, json_integer((json_int_t)value));
+}
+
+/* `residue` is the imbalance of weight in units of 2^-31 packets, 0 unless the program is wrong. */
+static void set_results(json_t *object, const struct cml_report *report)
+{
+    const struct cml_result *result = &report->run->result;
+    set_real(object, "Rsp", cml_result_total(result, CML_TOTAL_SPECULAR));
+    set_real(object, "Rd", cml_result_total(result, CML_TOTAL_REFLECTED));
+    set_real(object, "A", cml_result_total(result, CML_TOTAL_ABSORBED));
+    set_real(object, "Tt", cml_result_total(result, CML_TOTAL_TRANSMITTED));
+    set_real(object, "Rsp_se", cml_result_error(result, CML_TOTAL_SPECULAR));
+    set_real(object, "Rd_se", cml_result_error(result, CML_TOTAL_REFLECTED));
+    set_real(object, "A_se", cml_result_error(result, CML_TOTAL_ABSORBED));
+    set_real(object, "Tt_se", cml_result_error(result, CML_TOTAL_TRANSMITTED));
+    set_integer(object, "lost", cml_result_lost(result));
+    set_integer(object, "trapped", (uint64_t)result->summary.count[CML_COUNT_TRAPPED]);
+    set_integer(object, "shading_overruled", (uint64_t)result->summary.count[CML_COUNT_SHADING_OVERRULED]);
+    set_real(object, "residue", cml_result_imbalance(result));
+    set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
+}
+
+/* Seconds. `idle` waited for other ranks, `asking` for photons, `sums` summed and wrote checkpoints. */
+static json_t *ranks_json(const struct cml_run_result *run)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < run->ranks; i++) {
+        const struct cml_rank_report *rank = &run->rank[i];
+        json_array_append_new(list, json_pack("{s:I, s:I, s:f, s:f, s:f, s:f}", "photons",
+                                              (json_int_t)rank->photons, "ranges", (json_int_t)rank->ranges,
+                                              "flying", rank->flying, "idle", rank->waiting, "asking",
+                                              rank->asking, "sums", rank->summing));
+    }
+    return list;
+}
+
+/* What depends on the machine and the moment, not on the light. */
+static void set_speed(json_t *object, const struct cml_report *report)
+{
+    const struct cml_run_result *run = report->run;
+    const double steps = cml_run_steps(run);
+    set_real(object, "seconds", run->seconds);
+    set_real(object, "cpu_s", cml_run_processor(run));
+    set_real(object, "steps", steps);
+    set_real(object, "crossings", (double)run->result.summary.count[CML_COUNT_BOUNDARY_EVENTS]);
+    set_real(object, "queries", (double)run->result.summary.count[CML_COUNT_QUERIES]);
+    set_real(object, "ns_per_step", steps > 0 ? 1e9 * run->seconds / steps : 0);
+    set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);
+    set_integer(object, "threads", (uint64_t)run->threads);
+    set_integer(object, "ranks", (uint64_t)run->ranks);
+    json_object_set_new(object, "rank_s", ranks_json(run));
+    set_real(object, "idle", cml_run_idle(run));
+    set_real(object, "communication", cml_run_communication(run));
+}
+
+/* jansson refuses a name that is not UTF-8, which looks like a lack of memory: the message names both. */
+cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
+{
+    json_t *object = json_pack("{s:s, s:s, s:s}", "scene", report->scene->file, "output", report->files[0],
+                               "engine", report->engine->name);
+    if (!object) return cml_fail_memory(err, 1, "the JSON record (or a name that is not UTF-8)");
+    set_integer(object, "photons", report->run->result.photons);
+    set_integer(object, "seed", report->seed);
+    json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
+    json_object_set_new(object, "files", files_json(report));
+    set_results(object, report);
+    set_speed(object, report);
+    json_object_set_new(object, "version", json_string(cml_version()));
+    char *text = json_dumps(object, JSON_COMPACT);
+    json_decref(object);
+    if (!text) return cml_fail_memory(err, 1, "the JSON record");
+    fprintf(stream, "%s\n", text);
+    fflush(stream);
+    free(text);
+    return CML_OK;
+}

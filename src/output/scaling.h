@@ -1,0 +1,35 @@
+/* How tallies become what MCML writes: weight per packet divided by the measure of a bin.
+ * Rd_r and Tt_r are per area, Rd_a and Tt_a per solid angle, Rd_ra and Tt_ra per area and projected solid
+ * angle, A_z per depth, A_rz per volume. All as in MCML 1.2.2 (ScaleRdTt, ScaleA; manual by Wang and Jacques,
+ * 1992, equations 4.11 to 4.14), whose readers expect its values, although those over angles are not exact:
+ * see each. The functions of bins take the width of a bin and its number from 0, so that who knows no scene
+ * can use them. SPDX-License-Identifier: MIT */
+#ifndef CML_SCALING_H
+#define CML_SCALING_H
+
+struct cml_mco;
+struct cml_result;
+
+/* Width of one of na angle bins between the outward vertical and the horizontal, rad. */
+double cml_angle_width(int na);
+
+/* Area of radial bin ir, cm2: 2 pi r dr at the middle of the bin, which is exact. */
+double cml_ring_area(double dr, int ir);
+
+/* Solid angle of angular bin ia, sr: 2 pi sin(a) da at the middle of the bin. The exact one is smaller by
+ * sin(da/2) / (da/2): by 0.01 % for 30 bins, by 10 % for one. */
+double cml_solid_angle(double da, int ia);
+
+/* Solid angle of angular bin ia times the cosine to the vertical, sr: 2 pi sin(da/2) sin(2a) at the middle of
+ * the bin. The exact one is smaller by cos(da/2): by 0.03 % for 30 bins, by 29 % for one. */
+double cml_projected_solid_angle(double da, int ia);
+
+/* Depth of a bin, cm: dz for each of them. Here so that every profile has a function of the same kind. */
+double cml_depth_width(double dz, int iz);
+
+/* A result's arrays in the units of an .mco file: A_l, A_z, Rd_r, Rd_a, Tt_r, Tt_a, A_rz, Rd_ra, Tt_ra and
+ * the totals. The arrays of *mco have been allocated for the result's grid, and dr and dz are set; A_z and
+ * A_rz stay as they are where absorption was not tallied. */
+void cml_scale_result(const struct cml_result *result, struct cml_mco *mco);
+
+#endif

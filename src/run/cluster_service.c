@@ -1,0 +1,275 @@
+/* How ranks wait for each other, know that they live, and ask rank 0 for work.
+ * SPDX-License-Identifier: MIT */
+#include "run/cluster_parts.h"
+
+#include "base/clock.h"
+
+#include <sched.h>
+#include <stdlib.h>
+#include <time.h>
+
+enum { TAG_HEARTBEAT = 1, TAG_REQUEST, TAG_REPLY };
+
+/* What a rank keeps about its peers: rank 0 about all others, the others about rank 0. */
+struct peer {
+    double heard;          /* last, on the service clock */
+    double sent;           /* the last heartbeat, on the same clock */
+    uint64_t syncs_told;   /* syncs_requested as it said */
+    uint64_t message;      /* of the heartbeat under way: MPI reads it until that is complete */
+    MPI_Request heartbeat; /* MPI_REQUEST_NULL: none is under way */
+};
+
+static struct {
+    struct peer *peer; /* [size] on rank 0, [1] on others; the service thread's alone */
+    pthread_t thread;
+    double clock; /* s, the service thread's: stands still while the process is stopped */
+    atomic_bool leaving;
+    _Atomic uint64_t syncs_requested, syncs_done; /* numbers of the last ones */
+    pthread_mutex_t handler_lock; /* held while the handler runs, so that it can be taken away safely */
+    cml_cluster_handler *handler;
+    void *handler_context;
+} service = {.handler_lock = PTHREAD_MUTEX_INITIALIZER};
+
+void cml_cluster_sleep(double seconds)
+{
+    const struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
+    nanosleep(&t, NULL);
+}
+
+/* ---- waiting ---- */
+
+static cml_status fail_mpi(int code, struct cml_error *err)
+{
+    char text[MPI_MAX_ERROR_STRING] = "";
+    int length = 0;
+    MPI_Error_string(code, text, &length);
+    return cml_fail(err, CML_E_IO, "MPI failed (%s)", text);
+}
+
+cml_status cml_cluster_fail_contact_lost(struct cml_error *err)
+{
+    const int rank = atomic_load(&cml_ranks.lost_rank);
+    return cml_fail(err, CML_E_IO,
+                    "contact lost: nothing heard from rank %d on %s for %g s (process, host or network down; "
+                    "--resume continues from the last checkpoint)",
+                    rank, cml_ranks.host[rank], cml_ranks.timeout);
+}
+
+/* Waits for a nonblocking call to complete, but not for a lost rank. First without sleep, because most
+ * replies come at once; then with short sleeps, which leave the core to those who compute. */
+static cml_status wait_for(MPI_Request *call, struct cml_error *err)
+{
+    for (int tries = 0;; tries++) {
+        int done = 0;
+        pthread_mutex_lock(&cml_ranks.lock);
+        const int code = MPI_Test(call, &done, MPI_STATUS_IGNORE);
+        pthread_mutex_unlock(&cml_ranks.lock);
+        if (code != MPI_SUCCESS) return fail_mpi(code, err);
+        if (done) return CML_OK;
+        if (atomic_load(&cml_ranks.lost_rank) >= 0) return cml_cluster_fail_contact_lost(err);
+        if (tries < 1000)
+            sched_yield();
+        else
+            cml_cluster_sleep(tries < 20000 ? 5e-5 : 1e-3);
+    }
+}
+
+/* A call that could not be started has nothing to wait for. */
+cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *err)
+{
+    pthread_mutex_unlock(&cml_ranks.lock);
+    return code == MPI_SUCCESS ? wait_for(call, err) : fail_mpi(code, err);
+}
+
+/* ---- the service thread ---- */
+
+/* Synchronisations are numbered, so that a request that arrives late, or twice, asks for nothing new. */
+static void raise_requested(uint64_t number)
+{
+    uint64_t known = atomic_load(&service.syncs_requested);
+    while (known < number && !atomic_compare_exchange_weak(&service.syncs_requested, &known, number))
+        continue;
+}
+
+/* The next message with this tag, if there is one. A blocking receive, because the message is there. */
+static bool receive(int tag, void *data, int size, int *from)
+{
+    int found = 0;
+    MPI_Status status;
+    pthread_mutex_lock(&cml_ranks.lock);
+    MPI_Iprobe(MPI_ANY_SOURCE, tag, MPI_COMM_WORLD, &found, &status);
+    if (found) MPI_Recv(data, size, MPI_BYTE, status.MPI_SOURCE, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+    pthread_mutex_unlock(&cml_ranks.lock);
+    if (found) *from = status.MPI_SOURCE;
+    return found != 0;
+}
+
+/* All that have come. Each carries the number of the last synchronisation that its sender knows of. */
+static void receive_heartbeats(void)
+{
+    uint64_t number = 0;
+    int from = 0;
+    while (receive(TAG_HEARTBEAT, &number, sizeof number, &from)) {
+        service.peer[from].heard = service.clock;
+        raise_requested(number);
+    }
+}
+
+/* On rank 0. The reply is waited for, under the same watch for lost ranks as every other call. */
+static void answer_requests(void)
+{
+    struct cml_work_request request;
+    struct cml_work_reply reply;
+    int from = 0;
+    while (receive(TAG_REQUEST, &request, sizeof request, &from)) {
+        MPI_Request call;
+        struct cml_error ignored; /* whoever else waits will see that contact is lost */
+        reply = (struct cml_work_reply){0};
+        service.peer[from].heard = service.clock;
+        pthread_mutex_lock(&service.handler_lock);
+        if (service.handler) service.handler(service.handler_context, from, &request, &reply);
+        pthread_mutex_unlock(&service.handler_lock);
+        if (CML_COMPLETE(MPI_Isend(&reply, sizeof reply, MPI_BYTE, from, TAG_REPLY, MPI_COMM_WORLD, &call),
+                         &call, &ignored) != CML_OK)
+            return;
+    }
+}
+
+/* Says that this rank lives, and which synchronisation was requested: four times per timeout, and at once
+ * when there is news. Rank 0 passes requests on, because the others hear it alone. */
+static void send_heartbeat(struct peer *peer, int to)
+{
+    const uint64_t requested = atomic_load(&service.syncs_requested);
+    if (requested == peer->syncs_told && service.clock - peer->sent < cml_ranks.timeout / 4) return;
+    int done = 0;
+    MPI_Test(&peer->heartbeat, &done, MPI_STATUS_IGNORE);
+    if (!done) return;
+    peer->message = requested;
+    MPI_Isend(&peer->message, sizeof peer->message, MPI_BYTE, to, TAG_HEARTBEAT, MPI_COMM_WORLD,
+              &peer->heartbeat);
+    peer->syncs_told = requested;
+    peer->sent = service.clock;
+}
+
+/* Peers: all other ranks on rank 0, rank 0 elsewhere. So messages grow with the number of ranks, not with
+ * its square. */
+static int first_peer(void)
+{
+    return cml_ranks.rank == 0 ? 1 : 0;
+}
+
+static int end_of_peers(void)
+{
+    return cml_ranks.rank == 0 ? cml_ranks.size : 1;
+}
+
+/* Once under the lock for all peers: starting a message does not wait. */
+static void send_heartbeats(void)
+{
+    pthread_mutex_lock(&cml_ranks.lock);
+    for (int i = first_peer(); i < end_of_peers(); i++) send_heartbeat(&service.peer[i], i);
+    pthread_mutex_unlock(&cml_ranks.lock);
+}
+
+/* Requests count as signs of life, too. Whoever waits sees lost_rank, and fails. */
+static void check_heartbeats(void)
+{
+    for (int i = first_peer(); i < end_of_peers(); i++)
+        if (service.clock - service.peer[i].heard > cml_ranks.timeout) atomic_store(&cml_ranks.lost_rank, i);
+}
+
+/* The service thread. A process that was stopped (SIGSTOP, a suspended machine) must not find on waking that
+ * all others have been silent, so the clock counts at most 0.1 s a round. */
+static void *serve(void *unused)
+{
+    double last = cml_now();
+    while (!atomic_load(&service.leaving)) {
+        const double time = cml_now();
+        service.clock += time - last < 0.1 ? time - last : 0.1;
+        last = time;
+        receive_heartbeats();
+        if (cml_ranks.rank == 0) answer_requests();
+        send_heartbeats();
+        check_heartbeats();
+        cml_cluster_sleep(cml_ranks.rank == 0 ? 1e-3 : 5e-3);
+    }
+    return unused;
+}
+
+/* The peers are there before the thread, which alone uses them from here on. */
+cml_status cml_service_start(struct cml_error *err)
+{
+    const size_t peers = (size_t)end_of_peers();
+    service.peer = calloc(peers, sizeof *service.peer);
+    if (!service.peer) return cml_fail_memory(err, (double)(peers * sizeof *service.peer), "the ranks");
+    for (size_t i = 0; i < peers; i++) service.peer[i].heartbeat = MPI_REQUEST_NULL;
+    if (pthread_create(&service.thread, NULL, serve, NULL) != 0)
+        return cml_fail(err, CML_E_DEVICE, "the thread that answers other ranks cannot start");
+    return CML_OK;
+}
+
+/* Heartbeats that were under way when the others left: MPI_Finalize wants every message received. */
+static void drain(void)
+{
+    uint64_t number = 0;
+    int from = 0;
+    while (receive(TAG_HEARTBEAT, &number, sizeof number, &from)) continue;
+    for (int i = first_peer(); i < end_of_peers(); i++)
+        MPI_Wait(&service.peer[i].heartbeat, MPI_STATUS_IGNORE);
+}
+
+/* By the thread's own look at `leaving`, within a few milliseconds; only then are messages drained, as two
+ * threads must not receive them. */
+void cml_service_stop(void)
+{
+    atomic_store(&service.leaving, true);
+    pthread_join(service.thread, NULL);
+    drain();
+    free(service.peer);
+}
+
+/* ---- synchronisations and requests ---- */
+
+/* One more than were held. Other ranks learn it by the next heartbeat, which goes out at once. */
+void cml_cluster_request_sync(void)
+{
+    raise_requested(atomic_load(&service.syncs_done) + 1);
+}
+
+bool cml_cluster_sync_requested(void)
+{
+    return atomic_load(&service.syncs_requested) > atomic_load(&service.syncs_done);
+}
+
+/* It counts as requested here as well, since another rank may have asked without this one having heard.
+ * The barrier is the only wait; what follows is collective anyway. */
+cml_status cml_cluster_synchronise(struct cml_error *err)
+{
+    MPI_Request call;
+    cml_cluster_request_sync();
+    if (cml_ranks.size > 1) CML_TRY(CML_COMPLETE(MPI_Ibarrier(MPI_COMM_WORLD, &call), &call, err));
+    atomic_fetch_add(&service.syncs_done, 1);
+    return CML_OK;
+}
+
+/* Waits for a request that is being handled, so that what the handler uses may be freed afterwards. */
+void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
+{
+    pthread_mutex_lock(&service.handler_lock);
+    service.handler = handler;
+    service.handler_context = context;
+    pthread_mutex_unlock(&service.handler_lock);
+}
+
+/* The receive is posted before the request is sent, so that the reply finds its place. */
+cml_status cml_cluster_request(const struct cml_work_request *request, struct cml_work_reply *reply,
+                               struct cml_error *err)
+{
+    MPI_Request sent, received;
+    pthread_mutex_lock(&cml_ranks.lock);
+    int code = MPI_Irecv(reply, sizeof *reply, MPI_BYTE, 0, TAG_REPLY, MPI_COMM_WORLD, &received);
+    if (code == MPI_SUCCESS)
+        code = MPI_Isend(request, sizeof *request, MPI_BYTE, 0, TAG_REQUEST, MPI_COMM_WORLD, &sent);
+    CML_TRY(cml_cluster_complete(code, &sent, err));
+    return wait_for(&received, err);
+}

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally/result.h"
+
+#include "tally/tally_cells.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* All arrays lie in one block, in the order A_l, Rd_ra, Tt_ra, A_rz, maps, then the profiles batch by batch:
+ * so a checkpoint or a sum over ranks is one loop over cells. */
+
+static size_t cells_A(const struct cml_grid *grid)
+{
+    return grid->absorption ? (size_t)grid->nr * (size_t)grid->nz : 0;
+}
+
+static size_t cells_ra(const struct cml_grid *grid)
+{
+    return (size_t)grid->nr * (size_t)grid->na;
+}
+
+static size_t cells_batched(const struct cml_grid *grid)
+{
+    const size_t bins =
+        2 * (size_t)grid->nr + 2 * (size_t)grid->na + (grid->absorption ? (size_t)grid->nz : 0);
+    return CML_NUM_BATCHES * bins;
+}
+
+/* Of all arrays but the profiles. */
+static size_t cells_unbatched(const struct cml_grid *grid)
+{
+    return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2 + cml_cells_maps(grid);
+}
+
+/* Profiles of a tally, one behind the other and with the bins beyond the grid: Rd_r and Tt_r [nr + 1], Rd_a
+ * and Tt_a [na], A_z [nz + 2] unless there is no A_rz. */
+static size_t profile_bins(const struct cml_grid *grid)
+{
+    return 2 * ((size_t)grid->nr + 1 + (size_t)grid->na) + (grid->absorption ? (size_t)grid->nz + 2 : 0);
+}
+
+/* The maps come last among the arrays without batches. */
+static cml_u128 *result_maps(const struct cml_result *result)
+{
+    return result->A_l + cells_unbatched(&result->grid) - cml_cells_maps(&result->grid);
+}
+
+double cml_result_bytes(const struct cml_grid *grid)
+{
+    return (double)(cells_unbatched(grid) + cells_batched(grid)) * sizeof(cml_u128);
+}
+
+cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, struct cml_result *result,
+                             struct cml_error *err)
+{
+    *result = (struct cml_result){.grid = *grid, .photons = photons};
+    cml_u128 *block = calloc(cells_unbatched(grid) + cells_batched(grid), sizeof *block);
+    result->A_l = block;
+    result->noted_profiles = calloc(profile_bins(grid), sizeof *result->noted_profiles);
+    result->profiles = calloc(profile_bins(grid), sizeof *result->profiles);
+    if (!block || !result->noted_profiles || !result->profiles) {
+        cml_result_free(result);
+        return cml_fail_memory(err, cml_result_bytes(grid), "the result");
+    }
+    result->Rd_ra = result->A_l + grid->num_layers + 2;
+    result->Tt_ra = result->Rd_ra + cells_ra(grid);
+    if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
+    CML_SET_MAPS(result, result_maps(result));
+    result->Rd_r = block + cells_unbatched(grid);
+    result->Tt_r = result->Rd_r + CML_NUM_BATCHES * (size_t)grid->nr;
+    result->Rd_a = result->Tt_r + CML_NUM_BATCHES * (size_t)grid->nr;
+    result->Tt_a = result->Rd_a + CML_NUM_BATCHES * (size_t)grid->na;
+    if (grid->absorption) result->A_z = result->Tt_a + CML_NUM_BATCHES * (size_t)grid->na;
+    return CML_OK;
+}
+
+void cml_result_free(struct cml_result *result)
+{
+    free(result->A_l);
+    free(result->noted_profiles);
+    free(result->profiles);
+    *result = (struct cml_result){0};
+}
+
+/* Adds to the sums of rows and columns; by_row may be NULL. */
+static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64_t *by_row,
+                      uint64_t *restrict by_column)
+{
+    for (size_t i = 0; i < rows; i++) {
+        const uint64_t *row = cells + i * columns;
+        for (size_t j = 0; j < columns; j++) by_column[j] += row[j];
+        for (size_t j = 0; by_row && j < columns; j++) by_row[i] += row[j];
+    }
+}
+
+/* The profiles of all that a tally has scored. A thread's tally has no A_rz of its own where that is large,
+ * but the tally that comes here is the one that owns it. */
+static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
+{
+    const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
+    uint64_t *Rd_a = sums + 2 * rows, *Tt_a = Rd_a + na, *A_z = Tt_a + na;
+    memset(sums, 0, profile_bins(&tally->grid) * sizeof *sums);
+    sum_table(tally->Rd_ra, rows, na, sums, Rd_a);
+    sum_table(tally->Tt_ra, rows, na, sums + rows, Tt_a);
+    if (tally->grid.absorption) sum_table(tally->A_rz, rows, (size_t)tally->grid.nz + 2, NULL, A_z);
+}
+
+/* What has come to n bins since they were noted, after `before` bins beyond the grid, into a batch's profile
+ * of `size` bins, whose first and last take what lies beyond it. */
+static void note_bins(cml_u128 *profile, size_t size, size_t before, const uint64_t *sums,
+                      const uint64_t *noted, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const size_t bin = i < before ? 0 : i - before;
+        profile[bin < size ? bin : size - 1] += sums[i] - noted[i];
+    }
+}
+
+/* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
+ * than its grids: the difference to the last sums is what the batch brought. The two buffers take turns. */
+void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)
+{
+    const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
+    const size_t b = (size_t)batch, r = nr + 1, a = 2 * r, z = a + 2 * na;
+    uint64_t *sums = result->profiles, *noted = result->noted_profiles;
+    sum_profiles(tally, sums);
+    note_bins(result->Rd_r + b * nr, nr, 0, sums, noted, r);
+    note_bins(result->Tt_r + b * nr, nr, 0, sums + r, noted + r, r);
+    note_bins(result->Rd_a + b * na, na, 0, sums + a, noted + a, na);
+    note_bins(result->Tt_a + b * na, na, 0, sums + a + na, noted + a + na, na);
+    if (result->grid.absorption) note_bins(result->A_z + b * nz, nz, 1, sums + z, noted + z, nz + 2);
+    result->profiles = noted;
+    result->noted_profiles = sums;
+}
+
+/* Rd_ra or Tt_ra: what left beyond the last radius goes into the last radial bin. */
+static void add_exits(struct cml_result *result, cml_u128 *to, const uint64_t *from)
+{
+    const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na;
+    for (size_t i = 0; i <= nr; i++) {
+        const size_t ir = i < nr ? i : nr - 1;
+        for (size_t ia = 0; ia < na; ia++) {
+            const uint64_t cell = from[i * na + ia];
+            to[ir * na + ia] += cell;
+            if (i == nr) result->summary.balance[CML_BALANCE_OVERFLOW_R] += cell;
+        }
+    }
+}
+
+/* A_rz with its cells beyond the grid: depths above z = 0 go into the first depth bin, all others into the
+ * last bins. */
+static void add_absorption(struct cml_result *result, const uint64_t *A_rz)
+{
+    const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
+    for (size_t i = 0; i <= nr; i++) {
+        const size_t ir = i < nr ? i : nr - 1;
+        for (size_t j = 0; j < nz + 2; j++) {
+            const uint64_t cell = A_rz[i * (nz + 2) + j];
+            const size_t iz = j == 0 ? 0 : (j <= nz ? j - 1 : nz - 1);
+            result->A_rz[ir * nz + iz] += cell;
+            if (i == nr) result->summary.balance[CML_BALANCE_OVERFLOW_R] += cell;
+            if (j == 0) result->summary.balance[CML_BALANCE_ABOVE] += cell;
+            if (j > nz) result->summary.balance[CML_BALANCE_OVERFLOW_Z] += cell;
+        }
+    }
+}
+
+/* Of a large map few cells are hit in one range: reading zeros is cheaper than adding them to 128 bits. */
+static void add_maps(struct cml_result *result, const struct cml_tally *tally)
+{
+    cml_u128 *to = result_maps(result);
+    const uint64_t *from = cml_tally_maps(tally);
+    for (size_t i = 0; i < cml_cells_maps(&result->grid); i++)
+        if (from[i]) to[i] += from[i];
+}
+
+void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
+{
+    const struct cml_grid *grid = &result->grid;
+    for (int m = 0; m < grid->num_layers + 2; m++) result->A_l[m] += tally->A_l[m];
+    add_exits(result, result->Rd_ra, tally->Rd_ra);
+    add_exits(result, result->Tt_ra, tally->Tt_ra);
+    if (grid->absorption) add_absorption(result, tally->A_rz);
+    add_maps(result, tally);
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->summary.balance[i] += tally->balance[i];
+    for (int i = 0; i < CML_NUM_COUNTS; i++) result->summary.count[i] += tally->count[i];
+    for (int i = 0; i < CML_NUM_TOTALS; i++) result->summary.square[i] += tally->square[i];
+    cml_lost_list_merge(&result->summary.lost, &tally->lost);
+    memset(result->noted_profiles, 0, profile_bins(grid) * sizeof *result->noted_profiles);
+}
+
+cml_u128 *cml_result_cells(struct cml_result *result, size_t *count)
+{
+    *count = cells_unbatched(&result->grid) + cells_batched(&result->grid);
+    return result->A_l;
+}
+
+void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
+{
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
+    for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
+    for (int i = 0; i < CML_NUM_TOTALS; i++) to->square[i] += from->square[i];
+    cml_lost_list_merge(&to->lost, &from->lost);
+}
+
+/* The largest batch that begins at or before the index: floor(photons b / 64) < index + 1. */
+int cml_batch_of(uint64_t photons, uint64_t index)
+{
+    return (int)((CML_NUM_BATCHES * ((cml_u128)index + 1) + photons - 1) / photons) - 1;
+}
+
+uint64_t cml_batch_first(uint64_t photons, int batch)
+{
+    return (uint64_t)((cml_u128)photons * (cml_u128)batch / CML_NUM_BATCHES);
+}
+
+/* ---- weight balance ---- */
+
+static cml_u128 sum_of(const cml_u128 *cells, size_t n)
+{
+    cml_u128 sum = 0;
+    for (size_t i = 0; i < n; i++) sum += cells[i];
+    return sum;
+}
+
+/* Unsigned sums: the smaller must be taken from the larger. */
+static double difference(cml_u128 a, cml_u128 b)
+{
+    return a >= b ? (double)(a - b) : -(double)(b - a);
+}
+
+/* Both sides of all facets: what arrives minus what leaves. */
+static double facet_imbalance(const struct cml_result *result)
+{
+    cml_u128 in = 0, out = 0;
+    for (size_t i = 0; i < result->grid.facets; i++) {
+        const cml_u128 *score = result->facets + i * CML_FACET_SCORES;
+        in += score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW];
+        out += score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW];
+    }
+    return difference(in, out);
+}
+
+/* All of it is exact, in integers, so any difference at all is a fault; the first is enough to say so. */
+double cml_result_imbalance(const struct cml_result *result)
+{
+    const struct cml_grid *grid = &result->grid;
+    const cml_u128 *balance = result->summary.balance;
+    const cml_u128 in = balance[CML_BALANCE_LAUNCHED] + balance[CML_BALANCE_GAINED];
+    cml_u128 out = 0;
+    for (int i = CML_BALANCE_SPECULAR; i <= CML_BALANCE_LOST; i++) out += balance[i];
+    const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED];
+    const double differences[] = {
+        difference(in, out),
+        difference(sum_of(result->A_l, (size_t)grid->num_layers + 2), absorbed),
+        grid->absorption ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
+        difference(sum_of(result->Rd_ra, cells_ra(grid)), balance[CML_BALANCE_REFLECTED]),
+        difference(sum_of(result->Tt_ra, cells_ra(grid)), balance[CML_BALANCE_TRANSMITTED]),
+        grid->nx ? difference(sum_of(result->Rd_xya, cml_cells_map(grid)), balance[CML_BALANCE_REFLECTED])
+                 : 0,
+        grid->nx ? difference(sum_of(result->Tt_xya, cml_cells_map(grid)), balance[CML_BALANCE_TRANSMITTED])
+                 : 0,
+        grid->volume ? difference(sum_of(result->A_xyz, cml_cells_volume(grid)), absorbed) : 0,
+        facet_imbalance(result),
+    };
+    for (size_t i = 0; i < sizeof differences / sizeof *differences; i++)
+        if (differences[i] != 0) return differences[i];
+    return 0;
+}
+
+/* ---- means and their errors ---- */
+
+double cml_result_share(const struct cml_result *result, enum cml_balance_term term)
+{
+    return (double)result->summary.balance[term] / (double)result->summary.balance[CML_BALANCE_LAUNCHED];
+}
+
+/* Standard error of a mean over n packets: sqrt((sum x^2 - (sum x)^2 / n) / (n - 1) / n), in the unit of x.
+ */
+static double error_of_mean(long double n, long double sum, long double squares)
+{
+    if (n < 2) return 0;
+    const long double variance = (squares - sum * sum / n) / (n - 1) / n;
+    return variance > 0 ? (double)sqrtl(variance) : 0;
+}
+
+static enum cml_balance_term term_of(enum cml_total total)
+{
+    static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
+                                                                [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
+                                                                [CML_TOTAL_TRANSMITTED] =
+                                                                    CML_BALANCE_TRANSMITTED,
+                                                                [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED};
+    return terms[total];
+}
+
+double cml_result_total(const struct cml_result *result, enum cml_total total)
+{
+    return cml_result_share(result, term_of(total));
+}
+
+double cml_result_error(const struct cml_result *result, enum cml_total total)
+{
+    const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
+    const long double sum = (long double)result->summary.balance[term_of(total)];
+    return error_of_mean(n, sum, (long double)result->summary.square[total]) * CML_WEIGHT_UNIT;
+}
+
+/* The sum is turned into the unit of the squares, which was made coarser so that they fit. */
+double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
+{
+    const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
+    const long double per_square_unit = CML_WEIGHT_UNIT / CML_SQUARE_UNIT;
+    return error_of_mean(n, (long double)sum * per_square_unit, (long double)squares) * CML_SQUARE_UNIT;
+}
+
+double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
+{
+    cml_u128 sum = 0;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += profile[(size_t)b * (size_t)n + (size_t)i];
+    return (double)sum;
+}
+
+/* The batch means x_b over n_b packets scatter about the mean x of all N with the variance of one packet over
+ * n_b, so sum_b n_b (x_b - x)^2 / (B - 1) estimates the former, and over N it is the variance of x. Batches
+ * differ by at most one packet. */
+double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i)
+{
+    double sum = 0, squares = 0, batches = 0;
+    const double photons = (double)result->photons;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += (double)profile[(size_t)b * (size_t)n + (size_t)i];
+    const double mean = sum / photons;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        const double size =
+            (double)(cml_batch_first(result->photons, b + 1) - cml_batch_first(result->photons, b));
+        if (!(size > 0)) continue;
+        const double deviation = (double)profile[(size_t)b * (size_t)n + (size_t)i] / size - mean;
+        squares += size * deviation * deviation;
+        batches += 1;
+    }
+    return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : 0;
+}
+
+/* The causes of loss are neighbours in enum cml_count. */
+uint64_t cml_result_lost(const struct cml_result *result)
+{
+    cml_u128 lost = 0;
+    for (int i = CML_COUNT_LOST_NO_SURFACE; i <= CML_COUNT_LOST_LEAKED; i++) lost += result->summary.count[i];
+    return (uint64_t)lost;
+}

@@ -1,0 +1,49 @@
+/* The sizes and places of the arrays that a tally and a result have in common: maps, volume and facets, which
+ * are kept only when asked for. They lie behind all other arrays of the block, in this order:
+ * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, facets. Private to tally.c and result.c.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TALLY_CELLS_H
+#define CML_TALLY_CELLS_H
+
+#include "tally/tally.h"
+
+/* Cells of one of the four maps, with the pixel for what lies outside; 0 without a map. */
+static inline size_t cml_cells_map(const struct cml_grid *grid)
+{
+    return grid->nx > 0 ? ((size_t)grid->nx * (size_t)grid->ny + 1) * (size_t)grid->map_na : 0;
+}
+
+/* Cells of A_xyz, with the one for what lies outside; 0 when it is not tallied. */
+static inline size_t cml_cells_volume(const struct cml_grid *grid)
+{
+    return grid->volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz + 1 : 0;
+}
+
+/* Cells of all arrays that this header is about. */
+static inline size_t cml_cells_maps(const struct cml_grid *grid)
+{
+    return 4 * cml_cells_map(grid) + cml_cells_volume(grid) + grid->facets * CML_FACET_SCORES;
+}
+
+/* Sets these arrays of a tally or a result, which begin at `block`; those that are not kept stay as they are.
+ * A macro, because the cells of a tally have 64 bits and those of a result 128. */
+#define CML_SET_MAPS(to, block)                                                                              \
+    do {                                                                                                     \
+        const size_t pixels_ = cml_cells_map(&(to)->grid);                                                   \
+        if (pixels_) {                                                                                       \
+            (to)->Rd_xya = (block);                                                                          \
+            (to)->Tt_xya = (block) + pixels_;                                                                \
+            (to)->Rd_xya2 = (block) + 2 * pixels_;                                                           \
+            (to)->Tt_xya2 = (block) + 3 * pixels_;                                                           \
+        }                                                                                                    \
+        if ((to)->grid.volume) (to)->A_xyz = (block) + 4 * pixels_;                                          \
+        if ((to)->grid.facets) (to)->facets = (block) + 4 * pixels_ + cml_cells_volume(&(to)->grid);         \
+    } while (0)
+
+/* Where they begin in a tally; one past its last cell when it has none of them. */
+static inline uint64_t *cml_tally_maps(const struct cml_tally *tally)
+{
+    return tally->A_l + cml_tally_cells(&tally->grid) - cml_cells_maps(&tally->grid);
+}
+
+#endif

@@ -1,0 +1,71 @@
+/* From tallies to densities: what is divided by comes back when it is multiplied with.
+ * SPDX-License-Identifier: MIT */
+#include "unit/tally/tally_cases.h"
+
+#include "base/constants.h"
+#include "output/mco.h"
+#include "output/scaling.h"
+
+static void rings_make_up_the_disk(void **state)
+{
+    (void)state;
+    double sum = 0;
+    for (int i = 0; i < 50; i++) sum += cml_ring_area(0.02, i);
+    assert_near("area", sum, CML_PI, 1e-13);
+}
+
+/* By as much as the header says, the midpoint values are larger than 2 pi and pi. */
+static void angles_make_up_the_hemisphere(void **state)
+{
+    (void)state;
+    static const int counts[] = {1, 2, 30};
+    for (int n = 0; n < COUNT(counts); n++) {
+        const double da = cml_angle_width(counts[n]);
+        double sum = 0, projected = 0;
+        for (int i = 0; i < counts[n]; i++) {
+            sum += cml_solid_angle(da, i);
+            projected += cml_projected_solid_angle(da, i);
+        }
+        assert_near("solid angle", sum * sin(da / 2) / (da / 2), 2 * CML_PI, 1e-13);
+        assert_near("projected", projected * cos(da / 2), CML_PI, 1e-13);
+    }
+}
+
+/* 64 packets, one to a batch, of which half is absorbed in one cell, and half leaves in another, up. */
+static void densities_integrate_to_totals(void **state)
+{
+    (void)state;
+    struct cml_error err;
+    struct cml_result result = make_result(&grid, 64);
+    struct cml_tally tally = make_tally(&grid);
+    struct cml_mco mco = {.dr = 0.1, .dz = 0.5, .nr = 3, .nz = 4, .na = 2, .num_layers = 2};
+    assert_int_equal(cml_mco_allocate(&mco, &err), CML_OK);
+    score(&tally, 1, 1, 2, true);
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        cml_result_note(&result, b, &tally);
+        cml_result_add(&result, &tally);
+    }
+    cml_scale_result(&result, &mco);
+    const double da = CML_PI / 4, ring = 2 * CML_PI * 0.15 * 0.1;
+    assert_true(mco.Rd == 0.5 && mco.A == 0.5 && mco.Tt == 0 && mco.Rsp == 0);
+    assert_near("Rd_r", mco.Rd_r[1] * ring, 0.5, 1e-15);
+    assert_near("Rd_a", mco.Rd_a[1] * 2 * CML_PI * sin(1.5 * da) * da, 0.5, 1e-15);
+    assert_near("Rd_ra", mco.Rd_ra[1 * 2 + 1] * ring * 2 * CML_PI * sin(da / 2) * sin(3 * da), 0.5, 1e-15);
+    assert_near("A_z", mco.A_z[2] * 0.5, 0.5, 1e-15);
+    assert_near("A_rz", mco.A_rz[1 * 4 + 2] * ring * 0.5, 0.5, 1e-15);
+    assert_near("A_l", mco.A_l[0], 0.5, 1e-15);
+    assert_true(mco.Rd_r[0] == 0 && mco.Rd_ra[1 * 2] == 0 && mco.A_rz[1 * 4 + 1] == 0 && mco.Tt_r[1] == 0);
+    cml_mco_clear(&mco);
+    cml_tally_free(&tally);
+    cml_result_free(&result);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rings_make_up_the_disk),
+        cmocka_unit_test(angles_make_up_the_hemisphere),
+        cmocka_unit_test(densities_integrate_to_totals),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,5 +1,5 @@
 # What `cmake --install` copies. The manual page and the completion are written by the program's own --help, so their
-# texts stand here, beside the command line they describe;.
+# texts stand here, beside the command line they describe; package.cmake makes a Debian package of it all.
 # SPDX-License-Identifier: MIT
 set(here ${CMAKE_CURRENT_LIST_DIR})
 set(pages ${CMAKE_CURRENT_BINARY_DIR}/pages)
@@ -49,3 +49,4 @@ if(CLUSTERMCML_PAGES)
     install(FILES ${pages}/clustermcml DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 endif()
 
+include(${here}/package.cmake)

@@ -47,6 +47,9 @@ if command -v man >/dev/null; then
     for code in 0 1 2 3 4 5 75; do
         grep -qE "^ +$code +[a-z]" "$work/page" || complain "the manual page has no exit code $code"
     done
+    for folder in $(sed -n 's/^ *PREFIX\///p' "$work/page"); do
+        test -d "$work/root/usr/$folder" || complain "the manual page names $folder, which is not there"
+    done
     grep -q "^$("$program" --version | cut -d' ' -f1-2) " "$work/page" || complain "the manual page has another version"
 else
     echo "man is missing: the manual page is not rendered"

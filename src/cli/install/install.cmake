@@ -24,7 +24,7 @@ endif()
 function(cml_fill template output)
     add_custom_command(OUTPUT ${pages}/${output} DEPENDS ${pages}/help ${here}/help.awk ${here}/${template}
         COMMAND ${AWK} -v version=${PROJECT_VERSION} -v date=${CLUSTERMCML_DATE}
-                -v datadir=${CMAKE_INSTALL_FULL_DATADIR} -f ${here}/help.awk ${pages}/help ${here}/${template}
+                -v datadir=${CMAKE_INSTALL_DATADIR} -f ${here}/help.awk ${pages}/help ${here}/${template}
                 > ${pages}/${output})
 endfunction()
 

@@ -15,7 +15,8 @@ endif()
 set(debian ${CMAKE_CURRENT_BINARY_DIR}/debian)
 file(WRITE ${debian}/changelog "clustermcml (${PROJECT_VERSION}) unstable; urgency=medium
 
-  * Built from ${CLUSTERMCML_GIT}; README.md lists the changes.
+  * Source: ${PROJECT_VERSION} ${CLUSTERMCML_GIT}
+  * README.md lists the changes.
 
  -- ${maintainer}  ${CLUSTERMCML_TIME}
 ")

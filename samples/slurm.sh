@@ -14,7 +14,8 @@
 # SPDX-License-Identifier: MIT
 set -u
 program=${CLUSTERMCML:-clustermcml}
-export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1} OMP_PLACES=cores OMP_PROC_BIND=close
+# No OMP_PLACES: where Slurm does not confine tasks to their cores, all ranks of a node would bind to its first ones.
+export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}
 
 # --resume begins anew where there is no checkpoint, so the first attempt needs no other command. Let the shell wait:
 # a preempted batch script gets SIGTERM, which the ranks get too.

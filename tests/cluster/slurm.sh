@@ -1,36 +1,153 @@
 #!/bin/sh
-# samples/slurm.sh with stand-ins for srun and scontrol: what it starts, and when it has itself requeued.
+# samples/slurm.sh under a real Slurm of one node, which this test starts and stops: the time limit's signal stops the
+# job and it has itself requeued; `scontrol requeue` stops it once more; at the end it has the bytes of an undisturbed
+# run.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
-mkdir "$work/bin" "$work/run"
-cat >"$work/bin/srun" <<E2
-#!/bin/sh
-while case \$1 in -*) true ;; *) false ;; esac; do shift; done
-exec mpiexec -n 2 $mpi_options "\$@"
-E2
-printf '#!/bin/sh\necho "$@" >>"%s/requeued"\n' "$work" >"$work/bin/scontrol"
-chmod +x "$work/bin/srun" "$work/bin/scontrol"
-root=$PWD
+for tool in munged slurmctld slurmd sbatch scontrol; do
+    command -v $tool >/dev/null || { echo "$tool is missing: no Slurm to test with"; exit 77; }
+done
+test "$(id -u)" -eq 0 || { echo "only root can start Slurm's daemons"; exit 77; }
+job=
 
-attempt() { # SIGNAL or nothing: returns the script's exit code, after the signal to the ranks
-    code=0
-    rm -f "$work/out"
-    (cd "$work/run" && PATH=$work/bin:$PATH CLUSTERMCML=$program SLURM_JOB_ID=7 SLURM_CPUS_PER_TASK=1 \
-        exec bash "$root/samples/slurm.sh" "$root/samples/thick.mci" --photons 1e6 >"$work/out" 2>"$work/err") &
-    script=$!
-    if test -n "$1"; then
-        until grep -qs '^  boundary 1' "$work/out" || ! kill -0 $script; do sleep 0.05; done
-        for launcher in $(cat /proc/$script/task/$script/children); do
-            kill -"$1" $(cat /proc/$launcher/task/$launcher/children)
-        done
-    fi
-    wait $script || code=$?
+# ---- Slurm
+
+port=$((20000 + $$ % 10000 * 2))
+write_configuration() {
+    cat <<END
+ClusterName=test
+SlurmctldHost=$(hostname -s)(127.0.0.1)
+SlurmctldPort=$port
+SlurmdPort=$((port + 1))
+SlurmUser=root
+SlurmdUser=root
+AuthType=auth/munge
+AuthInfo=socket=$work/munge.socket
+StateSaveLocation=$work/state
+SlurmdSpoolDir=$work/spool
+SlurmctldPidFile=$work/slurmctld.pid
+SlurmdPidFile=$work/slurmd.pid
+SlurmctldLogFile=$work/slurmctld.log
+SlurmdLogFile=$work/slurmd.log
+SlurmdParameters=config_overrides
+ProctrackType=proctrack/linuxproc
+TaskPlugin=task/none
+SelectType=select/cons_tres
+SelectTypeParameters=CR_CPU
+JobAcctGatherType=jobacct_gather/none
+SwitchType=switch/none
+ReturnToService=2
+NodeName=$(hostname -s) NodeAddr=127.0.0.1 CPUs=2 RealMemory=1000
+PartitionName=main Nodes=ALL Default=YES MaxTime=INFINITE State=UP
+END
 }
 
-expect_code 0 samples/thick.mci --photons 1e6 --quiet -o "$work"
-attempt USR2
-test $code -eq 75 && test "$(cat "$work/requeued")" = "requeue 7" || complain "signalled: $code, $(cat "$work/out" "$work/err")"
-attempt ""
-test $code -eq 0 && test "$(wc -l <"$work/requeued")" -eq 1 || complain "done: $code, $(cat "$work/out" "$work/err")"
-expect_bits "requeued" "$work/run/thick.mco" "$work/thick.mco"
+start_slurm() {
+    chmod 711 "$work" # or munged refuses to put its socket there
+    mkdir "$work/state" "$work/spool"
+    head -c 1024 /dev/urandom >"$work/munge.key"
+    chmod 400 "$work/munge.key"
+    munged --key-file="$work/munge.key" --socket="$work/munge.socket" --pid-file="$work/munged.pid" \
+        --log-file="$work/munged.log" --seed-file="$work/munge.seed" || return 1
+    write_configuration >"$work/slurm.conf"
+    export SLURM_CONF="$work/slurm.conf"
+    began=$(date +%s)
+    slurmctld -f "$SLURM_CONF" && slurmd -f "$SLURM_CONF" || return 1
+    for second in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15; do
+        sinfo -h -o %T 2>/dev/null | grep -q '^idle' && return 0
+        sleep 1
+    done
+    return 1
+}
+
+# A step that runs, or is being killed, has a socket in the spool folder.
+steps_run() {
+    test -n "$(find "$work/spool" -name "*_$job.*" 2>/dev/null)"
+}
+
+# Ended, or a zombie where nobody waits for those whose parent has gone.
+ended() { # PID
+    ! grep '^State:' "/proc/$1/status" 2>/dev/null | grep -qv 'Z (zombie)'
+}
+
+stop_slurm() {
+    if test -n "$job" && scancel --quiet "$job"; then
+        for second in 1 2 3 4 5 6 7 8 9 10; do
+            steps_run || break
+            sleep 1
+        done
+    fi
+    for daemon in slurmd slurmctld munged; do
+        pid=$(cat "$work/$daemon.pid" 2>/dev/null) || continue
+        kill "$pid"
+        until ended "$pid"; do sleep 0.1; done
+    done
+}
+trap 'stop_slurm 2>/dev/null; rm -rf "$work"' EXIT
+trap 'exit 1' INT TERM HUP
+start_slurm || { complain "Slurm does not start: $(tail -n 5 "$work"/*.log)"; finish; }
+
+# ---- the undisturbed run: half a minute on this machine, as busy as it is now
+
+scene=$PWD/samples/thick.mci
+script=$PWD/samples/slurm.sh
+mkdir "$work/run" "$work/undisturbed"
+speed=$("$program" "$scene" --threads 2 --photons 1e6 --json -o "$work" | sed 's/.*"photons_per_s": *\([0-9]*\).*/\1/')
+photons=$((speed * 30))
+expect_code 0 "$scene" --threads 2 --photons $photons --quiet -o "$work/undisturbed"
+
+# ---- the job, which is stopped twice
+
+# Slurm looks at time limits every 30 s and sends the signal of --signal=USR2@45 when less than 75 s are left: with a
+# limit of a minute at its first look. Submitted ten seconds before one, the job has flown a third.
+until test $((($(date +%s) - began) % 30)) -eq 20; do sleep 0.2; done
+job=$(cd "$work/run" && CLUSTERMCML=$program sbatch --parsable --output=log --nodes=1 --ntasks-per-node=2 \
+    --cpus-per-task=1 --time=00:01:00 --signal=USR2@45 "$script" "$scene" --photons $photons) || { complain "sbatch fails"; finish; }
+
+# The cores that each rank of the job may use, a line for each.
+cores_of_ranks() {
+    for process in /proc/[0-9]*; do
+        test "$(readlink "$process/cwd") $(readlink "$process/exe")" = "$work/run $(readlink -f "$program")" &&
+            sed -n 's/^Cpus_allowed_list:[[:space:]]*//p' "$process/status"
+    done
+}
+
+asked=
+cores=
+patience=$(($(date +%s) + 120))
+while test "$(date +%s)" -lt $patience; do
+    state=$(scontrol show job "$job")
+    case $state in
+    *JobState=PENDING*Reason=BeginTime*) # Slurm waits two minutes before it starts a requeued job
+        steps_run || scontrol update JobId="$job" StartTime=now+2 ;;
+    *JobState=RUNNING*Restarts=1*)
+        if test -z "$asked" && test "$(grep -c ', 2 ranks$' "$work/run/log")" -eq 2; then
+            sleep 3
+            cores=$(cores_of_ranks 2>/dev/null)
+            cp "$work/run/log" "$work/asked.log"
+            scontrol requeue "$job" && asked=1
+        fi ;;
+    *JobState=COMPLETED* | *JobState=FAILED* | *JobState=CANCELLED* | *JobState=TIMEOUT*) break ;;
+    esac
+    sleep 0.5
+done
+log=$(cat "$work/run/log")
+restarts=$(echo "$state" | sed -n 's/.*Restarts=\([0-9]*\).*/\1/p')
+case $state in
+*JobState=COMPLETED*) job= ;;
+*) complain "the job has not ended well: $state" ;;
+esac
+grep -q "^stopped with 75, requeued: scontrol requeue" "$work/asked.log" 2>/dev/null || complain "the time limit did not stop it"
+test "$(echo "$cores" | wc -l)" -eq 2 || complain "not two ranks, but on cores $cores"
+if test "$(nproc)" -ge 2; then
+    echo "$cores" | sort -u | grep -q '[-,]' || test "$(echo "$cores" | sort -u | wc -l)" -eq 2 || complain "both ranks on core $cores"
+fi
+test "$restarts" -ge 2 || complain "restarted $restarts times, not twice"
+# no line about the progress, of any attempt, is behind those before it; "30 %" is up to 40
+back=$(echo "$log" | awk '/: stopped with/ { least = most = 100 - 100 * $5 / $7 } /^[0-9]+ %/ { least = $1; most = $1 + 10 }
+    most < before { print } least > before { before = least }')
+test -z "$back" || complain "an attempt began anew: $back"
+expect_bits "requeued" "$work/run/thick.mco" "$work/undisturbed/thick.mco"
+test -z "$(find "$work/run" -name '*.checkpoint*')" || complain "a checkpoint was left"
+test $failures -eq 0 || echo "$log"
 finish

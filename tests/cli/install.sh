@@ -1,0 +1,78 @@
+#!/bin/sh
+# What `cmake --install` copies: the program flies a sample from there, the manual page renders without a warning, and
+# page and completion know every option and command of --help, and every word that an option takes.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+build=$(dirname "$program")
+test -f "$build/cmake_install.cmake" || { echo "$program stands in no build folder"; exit 77; }
+command -v bash >/dev/null || { echo "bash is missing"; exit 77; }
+
+DESTDIR=$work/root cmake --install "$build" --prefix /usr >"$work/out" 2>&1 || complain "install: $(cat "$work/out")"
+share=$work/root/usr/share
+installed=$work/root/usr/bin/clustermcml
+for file in doc/clustermcml/LICENSE doc/clustermcml/README.md doc/clustermcml/CITATION.cff; do
+    cmp -s "$(basename $file)" "$share/$file" || complain "$file: missing, or another than here"
+done
+for file in samples/*.mci samples/shapes/*.mci samples/slurm.sh meshes/*.obj meshes/*.gsf meshes/*.asc; do
+    cmp -s "$file" "$share/clustermcml/$file" || complain "$file: not installed"
+done
+test -x "$share/clustermcml/samples/slurm.sh" || complain "samples/slurm.sh: not executable"
+
+# a sample that reads a mesh beside it, by both programs; the result names the mesh as the command line does
+mkdir "$work/here" "$work/there"
+expect_code 0 samples/mixed.mci --photons 1e4 --quiet -o "$work/here"
+program=$installed
+(cd "$share/clustermcml" && "$program" samples/mixed.mci --photons 1e4 --quiet -o "$work/there") || complain "the installed program fails"
+for folder in here there; do
+    grep -av '^# User time' "$work/$folder/mixed.mco" >"$work/$folder/bits"
+done
+cmp -s "$work/here/bits" "$work/there/bits" && test -s "$work/here/bits" || complain "the installed program gives other results"
+
+expect_code 0 --help
+cp "$work/out" "$work/help"
+options=$(grep -oE -e '(^|[ (])--?[a-z][a-z-]*' "$work/help" | tr -d ' (' | sort -u)
+commands=$(sed -n 's/.*clustermcml \[*\([a-z]*\)\]* .*/\1/p' "$work/help" | sed '/^$/q' | sort -u)
+test "$(echo "$options" | wc -l)" -gt 30 && test "$(echo $commands | wc -w)" -ge 8 || complain "--help reads as $options, $commands"
+
+page=$share/man/man1/clustermcml.1
+if command -v man >/dev/null; then
+    LC_ALL=C.UTF-8 MANWIDTH=200 MAN_KEEP_FORMATTING= man --warnings -l "$page" >"$work/page" 2>"$work/err" || complain "man: $(cat "$work/err")"
+    test ! -s "$work/err" || complain "man warns: $(cat "$work/err")"
+    for option in $options; do
+        grep -qE -e "(^|[ ,])$option( |,|\$)" "$work/page" || complain "the manual page has no $option"
+    done
+    for command in $commands; do
+        grep -qE "^ +clustermcml \[?$command\]?( |\$)" "$work/page" || complain "the manual page has no command $command"
+    done
+    for code in 0 1 2 3 4 5 75; do
+        grep -qE "^ +$code +[a-z]" "$work/page" || complain "the manual page has no exit code $code"
+    done
+    for folder in $(sed -n 's/^ *PREFIX\///p' "$work/page"); do
+        test -d "$work/root/usr/$folder" || complain "the manual page names $folder, which is not there"
+    done
+    grep -q "^$("$program" --version | cut -d' ' -f1-2) " "$work/page" || complain "the manual page has another version"
+else
+    echo "man is missing: the manual page is not rendered"
+fi
+if command -v mandoc >/dev/null; then
+    mandoc -T lint "$page" >"$work/out" 2>&1 || complain "mandoc: $(cat "$work/out")"
+fi
+
+# what the shell would offer: complete WORD... completes the last word
+complete() {
+    bash -c '. "$1"; shift; COMP_WORDS=("$@") COMP_CWORD=$(($# - 1)); _clustermcml; printf "%s\n" "${COMPREPLY[@]}"' \
+        bash "$share/bash-completion/completions/clustermcml" clustermcml "$@"
+}
+test "$(complete a.mci -)" = "$(complete a.mci "")" && complain "an option is completed as a file is"
+test "$(complete a.mci - | sort -u)" = "$options" || complain "completion offers other options: $(complete a.mci -)"
+(cd "$work/here" && complete "") | sort -u | grep -v mixed.mco | grep -v bits >"$work/out"
+test "$(cat "$work/out")" = "$commands" || complain "completion offers other commands: $(cat "$work/out")"
+test "$(complete a.mci --eng)" = --engine || complain "--eng completes to $(complete a.mci --eng)"
+test "$(complete a.mci --photons "")" = "" || complain "a number completes to $(complete a.mci --photons "")"
+# the words of an option as its own message lists them
+for option in --engine --boundaries --normals --rings --mesh-search; do
+    "$program" samples/fig5.mci $option none 2>"$work/err" && complain "$option none was taken"
+    words=$(sed 's/.*(expected \(one of \)*\(.*\))/\2/; s/, / /g; s/ or / /g' "$work/err" | tr ' ' '\n' | sort)
+    test "$(complete a.mci $option "" | sort)" = "$words" || complain "$option completes to $(complete a.mci $option "")"
+done
+finish

@@ -6,6 +6,7 @@
 #include "engine/cpu/bundle_walk.h"
 #include "engine/cpu/engine_cpu.h"
 #include "engine/scalar_walk.h"
+#include "engine/world.h"
 #include "surface/mesh/mesh_surface.h"
 
 #include <glob.h>
@@ -49,15 +50,15 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
     const struct cml_engine_options options = {
         .seed = 5, .threads = 2, .chunk = 37, .reentry = reentry, .absorption = true};
     struct cml_tally scalar;
-    struct scalar_world world;
+    struct cml_owned_world world;
     require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
     const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
-    require_ok(scalar_world_create(scene, &surfaces, &options, &world, &err), &err);
+    require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
     run_packets(&world.world, 1000, photons, &scalar);
     struct cml_tally bundles = fly_bundles(scene, &surfaces, &options, &grid, photons);
     expect_same_tally(&scalar, &bundles, scene->output);
-    scalar_world_free(&world);
+    cml_owned_world_free(&world);
     cml_tally_free(&scalar);
     cml_tally_free(&bundles);
     cml_surfaces_free(&surfaces);
@@ -231,7 +232,7 @@ static int take_all(void *context, uint64_t *first, uint64_t *count)
 /* A bundle to be looked into, of one layer. */
 struct bundle_flight {
     struct flight flight;
-    struct scalar_world scalar;
+    struct cml_owned_world scalar;
     struct cml_tally tally;
     struct cml_lane_medium media[3];
     struct cml_bundle bundle;
@@ -251,7 +252,7 @@ static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind,
     const struct cml_scene *scene = &b->flight.list.scenes[0];
     const struct cml_grid grid = cml_engine_grid(scene, &b->flight.surfaces, &options);
     require_ok(cml_tally_create(&grid, &b->tally, &err), &err);
-    require_ok(scalar_world_create(scene, &b->flight.surfaces, &options, &b->scalar, &err), &err);
+    require_ok(cml_owned_world_create(scene, &b->flight.surfaces, &options, &b->scalar, &err), &err);
     for (int m = 0; m < 3; m++) b->media[m] = cml_lane_medium_of(&b->scalar.world, m);
     b->f = (struct cml_flight){.world = &b->scalar.world,
                                .b = &b->bundle,
@@ -263,7 +264,7 @@ static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind,
 
 static void bundle_flight_close(struct bundle_flight *b)
 {
-    scalar_world_free(&b->scalar);
+    cml_owned_world_free(&b->scalar);
     cml_tally_free(&b->tally);
     flight_close(&b->flight);
 }
@@ -324,7 +325,7 @@ static void a_lane_stands_beside_facets_for_one_flight(void **state)
 }
 
 /* A packet below boundary 0 that stands on an edge of its first facet and interacts further along it. */
-static struct cml_packet packet_on_an_edge(const struct scalar_world *scalar,
+static struct cml_packet packet_on_an_edge(const struct cml_owned_world *scalar,
                                            const struct cml_surface_set *surfaces)
 {
     double middle[3], size = 0;

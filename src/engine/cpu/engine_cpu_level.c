@@ -3,13 +3,14 @@
  * SPDX-License-Identifier: MIT */
 #include "engine/cpu/bundle_walk.h"
 #include "engine/scalar_walk.h"
+#include "engine/world.h"
 
 #include <omp.h>
 #include <stddef.h>
 #include <stdlib.h>
 
 struct cpu_engine {
-    struct scalar_world scalar;
+    struct cml_owned_world owned;
     struct cml_lane_medium *media; /* [num_layers + 2] */
     struct cml_tally *tallies;     /* one for each thread but those that score into the caller's; zero */
     int threads, num_tallies;
@@ -25,7 +26,7 @@ static void cpu_close(void *self)
     for (int i = 0; i < cpu->num_tallies; i++) cml_tally_free(&cpu->tallies[i]);
     free(cpu->tallies);
     free(cpu->media);
-    scalar_world_free(&cpu->scalar);
+    cml_owned_world_free(&cpu->owned);
     free(cpu);
 }
 
@@ -45,10 +46,10 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
 
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
-    const int count = cpu->scalar.world.setup.num_layers + 2;
+    const int count = cpu->owned.world.setup.num_layers + 2;
     cpu->media = calloc((size_t)count, sizeof *cpu->media);
     if (!cpu->media) return cml_fail_memory(err, count * (double)sizeof *cpu->media, "the media");
-    for (int m = 0; m < count; m++) cpu->media[m] = cml_lane_medium_of(&cpu->scalar.world, m);
+    for (int m = 0; m < count; m++) cpu->media[m] = cml_lane_medium_of(&cpu->owned.world, m);
     return CML_OK;
 }
 
@@ -60,7 +61,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
     cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
     cpu->chunk = options->chunk > 0 ? options->chunk : 128;
-    cml_status status = scalar_world_create(scene, surfaces, options, &cpu->scalar, err);
+    cml_status status = cml_owned_world_create(scene, surfaces, options, &cpu->owned, err);
     if (status == CML_OK) status = create_lane_media(cpu, err);
     if (status == CML_OK) status = create_tallies(scene, surfaces, options, cpu, err);
     if (status != CML_OK)
@@ -125,7 +126,7 @@ static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml
         const int apart = omp_get_thread_num() - cpu->first_apart;
         struct cml_tally *mine = apart < 0 ? tally : &cpu->tallies[apart];
         if (apart >= 0) cml_tally_borrow(mine, tally);
-        cml_bundle_walk(&cpu->scalar.world, cpu->media, &source, mine);
+        cml_bundle_walk(&cpu->owned.world, cpu->media, &source, mine);
 #pragma omp barrier
         gather_part(cpu, tally);
     }
@@ -136,7 +137,7 @@ static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_e
                             struct cml_fate_record *record, struct cml_error *err)
 {
     const struct cpu_engine *cpu = self;
-    return trace_packets(&cpu->scalar.world, index, 1, on_event, context, record, err);
+    return trace_packets(&cpu->owned.world, index, 1, on_event, context, record, err);
 }
 
 /* By the walk that the bundles equal bit for bit, because bundles keep no packet's record. */
@@ -152,7 +153,7 @@ static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct c
         const uint64_t size = count - begin < cpu->chunk ? count - begin : cpu->chunk;
         struct cml_error mine;
         const cml_status failed =
-            trace_packets(&cpu->scalar.world, first + begin, size, NULL, NULL, records + begin, &mine);
+            trace_packets(&cpu->owned.world, first + begin, size, NULL, NULL, records + begin, &mine);
         if (failed != CML_OK) {
 #pragma omp critical
             *err = mine, status = failed;

@@ -1,12 +1,16 @@
 /* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
  * SPDX-License-Identifier: MIT */
 #include "engine/scalar_walk.h"
+#include "engine/world.h"
 
 #include "engine/opencl/engine_opencl.h"
 #include "engine/opencl/opencl_parts.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 struct opencl_engine {
-    struct scalar_world scalar; /* what the devices have copies of */
+    struct cml_owned_world owned; /* what the devices have copies of */
     int count;
     struct cml_opencl_flight *flights; /* [count] */
     uint64_t chunk;                    /* packets a device is given at a time; 0: by what is left */
@@ -18,7 +22,7 @@ static void opencl_close(void *self)
     struct opencl_engine *engine = self;
     if (!engine) return;
     for (int i = 0; i < engine->count; i++) cml_opencl_flight_close(&engine->flights[i]);
-    scalar_world_free(&engine->scalar);
+    cml_owned_world_free(&engine->owned);
     free(engine->flights);
     free(engine->cells);
     free(engine);
@@ -53,14 +57,14 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_engine_options *options, const struct cml_grid *grid)
 {
     struct cml_opencl_scene scene = {
-        .setup = engine->scalar.world.setup,
-        .media = engine->scalar.media,
-        .surfaces = engine->scalar.surfaces,
-        .rings = engine->scalar.rings,
-        .ring_starts = engine->scalar.ring_starts,
-        .clearance = engine->scalar.clearance,
-        .num_rings = count_rings(surfaces),
-        .clearance_cells = count_clearance_cells(surfaces),
+        .setup = engine->owned.world.setup,
+        .media = engine->owned.media,
+        .surfaces = engine->owned.surfaces,
+        .rings = engine->owned.rings,
+        .ring_starts = engine->owned.ring_starts,
+        .clearance = engine->owned.clearance,
+        .num_rings = engine->owned.num_rings,
+        .clearance_cells = engine->owned.clearance_cells,
         .only_planes = true,
         .cells = cml_tally_cells(grid),
         .build_options = options->build_options,
@@ -94,7 +98,7 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     CML_TRY(refuse_meshes(scene, surfaces, err));
     CML_TRY(refuse_maps(scene, err));
     CML_TRY(cml_opencl_select(options->device, options->local_rank, &devices, &count, err));
-    cml_status status = scalar_world_create(scene, surfaces, options, &engine->scalar, err);
+    cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
     if (status == CML_OK) {
         const struct cml_opencl_scene job = scene_of(engine, surfaces, options, &grid);
         status = open_flights(devices, count, &job, engine, err);
@@ -212,7 +216,7 @@ static cml_status read_records(struct opencl_engine *engine, uint64_t count, str
     if (!fates) return cml_fail_memory(err, (double)bytes, "fates");
     const cml_status status = cml_opencl_flight_read(engine->flights, CML_BUFFER_FATES, fates, bytes, err);
     for (uint64_t i = 0; status == CML_OK && i < count; i++)
-        copy_record(&engine->scalar.world.setup, &fates[i], &records[i]);
+        copy_record(&engine->owned.world.setup, &fates[i], &records[i]);
     free(fates);
     return status;
 }
@@ -241,10 +245,10 @@ static const char *event_name(const struct cml_packet *before, const struct cml_
     return after->medium == before->medium ? "reflect" : "transmit";
 }
 
-static void tell(const struct scalar_world *scalar, const char *what, const struct cml_packet *packet,
+static void tell(const struct cml_owned_world *owned, const char *what, const struct cml_packet *packet,
                  cml_trace_function *on_event, void *context)
 {
-    struct tracing tracing = {&scalar->world, on_event, context};
+    struct tracing tracing = {&owned->world, on_event, context};
     if (on_event) forward_event(&tracing, what, packet);
 }
 
@@ -253,8 +257,8 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
                          cml_trace_function *on_event, void *context, struct cml_error *err)
 {
     struct cml_packet before, after;
-    cml_launch(&engine->scalar.world, index, &before);
-    tell(&engine->scalar, "launch", &before, on_event, context);
+    cml_launch(&engine->owned.world, index, &before);
+    tell(&engine->owned, "launch", &before, on_event, context);
     cml_opencl_flight_give(flight, index, 1);
     do {
         flight->launch.steps = 1;
@@ -262,10 +266,10 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
         CML_TRY(cml_opencl_flight_finish(flight, err));
         CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_PACKETS, &after, sizeof after, err));
         const char *what = event_name(&before, &after);
-        if (strcmp(what, "end") != 0) tell(&engine->scalar, what, &after, on_event, context);
+        if (strcmp(what, "end") != 0) tell(&engine->owned, what, &after, on_event, context);
         before = after;
     } while (!cml_opencl_flight_done(flight));
-    tell(&engine->scalar, "end", &after, on_event, context);
+    tell(&engine->owned, "end", &after, on_event, context);
     return CML_OK;
 }
 

@@ -1,0 +1,264 @@
+/* The scene as the kernels read it (struct cml_world of kernels/types.h): media, boundaries, rings of
+ * heightfields, bounds of depth, beam and grids, from a scene and its surfaces. SPDX-License-Identifier: MIT
+ */
+#include "engine/world.h"
+
+#include "cone.h"
+#include "surface/ring_horizon.h"
+#include "surface/surface_facets.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static size_t count_rings(const struct cml_surface_set *surfaces)
+{
+    size_t rings = 0;
+    for (int b = 0; b < surfaces->count; b++) rings += (size_t)surfaces->item[b].num_rings;
+    return rings;
+}
+
+static size_t count_clearance_cells(const struct cml_surface_set *surfaces)
+{
+    size_t cells = 0;
+    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].clearance.cells;
+    return cells;
+}
+
+void cml_owned_world_free(struct cml_owned_world *to)
+{
+    free(to->media);
+    free(to->surfaces);
+    free(to->rings);
+    free(to->ring_starts);
+    free(to->clearance);
+    free(to->meshes);
+}
+
+/* All arrays, with zeros. Those that may have no elements get one, so that NULL always means failure. */
+static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
+                           struct cml_error *err)
+{
+    const size_t boundaries = (size_t)surfaces->count, rings = to->num_rings, cells = to->clearance_cells;
+    to->media = calloc(boundaries + 1, sizeof *to->media);
+    to->surfaces = calloc(boundaries, sizeof *to->surfaces);
+    to->rings = calloc(CML_RING_ROWS * rings + 1, sizeof *to->rings);
+    to->ring_starts = calloc(rings + 1, sizeof *to->ring_starts);
+    to->meshes = calloc(boundaries, sizeof *to->meshes);
+    to->clearance = calloc(2 * cells + 1, sizeof *to->clearance);
+    if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->clearance)
+        return CML_OK;
+    return cml_fail_memory(
+        err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
+}
+
+/* All quotients are taken in double and rounded once. absorb: kernels/types.h says why it is a little over 1
+ * where nothing scatters. */
+static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                       struct cml_medium *media)
+{
+    for (int m = 0; m <= scene->num_layers + 1; m++) {
+        const struct cml_medium_def *from = &scene->media[m];
+        const double mut = from->mua + from->mus;
+        const bool inside = m > 0 && m <= scene->num_layers;
+        const double depth = surfaces->item[m > 0 ? m - 1 : 0].depth;
+        media[m].n = (real)from->n;
+        media[m].mut = (real)mut;
+        media[m].mfp = mut > 0 ? (real)(1 / mut) : CML_INFINITY;
+        media[m].absorb = from->mus > 0 ? (real)(from->mua / mut) : (mut > 0 ? 1 + 4 * CML_EPSILON : (real)0);
+        media[m].g = (real)from->g;
+        media[m].span = (real)(inside ? surfaces->item[m].depth - depth : 0);
+        media[m].depth = (real)depth;
+        media[m].bins = (real)(depth / scene->dz);
+    }
+}
+
+/* Rings of one surface, the first of them at `first`, into the columns of all rings. Horizons are those of
+ * the rings as rounded to `real`, because that is the surface that packets see. Returns ring_start's parts
+ * per cm.
+ */
+static real copy_rings(const struct cml_surface_def *from, size_t first, struct cml_owned_world *to)
+{
+    const int n = from->num_rings;
+    const size_t total = to->num_rings;
+    int *start = to->ring_starts + first; /* scratch for the horizons, before it is filled */
+    real *r = to->rings + first, *z = r + total, *slope = z + total, *above = slope + total,
+         *below = above + total;
+    for (int i = 0; i < n; i++) {
+        r[i] = (real)from->r[i];
+        z[i] = (real)from->z[i];
+        slope[i] = (real)from->slope[i];
+    }
+    cml_ring_horizons(r, z, n, -1, start, above);
+    cml_ring_horizons(r, z, n, 1, start, below);
+    return cml_ring_starts(r, n, start);
+}
+
+/* steepest is raised by more than rounding can turn a direction: what leaves more steeply must be sure never
+ * to meet the surface again. */
+static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_world *to)
+{
+    const size_t total = to->num_rings;
+    size_t ring = 0;
+    for (int b = 0; b < from->count; b++) {
+        const struct cml_surface_def *def = &from->item[b];
+        to->surfaces[b].kind = (int)def->kind;
+        to->surfaces[b].first_ring = (int)ring;
+        to->surfaces[b].num_rings = def->num_rings;
+        to->surfaces[b].lowest = (real)def->lowest;
+        to->surfaces[b].highest = (real)def->highest;
+        to->surfaces[b].steepest = (real)(1.00001 * def->steepest + 1e-6);
+        to->meshes[b] = def->mesh;
+        if (def->num_rings) to->surfaces[b].parts_per_cm = copy_rings(def, ring, to);
+        ring += (size_t)def->num_rings;
+    }
+    to->world.ring_r = to->rings;
+    to->world.ring_z = to->rings + total;
+    to->world.ring_slope = to->rings + 2 * total;
+    to->world.ring_horizon_above = to->rings + 3 * total;
+    to->world.ring_horizon_below = to->rings + 4 * total;
+    to->world.ring_start = to->ring_starts;
+}
+
+/* Where each boundary's facets begin among those of all. outer_facets stays empty for a plane: what escapes
+ * through its pixels is what the map of Rd or Tt holds already. */
+static void set_facets(const struct cml_surface_set *from, const struct cml_map_def *map,
+                       struct cml_owned_world *to)
+{
+    const int last = from->count - 1;
+    int first = 0;
+    for (int b = 0; b < from->count; b++) {
+        struct cml_facet_range *range = &to->surfaces[b].facets;
+        range->first = first;
+        range->count = (int)cml_surface_facets(&from->item[b], map);
+        first += range->count;
+    }
+    if (from->item[0].kind != CML_SURFACE_PLANE) to->world.setup.outer_facets[0] = to->surfaces[0].facets;
+    if (from->item[last].kind != CML_SURFACE_PLANE)
+        to->world.setup.outer_facets[1] = to->surfaces[last].facets;
+}
+
+/* The pyramids of depth bounds of all curved surfaces, one behind the other, as kernels/clearance.h reads
+ * them.
+ */
+static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_world *to)
+{
+    const size_t total = to->clearance_cells;
+    size_t first = 0;
+    for (int b = 0; b < from->count; b++) {
+        const struct cml_clearance_map *map = &from->item[b].clearance;
+        struct cml_clearance *grid = &to->surfaces[b].clearance;
+        int offset = 0;
+        grid->size = map->size;
+        grid->first = (int)first;
+        grid->corner_x = (real)map->corner[0];
+        grid->corner_y = (real)map->corner[1];
+        grid->per_cell = (real)(map->cell > 0 ? 1 / map->cell : 0);
+        for (int l = 0; l < map->levels; l++) {
+            grid->level_offset[l] = offset;
+            offset += (int)cml_clearance_level_cells(map, l);
+        }
+        for (size_t i = 0; i < map->cells; i++) {
+            to->clearance[first + i] = map->deepest[i];
+            to->clearance[total + first + i] = map->highest[i];
+        }
+        first += map->cells;
+    }
+    to->world.deepest = to->clearance;
+    to->world.highest = to->clearance + total;
+}
+
+/* MCML's deterministic specular reflection [manual eqs 3.6, 3.7]: of the first interface, or of both faces of
+ * a clear first layer between planes. Sets where the packet then starts. */
+static double deterministic_specular(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                     int *medium)
+{
+    const struct cml_medium_def *m = scene->media;
+    const double r1 = pow((m[0].n - m[1].n) / (m[0].n + m[1].n), 2);
+    const bool glass = m[1].mua == 0 && m[1].mus == 0 && scene->num_layers > 1 &&
+                       surfaces->item[1].kind == CML_SURFACE_PLANE;
+    *medium = glass ? 2 : 1;
+    if (!glass) return r1;
+    const double r2 = pow((m[1].n - m[2].n) / (m[1].n + m[2].n), 2);
+    return r1 + (1 - r1) * (1 - r1) * r2 / (1 - r1 * r2);
+}
+
+/* P1. A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
+static void set_launch(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                       struct cml_setup *setup)
+{
+    const struct cml_beam *beam = &scene->beam;
+    const struct cml_surface_def *top = &surfaces->item[0];
+    const double st = sin(beam->angle), ct = cos(beam->angle), sp = sin(beam->azimuth),
+                 cp = cos(beam->azimuth);
+    setup->axis = cml_vec_of(st * cp, st * sp, ct);
+    setup->e1 = cml_vec_of(ct * cp, ct * sp, -st);
+    setup->e2 = cml_vec_of(-sp, cp, 0);
+    setup->x0 = (real)beam->x;
+    setup->y0 = (real)beam->y;
+    setup->disk = (real)(beam->kind == CML_BEAM_DISK ? beam->radius : 0);
+    setup->gauss = (real)(beam->kind == CML_BEAM_GAUSSIAN ? beam->radius : 0);
+    setup->launch_z = (real)(2 * top->lowest - top->highest);
+    if (top->kind == CML_SURFACE_PLANE && beam->angle == 0)
+        setup->specular =
+            (cml_u32)lrint(deterministic_specular(scene, surfaces, &setup->launch_medium) * CML_WEIGHT_ONE);
+}
+
+/* The grid of maps and volume; nx stays 0 where the scene asks for none. */
+static void set_map(const struct cml_scene *scene, struct cml_map *map)
+{
+    const struct cml_map_def *def = &scene->map;
+    if (def->nx == 0) return;
+    map->nx = def->nx;
+    map->ny = def->ny;
+    map->na = def->angles ? scene->na : 1;
+    map->per_dx = (real)(1 / def->dx);
+    map->per_dy = (real)(1 / def->dy);
+    map->half_x = (real)(0.5 * def->nx);
+    map->half_y = (real)(0.5 * def->ny);
+    map->top_bins = (real)(def->top / scene->dz);
+}
+
+/* Everything that is the same for all packets. Bin widths become their reciprocals: a bin is a product away.
+ */
+static void set_up(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                   const struct cml_engine_options *options, struct cml_setup *setup)
+{
+    *setup = (struct cml_setup){0};
+    setup->stream.key[0] = (cml_u32)options->seed;
+    setup->stream.key[1] = (cml_u32)(options->seed >> 32);
+    setup->stream.key[2] = options->run;
+    setup->num_layers = scene->num_layers;
+    setup->reentry = options->reentry;
+    setup->tally_absorption = options->absorption;
+    setup->nr = scene->nr;
+    setup->nz = scene->nz;
+    setup->na = scene->na;
+    setup->per_dr = (real)(1 / scene->dr);
+    setup->per_dz = (real)(1 / scene->dz);
+    setup->per_da = (real)(scene->na / 1.5707963267948966);
+    set_map(scene, &setup->map);
+    set_launch(scene, surfaces, setup);
+}
+
+cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                  const struct cml_engine_options *options, struct cml_owned_world *to,
+                                  struct cml_error *err)
+{
+    *to = (struct cml_owned_world){.num_rings = count_rings(surfaces),
+                                   .clearance_cells = count_clearance_cells(surfaces)};
+    const cml_status status = allocate(surfaces, to, err);
+    if (status != CML_OK) {
+        cml_owned_world_free(to);
+        return status;
+    }
+    copy_media(scene, surfaces, to->media);
+    copy_surfaces(surfaces, to);
+    copy_clearance(surfaces, to);
+    to->world.media = to->media;
+    to->world.surfaces = to->surfaces;
+    to->world.meshes = to->meshes;
+    to->world.intersect_mesh = cml_mesh_surface_hit;
+    set_up(scene, surfaces, options, &to->world.setup);
+    if (scene->facets) set_facets(surfaces, &scene->map, to);
+    return CML_OK;
+}

@@ -3,13 +3,13 @@
  * how many lanes go through the loops of a pass and through those of the planes for it, whether they have
  * something to do there or not, and what it takes. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "engine/cpu/bundle_loops.h"
+#include "engine/cpu/bundle_loops_inl.h"
 
 static double launched, lanes_in_passes, lanes_at_planes;
 
 #define cml_bundle_launch(b, start, absorbed, first, lanes)                                                  \
     (launched += __builtin_popcount(lanes), cml_bundle_launch(b, start, absorbed, first, lanes))
-#include "engine/cpu/bundle_launch.h"
+#include "engine/cpu/bundle_launch_inl.h"
 
 /* The loops that each pass, and each round of planes, begins with. */
 #define cml_bundle_draw(setup, b) (lanes_in_passes += (b)->lanes, cml_bundle_draw(setup, b))

@@ -6,8 +6,8 @@
  * back. The whole is flown without clocks, and the parts once more with them, less what the clocks take.
  * Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "engine/cpu/bundle_curved_reach.h"
-#include "engine/cpu/bundle_loops.h"
+#include "engine/cpu/bundle_curved_reach_inl.h"
+#include "engine/cpu/bundle_loops_inl.h"
 
 #include <string.h>
 #include <time.h>
@@ -47,9 +47,9 @@ static int answer;
 #define cml_hits_reflect_or_refract(setup, side, n1, n2, h) TIMED_ANSWER(TURN, cml_hits_reflect_or_refract(setup, side, n1, n2, h))
 #define cml_gather_intervals(f, medium, lanes) TIMED(AHEAD, cml_gather_intervals(f, medium, lanes))
 #define cml_bundle_classify_near(b, steepest) TIMED_ANSWER(AROUND, cml_bundle_classify_near(b, steepest))
-#include "engine/cpu/bundle_curved_cross.h"
+#include "engine/cpu/bundle_curved_cross_inl.h"
 #define cml_process_hits(f, medium, side, h) TIMED(HITS, cml_process_hits(f, medium, side, h))
-#include "engine/cpu/bundle_curved_search.h"
+#include "engine/cpu/bundle_curved_search_inl.h"
 #define cml_process_curved(f) TIMED(CURVES, cml_process_curved(f))
 
 #define CML_LEVEL curved

@@ -2,7 +2,7 @@
 #include "engine/engine_reference.h"
 
 #define CML_DOUBLE
-#include "engine/scalar_walk.h"
+#include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
 #include <stdlib.h>

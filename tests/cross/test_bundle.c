@@ -3,9 +3,9 @@
  * SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "engine/cpu/bundle_walk.h"
+#include "engine/cpu/bundle_walk_inl.h"
 #include "engine/cpu/engine_cpu.h"
-#include "engine/scalar_walk.h"
+#include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 #include "surface/mesh/mesh_surface.h"
 

@@ -3,7 +3,7 @@
  * A position counts as in its medium when it lies on the right side of both boundaries, or within the
  * rounding of its coordinates of the one that it is beyond. SPDX-License-Identifier: MIT */
 #include "atlas.h"
-#include "engine/terminated_packets.h"
+#include "engine/terminated_packets_inl.h"
 #include "engine/world.h"
 #include "geometry/vec3.h"
 

@@ -1,12 +1,12 @@
 /* A bundle of packets as structure of arrays: the fast walk of the CPU engine.
  * A pass takes packets to a plane, to several, or to a curved surface, and mostly on to their next
- * interaction. What most packets do is done in vector loops (bundle_loops.h), launches and exits through
+ * interaction. What most packets do is done in vector loops (bundle_loops_inl.h), launches and exits through
  * planes among them, and so is what lanes at curved surfaces have in common: whether they can meet them
- * (bundle_curved_reach.h), and what becomes of those that do (bundle_curved_hits.h). Which facet or ring it
- * is (bundle_curved_search.h), what is rare there (bundle_lane_events.h), roulette and other ends
- * (bundle_walk.h) are exceptions, a lane at a time. The arithmetic is that of kernels/walk.h, so every packet
- * ends with the same bits as there; tests compare whole tallies. Included by engine_cpu_level.c only, which
- * is compiled once for each level of the processor. SPDX-License-Identifier: MIT */
+ * (bundle_curved_reach_inl.h), and what becomes of those that do (bundle_curved_hits_inl.h). Which facet or
+ * ring it is (bundle_curved_search_inl.h), what is rare there (bundle_lane_events_inl.h), roulette and other
+ * ends (bundle_walk_inl.h) are exceptions, a lane at a time. The arithmetic is that of kernels/walk.h, so
+ * every packet ends with the same bits as there; tests compare whole tallies. Included by engine_cpu_level.c
+ * only, which is compiled once for each level of the processor. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_H
 #define CML_BUNDLE_H
 

@@ -1,8 +1,10 @@
 /* The CPU engine for one level of the processor: compiled once for each (CML_LEVEL, see CMakeLists.txt), so
  * that one binary is fast on all machines. Only instructions differ; results are the same to the last bit.
- * SPDX-License-Identifier: MIT */
-#include "engine/cpu/bundle_walk.h"
-#include "engine/scalar_walk.h"
+ * Everything hot is in this one translation unit. The headers bundle_*_inl.h are its code, cut into files by
+ * subject: a loop over lanes becomes vector instructions only if all that it calls is inlined, and then in
+ * those of this level only if it is compiled with this file's options. SPDX-License-Identifier: MIT */
+#include "engine/cpu/bundle_walk_inl.h"
+#include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
 #include <omp.h>

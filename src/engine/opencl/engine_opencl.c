@@ -1,6 +1,6 @@
 /* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
  * SPDX-License-Identifier: MIT */
-#include "engine/scalar_walk.h"
+#include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
 #include "engine/opencl/engine_opencl.h"

@@ -1,9 +1,12 @@
-/* Lanes near curved boundaries: which of them meet one, and where. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_SEARCH_H
-#define CML_BUNDLE_CURVED_SEARCH_H
+/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes near curved boundaries, step 2: which ring or facet each lane meets.
+ * Lane by lane, because every one walks through other rings, or other nodes of a tree.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_SEARCH_INL_H
+#define CML_BUNDLE_CURVED_SEARCH_INL_H
 
-#include "engine/cpu/bundle_curved_cross.h"
-#include "engine/cpu/bundle_curved_reach.h"
+#include "engine/cpu/bundle_curved_cross_inl.h"
+#include "engine/cpu/bundle_curved_reach_inl.h"
 
 /* Whether the lane's packet is one for cml_intersect_lane: in the material, about to meet no boundary but
  * this one, which is curved, and nothing rare about it. */

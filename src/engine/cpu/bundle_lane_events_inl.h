@@ -1,15 +1,22 @@
-/* Lanes at boundaries one by one, by kernels/walk.h: what vector loops leave to be done.
- * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LANE_EVENTS_H
-#define CML_BUNDLE_LANE_EVENTS_H
+/* Code, included by bundle_curved_cross_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes at boundaries one by one, by kernels/walk.h: the rare cases that
+ * vector loops leave to be done. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_LANE_EVENTS_INL_H
+#define CML_BUNDLE_LANE_EVENTS_INL_H
 
-#include "engine/cpu/bundle_pencil.h"
-#include "engine/cpu/bundle_lanes.h"
+#include "engine/cpu/bundle_lanes_inl.h"
 
 static void cml_lane_set_interacting(struct cml_flight *f, int i, real s)
 {
     f->b->s[i] = s;
     f->b->task[i] = CML_LANE_INTERACT;
+}
+
+/* Whether a lane's packet is still on its way from the source to a boundary whose hit is known
+ * (bundle_prepare.h). */
+static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u32 boundary_events)
+{
+    return f->first_hit_known && medium == 0 && boundary_events == 0;
 }
 
 /* As cml_nearest_hit. */

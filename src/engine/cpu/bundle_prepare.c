@@ -1,11 +1,32 @@
-/* Where packets of a pencil beam begin. Those that start above a surface that is no plane all meet it at the
- * same place and angle: both are asked for once (at a vertex of a mesh, where all facets there have their
- * say, it takes long to tell), and so is what becomes of the packets that go through.
- * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_PENCIL_H
-#define CML_BUNDLE_PENCIL_H
+/* SPDX-License-Identifier: MIT */
+#include "engine/cpu/bundle_prepare.h"
 
-#include "engine/cpu/bundle_lanes.h"
+struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
+{
+    const struct cml_medium *medium = &world->media[m];
+    const struct cml_surface *top = m > 0 ? &world->surfaces[m - 1] : NULL;
+    const struct cml_surface *bottom = m <= world->setup.num_layers ? &world->surfaces[m] : NULL;
+    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
+    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE;
+    const real stop_above = top ? top->highest : -CML_INFINITY;
+    const real stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY;
+    const struct cml_lane_medium lane = {
+        .mut = medium->mut,
+        .mfp = medium->mfp,
+        .absorb = medium->absorb,
+        .g = medium->g,
+        .bins = medium->bins,
+        .n = medium->n,
+        .n_above = top ? medium[-1].n : medium->n,
+        .n_below = bottom ? medium[1].n : medium->n,
+        .span = medium->span,
+        .stop_above = stop_above,
+        .stop_below = stop_below,
+        .start_above = plane_top ? -CML_INFINITY : stop_above,
+        .start_below = plane_bottom ? CML_INFINITY : stop_below,
+    };
+    return lane;
+}
 
 /* What packets like this are behind a boundary, if they are not reflected; 0 where that depends on their
  * random numbers, too. */
@@ -34,7 +55,7 @@ static real cml_reflectance_at(const struct cml_world *world, const struct cml_p
     return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
 }
 
-static void cml_find_first_hit(struct cml_flight *f)
+void cml_find_first_hit(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
     if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
@@ -46,7 +67,7 @@ static void cml_find_first_hit(struct cml_flight *f)
 }
 
 /* The next boundary is the same for all that do not interact before it, too. */
-static void cml_find_ballistic(struct cml_flight *f)
+void cml_find_ballistic(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
     const struct cml_packet *like = f->enters ? &f->inside : &f->start;
@@ -64,10 +85,3 @@ static void cml_find_ballistic(struct cml_flight *f)
     ballistic->reflectance = cml_reflectance_at(world, like, &hit);
     ballistic->end = cml_termination_of(&packet);
 }
-
-static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u32 boundary_events)
-{
-    return f->first_hit_known && medium == 0 && boundary_events == 0;
-}
-
-#endif

@@ -1,10 +1,12 @@
-/* Lanes near curved surfaces: what they can meet before they interact is asked for many of them in vector
- * loops, a medium at a time. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_REACH_H
-#define CML_BUNDLE_CURVED_REACH_H
+/* Code, included by bundle_curved_search_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes near curved boundaries, step 1: the part of its path on which each can
+ * meet one before it interacts, if any. Asked for many lanes in vector loops, a medium at a time.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_REACH_INL_H
+#define CML_BUNDLE_CURVED_REACH_INL_H
 
-#include "engine/cpu/bundle_lanes.h"
-#include "engine/cpu/bundle_curved_hits.h"
+#include "engine/cpu/bundle_lanes_inl.h"
+#include "engine/cpu/bundle_curved_hits_inl.h"
 
 /* Where lanes can meet one boundary. */
 struct cml_intervals {

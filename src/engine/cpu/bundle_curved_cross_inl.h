@@ -1,9 +1,11 @@
-/* What becomes of lanes that have met a curved boundary. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_CROSS_H
-#define CML_BUNDLE_CURVED_CROSS_H
+/* Code, included by bundle_curved_search_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes near curved boundaries, step 4: from the gathered hits back into the
+ * lanes, into the next medium, or out of the scene. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_CROSS_INL_H
+#define CML_BUNDLE_CURVED_CROSS_INL_H
 
-#include "engine/cpu/bundle_lane_events.h"
-#include "engine/cpu/bundle_curved_hits.h"
+#include "engine/cpu/bundle_lane_events_inl.h"
+#include "engine/cpu/bundle_curved_hits_inl.h"
 
 /* The lane's packet has gone through a boundary into outer medium `to`, and may meet it again. */
 static void cml_lane_flies_outside(struct cml_flight *f, int i, int to)

@@ -1,10 +1,11 @@
-/* New packets, into the lanes of those that have ended. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LAUNCH_H
-#define CML_BUNDLE_LAUNCH_H
+/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). New packets, into the lanes of those that have ended.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_LAUNCH_INL_H
+#define CML_BUNDLE_LAUNCH_INL_H
 
-#include "engine/cpu/bundle_pencil.h"
-#include "engine/cpu/bundle_lanes.h"
-#include "engine/cpu/bundle_loops.h"
+#include "engine/cpu/bundle_lanes_inl.h"
+#include "engine/cpu/bundle_loops_inl.h"
 
 #include <string.h>
 

@@ -1,7 +1,9 @@
-/* The vector loops of a bundle. Lanes whose task is another are left alone; lanes without a packet may hold
- * anything. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LOOPS_H
-#define CML_BUNDLE_LOOPS_H
+/* Code, included by the other bundle_*_inl.h and so compiled once for each level of the processor: these are
+ * the vector loops, for which the levels exist (engine_cpu_level.c). Every loop goes over all lanes of the
+ * bundle. Lanes whose task is another compute as well, and keep what they had: a select costs less than a
+ * branch. Lanes without a packet may hold anything. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_LOOPS_INL_H
+#define CML_BUNDLE_LOOPS_INL_H
 
 #include "engine/cpu/bundle_masks.h"
 #include "walk.h"

@@ -1,11 +1,12 @@
-/* Packets that meet a curved surface: below rings roots and normals, and what becomes of directions, for many
- * packets in vector loops. Which ring or facet it is they find out one by one. SPDX-License-Identifier: MIT
- */
-#ifndef CML_BUNDLE_CURVED_HITS_H
-#define CML_BUNDLE_CURVED_HITS_H
+/* Code, included by bundle_curved_reach_inl.h and bundle_curved_cross_inl.h and so compiled once for each
+ * level of the processor (engine_cpu_level.c says why). Lanes near curved boundaries, step 3: packets that
+ * meet one boundary, gathered. Roots and normals of rings, reflection and refraction, for many packets in
+ * vector loops. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_HITS_INL_H
+#define CML_BUNDLE_CURVED_HITS_INL_H
 
-#include "engine/cpu/bundle_lanes.h"
-#include "engine/cpu/bundle_loops.h"
+#include "engine/cpu/bundle_lanes_inl.h"
+#include "engine/cpu/bundle_loops_inl.h"
 
 /* Packets that meet one boundary, from one side. Positions are in the boundary's frame, from the beam's axis.
  * What lies behind the packets may be anything. */

@@ -1,10 +1,13 @@
-/* Flies photons through a bundle until there are no more.
- * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_WALK_H
-#define CML_BUNDLE_WALK_H
+/* Code, included by engine_cpu_level.c only and so compiled once for each level of the processor: a .c file
+ * of its own could not be inlined into, and loops over lanes are vectors only where all that they call is
+ * inlined. The pass over a bundle: what the lanes of one thread do, in order, until there are no more
+ * packets. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_WALK_INL_H
+#define CML_BUNDLE_WALK_INL_H
 
-#include "engine/cpu/bundle_launch.h"
-#include "engine/cpu/bundle_curved_search.h"
+#include "engine/cpu/bundle_launch_inl.h"
+#include "engine/cpu/bundle_curved_search_inl.h"
+#include "engine/cpu/bundle_prepare.h"
 
 /* Through a plane into another layer. */
 static void cml_enter_layer(struct cml_flight *f, int i)

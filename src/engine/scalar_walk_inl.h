@@ -1,11 +1,12 @@
-/* What the engines that walk one packet at a time share: ranges of packets by kernels/walk.h into a tally, or
- * as records. Included by one .c file per precision (CML_DOUBLE or not), like the kernel headers it stands
- * on. SPDX-License-Identifier: MIT */
-#ifndef CML_SCALAR_WALK_H
-#define CML_SCALAR_WALK_H
+/* Code, included by each engine that walks packets one at a time on the host (engine_reference.c in double,
+ * each level of engine_cpu_level.c and engine_opencl.c in float), so that the walk of kernels/walk.h is
+ * compiled in the precision and for the processor of the engine. Ranges of packets into a tally, or as
+ * records. SPDX-License-Identifier: MIT */
+#ifndef CML_SCALAR_WALK_INL_H
+#define CML_SCALAR_WALK_INL_H
 
 #include "engine/engine.h"
-#include "engine/terminated_packets.h"
+#include "engine/terminated_packets_inl.h"
 #include "walk.h"
 
 static inline void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,

@@ -1,85 +1,13 @@
-/* The lanes of a bundle one by one: a packet's columns, what it deposits, and its end.
- * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LANES_H
-#define CML_BUNDLE_LANES_H
+/* Code, included by the other bundle_*_inl.h and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). The lanes of a bundle one by one: a packet's columns, what it deposits, and
+ * its end. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_LANES_INL_H
+#define CML_BUNDLE_LANES_INL_H
 
+#include "engine/cpu/bundle_flight.h"
 #include "engine/cpu/bundle_masks.h"
-#include "engine/terminated_packets.h"
 
 #include <stddef.h>
-
-/* m: 0..num_layers + 1. */
-static struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
-{
-    const struct cml_medium *medium = &world->media[m];
-    const struct cml_surface *top = m > 0 ? &world->surfaces[m - 1] : NULL;
-    const struct cml_surface *bottom = m <= world->setup.num_layers ? &world->surfaces[m] : NULL;
-    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
-    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE;
-    const real stop_above = top ? top->highest : -CML_INFINITY;
-    const real stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY;
-    const struct cml_lane_medium lane = {
-        .mut = medium->mut,
-        .mfp = medium->mfp,
-        .absorb = medium->absorb,
-        .g = medium->g,
-        .bins = medium->bins,
-        .n = medium->n,
-        .n_above = top ? medium[-1].n : medium->n,
-        .n_below = bottom ? medium[1].n : medium->n,
-        .span = medium->span,
-        .stop_above = stop_above,
-        .stop_below = stop_below,
-        .start_above = plane_top ? -CML_INFINITY : stop_above,
-        .start_below = plane_bottom ? CML_INFINITY : stop_below,
-    };
-    return lane;
-}
-
-/* Hands out the next range [*first, *first + *count) of photon indices; 0 when there is none. */
-struct cml_range_source {
-    int (*next)(void *context, uint64_t *first, uint64_t *count);
-    void *context;
-};
-
-/* Packets of a pencil beam that do not interact in their first medium, and leave the material for good behind
- * it: all end alike. */
-struct cml_ballistic {
-    int possible;
-    real path; /* cm, in that medium */
-    real mfp;
-    cml_u32 crossings; /* before its end */
-    real reflectance;  /* there */
-    struct cml_termination end;
-    uint64_t count; /* so far */
-};
-
-struct cml_flight {
-    const struct cml_world *world;
-    struct cml_bundle *b;
-    struct cml_tally *tally;
-    struct cml_deposits to;              /* into the tally */
-    const struct cml_lane_medium *media; /* [num_layers + 2] */
-    struct cml_packet start;             /* as the beam places packets */
-    int pencil;                          /* it places all of them alike */
-    int first_hit_known;                 /* then all of them meet first_hit, above the material */
-    struct cml_hit first_hit;
-    int enters;               /* and those that are not reflected there go on like `inside` */
-    struct cml_packet inside; /* but for their indices */
-    real reflectance;
-    struct cml_ballistic ballistic;
-    struct cml_gathered *gathered; /* bundle_curved_reach.h */
-    int curves;                    /* not all surfaces are planes */
-    real steepest;                 /* slope of those that are none */
-    uint64_t live, ended;          /* masks of lanes: that hold packets; whose packet is finished */
-    uint64_t absorbed[CML_LANES];  /* of the lane's packet, up to the last mark */
-    const struct cml_range_source *source;
-    int waited;          /* passes that lanes at planes have waited, summed over them */
-    int waited_near;     /* the same of lanes near curved surfaces */
-    uint64_t next, left; /* of the range in hand: photon indices not drawn for yet */
-    struct cml_launch_queue queue;
-    struct cml_terminated terminated;
-};
 
 /* Lanes that go into one vector: loops over fewer take as long. */
 #if defined(__AVX512F__)
@@ -94,8 +22,6 @@ static inline int cml_whole_vectors(int count)
 {
     return (count + CML_VECTOR - 1) / CML_VECTOR * CML_VECTOR;
 }
-
-#define CML_LANE_BIT(i) ((uint64_t)1 << (i))
 
 static void cml_for_lanes(struct cml_flight *f, uint64_t mask, void (*handle)(struct cml_flight *, int))
 {

@@ -1,9 +1,10 @@
-/* Finished packets on their way into a tally. They are collected, so that exit bins, books and squares of
- * many packets are computed in one vector loop however rarely packets end. In the precision of the file that
- * includes this, and static: each level of the processor has its own copy.
+/* Code, included once by each engine on the host, in its precision (CML_DOUBLE or not) and for its level of
+ * the processor: no .c file, because entries are pushed member by member from registers, and the sums are
+ * vector loops. Terminated packets on their way into a tally. They are collected, so that exit bins, sums and
+ * squares of many packets are computed in one vector loop however rarely packets end.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TERMINATED_PACKETS_H
-#define CML_TERMINATED_PACKETS_H
+#ifndef CML_TERMINATED_PACKETS_INL_H
+#define CML_TERMINATED_PACKETS_INL_H
 
 #include "tally/tally.h"
 #include "walk.h"

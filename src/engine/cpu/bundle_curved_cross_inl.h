@@ -92,10 +92,12 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
     const real n1 = world->media[medium].n, n2 = world->media[other].n;
     uint64_t *counts = f->tally->count;
     if (h->count == 0) return;
+    CML_HOOK_BEGIN(CML_HOOK_REFLECT);
     if (world->surfaces[boundary].kind == CML_SURFACE_CONE) cml_hits_refine_rings(world, side, h);
     if (n1 != n2)
         counts[CML_COUNT_SHADING_OVERRULED] +=
             (uint64_t)cml_hits_reflect_or_refract(&world->setup, side, n1, n2, h);
+    CML_HOOK_END(CML_HOOK_REFLECT);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {
             cml_process_lane(f, h->lane[k]);

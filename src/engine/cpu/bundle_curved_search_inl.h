@@ -125,7 +125,9 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
 {
     struct cml_gathered *gathered = f->gathered;
     int k = 0;
+    CML_HOOK_BEGIN(CML_HOOK_INTERVALS);
     cml_gather_intervals(f, medium, lanes);
+    CML_HOOK_END(CML_HOOK_INTERVALS);
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
         const struct cml_boundary_intervals intervals = {cml_interval_of(&gathered->above, k),
@@ -138,8 +140,10 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
         else
             cml_intersect_lane(f, i, medium, -1, intervals.below, &gathered->hits_below);
     }
+    CML_HOOK_BEGIN(CML_HOOK_HITS);
     cml_process_hits(f, medium, 1, &gathered->hits_above);
     cml_process_hits(f, medium, -1, &gathered->hits_below);
+    CML_HOOK_END(CML_HOOK_HITS);
 }
 
 /* Lanes near curved surfaces wait for others, as those at planes do. */

@@ -4,6 +4,7 @@
 #define CML_BUNDLE_FLIGHT_H
 
 #include "engine/cpu/bundle.h"
+#include "engine/cpu/bundle_hooks.h"
 #include "engine/terminated_packets_inl.h"
 
 /* Hands out the next range [*first, *first + *count) of photon indices; 0 when there is none. */

@@ -123,6 +123,7 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
 {
     struct cml_bundle *b = f->b;
     cml_u32 elsewhere = lanes & ~cml_group_equal(b->medium + first, start->medium);
+    CML_HOOK_LANES(CML_HOOK_LAUNCH, __builtin_popcount(lanes));
     cml_bundle_launch(b, start, f->absorbed, first, lanes);
     for (; elsewhere; elsewhere &= elsewhere - 1) {
         const int i = first + __builtin_ctz(elsewhere);

@@ -111,6 +111,7 @@ static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
+    CML_HOOK_LANES(CML_HOOK_PLANES, b->lanes);
     const int any = cml_bundle_reach_planes(b);
     if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
     if (f->to.facets) cml_score_planes(f);
@@ -150,12 +151,24 @@ static int cml_process_planes(struct cml_flight *f)
     return 1;
 }
 
+/* Lanes that can meet a curved boundary before they interact. */
+static void cml_process_curved_boundaries(struct cml_flight *f)
+{
+    CML_HOOK_BEGIN(CML_HOOK_CLASSIFY);
+    const int any = cml_bundle_classify_near(f->b, f->steepest);
+    CML_HOOK_END(CML_HOOK_CLASSIFY);
+    if (!any) return;
+    CML_HOOK_BEGIN(CML_HOOK_CURVED);
+    cml_process_curved(f);
+    CML_HOOK_END(CML_HOOK_CURVED);
+}
+
 /* tails: lanes whose optical depth lies in the tail. */
 static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
 {
     cml_for_lanes(f, tails, cml_process_lane);
     do {
-        if (f->curves && cml_bundle_classify_near(f->b, f->steepest)) cml_process_curved(f);
+        if (f->curves) cml_process_curved_boundaries(f);
     } while (cml_process_planes(f));
 }
 
@@ -204,6 +217,7 @@ static uint64_t cml_park_dead_lanes(struct cml_flight *f)
 
 static void cml_flight_pass(struct cml_flight *f)
 {
+    CML_HOOK_LANES(CML_HOOK_PASS, f->b->lanes);
     cml_bundle_draw(&f->world->setup, f->b);
     const int any = cml_bundle_fly(f->b);
     if (any) cml_process_boundaries(f, any & CML_ANY_TAIL ? cml_park_dead_lanes(f) : 0);

@@ -89,9 +89,9 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
 {
     const struct cml_world *world = f->world;
     const int boundary = side > 0 ? medium - 1 : medium, other = side > 0 ? medium - 1 : medium + 1;
-    const real n1 = world->media[medium].n, n2 = world->media[other].n;
     uint64_t *counts = f->tally->count;
-    if (h->count == 0) return;
+    if (h->count == 0) return; /* an outer medium has no boundary, and no medium, beyond one of its sides */
+    const real n1 = world->media[medium].n, n2 = world->media[other].n;
     CML_HOOK_BEGIN(CML_HOOK_REFLECT);
     if (world->surfaces[boundary].kind == CML_SURFACE_CONE) cml_hits_refine_rings(world, side, h);
     if (n1 != n2)

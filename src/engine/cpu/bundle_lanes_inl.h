@@ -43,6 +43,7 @@ static void cml_load_medium(struct cml_flight *f, int i)
 static void cml_flush_deposits(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
+    CML_ASSERT(b->w[i] <= b->flushed_w[i]);
     const cml_u32 deposited = b->flushed_w[i] - b->w[i];
     f->tally->A_l[b->medium[i]] += deposited;
     f->absorbed[i] += deposited;
@@ -131,6 +132,7 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     cml_flush_deposits(f, i);
     end.absorbed = f->absorbed[i];
     cml_terminated_push(&f->world->setup, &f->terminated, &end, f->tally);
+    CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* it held a packet, which ends once */
     f->b->task[i] = CML_LANE_ENDED;
     f->ended |= CML_LANE_BIT(i);
 }

@@ -5,6 +5,7 @@
 #ifndef CML_BUNDLE_WALK_INL_H
 #define CML_BUNDLE_WALK_INL_H
 
+#include "engine/cpu/bundle_checks_inl.h"
 #include "engine/cpu/bundle_launch_inl.h"
 #include "engine/cpu/bundle_curved_search_inl.h"
 #include "engine/cpu/bundle_prepare.h"
@@ -49,6 +50,7 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->interactions + first, exits, terminated->interactions + at);
     cml_group_pack(b->boundary_events + first, exits, terminated->boundary_events + at);
     terminated->count = at + __builtin_popcount(exits);
+    CML_ASSERT(((uint64_t)exits << first & (f->ended | ~f->live)) == 0);
     f->ended |= (uint64_t)exits << first;
     if (cml_tallies_places(f->tally))
         for (int i = at; i < terminated->count; i++) cml_tally_places(setup, terminated, i, 0, f->tally);
@@ -222,6 +224,7 @@ static void cml_flight_pass(struct cml_flight *f)
     const int any = cml_bundle_fly(f->b);
     if (any) cml_process_boundaries(f, any & CML_ANY_TAIL ? cml_park_dead_lanes(f) : 0);
     cml_flight_interact(f);
+    CML_ASSERT(cml_lanes_are_sound(f));
     if (f->ended) cml_refill(f);
 }
 

@@ -279,7 +279,7 @@ static void a_lane_without_a_terminated_packets_nothing(void **state)
     while (b.f.live == CML_GROUP_MASK) cml_flight_pass(&b.f);
     const int empty = __builtin_ctzll(~b.f.live);
     b.bundle.tau[empty] = CML_INFINITY;
-    b.bundle.task[empty] = CML_LANE_DONE;
+    b.bundle.task[empty] = CML_LANE_TO_FLY;
     cml_flight_run(&b.f);
     assert_int_equal(b.tally.count[CML_COUNT_PHOTONS], CML_GROUP);
     bundle_flight_close(&b);
@@ -310,7 +310,7 @@ static void a_lane_stands_beside_facets_for_one_flight(void **state)
     (void)state;
     static struct cml_bundle b;
     struct cml_packet packet = {.interactions = 3, .beside = 2}, after;
-    b.interactions[0] = b.touched[0] = 3;
+    b.interactions[0] = b.interactions_at_hit[0] = 3;
     b.bounces[0] = 7;
     cml_store_beside(&b, 0, &packet);
     b.interactions[0]++;

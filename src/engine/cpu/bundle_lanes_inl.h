@@ -9,7 +9,7 @@
 
 #include <stddef.h>
 
-/* Lanes that go into one vector: loops over fewer take as long. */
+/* Lanes that go into one vector register: loops over fewer take as long. */
 #if defined(__AVX512F__)
 #define CML_VECTOR 16
 #elif defined(__AVX2__)
@@ -18,17 +18,20 @@
 #define CML_VECTOR 1 /* what gathers has no vectors */
 #endif
 
+/* A number of lanes, rounded up to whole vectors: a loop over it needs no remainder loop. */
 static inline int cml_whole_vectors(int count)
 {
     return (count + CML_VECTOR - 1) / CML_VECTOR * CML_VECTOR;
 }
 
+/* Calls handle for every lane of the mask, in order: find the lowest bit, then clear it. */
 static void cml_for_lanes(struct cml_flight *f, uint64_t mask, void (*handle)(struct cml_flight *, int))
 {
     for (; mask; mask &= mask - 1) handle(f, __builtin_ctzll(mask));
 }
 
-/* The lane's columns of the medium it is in. */
+/* Copies the medium that lane i is in into its columns. Loops read media from columns: gathering them by
+ * medium number would take a load per lane and value. */
 static void cml_load_medium(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -38,8 +41,9 @@ static void cml_load_medium(struct cml_flight *f, int i)
     for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
-/* Books what the lane has deposited. Deposits belong to the medium they were made in, and show as lost
- * weight: to be called before either changes. */
+/* Books what the lane's packet has deposited since it was last called, into its layer's sum and the packet's
+ * own. A packet loses weight by deposits only, so they need not be added up one by one: they are the
+ * difference of two weights. To be called before the medium changes, or the weight by anything else. */
 static void cml_flush_deposits(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -50,16 +54,19 @@ static void cml_flush_deposits(struct cml_flight *f, int i)
     b->flushed_w[i] = b->w[i];
 }
 
+/* Photon index of the lane's packet. It is held as two words, so that all columns are 4 bytes wide. */
 static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
 {
     return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
 }
 
-/* Member by member: a packet that is built and then copied would be stored in parts and loaded whole, which
- * stalls. */
+/* The lane's packet as kernels/walk.h knows it. What it stands on, and how often it has bounced, are from its
+ * last boundary event and hold only if it has not interacted since (bundle.h). Filled member by member: a
+ * packet that is built and then copied would be stored in parts and loaded whole, and such loads wait for the
+ * stores (no store forwarding). */
 static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml_packet *packet)
 {
-    const int stands = b->touched[i] == b->interactions[i];
+    const int on_surface = b->interactions_at_hit[i] == b->interactions[i];
     packet->index = cml_lane_index(b, i);
     packet->p.x = packet->exit_x = b->x[i];
     packet->p.y = packet->exit_y = b->y[i];
@@ -71,10 +78,10 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->w = b->w[i];
     packet->interactions = b->interactions[i];
     packet->crossings = b->crossings[i];
-    packet->bounces = stands ? b->bounces[i] : 0;
+    packet->bounces = on_surface ? b->bounces[i] : 0;
     packet->boundary_events = b->boundary_events[i];
     packet->medium = b->medium[i];
-    packet->on_boundary = stands ? b->on_boundary[i] : -1;
+    packet->on_boundary = on_surface ? b->on_boundary[i] : -1;
     packet->on_primitive = b->on_primitive[i];
     packet->undeflected = b->undeflected[i];
     packet->beside = 0;
@@ -85,6 +92,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->absorbed = packet->gained = packet->roulette = 0;
 }
 
+/* Position (cm, frame of the medium) and direction of a lane's packet. */
 static void cml_store_ray(struct cml_bundle *b, int i, struct cml_vec p, struct cml_vec u)
 {
     b->x[i] = p.x;
@@ -95,14 +103,15 @@ static void cml_store_ray(struct cml_bundle *b, int i, struct cml_vec p, struct 
     b->uz[i] = u.z;
 }
 
-/* Back into the lane what boundary events can change. */
+/* Back into lane i what boundary events of kernels/walk.h can change. If the medium is another one, the
+ * deposits in the old one are booked first. */
 static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packet *packet)
 {
     struct cml_bundle *b = f->b;
     cml_store_ray(b, i, packet->p, packet->u);
     b->tau[i] = packet->tau;
     b->crossings[i] = packet->crossings;
-    b->touched[i] = packet->interactions;
+    b->interactions_at_hit[i] = packet->interactions;
     b->bounces[i] = packet->bounces;
     b->boundary_events[i] = packet->boundary_events;
     b->on_boundary[i] = packet->on_boundary;
@@ -115,17 +124,20 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     cml_load_medium(f, i);
 }
 
-/* The lane's packet, about to interact, will stand within rounding of a mesh, as cml_interact says it. */
+/* The lane's packet is about to interact at a place within rounding of a mesh. What cml_interact then writes
+ * into a packet is written here ahead of the interaction, with the number that this will have: until the next
+ * one the packet stands on no facet, and may be beyond one (CML_BESIDE_FACETS). */
 static void cml_store_beside(struct cml_bundle *b, int i, const struct cml_packet *packet)
 {
-    b->touched[i] = packet->interactions + 1;
+    b->interactions_at_hit[i] = packet->interactions + 1;
     b->bounces[i] = 0;
     b->on_boundary[i] = packet->beside - 1;
     b->on_primitive[i] = CML_BESIDE_FACETS;
 }
 
-/* Inlined, so that the end goes from lane to collection without being built in memory: its members would be
- * stored one by one and loaded together, which stalls. */
+/* The lane's packet has ended, as `end` says but for what it has absorbed. Inlined, so that `end` goes from
+ * lane to collection in registers: built in memory, it would be stored in parts and loaded whole, which
+ * stalls. */
 __attribute__((always_inline)) static inline void cml_push_termination(struct cml_flight *f, int i,
                                                                        struct cml_termination end)
 {
@@ -137,7 +149,7 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     f->ended |= CML_LANE_BIT(i);
 }
 
-/* The lane's packet has ended where it is; lost, if there is a cause. */
+/* The lane's packet has ended where it is; lost, if there is a cause (P9). */
 static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum cml_lost_cause cause)
 {
     const struct cml_bundle *b = f->b;
@@ -164,6 +176,8 @@ static uint64_t cml_lanes_with(const struct cml_bundle *b, int task)
     return mask;
 }
 
+/* Mask of the lanes that play roulette (P8): they have just interacted, and are below the threshold. Two
+ * halves of 32 bits, since a vector's elements have 32. */
 static uint64_t cml_lanes_below_threshold(const struct cml_bundle *b)
 {
     cml_u32 low = 0, high = 0;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/cpu/bundle_prepare.h"
 
+/* A plane needs no start: it is only met by a path that ends beyond it (cml_find_lane_candidates). A medium
+ * without a boundary on one side, an outer one, has infinite depths there, and its own index beyond it. */
 struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
 {
     const struct cml_medium *medium = &world->media[m];
@@ -28,10 +30,11 @@ struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
     return lane;
 }
 
-/* What packets like this are behind a boundary, if they are not reflected; 0 where that depends on their
- * random numbers, too. */
-static int cml_send_through(const struct cml_world *world, const struct cml_packet *like,
-                            const struct cml_hit *hit, struct cml_packet *through)
+/* What becomes of packets like `like` that are transmitted at a boundary: the same for all, but for the
+ * random number that decides on transmission. Tries some photon indices until one gets through. Returns 0
+ * when none does, or where shading normals make the outcome depend on more than that. */
+static int cml_transmit_like(const struct cml_world *world, const struct cml_packet *like,
+                             const struct cml_hit *hit, struct cml_packet *through)
 {
     const int tries = 64;
     for (int i = 0; i < tries; i++) {
@@ -44,6 +47,7 @@ static int cml_send_through(const struct cml_world *world, const struct cml_pack
     return 0;
 }
 
+/* P5: Fresnel reflectance of a packet at a hit; 0 between equal indices. */
 static real cml_reflectance_at(const struct cml_world *world, const struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
@@ -55,6 +59,7 @@ static real cml_reflectance_at(const struct cml_world *world, const struct cml_p
     return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
 }
 
+/* A medium above that scatters or absorbs would end the one path for all: then the hit is not known. */
 void cml_find_first_hit(struct cml_flight *f)
 {
     struct cml_packet packet = f->start;
@@ -63,10 +68,12 @@ void cml_find_first_hit(struct cml_flight *f)
     f->first_hit_known = cml_nearest_hit(f->world, &packet, intervals, &f->first_hit);
     if (!f->first_hit_known || f->to.facets) return;
     f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first_hit);
-    f->enters = cml_send_through(f->world, &f->start, &f->first_hit, &f->inside);
+    f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
 }
 
-/* The next boundary is the same for all that do not interact before it, too. */
+/* Ballistic packets: they start alike, do not interact in their first medium, and end at the boundary behind
+ * it. Only a plane ends packets for sure, since what leaves through it never returns (P6). Maps and facets
+ * score each packet where it leaves, so they are not counted together. */
 void cml_find_ballistic(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -77,7 +84,7 @@ void cml_find_ballistic(struct cml_flight *f)
     if (!f->pencil || like->medium == 0 || cml_tallies_places(f->tally)) return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, like, CML_INFINITY);
     if (!cml_nearest_hit(world, &packet, intervals, &hit) || !cml_is_plane(world, hit.boundary)) return;
-    if (!cml_send_through(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
+    if (!cml_transmit_like(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
     ballistic->possible = 1;
     ballistic->path = hit.t;
     ballistic->mfp = world->media[like->medium].mfp;

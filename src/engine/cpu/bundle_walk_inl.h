@@ -10,7 +10,8 @@
 #include "engine/cpu/bundle_curved_search_inl.h"
 #include "engine/cpu/bundle_prepare.h"
 
-/* Through a plane into another layer. */
+/* The lane's packet has gone through a plane into another layer. The frame of a medium is that of the
+ * boundary above it: below the plane depth begins at 0, above it at the layer's thickness. */
 static void cml_enter_layer(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -20,12 +21,14 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     b->medium[i] = medium;
     b->entered[i] = 1;
     b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
-    b->task[i] = CML_LANE_DONE;
+    b->task[i] = CML_LANE_TO_FLY;
     cml_load_medium(f, i);
 }
 
-/* P6: packets of a group that leave through a plane, into the collection of those that have ended. They are
- * not moved out of their media any more: until the lanes are refilled they hold nothing of interest. */
+/* P6: packets of a group that leave through a plane, mask `exits`, into the collection of terminated packets.
+ * Columns are packed: the values of the lanes in the mask are moved side by side, behind what the collection
+ * holds. What they have deposited since the last flush goes along and is booked for the layer that they
+ * leave. The lanes keep their columns, which hold nothing of interest until they are refilled. */
 static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
@@ -37,8 +40,8 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         deposit[k] = b->flushed_w[first + k] - b->w[first + k];
-        const int gone = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
-        fate[k] = b->entered[first + k] ? gone : CML_FATE_SPECULAR;
+        const int outer_fate = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
+        fate[k] = b->entered[first + k] ? outer_fate : CML_FATE_SPECULAR;
     }
     cml_group_pack(deposit, exits, terminated->deposit + at);
     cml_group_pack(fate, exits, terminated->fate + at);
@@ -57,11 +60,11 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_terminated_make_room(setup, terminated, f->tally);
 }
 
-/* Nothing ahead, or the bounds of cml_count_bounce. */
+/* A lane for which cml_lane_is_at_limit holds. P9, with the limits of cml_count_bounce. */
 static void cml_handle_limit(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
-    if (b->task[i] == CML_LANE_NOWHERE) {
+    if (b->task[i] == CML_LANE_NO_EVENT) {
         cml_process_lane(f, i);
         return;
     }
@@ -72,7 +75,8 @@ static void cml_handle_limit(struct cml_flight *f, int i)
         cml_end_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
 }
 
-/* P8, as cml_roulette. Before the lane's next draw. */
+/* P8, by cml_roulette. The draw is that of the interaction the packet has just had; its block is computed
+ * again for its fourth word, which the loops do not keep, since few packets get here. */
 static void cml_lane_roulette(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -88,8 +92,8 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_end_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
 }
 
-/* Facets of planes: what lanes have met, where facets are asked for. Reflection has turned the direction
- * already. */
+/* Where facets are asked for: what lanes have met at planes. A reflected lane has its new direction already,
+ * so the plane that it has met lies behind it; a transmitted one still heads for what it has met. */
 static void cml_score_planes(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -101,14 +105,17 @@ static void cml_score_planes(const struct cml_flight *f)
     }
 }
 
+/* P9 for all lanes; called only when a loop has seen one that may need it. */
 static void cml_handle_limits(struct cml_flight *f)
 {
     for (int i = 0; i < f->b->lanes; i++)
         if (cml_lane_is_at_limit(f->b, i, f->world->setup.num_layers)) cml_handle_limit(f, i);
 }
 
-/* Planes met by the lanes that are NEAR. Then they fly once more, so that they may interact in this pass as
- * well. */
+/* Planes that lanes with MAY_HIT meet: reach, reflect or refract, leave or enter a layer. Lanes of packets
+ * that have left are refilled at once, and all that are in flight get a new path, so that they may interact
+ * in this same pass.
+ */
 static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -128,7 +135,7 @@ static void cml_cross_planes(struct cml_flight *f)
     cml_bundle_fly_again(b);
 }
 
-/* Those of the lanes whose optical depth lies in the tail. */
+/* Those of the lanes whose optical depth lies in the tail (P2): it is infinite until it is drawn. */
 static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
 {
     uint64_t tails = 0;
@@ -139,25 +146,28 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
     return tails;
 }
 
-/* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others: until they
- * have waited as many passes, summed over lanes, as the loops take time, by measurement. For arrivals at
- * random that comes close to the least cost of waiting and loops together. Returns 1 when lanes have flown
- * on. */
+/* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others, while the rest
+ * of the bundle goes on. A waiting lane costs its share of every pass. The loops run once the lanes have
+ * waited `limit` passes, summed over lanes: then waiting has cost as much as the loops do, by measurement.
+ * For arrivals at random that is close to the least cost of both together. A bundle that has been compacted
+ * holds the last packets, and does not wait. Returns 1 when lanes have flown on.
+ */
 static int cml_process_planes(struct cml_flight *f)
 {
-    const int patience = f->b->lanes == CML_LANES ? 45 : 1;
-    f->waited += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_NEAR));
-    if (f->waited < patience) return 0;
-    f->waited = 0;
+    const int limit = f->b->lanes == CML_LANES ? 45 : 1;
+    f->wait_at_planes += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_MAY_HIT));
+    if (f->wait_at_planes < limit) return 0;
+    f->wait_at_planes = 0;
     cml_cross_planes(f);
     return 1;
 }
 
-/* Lanes that can meet a curved boundary before they interact. */
+/* Finds the lanes that can meet a curved boundary before they interact, and deals with them. Between the two
+ * stands a cheap vector loop, which lets most lanes of a thick medium go. */
 static void cml_process_curved_boundaries(struct cml_flight *f)
 {
     CML_HOOK_BEGIN(CML_HOOK_CLASSIFY);
-    const int any = cml_bundle_classify_near(f->b, f->steepest);
+    const int any = cml_bundle_classify_lanes(f->b, f->steepest);
     CML_HOOK_END(CML_HOOK_CLASSIFY);
     if (!any) return;
     CML_HOOK_BEGIN(CML_HOOK_CURVED);
@@ -165,7 +175,9 @@ static void cml_process_curved_boundaries(struct cml_flight *f)
     CML_HOOK_END(CML_HOOK_CURVED);
 }
 
-/* tails: lanes whose optical depth lies in the tail. */
+/* All that lanes meet in this pass before they interact. tails: lanes whose optical depth lies in the tail;
+ * they are dealt with one by one. After planes, lanes may meet a curved boundary next, or a plane again:
+ * round and round until the planes' loops have nothing to do or wait for more lanes. */
 static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
 {
     cml_for_lanes(f, tails, cml_process_lane);
@@ -174,7 +186,10 @@ static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
     } while (cml_process_planes(f));
 }
 
-/* Into the thread's own A_rz, or into one that all threads share. By groups, which a compiler unrolls. */
+/* Deposits of the pass into the thread's own A_rz, or with atomic additions into one that all threads share.
+ * No vector loop: two lanes may hit the same cell. All lanes take part, as others add 0. By groups, which a
+ * compiler unrolls.
+ */
 static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally)
 {
     uint64_t *A_rz = tally->A_rz;
@@ -185,7 +200,7 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
         for (int i = 0; i < b->lanes; i++) cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
 }
 
-/* The same into the volume, where one is asked for. */
+/* The same into the voxels of the volume, where one is asked for; threads share it. */
 static void cml_scatter_volume(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -195,6 +210,7 @@ static void cml_scatter_volume(const struct cml_flight *f)
     }
 }
 
+/* The interactions of a pass, for all lanes that have come to theirs. */
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -209,14 +225,23 @@ static void cml_flight_interact(struct cml_flight *f)
     if (low) cml_for_lanes(f, cml_lanes_below_threshold(f->b) & f->live, cml_lane_roulette);
 }
 
-/* Returns the lanes in the tail. A lane without a packet draws like the others, but meets nothing. */
+/* Lanes in the tail, without those that hold no packet. Such a lane draws like the others, so its optical
+ * depth may come to lie in the tail, too: it is parked again, with a finite one. */
 static uint64_t cml_park_dead_lanes(struct cml_flight *f)
 {
-    const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_with(f->b, CML_LANE_NEAR));
+    const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_with(f->b, CML_LANE_MAY_HIT));
     cml_for_lanes(f, tails & ~f->live, cml_park_lane);
     return tails & f->live;
 }
 
+/* One pass: every lane that holds a packet goes from one interaction to the next, or to a boundary and on
+ * from there. draw       random words of the next interaction fly        path to it; which lanes may hit a
+ * boundary before boundaries of those lanes: planes in vector loops, curved ones gathered by medium, rare
+ * cases one by one interact   hop, drop, spin and roulette of all lanes that got there refill     lanes whose
+ * packet has ended All lanes do the same at the same time, event by event: event-based or vectorised Monte
+ * Carlo [Brown & Martin, Progress in Nuclear Energy 14 (1984) 269], known on GPUs as wavefront tracing
+ * [Laine, Karras & Aila, High Performance Graphics 2013]. Lanes that wait at boundaries and refills keep the
+ * loops full. */
 static void cml_flight_pass(struct cml_flight *f)
 {
     CML_HOOK_LANES(CML_HOOK_PASS, f->b->lanes);
@@ -228,8 +253,8 @@ static void cml_flight_pass(struct cml_flight *f)
     if (f->ended) cml_refill(f);
 }
 
-/* f holds world, bundle (all 0), tally, media and source: the first packets take their lanes.
- */
+/* Before the first pass. f holds world, bundle (all 0), tally, media and source, all else is 0: finds out
+ * what all packets have in common, and launches the first ones. */
 static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -250,11 +275,12 @@ static void cml_flight_begin(struct cml_flight *f)
         CML_OF_MEDIUM(f->b, start_above)[i] = -CML_INFINITY;
         CML_OF_MEDIUM(f->b, start_below)[i] = CML_INFINITY;
     }
-    f->live = f->ended = ~(uint64_t)0;
+    f->live = f->ended = ~(uint64_t)0; /* as if a packet had ended in every lane: all are refilled */
     cml_refill(f);
 }
 
-/* Until the last packet has ended. */
+/* Passes until the last packet has ended. Ballistic packets have been counted only: their one end goes into
+ * the tally as often as they were. */
 static void cml_flight_run(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -265,7 +291,8 @@ static void cml_flight_run(struct cml_flight *f)
     cml_terminated_flush_times(setup, &f->terminated, f->ballistic.count, f->tally);
 }
 
-/* Everything goes into `tally`. media: [num_layers + 2]. */
+/* Flies all packets that the source hands out. Everything goes into `tally`, which no other thread writes but
+ * for the arrays that threads share. media: [num_layers + 2]. */
 static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
                                    const struct cml_range_source *source, struct cml_tally *tally)
 {

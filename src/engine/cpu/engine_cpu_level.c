@@ -32,6 +32,9 @@ static void cpu_close(void *self)
     free(cpu);
 }
 
+/* A tally for each thread, so that no addition needs a lock. Where A_rz is too large for a copy each
+ * (cml_grid_of_thread), all threads add to the one of the caller, with atomic additions, and the first thread
+ * needs one of its own, too. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)
@@ -46,6 +49,7 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
     return CML_OK;
 }
 
+/* Media as lanes hold them; the same for all threads. */
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
     const int count = cpu->owned.world.setup.num_layers + 2;
@@ -79,7 +83,8 @@ struct pool {
     uint64_t taken; /* shared by all threads */
 };
 
-/* Towards the end less and less, so that all threads end at about the same time. */
+/* How many photons a thread takes next. Towards the end less and less (guided scheduling), so that all
+ * threads end at about the same time. */
 static uint64_t choose_chunk(const struct pool *pool)
 {
     const uint64_t least = 16;
@@ -91,6 +96,8 @@ static uint64_t choose_chunk(const struct pool *pool)
     return fair > least ? (fair < pool->chunk ? fair : pool->chunk) : least;
 }
 
+/* The next photons of the pool, for struct cml_range_source. Which thread flies which photons does not
+ * matter: a photon owns its random numbers, and sums are of integers. */
 static int take_chunk(void *context, uint64_t *first, uint64_t *count)
 {
     struct pool *pool = context;
@@ -107,7 +114,8 @@ static int take_chunk(void *context, uint64_t *first, uint64_t *count)
     return 1;
 }
 
-/* A part, one of as many as there are threads, of what threads have scored apart. */
+/* Adds to the tally what threads have scored in tallies of their own. Each thread adds one part of the cells,
+ * of all of those tallies, so no two write the same cell. */
 static void gather_part(struct cpu_engine *cpu, struct cml_tally *tally)
 {
     const int parts = omp_get_num_threads();
@@ -115,6 +123,7 @@ static void gather_part(struct cpu_engine *cpu, struct cml_tally *tally)
         cml_tally_move(tally, &cpu->tallies[i], omp_get_thread_num(), parts);
 }
 
+/* All threads fly photons of the range until there are none, then gather their tallies. */
 static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
                           struct cml_error *err)
 {
@@ -142,7 +151,8 @@ static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_e
     return trace_packets(&cpu->owned.world, index, 1, on_event, context, record, err);
 }
 
-/* By the walk that the bundles equal bit for bit, because bundles keep no packet's record. */
+/* How packets end, by the scalar walk: bundles keep no record of single packets, and equal that walk bit for
+ * bit. */
 static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                             struct cml_error *err)
 {
@@ -164,6 +174,7 @@ static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct c
     return status;
 }
 
+/* Without an engine: as many as one would take. */
 static int cpu_threads(const void *self)
 {
     return self ? ((const struct cpu_engine *)self)->threads : omp_get_max_threads();

@@ -1,10 +1,12 @@
-/* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the
- * scene, on one thread, in ns per photon: what it takes in all, and of that around  which lanes may be near
- * one, asked in every pass that has any at a boundary, ahead   whether their paths keep clear of it, seek
- * which ring or facet they meet, and where, lane by lane, turn    roots and normals of rings, reflection and
- * refraction, cross   their packets into the next medium, or out of the scene for good or until they come
- * back. The whole is flown without clocks, and the parts once more with them, less what the clocks take.
- * Prints CSV. SPDX-License-Identifier: MIT */
+/* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the scene, on one
+ * thread, in ns per photon: what it takes in all (ns), and of that
+ *   around  which lanes may be near one, asked in every pass that has any at a boundary
+ *   ahead   whether their paths keep clear of it
+ *   seek    which ring or facet they meet, and where, lane by lane
+ *   turn    roots and normals of rings, reflection and refraction
+ *   cross   their packets into the next medium, or out of the scene for good or until they come back
+ * The whole is flown without clocks, and the parts once more with them (engine/cpu/bundle_hooks.h), less what the clocks
+ * take. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_BEGIN(part) begin(part)
 #define CML_HOOK_END(part) end(part)

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/engine_reference.h"
 
+/* All kernels that this file includes are compiled in double precision. */
 #define CML_DOUBLE
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
 #include <stdlib.h>
 
+/* An engine is its world: it keeps no state between ranges. */
 static cml_status reference_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, void **self, struct cml_error *err)
 {

@@ -9,6 +9,7 @@
 #include "engine/terminated_packets_inl.h"
 #include "walk.h"
 
+/* Flies packets [first, first + count), one after the other, into the tally. */
 static inline void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
                                struct cml_tally *tally)
 {
@@ -24,12 +25,15 @@ static inline void run_packets(const struct cml_world *world, uint64_t first, ui
     cml_terminated_flush(&world->setup, &terminated, tally);
 }
 
+/* Whoever listens to the events of a packet; scene coordinates need the world. */
 struct tracing {
     const struct cml_world *world;
     cml_trace_function *on_event;
     void *context;
 };
 
+/* An event of kernels/walk.h, from the frame of the medium and the beam's axis into the coordinates of the
+ * scene. */
 static void forward_event(void *context, const char *what, const struct cml_packet *packet)
 {
     const struct tracing *tracing = context;
@@ -45,6 +49,7 @@ static void forward_event(void *context, const char *what, const struct cml_pack
     tracing->on_event(tracing->context, &event);
 }
 
+/* How a packet has ended, in shares of a packet and coordinates of the scene. */
 static inline struct cml_fate_record record_of(const struct cml_world *world, const struct cml_packet *packet)
 {
     const struct cml_fate_record record = {
@@ -61,7 +66,8 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
     return record;
 }
 
-/* Packets whose deposits go into a tally that is thrown away. on_event may be NULL. */
+/* How packets [first, first + count) end: records[count]. Their deposits go into a tally that is thrown away,
+ * the smallest that the walk can write to. on_event may be NULL. Fails when memory for the tally runs out. */
 static inline cml_status trace_packets(const struct cml_world *world, uint64_t first, uint64_t count,
                                        cml_trace_function *on_event, void *context,
                                        struct cml_fate_record *records, struct cml_error *err)

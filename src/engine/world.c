@@ -10,6 +10,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* Rings, and cells of clearance pyramids, of all boundaries: they share one array each. */
 static size_t count_rings(const struct cml_surface_set *surfaces)
 {
     size_t rings = 0;

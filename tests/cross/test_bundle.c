@@ -270,7 +270,7 @@ static void bundle_flight_close(struct bundle_flight *b)
 }
 
 /* One word in 2^32 puts an optical depth into the tail, and lanes without a packet draw like the others. */
-static void a_lane_without_a_terminated_packets_nothing(void **state)
+static void a_lane_without_a_packet_ends_nothing(void **state)
 {
     (void)state;
     static struct bundle_flight b;
@@ -382,7 +382,7 @@ int main(void)
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
-        cmocka_unit_test(a_lane_without_a_terminated_packets_nothing),
+        cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
         cmocka_unit_test(ballistic_light_has_the_same_tally),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),
         cmocka_unit_test(an_interaction_beside_a_facet_is_remembered),

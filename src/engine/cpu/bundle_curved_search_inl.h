@@ -153,8 +153,8 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
 }
 
 /* Lanes that may hit a curved boundary wait for others, as those at planes do (cml_process_planes): the
- * vector loops take as long for few. The limit is by measurement. Then medium by medium, that of the lowest
- * lane first. Lanes of a pencil beam above a boundary whose hit is known need no search. */
+ * vector loops take as long for few. Then medium by medium, that of the lowest lane first. Lanes of a pencil
+ * beam above a boundary whose hit is known need no search. */
 static void cml_process_curved(struct cml_flight *f)
 {
     const int limit = f->b->lanes == CML_LANES ? 32 : 1;

@@ -52,8 +52,7 @@ struct cml_flight {
     int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
     int wait_at_curved;           /* the same of lanes at curved boundaries */
     /* photons on their way in and out */
-    uint64_t next,
-        left; /* first index and number of the range in hand, as far as it is not in the queue yet */
+    uint64_t next, left; /* of the range in hand, beyond the queue: first index, and number */
     struct cml_launch_queue queue;
     struct cml_terminated terminated;
 };

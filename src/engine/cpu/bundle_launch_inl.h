@@ -36,8 +36,8 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
 }
 
 /* Counts the ballistic packets among the first `count` of the queue and drops them: all of them end alike, so
- * one end times their number is booked when the flight is over (cml_flight_run). The others close up. Returns
- * their number. */
+ * one end times their number is booked when the flight is over (cml_flight_run). The others close up;
+ * returns how many they are. */
 static int cml_count_ballistic(struct cml_flight *f, int count)
 {
     struct cml_launch_queue *queue = &f->queue;
@@ -150,7 +150,7 @@ static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue,
     return cml_group_equal(through, 1);
 }
 
-/* Packets of the queue into lanes of a group; the queue holds as many. Columns are unpacked: values that lie
+/* Packets of the queue into lanes of a group; the queue holds enough. Columns are unpacked: values that lie
  * side by side go to the lanes of the mask, in order. Packets that are transmitted at the first boundary
  * start behind it. */
 static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes)

@@ -234,14 +234,15 @@ static uint64_t cml_park_dead_lanes(struct cml_flight *f)
     return tails & f->live;
 }
 
-/* One pass: every lane that holds a packet goes from one interaction to the next, or to a boundary and on
- * from there. draw       random words of the next interaction fly        path to it; which lanes may hit a
- * boundary before boundaries of those lanes: planes in vector loops, curved ones gathered by medium, rare
- * cases one by one interact   hop, drop, spin and roulette of all lanes that got there refill     lanes whose
- * packet has ended All lanes do the same at the same time, event by event: event-based or vectorised Monte
- * Carlo [Brown & Martin, Progress in Nuclear Energy 14 (1984) 269], known on GPUs as wavefront tracing
- * [Laine, Karras & Aila, High Performance Graphics 2013]. Lanes that wait at boundaries and refills keep the
- * loops full. */
+/* One pass. Every lane that holds a packet comes to its next interaction, or waits at a boundary:
+ *   draw        random words of the next interaction
+ *   fly         the path to it, and which lanes may hit a boundary before
+ *   boundaries  of those lanes: planes in vector loops, curved ones gathered by medium, rare cases singly
+ *   interact    hop, drop, spin and roulette of all lanes that got there
+ *   refill      lanes whose packet has ended
+ * All lanes do the same at the same time, event by event: event-based or vectorised Monte Carlo [Brown &
+ * Martin, Progress in Nuclear Energy 14 (1984) 269], on GPUs known as wavefront path tracing [Laine, Karras
+ * & Aila, High Performance Graphics 2013]. Waiting at boundaries and refills keep the loops full. */
 static void cml_flight_pass(struct cml_flight *f)
 {
     CML_HOOK_LANES(CML_HOOK_PASS, f->b->lanes);

@@ -1,5 +1,7 @@
 /* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
- * SPDX-License-Identifier: MIT */
+ * The host gives a device photon indices, launches the kernel again and again until it has flown them all,
+ * and adds its cells to the tally. A launch flies a bounded number of steps, and packets stay on the device
+ * from one to the next. SPDX-License-Identifier: MIT */
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
@@ -17,6 +19,7 @@ struct opencl_engine {
     uint64_t *cells;                   /* of one device */
 };
 
+/* Also of an engine that was opened in part. */
 static void opencl_close(void *self)
 {
     struct opencl_engine *engine = self;
@@ -28,6 +31,7 @@ static void opencl_close(void *self)
     free(engine);
 }
 
+/* Devices have no mesh query: meshes are searched on the host, in double and with exact predicates. */
 static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 struct cml_error *err)
 {
@@ -41,6 +45,7 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
+/* Nor do their kernels score maps, volumes and facets (kernels/device_deposits.h). */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
     const bool map = scene->map.nx > 0;
@@ -52,6 +57,8 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
         scene->file, map ? scene->map.line : scene->line, map ? "map" : "facets");
 }
 
+/* What every device gets a copy of. only_planes: then its compiler leaves out all that curved boundaries
+ * need, and packets have more registers. */
 static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_surface_set *surfaces,
                                         const struct cml_engine_options *options, const struct cml_grid *grid)
@@ -75,6 +82,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
     return scene;
 }
 
+/* All devices at once, so that one that refuses is found before any packet flies. */
 static cml_status open_flights(const struct cml_opencl_device *devices, int count,
                                const struct cml_opencl_scene *scene, struct opencl_engine *engine,
                                struct cml_error *err)
@@ -107,6 +115,7 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     return status;
 }
 
+/* chunk: what a device is given at a time, for tests; it never changes a result. */
 static cml_status opencl_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                               const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
@@ -127,7 +136,9 @@ struct pool {
     uint64_t first, count;
 };
 
-/* One device takes all; several take ever smaller parts, so that they end together. */
+/* Gives a device photons of the pool. A single device takes all. Several take half of their fair share each
+ * time, so that fast ones come back sooner and all end together; but never fewer than fill the device once.
+ */
 static void give(const struct opencl_engine *engine, struct cml_opencl_flight *flight, struct pool *pool)
 {
     const uint64_t share = engine->count > 1 ? pool->count / (2 * (uint64_t)engine->count) : pool->count;
@@ -139,7 +150,9 @@ static void give(const struct opencl_engine *engine, struct cml_opencl_flight *f
     pool->count -= part;
 }
 
-/* One launch on every device that has work. */
+/* One launch on every device that has work. All are started before any is waited for, so that they run at the
+ * same time. active: out, how many were started; 0: the pool is empty and no packet is under way. tally: gets
+ * the indices of lost packets; NULL: nobody wants them. */
 static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, int *active,
                              struct cml_tally *tally, struct cml_error *err)
 {
@@ -163,7 +176,8 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
     return CML_OK;
 }
 
-/* kernels/device_layout.h says what lies where in the block. */
+/* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. A square comes
+ * in three parts, because devices add in 64 bits. */
 static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tally *tally)
 {
     for (int i = 0; i < CML_NUM_BOOKS; i++) tally->book[i] += cells[CML_CELL_BOOK + (cml_u32)i];
@@ -175,6 +189,8 @@ static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tall
     for (uint64_t i = CML_CELL_LAYER; i < num_cells; i++) tally->A_l[i - CML_CELL_LAYER] += cells[i];
 }
 
+/* Launches until all packets of the range have ended, then collects each device's cells: the tally of a range
+ * is complete when this returns, so a checkpoint needs to know nothing of devices. */
 static cml_status opencl_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
                              struct cml_error *err)
 {
@@ -191,6 +207,7 @@ static cml_status opencl_run(void *self, uint64_t first, uint64_t count, struct 
     return CML_OK;
 }
 
+/* From the device's coordinates and weight units into those of a record. */
 static void copy_record(const struct cml_setup *setup, const struct cml_device_fate *from,
                         struct cml_fate_record *to)
 {
@@ -245,6 +262,7 @@ static const char *event_name(const struct cml_packet *before, const struct cml_
     return after->medium == before->medium ? "reflect" : "transmit";
 }
 
+/* Hands an event to whoever listens, if anyone does. */
 static void tell(const struct cml_owned_world *owned, const char *what, const struct cml_packet *packet,
                  cml_trace_function *on_event, void *context)
 {
@@ -252,7 +270,9 @@ static void tell(const struct cml_owned_world *owned, const char *what, const st
     if (on_event) forward_event(&tracing, what, packet);
 }
 
-/* One item, one step per launch, and a look at the packet after each. */
+/* Follows one packet: launches of one step, after each of which the packet is read back and compared with
+ * what it was. The launch itself happens on the device within the first step, so the host repeats it for its
+ * event. */
 static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight *flight, uint64_t index,
                          cml_trace_function *on_event, void *context, struct cml_error *err)
 {
@@ -273,6 +293,7 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
     return CML_OK;
 }
 
+/* Without a listener a trace is a record like any other. */
 static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                                struct cml_fate_record *record, struct cml_error *err)
 {
@@ -288,6 +309,7 @@ static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *o
     return read_records(engine, 1, record, err);
 }
 
+/* Compute units of all devices. */
 static int opencl_threads(const void *self)
 {
     const struct opencl_engine *engine = self;

@@ -3,17 +3,10 @@
  * how many lanes go through the loops of a pass and through those of the planes for it, whether they have
  * something to do there or not, and what it takes. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "engine/cpu/bundle_loops.h"
+#define CML_HOOK_LANES(loop, lanes) (counted[loop] += (lanes))
+#include "engine/cpu/bundle_hooks.h"
 
-static double launched, lanes_in_passes, lanes_at_planes;
-
-#define cml_bundle_launch(b, start, absorbed, first, lanes)                                                  \
-    (launched += __builtin_popcount(lanes), cml_bundle_launch(b, start, absorbed, first, lanes))
-#include "engine/cpu/bundle_launch.h"
-
-/* The loops that each pass, and each round of planes, begins with. */
-#define cml_bundle_draw(setup, b) (lanes_in_passes += (b)->lanes, cml_bundle_draw(setup, b))
-#define cml_bundle_reach_planes(b) (lanes_at_planes += (b)->lanes, cml_bundle_reach_planes(b))
+static double counted[CML_HOOK_LOOPS]; /* lanes, by the loop that they went through */
 
 #define CML_LEVEL busy
 #include "engine/cpu/engine_cpu_level.c"
@@ -22,16 +15,16 @@ static double launched, lanes_in_passes, lanes_at_planes;
 
 static void reset(void)
 {
-    launched = lanes_in_passes = lanes_at_planes = 0;
+    for (int loop = 0; loop < CML_HOOK_LOOPS; loop++) counted[loop] = 0;
 }
 
 static void report(const char *path, const struct bench_flight *flight)
 {
     const double n = (double)flight->photons;
     const uint64_t *count = flight->tally.count;
-    printf("%s,%.3f,%.2f,%.2f,%.2f,%.2f,%.1f\n", path, launched / n,
+    printf("%s,%.3f,%.2f,%.2f,%.2f,%.2f,%.1f\n", path, counted[CML_HOOK_LAUNCH] / n,
            (double)count[CML_COUNT_INTERACTIONS] / n, (double)count[CML_COUNT_BOUNDARY_EVENTS] / n,
-           lanes_in_passes / n, lanes_at_planes / n, 1e9 * flight->seconds / n);
+           counted[CML_HOOK_PASS] / n, counted[CML_HOOK_PLANES] / n, 1e9 * flight->seconds / n);
 }
 
 static cml_status measure(const char *path, struct cml_error *err)

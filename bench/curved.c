@@ -1,24 +1,25 @@
-/* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the
- * scene, on one thread, in ns per photon: what it takes in all, and of that around  which lanes may be near
- * one, asked in every pass that has any at a boundary, ahead   whether their paths keep clear of it, seek
- * which ring or facet they meet, and where, lane by lane, turn    roots and normals of rings, reflection and
- * refraction, cross   their packets into the next medium, or out of the scene for good or until they come
- * back. The whole is flown without clocks, and the parts once more with them, less what the clocks take.
- * Prints CSV. SPDX-License-Identifier: MIT */
+/* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the scene, on one
+ * thread, in ns per photon: what it takes in all (ns), and of that
+ *   around  which lanes may be near one, asked in every pass that has any at a boundary
+ *   ahead   whether their paths keep clear of it
+ *   seek    which ring or facet they meet, and where, lane by lane
+ *   turn    roots and normals of rings, reflection and refraction
+ *   cross   their packets into the next medium, or out of the scene for good or until they come back
+ * The whole is flown without clocks, and the parts once more with them (engine/cpu/bundle_hooks.h), less what the clocks
+ * take. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "engine/cpu/bundle_curved_reach.h"
-#include "engine/cpu/bundle_loops.h"
+#define CML_HOOK_BEGIN(part) begin(part)
+#define CML_HOOK_END(part) end(part)
+#include "engine/cpu/bundle_hooks.h"
 
 #include <string.h>
 #include <time.h>
-
-enum part { AROUND, AHEAD, TURN, HITS, CURVES, PARTS };
 
 static int timed; /* whether the parts are */
 static struct {
     double begin, ns;
     long times;
-} spent[PARTS];
+} spent[CML_HOOK_PARTS];
 
 static double ticks(void)
 {
@@ -27,30 +28,17 @@ static double ticks(void)
     return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-static void begin(enum part part)
+static void begin(enum cml_hook_part part)
 {
     if (timed) spent[part].begin = ticks();
 }
 
-static void end(enum part part)
+static void end(enum cml_hook_part part)
 {
     if (!timed) return;
     spent[part].ns += ticks() - spent[part].begin;
     spent[part].times++;
 }
-
-static int answer;
-#define TIMED(part, call) (begin(part), (call), end(part))
-#define TIMED_ANSWER(part, call) (begin(part), answer = (call), end(part), answer)
-
-#define cml_hits_refine_rings(world, side, h) TIMED(TURN, cml_hits_refine_rings(world, side, h))
-#define cml_hits_reflect_or_refract(setup, side, n1, n2, h) TIMED_ANSWER(TURN, cml_hits_reflect_or_refract(setup, side, n1, n2, h))
-#define cml_gather_intervals(f, medium, lanes) TIMED(AHEAD, cml_gather_intervals(f, medium, lanes))
-#define cml_bundle_classify_near(b, steepest) TIMED_ANSWER(AROUND, cml_bundle_classify_near(b, steepest))
-#include "engine/cpu/bundle_curved_cross.h"
-#define cml_process_hits(f, medium, side, h) TIMED(HITS, cml_process_hits(f, medium, side, h))
-#include "engine/cpu/bundle_curved_search.h"
-#define cml_process_curved(f) TIMED(CURVES, cml_process_curved(f))
 
 #define CML_LEVEL curved
 #include "engine/cpu/engine_cpu_level.c"
@@ -76,20 +64,20 @@ static struct clocks time_clocks(void)
     reset();
     timed = 1;
     const double start = ticks();
-    for (int i = 0; i < COUNT; i++) TIMED(HITS, (void)0);
-    const double within = spent[HITS].ns / COUNT, both = (ticks() - start) / COUNT;
+    for (int i = 0; i < COUNT; i++) begin(CML_HOOK_HITS), end(CML_HOOK_HITS);
+    const double within = spent[CML_HOOK_HITS].ns / COUNT, both = (ticks() - start) / COUNT;
     timed = 0;
     return (struct clocks){within, both};
 }
 
 /* What a part takes, with all parts within it. */
-static double whole(enum part part, struct clocks clocks)
+static double whole(enum cml_hook_part part, struct clocks clocks)
 {
     return spent[part].ns - (double)spent[part].times * clocks.within;
 }
 
 /* What a part that was timed has added to the one around it. */
-static double added(enum part part, struct clocks clocks)
+static double added(enum cml_hook_part part, struct clocks clocks)
 {
     return whole(part, clocks) + (double)spent[part].times * clocks.around;
 }
@@ -99,13 +87,15 @@ static double added(enum part part, struct clocks clocks)
 static void report(const char *path, const struct bench_flight *flight, double ns, double flown,
                    struct clocks clocks)
 {
-    for (int part = 0; part < PARTS; part++) flown -= (double)spent[part].times * clocks.around;
+    for (int part = 0; part < CML_HOOK_PARTS; part++) flown -= (double)spent[part].times * clocks.around;
     const double n = flown / ns;
-    const double turn = whole(TURN, clocks), cross = whole(HITS, clocks) - added(TURN, clocks);
-    const double seek = whole(CURVES, clocks) - added(AHEAD, clocks) - added(HITS, clocks);
+    const double turn = whole(CML_HOOK_REFLECT, clocks);
+    const double cross = whole(CML_HOOK_HITS, clocks) - added(CML_HOOK_REFLECT, clocks);
+    const double ahead = whole(CML_HOOK_INTERVALS, clocks);
+    const double seek = whole(CML_HOOK_CURVED, clocks) - added(CML_HOOK_INTERVALS, clocks) - added(CML_HOOK_HITS, clocks);
     printf("scene,queries,ns,around,ahead,seek,turn,cross\n%s,%.3f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n", path,
            (double)flight->tally.count[CML_COUNT_QUERIES] / (double)flight->photons, ns,
-           whole(AROUND, clocks) / n, whole(AHEAD, clocks) / n, seek / n, turn / n, cross / n);
+           whole(CML_HOOK_CLASSIFY, clocks) / n, ahead / n, seek / n, turn / n, cross / n);
 }
 
 static cml_status measure(const char *path, enum cml_surface_kind force, struct cml_error *err)

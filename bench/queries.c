@@ -4,8 +4,9 @@
  * one after the other, so that each stands alone. Prints CSV.
  * SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
-#include "engine/scalar_walk.h"
+#include "engine/world.h"
 #include "input/mci.h"
+#include "walk.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -115,18 +116,18 @@ int main(int argc, char **argv)
     struct cml_error err;
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
-    struct scalar_world world;
+    struct cml_owned_world owned;
     const struct cml_engine_options options = {.seed = 1, .reentry = true};
     struct cml_surface_options how = {.force = CML_SURFACE_AUTO, .tessellation = {.tolerance = 1e-3}};
     if (argc > 2) how.force = strcmp(argv[2], "--mesh") == 0 ? CML_SURFACE_MESH : CML_SURFACE_CONE;
     const char *path = argc > 1 ? argv[1] : "samples/shapes/hinoise.mci";
     cml_status status = cml_mci_read(path, NULL, &list, &err);
     if (status == CML_OK) status = cml_surfaces_create(&list.scenes[0], &how, &surfaces, &err);
-    if (status == CML_OK) status = scalar_world_create(&list.scenes[0], &surfaces, &options, &world, &err);
+    if (status == CML_OK) status = cml_owned_world_create(&list.scenes[0], &surfaces, &options, &owned, &err);
     if (status != CML_OK) {
         fprintf(stderr, "bench_queries: %s\n", err.text);
         return 2;
     }
-    report(&world.world);
+    report(&owned.world);
     return 0;
 }

@@ -1,6 +1,6 @@
 /* A finished packet's entry into the tallies of an OpenCL device: weight balance, counts, squares and exit
- * bins, which src/engine/terminated_packets.h adds up on the host, for many packets at once. OpenCL C only.
- * SPDX-License-Identifier: MIT */
+ * bins, which src/engine/terminated_packets_inl.h adds up on the host, for many packets at once. OpenCL C
+ * only. SPDX-License-Identifier: MIT */
 #ifndef CML_DEVICE_SCORE_H
 #define CML_DEVICE_SCORE_H
 

@@ -27,6 +27,15 @@ typedef uint64_t cml_u64;
 #define CML_FN static inline
 #endif
 
+/* An invariant. Checked on the host in builds without NDEBUG (Debug, and the one with sanitizers); in release
+ * builds and on devices it is not even computed. */
+#if defined(__OPENCL_VERSION__) || defined(NDEBUG)
+#define CML_ASSERT(condition) ((void)0)
+#else
+#include <assert.h>
+#define CML_ASSERT(condition) assert(condition)
+#endif
+
 /* Multiply-adds are written out as CML_FMA, one rounding each, and compilers contract nothing by themselves:
  * that way every compiler, vector width and device gives the same bits. */
 #ifdef CML_DOUBLE

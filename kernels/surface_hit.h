@@ -27,6 +27,17 @@ CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary
     return rings;
 }
 
+CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
+{
+    return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
+}
+
+/* How far rounding may take the depths of a path of height `step` from z. */
+CML_FN real cml_err_depth(real z, real step)
+{
+    return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
+}
+
 /* A point's x and y from the field's axis instead of the beam's. */
 CML_FN struct cml_vec cml_from_scene_axis(const struct cml_world *world, struct cml_vec p)
 {

@@ -5,6 +5,7 @@
 #ifndef CML_WALK_H
 #define CML_WALK_H
 
+#include "invariants.h"
 #include "optics.h"
 #include "rng.h"
 #include "surface_hit.h"
@@ -35,6 +36,7 @@ CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *pa
 CML_FN void cml_scatter_packet(real g, struct cml_packet *packet)
 {
     packet->u = cml_scatter(packet->u, g, packet->draw.w[1], packet->draw.w[2]);
+    CML_ASSERT(cml_is_unit(packet->u));
 }
 
 #ifdef __OPENCL_VERSION__ /* its string literals have an address space of their own, and nobody listens */
@@ -68,12 +70,6 @@ CML_FN real cml_path(real tau, real mfp)
 CML_FN real cml_free_path(const struct cml_world *world, const struct cml_packet *packet)
 {
     return cml_path(packet->tau, world->media[packet->medium].mfp);
-}
-
-/* How far rounding may take the depths of a path of height `step` from z. */
-CML_FN real cml_err_depth(real z, real step)
-{
-    return 4 * CML_EPSILON * (CML_FABS(z) + CML_FABS(step));
 }
 
 /* Distance across the beam from its axis: uniform over a disk, or a Gaussian of irradiance exp(-2 r^2 /
@@ -193,16 +189,12 @@ CML_FN void cml_roulette(struct cml_packet *packet)
     if (packet->w > 0 && packet->draw.w[3] < CML_ROULETTE_SURVIVAL) {
         packet->gained += packet->w * (CML_ROULETTE_FACTOR - 1u);
         packet->w *= CML_ROULETTE_FACTOR;
+        CML_ASSERT(packet->w < CML_ROULETTE_THRESHOLD * CML_ROULETTE_FACTOR);
     } else {
         packet->roulette += packet->w;
         packet->w = 0;
         cml_end_packet(packet, CML_FATE_ABSORBED);
     }
-}
-
-CML_FN int cml_is_plane(const struct cml_world *world, int boundary)
-{
-    return CML_ALL_PLANES || world->surfaces[boundary].kind == CML_SURFACE_PLANE;
 }
 
 /* P9: a packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin
@@ -231,7 +223,9 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
         cml_lose_packet(packet, CML_LOST_LEAKED);
         return;
     }
+    CML_ASSERT(cml_is_in_layer(world, packet->medium, packet->p, t * packet->u.z));
     const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[2]);
+    CML_ASSERT(dw <= packet->w && packet->w <= CML_WEIGHT_ONE);
     packet->w -= dw;
     cml_deposit(world, to, packet, dw);
     cml_scatter_packet(medium->g, packet);
@@ -374,6 +368,7 @@ CML_FN void cml_boundary_event(const struct cml_world *world, struct cml_packet 
     packet->undeflected = n1 == n2;
     const int transmitted =
         packet->undeflected || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);
+    CML_ASSERT(cml_is_unit(packet->u));
     if (transmitted) packet->medium = other;
     packet->p = hit->point;
     if (packet->medium == boundary) packet->p.z += world->media[boundary].span;
@@ -466,6 +461,7 @@ CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *t
     cml_launch(world, index, packet);
     if (cml_has_facets(to)) cml_score_launch(world, to, packet);
     while (packet->fate == CML_FATE_ALIVE) cml_step(world, to, packet);
+    CML_ASSERT(cml_packet_balances(world, packet));
     cml_event(world, "end", packet);
 }
 

@@ -4,6 +4,8 @@
 #include "surface/surface_facets.h"
 #include "types.h"
 
+/* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other ones than its
+ * cones. */
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 const struct cml_engine_options *options)
 {

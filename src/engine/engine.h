@@ -9,6 +9,7 @@
 #include "surface/surface.h"
 #include "tally/tally.h"
 
+/* What a run asks of any engine. Unset members are 0. */
 struct cml_engine_options {
     uint64_t seed;
     uint32_t run;    /* number of the run within its file, so that runs of one file are independent */

@@ -1,16 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/engine_reference.h"
 
+/* All kernels that this file includes are compiled in double precision. */
 #define CML_DOUBLE
-#include "engine/scalar_walk.h"
+#include "engine/scalar_walk_inl.h"
+#include "engine/world.h"
 
+#include <stdlib.h>
+
+/* An engine is its world: it keeps no state between ranges. */
 static cml_status reference_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
-    struct scalar_world *world = malloc(sizeof *world);
+    struct cml_owned_world *world = malloc(sizeof *world);
     *self = NULL;
     if (!world) return cml_fail_memory(err, sizeof *world, "an engine");
-    const cml_status status = scalar_world_create(scene, surfaces, options, world, err);
+    const cml_status status = cml_owned_world_create(scene, surfaces, options, world, err);
     if (status != CML_OK)
         free(world);
     else
@@ -22,7 +27,7 @@ static cml_status reference_run(void *self, uint64_t first, uint64_t count, stru
                                 struct cml_error *err)
 {
     (void)err;
-    const struct scalar_world *world = self;
+    const struct cml_owned_world *world = self;
     run_packets(&world->world, first, count, tally);
     return CML_OK;
 }
@@ -30,14 +35,14 @@ static cml_status reference_run(void *self, uint64_t first, uint64_t count, stru
 static cml_status reference_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                                   struct cml_fate_record *record, struct cml_error *err)
 {
-    const struct scalar_world *world = self;
+    const struct cml_owned_world *world = self;
     return trace_packets(&world->world, index, 1, on_event, context, record, err);
 }
 
 static cml_status reference_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                                   struct cml_error *err)
 {
-    const struct scalar_world *world = self;
+    const struct cml_owned_world *world = self;
     return trace_packets(&world->world, first, count, NULL, NULL, records, err);
 }
 
@@ -50,7 +55,7 @@ static int reference_threads(const void *self)
 static void reference_close(void *self)
 {
     if (!self) return;
-    scalar_world_free(self);
+    cml_owned_world_free(self);
     free(self);
 }
 

@@ -3,9 +3,10 @@
  * shows. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "engine/cpu/bundle_walk.h"
+#include "engine/cpu/bundle_walk_inl.h"
 #include "engine/cpu/engine_cpu.h"
-#include "engine/scalar_walk.h"
+#include "engine/scalar_walk_inl.h"
+#include "engine/world.h"
 #include "surface/mesh/mesh_surface.h"
 
 #include <glob.h>
@@ -49,15 +50,15 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
     const struct cml_engine_options options = {
         .seed = 5, .threads = 2, .chunk = 37, .reentry = reentry, .absorption = true};
     struct cml_tally scalar;
-    struct scalar_world world;
+    struct cml_owned_world world;
     require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
     const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
-    require_ok(scalar_world_create(scene, &surfaces, &options, &world, &err), &err);
+    require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
     run_packets(&world.world, 1000, photons, &scalar);
     struct cml_tally bundles = fly_bundles(scene, &surfaces, &options, &grid, photons);
     expect_same_tally(&scalar, &bundles, scene->output);
-    scalar_world_free(&world);
+    cml_owned_world_free(&world);
     cml_tally_free(&scalar);
     cml_tally_free(&bundles);
     cml_surfaces_free(&surfaces);
@@ -231,7 +232,7 @@ static int take_all(void *context, uint64_t *first, uint64_t *count)
 /* A bundle to be looked into, of one layer. */
 struct bundle_flight {
     struct flight flight;
-    struct scalar_world scalar;
+    struct cml_owned_world scalar;
     struct cml_tally tally;
     struct cml_lane_medium media[3];
     struct cml_bundle bundle;
@@ -251,7 +252,7 @@ static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind,
     const struct cml_scene *scene = &b->flight.list.scenes[0];
     const struct cml_grid grid = cml_engine_grid(scene, &b->flight.surfaces, &options);
     require_ok(cml_tally_create(&grid, &b->tally, &err), &err);
-    require_ok(scalar_world_create(scene, &b->flight.surfaces, &options, &b->scalar, &err), &err);
+    require_ok(cml_owned_world_create(scene, &b->flight.surfaces, &options, &b->scalar, &err), &err);
     for (int m = 0; m < 3; m++) b->media[m] = cml_lane_medium_of(&b->scalar.world, m);
     b->f = (struct cml_flight){.world = &b->scalar.world,
                                .b = &b->bundle,
@@ -263,13 +264,13 @@ static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind,
 
 static void bundle_flight_close(struct bundle_flight *b)
 {
-    scalar_world_free(&b->scalar);
+    cml_owned_world_free(&b->scalar);
     cml_tally_free(&b->tally);
     flight_close(&b->flight);
 }
 
 /* One word in 2^32 puts an optical depth into the tail, and lanes without a packet draw like the others. */
-static void a_lane_without_a_terminated_packets_nothing(void **state)
+static void a_lane_without_a_packet_ends_nothing(void **state)
 {
     (void)state;
     static struct bundle_flight b;
@@ -278,7 +279,7 @@ static void a_lane_without_a_terminated_packets_nothing(void **state)
     while (b.f.live == CML_GROUP_MASK) cml_flight_pass(&b.f);
     const int empty = __builtin_ctzll(~b.f.live);
     b.bundle.tau[empty] = CML_INFINITY;
-    b.bundle.task[empty] = CML_LANE_DONE;
+    b.bundle.task[empty] = CML_LANE_TO_FLY;
     cml_flight_run(&b.f);
     assert_int_equal(b.tally.count[CML_COUNT_PHOTONS], CML_GROUP);
     bundle_flight_close(&b);
@@ -309,7 +310,7 @@ static void a_lane_stands_beside_facets_for_one_flight(void **state)
     (void)state;
     static struct cml_bundle b;
     struct cml_packet packet = {.interactions = 3, .beside = 2}, after;
-    b.interactions[0] = b.touched[0] = 3;
+    b.interactions[0] = b.interactions_at_hit[0] = 3;
     b.bounces[0] = 7;
     cml_store_beside(&b, 0, &packet);
     b.interactions[0]++;
@@ -324,7 +325,7 @@ static void a_lane_stands_beside_facets_for_one_flight(void **state)
 }
 
 /* A packet below boundary 0 that stands on an edge of its first facet and interacts further along it. */
-static struct cml_packet packet_on_an_edge(const struct scalar_world *scalar,
+static struct cml_packet packet_on_an_edge(const struct cml_owned_world *scalar,
                                            const struct cml_surface_set *surfaces)
 {
     double middle[3], size = 0;
@@ -381,7 +382,7 @@ int main(void)
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
-        cmocka_unit_test(a_lane_without_a_terminated_packets_nothing),
+        cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
         cmocka_unit_test(ballistic_light_has_the_same_tally),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),
         cmocka_unit_test(an_interaction_beside_a_facet_is_remembered),

@@ -3,12 +3,13 @@
  * the exact one gives. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
-#include "engine/scalar_walk.h"
+#include "engine/world.h"
+#include "walk.h"
 
 struct bench {
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
-    struct scalar_world scalar;
+    struct cml_owned_world scalar;
     struct cml_stream stream;
     uint64_t draws;
 };
@@ -24,13 +25,14 @@ static void bench_open(const char *line, enum cml_surface_kind kind, struct benc
     snprintf(text, sizeof text, "1.0\n1\nbench A\n1\n1 1\n1 1 1\n1\n1\n%s\n1.4 1 10 0 2\n1\n", line);
     read_scenes(text, &bench->list);
     require_ok(cml_surfaces_create(&bench->list.scenes[0], &surface, &bench->surfaces, &err), &err);
-    require_ok(scalar_world_create(&bench->list.scenes[0], &bench->surfaces, &options, &bench->scalar, &err),
-               &err);
+    require_ok(
+        cml_owned_world_create(&bench->list.scenes[0], &bench->surfaces, &options, &bench->scalar, &err),
+        &err);
 }
 
 static void bench_close(struct bench *bench)
 {
-    scalar_world_free(&bench->scalar);
+    cml_owned_world_free(&bench->scalar);
     cml_surfaces_free(&bench->surfaces);
     cml_scene_list_clear(&bench->list);
 }
@@ -48,8 +50,8 @@ static void random_step(struct bench *bench, double reach, double height, struct
 {
     const double ux = dice(bench), uy = dice(bench), uz = dice(bench) * (dice(bench) > 0 ? 1 : 0.1);
     const double k = 1 / sqrt(ux * ux + uy * uy + uz * uz + 1e-30);
-    *p = to_vec(reach * dice(bench), reach * dice(bench), 2 * height * dice(bench));
-    *u = to_vec(k * ux, k * uy, k * uz);
+    *p = cml_vec_of(reach * dice(bench), reach * dice(bench), 2 * height * dice(bench));
+    *u = cml_vec_of(k * ux, k * uy, k * uz);
     *length = (real)pow(10, -2 + 2.5 * dice(bench));
 }
 

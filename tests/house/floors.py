@@ -53,7 +53,7 @@ FOREIGN = {
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())
-KERNEL_COMMON = set("math.h stdbool.h stddef.h stdint.h string.h float.h limits.h".split())
+KERNEL_COMMON = set("assert.h math.h stdbool.h stddef.h stdint.h string.h float.h limits.h".split())
 CXX_COMMON = set("cmath cstddef cstdint cstdio cstdlib cstring exception fstream iostream istream limits map new "
                  "sstream streambuf string utility vector".split())
 # Sources that define what others define, and are built in their place.

@@ -3,7 +3,8 @@
  * A position counts as in its medium when it lies on the right side of both boundaries, or within the
  * rounding of its coordinates of the one that it is beyond. SPDX-License-Identifier: MIT */
 #include "atlas.h"
-#include "engine/scalar_walk.h"
+#include "engine/terminated_packets_inl.h"
+#include "engine/world.h"
 #include "geometry/vec3.h"
 
 #include <time.h>
@@ -165,13 +166,13 @@ static void aim(struct walker *walker, const struct place *place, int boundary, 
     *packet = (struct cml_packet){.index = index, .w = CML_WEIGHT_ONE, .on_boundary = -1, .on_primitive = -1};
     packet->medium = medium_at(walker, start);
     const double depth = (double)walker->world->media[packet->medium].depth;
-    packet->p = to_vec(start[0] - (double)setup->x0, start[1] - (double)setup->y0, start[2] - depth);
+    packet->p = cml_vec_of(start[0] - (double)setup->x0, start[1] - (double)setup->y0, start[2] - depth);
     d[0] = target[0] - (double)setup->x0 - (double)packet->p.x;
     d[1] = target[1] - (double)setup->y0 - (double)packet->p.y;
     d[2] = target[2] - depth - (double)packet->p.z;
     const double size = sqrt(cml_vec3_dot(d, d)), *way = walker->flight->aim == AIM_DROP ? u : d;
     const double unit = walker->flight->aim == AIM_DROP ? 1 : size;
-    packet->u = to_vec(way[0] / unit, way[1] / unit, way[2] / unit);
+    packet->u = cml_vec_of(way[0] / unit, way[1] / unit, way[2] / unit);
     if (walker->flight->aim != AIM_FACE) {
         packet->p.x = moved_by_ulps(packet->p.x, dice_below(&walker->dice, 5) - 2);
         packet->p.y = moved_by_ulps(packet->p.y, dice_below(&walker->dice, 5) - 2);
@@ -293,10 +294,10 @@ cml_status NAME(ATLAS_PRECISION, ATLAS_LEVEL)(const struct atlas_flight *flight,
 {
     const struct cml_engine_options options = {.seed = flight->seed, .reentry = true};
     const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = flight->scene->num_layers};
-    struct scalar_world world;
+    struct cml_owned_world world;
     struct cml_tally tally;
     *count = (struct atlas_count){0};
-    CML_TRY(scalar_world_create(flight->scene, flight->surfaces, &options, &world, err));
+    CML_TRY(cml_owned_world_create(flight->scene, flight->surfaces, &options, &world, err));
     const cml_status status = cml_tally_create(&grid, &tally, err);
     if (status == CML_OK) {
         struct walker walker = {.flight = flight, .count = count, .world = &world.world};
@@ -310,6 +311,6 @@ cml_status NAME(ATLAS_PRECISION, ATLAS_LEVEL)(const struct atlas_flight *flight,
         fly_all(&walker);
         cml_tally_free(&tally);
     }
-    scalar_world_free(&world);
+    cml_owned_world_free(&world);
     return status;
 }

@@ -1,6 +1,7 @@
-/* Between the lanes of a group and masks with a bit for each: what no vector loop in plain C compiles well
- * to, and every vector unit has an instruction for. Columns are [CML_GROUP], of 4 bytes; bit i of a mask is
- * lane i. SPDX-License-Identifier: MIT */
+/* Between the lanes of a group and masks with a bit for each: compare, pack (compress) and unpack (expand).
+ * No vector loop in plain C compiles well to them, and AVX-512 has an instruction for each; elsewhere they
+ * are loops over set bits. Columns are [CML_GROUP], of 4 bytes; bit i of a mask is lane i. Tiny inline
+ * helpers, no more code than that. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_MASKS_H
 #define CML_BUNDLE_MASKS_H
 

@@ -21,6 +21,7 @@ static bool has_v4(void)
 }
 #endif
 
+/* In the order in which they are preferred; the baseline runs everywhere. */
 int cml_cpu_levels(struct cml_cpu_level levels[CML_CPU_LEVELS])
 {
     int count = 0;

@@ -1,15 +1,18 @@
 /* The CPU engine for one level of the processor: compiled once for each (CML_LEVEL, see CMakeLists.txt), so
  * that one binary is fast on all machines. Only instructions differ; results are the same to the last bit.
- * SPDX-License-Identifier: MIT */
-#include "engine/cpu/bundle_walk.h"
-#include "engine/scalar_walk.h"
+ * Everything hot is in this one translation unit. The headers bundle_*_inl.h are its code, cut into files by
+ * subject: a loop over lanes becomes vector instructions only if all that it calls is inlined, and then in
+ * those of this level only if it is compiled with this file's options. SPDX-License-Identifier: MIT */
+#include "engine/cpu/bundle_walk_inl.h"
+#include "engine/scalar_walk_inl.h"
+#include "engine/world.h"
 
 #include <omp.h>
 #include <stddef.h>
 #include <stdlib.h>
 
 struct cpu_engine {
-    struct scalar_world scalar;
+    struct cml_owned_world owned;
     struct cml_lane_medium *media; /* [num_layers + 2] */
     struct cml_tally *tallies;     /* one for each thread but those that score into the caller's; zero */
     int threads, num_tallies;
@@ -25,10 +28,13 @@ static void cpu_close(void *self)
     for (int i = 0; i < cpu->num_tallies; i++) cml_tally_free(&cpu->tallies[i]);
     free(cpu->tallies);
     free(cpu->media);
-    scalar_world_free(&cpu->scalar);
+    cml_owned_world_free(&cpu->owned);
     free(cpu);
 }
 
+/* A tally for each thread, so that no addition needs a lock. Where A_rz is too large for a copy each
+ * (cml_grid_of_thread), all threads add to the one of the caller, with atomic additions, and the first thread
+ * needs one of its own, too. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)
@@ -43,12 +49,13 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
     return CML_OK;
 }
 
+/* Media as lanes hold them; the same for all threads. */
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
-    const int count = cpu->scalar.world.setup.num_layers + 2;
+    const int count = cpu->owned.world.setup.num_layers + 2;
     cpu->media = calloc((size_t)count, sizeof *cpu->media);
     if (!cpu->media) return cml_fail_memory(err, count * (double)sizeof *cpu->media, "the media");
-    for (int m = 0; m < count; m++) cpu->media[m] = cml_lane_medium_of(&cpu->scalar.world, m);
+    for (int m = 0; m < count; m++) cpu->media[m] = cml_lane_medium_of(&cpu->owned.world, m);
     return CML_OK;
 }
 
@@ -60,7 +67,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
     cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
     cpu->chunk = options->chunk > 0 ? options->chunk : 128;
-    cml_status status = scalar_world_create(scene, surfaces, options, &cpu->scalar, err);
+    cml_status status = cml_owned_world_create(scene, surfaces, options, &cpu->owned, err);
     if (status == CML_OK) status = create_lane_media(cpu, err);
     if (status == CML_OK) status = create_tallies(scene, surfaces, options, cpu, err);
     if (status != CML_OK)
@@ -76,7 +83,8 @@ struct pool {
     uint64_t taken; /* shared by all threads */
 };
 
-/* Towards the end less and less, so that all threads end at about the same time. */
+/* How many photons a thread takes next. Towards the end less and less (guided scheduling), so that all
+ * threads end at about the same time. */
 static uint64_t choose_chunk(const struct pool *pool)
 {
     const uint64_t least = 16;
@@ -88,6 +96,8 @@ static uint64_t choose_chunk(const struct pool *pool)
     return fair > least ? (fair < pool->chunk ? fair : pool->chunk) : least;
 }
 
+/* The next photons of the pool, for struct cml_range_source. Which thread flies which photons does not
+ * matter: a photon owns its random numbers, and sums are of integers. */
 static int take_chunk(void *context, uint64_t *first, uint64_t *count)
 {
     struct pool *pool = context;
@@ -104,7 +114,8 @@ static int take_chunk(void *context, uint64_t *first, uint64_t *count)
     return 1;
 }
 
-/* A part, one of as many as there are threads, of what threads have scored apart. */
+/* Adds to the tally what threads have scored in tallies of their own. Each thread adds one part of the cells,
+ * of all of those tallies, so no two write the same cell. */
 static void gather_part(struct cpu_engine *cpu, struct cml_tally *tally)
 {
     const int parts = omp_get_num_threads();
@@ -112,6 +123,7 @@ static void gather_part(struct cpu_engine *cpu, struct cml_tally *tally)
         cml_tally_move(tally, &cpu->tallies[i], omp_get_thread_num(), parts);
 }
 
+/* All threads fly photons of the range until there are none, then gather their tallies. */
 static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
                           struct cml_error *err)
 {
@@ -125,7 +137,7 @@ static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml
         const int apart = omp_get_thread_num() - cpu->first_apart;
         struct cml_tally *mine = apart < 0 ? tally : &cpu->tallies[apart];
         if (apart >= 0) cml_tally_borrow(mine, tally);
-        cml_bundle_walk(&cpu->scalar.world, cpu->media, &source, mine);
+        cml_bundle_walk(&cpu->owned.world, cpu->media, &source, mine);
 #pragma omp barrier
         gather_part(cpu, tally);
     }
@@ -136,10 +148,11 @@ static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_e
                             struct cml_fate_record *record, struct cml_error *err)
 {
     const struct cpu_engine *cpu = self;
-    return trace_packets(&cpu->scalar.world, index, 1, on_event, context, record, err);
+    return trace_packets(&cpu->owned.world, index, 1, on_event, context, record, err);
 }
 
-/* By the walk that the bundles equal bit for bit, because bundles keep no packet's record. */
+/* How packets end, by the scalar walk: bundles keep no record of single packets, and equal that walk bit for
+ * bit. */
 static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                             struct cml_error *err)
 {
@@ -152,7 +165,7 @@ static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct c
         const uint64_t size = count - begin < cpu->chunk ? count - begin : cpu->chunk;
         struct cml_error mine;
         const cml_status failed =
-            trace_packets(&cpu->scalar.world, first + begin, size, NULL, NULL, records + begin, &mine);
+            trace_packets(&cpu->owned.world, first + begin, size, NULL, NULL, records + begin, &mine);
         if (failed != CML_OK) {
 #pragma omp critical
             *err = mine, status = failed;
@@ -161,6 +174,7 @@ static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct c
     return status;
 }
 
+/* Without an engine: as many as one would take. */
 static int cpu_threads(const void *self)
 {
     return self ? ((const struct cpu_engine *)self)->threads : omp_get_max_threads();

@@ -1,29 +1,37 @@
 /* The OpenCL engine: the walk of kernels/walk.h on one or several devices, which share each range.
- * SPDX-License-Identifier: MIT */
-#include "engine/scalar_walk.h"
+ * The host gives a device photon indices, launches the kernel again and again until it has flown them all,
+ * and adds its cells to the tally. A launch flies a bounded number of steps, and packets stay on the device
+ * from one to the next. SPDX-License-Identifier: MIT */
+#include "engine/scalar_walk_inl.h"
+#include "engine/world.h"
 
 #include "engine/opencl/engine_opencl.h"
 #include "engine/opencl/opencl_parts.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 struct opencl_engine {
-    struct scalar_world scalar; /* what the devices have copies of */
+    struct cml_owned_world owned; /* what the devices have copies of */
     int count;
     struct cml_opencl_flight *flights; /* [count] */
     uint64_t chunk;                    /* packets a device is given at a time; 0: by what is left */
     uint64_t *cells;                   /* of one device */
 };
 
+/* Also of an engine that was opened in part. */
 static void opencl_close(void *self)
 {
     struct opencl_engine *engine = self;
     if (!engine) return;
     for (int i = 0; i < engine->count; i++) cml_opencl_flight_close(&engine->flights[i]);
-    scalar_world_free(&engine->scalar);
+    cml_owned_world_free(&engine->owned);
     free(engine->flights);
     free(engine->cells);
     free(engine);
 }
 
+/* Devices have no mesh query: meshes are searched on the host, in double and with exact predicates. */
 static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 struct cml_error *err)
 {
@@ -37,6 +45,7 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
+/* Nor do their kernels score maps, volumes and facets (kernels/device_deposits.h). */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
     const bool map = scene->map.nx > 0;
@@ -48,19 +57,21 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
         scene->file, map ? scene->map.line : scene->line, map ? "map" : "facets");
 }
 
+/* What every device gets a copy of. only_planes: then its compiler leaves out all that curved boundaries
+ * need, and packets have more registers. */
 static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
                                         const struct cml_surface_set *surfaces,
                                         const struct cml_engine_options *options, const struct cml_grid *grid)
 {
     struct cml_opencl_scene scene = {
-        .setup = engine->scalar.world.setup,
-        .media = engine->scalar.media,
-        .surfaces = engine->scalar.surfaces,
-        .rings = engine->scalar.rings,
-        .ring_starts = engine->scalar.ring_starts,
-        .clearance = engine->scalar.clearance,
-        .num_rings = count_rings(surfaces),
-        .clearance_cells = count_clearance_cells(surfaces),
+        .setup = engine->owned.world.setup,
+        .media = engine->owned.media,
+        .surfaces = engine->owned.surfaces,
+        .rings = engine->owned.rings,
+        .ring_starts = engine->owned.ring_starts,
+        .clearance = engine->owned.clearance,
+        .num_rings = engine->owned.num_rings,
+        .clearance_cells = engine->owned.clearance_cells,
         .only_planes = true,
         .cells = cml_tally_cells(grid),
         .build_options = options->build_options,
@@ -71,6 +82,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
     return scene;
 }
 
+/* All devices at once, so that one that refuses is found before any packet flies. */
 static cml_status open_flights(const struct cml_opencl_device *devices, int count,
                                const struct cml_opencl_scene *scene, struct opencl_engine *engine,
                                struct cml_error *err)
@@ -94,7 +106,7 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     CML_TRY(refuse_meshes(scene, surfaces, err));
     CML_TRY(refuse_maps(scene, err));
     CML_TRY(cml_opencl_select(options->device, options->local_rank, &devices, &count, err));
-    cml_status status = scalar_world_create(scene, surfaces, options, &engine->scalar, err);
+    cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
     if (status == CML_OK) {
         const struct cml_opencl_scene job = scene_of(engine, surfaces, options, &grid);
         status = open_flights(devices, count, &job, engine, err);
@@ -103,6 +115,7 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     return status;
 }
 
+/* chunk: what a device is given at a time, for tests; it never changes a result. */
 static cml_status opencl_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                               const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
@@ -123,7 +136,9 @@ struct pool {
     uint64_t first, count;
 };
 
-/* One device takes all; several take ever smaller parts, so that they end together. */
+/* Gives a device photons of the pool. A single device takes all. Several take half of their fair share each
+ * time, so that fast ones come back sooner and all end together; but never fewer than fill the device once.
+ */
 static void give(const struct opencl_engine *engine, struct cml_opencl_flight *flight, struct pool *pool)
 {
     const uint64_t share = engine->count > 1 ? pool->count / (2 * (uint64_t)engine->count) : pool->count;
@@ -135,7 +150,9 @@ static void give(const struct opencl_engine *engine, struct cml_opencl_flight *f
     pool->count -= part;
 }
 
-/* One launch on every device that has work. */
+/* One launch on every device that has work. All are started before any is waited for, so that they run at the
+ * same time. active: out, how many were started; 0: the pool is empty and no packet is under way. tally: gets
+ * the indices of lost packets; NULL: nobody wants them. */
 static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, int *active,
                              struct cml_tally *tally, struct cml_error *err)
 {
@@ -159,7 +176,8 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
     return CML_OK;
 }
 
-/* kernels/device_layout.h says what lies where in the block. */
+/* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. A square comes
+ * in three parts, because devices add in 64 bits. */
 static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tally *tally)
 {
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] += cells[CML_CELL_BALANCE + (cml_u32)i];
@@ -171,6 +189,8 @@ static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tall
     for (uint64_t i = CML_CELL_LAYER; i < num_cells; i++) tally->A_l[i - CML_CELL_LAYER] += cells[i];
 }
 
+/* Launches until all packets of the range have ended, then collects each device's cells: the tally of a range
+ * is complete when this returns, so a checkpoint needs to know nothing of devices. */
 static cml_status opencl_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
                              struct cml_error *err)
 {
@@ -187,6 +207,7 @@ static cml_status opencl_run(void *self, uint64_t first, uint64_t count, struct 
     return CML_OK;
 }
 
+/* From the device's coordinates and weight units into those of a record. */
 static void copy_record(const struct cml_setup *setup, const struct cml_device_fate *from,
                         struct cml_fate_record *to)
 {
@@ -212,7 +233,7 @@ static cml_status read_records(struct opencl_engine *engine, uint64_t count, str
     if (!fates) return cml_fail_memory(err, (double)bytes, "fates");
     const cml_status status = cml_opencl_flight_read(engine->flights, CML_BUFFER_FATES, fates, bytes, err);
     for (uint64_t i = 0; status == CML_OK && i < count; i++)
-        copy_record(&engine->scalar.world.setup, &fates[i], &records[i]);
+        copy_record(&engine->owned.world.setup, &fates[i], &records[i]);
     free(fates);
     return status;
 }
@@ -241,20 +262,23 @@ static const char *event_name(const struct cml_packet *before, const struct cml_
     return after->medium == before->medium ? "reflect" : "transmit";
 }
 
-static void tell(const struct scalar_world *scalar, const char *what, const struct cml_packet *packet,
+/* Hands an event to whoever listens, if anyone does. */
+static void tell(const struct cml_owned_world *owned, const char *what, const struct cml_packet *packet,
                  cml_trace_function *on_event, void *context)
 {
-    struct tracing tracing = {&scalar->world, on_event, context};
+    struct tracing tracing = {&owned->world, on_event, context};
     if (on_event) forward_event(&tracing, what, packet);
 }
 
-/* One item, one step per launch, and a look at the packet after each. */
+/* Follows one packet: launches of one step, after each of which the packet is read back and compared with
+ * what it was. The launch itself happens on the device within the first step, so the host repeats it for its
+ * event. */
 static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight *flight, uint64_t index,
                          cml_trace_function *on_event, void *context, struct cml_error *err)
 {
     struct cml_packet before, after;
-    cml_launch(&engine->scalar.world, index, &before);
-    tell(&engine->scalar, "launch", &before, on_event, context);
+    cml_launch(&engine->owned.world, index, &before);
+    tell(&engine->owned, "launch", &before, on_event, context);
     cml_opencl_flight_give(flight, index, 1);
     do {
         flight->launch.steps = 1;
@@ -262,13 +286,14 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
         CML_TRY(cml_opencl_flight_finish(flight, err));
         CML_TRY(cml_opencl_flight_read(flight, CML_BUFFER_PACKETS, &after, sizeof after, err));
         const char *what = event_name(&before, &after);
-        if (strcmp(what, "end") != 0) tell(&engine->scalar, what, &after, on_event, context);
+        if (strcmp(what, "end") != 0) tell(&engine->owned, what, &after, on_event, context);
         before = after;
     } while (!cml_opencl_flight_done(flight));
-    tell(&engine->scalar, "end", &after, on_event, context);
+    tell(&engine->owned, "end", &after, on_event, context);
     return CML_OK;
 }
 
+/* Without a listener a trace is a record like any other. */
 static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                                struct cml_fate_record *record, struct cml_error *err)
 {
@@ -284,6 +309,7 @@ static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *o
     return read_records(engine, 1, record, err);
 }
 
+/* Compute units of all devices. */
 static int opencl_threads(const void *self)
 {
     const struct opencl_engine *engine = self;

@@ -1,5 +1,6 @@
-/* A file of the cache: a line of lengths and checksum, the key, the binary.
- * SPDX-License-Identifier: MIT */
+/* Compiling the kernels takes time, so binaries are kept from run to run. A file of the cache: a line of
+ * lengths and checksum, the key, the binary. The key is stored in full, because different keys may have the
+ * same hash. SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
 #include "base/atomic_file.h"
@@ -13,7 +14,8 @@
 
 #define MAGIC "clustermcml-opencl-1"
 
-/* FNV-1a [Fowler, Noll, Vo]. */
+/* FNV-1a [Fowler, Noll, Vo]: names files and finds damaged ones. It need not withstand an attacker, who could
+ * not write here. */
 static uint64_t hash(const void *data, size_t size)
 {
     const unsigned char *bytes = data;
@@ -22,6 +24,7 @@ static uint64_t hash(const void *data, size_t size)
     return h;
 }
 
+/* Only the user may write what will be run. */
 static bool ensure_directory(const char *path)
 {
     return mkdir(path, 0700) == 0 || errno == EEXIST;
@@ -45,6 +48,7 @@ static bool cache_path(const char *key, char path[1024])
     return true;
 }
 
+/* The binary of a file, if the file is whole and of this very key; else NULL, and it is built anew. */
 static unsigned char *read_binary(FILE *file, const char *key, size_t *size)
 {
     unsigned long long key_size = 0, binary_size = 0, checksum = 0;
@@ -64,6 +68,7 @@ static unsigned char *read_binary(FILE *file, const char *key, size_t *size)
     return data;
 }
 
+/* Whatever fails here only costs a compilation, so nothing is reported. */
 unsigned char *cml_opencl_cache_load(const char *key, size_t *size)
 {
     char path[1024];
@@ -75,6 +80,7 @@ unsigned char *cml_opencl_cache_load(const char *key, size_t *size)
     return binary;
 }
 
+/* Written under another name first, so that another process never reads half a file. */
 void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t size)
 {
     char path[1024];

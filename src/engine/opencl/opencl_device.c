@@ -7,8 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* One for each driver: more than a machine is likely to have. */
 #define MOST_PLATFORMS 16
 
+/* The codes that users meet: what a driver reports when a device is missing, too small or too old. */
 static const char *code_name(cl_int code)
 {
 #define NAME(code)                                                                                           \
@@ -33,6 +35,7 @@ static const char *code_name(cl_int code)
     return "OpenCL error";
 }
 
+/* The one place that words a failed call of OpenCL: device, what was done, name and number of the code. */
 cml_status cml_opencl_fail(const struct cml_opencl_device *device, const char *what, cl_int code,
                            struct cml_error *err)
 {
@@ -47,6 +50,8 @@ static void ask(cl_device_id id, cl_device_info what, size_t size, void *value)
     if (clGetDeviceInfo(id, what, size, value, NULL) != CL_SUCCESS) memset(value, 0, size);
 }
 
+/* Whether the device lists an extension. The text is as long as the driver likes, so its size is asked for
+ * first. */
 static bool has_extension(cl_device_id id, const char *name)
 {
     char *all = NULL;
@@ -61,6 +66,8 @@ static bool has_extension(cl_device_id id, const char *name)
     return found;
 }
 
+/* All that the program wants to know of a device, asked once. A driver need not answer every question (see
+ * ask). */
 static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl_info *info)
 {
     cl_device_type type;
@@ -95,6 +102,8 @@ static void describe(cl_platform_id platform, cl_device_id id, struct cml_opencl
     info->little_endian = little != CL_FALSE;
 }
 
+/* Appends the devices of one platform. A platform without devices, or whose driver fails, counts as empty:
+ * another may do. */
 static cml_status append_platform(cl_platform_id platform, struct cml_opencl_device **list, int *count,
                                   struct cml_error *err)
 {
@@ -117,6 +126,8 @@ static cml_status append_platform(cl_platform_id platform, struct cml_opencl_dev
     return CML_OK;
 }
 
+/* Devices are numbered across platforms, in the order in which drivers name them: those are the numbers of
+ * --device. Without a driver the loader reports an error, and that is an empty list. */
 cml_status cml_opencl_find(struct cml_opencl_device **list, int *count, struct cml_error *err)
 {
     cl_platform_id platforms[MOST_PLATFORMS];
@@ -134,6 +145,7 @@ cml_status cml_opencl_find(struct cml_opencl_device **list, int *count, struct c
     return CML_OK;
 }
 
+/* As cml_opencl_find, without the handles, for those who know no OpenCL header. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     struct cml_opencl_device *devices;
@@ -150,6 +162,8 @@ const char *cml_opencl_build(void)
     return "OpenCL 1.2";
 }
 
+/* Ranks of one machine share its GPUs in turn; a CPU that also is a device is left to ranks of machines
+ * without a GPU. */
 int cml_opencl_default(const struct cml_opencl_info *list, int count, int local_rank)
 {
     int gpus = 0;
@@ -192,6 +206,7 @@ static cml_status parse_selection(const char *wanted, int devices, int *numbers,
     return CML_OK;
 }
 
+/* cml_opencl_default for devices with handles; the first one if memory is short. */
 static int choose_default(const struct cml_opencl_device *all, int count, int local_rank)
 {
     struct cml_opencl_info *infos = calloc((size_t)count, sizeof *infos);
@@ -201,6 +216,7 @@ static int choose_default(const struct cml_opencl_device *all, int count, int lo
     return number;
 }
 
+/* At most 64 devices: the engine notes in an array which of them it has started. */
 cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_opencl_device **list, int *count,
                              struct cml_error *err)
 {

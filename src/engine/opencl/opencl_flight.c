@@ -16,13 +16,16 @@
 #define NEAR_BYTES_ALONE 98304  /* of a single work-item: it stays in a core's cache */
 #define MOST_STEPS (1u << 20)
 
+/* The smaller one; callers know that it has at most 32 bits. */
 static uint32_t smaller(uint64_t a, uint64_t b)
 {
     return (uint32_t)(a < b ? a : b);
 }
 
-/* A group of one has its local memory to itself, adds without atomics and flies several packets, which a
- * compiler can turn and draw in vectors: what suits a CPU. Items of larger groups fly one packet each. */
+/* Chooses work-items, groups and lanes. On a GPU a work-item flies one packet, and many more items than it
+ * has processors hide the latency of memory. On a CPU a group of one item has its local memory to itself and
+ * adds without atomics; it flies several packets as lanes, which the compiler can turn and draw in vectors
+ * (kernels/device_lanes.h). */
 static void choose_sizes(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight)
 {
     const struct cml_opencl_info *info = &flight->device.info;
@@ -38,6 +41,8 @@ static void choose_sizes(const struct cml_opencl_scene *scene, struct cml_opencl
     flight->launch.steps = 256;
 }
 
+/* Places an array behind those before it in the block of cells, and as many of its first cells as `near` in
+ * local memory. first, near_used: in the two memories, moved on. */
 static struct cml_window place(uint64_t *first, uint64_t cells, uint64_t near, uint32_t *near_used)
 {
     const struct cml_window window = {*first, *near_used, smaller(cells, near)};
@@ -46,14 +51,16 @@ static struct cml_window place(uint64_t *first, uint64_t cells, uint64_t near, u
     return window;
 }
 
-/* Sums come first, then the exits near the axis, then as much of A_rz as there is room for. */
+/* Lays out the block of cells, and which of them a group keeps in local memory (privatised tallies): sums,
+ * which every packet adds to, then the exits near the axis, then as much of A_rz from the axis outwards as
+ * there is room for. At most half of the local memory is used, so that two groups fit. */
 static struct cml_windows place_windows(const struct cml_opencl_scene *scene,
                                         struct cml_opencl_flight *flight)
 {
     const struct cml_setup *setup = &scene->setup;
-    const uint64_t room = (flight->group == 1 ? NEAR_BYTES_ALONE : NEAR_BYTES_SHARED);
+    const uint64_t most = (flight->group == 1 ? NEAR_BYTES_ALONE : NEAR_BYTES_SHARED);
     const uint64_t local = flight->device.info.local_memory / 2;
-    const uint64_t near = (room < local ? room : local) / sizeof(uint64_t); /* 2048 at least on any device */
+    const uint64_t near = (most < local ? most : local) / sizeof(uint64_t); /* 2048 at least on any device */
     const uint64_t exits = ((uint64_t)setup->nr + 1) * (uint64_t)setup->na;
     const uint64_t layers = (uint64_t)setup->num_layers + 2;
     uint64_t first = 0;
@@ -68,6 +75,8 @@ static struct cml_windows place_windows(const struct cml_opencl_scene *scene,
     return windows;
 }
 
+/* Fails with a message of its own where the device cannot hold tallies and packets: drivers may notice only
+ * when the kernel runs. */
 static cml_status check_memory(const struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const struct cml_opencl_info *info = &flight->device.info;
@@ -82,6 +91,9 @@ static cml_status check_memory(const struct cml_opencl_flight *flight, struct cm
         (double)info->largest / mib);
 }
 
+/* Compiles the kernels for this device and scene. What is constant for a whole run is defined for the
+ * compiler. Without 64-bit atomics sums are made of two words. Division and root are rounded correctly where
+ * the device can, so that packets take the same way as on the CPU. */
 static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                         struct cml_error *err)
 {
@@ -100,6 +112,8 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     return status;
 }
 
+/* Makes a buffer, in place of one that is there, and fills it with `content` if that is not NULL. No buffer
+ * may be empty in OpenCL, so one without bytes gets eight. */
 static cml_status create_buffer(struct cml_opencl_flight *flight, int which, size_t bytes,
                                 const void *content, struct cml_error *err)
 {
@@ -120,6 +134,7 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
     return CML_OK;
 }
 
+/* Waits for all that was queued before. */
 cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, void *to, size_t bytes,
                                   struct cml_error *err)
 {
@@ -129,8 +144,10 @@ cml_status cml_opencl_flight_read(struct cml_opencl_flight *flight, int buffer, 
     return CML_OK;
 }
 
-/* The device's sizes and offsets of what both sides read must be ours. */
-static cml_status shake_hands(struct cml_opencl_flight *flight, struct cml_error *err)
+/* Asks the device how it lays out the structs that both sides read, and fails unless sizes and offsets are
+ * ours (kernels/device_layout.h). A compiler that aligns in another way would read the scene wrongly, and
+ * nothing else would show it. The buffer of fates is free at this time, and serves for the answer. */
+static cml_status check_layout(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     static const cml_u32 ours[CML_LAYOUT_ENTRIES] = CML_LAYOUT;
     const size_t one = 1;
@@ -155,7 +172,7 @@ static cml_status shake_hands(struct cml_opencl_flight *flight, struct cml_error
     return CML_OK;
 }
 
-/* No packet is under way anywhere. */
+/* Marks all packets on the device as ended: lanes then take new ones in the first launch. */
 static cml_status clear_packets(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t count = (size_t)flight->most_items * flight->lanes,
@@ -168,6 +185,7 @@ static cml_status clear_packets(struct cml_opencl_flight *flight, struct cml_err
     return status;
 }
 
+/* All tallies of the device to 0. */
 static cml_status clear_cells(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const cl_ulong zero = 0;
@@ -178,6 +196,8 @@ static cml_status clear_cells(struct cml_opencl_flight *flight, struct cml_error
     return CML_OK;
 }
 
+/* Copies the scene to the device. The scene's arrays are only read there; control and packets go on from
+ * launch to launch. */
 static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                  struct cml_error *err)
 {
@@ -216,6 +236,7 @@ static cml_status set_arguments(const struct cml_opencl_scene *scene, const stru
     return CML_OK;
 }
 
+/* In the order in which each step needs those before it. */
 static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                               struct cml_error *err)
 {
@@ -229,7 +250,7 @@ static cml_status open_device(const struct cml_opencl_scene *scene, struct cml_o
     flight->queue = clCreateCommandQueue(flight->context, device->id, 0, &code);
     CML_CL(device, "a queue", code, err);
     CML_TRY(build(scene, flight, err));
-    CML_TRY(shake_hands(flight, err));
+    CML_TRY(check_layout(flight, err));
     CML_TRY(create_buffers(scene, flight, err));
     return set_arguments(scene, &windows, flight, err);
 }
@@ -255,6 +276,8 @@ void cml_opencl_flight_close(struct cml_opencl_flight *flight)
     *flight = (struct cml_opencl_flight){0};
 }
 
+/* Fewer photons than the device could take use fewer items. Records need a buffer, which is made when the
+ * first are wanted and kept; the kernel must then be told of it. */
 cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t photons, uint64_t records,
                                    struct cml_error *err)
 {
@@ -271,6 +294,7 @@ cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t ph
     return CML_OK;
 }
 
+/* Written to the device with the other counters when the next launch starts. */
 void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t count)
 {
     flight->control.first = first;
@@ -288,6 +312,9 @@ bool cml_opencl_flight_done(const struct cml_opencl_flight *flight)
     return cml_opencl_flight_dry(flight) && flight->control.alive == 0;
 }
 
+/* Only whole groups can be launched; items beyond launch.items rest. Counters go with every launch: the
+ * device counts what is alive and lost during it. Flushed, so that the device begins while the host starts
+ * others. */
 cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     const size_t local = flight->group, global = (flight->launch.items + local - 1) / local * local;
@@ -307,7 +334,9 @@ cml_status cml_opencl_flight_start(struct cml_opencl_flight *flight, struct cml_
     return CML_OK;
 }
 
-/* What the launch would have taken had all items been busy to its end is at most this. */
+/* Adapts the number of steps of the next launch to LAUNCH_SECONDS: long enough that the host's part does not
+ * count, short enough for watchdogs. Near its end a launch has few packets left and is fast; what it would
+ * have taken with all items busy to its end is at most `full`. */
 static void adapt(struct cml_opencl_flight *flight, double seconds)
 {
     const uint32_t alive = flight->control.alive, items = flight->launch.items * flight->lanes;
@@ -318,6 +347,7 @@ static void adapt(struct cml_opencl_flight *flight, double seconds)
     if (full > LAUNCH_SECONDS * 2 && alive == items && *steps > 1) *steps /= 2;
 }
 
+/* The blocking read waits for the kernel, too, since the queue keeps its order. */
 cml_status cml_opencl_flight_finish(struct cml_opencl_flight *flight, struct cml_error *err)
 {
     CML_TRY(

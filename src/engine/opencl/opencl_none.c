@@ -6,6 +6,7 @@
 
 #include <stdlib.h>
 
+/* open fails, so that nothing else of the engine is ever called but threads and close. */
 static cml_status none_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                             const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
@@ -33,6 +34,7 @@ const struct cml_engine cml_engine_opencl = {
     .close = none_close,
 };
 
+/* An empty list and no error: `devices` then says that there is none. */
 cml_status cml_opencl_list(struct cml_opencl_info **list, int *count, struct cml_error *err)
 {
     *count = 0;

@@ -11,6 +11,7 @@
 
 #include <stddef.h>
 
+/* A device as OpenCL and as people know it. */
 struct cml_opencl_device {
     int number; /* as `devices` counts */
     cl_device_id id;
@@ -67,16 +68,18 @@ struct cml_opencl_scene {
     int group;                 /* 0: chosen */
 };
 
+/* Buffers of a device, in the order of the kernel's arguments. Those of the scene are written once; control,
+ * packets and cells live as long as the device is open. */
 enum {
     CML_BUFFER_MEDIA,
     CML_BUFFER_SURFACES,
     CML_BUFFER_RINGS,
     CML_BUFFER_RING_STARTS,
     CML_BUFFER_CLEARANCE,
-    CML_BUFFER_CONTROL,
-    CML_BUFFER_PACKETS,
-    CML_BUFFER_FATES,
-    CML_BUFFER_CELLS,
+    CML_BUFFER_CONTROL, /* counters that host and device pass to and fro, struct cml_control */
+    CML_BUFFER_PACKETS, /* packets under way, from launch to launch */
+    CML_BUFFER_FATES,   /* records, where they are wanted */
+    CML_BUFFER_CELLS,   /* all tallies */
     CML_NUM_BUFFERS
 };
 

@@ -42,6 +42,7 @@ static char *key_of(const struct cml_opencl_device *device, const char *options)
     return key;
 }
 
+/* A driver may refuse the binary, for instance after an update that left its version the same: then false. */
 static bool build_from_cache(const struct cml_opencl_device *device, cl_context context, const char *key,
                              const char *options, cl_program *program)
 {
@@ -59,6 +60,7 @@ static bool build_from_cache(const struct cml_opencl_device *device, cl_context 
     return false;
 }
 
+/* Stores the binary in the cache; a driver that gives none is no failure. */
 static void keep(const char *key, cl_program program)
 {
     size_t size = 0;
@@ -70,6 +72,7 @@ static void keep(const char *key, cl_program program)
     free(binary);
 }
 
+/* Compiles the text that was put together when the program was built (opencl_text.cmake). */
 static cml_status build_from_text(const struct cml_opencl_device *device, cl_context context,
                                   const char *options, cl_program *program, struct cml_error *err)
 {
@@ -85,6 +88,7 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
     return status;
 }
 
+/* Without memory for a key the program is built and not kept. */
 cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
                               cl_program *program, struct cml_error *err)
 {

@@ -6,7 +6,7 @@
 #include "engine/cpu/engine_cpu.h"
 
 #pragma GCC diagnostic ignored "-Wunused-function" /* of a lane, which none of these is in */
-#include "engine/cpu/bundle_curved_hits.h"
+#include "engine/cpu/bundle_curved_hits_inl.h"
 
 static const double turn = 6.283185307179586;
 

@@ -1,18 +1,26 @@
-/* Lanes at boundaries one by one, by kernels/walk.h: what vector loops leave to be done.
- * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LANE_EVENTS_H
-#define CML_BUNDLE_LANE_EVENTS_H
+/* Code, included by bundle_curved_cross_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes at boundaries one by one, by kernels/walk.h: the rare cases that
+ * vector loops leave to be done. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_LANE_EVENTS_INL_H
+#define CML_BUNDLE_LANE_EVENTS_INL_H
 
-#include "engine/cpu/bundle_pencil.h"
-#include "engine/cpu/bundle_lanes.h"
+#include "engine/cpu/bundle_lanes_inl.h"
 
+/* No boundary comes first: the lane interacts in this pass, s (cm) further on. */
 static void cml_lane_set_interacting(struct cml_flight *f, int i, real s)
 {
     f->b->s[i] = s;
     f->b->task[i] = CML_LANE_INTERACT;
 }
 
-/* As cml_nearest_hit. */
+/* Whether a lane's packet is still on its way from the source to a boundary whose hit is known
+ * (bundle_prepare.h). */
+static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u32 boundary_events)
+{
+    return f->first_hit_known && medium == 0 && boundary_events == 0;
+}
+
+/* cml_nearest_hit, but for a hit that is known without a search. */
 static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
                         struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
@@ -22,8 +30,11 @@ static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
     return 1;
 }
 
-/* One boundary event by kernels/walk.h, and as many more as it takes to come back into the material. Returns
- * 0 when there was none: then the packet interacts, *t further on. */
+/* Boundary events of one packet by kernels/walk.h: one, and as many more as it takes until it is back in the
+ * material or has ended: lanes hold packets of outer media only before they have entered. intervals: where on
+ * its path it can meet boundaries. Returns 0 when there was no event: then the packet interacts, *t (cm)
+ * further on.
+ */
 static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *packet,
                                struct cml_boundary_intervals intervals, real *t)
 {
@@ -45,7 +56,7 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
     }
 }
 
-/* The packet is back in the material, or has ended. */
+/* Back into the lane a packet that is in the material again, or else its end into the collection. */
 static void cml_return_to_lane(struct cml_flight *f, int i, const struct cml_packet *packet)
 {
     cml_tally_events(packet, f->tally);
@@ -55,7 +66,7 @@ static void cml_return_to_lane(struct cml_flight *f, int i, const struct cml_pac
         cml_store_packet(f, i, packet);
 }
 
-/* A packet that is outside leaves for good, or comes back into the material. */
+/* A packet in an outer medium leaves for good, or comes back into the material (P6). */
 static void cml_fly_outside(const struct cml_flight *f, struct cml_packet *packet)
 {
     const struct cml_world *world = f->world;
@@ -65,13 +76,14 @@ static void cml_fly_outside(const struct cml_flight *f, struct cml_packet *packe
     cml_boundary_events(f, packet, intervals, &t);
 }
 
-/* The lane's packet meets this, the first of its boundary events. */
+/* The lane's packet meets `hit`, found by a query that has been counted nowhere yet, and then whatever it
+ * takes until it is back in the material or has ended. */
 static void cml_process_found_hit(struct cml_flight *f, int i, const struct cml_hit *hit)
 {
     const struct cml_world *world = f->world;
     struct cml_packet packet;
     cml_lane_packet(f->b, i, &packet);
-    f->b->task[i] = CML_LANE_DONE;
+    f->b->task[i] = CML_LANE_TO_FLY;
     packet.queries = 1;
     cml_score_boundary_event(world, &f->to, &packet, hit);
     const int outside = packet.medium == 0 || packet.medium > world->setup.num_layers;
@@ -79,7 +91,8 @@ static void cml_process_found_hit(struct cml_flight *f, int i, const struct cml_
     cml_return_to_lane(f, i, &packet);
 }
 
-/* The lane's packet has been asked for and meets nothing. */
+/* A query has found no boundary on the lane's path: it interacts, unless that puts it beyond a boundary it
+ * has not crossed (P9). */
 static void cml_lane_misses(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
@@ -91,14 +104,15 @@ static void cml_lane_misses(struct cml_flight *f, int i)
         cml_lane_set_interacting(f, i, b->s[i]);
 }
 
-/* The lane's packet has something ahead, or nothing and never interacts. */
+/* The lane's packet may meet a boundary within `intervals`, or has no interaction ahead (P9), or is not a
+ * number: one step of kernels/walk.h up to the interaction itself, which the loops make. */
 static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_boundary_intervals intervals)
 {
     real t;
     struct cml_bundle *b = f->b;
     struct cml_packet packet;
     cml_lane_packet(b, i, &packet);
-    b->task[i] = CML_LANE_DONE;
+    b->task[i] = CML_LANE_TO_FLY;
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose_packet(&packet, CML_LOST_NAN);
     } else if (!cml_boundary_events(f, &packet, intervals, &t)) {
@@ -115,8 +129,8 @@ static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_bo
         cml_return_to_lane(f, i, &packet);
 }
 
-/* The lane interacts after s unless something is within reach; so it does where nothing is, and it never
- * interacts, or is not a number. */
+/* The lane interacts after s (cm), unless a boundary may come first, there is no interaction, or the
+ * direction is not a number. */
 static void cml_continue_lane(struct cml_flight *f, int i, struct cml_boundary_intervals intervals, real s)
 {
     const struct cml_bundle *b = f->b;
@@ -127,7 +141,8 @@ static void cml_continue_lane(struct cml_flight *f, int i, struct cml_boundary_i
         cml_lane_set_interacting(f, i, s);
 }
 
-/* A lane that has nothing ahead, or whose optical depth lies in the tail, or that is aimed. */
+/* Lane i from the start of its path, without the vector loops: its optical depth may still lie in the tail,
+ * or it has no event ahead, or is on its way from the source to a boundary whose hit is known. */
 static void cml_process_lane(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;

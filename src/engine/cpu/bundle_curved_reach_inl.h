@@ -1,12 +1,15 @@
-/* Lanes near curved surfaces: what they can meet before they interact is asked for many of them in vector
- * loops, a medium at a time. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_REACH_H
-#define CML_BUNDLE_CURVED_REACH_H
+/* Code, included by bundle_curved_search_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes near curved boundaries, step 1: the part of its path on which each can
+ * meet one before it interacts, if any. Asked for many lanes in vector loops, a medium at a time.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_REACH_INL_H
+#define CML_BUNDLE_CURVED_REACH_INL_H
 
-#include "engine/cpu/bundle_lanes.h"
-#include "engine/cpu/bundle_curved_hits.h"
+#include "engine/cpu/bundle_lanes_inl.h"
+#include "engine/cpu/bundle_curved_hits_inl.h"
 
-/* Where lanes can meet one boundary. */
+/* Where gathered lanes can meet one boundary: on the part [from, to] of their paths, cm from where they are,
+ * if meets is 1. */
 struct cml_intervals {
     _Alignas(64) int meets[CML_LANES];
     real from[CML_LANES], to[CML_LANES];
@@ -14,7 +17,9 @@ struct cml_intervals {
 
 #define CML_GATHERED (CML_LANES + CML_GROUP) /* packing writes whole groups */
 
-/* Lanes of one medium side by side. size: whole vectors; what lies behind the lanes there may be anything. */
+/* Lanes of one medium, gathered side by side, so that all of them look at the same two boundaries and vectors
+ * are full. size: their number, rounded up to whole vectors; what lies behind the lanes there may be
+ * anything. Positions in the frame of the medium, lengths in cm. */
 struct cml_gathered {
     int size;
     _Alignas(64) real x[CML_GATHERED], y[CML_GATHERED], z[CML_GATHERED], ux[CML_GATHERED], uy[CML_GATHERED],
@@ -24,7 +29,7 @@ struct cml_gathered {
     struct cml_hits hits_above, hits_below;
 };
 
-/* Packs lanes of one medium, in the order of their numbers. */
+/* Gathers lanes, in the order of their numbers: each column is packed group by group. */
 static void cml_gather_lanes(const struct cml_bundle *b, uint64_t lanes, struct cml_gathered *gathered)
 {
     int at = 0;
@@ -43,7 +48,8 @@ static void cml_gather_lanes(const struct cml_bundle *b, uint64_t lanes, struct 
     gathered->size = cml_whole_vectors(at);
 }
 
-/* As cml_surface_interval of a plane. depth: of the plane. */
+/* cml_surface_interval of a plane, for gathered lanes. depth: of the plane in the frame of the medium; side:
+ * +1 the lanes are below it, -1 above. */
 CML_LOOP void cml_gathered_plane(const struct cml_gathered *c, real depth, real side,
                                  struct cml_intervals *ahead)
 {
@@ -57,7 +63,9 @@ CML_LOOP void cml_gathered_plane(const struct cml_gathered *c, real depth, real 
     }
 }
 
-/* As cml_curved_interval, without its branches. */
+/* cml_curved_interval for gathered lanes, without its branches: both ways of every branch are computed and
+ * selected, with the same results. depth, side as above. rings is constant, so that each caller has a loop
+ * for its kind of pyramid. */
 __attribute__((always_inline)) static inline void
 cml_gathered_curved(const struct cml_world *world, const struct cml_surface *shared,
                     const struct cml_gathered *c, real depth, real side, struct cml_intervals *ahead,
@@ -77,13 +85,14 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
         const struct cml_interval within = {!misses, inside < 0 ? there : (real)0,
                                             (away >= 0) & passes ? there : s};
         const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, within.from, u));
-        const struct cml_interval near = cml_clip_interval(grid, bounds, start, u, side, within, rings);
-        ahead->meets[k] = near.meets;
-        ahead->from[k] = near.from;
-        ahead->to[k] = near.to;
+        const struct cml_interval left = cml_clip_interval(grid, bounds, start, u, side, within, rings);
+        ahead->meets[k] = left.meets;
+        ahead->from[k] = left.from;
+        ahead->to[k] = left.to;
     }
 }
 
+/* Below cones: clearance by radius. */
 CML_LOOP void cml_gathered_rings(const struct cml_world *world, const struct cml_surface *surface,
                                  const struct cml_gathered *c, real depth, real side,
                                  struct cml_intervals *ahead)
@@ -91,6 +100,7 @@ CML_LOOP void cml_gathered_rings(const struct cml_world *world, const struct cml
     cml_gathered_curved(world, surface, c, depth, side, ahead, 1);
 }
 
+/* Below a mesh: clearance by cells of the x-y plane. */
 CML_LOOP void cml_gathered_mesh(const struct cml_world *world, const struct cml_surface *surface,
                                 const struct cml_gathered *c, real depth, real side,
                                 struct cml_intervals *ahead)
@@ -98,7 +108,8 @@ CML_LOOP void cml_gathered_mesh(const struct cml_world *world, const struct cml_
     cml_gathered_curved(world, surface, c, depth, side, ahead, 0);
 }
 
-/* The medium's boundary `boundary`, if there is one, seen from the side. */
+/* Intervals of gathered lanes with one boundary of their medium, seen from `side`. The outer media have only
+ * one; on the other side nothing is met. depth: of the boundary in the frame of the medium, cm. */
 static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real depth, real side,
                                   struct cml_intervals *ahead)
 {
@@ -116,7 +127,7 @@ static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real
         cml_gathered_mesh(world, surface, f->gathered, depth, side, ahead);
 }
 
-/* As cml_find_intervals, for lanes of one medium. */
+/* cml_find_intervals for lanes of one medium: with its boundary above, then with the one below. */
 static void cml_gather_intervals(const struct cml_flight *f, int medium, uint64_t lanes)
 {
     struct cml_gathered *gathered = f->gathered;
@@ -125,6 +136,7 @@ static void cml_gather_intervals(const struct cml_flight *f, int medium, uint64_
     cml_gathered_boundary(f, medium, f->world->media[medium].span, -1, &gathered->below);
 }
 
+/* That of the k-th gathered lane. */
 static struct cml_interval cml_interval_of(const struct cml_intervals *of, int k)
 {
     const struct cml_interval s = {of->meets[k], of->from[k], of->to[k]};

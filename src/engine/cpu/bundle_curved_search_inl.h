@@ -1,12 +1,17 @@
-/* Lanes near curved boundaries: which of them meet one, and where. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_SEARCH_H
-#define CML_BUNDLE_CURVED_SEARCH_H
+/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes near curved boundaries, step 2: which ring or facet each lane meets.
+ * Lane by lane, because every one walks through other rings, or other nodes of a tree.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_SEARCH_INL_H
+#define CML_BUNDLE_CURVED_SEARCH_INL_H
 
-#include "engine/cpu/bundle_curved_cross.h"
-#include "engine/cpu/bundle_curved_reach.h"
+#include "engine/cpu/bundle_curved_cross_inl.h"
+#include "engine/cpu/bundle_curved_reach_inl.h"
 
-/* Whether the lane's packet is one for cml_intersect_lane: in the material, about to meet no boundary but
- * this one, which is curved, and nothing rare about it. */
+/* Whether lane i can go the fast way of cml_intersect_lane: it is in the material, can meet this boundary
+ * only, and it is curved; facets are not scored; it has had boundary events, so it is not the beam itself
+ * (P1); it is far from the limits of P9, interacts at a finite distance and its direction is a number. All
+ * else goes by kernels/walk.h. */
 static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
 {
     const struct cml_bundle *b = f->b;
@@ -18,14 +23,15 @@ static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
            cml_dot(u, u) < 2;
 }
 
-/* What the lane's packet stands on of a boundary, -1: nothing. */
+/* What primitive of a boundary the lane's packet stands on, or CML_BESIDE_FACETS; -1: none. */
 static int cml_lane_on_primitive(const struct cml_bundle *b, int i, int boundary)
 {
-    const int stands = b->touched[i] == b->interactions[i] && b->on_boundary[i] == boundary;
-    return stands ? b->on_primitive[i] : -1;
+    const int on_surface = b->interactions_at_hit[i] == b->interactions[i] && b->on_boundary[i] == boundary;
+    return on_surface ? b->on_primitive[i] : -1;
 }
 
-/* A packet at p among those that meet the boundary. Returns its number. */
+/* Adds lane i, whose packet hits the primitive, to the gathered hits of a boundary. p: in the frame of the
+ * boundary, where its path begins or where it hits. Returns its number among them. */
 static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct cml_vec p, struct cml_hits *h)
 {
     const int k = h->count++;
@@ -43,8 +49,9 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
     return k;
 }
 
-/* The lane's packet, at p in the boundary's frame, on its way to rings: cml_intersect_field up to the root.
- */
+/* Which ring lane i meets: cml_intersect_field up to the bracketed root. Marching from ring to ring takes as
+ * many steps as it takes, lane by lane; the root within the ring is left to a vector loop
+ * (cml_hits_refine_rings). p: in the boundary's frame; s: the part of the path to be searched. */
 static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side,
                            struct cml_interval s, struct cml_hits *h)
 {
@@ -72,12 +79,13 @@ static void cml_march_lane(struct cml_flight *f, int i, int boundary, struct cml
     h->t_max[k] = s.to;
 }
 
+/* Whether normals are interpolated between vertices: then P5 has cases that the vector loop does not know. */
 static int cml_has_shading_normal(const struct cml_hit *hit)
 {
     return hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
 }
 
-/* The lane's packet on its way to a mesh. p in the boundary's frame. */
+/* Which facet lane i meets. p: in the boundary's frame; t_max: length of its path, cm. */
 static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml_vec p, real side, real t_max,
                            struct cml_hits *h)
 {
@@ -104,7 +112,7 @@ static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml
     }
 }
 
-/* The lane's packet on its way to a curved boundary. */
+/* Finds what lane i meets of one curved boundary, the only one that it can meet. */
 static void cml_intersect_lane(struct cml_flight *f, int i, int boundary, real side, struct cml_interval s,
                                struct cml_hits *h)
 {
@@ -117,12 +125,15 @@ static void cml_intersect_lane(struct cml_flight *f, int i, int boundary, real s
         cml_query_lane(f, i, boundary, p, side, s.to, h);
 }
 
-/* Lanes of one medium near a curved surface. */
+/* All steps for lanes of one medium: intervals, then search lane by lane, then the hits of either boundary.
+ */
 static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t lanes)
 {
     struct cml_gathered *gathered = f->gathered;
     int k = 0;
+    CML_HOOK_BEGIN(CML_HOOK_INTERVALS);
     cml_gather_intervals(f, medium, lanes);
+    CML_HOOK_END(CML_HOOK_INTERVALS);
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
         const struct cml_boundary_intervals intervals = {cml_interval_of(&gathered->above, k),
@@ -135,18 +146,22 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
         else
             cml_intersect_lane(f, i, medium, -1, intervals.below, &gathered->hits_below);
     }
+    CML_HOOK_BEGIN(CML_HOOK_HITS);
     cml_process_hits(f, medium, 1, &gathered->hits_above);
     cml_process_hits(f, medium, -1, &gathered->hits_below);
+    CML_HOOK_END(CML_HOOK_HITS);
 }
 
-/* Lanes near curved surfaces wait for others, as those at planes do. */
+/* Lanes that may hit a curved boundary wait for others, as those at planes do (cml_process_planes): the
+ * vector loops take as long for few. Then medium by medium, that of the lowest lane first. Lanes of a pencil
+ * beam above a boundary whose hit is known need no search. */
 static void cml_process_curved(struct cml_flight *f)
 {
-    const int patience = f->b->lanes == CML_LANES ? 32 : 1;
-    uint64_t lanes = cml_lanes_with(f->b, CML_LANE_CURVED);
-    f->waited_near += __builtin_popcountll(lanes);
-    if (f->waited_near < patience) return;
-    f->waited_near = 0;
+    const int limit = f->b->lanes == CML_LANES ? 32 : 1;
+    uint64_t lanes = cml_lanes_with(f->b, CML_LANE_MAY_HIT_CURVED);
+    f->wait_at_curved += __builtin_popcountll(lanes);
+    if (f->wait_at_curved < limit) return;
+    f->wait_at_curved = 0;
     while (lanes) {
         const int medium = f->b->medium[__builtin_ctzll(lanes)];
         const uint64_t here = cml_lanes_in_medium(f->b, lanes, medium);

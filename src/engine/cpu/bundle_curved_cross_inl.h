@@ -1,12 +1,15 @@
-/* What becomes of lanes that have met a curved boundary. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_CURVED_CROSS_H
-#define CML_BUNDLE_CURVED_CROSS_H
+/* Code, included by bundle_curved_search_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Lanes near curved boundaries, step 4: from the gathered hits back into the
+ * lanes, into the next medium, or out of the scene. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_CROSS_INL_H
+#define CML_BUNDLE_CURVED_CROSS_INL_H
 
-#include "engine/cpu/bundle_lane_events.h"
-#include "engine/cpu/bundle_curved_hits.h"
+#include "engine/cpu/bundle_lane_events_inl.h"
+#include "engine/cpu/bundle_curved_hits_inl.h"
 
-/* The lane's packet has gone through a boundary into outer medium `to`, and may meet it again. */
-static void cml_lane_flies_outside(struct cml_flight *f, int i, int to)
+/* The lane's packet has gone into outer medium `to` and may meet the boundary again: on by kernels/walk.h,
+ * until it is back or gone (P6). */
+static void cml_continue_lane_outside(struct cml_flight *f, int i, int to)
 {
     struct cml_packet packet;
     cml_lane_packet(f->b, i, &packet);
@@ -15,8 +18,9 @@ static void cml_lane_flies_outside(struct cml_flight *f, int i, int to)
     cml_return_to_lane(f, i, &packet);
 }
 
-/* Whether a packet that has gone through a primitive of a boundary into outer medium `to` meets the boundary
- * never again. */
+/* Whether a packet that has gone through a primitive of a boundary into outer medium `to`, in direction u,
+ * cannot come back: packets outside are not followed (P6), or it rises above all that can be seen from there,
+ * its horizon, in a clear medium. Most packets that leave do, and need no search. */
 static int cml_never_returns(const struct cml_world *world, int boundary, int primitive, int to,
                              struct cml_vec u)
 {
@@ -26,7 +30,9 @@ static int cml_never_returns(const struct cml_world *world, int boundary, int pr
            (!(world->media[to].mfp < CML_INFINITY) && cml_heads_away(horizon, u, side));
 }
 
-/* The lane's packet, which has been in the material, has left it so, in one boundary event more. */
+/* The lane's packet has left the material for good at p, cm from the beam's axis, in direction u: into outer
+ * medium `to`, in one boundary event more than the lane has counted. It had entered, so it is not specular.
+ */
 static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primitive, struct cml_vec p,
                                  struct cml_vec u)
 {
@@ -46,14 +52,16 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
     cml_push_termination(f, i, end);
 }
 
-/* As cml_boundary_event, for the k-th of the packets. */
+/* cml_boundary_event for the k-th of the hits, whose direction behind the boundary is known: into medium
+ * `other` where it went through, else back into its own. undeflected: equal indices, so all go through (P5)
+ * and draw nothing. */
 static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits *h, int k, int boundary,
                                     int other, int undeflected)
 {
     const struct cml_world *world = f->world;
     struct cml_bundle *b = f->b;
     const int i = h->lane[k], from = b->medium[i], through = undeflected || h->through[k];
-    const int to = through ? other : from, stands = b->touched[i] == b->interactions[i];
+    const int to = through ? other : from, on_surface = b->interactions_at_hit[i] == b->interactions[i];
     const real left = CML_FMA(-h->t[k], CML_OF_MEDIUM(b, mut)[i], b->tau[i]);
     const struct cml_vec p = {h->x[k], h->y[k], h->z[k] + (to == boundary ? world->media[to].span : (real)0)},
                          u = {h->ux[k], h->uy[k], h->uz[k]};
@@ -64,17 +72,17 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
     }
     cml_store_ray(b, i, p, u);
     b->tau[i] = left > 0 ? left : (real)0;
-    b->bounces[i] = (stands ? b->bounces[i] : 0) + 1;
-    b->touched[i] = b->interactions[i];
+    b->bounces[i] = (on_surface ? b->bounces[i] : 0) + 1;
+    b->interactions_at_hit[i] = b->interactions[i];
     b->crossings[i] += (cml_u32)!undeflected;
     b->boundary_events[i]++;
     b->on_boundary[i] = boundary;
     b->on_primitive[i] = h->primitive[k];
     b->undeflected[i] = undeflected;
-    b->task[i] = CML_LANE_DONE;
+    b->task[i] = CML_LANE_TO_FLY;
     if (to == from) return;
     if (outside) {
-        cml_lane_flies_outside(f, i, to);
+        cml_continue_lane_outside(f, i, to);
         return;
     }
     cml_flush_deposits(f, i);
@@ -82,18 +90,21 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
     cml_load_medium(f, i);
 }
 
-/* Packets of a medium that meet a boundary. */
+/* Gathered hits of one boundary: roots and directions in vector loops, then lane by lane back into the
+ * bundle. Doubtful ones are done again by kernels/walk.h. Leaves the hits empty for the next round. */
 static void cml_process_hits(struct cml_flight *f, int medium, real side, struct cml_hits *h)
 {
     const struct cml_world *world = f->world;
     const int boundary = side > 0 ? medium - 1 : medium, other = side > 0 ? medium - 1 : medium + 1;
-    const real n1 = world->media[medium].n, n2 = world->media[other].n;
     uint64_t *counts = f->tally->count;
-    if (h->count == 0) return;
+    if (h->count == 0) return; /* an outer medium has no boundary, and no medium, beyond one of its sides */
+    const real n1 = world->media[medium].n, n2 = world->media[other].n;
+    CML_HOOK_BEGIN(CML_HOOK_REFLECT);
     if (world->surfaces[boundary].kind == CML_SURFACE_CONE) cml_hits_refine_rings(world, side, h);
     if (n1 != n2)
         counts[CML_COUNT_SHADING_OVERRULED] +=
             (uint64_t)cml_hits_reflect_or_refract(&world->setup, side, n1, n2, h);
+    CML_HOOK_END(CML_HOOK_REFLECT);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {
             cml_process_lane(f, h->lane[k]);

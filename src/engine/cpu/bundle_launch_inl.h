@@ -1,14 +1,16 @@
-/* New packets, into the lanes of those that have ended. SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_LAUNCH_H
-#define CML_BUNDLE_LAUNCH_H
+/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). New packets, into the lanes of those that have ended.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_LAUNCH_INL_H
+#define CML_BUNDLE_LAUNCH_INL_H
 
-#include "engine/cpu/bundle_pencil.h"
-#include "engine/cpu/bundle_lanes.h"
-#include "engine/cpu/bundle_loops.h"
+#include "engine/cpu/bundle_lanes_inl.h"
+#include "engine/cpu/bundle_loops_inl.h"
 
 #include <string.h>
 
-/* A lane without a packet takes part in every loop, and does nothing in any. */
+/* A lane without a packet takes part in every loop, and does nothing in any: weight 0 deposits nothing, and
+ * in a medium without boundaries it meets none, whatever path it draws. */
 static void cml_park_lane(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -16,7 +18,7 @@ static void cml_park_lane(struct cml_flight *f, int i)
     cml_store_ray(b, i, nowhere, down);
     b->tau[i] = 0;
     b->w[i] = b->flushed_w[i] = 0;
-    b->task[i] = CML_LANE_DONE;
+    b->task[i] = CML_LANE_TO_FLY;
     b->medium[i] = 0;
     CML_OF_MEDIUM(b, mfp)[i] = 1;
     CML_OF_MEDIUM(b, stop_above)[i] = CML_OF_MEDIUM(b, start_above)[i] = -CML_INFINITY;
@@ -24,7 +26,8 @@ static void cml_park_lane(struct cml_flight *f, int i)
     f->live &= ~CML_LANE_BIT(i);
 }
 
-/* Optical depths that cml_queue_draw has left in the tail. */
+/* Draws the optical depths of the queue that cml_queue_draw has found in the tail and left infinite (P2).
+ * next: index of the first photon of the queue. */
 static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct cml_launch_queue *queue)
 {
     for (int i = 0; i < CML_QUEUE; i++)
@@ -32,8 +35,10 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
             queue->tau[i] = cml_optical_depth(stream, next + (uint64_t)i, 0, 0);
 }
 
-/* Counts the ballistic ones among the first `count`, and closes up the others. Returns how many those are. */
-static int cml_drop_ballistic(struct cml_flight *f, int count)
+/* Counts the ballistic packets among the first `count` of the queue and drops them: all of them end alike, so
+ * one end times their number is booked when the flight is over (cml_flight_run). The others close up;
+ * returns how many they are. */
+static int cml_count_ballistic(struct cml_flight *f, int count)
 {
     struct cml_launch_queue *queue = &f->queue;
     struct cml_ballistic *like = &f->ballistic;
@@ -42,7 +47,7 @@ static int cml_drop_ballistic(struct cml_flight *f, int count)
                                  like->reflectance, queue);
     for (int first = 0; first < count; first += CML_GROUP) {
         const cml_u32 here = count - first < CML_GROUP ? (1u << (count - first)) - 1 : CML_GROUP_MASK;
-        const cml_u32 stay = cml_group_equal(queue->stays + first, 1) & here;
+        const cml_u32 stay = cml_group_equal(queue->not_ballistic + first, 1) & here;
         cml_group_pack(queue->index_low + first, stay, queue->index_low + at);
         cml_group_pack(queue->index_high + first, stay, queue->index_high + at);
         cml_group_pack(queue->tau + first, stay, queue->tau + at);
@@ -55,7 +60,8 @@ static int cml_drop_ballistic(struct cml_flight *f, int count)
     return at;
 }
 
-/* New packets are at hand. */
+/* Fills the queue if it is empty, from the range in hand or the next one. Returns 0 when there are no more
+ * packets. */
 static int cml_fill_queue(struct cml_flight *f)
 {
     struct cml_launch_queue *queue = &f->queue;
@@ -68,11 +74,12 @@ static int cml_fill_queue(struct cml_flight *f)
         f->next += (uint64_t)count;
         f->left -= (uint64_t)count;
         queue->first = 0;
-        queue->end = f->ballistic.possible ? cml_drop_ballistic(f, count) : count;
+        queue->end = f->ballistic.possible ? cml_count_ballistic(f, count) : count;
     }
     return 1;
 }
 
+/* The lowest `count` bits that are set in a mask. */
 static cml_u32 cml_first_bits(cml_u32 mask, int count)
 {
     cml_u32 rest = mask;
@@ -81,7 +88,8 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
     return mask & ~rest;
 }
 
-/* P1 where every packet of the beam starts elsewhere, and where facets are asked for. */
+/* P1 where every packet of the beam starts elsewhere (disk, Gaussian), and scores of the launch where facets
+ * are asked for: a lane at a time. */
 static void cml_place_lane(struct cml_flight *f, int i)
 {
     struct cml_packet *start = &f->start;
@@ -92,7 +100,8 @@ static void cml_place_lane(struct cml_flight *f, int i)
     if (f->to.facets) cml_score_launch(f->world, &f->to, start);
 }
 
-/* Lane `from` into lane `to`, which holds no packet. All columns are 4 bytes wide and follow one another. */
+/* Lane `from` into lane `to`, which holds no packet: every column of the structure of arrays. All columns are
+ * 4 bytes wide and follow one another from x on. */
 static void cml_move_lane(struct cml_flight *f, int from, int to)
 {
     const size_t first = offsetof(struct cml_bundle, x), column = sizeof f->b->x;
@@ -104,8 +113,9 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
     f->live |= CML_LANE_BIT(to);
 }
 
-/* Nothing is left to launch: the packets in flight move together, so that passes need not go over lanes
- * without one. */
+/* Lane compaction: nothing is left to launch, so packets in flight move together into as few groups of lanes
+ * as they fill, and passes do not go over the others any more. Without it the last packets of a range would
+ * each pay for a whole bundle. */
 static void cml_compact_lanes(struct cml_flight *f)
 {
     const int lanes = (__builtin_popcountll(f->live) + CML_GROUP - 1) / CML_GROUP * CML_GROUP;
@@ -117,11 +127,13 @@ static void cml_compact_lanes(struct cml_flight *f)
     f->b->lanes = lanes;
 }
 
-/* Packets like `start` for lanes of a group, which mostly are in its medium already. */
+/* Packets like `start` into lanes of a group. Most of these held packets that ended in the medium where new
+ * ones start, so their columns of the medium are right already; the others load it. */
 static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
     cml_u32 elsewhere = lanes & ~cml_group_equal(b->medium + first, start->medium);
+    CML_HOOK_LANES(CML_HOOK_LAUNCH, __builtin_popcount(lanes));
     cml_bundle_launch(b, start, f->absorbed, first, lanes);
     for (; elsewhere; elsewhere &= elsewhere - 1) {
         const int i = first + __builtin_ctz(elsewhere);
@@ -130,15 +142,17 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     }
 }
 
-/* Those of a group's lanes that are to hold packets which go through the first boundary. */
-static cml_u32 cml_lanes_through(const struct cml_launch_queue *queue, cml_u32 lanes)
+/* Those of a group's lanes whose packets of the queue are transmitted at the first boundary. */
+static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue, cml_u32 lanes)
 {
     _Alignas(64) int through[CML_GROUP] = {0};
     cml_group_unpack(queue->through + queue->first, lanes, through);
     return cml_group_equal(through, 1);
 }
 
-/* What is at hand, for lanes of a group; there is as much. */
+/* Packets of the queue into lanes of a group; the queue holds enough. Columns are unpacked: values that lie
+ * side by side go to the lanes of the mask, in order. Packets that are transmitted at the first boundary
+ * start behind it. */
 static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes)
 {
     struct cml_bundle *b = f->b;
@@ -149,14 +163,15 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     cml_group_unpack(queue->draw1 + at, lanes, b->draw1 + first);
     cml_group_unpack(queue->draw2 + at, lanes, b->draw2 + first);
     cml_group_unpack(queue->tau + at, lanes, b->tau + first);
-    const cml_u32 inside = f->enters ? cml_lanes_through(queue, lanes) : 0;
+    const cml_u32 inside = f->enters ? cml_lanes_transmitted_first(queue, lanes) : 0;
     queue->first += __builtin_popcount(lanes);
     if (inside) cml_launch_like(f, &f->inside, first, inside);
     if (lanes & ~inside) cml_launch_like(f, &f->start, first, lanes & ~inside);
     if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
 }
 
-/* New packets for lanes of a group; those for which there are none are parked. */
+/* New packets for lanes of a group, from as many fillings of the queue as it takes; lanes for which there are
+ * none are parked. */
 static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
 {
     while (lanes && cml_fill_queue(f)) {
@@ -167,7 +182,8 @@ static void cml_launch_group(struct cml_flight *f, int first, cml_u32 lanes)
     cml_for_lanes(f, (uint64_t)lanes << first, cml_park_lane);
 }
 
-/* Lanes whose packet has ended get new ones, as long as there are any. */
+/* Refills the lanes whose packet has ended, as long as there are packets: a full bundle is what makes vectors
+ * pay. */
 static void cml_refill(struct cml_flight *f)
 {
     const uint64_t ended = f->ended;

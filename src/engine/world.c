@@ -1,39 +1,16 @@
-/* What the engines that walk one packet at a time share: the scene in `real`, and a packet's entry into a
- * tally. Included by one .c file per precision (CML_DOUBLE or not), like the kernel headers it stands on.
- * SPDX-License-Identifier: MIT */
-#ifndef CML_SCALAR_WALK_H
-#define CML_SCALAR_WALK_H
+/* The scene as the kernels read it (struct cml_world of kernels/types.h): media, boundaries, rings of
+ * heightfields, bounds of depth, beam and grids, from a scene and its surfaces. SPDX-License-Identifier: MIT
+ */
+#include "engine/world.h"
 
-#include "engine/engine.h"
+#include "cone.h"
 #include "surface/ring_horizon.h"
-#include "engine/terminated_packets.h"
 #include "surface/surface_facets.h"
-#include "walk.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* A world and the arrays it points into. */
-struct scalar_world {
-    struct cml_world world;
-    struct cml_medium *media;
-    struct cml_surface *surfaces;
-    real *rings; /* [CML_RING_ROWS][rings of all boundaries] */
-    int *ring_starts;
-    real *clearance; /* deepest, highest one behind the other */
-    const struct cml_mesh_surface **meshes;
-};
-
-static void scalar_world_free(struct scalar_world *to)
-{
-    free(to->media);
-    free(to->surfaces);
-    free(to->rings);
-    free(to->ring_starts);
-    free(to->clearance);
-    free(to->meshes);
-}
-
+/* Rings, and cells of clearance pyramids, of all boundaries: they share one array each. */
 static size_t count_rings(const struct cml_surface_set *surfaces)
 {
     size_t rings = 0;
@@ -48,11 +25,21 @@ static size_t count_clearance_cells(const struct cml_surface_set *surfaces)
     return cells;
 }
 
-static cml_status scalar_world_allocate(const struct cml_surface_set *surfaces, struct scalar_world *to,
-                                        struct cml_error *err)
+void cml_owned_world_free(struct cml_owned_world *to)
 {
-    const size_t boundaries = (size_t)surfaces->count, rings = count_rings(surfaces);
-    const size_t cells = count_clearance_cells(surfaces);
+    free(to->media);
+    free(to->surfaces);
+    free(to->rings);
+    free(to->ring_starts);
+    free(to->clearance);
+    free(to->meshes);
+}
+
+/* All arrays, with zeros. Those that may have no elements get one, so that NULL always means failure. */
+static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
+                           struct cml_error *err)
+{
+    const size_t boundaries = (size_t)surfaces->count, rings = to->num_rings, cells = to->clearance_cells;
     to->media = calloc(boundaries + 1, sizeof *to->media);
     to->surfaces = calloc(boundaries, sizeof *to->surfaces);
     to->rings = calloc(CML_RING_ROWS * rings + 1, sizeof *to->rings);
@@ -65,6 +52,8 @@ static cml_status scalar_world_allocate(const struct cml_surface_set *surfaces, 
         err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
 }
 
+/* All quotients are taken in double and rounded once. absorb: kernels/types.h says why it is a little over 1
+ * where nothing scatters. */
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_medium *media)
 {
@@ -84,12 +73,15 @@ static void copy_media(const struct cml_scene *scene, const struct cml_surface_s
     }
 }
 
-/* Rings of one surface, the first of them at `first`. Returns ring_start's parts per cm. */
-static real copy_rings(const struct cml_surface_def *from, size_t first, size_t total,
-                       struct scalar_world *to)
+/* Rings of one surface, the first of them at `first`, into the columns of all rings. Horizons are those of
+ * the rings as rounded to `real`, because that is the surface that packets see. Returns ring_start's parts
+ * per cm.
+ */
+static real copy_rings(const struct cml_surface_def *from, size_t first, struct cml_owned_world *to)
 {
     const int n = from->num_rings;
-    int *start = to->ring_starts + first; /* scratch, before it is filled */
+    const size_t total = to->num_rings;
+    int *start = to->ring_starts + first; /* scratch for the horizons, before it is filled */
     real *r = to->rings + first, *z = r + total, *slope = z + total, *above = slope + total,
          *below = above + total;
     for (int i = 0; i < n; i++) {
@@ -102,9 +94,11 @@ static real copy_rings(const struct cml_surface_def *from, size_t first, size_t 
     return cml_ring_starts(r, n, start);
 }
 
-static void copy_surfaces(const struct cml_surface_set *from, struct scalar_world *to)
+/* steepest is raised by more than rounding can turn a direction: what leaves more steeply must be sure never
+ * to meet the surface again. */
+static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
-    const size_t total = count_rings(from);
+    const size_t total = to->num_rings;
     size_t ring = 0;
     for (int b = 0; b < from->count; b++) {
         const struct cml_surface_def *def = &from->item[b];
@@ -113,9 +107,9 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
         to->surfaces[b].num_rings = def->num_rings;
         to->surfaces[b].lowest = (real)def->lowest;
         to->surfaces[b].highest = (real)def->highest;
-        to->surfaces[b].steepest = (real)(1.00001 * def->steepest + 1e-6); /* more than rounding can turn */
+        to->surfaces[b].steepest = (real)(1.00001 * def->steepest + 1e-6);
         to->meshes[b] = def->mesh;
-        if (def->num_rings) to->surfaces[b].parts_per_cm = copy_rings(def, ring, total, to);
+        if (def->num_rings) to->surfaces[b].parts_per_cm = copy_rings(def, ring, to);
         ring += (size_t)def->num_rings;
     }
     to->world.ring_r = to->rings;
@@ -126,9 +120,10 @@ static void copy_surfaces(const struct cml_surface_set *from, struct scalar_worl
     to->world.ring_start = to->ring_starts;
 }
 
-/* What escapes from a plane is in the map already. */
+/* Where each boundary's facets begin among those of all. outer_facets stays empty for a plane: what escapes
+ * through its pixels is what the map of Rd or Tt holds already. */
 static void set_facets(const struct cml_surface_set *from, const struct cml_map_def *map,
-                       struct scalar_world *to)
+                       struct cml_owned_world *to)
 {
     const int last = from->count - 1;
     int first = 0;
@@ -143,9 +138,12 @@ static void set_facets(const struct cml_surface_set *from, const struct cml_map_
         to->world.setup.outer_facets[1] = to->surfaces[last].facets;
 }
 
-static void copy_clearance(const struct cml_surface_set *from, struct scalar_world *to)
+/* The pyramids of depth bounds of all curved surfaces, one behind the other, as kernels/clearance.h reads
+ * them.
+ */
+static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_world *to)
 {
-    const size_t total = count_clearance_cells(from);
+    const size_t total = to->clearance_cells;
     size_t first = 0;
     for (int b = 0; b < from->count; b++) {
         const struct cml_clearance_map *map = &from->item[b].clearance;
@@ -185,12 +183,6 @@ static double deterministic_specular(const struct cml_scene *scene, const struct
     return r1 + (1 - r1) * (1 - r1) * r2 / (1 - r1 * r2);
 }
 
-static struct cml_vec to_vec(double x, double y, double z)
-{
-    const struct cml_vec v = {(real)x, (real)y, (real)z};
-    return v;
-}
-
 /* P1. A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
 static void set_launch(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_setup *setup)
@@ -199,9 +191,9 @@ static void set_launch(const struct cml_scene *scene, const struct cml_surface_s
     const struct cml_surface_def *top = &surfaces->item[0];
     const double st = sin(beam->angle), ct = cos(beam->angle), sp = sin(beam->azimuth),
                  cp = cos(beam->azimuth);
-    setup->axis = to_vec(st * cp, st * sp, ct);
-    setup->e1 = to_vec(ct * cp, ct * sp, -st);
-    setup->e2 = to_vec(-sp, cp, 0);
+    setup->axis = cml_vec_of(st * cp, st * sp, ct);
+    setup->e1 = cml_vec_of(ct * cp, ct * sp, -st);
+    setup->e2 = cml_vec_of(-sp, cp, 0);
     setup->x0 = (real)beam->x;
     setup->y0 = (real)beam->y;
     setup->disk = (real)(beam->kind == CML_BEAM_DISK ? beam->radius : 0);
@@ -212,6 +204,7 @@ static void set_launch(const struct cml_scene *scene, const struct cml_surface_s
             (cml_u32)lrint(deterministic_specular(scene, surfaces, &setup->launch_medium) * CML_WEIGHT_ONE);
 }
 
+/* The grid of maps and volume; nx stays 0 where the scene asks for none. */
 static void set_map(const struct cml_scene *scene, struct cml_map *map)
 {
     const struct cml_map_def *def = &scene->map;
@@ -226,6 +219,8 @@ static void set_map(const struct cml_scene *scene, struct cml_map *map)
     map->top_bins = (real)(def->top / scene->dz);
 }
 
+/* Everything that is the same for all packets. Bin widths become their reciprocals: a bin is a product away.
+ */
 static void set_up(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                    const struct cml_engine_options *options, struct cml_setup *setup)
 {
@@ -246,14 +241,15 @@ static void set_up(const struct cml_scene *scene, const struct cml_surface_set *
     set_launch(scene, surfaces, setup);
 }
 
-static cml_status scalar_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                                      const struct cml_engine_options *options, struct scalar_world *to,
-                                      struct cml_error *err)
+cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                                  const struct cml_engine_options *options, struct cml_owned_world *to,
+                                  struct cml_error *err)
 {
-    *to = (struct scalar_world){0};
-    const cml_status status = scalar_world_allocate(surfaces, to, err);
+    *to = (struct cml_owned_world){.num_rings = count_rings(surfaces),
+                                   .clearance_cells = count_clearance_cells(surfaces)};
+    const cml_status status = allocate(surfaces, to, err);
     if (status != CML_OK) {
-        scalar_world_free(to);
+        cml_owned_world_free(to);
         return status;
     }
     copy_media(scene, surfaces, to->media);
@@ -267,80 +263,3 @@ static cml_status scalar_world_create(const struct cml_scene *scene, const struc
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     return CML_OK;
 }
-
-static inline void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
-                               struct cml_tally *tally)
-{
-    const struct cml_deposits to = cml_deposits_of(tally);
-    struct cml_terminated terminated = {0};
-    for (uint64_t i = 0; i < count; i++) {
-        struct cml_packet packet;
-        cml_walk(world, &to, first + i, &packet);
-        cml_tally_events(&packet, tally);
-        const struct cml_termination end = cml_termination_of(&packet);
-        cml_terminated_push(&world->setup, &terminated, &end, tally);
-    }
-    cml_terminated_flush(&world->setup, &terminated, tally);
-}
-
-struct tracing {
-    const struct cml_world *world;
-    cml_trace_function *on_event;
-    void *context;
-};
-
-static void forward_event(void *context, const char *what, const struct cml_packet *packet)
-{
-    const struct tracing *tracing = context;
-    const struct cml_setup *setup = &tracing->world->setup;
-    const struct cml_trace_event event = {
-        .what = what,
-        .medium = packet->medium,
-        .position = {packet->p.x + setup->x0, packet->p.y + setup->y0,
-                     packet->p.z + tracing->world->media[packet->medium].depth},
-        .direction = {packet->u.x, packet->u.y, packet->u.z},
-        .weight = packet->w * CML_WEIGHT_UNIT,
-    };
-    tracing->on_event(tracing->context, &event);
-}
-
-static inline struct cml_fate_record record_of(const struct cml_world *world, const struct cml_packet *packet)
-{
-    const struct cml_fate_record record = {
-        .fate = packet->fate,
-        .cause = packet->cause,
-        .weight = packet->w,
-        .interactions = packet->interactions,
-        .boundary_events = packet->boundary_events,
-        .specular = world->setup.specular * CML_WEIGHT_UNIT,
-        .absorbed = (double)packet->absorbed * CML_WEIGHT_UNIT,
-        .exit = {packet->exit_x + world->setup.x0, packet->exit_y + world->setup.y0},
-        .direction = {packet->u.x, packet->u.y, packet->u.z},
-    };
-    return record;
-}
-
-/* Packets whose deposits go into a tally that is thrown away. on_event may be NULL. */
-static inline cml_status trace_packets(const struct cml_world *world, uint64_t first, uint64_t count,
-                                       cml_trace_function *on_event, void *context,
-                                       struct cml_fate_record *records, struct cml_error *err)
-{
-    const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = world->setup.num_layers};
-    struct cml_tally tally;
-    CML_TRY(cml_tally_create(&grid, &tally, err));
-    struct tracing tracing = {world, on_event, context};
-    struct cml_world traced = *world;
-    traced.setup.tally_absorption = 0;
-    traced.on_event = on_event ? forward_event : NULL;
-    traced.on_event_context = &tracing;
-    const struct cml_deposits to = cml_deposits_of(&tally);
-    for (uint64_t i = 0; i < count; i++) {
-        struct cml_packet packet;
-        cml_walk(&traced, &to, first + i, &packet);
-        records[i] = record_of(world, &packet);
-    }
-    cml_tally_free(&tally);
-    return CML_OK;
-}
-
-#endif

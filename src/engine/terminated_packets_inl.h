@@ -1,18 +1,20 @@
-/* Finished packets on their way into a tally. They are collected, so that exit bins, weight balance and
- * squares of many packets are computed in one vector loop however rarely packets end. In the precision of the
- * file that includes this, and static: each level of the processor has its own copy.
+/* Code, included once by each engine on the host, in its precision (CML_DOUBLE or not) and for its level of
+ * the processor: no .c file, because entries are pushed member by member from registers, and the sums are
+ * vector loops. Terminated packets on their way into a tally. They are collected, so that exit bins, sums and
+ * squares of many packets are computed in one vector loop however rarely packets end.
  * SPDX-License-Identifier: MIT */
-#ifndef CML_TERMINATED_PACKETS_H
-#define CML_TERMINATED_PACKETS_H
+#ifndef CML_TERMINATED_PACKETS_INL_H
+#define CML_TERMINATED_PACKETS_INL_H
 
 #include "tally/tally.h"
 #include "walk.h"
 
 #define CML_TERMINATED 128
-#define CML_TERMINATED_TOGETHER                                                                              \
-    16 /* so many can be added at once: they are emptied while there is room for as many */
+/* So many may be added at once: the collection is flushed while it has room for as many. */
+#define CML_TERMINATED_TOGETHER 16
 
-/* Structure of arrays; entries from `count` on hold nothing of interest. */
+/* Structure of arrays; entries from `count` on hold nothing of interest, and loops over all entries may read
+ * them. Weights in units of 2^-31 of a packet, positions in cm from the beam's axis. */
 struct cml_terminated {
     int count;
     uint64_t absorbed[CML_TERMINATED];
@@ -25,7 +27,8 @@ struct cml_terminated {
     cml_u32 scored[CML_TERMINATED]; /* into it */
 };
 
-/* Sums over the collected packets; a square as its two halves of 32 bits. */
+/* Sums over the collected packets, in 64 bits, which vectors have. Squares of weights have up to 64 bits
+ * each, so their sums are kept in two halves: bits 0 to 31 of each square, and the rest. */
 struct cml_terminated_sums {
     uint64_t reflected, transmitted, specular, absorbed, interactions, boundary_events;
     uint64_t deposited, deposited_above; /* all deposits; those of packets that were reflected */
@@ -34,8 +37,10 @@ struct cml_terminated_sums {
     uint64_t wide; /* bits of `absorbed` beyond 32: its squares then do not fit */
 };
 
-/* Cells, counted from the first of Rd_ra, and what goes into them. Tt_ra is as far away as the tally has it.
- */
+/* Fills cell and scored: the cell of Rd_ra or Tt_ra (P7) that each packet leaves in, and the weight it scores
+ * there, 0 for one that ended otherwise. Cells are counted from the first of Rd_ra, of which Tt_ra is a fixed
+ * distance away, so that one array of sums serves both. Goes over all entries: a loop of constant length has
+ * no remainder. */
 static inline void cml_terminated_find_cells(const struct cml_setup *shared,
                                              struct cml_terminated *terminated, const struct cml_tally *tally)
 {
@@ -54,6 +59,7 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
     for (int i = 0; i < CML_TERMINATED; i++) terminated->cell[i] += cml_angle_bin(&setup, terminated->uz[i]);
 }
 
+/* Adds a weight and the halves of its square to the sums of that name. */
 #define CML_SUM_SQUARE(sums, what, value)                                                                    \
     do {                                                                                                     \
         const uint64_t square_ = (value) * (value);                                                          \
@@ -62,6 +68,8 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
         (sums).what##_high += square_ >> 32;                                                                 \
     } while (0)
 
+/* One vector loop for everything that is summed over packets. A packet's part in a sum that is not its own is
+ * 0. */
 static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_terminated *terminated)
 {
     struct cml_terminated_sums sums = {0};
@@ -85,11 +93,14 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_ter
     return sums;
 }
 
+/* A sum of squares from its halves. */
 static inline cml_u128 cml_square_sum(uint64_t low, uint64_t high)
 {
     return ((cml_u128)high << 32) + low;
 }
 
+/* Sum of squares of what packets have absorbed. Roulette may let one absorb more than it started with, and
+ * then its square may not fit into 64 bits: so rarely that all are squared again, in 128 bits. */
 static inline cml_u128 cml_terminated_absorbed_squares(const struct cml_terminated *terminated,
                                                        const struct cml_terminated_sums *sums)
 {
@@ -102,7 +113,8 @@ static inline cml_u128 cml_terminated_absorbed_squares(const struct cml_terminat
     return sum;
 }
 
-/* times: how often every packet of the collection has ended so. */
+/* Adds all sums to the tally: books (P10), deposits by layer, counts and squares. times: how often every
+ * packet of the collection has ended so; more than 1 for ballistic packets only. */
 static inline void cml_terminated_add_sums(const struct cml_setup *setup,
                                            const struct cml_terminated *terminated, uint64_t times,
                                            struct cml_tally *tally)
@@ -128,7 +140,7 @@ static inline void cml_terminated_add_sums(const struct cml_setup *setup,
     tally->square[CML_TOTAL_ABSORBED] += times * cml_terminated_absorbed_squares(terminated, &sums);
 }
 
-/* Empties the collection into the tally. */
+/* Empties the collection into the tally, each packet `times` over. */
 static inline void cml_terminated_flush_times(const struct cml_setup *setup,
                                               struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)
@@ -146,6 +158,7 @@ static inline void cml_terminated_flush(const struct cml_setup *setup, struct cm
     cml_terminated_flush_times(setup, terminated, 1, tally);
 }
 
+/* After an addition: flushes if there is no room for the next. */
 static inline void cml_terminated_make_room(const struct cml_setup *setup, struct cml_terminated *terminated,
                                             struct cml_tally *tally)
 {
@@ -162,7 +175,8 @@ struct cml_termination {
     int primitive; /* touched last; 0 on planes */
 };
 
-/* A weight and its square into cells that other threads score into, too. */
+/* A weight and its square into cells that other threads score into, too. The square is rounded to units of
+ * 2^CML_SQUARE_SHIFT squared, so that 64 bits hold the sum of all. */
 static inline void cml_tally_once(uint64_t *weight, uint64_t *square, cml_u32 w)
 {
     const uint64_t rounded = ((uint64_t)w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
@@ -201,6 +215,7 @@ static inline void cml_tally_places(const struct cml_setup *setup, const struct 
     if (tally->facets) cml_tally_escape(setup, terminated, i, primitive, tally);
 }
 
+/* Whether maps or facets are scored, for which every packet must be looked at by itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
     return tally->Rd_xya || tally->facets;
@@ -219,6 +234,7 @@ static inline void cml_tally_loss(const struct cml_termination *end, struct cml_
     }
 }
 
+/* Adds one packet to the collection; its deposits have been booked by the caller. */
 static inline void cml_terminated_push(const struct cml_setup *setup, struct cml_terminated *terminated,
                                        const struct cml_termination *end, struct cml_tally *tally)
 {
@@ -237,7 +253,8 @@ static inline void cml_terminated_push(const struct cml_setup *setup, struct cml
     cml_terminated_make_room(setup, terminated, tally);
 }
 
-/* What only a packet of kernels/walk.h keeps for itself. */
+/* What a packet of kernels/walk.h has counted itself, and lanes of a bundle have not: roulette and queries.
+ */
 static inline void cml_tally_events(const struct cml_packet *packet, struct cml_tally *tally)
 {
     tally->balance[CML_BALANCE_GAINED] += packet->gained;
@@ -246,6 +263,7 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }
 
+/* Where kernels/walk.h puts deposits: straight into the arrays of the tally. */
 static inline struct cml_deposits cml_deposits_of(const struct cml_tally *tally)
 {
     const struct cml_deposits to = {
@@ -253,6 +271,7 @@ static inline struct cml_deposits cml_deposits_of(const struct cml_tally *tally)
     return to;
 }
 
+/* How a packet of kernels/walk.h has ended; its fate is not CML_FATE_ALIVE. */
 static inline struct cml_termination cml_termination_of(const struct cml_packet *packet)
 {
     const struct cml_termination end = {

@@ -1,12 +1,17 @@
-/* Flies photons through a bundle until there are no more.
- * SPDX-License-Identifier: MIT */
-#ifndef CML_BUNDLE_WALK_H
-#define CML_BUNDLE_WALK_H
+/* Code, included by engine_cpu_level.c only and so compiled once for each level of the processor: a .c file
+ * of its own could not be inlined into, and loops over lanes are vectors only where all that they call is
+ * inlined. The pass over a bundle: what the lanes of one thread do, in order, until there are no more
+ * packets. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_WALK_INL_H
+#define CML_BUNDLE_WALK_INL_H
 
-#include "engine/cpu/bundle_launch.h"
-#include "engine/cpu/bundle_curved_search.h"
+#include "engine/cpu/bundle_checks_inl.h"
+#include "engine/cpu/bundle_launch_inl.h"
+#include "engine/cpu/bundle_curved_search_inl.h"
+#include "engine/cpu/bundle_prepare.h"
 
-/* Through a plane into another layer. */
+/* The lane's packet has gone through a plane into another layer. The frame of a medium is that of the
+ * boundary above it: below the plane depth begins at 0, above it at the layer's thickness. */
 static void cml_enter_layer(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -16,12 +21,14 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     b->medium[i] = medium;
     b->entered[i] = 1;
     b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
-    b->task[i] = CML_LANE_DONE;
+    b->task[i] = CML_LANE_TO_FLY;
     cml_load_medium(f, i);
 }
 
-/* P6: packets of a group that leave through a plane, into the collection of those that have ended. They are
- * not moved out of their media any more: until the lanes are refilled they hold nothing of interest. */
+/* P6: packets of a group that leave through a plane, mask `exits`, into the collection of terminated packets.
+ * Columns are packed: the values of the lanes in the mask are moved side by side, behind what the collection
+ * holds. What they have deposited since the last flush goes along and is booked for the layer that they
+ * leave. The lanes keep their columns, which hold nothing of interest until they are refilled. */
 static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 {
     const struct cml_bundle *b = f->b;
@@ -33,8 +40,8 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         deposit[k] = b->flushed_w[first + k] - b->w[first + k];
-        const int gone = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
-        fate[k] = b->entered[first + k] ? gone : CML_FATE_SPECULAR;
+        const int outer_fate = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
+        fate[k] = b->entered[first + k] ? outer_fate : CML_FATE_SPECULAR;
     }
     cml_group_pack(deposit, exits, terminated->deposit + at);
     cml_group_pack(fate, exits, terminated->fate + at);
@@ -46,17 +53,18 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->interactions + first, exits, terminated->interactions + at);
     cml_group_pack(b->boundary_events + first, exits, terminated->boundary_events + at);
     terminated->count = at + __builtin_popcount(exits);
+    CML_ASSERT(((uint64_t)exits << first & (f->ended | ~f->live)) == 0);
     f->ended |= (uint64_t)exits << first;
     if (cml_tallies_places(f->tally))
         for (int i = at; i < terminated->count; i++) cml_tally_places(setup, terminated, i, 0, f->tally);
     cml_terminated_make_room(setup, terminated, f->tally);
 }
 
-/* Nothing ahead, or the bounds of cml_count_bounce. */
+/* A lane for which cml_lane_is_at_limit holds. P9, with the limits of cml_count_bounce. */
 static void cml_handle_limit(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
-    if (b->task[i] == CML_LANE_NOWHERE) {
+    if (b->task[i] == CML_LANE_NO_EVENT) {
         cml_process_lane(f, i);
         return;
     }
@@ -67,7 +75,8 @@ static void cml_handle_limit(struct cml_flight *f, int i)
         cml_end_lane(f, i, CML_FATE_LOST, CML_LOST_STUCK);
 }
 
-/* P8, as cml_roulette. Before the lane's next draw. */
+/* P8, by cml_roulette. The draw is that of the interaction the packet has just had; its block is computed
+ * again for its fourth word, which the loops do not keep, since few packets get here. */
 static void cml_lane_roulette(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -83,8 +92,8 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_end_lane(f, i, CML_FATE_ABSORBED, CML_LOST_NOT);
 }
 
-/* Facets of planes: what lanes have met, where facets are asked for. Reflection has turned the direction
- * already. */
+/* Where facets are asked for: what lanes have met at planes. A reflected lane has its new direction already,
+ * so the plane that it has met lies behind it; a transmitted one still heads for what it has met. */
 static void cml_score_planes(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -96,18 +105,22 @@ static void cml_score_planes(const struct cml_flight *f)
     }
 }
 
+/* P9 for all lanes; called only when a loop has seen one that may need it. */
 static void cml_handle_limits(struct cml_flight *f)
 {
     for (int i = 0; i < f->b->lanes; i++)
         if (cml_lane_is_at_limit(f->b, i, f->world->setup.num_layers)) cml_handle_limit(f, i);
 }
 
-/* Planes met by the lanes that are NEAR. Then they fly once more, so that they may interact in this pass as
- * well. */
+/* Planes that lanes with MAY_HIT meet: reach, reflect or refract, leave or enter a layer. Lanes of packets
+ * that have left are refilled at once, and all that are in flight get a new path, so that they may interact
+ * in this same pass.
+ */
 static void cml_cross_planes(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
+    CML_HOOK_LANES(CML_HOOK_PLANES, b->lanes);
     const int any = cml_bundle_reach_planes(b);
     if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
     if (f->to.facets) cml_score_planes(f);
@@ -122,7 +135,7 @@ static void cml_cross_planes(struct cml_flight *f)
     cml_bundle_fly_again(b);
 }
 
-/* Those of the lanes whose optical depth lies in the tail. */
+/* Those of the lanes whose optical depth lies in the tail (P2): it is infinite until it is drawn. */
 static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
 {
     uint64_t tails = 0;
@@ -133,30 +146,50 @@ static uint64_t cml_lanes_in_tail(const struct cml_flight *f, uint64_t lanes)
     return tails;
 }
 
-/* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others: until they
- * have waited as many passes, summed over lanes, as the loops take time, by measurement. For arrivals at
- * random that comes close to the least cost of waiting and loops together. Returns 1 when lanes have flown
- * on. */
+/* The planes' loops take as long for one lane as for all, so lanes at a plane wait for others, while the rest
+ * of the bundle goes on. A waiting lane costs its share of every pass. The loops run once the lanes have
+ * waited `limit` passes, summed over lanes: then waiting has cost as much as the loops do, by measurement.
+ * For arrivals at random that is close to the least cost of both together. A bundle that has been compacted
+ * holds the last packets, and does not wait. Returns 1 when lanes have flown on.
+ */
 static int cml_process_planes(struct cml_flight *f)
 {
-    const int patience = f->b->lanes == CML_LANES ? 45 : 1;
-    f->waited += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_NEAR));
-    if (f->waited < patience) return 0;
-    f->waited = 0;
+    const int limit = f->b->lanes == CML_LANES ? 45 : 1;
+    f->wait_at_planes += __builtin_popcountll(cml_lanes_with(f->b, CML_LANE_MAY_HIT));
+    if (f->wait_at_planes < limit) return 0;
+    f->wait_at_planes = 0;
     cml_cross_planes(f);
     return 1;
 }
 
-/* tails: lanes whose optical depth lies in the tail. */
+/* Finds the lanes that can meet a curved boundary before they interact, and deals with them. Between the two
+ * stands a cheap vector loop, which lets most lanes of a thick medium go. */
+static void cml_process_curved_boundaries(struct cml_flight *f)
+{
+    CML_HOOK_BEGIN(CML_HOOK_CLASSIFY);
+    const int any = cml_bundle_classify_lanes(f->b, f->steepest);
+    CML_HOOK_END(CML_HOOK_CLASSIFY);
+    if (!any) return;
+    CML_HOOK_BEGIN(CML_HOOK_CURVED);
+    cml_process_curved(f);
+    CML_HOOK_END(CML_HOOK_CURVED);
+}
+
+/* All that lanes meet in this pass before they interact. tails: lanes whose optical depth lies in the tail;
+ * they are dealt with one by one. After planes, lanes may meet a curved boundary next, or a plane again:
+ * round and round until the planes' loops have nothing to do or wait for more lanes. */
 static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
 {
     cml_for_lanes(f, tails, cml_process_lane);
     do {
-        if (f->curves && cml_bundle_classify_near(f->b, f->steepest)) cml_process_curved(f);
+        if (f->curves) cml_process_curved_boundaries(f);
     } while (cml_process_planes(f));
 }
 
-/* Into the thread's own A_rz, or into one that all threads share. By groups, which a compiler unrolls. */
+/* Deposits of the pass into the thread's own A_rz, or with atomic additions into one that all threads share.
+ * No vector loop: two lanes may hit the same cell. All lanes take part, as others add 0. By groups, which a
+ * compiler unrolls.
+ */
 static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally)
 {
     uint64_t *A_rz = tally->A_rz;
@@ -167,7 +200,7 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
         for (int i = 0; i < b->lanes; i++) cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
 }
 
-/* The same into the volume, where one is asked for. */
+/* The same into the voxels of the volume, where one is asked for; threads share it. */
 static void cml_scatter_volume(const struct cml_flight *f)
 {
     const struct cml_bundle *b = f->b;
@@ -177,6 +210,7 @@ static void cml_scatter_volume(const struct cml_flight *f)
     }
 }
 
+/* The interactions of a pass, for all lanes that have come to theirs. */
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -191,25 +225,37 @@ static void cml_flight_interact(struct cml_flight *f)
     if (low) cml_for_lanes(f, cml_lanes_below_threshold(f->b) & f->live, cml_lane_roulette);
 }
 
-/* Returns the lanes in the tail. A lane without a packet draws like the others, but meets nothing. */
+/* Lanes in the tail, without those that hold no packet. Such a lane draws like the others, so its optical
+ * depth may come to lie in the tail, too: it is parked again, with a finite one. */
 static uint64_t cml_park_dead_lanes(struct cml_flight *f)
 {
-    const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_with(f->b, CML_LANE_NEAR));
+    const uint64_t tails = cml_lanes_in_tail(f, cml_lanes_with(f->b, CML_LANE_MAY_HIT));
     cml_for_lanes(f, tails & ~f->live, cml_park_lane);
     return tails & f->live;
 }
 
+/* One pass. Every lane that holds a packet comes to its next interaction, or waits at a boundary:
+ *   draw        random words of the next interaction
+ *   fly         the path to it, and which lanes may hit a boundary before
+ *   boundaries  of those lanes: planes in vector loops, curved ones gathered by medium, rare cases singly
+ *   interact    hop, drop, spin and roulette of all lanes that got there
+ *   refill      lanes whose packet has ended
+ * All lanes do the same at the same time, event by event: event-based or vectorised Monte Carlo [Brown &
+ * Martin, Progress in Nuclear Energy 14 (1984) 269], on GPUs known as wavefront path tracing [Laine, Karras
+ * & Aila, High Performance Graphics 2013]. Waiting at boundaries and refills keep the loops full. */
 static void cml_flight_pass(struct cml_flight *f)
 {
+    CML_HOOK_LANES(CML_HOOK_PASS, f->b->lanes);
     cml_bundle_draw(&f->world->setup, f->b);
     const int any = cml_bundle_fly(f->b);
     if (any) cml_process_boundaries(f, any & CML_ANY_TAIL ? cml_park_dead_lanes(f) : 0);
     cml_flight_interact(f);
+    CML_ASSERT(cml_lanes_are_sound(f));
     if (f->ended) cml_refill(f);
 }
 
-/* f holds world, bundle (all 0), tally, media and source: the first packets take their lanes.
- */
+/* Before the first pass. f holds world, bundle (all 0), tally, media and source, all else is 0: finds out
+ * what all packets have in common, and launches the first ones. */
 static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -230,11 +276,12 @@ static void cml_flight_begin(struct cml_flight *f)
         CML_OF_MEDIUM(f->b, start_above)[i] = -CML_INFINITY;
         CML_OF_MEDIUM(f->b, start_below)[i] = CML_INFINITY;
     }
-    f->live = f->ended = ~(uint64_t)0;
+    f->live = f->ended = ~(uint64_t)0; /* as if a packet had ended in every lane: all are refilled */
     cml_refill(f);
 }
 
-/* Until the last packet has ended. */
+/* Passes until the last packet has ended. Ballistic packets have been counted only: their one end goes into
+ * the tally as often as they were. */
 static void cml_flight_run(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
@@ -245,7 +292,8 @@ static void cml_flight_run(struct cml_flight *f)
     cml_terminated_flush_times(setup, &f->terminated, f->ballistic.count, f->tally);
 }
 
-/* Everything goes into `tally`. media: [num_layers + 2]. */
+/* Flies all packets that the source hands out. Everything goes into `tally`, which no other thread writes but
+ * for the arrays that threads share. media: [num_layers + 2]. */
 static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
                                    const struct cml_range_source *source, struct cml_tally *tally)
 {

@@ -1,14 +1,16 @@
-/* Packets that meet a curved surface: below rings roots and normals, and what becomes of directions, for many
- * packets in vector loops. Which ring or facet it is they find out one by one. SPDX-License-Identifier: MIT
- */
-#ifndef CML_BUNDLE_CURVED_HITS_H
-#define CML_BUNDLE_CURVED_HITS_H
+/* Code, included by bundle_curved_reach_inl.h and bundle_curved_cross_inl.h and so compiled once for each
+ * level of the processor (engine_cpu_level.c says why). Lanes near curved boundaries, step 3: packets that
+ * meet one boundary, gathered. Roots and normals of rings, reflection and refraction, for many packets in
+ * vector loops. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_CURVED_HITS_INL_H
+#define CML_BUNDLE_CURVED_HITS_INL_H
 
-#include "engine/cpu/bundle_lanes.h"
-#include "engine/cpu/bundle_loops.h"
+#include "engine/cpu/bundle_lanes_inl.h"
+#include "engine/cpu/bundle_loops_inl.h"
 
-/* Packets that meet one boundary, from one side. Positions are in the boundary's frame, from the beam's axis.
- * What lies behind the packets may be anything. */
+/* Packets that meet one boundary from one side: structure of arrays, entries 0..count-1. Positions in the
+ * boundary's frame, x and y from the beam's axis, cm. Loops go on to whole vectors; what lies behind the
+ * packets may be anything. */
 struct cml_hits {
     int count;
     _Alignas(64) int lane[CML_LANES], primitive[CML_LANES];
@@ -25,8 +27,9 @@ struct cml_hits {
     real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES];
 };
 
-/* As cml_ring_span where the ray enters and does not stand on the ring, of slope other than 0: the root, or 0
- * where that takes a search. */
+/* The root of cml_ring_span in [t0, t1] (cm along the ray), where the ray enters the ring's cone and does not
+ * stand on it; slope other than 0. Returns 1, or 0 where Newton's method does not do and it takes a search.
+ */
 static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct cml_vec u, real side, real t0,
                                  real t1, real *root)
 {
@@ -36,8 +39,8 @@ static inline int cml_entry_root(struct cml_ring ring, struct cml_vec p, struct 
     return cml_ring_newton(ring, &ray, t0, t1, first, half_root_gap, root);
 }
 
-/* Where packets meet their ring: fills t and doubtful, normals, and moves x, y, z there. As
- * cml_intersect_field for a packet that is not the beam itself. */
+/* Where packets meet their ring, as in cml_intersect_field for a packet that is not the beam itself: fills t,
+ * normals and doubtful (the root must be searched for), and moves x, y, z there. */
 CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, struct cml_hits *h)
 {
     const int size = cml_whole_vectors(h->count);
@@ -66,9 +69,11 @@ CML_LOOP void cml_hits_refine_rings(const struct cml_world *world, real side, st
     }
 }
 
-/* P5 there, between unequal indices, as cml_reflect_or_refract where normal and facet are the same: fills
- * through, and at_planes ux, uy, uz. Returns how many directions, of packets that are not doubtful, the facet
- * has overruled. */
+/* P5 between unequal indices n1 (near) and n2, as cml_reflect_or_refract where normal and facet are the same:
+ * fills through, and turns ux, uy, uz. A direction on the wrong side of the facet can only be one in its
+ * plane but for rounding; a packet that leads away from the facet already, because rounding has put it before
+ * the facet, goes on as it was: mirrored, it would run through the facet. Returns for how many packets, those
+ * that are doubtful left out, the facet has overruled a direction. */
 CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real side, real n1, real n2,
                                          struct cml_hits *h)
 {

@@ -1,0 +1,63 @@
+/* What one thread holds while it flies packets through its bundle. Types only.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_FLIGHT_H
+#define CML_BUNDLE_FLIGHT_H
+
+#include "engine/cpu/bundle.h"
+#include "engine/cpu/bundle_hooks.h"
+#include "engine/terminated_packets_inl.h"
+
+/* Hands out the next range [*first, *first + *count) of photon indices; 0 when there is none. */
+struct cml_range_source {
+    int (*next)(void *context, uint64_t *first, uint64_t *count);
+    void *context;
+};
+
+/* Ballistic packets: those of a pencil beam that do not interact in their first medium, and leave the
+ * material for good behind it. All end alike, so they are counted and never take a lane. */
+struct cml_ballistic {
+    int possible;      /* there can be such packets */
+    real path, mfp;    /* cm: through that medium; mean free path in it */
+    cml_u32 crossings; /* boundary events with unequal indices before the last: the number of its draw */
+    real reflectance;  /* at the boundary behind that medium */
+    struct cml_termination end; /* of each of them */
+    uint64_t count;             /* so far */
+};
+
+/* One thread's flight. world to source are given, the rest is worked out (cml_flight_begin) or is the
+ * flight's state. */
+struct cml_flight {
+    const struct cml_world *world;
+    struct cml_bundle *b;
+    struct cml_gathered *gathered; /* scratch of bundle_curved_reach_inl.h */
+    struct cml_tally *tally;
+    const struct cml_lane_medium *media; /* [num_layers + 2] */
+    const struct cml_range_source *source;
+    struct cml_deposits to; /* into the tally */
+    /* the beam */
+    struct cml_packet start;  /* a packet as the beam places it */
+    int pencil;               /* it places all of them alike */
+    int first_hit_known;      /* then all of them hit first_hit, above the material */
+    struct cml_hit first_hit; /* in the frame of boundary 0 */
+    int enters; /* those that are transmitted there are `inside` but for their indices and draws */
+    struct cml_packet inside;
+    real reflectance; /* there */
+    struct cml_ballistic ballistic;
+    /* the scene */
+    int curves;    /* not all boundaries are planes */
+    real steepest; /* slope of those that are none */
+    /* lanes */
+    uint64_t live, ended;         /* masks: lanes that hold packets; those of them whose packet has ended */
+    uint64_t absorbed[CML_LANES]; /* by the lane's packet, up to when its deposits were last booked */
+    int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
+    int wait_at_curved;           /* the same of lanes at curved boundaries */
+    /* photons on their way in and out */
+    uint64_t next, left; /* of the range in hand, beyond the queue: first index, and number */
+    struct cml_launch_queue queue;
+    struct cml_terminated terminated;
+};
+
+/* Masks have one bit per lane. */
+#define CML_LANE_BIT(i) ((uint64_t)1 << (i))
+
+#endif

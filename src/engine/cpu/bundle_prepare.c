@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT */
+#include "engine/cpu/bundle_prepare.h"
+
+/* A plane needs no start: it is only met by a path that ends beyond it (cml_find_lane_candidates). A medium
+ * without a boundary on one side, an outer one, has infinite depths there, and its own index beyond it. */
+struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
+{
+    const struct cml_medium *medium = &world->media[m];
+    const struct cml_surface *top = m > 0 ? &world->surfaces[m - 1] : NULL;
+    const struct cml_surface *bottom = m <= world->setup.num_layers ? &world->surfaces[m] : NULL;
+    const int plane_top = top && top->kind == CML_SURFACE_PLANE;
+    const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE;
+    const real stop_above = top ? top->highest : -CML_INFINITY;
+    const real stop_below = bottom ? medium->span + bottom->lowest : CML_INFINITY;
+    const struct cml_lane_medium lane = {
+        .mut = medium->mut,
+        .mfp = medium->mfp,
+        .absorb = medium->absorb,
+        .g = medium->g,
+        .bins = medium->bins,
+        .n = medium->n,
+        .n_above = top ? medium[-1].n : medium->n,
+        .n_below = bottom ? medium[1].n : medium->n,
+        .span = medium->span,
+        .stop_above = stop_above,
+        .stop_below = stop_below,
+        .start_above = plane_top ? -CML_INFINITY : stop_above,
+        .start_below = plane_bottom ? CML_INFINITY : stop_below,
+    };
+    return lane;
+}
+
+/* What becomes of packets like `like` that are transmitted at a boundary: the same for all, but for the
+ * random number that decides on transmission. Tries some photon indices until one gets through. Returns 0
+ * when none does, or where shading normals make the outcome depend on more than that. */
+static int cml_transmit_like(const struct cml_world *world, const struct cml_packet *like,
+                             const struct cml_hit *hit, struct cml_packet *through)
+{
+    const int tries = 64;
+    for (int i = 0; i < tries; i++) {
+        *through = *like;
+        through->index = (cml_u64)i;
+        cml_boundary_event(world, through, hit);
+        if (through->shading_overruled) return 0;
+        if (through->medium != like->medium) return 1;
+    }
+    return 0;
+}
+
+/* P5: Fresnel reflectance of a packet at a hit; 0 between equal indices. */
+static real cml_reflectance_at(const struct cml_world *world, const struct cml_packet *packet,
+                               const struct cml_hit *hit)
+{
+    const int other = hit->boundary < packet->medium ? packet->medium - 1 : packet->medium + 1;
+    const real n1 = world->media[packet->medium].n, n2 = world->media[other].n;
+    const real side = other < packet->medium ? (real)1 : (real)-1;
+    const struct cml_vec up = hit->normal, against = {-side * up.x, -side * up.y, -side * up.z};
+    real ct;
+    return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);
+}
+
+/* A medium above that scatters or absorbs would end the one path for all: then the hit is not known. */
+void cml_find_first_hit(struct cml_flight *f)
+{
+    struct cml_packet packet = f->start;
+    if (!f->pencil || packet.medium > 0 || f->world->media[0].mfp < CML_INFINITY) return;
+    const struct cml_boundary_intervals intervals = cml_find_intervals(f->world, &packet, CML_INFINITY);
+    f->first_hit_known = cml_nearest_hit(f->world, &packet, intervals, &f->first_hit);
+    if (!f->first_hit_known || f->to.facets) return;
+    f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first_hit);
+    f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
+}
+
+/* Ballistic packets: they start alike, do not interact in their first medium, and end at the boundary behind
+ * it. Only a plane ends packets for sure, since what leaves through it never returns (P6). Maps and facets
+ * score each packet where it leaves, so they are not counted together. */
+void cml_find_ballistic(struct cml_flight *f)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_packet *like = f->enters ? &f->inside : &f->start;
+    struct cml_ballistic *ballistic = &f->ballistic;
+    struct cml_packet packet = *like;
+    struct cml_hit hit;
+    if (!f->pencil || like->medium == 0 || cml_tallies_places(f->tally)) return;
+    const struct cml_boundary_intervals intervals = cml_find_intervals(world, like, CML_INFINITY);
+    if (!cml_nearest_hit(world, &packet, intervals, &hit) || !cml_is_plane(world, hit.boundary)) return;
+    if (!cml_transmit_like(world, like, &hit, &packet) || packet.fate == CML_FATE_ALIVE) return;
+    ballistic->possible = 1;
+    ballistic->path = hit.t;
+    ballistic->mfp = world->media[like->medium].mfp;
+    ballistic->crossings = like->crossings;
+    ballistic->reflectance = cml_reflectance_at(world, like, &hit);
+    ballistic->end = cml_termination_of(&packet);
+}

@@ -1,0 +1,21 @@
+/* What is worked out once, before packets fly: media as lanes hold them, and what all packets of a pencil
+ * beam have in common. Those that start above a boundary that is no plane all meet it at the same place and
+ * angle: both are asked for once (at a vertex of a mesh, where all facets around it must be looked at, the
+ * search takes long), and so is what becomes of the packets that go through. None of this is hot, so it is
+ * compiled once and not, like the bundle's loops, for each level of the processor. SPDX-License-Identifier:
+ * MIT */
+#ifndef CML_BUNDLE_PREPARE_H
+#define CML_BUNDLE_PREPARE_H
+
+#include "engine/cpu/bundle_flight.h"
+
+/* Medium m, 0..num_layers + 1, as lanes hold it. */
+struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m);
+
+/* From world, to, pencil and start: fills first_hit_known, first_hit, reflectance, enters and inside. */
+void cml_find_first_hit(struct cml_flight *f);
+
+/* After cml_find_first_hit: fills ballistic. */
+void cml_find_ballistic(struct cml_flight *f);
+
+#endif

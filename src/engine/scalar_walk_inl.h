@@ -1,0 +1,93 @@
+/* Code, included by each engine that walks packets one at a time on the host (engine_reference.c in double,
+ * each level of engine_cpu_level.c and engine_opencl.c in float), so that the walk of kernels/walk.h is
+ * compiled in the precision and for the processor of the engine. Ranges of packets into a tally, or as
+ * records. SPDX-License-Identifier: MIT */
+#ifndef CML_SCALAR_WALK_INL_H
+#define CML_SCALAR_WALK_INL_H
+
+#include "engine/engine.h"
+#include "engine/terminated_packets_inl.h"
+#include "walk.h"
+
+/* Flies packets [first, first + count), one after the other, into the tally. */
+static inline void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
+                               struct cml_tally *tally)
+{
+    const struct cml_deposits to = cml_deposits_of(tally);
+    struct cml_terminated terminated = {0};
+    for (uint64_t i = 0; i < count; i++) {
+        struct cml_packet packet;
+        cml_walk(world, &to, first + i, &packet);
+        cml_tally_events(&packet, tally);
+        const struct cml_termination end = cml_termination_of(&packet);
+        cml_terminated_push(&world->setup, &terminated, &end, tally);
+    }
+    cml_terminated_flush(&world->setup, &terminated, tally);
+}
+
+/* Whoever listens to the events of a packet; scene coordinates need the world. */
+struct tracing {
+    const struct cml_world *world;
+    cml_trace_function *on_event;
+    void *context;
+};
+
+/* An event of kernels/walk.h, from the frame of the medium and the beam's axis into the coordinates of the
+ * scene. */
+static void forward_event(void *context, const char *what, const struct cml_packet *packet)
+{
+    const struct tracing *tracing = context;
+    const struct cml_setup *setup = &tracing->world->setup;
+    const struct cml_trace_event event = {
+        .what = what,
+        .medium = packet->medium,
+        .position = {packet->p.x + setup->x0, packet->p.y + setup->y0,
+                     packet->p.z + tracing->world->media[packet->medium].depth},
+        .direction = {packet->u.x, packet->u.y, packet->u.z},
+        .weight = packet->w * CML_WEIGHT_UNIT,
+    };
+    tracing->on_event(tracing->context, &event);
+}
+
+/* How a packet has ended, in shares of a packet and coordinates of the scene. */
+static inline struct cml_fate_record record_of(const struct cml_world *world, const struct cml_packet *packet)
+{
+    const struct cml_fate_record record = {
+        .fate = packet->fate,
+        .cause = packet->cause,
+        .weight = packet->w,
+        .interactions = packet->interactions,
+        .boundary_events = packet->boundary_events,
+        .specular = world->setup.specular * CML_WEIGHT_UNIT,
+        .absorbed = (double)packet->absorbed * CML_WEIGHT_UNIT,
+        .exit = {packet->exit_x + world->setup.x0, packet->exit_y + world->setup.y0},
+        .direction = {packet->u.x, packet->u.y, packet->u.z},
+    };
+    return record;
+}
+
+/* How packets [first, first + count) end: records[count]. Their deposits go into a tally that is thrown away,
+ * the smallest that the walk can write to. on_event may be NULL. Fails when memory for the tally runs out. */
+static inline cml_status trace_packets(const struct cml_world *world, uint64_t first, uint64_t count,
+                                       cml_trace_function *on_event, void *context,
+                                       struct cml_fate_record *records, struct cml_error *err)
+{
+    const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = world->setup.num_layers};
+    struct cml_tally tally;
+    CML_TRY(cml_tally_create(&grid, &tally, err));
+    struct tracing tracing = {world, on_event, context};
+    struct cml_world traced = *world;
+    traced.setup.tally_absorption = 0;
+    traced.on_event = on_event ? forward_event : NULL;
+    traced.on_event_context = &tracing;
+    const struct cml_deposits to = cml_deposits_of(&tally);
+    for (uint64_t i = 0; i < count; i++) {
+        struct cml_packet packet;
+        cml_walk(&traced, &to, first + i, &packet);
+        records[i] = record_of(world, &packet);
+    }
+    cml_tally_free(&tally);
+    return CML_OK;
+}
+
+#endif

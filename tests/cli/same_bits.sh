@@ -1,6 +1,7 @@
 #!/bin/sh
 # The same .mco, byte by byte but for its line of time, whatever the number of threads and the size of chunks; and the
 # same .h5, .vti and .vtp, which hold no time at all.
+# SPDX-License-Identifier: MIT
 set -eu
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT

@@ -1,0 +1,135 @@
+"""What the texts (*.md) name is there: every test, as ctest names it, and every file and folder of the repository.
+
+- Tests: unit.NAME and cross.NAME stand in test_NAME.c, others in NAME.py or NAME.sh below tests/LABEL, or
+  tests/CMakeLists.txt names them in full. A name in capitals stands for any test.
+- Files: words in backquotes or in an indented block that begin with a folder of the repository or end like a source file
+  (in samples and meshes: also like a scene or mesh). A path begins at the top, in the text's own folder, or in src, as
+  includes do; a name without a slash may stand anywhere below the text's folder. One with * is a pattern, one with <>,
+  {} or a word in capitals is skipped, and so is what a build or a bench writes.
+
+Runs in the source directory."""
+import fnmatch
+import os
+import re
+import sys
+
+TESTS = {"unit": "c", "cross": "c", "stat": "py", "long": "py", "files": "py", "cli": "sh", "cluster": "sh py",
+         "stability": "", "house": ""}  # the last two stand in tests/CMakeLists.txt
+REGISTRY = "tests/CMakeLists.txt"
+SOURCES = (".c", ".h", ".cpp", ".cl", ".py", ".sh", ".cmake", ".cases", ".supp")
+DATA = (".mci", ".obj", ".gsf", ".asc")  # where the text's own folder has some
+TOP = ("README.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE", "CMakeLists.txt", "CMakePresets.json")
+WRITTEN = ("build", "build-*", "bench/out")  # by a build or a bench
+SKIPPED = ("bench/results",)  # texts that scripts wrote once: what they name is of their time
+
+TEST = re.compile(r"(?<![\w/.-])(%s)\.(\w+)" % "|".join(TESTS))
+QUOTED = re.compile(r"`([^`]+)`")
+LINK = re.compile(r"\]\(([^)#:\s]+)\)")
+PLACEHOLDER = re.compile(r"[<>{}]|(?:^|[/_.])(?!README|CONTRIBUTING|LICENSE|CITATION)[A-Z]{2,}(?:[._/]|$)")
+
+
+def test_exists(label, name, files):
+    registry = files[REGISTRY]
+    if name.isupper() or re.search(r"NAME %s\.%s\s|\b%s/%s\.(?:py|sh)\b" % (label, name, label, name), registry):
+        return True
+    names = [f"test_{name}.c"] if TESTS[label] == "c" else [f"{name}.{end}" for end in TESTS[label].split()]
+    return any(path.startswith(f"tests/{label}/") and os.path.basename(path) in names for path in files)
+
+
+def words(text):
+    """What may be a path: words in backquotes, targets of links, words of indented lines."""
+    indented = [line for line in text.split("\n") if line.startswith("    ")]
+    spans = QUOTED.findall("\n".join(line for line in text.split("\n") if not line.startswith("    "))) + indented
+    found = [word for span in spans for word in span.split()] + LINK.findall(text)
+    return [word.strip("`'\",;:()[]").removeprefix("./").rstrip("/") for word in found]
+
+
+def folders_of(files):
+    folders = set()
+    for path in files:
+        while os.path.dirname(path):
+            path = os.path.dirname(path)
+            folders.add(path)
+    return folders
+
+
+def is_path(word, home, places, endings):
+    if PLACEHOLDER.search(word) or not re.fullmatch(r"[\w./*+-]+", word) or word.startswith((".", "_")):
+        return False
+    if "/" not in word:
+        return word in TOP or not word.startswith("*") and word.endswith(endings)
+    first = word.split("/")[0]
+    return word.endswith(SOURCES) or any(os.path.join(start, first) in places for start in ("", home, "src"))
+
+
+def path_exists(word, home, places):
+    if any(fnmatch.fnmatchcase(word + "/", pattern + "/*") for pattern in WRITTEN):
+        return True
+    starts = {os.path.normpath(os.path.join(start, word)) for start in ("", home, "src")}
+    if "/" not in word:
+        starts.add(os.path.join(home, "*", word))
+    patterns = [start for start in starts if "*" in start]
+    return bool(starts & places) or any(fnmatch.filter(places, pattern) for pattern in patterns)
+
+
+def check_text(path, text, files, places):
+    """places: files and folders."""
+    home = os.path.dirname(path)
+    beside = [file for file in files if os.path.dirname(file) == home]
+    endings = SOURCES + tuple(end for end in DATA if any(file.endswith(end) for file in beside))
+    missing = [f"{path}: names the test {label}.{name}, which is not there"
+               for label, name in sorted(set(TEST.findall(text)))
+               if "." + name not in SOURCES and not test_exists(label, name, files)]
+    return missing + [f"{path}: names {word}, which is not there" for word in sorted(set(words(text)))
+                      if is_path(word, home, places, endings) and not path_exists(word, home, places)]
+
+
+def check(files):
+    """files: {path: text}; only texts and the registry of tests need theirs. Returns the complaints."""
+    places = set(files) | folders_of(files)
+    return [complaint for path, text in sorted(files.items()) if path.endswith(".md") and not path.startswith(SKIPPED)
+            for complaint in check_text(path, text, files, places)]
+
+
+def check_the_check():
+    """A check that cannot fail is none. Each of these must be the only complaint."""
+    sound = {"README.md": "`unit.a` cross.b `stat.coverage`, long.d stability.e `house.f` cli.NAME\n`src/room/a.c`\n"
+                          "`src/room`\n    sh bench/g.sh --out bench/out >build/x/y.txt\n[h](bench/h.svg) `skin.obj` `1/cm`\n",
+             "src/README.md": "`room/a.c` `a.c` `cluster.c` `room/<name>.c` `room/i_NAME.c` `src/room/*.c` `../none.c` `room/*.c`",
+             REGISTRY: "add_test(NAME long.d\nadd_test(NAME stability.e\ncml_script_test(house x/house/f.py)",
+             "bench/results/old.md": "`src/gone.c`", "meshes/README.md": "`i.obj` `README.md`"}
+    sound |= {path: "" for path in "tests/unit/room/test_a.c tests/cross/test_b.c tests/stat/coverage.py tests/long/same.sh "
+              "tests/house/g.py src/room/a.c src/room/cluster.c bench/g.sh bench/h.svg meshes/i.obj".split()}
+    assert check(sound) == [], check(sound)
+    for text in ("`unit.b`", "cross.a", "stat.none", "`long.same`", "house.g", "stability.atlas", "cli.a", "unit.room",
+                 "`src/room/b.c`", "`src/rooms/a.c`", "`src/none`", "`none/a.c`", "`b.c`", "    sh bench/none.sh",
+                 "[x](bench/no.svg)", "`bench/*.py`", "`tests/unit/a.c --quick`"):
+        for path in ("README.md", "CONTRIBUTING.md", "bench/README.md"):
+            assert len(check({**sound, path: text})) == 1, (path, text, check({**sound, path: text}))
+    assert len(check({**sound, "meshes/README.md": "`i.obj` `none.obj` `CITATION.cff`"})) == 2
+
+
+def read_all():
+    files = {}
+    for folder, folders, names in os.walk("."):
+        folders[:] = [name for name in folders if name != ".git" and not name.startswith("build")]
+        for name in names:
+            path = os.path.relpath(os.path.join(folder, name))
+            files[path] = ""
+            if name.endswith(".md") or path == REGISTRY:
+                with open(path, encoding="utf-8") as file:
+                    files[path] = file.read()
+    return files
+
+
+def main():
+    check_the_check()
+    files = read_all()
+    complaints = check(files)
+    texts = [path for path in files if path.endswith(".md") and not path.startswith(SKIPPED)]
+    named = {test for path in texts for test in TEST.findall(files[path])}
+    print("\n".join(complaints) or f"{len(texts)} texts, {len(named)} tests named")
+    sys.exit(1 if complaints else 0)
+
+
+main()

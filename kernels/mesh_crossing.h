@@ -6,7 +6,7 @@
 
 /* on_primitive of a packet that has interacted within rounding of a mesh: it stands on no facet, and may be
  * beyond one. */
-#define CML_BESIDE_FACETS (-2)
+#define CML_NEAR_FACETS (-2)
 
 #ifndef __OPENCL_VERSION__
 
@@ -16,22 +16,23 @@ struct cml_mesh_surface;
 #define CML_OUTER_PLANE 0x7fffffff
 
 struct cml_mesh_crossing {
-    double t;         /* distance, cm */
-    double point[3];  /* in the boundary's frame, x and y from the beam's axis, cm */
-    double normal[3]; /* unit, up: what Fresnel and Snell see */
-    double facet[3];  /* unit, up: the facet's own */
-    int primitive;    /* triangle, or CML_OUTER_PLANE */
-    int ends_beside;  /* without a crossing: the path was looked at as a whole line, and ends within rounding
-                       * of  a facet */
+    double t;            /* distance, cm */
+    double point[3];     /* in the boundary's frame, x and y from the beam's axis, cm */
+    double normal[3];    /* unit, up: what Fresnel and Snell see */
+    double facet[3];     /* unit, up: the facet's own */
+    int primitive;       /* triangle, or CML_OUTER_PLANE */
+    int ends_near_facet; /* without a crossing: the path was looked at as a whole line, and ends within
+                          * rounding of  a facet */
 };
 
 /* The closest crossing of a ray with a mesh and its outer plane: p in the boundary's frame and from the
  * beam's axis, cm; u unit; below: the packet is below the boundary; t_max: length of the path, cm. exclude:
- * the primitive the packet stands on, -1 or CML_BESIDE_FACETS. straight: it has come through that primitive
+ * the primitive the packet stands on, -1 or CML_NEAR_FACETS. straight: it has come through that primitive
  * undeflected, so what lies behind it on the same line has been dealt with. slack: a crossing up to so far
  * behind p is one at p, because rounding has put the packet beyond a facet that it has not crossed, cm.
  * exact: test all candidates in double; else the fastest way to find the hit, which alone is computed in
- * double. Returns 1 and fills *crossing when there is one with t < t_max. ends_beside is always filled. */
+ * double. Returns 1 and fills *crossing when there is one with t < t_max. ends_near_facet is always filled.
+ */
 typedef int cml_mesh_intersect(const struct cml_mesh_surface *mesh, const double p[3], const double u[3],
                                int below, double t_max, int exclude, int straight, int exact, double slack,
                                struct cml_mesh_crossing *crossing);

@@ -85,10 +85,10 @@ CML_FN int cml_intersect_field(const struct cml_world *world, int boundary, stru
 }
 
 #ifndef __OPENCL_VERSION__
-/* *beside: the crossing's ends_beside. */
+/* *near_facet: the crossing's ends_near_facet. */
 CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                               real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
-                              int *beside)
+                              int *near_facet)
 {
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double span =
@@ -97,7 +97,7 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
     struct cml_mesh_crossing c;
     const int found = world->intersect_mesh(world->meshes[boundary], dp, du, side > 0, t_max, on_primitive,
                                             undeflected, sizeof(real) == sizeof(double), slack, &c);
-    *beside = c.ends_beside;
+    *near_facet = c.ends_near_facet;
     if (!found) return 0;
     hit->t = (real)c.t;
     hit->primitive = c.primitive;
@@ -128,7 +128,7 @@ CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
 }
 
 /* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
- * below it, -1 above. on_primitive: what of it, -1 or CML_BESIDE_FACETS. */
+ * below it, -1 above. on_primitive: what of it, -1 or CML_NEAR_FACETS. */
 CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
                                                const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
                                                struct cml_vec u, real side, int on_primitive, real t_max)
@@ -167,7 +167,7 @@ struct cml_boundary_intervals {
     struct cml_interval above, below;
 };
 
-/* What the packet stands on of a boundary: -1 nothing, or CML_BESIDE_FACETS. */
+/* What the packet stands on of a boundary: -1 nothing, or CML_NEAR_FACETS. */
 CML_FN int cml_on_primitive(const struct cml_packet *packet, int boundary)
 {
     return packet->on_boundary == boundary ? packet->on_primitive : -1;
@@ -208,10 +208,10 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packe
                                         packet->boundary_events == 0, hit);
 #ifndef __OPENCL_VERSION__
         else {
-            int beside;
+            int near_facet;
             found = cml_intersect_mesh(world, boundary, p, packet->u, side, s.to, on_primitive,
-                                       packet->undeflected, hit, &beside);
-            if (beside) packet->beside = boundary + 1;
+                                       packet->undeflected, hit, &near_facet);
+            if (near_facet) packet->near_boundary = boundary + 1;
         }
 #endif
     }
@@ -225,7 +225,7 @@ CML_FN int cml_nearest_hit(const struct cml_world *world, struct cml_packet *pac
 {
     const int medium = packet->medium;
     int found = 0;
-    packet->beside = 0;
+    packet->near_boundary = 0;
     if (intervals.above.meets) {
         found = cml_intersect_surface(world, packet, medium - 1, packet->p, 1, intervals.above, hit);
         if (found && hit->t < intervals.below.to) intervals.below.to = hit->t;

@@ -116,10 +116,11 @@ struct cml_packet {
     cml_u32 bounces;       /* boundary events since the last interaction */
     cml_u32 boundary_events; /* all of them */
     int medium;
-    int on_boundary, on_primitive; /* what the packet stands on, -1: nothing, or CML_BESIDE_FACETS */
-    int beside;      /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none */
-    int undeflected; /* it came there without a turn: equal indices */
-    int entered;     /* has been in the material */
+    int on_boundary, on_primitive; /* what the packet stands on, -1: nothing, or CML_NEAR_FACETS */
+    int near_boundary; /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none
+                        */
+    int undeflected;   /* it came there without a turn: equal indices */
+    int entered;       /* has been in the material */
     int fate, cause;
     real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
     /* terms of this packet in the weight balance, in weight units */

@@ -216,8 +216,8 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
 {
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
     packet->p = cml_along(packet->p, t, packet->u);
-    packet->on_boundary = packet->beside - 1;
-    if (packet->beside) packet->on_primitive = CML_BESIDE_FACETS;
+    packet->on_boundary = packet->near_boundary - 1;
+    if (packet->near_boundary) packet->on_primitive = CML_NEAR_FACETS;
     packet->bounces = 0;
     if (cml_leaked(world, packet->medium, packet->p.z)) {
         cml_lose_packet(packet, CML_LOST_LEAKED);

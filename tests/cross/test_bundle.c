@@ -309,16 +309,16 @@ static void a_lane_stands_beside_facets_for_one_flight(void **state)
 {
     (void)state;
     static struct cml_bundle b;
-    struct cml_packet packet = {.interactions = 3, .beside = 2}, after;
+    struct cml_packet packet = {.interactions = 3, .near_boundary = 2}, after;
     b.interactions[0] = b.interactions_at_hit[0] = 3;
     b.bounces[0] = 7;
-    cml_store_beside(&b, 0, &packet);
+    cml_store_near_boundary(&b, 0, &packet);
     b.interactions[0]++;
     cml_lane_packet(&b, 0, &after);
     assert_int_equal(after.on_boundary, 1);
-    assert_int_equal(after.on_primitive, CML_BESIDE_FACETS);
+    assert_int_equal(after.on_primitive, CML_NEAR_FACETS);
     assert_int_equal(after.bounces, 0);
-    assert_int_equal(after.beside, 0);
+    assert_int_equal(after.near_boundary, 0);
     b.interactions[0]++;
     cml_lane_packet(&b, 0, &after);
     assert_int_equal(after.on_boundary, -1);
@@ -351,7 +351,7 @@ static void expect_beside(const struct cml_packet *packet)
 {
     assert_int_equal(packet->interactions, 1);
     assert_int_equal(packet->on_boundary, 0);
-    assert_int_equal(packet->on_primitive, CML_BESIDE_FACETS);
+    assert_int_equal(packet->on_primitive, CML_NEAR_FACETS);
 }
 
 /* Lanes and packets one by one know what they stand beside after an interaction within rounding of a mesh. */

@@ -23,7 +23,7 @@ static int cml_is_common_case(const struct cml_flight *f, int i, int boundary)
            cml_dot(u, u) < 2;
 }
 
-/* What primitive of a boundary the lane's packet stands on, or CML_BESIDE_FACETS; -1: none. */
+/* What primitive of a boundary the lane's packet stands on, or CML_NEAR_FACETS; -1: none. */
 static int cml_lane_on_primitive(const struct cml_bundle *b, int i, int boundary)
 {
     const int on_surface = b->interactions_at_hit[i] == b->interactions[i] && b->on_boundary[i] == boundary;
@@ -92,11 +92,11 @@ static void cml_query_lane(struct cml_flight *f, int i, int boundary, struct cml
     const struct cml_bundle *b = f->b;
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
     struct cml_hit hit = {.boundary = boundary};
-    int beside;
+    int near_facet;
     const int found =
         cml_intersect_mesh(f->world, boundary, p, u, side, t_max, cml_lane_on_primitive(b, i, boundary),
-                           b->undeflected[i], &hit, &beside);
-    if (!found && beside) {
+                           b->undeflected[i], &hit, &near_facet);
+    if (!found && near_facet) {
         cml_process_lane(f, i);
     } else if (!found) {
         cml_lane_misses(f, i);

@@ -121,7 +121,7 @@ static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_bo
             cml_lose_packet(&packet, CML_LOST_LEAKED);
         else
             cml_lane_set_interacting(f, i, t);
-        if (packet.beside) cml_store_beside(b, i, &packet);
+        if (packet.near_boundary) cml_store_near_boundary(b, i, &packet);
     }
     if (b->task[i] == CML_LANE_INTERACT && packet.fate == CML_FATE_ALIVE)
         cml_tally_events(&packet, f->tally);

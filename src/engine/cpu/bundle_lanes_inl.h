@@ -84,7 +84,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->on_boundary = on_surface ? b->on_boundary[i] : -1;
     packet->on_primitive = b->on_primitive[i];
     packet->undeflected = b->undeflected[i];
-    packet->beside = 0;
+    packet->near_boundary = 0;
     packet->entered = b->entered[i];
     packet->fate = CML_FATE_ALIVE;
     packet->cause = CML_LOST_NOT;
@@ -126,13 +126,13 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
 
 /* The lane's packet is about to interact at a place within rounding of a mesh. What cml_interact then writes
  * into a packet is written here ahead of the interaction, with the number that this will have: until the next
- * one the packet stands on no facet, and may be beyond one (CML_BESIDE_FACETS). */
-static void cml_store_beside(struct cml_bundle *b, int i, const struct cml_packet *packet)
+ * one the packet stands on no facet, and may be beyond one (CML_NEAR_FACETS). */
+static void cml_store_near_boundary(struct cml_bundle *b, int i, const struct cml_packet *packet)
 {
     b->interactions_at_hit[i] = packet->interactions + 1;
     b->bounces[i] = 0;
-    b->on_boundary[i] = packet->beside - 1;
-    b->on_primitive[i] = CML_BESIDE_FACETS;
+    b->on_boundary[i] = packet->near_boundary - 1;
+    b->on_primitive[i] = CML_NEAR_FACETS;
 }
 
 /* The lane's packet has ended, as `end` says but for what it has absorbed. Inlined, so that `end` goes from

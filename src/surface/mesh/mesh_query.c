@@ -290,7 +290,7 @@ static bool is_over_box(const struct cml_mesh_query *q)
  * 1 / |along| as much along it. */
 static bool is_near_edge(const struct cml_mesh_query *q, int primitive)
 {
-    if (primitive < 0) return primitive == CML_BESIDE_FACETS;
+    if (primitive < 0) return primitive == CML_NEAR_FACETS;
     if (primitive == CML_OUTER_PLANE)
         return is_over_box(q) &&
                cml_query_border_side(q, q->origin[0], q->origin[1], q->err_query) != CML_OUTSIDE_BORDER;

@@ -267,7 +267,7 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
         query_embree(surface, &query);
     if (exact || !surface->grid.cell || !cml_grid_walk_covers(&surface->grid, &query.ray))
         cml_query_intersect_outer_plane(&query.ray);
-    crossing->ends_beside = cml_query_is_doubtful(&query.ray) && query_line(surface, &query, t_max);
+    crossing->ends_near_facet = cml_query_is_doubtful(&query.ray) && query_line(surface, &query, t_max);
     return cml_query_finish(&query.ray, p, u, crossing);
 }
 

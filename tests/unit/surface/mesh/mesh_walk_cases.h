@@ -76,7 +76,7 @@ static void fly(struct dice *dice, struct walker *walker)
         cml_intersect_mesh(&walker->world, 0, packet->p, packet->u, (real)walker->side, (real)free_path,
                            packet->on_primitive, packet->undeflected, &hit, &ends_near_facet);
     packet->p = found ? hit.point : cml_along(packet->p, hit.t, packet->u);
-    packet->on_primitive = found ? hit.primitive : (ends_near_facet ? CML_BESIDE_FACETS : -1);
+    packet->on_primitive = found ? hit.primitive : (ends_near_facet ? CML_NEAR_FACETS : -1);
     look(dice, walker);
     if (found) {
         cross(dice, walker, &hit);

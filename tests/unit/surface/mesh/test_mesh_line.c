@@ -189,7 +189,7 @@ static bool interacts_on_edge(const struct cml_mesh_surface *surface, struct dic
     }
     const double t_max = size * dice_between(dice, 0.1, 0.6);
     if (cml_mesh_surface_hit(surface, p, u, below, t_max, triangle, 1, 0, 1e-7, &crossing)) return false;
-    assert_true(crossing.ends_beside);
+    assert_true(crossing.ends_near_facet);
     for (int k = 0; k < 3; k++) p[k] = (float)(p[k] + t_max * u[k]);
     return true;
 }
@@ -220,8 +220,8 @@ static void leave_by_edges(enum cml_mesh_search search, int on_primitive)
 static void a_packet_scattered_on_an_edge_leaves_by_it(void **state)
 {
     (void)state;
-    leave_by_edges(CML_SEARCH_EMBREE, CML_BESIDE_FACETS);
-    leave_by_edges(CML_SEARCH_AUTO, CML_BESIDE_FACETS);
+    leave_by_edges(CML_SEARCH_EMBREE, CML_NEAR_FACETS);
+    leave_by_edges(CML_SEARCH_AUTO, CML_NEAR_FACETS);
 }
 
 static void a_packet_scattered_unnoticed_on_an_edge_leaves_by_it(void **state)

@@ -84,8 +84,9 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
     return cml_query_is_ahead(q, *t, along);
 }
 
-/* Several facets have a crossing on their common edge or vertex: the same place but for rounding, and a
- * normal of all of them, so that it does not matter which was found first. */
+/* Several facets have a crossing on their common edge or vertex: the same place but for rounding. The normal
+ * is of all of them, and the place counts as the first one's by number, so that it does not matter in which
+ * order Embree finds them. */
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;
@@ -93,6 +94,9 @@ void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const 
     if (q->hits_edge && on_edge && fabs(t - q->t) <= q->err_query) {
         cml_vec3_add_scaled(q->normal_sum, 1, normal, q->normal_sum);
         q->open_edges += q->candidate_open_edges;
+        if (primitive > q->primitive) return;
+        q->primitive = primitive;
+        cml_vec3_copy(weight, q->weight);
         return;
     }
     if (t >= q->t) return;

@@ -5,8 +5,12 @@
 #include "base/text.h"
 
 #include <errno.h>
+#include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
 /* A checkpoint is this head, the identity, the ranges not flown, the summary of the result, its cells, and
@@ -113,6 +117,7 @@ void cml_checkpoint_remove(const char *path)
 struct source {
     const char *path;
     FILE *stream;
+    uint64_t left; /* bytes between what has been read and the checksum */
     struct head head;
     char *identity;
 };
@@ -124,10 +129,12 @@ static cml_status fail_damaged(const struct source *source, const char *what, st
     return cml_fail(err, CML_E_IO, "%s: the checkpoint is damaged (%s)", source->path, what);
 }
 
-/* Exactly so many bytes, or the file is cut short. */
-static bool get(struct source *source, void *data, size_t size)
+/* `count` things of a size. What the head says is not trusted: no more is read than there is. */
+static bool get(struct source *source, void *data, uint64_t count, size_t size)
 {
-    return fread(data, 1, size, source->stream) == size;
+    if (count > source->left / size || fread(data, size, count, source->stream) != count) return false;
+    source->left -= count * size;
+    return true;
 }
 
 /* The whole file against the checksum at its end. */
@@ -137,16 +144,14 @@ static cml_status check_sum(struct source *source, struct cml_error *err)
     static unsigned char block[BLOCK];
     uint64_t stored = 0;
     uLong sum = crc32(0, NULL, 0);
-    if (fseek(source->stream, 0, SEEK_END) != 0) return fail_damaged(source, strerror(errno), err);
-    long left = ftell(source->stream) - (long)sizeof stored;
-    rewind(source->stream);
-    while (left > 0) {
-        const size_t size = left < BLOCK ? (size_t)left : BLOCK;
-        if (!get(source, block, size)) return fail_damaged(source, "cannot be read to its end", err);
+    for (uint64_t left = source->left; left > 0;) {
+        const size_t size = left < BLOCK ? left : BLOCK;
+        if (fread(block, 1, size, source->stream) != size)
+            return fail_damaged(source, "cannot be read to its end", err);
         sum = crc32_z(sum, block, size);
-        left -= (long)size;
+        left -= size;
     }
-    if (left < 0 || !get(source, &stored, sizeof stored)) return fail_damaged(source, "cut short", err);
+    if (fread(&stored, sizeof stored, 1, source->stream) != 1) return fail_damaged(source, "cut short", err);
     rewind(source->stream);
     return stored == sum ? CML_OK : fail_damaged(source, "checksum", err);
 }
@@ -156,16 +161,17 @@ static cml_status check_sum(struct source *source, struct cml_error *err)
 static cml_status read_head(struct source *source, struct cml_error *err)
 {
     struct head *head = &source->head;
-    if (!get(source, head, sizeof *head) || memcmp(head->magic, magic, sizeof magic) != 0)
+    if (!get(source, head, 1, sizeof *head) || memcmp(head->magic, magic, sizeof magic) != 0)
         return cml_fail(err, CML_E_INPUT, "%s: is no checkpoint", source->path);
     if (head->order != ORDER || head->version != VERSION)
         return cml_fail(err, CML_E_INPUT,
                         "%s: the checkpoint has another format or byte order (expected format %u)",
                         source->path, VERSION);
+    if (head->identity_size > source->left) return fail_damaged(source, "its identity", err);
     source->identity = calloc(head->identity_size + 1, 1);
     if (!source->identity) return cml_fail_memory(err, (double)head->identity_size, "a checkpoint");
-    return get(source, source->identity, head->identity_size) ? CML_OK
-                                                              : fail_damaged(source, "cut short", err);
+    return get(source, source->identity, head->identity_size, 1) ? CML_OK
+                                                                 : fail_damaged(source, "cut short", err);
 }
 
 /* Says in which line two identities differ. */
@@ -183,12 +189,62 @@ static cml_status check_identity(const struct source *source, const char *mine, 
                     source->path, (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine);
 }
 
+/* A round is the first one or as long as all before it (struct cml_run_setup, target_error). */
+static bool is_round(uint64_t begin, uint64_t end)
+{
+    return end > 0 && end <= (uint64_t)1 << 48 && (begin == 0 || (end % 2 == 0 && begin == end / 2));
+}
+
+static int compare_ranges(const void *a, const void *b)
+{
+    const uint64_t one = ((const struct cml_range *)a)->first, other = ((const struct cml_range *)b)->first;
+    return (one > other) - (one < other);
+}
+
+/* Whether the open ranges are disjoint parts of the round, and all other indices have been flown. ranges:
+ * sorted. */
+static bool are_open(const struct cml_range *ranges, uint64_t count, const struct head *head,
+                     const struct cml_summary *summary)
+{
+    uint64_t from = head->begin, open = 0;
+    for (uint64_t i = 0; i < count; i++) {
+        if (ranges[i].first < from || ranges[i].first >= head->end || ranges[i].count == 0 ||
+            ranges[i].count > head->end - ranges[i].first)
+            return false;
+        from = ranges[i].first + ranges[i].count;
+        open += ranges[i].count;
+    }
+    return open > 0 && summary->count[CML_COUNT_PHOTONS] == head->end - open;
+}
+
+static bool are_lost(const struct cml_lost_list *lost, uint64_t end)
+{
+    if (lost->count < 0 || lost->count > CML_LOST_LISTED) return false;
+    for (int i = 0; i < lost->count; i++)
+        if (lost->index[i] >= end || (i > 0 && lost->index[i] <= lost->index[i - 1])) return false;
+    return true;
+}
+
+/* The same ranges in the file's order: what is taken next must not depend on where a run was stopped. */
+static cml_status check_ranges(const struct source *source, const struct cml_ranges *open,
+                               const struct cml_summary *summary, struct cml_error *err)
+{
+    struct cml_range *sorted = malloc((open->count + 1) * sizeof *sorted);
+    if (!sorted) return cml_fail_memory(err, (double)(open->count * sizeof *sorted), "a checkpoint's ranges");
+    if (open->count > 0) memcpy(sorted, open->item, open->count * sizeof *sorted);
+    qsort(sorted, open->count, sizeof *sorted, compare_ranges);
+    const bool good = are_open(sorted, open->count, &source->head, summary);
+    free(sorted);
+    return good ? CML_OK : fail_damaged(source, "its ranges of photons", err);
+}
+
 /* Through cml_ranges_add, which counts the total anew. */
 static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, struct cml_error *err)
 {
     for (uint64_t i = 0; i < source->head.num_ranges; i++) {
         struct cml_range range;
-        if (!get(source, &range, sizeof range)) return fail_damaged(source, "cut short", err);
+        if (!get(source, &range, 1, sizeof range)) return fail_damaged(source, "cut short", err);
+        if (range.count == 0) return fail_damaged(source, "its ranges of photons", err);
         CML_TRY(cml_ranges_add(ranges, range, err));
     }
     return CML_OK;
@@ -199,16 +255,20 @@ static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, 
 static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
                                struct cml_error *err)
 {
+    const struct head *head = &source->head;
     size_t cells = 0;
     cml_u128 *cell = cml_result_cells(result, &cells);
-    state->begin = source->head.begin;
-    state->end = source->head.end;
-    state->seconds = source->head.seconds;
+    if (!is_round(head->begin, head->end) || !(head->seconds >= 0 && isfinite(head->seconds)))
+        return fail_damaged(source, "its head", err);
+    state->begin = head->begin;
+    state->end = head->end;
+    state->seconds = head->seconds;
     CML_TRY(read_ranges(source, &state->open, err));
-    if (source->head.num_cells != cells || !get(source, &result->summary, sizeof result->summary) ||
-        !get(source, cell, cells * sizeof *cell))
+    if (head->num_cells != cells || !get(source, &result->summary, 1, sizeof result->summary) ||
+        !get(source, cell, cells, sizeof *cell) || source->left > 0)
         return fail_damaged(source, "its grid", err);
-    return CML_OK;
+    if (!are_lost(&result->summary.lost, head->end)) return fail_damaged(source, "its lost packets", err);
+    return check_ranges(source, &state->open, &result->summary, err);
 }
 
 /* In this order, because an identity is worth reading only where the checksum is right, and tallies only
@@ -223,15 +283,34 @@ static cml_status read_source(struct source *source, const char *identity, enum 
     return source->head.finished ? CML_OK : read_tallies(source, state, result, err);
 }
 
+/* A checkpoint is a regular file: of a pipe or a device nobody knows where it ends. Opening a pipe must not
+ * wait for a writer. */
+static cml_status open_source(struct source *source, struct cml_error *err)
+{
+    struct stat about;
+    const int file = open(source->path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) return cml_fail(err, CML_E_IO, "%s: cannot be read (%s)", source->path, strerror(errno));
+    if (fstat(file, &about) != 0 || !S_ISREG(about.st_mode)) {
+        close(file);
+        return cml_fail(err, CML_E_INPUT, "%s: is no checkpoint (expected a regular file)", source->path);
+    }
+    if (about.st_size < (off_t)sizeof(uint64_t)) {
+        close(file);
+        return fail_damaged(source, "cut short", err);
+    }
+    source->left = (uint64_t)about.st_size - sizeof(uint64_t);
+    source->stream = fdopen(file, "rb");
+    return source->stream ? CML_OK : cml_fail_memory(err, BUFSIZ, "a checkpoint");
+}
+
 /* CML_E_IO where the older one may help. */
 static cml_status read_one(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
                            struct cml_run_state *state, struct cml_result *result, struct cml_error *err)
 {
     struct source source = {.path = path};
-    source.stream = fopen(path, "rb");
     *kind = CML_CHECKPOINT_NONE;
-    if (!source.stream && errno == ENOENT) return CML_OK;
-    if (!source.stream) return cml_fail(err, CML_E_IO, "%s: cannot be read (%s)", path, strerror(errno));
+    if (access(path, F_OK) != 0 && errno == ENOENT) return CML_OK;
+    CML_TRY(open_source(&source, err));
     const cml_status status = read_source(&source, identity, kind, state, result, err);
     fclose(source.stream);
     free(source.identity);
@@ -246,6 +325,7 @@ static cml_status read_older(const char *path, const char *identity, enum cml_ch
 {
     struct cml_error why = *note;
     const bool damaged = why.text[0] != '\0';
+    cml_ranges_clear(&state->open); /* what the damaged one may have left there */
     CML_TRY(read_one(path, identity, kind, state, result, err));
     if (*kind != CML_CHECKPOINT_NONE)
         note->status = cml_fail(note, CML_OK, "%s%scontinuing from %s", why.text, damaged ? "; " : "", path);

@@ -234,6 +234,21 @@ static cml_status fly_all(struct flight *flight, struct cml_error *err)
 
 /* On rank 0: the state of a checkpoint where --resume asks for it. *fresh: there was none, and the run begins
  * anew. */
+/* Photons of the first round. */
+static uint64_t first_round(const struct cml_run_setup *setup)
+{
+    if (setup->target_error <= 0) return setup->photons;
+    return (setup->photons + CML_NUM_BATCHES - 1) / CML_NUM_BATCHES * CML_NUM_BATCHES;
+}
+
+/* Whether rounds of this run end there. */
+static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
+{
+    uint64_t place = first_round(setup);
+    while (setup->target_error > 0 && place < end) place *= 2;
+    return place == end;
+}
+
 static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -242,6 +257,10 @@ static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *
     if (setup->resume)
         CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &kind, &flight->state,
                                     &flight->out->result, &note, err));
+    if (kind == CML_CHECKPOINT_PARTIAL && !ends_round(setup, flight->state.end))
+        return cml_fail(err, CML_E_INPUT, "%s: the checkpoint is damaged (%llu photons in a run of %llu)",
+                        setup->checkpoint, (unsigned long long)flight->state.end,
+                        (unsigned long long)setup->photons);
     if (note.text[0] && setup->on_note) setup->on_note(setup->context, note.text);
     flight->out->finished = kind == CML_CHECKPOINT_FINISHED;
     flight->out->result.photons = flight->state.end;
@@ -256,9 +275,7 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     bool fresh = true;
     CML_TRY(restore(flight, &fresh, err));
     if (!fresh) return CML_OK;
-    uint64_t photons = setup->photons;
-    if (setup->target_error > 0)
-        photons = (photons + CML_NUM_BATCHES - 1) / CML_NUM_BATCHES * CML_NUM_BATCHES;
+    const uint64_t photons = first_round(setup);
     flight->state.end = flight->out->result.photons = photons;
     return cml_ranges_add(&flight->state.open, (struct cml_range){0, photons}, err);
 }

@@ -2,11 +2,14 @@
 #include "run/checkpoint.h"
 #include "lib/dice.h"
 
+#include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
 
 static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
 static const char identity[] = "program x\nseed 1\ninput a.mci of 3 bytes, crc32 00000001\n";
+enum { BEGIN = 64, END = 128 }; /* of the round */
 static char path[64];
 static struct cml_error err, note;
 
@@ -26,6 +29,7 @@ static struct cml_result new_result(uint32_t seed)
     for (int i = 0; seed && i < CML_NUM_COUNTS; i++) result.summary.count[i] = dice_word(&dice);
     for (int i = 0; seed && i < CML_NUM_TOTALS; i++)
         result.summary.square[i] = (cml_u128)dice_word(&dice) << 70;
+    result.summary.count[CML_COUNT_PHOTONS] = END - seed - 2; /* what save() does not leave open */
     if (seed) cml_lost_list_add(&result.summary.lost, seed);
     return result;
 }
@@ -41,7 +45,7 @@ static void assert_same(struct cml_result *a, struct cml_result *b)
 static void save(uint32_t seed)
 {
     struct cml_result result = new_result(seed);
-    struct cml_run_state state = {.begin = 64, .end = 128, .seconds = seed};
+    struct cml_run_state state = {.begin = BEGIN, .end = END, .seconds = seed};
     assert_int_equal(cml_ranges_add(&state.open, (struct cml_range){100, seed}, &err), CML_OK);
     assert_int_equal(cml_ranges_add(&state.open, (struct cml_range){70, 2}, &err), CML_OK);
     assert_int_equal(cml_checkpoint_write(path, identity, &state, &result, &err), CML_OK);
@@ -56,8 +60,8 @@ static cml_status read_as(const char *who, enum cml_checkpoint_kind *kind, uint3
     const cml_status status = cml_checkpoint_read(path, who, kind, &state, &result, &note, &err);
     if (status == CML_OK && *kind == CML_CHECKPOINT_PARTIAL) {
         assert_same(&result, &expected);
-        assert_int_equal(state.begin, 64);
-        assert_int_equal(state.end, 128);
+        assert_int_equal(state.begin, BEGIN);
+        assert_int_equal(state.end, END);
         assert_true(state.seconds == expected_seed);
         assert_int_equal(state.open.total, expected_seed + 2);
         assert_int_equal(state.open.item[0].first, 100);
@@ -159,6 +163,98 @@ static void that_of_another_run_is_refused_with_the_reason(void **state)
     assert_non_null(strstr(err.text, "'' there, 'input b.obj' here"));
 }
 
+/* Places in the file of save(5): the head's numbers, then the identity, two ranges, the summary. */
+enum {
+    AT_IDENTITY_SIZE = 48,
+    AT_NUM_RANGES = 56,
+    AT_NUM_CELLS = 64,
+    AT_BEGIN = 72,
+    AT_END = 80,
+    AT_SECONDS = 88,
+    AT_RANGES = 96 + sizeof identity - 1,
+    AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
+    AT_PHOTONS = AT_SUMMARY + offsetof(struct cml_summary, count) + 16 * CML_COUNT_PHOTONS,
+    AT_LOST_COUNT = AT_SUMMARY + offsetof(struct cml_summary, lost.count),
+    AT_LOST = AT_SUMMARY + offsetof(struct cml_summary, lost.index)
+};
+
+/* Puts a number into the file and makes its checksum right again. */
+static void forge(long place, const void *value, size_t size)
+{
+    static unsigned char bytes[1 << 16];
+    FILE *file = fopen(path, "r+b");
+    const size_t length = fread(bytes, 1, sizeof bytes, file) - 8;
+    memcpy(bytes + place, value, size);
+    const uint64_t sum = crc32_z(crc32(0, NULL, 0), bytes, length);
+    memcpy(bytes + length, &sum, sizeof sum);
+    rewind(file);
+    assert_int_equal(fwrite(bytes, 1, length + 8, file), length + 8);
+    fclose(file);
+}
+
+static void assert_forged_is_refused(long place, uint64_t value, size_t size)
+{
+    enum cml_checkpoint_kind kind;
+    save(5);
+    forge(place, &value, size);
+    char old[80];
+    name_of(".old", old);
+    unlink(old);
+    if (read_as(identity, &kind, 5) != CML_E_INPUT || !strstr(err.text, "damaged"))
+        fail_msg("place %ld, value %#llx: '%s'", place, (unsigned long long)value, err.text);
+}
+
+static void forged_numbers_are_refused_though_the_checksum_is_right(void **state)
+{
+    (void)state;
+    static const struct {
+        long place;
+        uint64_t value;
+        size_t size;
+    } cases[] = {
+        {AT_IDENTITY_SIZE, UINT64_MAX, 8}, /* wraps to a buffer of no bytes */
+        {AT_IDENTITY_SIZE, UINT64_MAX - 1, 8},
+        {AT_IDENTITY_SIZE, 1u << 20, 8}, /* longer than the file */
+        {AT_NUM_RANGES, 1, 8},           /* an open range is missing */
+        {AT_NUM_RANGES, UINT64_MAX, 8},
+        {AT_NUM_CELLS, 0, 8},
+        {AT_NUM_CELLS, UINT64_MAX, 8},
+        {AT_BEGIN, END, 8}, /* a round without photons */
+        {AT_BEGIN, END + 1, 8},
+        {AT_BEGIN, 1, 8}, /* not where a round begins */
+        {AT_END, 0, 8},
+        {AT_END, UINT64_MAX, 8},
+        {AT_SECONDS, 0x7ff0000000000000u, 8}, /* infinite */
+        {AT_SECONDS, 0xbff0000000000000u, 8}, /* -1 */
+        {AT_RANGES, 127, 8},                  /* {127, 5}: beyond the end */
+        {AT_RANGES, UINT64_MAX - 2, 8},       /* first + count wraps */
+        {AT_RANGES, 63, 8},                   /* before the round */
+        {AT_RANGES, 70, 8},                   /* overlaps {70, 2} */
+        {AT_RANGES + 8, 0, 8},                /* empty */
+        {AT_RANGES + 8, 4, 8},                /* one index neither flown nor open */
+        {AT_PHOTONS, END - 6, 8},
+        {AT_LOST_COUNT, 1u << 20, 4},
+        {AT_LOST_COUNT, 0xffffffffu, 4}, /* -1 */
+        {AT_LOST, END, 8},               /* no index of this run */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        assert_forged_is_refused(cases[i].place, cases[i].value, cases[i].size);
+}
+
+/* Opening a pipe for reading waits for a writer, and a device may have no end. */
+static void what_is_no_regular_file_is_refused(void **state)
+{
+    (void)state;
+    enum cml_checkpoint_kind kind;
+    assert_int_equal(mkfifo(path, 0600), 0);
+    assert_int_equal(read_as(identity, &kind, 0), CML_E_INPUT);
+    assert_non_null(strstr(err.text, "expected a regular file"));
+    assert_int_equal(unlink(path), 0);
+    assert_int_equal(symlink("/dev/zero", path), 0);
+    assert_int_equal(read_as(identity, &kind, 0), CML_E_INPUT);
+    assert_non_null(strstr(err.text, "expected a regular file"));
+}
+
 static void a_finished_run_says_so(void **state)
 {
     (void)state;
@@ -214,6 +310,8 @@ int main(void)
         cmocka_unit_test_teardown(one_older_is_kept_and_used_when_the_new_one_is_damaged, clean),
         cmocka_unit_test_teardown(a_damaged_one_without_an_older_is_refused, clean),
         cmocka_unit_test_teardown(that_of_another_run_is_refused_with_the_reason, clean),
+        cmocka_unit_test_teardown(forged_numbers_are_refused_though_the_checksum_is_right, clean),
+        cmocka_unit_test_teardown(what_is_no_regular_file_is_refused, clean),
         cmocka_unit_test_teardown(a_finished_run_says_so, clean),
         cmocka_unit_test_teardown(a_failed_write_leaves_the_old_one, clean),
     };

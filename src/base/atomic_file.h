@@ -1,20 +1,26 @@
-/* Files that are never seen half written. SPDX-License-Identifier: MIT */
+/* Files that are never seen half written, by whoever writes them at the same time.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_ATOMIC_FILE_H
 #define CML_ATOMIC_FILE_H
 
 #include "base/status.h"
 
+#include <stdbool.h>
 #include <stdio.h>
 
-/* A file that appears under its name only when it is complete: written to "PATH.tmp", synced, then renamed.
- * What stood under PATH stays until the rename. */
+/* A file that appears under its name only when it is complete: written beside it under a name of its own
+ * ("NAME.PID-N.tmp", created by this process and nobody else), synced, then renamed. What stood under the
+ * name stays until the rename. Where the name is a symbolic link, its target is replaced and the link stays.
+ * /dev/null and /dev/stdout are written to directly. */
 struct cml_file {
     FILE *stream;     /* write here; check nothing, cml_file_commit sees every error */
-    char *path;       /* final name */
-    char *temporary;  /* name until the commit */
+    char *path;       /* final name, links followed */
+    char *temporary;  /* name until the commit; NULL: written to directly */
     const char *keep; /* borrowed; the commit keeps under this name what stood under PATH; NULL: it goes */
 };
 
+/* CML_E_IO: the directory cannot be written to; the name is that of a directory, of a device or of a pipe,
+ * which would be lost by the rename; or of a link to nothing. */
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
 
 /* Flush, fsync, close, rename. On failure (CML_E_IO) the temporary file goes and PATH is what it was. */

@@ -82,7 +82,7 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
 {
     const char *slash = strrchr(name, '/');
     const char *last = slash ? slash + 1 : name;
-    /* 250 bytes leave room for ".tmp" in a directory entry. */
+    /* 250 bytes leave room for the endings of other outputs in a directory entry. */
     if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0 || strlen(last) > 250 ||
         *name == '"')
         return cml_mci_fail(reader, "output name", name, "a file name of 1..250 bytes");

@@ -4,6 +4,7 @@ A run over the results of another seed is killed as soon as one chosen file is b
 milliseconds later, for every file in turn. A .tmp that is left shows that the kill struck in the middle of a file; the
 test fails when fewer than three of the five files were struck so. Also: a write that fails (no space: a limit on the size
 of files) leaves the old files and says so."""
+import glob
 import os
 import resource
 import shutil
@@ -41,14 +42,14 @@ def make(keep, seed):
 
 def kill_at(keep, suffix, delay):
     """Runs seed 2 and kills it `delay` seconds after the file began. True when that left the file unfinished."""
-    temporary = os.path.join(keep, "run" + suffix + ".tmp")
+    temporary = os.path.join(keep, "run" + suffix + ".*-*.tmp")
     process = subprocess.Popen(command(keep, 2))
-    while process.poll() is None and not os.path.exists(temporary):
+    while process.poll() is None and not glob.glob(temporary):
         pass
     time.sleep(delay)
     process.kill()
     process.wait()
-    return os.path.exists(temporary)
+    return bool(glob.glob(temporary))
 
 
 def restore(keep, old):

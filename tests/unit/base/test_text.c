@@ -1,5 +1,4 @@
-/* Lines, words, numbers, and files that appear only when complete. SPDX-License-Identifier: MIT */
-#include "base/atomic_file.h"
+/* Lines, words and numbers. SPDX-License-Identifier: MIT */
 #include "base/text.h"
 #include "lib/case_files.h"
 
@@ -10,11 +9,6 @@ static char *in_directory(void **state, const char *name)
     static char path[256];
     case_path(state, name, path);
     return path;
-}
-
-static void assert_absent(void **state, const char *name)
-{
-    assert_int_equal(access(in_directory(state, name), F_OK), -1);
 }
 
 /* The message must be "PATH: ENDING". */
@@ -206,87 +200,6 @@ static void names_are_found_beside(void **state)
     }
 }
 
-static void a_file_appears_at_commit(void **state)
-{
-    struct cml_error err;
-    struct cml_file file;
-    case_write_bytes(state, "out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
-    fputs("new", file.stream);
-    fflush(file.stream);
-    case_assert_holds(state, "out", "old");
-    case_assert_holds(state, "out.tmp", "new");
-    assert_int_equal(cml_file_commit(&file, &err), CML_OK);
-    case_assert_holds(state, "out", "new");
-    assert_absent(state, "out.tmp");
-    cml_file_abort(&file); /* does nothing after a commit */
-    case_assert_holds(state, "out", "new");
-    case_remove(state, "out");
-}
-
-static void an_aborted_file_leaves_the_old_one(void **state)
-{
-    struct cml_error err;
-    struct cml_file file;
-    case_write_bytes(state, "out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
-    fputs("half", file.stream);
-    cml_file_abort(&file);
-    assert_null(file.stream);
-    assert_absent(state, "out.tmp");
-    case_assert_holds(state, "out", "old");
-    cml_file_abort(&file);
-    case_remove(state, "out");
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
-    cml_file_abort(&file);
-    assert_absent(state, "out");
-}
-
-static void places_that_cannot_be_written(void **state)
-{
-    struct cml_error err;
-    struct cml_file file;
-    assert_int_equal(cml_file_create(in_directory(state, "none/out"), &file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "none/out", "cannot be written (No such file or directory)");
-    assert_null(file.path);
-    assert_null(file.temporary);
-    assert_int_equal(mkdir(in_directory(state, "taken"), 0700), 0);
-    assert_int_equal(cml_file_create(in_directory(state, "taken"), &file, &err), CML_OK);
-    assert_int_equal(cml_file_commit(&file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "taken", "cannot be written (Is a directory)");
-    assert_absent(state, "taken.tmp");
-    assert_int_equal(rmdir(in_directory(state, "taken")), 0);
-}
-
-/* Permissions do not stop root, so the test has nothing to say then. */
-static void a_read_only_directory_is_reported(void **state)
-{
-    struct cml_error err;
-    struct cml_file file;
-    if (geteuid() == 0) skip();
-    assert_int_equal(mkdir(in_directory(state, "locked"), 0500), 0);
-    assert_int_equal(cml_file_create(in_directory(state, "locked/out"), &file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "locked/out", "cannot be written (Permission denied)");
-    assert_int_equal(rmdir(in_directory(state, "locked")), 0);
-}
-
-/* A full disk shows at the latest in the commit; the earlier result must survive it. */
-static void a_full_disk_keeps_the_old_file(void **state)
-{
-    struct cml_error err;
-    struct cml_file file;
-    case_write_bytes(state, "out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
-    file.stream = freopen("/dev/full", "wb", file.stream);
-    if (!file.stream) skip();
-    fputs("new", file.stream);
-    assert_int_equal(cml_file_commit(&file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "out", "cannot be written (No space left on device)");
-    case_assert_holds(state, "out", "old");
-    assert_absent(state, "out.tmp");
-    case_remove(state, "out");
-}
-
 static void messages_are_one_line(void **state)
 {
     (void)state;
@@ -316,11 +229,6 @@ int main(void)
         cmocka_unit_test(counts_are_whole_and_exact),
         cmocka_unit_test(ints_stay_in_their_range),
         cmocka_unit_test(names_are_found_beside),
-        cmocka_unit_test(a_file_appears_at_commit),
-        cmocka_unit_test(an_aborted_file_leaves_the_old_one),
-        cmocka_unit_test(places_that_cannot_be_written),
-        cmocka_unit_test(a_read_only_directory_is_reported),
-        cmocka_unit_test(a_full_disk_keeps_the_old_file),
         cmocka_unit_test(messages_are_one_line),
     };
     return cmocka_run_group_tests_name("text", tests, case_setup, case_teardown);

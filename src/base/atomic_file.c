@@ -26,8 +26,7 @@ static cml_status follow_links(const char *path, char **target, struct cml_error
     return *target ? CML_OK : fail_write(path, "a link to nothing", err);
 }
 
-/* Devices that are meant to be written to; a rename would put a file in their place. */
-static bool is_written_to(const char *path)
+bool cml_file_is_device(const char *path)
 {
     return strcmp(path, "/dev/null") == 0 || strcmp(path, "/dev/stdout") == 0;
 }
@@ -81,7 +80,7 @@ static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
 
 static cml_status create(const char *path, struct cml_file *file, struct cml_error *err)
 {
-    if (is_written_to(path)) {
+    if (cml_file_is_device(path)) {
         CML_TRY(cml_text_copy(path, &file->path, err));
         file->stream = fopen(path, "wb");
         return file->stream ? CML_OK : fail_write(path, strerror(errno), err);

@@ -19,6 +19,9 @@ struct cml_file {
     const char *keep; /* borrowed; the commit keeps under this name what stood under PATH; NULL: it goes */
 };
 
+/* /dev/null and /dev/stdout: a rename would put a file in their place. */
+bool cml_file_is_device(const char *path);
+
 /* CML_E_IO: the directory cannot be written to; the name is that of a directory, of a device or of a pipe,
  * which would be lost by the rename; or of a link to nothing. */
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);

@@ -3,6 +3,7 @@
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
+#include "cli/outputs.h"
 #include "run/checkpoint.h"
 #include "run/cluster.h"
 #include "run/launcher.h"
@@ -96,7 +97,8 @@ static void announce(const struct cml_options *options, const struct cml_run_set
 struct session {
     const struct cml_options *options;
     struct cml_scene_list list;
-    char *inputs; /* lines of their identity */
+    char *inputs;               /* lines of their identity */
+    struct cml_outputs outputs; /* rank 0's */
 };
 
 /* Options that differ between ranks would mix two runs in one result. */
@@ -164,6 +166,12 @@ static cml_status fly(const struct session *session, int index, struct cml_run_s
 }
 
 /* Beside the output, under its name. */
+/* Of what is written to a device there is nothing to continue. */
+static bool uses_checkpoints(const struct cml_options *options, const struct cml_scene *scene)
+{
+    return (options->checkpoint_interval > 0 || options->resume) && !cml_file_is_device(scene->output);
+}
+
 static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
                                   char **path, struct cml_error *err)
 {
@@ -187,7 +195,7 @@ static cml_status prepare(const struct session *session, int index, struct cml_s
     CML_TRY(cml_identity_of(setup, &options->surface, options->ignore_heightfields, session->inputs, identity,
                             err));
     setup->identity = *identity;
-    if (options->checkpoint_interval > 0 || options->resume)
+    if (uses_checkpoints(options, setup->scene))
         CML_TRY(checkpoint_path(options, setup->scene, checkpoint, err));
     setup->checkpoint = *checkpoint;
     return CML_OK;
@@ -221,63 +229,15 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
-/* By creating the temporary file beside it, which costs nothing and finds missing folders, rights and
- * read-only disks. */
-static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
+/* Found before the photons fly, not after: a grid that does not fit, an output that cannot be written. */
+static cml_status check_runs(struct session *session, const struct cml_inputs *inputs, struct cml_error *err)
 {
-    char *name = NULL;
-    struct cml_file file;
-    CML_TRY(suffix ? cml_report_path(path, suffix, &name, err) : cml_text_copy(path, &name, err));
-    const cml_status status = cml_file_create(name, &file, err);
-    free(name);
-    CML_TRY(status);
-    cml_file_abort(&file);
-    return CML_OK;
-}
-
-/* The files of a run; of those beside the .mco the one with the longest name. */
-static cml_status check_files(const struct cml_options *options, const struct cml_scene *scene,
-                              struct cml_error *err)
-{
-    const bool more = scene->map.nx > 0 || scene->facets;
-    char *path = NULL;
-    if (scene->format == 'B' && !cml_hdf5_available())
-        return cml_fail_field(err, scene->file, scene->line, "format", "B",
-                              "A: this program was built without HDF5");
-    CML_TRY(cml_output_path(options, scene->output, &path, err));
-    cml_status status = check_writable(path, scene->format == 'B' ? ".h5" : NULL, err);
-    if (status == CML_OK && more) status = check_writable(path, ".boundary10000.vtp", err);
-    free(path);
-    return status;
-}
-
-/* Two runs may not write the same file beside their .mco. */
-static cml_status check_stems(const struct cml_scene_list *list, int last, struct cml_error *err)
-{
-    const struct cml_scene *scene = &list->scenes[last];
-    for (int i = 0; i < last; i++) {
-        if (!cml_report_same_stem(list->scenes[i].output, scene->output)) continue;
-        if (!cml_report_wants_fields(&list->scenes[i]) || !cml_report_wants_fields(scene)) continue;
-        return cml_fail_field(err, scene->file, scene->line, "output name", scene->output,
-                              "another name: an earlier run has the same but for its ending");
-    }
-    return CML_OK;
-}
-
-/* Found before the photons fly, not after: an output that cannot be written, a grid that does not fit. */
-static cml_status check_output(const struct session *session, int index, struct cml_error *err)
-{
-    const struct cml_scene *scene = &session->list.scenes[index];
-    CML_TRY(cml_check_memory(session->options, scene, NULL, err));
-    CML_TRY(check_stems(&session->list, index, err));
-    return cml_cluster_rank() == 0 ? check_files(session->options, scene, err) : CML_OK;
-}
-
-/* All runs of the file before the first is flown. */
-static cml_status check_outputs(const struct session *session, struct cml_error *err)
-{
+    const struct cml_scene_list *list = &session->list;
     cml_status status = CML_OK;
-    for (int i = 0; status == CML_OK && i < session->list.count; i++) status = check_output(session, i, err);
+    for (int i = 0; status == CML_OK && i < list->count; i++)
+        status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
+    if (status == CML_OK && cml_cluster_rank() == 0)
+        status = cml_outputs_claim(session->options, list, inputs, show_note, &session->outputs, err);
     return cml_cluster_agree(status, err);
 }
 
@@ -322,7 +282,6 @@ static void remove_checkpoints(const struct session *session)
 static cml_status run_all(const struct session *session, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
-    CML_TRY(check_outputs(session, err));
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
         printf("clustermcml %s, %d rank%s\n", cml_version(), cml_cluster_size(),
@@ -341,10 +300,11 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     mine.engine_options.threads = choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
-    cml_status status = cml_identity_inputs(&inputs, &session.inputs, err);
+    cml_status status = cml_cluster_agree(cml_identity_inputs(&inputs, &session.inputs, err), err);
+    if (status == CML_OK) status = check_runs(&session, &inputs, err);
     cml_inputs_clear(&inputs);
-    status = cml_cluster_agree(status, err);
     if (status == CML_OK) status = run_all(&session, err);
+    cml_outputs_release(&session.outputs);
     free(session.inputs);
     cml_scene_list_clear(&session.list);
     return status;

@@ -33,9 +33,6 @@ double cml_report_bytes(const struct cml_grid *grid);
 /* Whether a scene asks for a .h5 file: by its format, or because maps or facets need one. */
 bool cml_report_wants_fields(const struct cml_scene *scene);
 
-/* Whether two outputs are the same but for their ending, .mco or .h5: their other files would be the same. */
-bool cml_report_same_stem(const char *a, const char *b);
-
 /* Names of the files beside the .mco: `path` without a final ".mco" or ".h5", then `suffix`. *result is the
  * caller's to free; CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,

@@ -20,11 +20,6 @@ static size_t stem_length(const char *path)
     return length;
 }
 
-bool cml_report_same_stem(const char *a, const char *b)
-{
-    return stem_length(a) == stem_length(b) && strncmp(a, b, stem_length(a)) == 0;
-}
-
 /* Maps and facets have no place in an .mco file. */
 bool cml_report_wants_fields(const struct cml_scene *scene)
 {

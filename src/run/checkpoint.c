@@ -225,7 +225,7 @@ static bool are_lost(const struct cml_lost_list *lost, uint64_t end)
     return true;
 }
 
-/* The same ranges in the file's order: what is taken next must not depend on where a run was stopped. */
+/* Of a sorted copy: the order in which ranges are taken stays that of the file. */
 static cml_status check_ranges(const struct source *source, const struct cml_ranges *open,
                                const struct cml_summary *summary, struct cml_error *err)
 {

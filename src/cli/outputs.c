@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/outputs.h"
+
+#include "base/atomic_file.h"
+#include "base/text.h"
+#include "cli/command.h"
+#include "output/hdf5_file.h"
+#include "output/report.h"
+#include "run/checkpoint.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- names of files
+ * ------------------------------------------------------------------------------------------- */
+
+/* The name of a file that need not exist yet: its directory without links and dots, then its own. A directory
+ * that is not there leaves the name as it is; that it cannot be written to is found later. */
+static cml_status resolve(const char *path, char **name, struct cml_error *err)
+{
+    const char *slash = strrchr(path, '/'), *base = slash ? slash + 1 : path;
+    char folder[PATH_MAX];
+    *name = realpath(path, NULL);
+    if (*name) return CML_OK;
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path + 1) : 1, slash ? path : ".");
+    char *real = realpath(folder, NULL);
+    if (!real) return cml_text_copy(path, name, err);
+    const size_t size = strlen(real) + strlen(base) + 2;
+    *name = malloc(size);
+    if (*name) snprintf(*name, size, "%s/%s", strcmp(real, "/") == 0 ? "" : real, base);
+    free(real);
+    return *name ? CML_OK : cml_fail_memory(err, (double)size, "a path");
+}
+
+cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs, int num_inputs,
+                               struct cml_error *err)
+{
+    char *mine = NULL;
+    CML_TRY(resolve(output, &mine, err));
+    cml_status status = CML_OK;
+    for (int i = 0; status == CML_OK && i < num_inputs; i++) {
+        char *theirs = NULL;
+        status = resolve(inputs[i], &theirs, err);
+        if (status == CML_OK && strcmp(mine, theirs) == 0)
+            status = cml_fail(err, CML_E_INPUT, "%s: -o %s would overwrite its input %s", command, output,
+                              inputs[i]);
+        free(theirs);
+    }
+    free(mine);
+    return status;
+}
+
+/* ---- what a run writes
+ * ---------------------------------------------------------------------------------------- */
+
+static cml_status add(struct cml_outputs *outputs, const char *path, int run, bool is_main,
+                      struct cml_error *err)
+{
+    if (outputs->count == outputs->capacity) {
+        const size_t capacity = outputs->capacity ? 2 * outputs->capacity : 16;
+        struct cml_output_file *larger = realloc(outputs->file, capacity * sizeof *larger);
+        if (!larger) return cml_fail_memory(err, (double)(capacity * sizeof *larger), "the names of outputs");
+        outputs->file = larger;
+        outputs->capacity = capacity;
+    }
+    struct cml_output_file *file = &outputs->file[outputs->count];
+    *file = (struct cml_output_file){.run = run, .is_main = is_main};
+    CML_TRY(resolve(path, &file->name, err));
+    outputs->count++;
+    return CML_OK;
+}
+
+static cml_status add_beside(struct cml_outputs *outputs, const char *path, const char *suffix, int run,
+                             struct cml_error *err)
+{
+    char *name = NULL;
+    CML_TRY(cml_report_path(path, suffix, &name, err));
+    const cml_status status = add(outputs, name, run, false, err);
+    free(name);
+    return status;
+}
+
+/* Files that one run leaves, whether every one of them is written in the end or not. */
+static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *scene, const char *path,
+                          int run, struct cml_error *err)
+{
+    char suffix[40], *checkpoint = NULL;
+    CML_TRY(scene->format == 'B' ? CML_OK : add(outputs, path, run, true, err));
+    if (cml_report_wants_fields(scene)) CML_TRY(add_beside(outputs, path, ".h5", run, err));
+    if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, err));
+    if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, err));
+    for (int b = 0; scene->facets && b <= scene->num_layers; b++) {
+        snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
+        CML_TRY(add_beside(outputs, path, suffix, run, err));
+    }
+    CML_TRY(cml_checkpoint_path(path, &checkpoint, err));
+    const cml_status status = add(outputs, checkpoint, run, false, err);
+    free(checkpoint);
+    return status;
+}
+
+/* Endings that the program gives to files of its own. */
+static cml_status check_name(const struct cml_scene *scene, struct cml_error *err)
+{
+    static const char *const taken[] = {".checkpoint", ".checkpoint.old", ".lock", ".tmp"};
+    const size_t length = strlen(scene->output);
+    for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) {
+        const size_t size = strlen(taken[i]);
+        if (length > size && strcmp(scene->output + length - size, taken[i]) == 0)
+            return cml_fail_field(err, scene->file, scene->line, "output name", scene->output,
+                                  "no ending .checkpoint, .checkpoint.old, .lock or .tmp");
+    }
+    return CML_OK;
+}
+
+/* ---- can they be written?
+ * ------------------------------------------------------------------------------------- */
+
+/* By creating the temporary file beside it, which costs nothing and finds missing folders, rights and
+ * read-only disks. */
+static cml_status check_writable(const char *path, const char *suffix, struct cml_error *err)
+{
+    char *name = NULL;
+    struct cml_file file;
+    CML_TRY(suffix ? cml_report_path(path, suffix, &name, err) : cml_text_copy(path, &name, err));
+    const cml_status status = cml_file_create(name, &file, err);
+    free(name);
+    CML_TRY(status);
+    cml_file_abort(&file);
+    return CML_OK;
+}
+
+/* The main file, and of those beside it the one with the longest name. */
+static cml_status check_files(const struct cml_scene *scene, const char *path, struct cml_error *err)
+{
+    const bool more = scene->map.nx > 0 || scene->facets;
+    if (scene->format == 'B' && !cml_hdf5_available())
+        return cml_fail_field(err, scene->file, scene->line, "format", "B",
+                              "A: this program was built without HDF5");
+    CML_TRY(check_writable(path, scene->format == 'B' ? ".h5" : NULL, err));
+    return more ? check_writable(path, ".boundary10000.vtp", err) : CML_OK;
+}
+
+/* Two runs of one call that share a stem share its lock. */
+static bool has_lock(const struct cml_outputs *outputs, const char *path)
+{
+    for (size_t i = 0; i < outputs->num_locks; i++)
+        if (strcmp(outputs->lock[i].path, path) == 0) return true;
+    return false;
+}
+
+static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct cml_error *err)
+{
+    if (has_lock(outputs, path)) return CML_OK;
+    struct cml_file_lock *larger = realloc(outputs->lock, (outputs->num_locks + 1) * sizeof *larger);
+    if (!larger) return cml_fail_memory(err, sizeof *larger, "the locks of outputs");
+    outputs->lock = larger;
+    CML_TRY(cml_file_lock_take(path, &larger[outputs->num_locks], err));
+    outputs->num_locks++;
+    return CML_OK;
+}
+
+static cml_status lock_run(const struct cml_options *options, const struct cml_scene *scene,
+                           struct cml_outputs *outputs, struct cml_error *err)
+{
+    char *path = NULL, *beside = NULL, *name = NULL;
+    CML_TRY(cml_output_path(options, scene->output, &path, err));
+    cml_status status = cml_report_path(path, ".lock", &beside, err);
+    if (status == CML_OK) status = resolve(beside, &name, err);
+    if (status == CML_OK && !cml_file_is_device(path)) status = add_lock(outputs, name, err);
+    free(path);
+    free(beside);
+    free(name);
+    return status;
+}
+
+/* ---- do they destroy anything?
+ * -------------------------------------------------------------------------------- */
+
+static int compare_files(const void *a, const void *b)
+{
+    const struct cml_output_file *one = a, *other = b;
+    const int names = strcmp(one->name, other->name);
+    return names != 0 ? names : (one->run > other->run) - (one->run < other->run);
+}
+
+static cml_status check_distinct(const struct cml_outputs *outputs, const struct cml_scene_list *list,
+                                 struct cml_error *err)
+{
+    for (size_t i = 1; i < outputs->count; i++) {
+        const struct cml_output_file *one = &outputs->file[i - 1], *other = &outputs->file[i];
+        if (strcmp(one->name, other->name) != 0) continue;
+        const struct cml_scene *first = &list->scenes[one->run], *second = &list->scenes[other->run];
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: output name = %s (expected another one: run %d, %s, writes %s, too)",
+                        second->file, second->line, second->output, one->run + 1, first->output, one->name);
+    }
+    return CML_OK;
+}
+
+static cml_status check_inputs(const struct cml_outputs *outputs, const struct cml_scene_list *list,
+                               const struct cml_inputs *inputs, struct cml_error *err)
+{
+    cml_status status = CML_OK;
+    for (size_t i = 0; status == CML_OK && i < inputs->count; i++) {
+        struct cml_output_file key = {0};
+        if (strcmp(inputs->item[i].path, "-") == 0) continue;
+        CML_TRY(resolve(inputs->item[i].path, &key.name, err));
+        for (size_t k = 0; status == CML_OK && k < outputs->count; k++) {
+            if (strcmp(outputs->file[k].name, key.name) != 0) continue;
+            const struct cml_scene *scene = &list->scenes[outputs->file[k].run];
+            status =
+                cml_fail(err, CML_E_INPUT,
+                         "%s:%d: output name = %s (expected another one: it would overwrite the input %s)",
+                         scene->file, scene->line, scene->output, inputs->item[i].path);
+        }
+        free(key.name);
+    }
+    return status;
+}
+
+/* Names with a path of their own may leave the directory of -o. */
+static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs,
+                           void (*note)(void *context, const char *text))
+{
+    char *folder = options->output ? realpath(options->output, NULL) : NULL;
+    for (size_t i = 0; folder && i < outputs->count; i++) {
+        const char *name = outputs->file[i].name;
+        const size_t length = strlen(folder);
+        char text[512];
+        if (!outputs->file[i].is_main || (strncmp(name, folder, length) == 0 && name[length] == '/'))
+            continue;
+        snprintf(text, sizeof text, "%.300s is not below -o %.100s", name, options->output);
+        note(NULL, text);
+    }
+    free(folder);
+}
+
+static cml_status claim_run(const struct cml_options *options, const struct cml_scene *scene, int run,
+                            struct cml_outputs *outputs, struct cml_error *err)
+{
+    char *path = NULL;
+    CML_TRY(check_name(scene, err));
+    CML_TRY(cml_output_path(options, scene->output, &path, err));
+    cml_status status = check_files(scene, path, err);
+    if (status == CML_OK && !cml_file_is_device(path)) status = add_run(outputs, scene, path, run, err);
+    free(path);
+    return status;
+}
+
+static cml_status claim_all(const struct cml_options *options, const struct cml_scene_list *list,
+                            const struct cml_inputs *inputs, struct cml_outputs *outputs,
+                            struct cml_error *err)
+{
+    for (int i = 0; i < list->count; i++) CML_TRY(claim_run(options, &list->scenes[i], i, outputs, err));
+    qsort(outputs->file, outputs->count, sizeof *outputs->file, compare_files);
+    CML_TRY(check_distinct(outputs, list, err));
+    CML_TRY(check_inputs(outputs, list, inputs, err));
+    for (int i = 0; i < list->count; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
+    return CML_OK;
+}
+
+cml_status cml_outputs_claim(const struct cml_options *options, const struct cml_scene_list *list,
+                             const struct cml_inputs *inputs, void (*note)(void *context, const char *text),
+                             struct cml_outputs *outputs, struct cml_error *err)
+{
+    *outputs = (struct cml_outputs){0};
+    const cml_status status = claim_all(options, list, inputs, outputs, err);
+    if (status == CML_OK)
+        note_elsewhere(options, outputs, note);
+    else
+        cml_outputs_release(outputs);
+    return status;
+}
+
+void cml_outputs_release(struct cml_outputs *outputs)
+{
+    for (size_t i = 0; i < outputs->num_locks; i++) cml_file_lock_release(&outputs->lock[i]);
+    for (size_t i = 0; i < outputs->count; i++) free(outputs->file[i].name);
+    free(outputs->lock);
+    free(outputs->file);
+    *outputs = (struct cml_outputs){0};
+}

@@ -1,0 +1,38 @@
+/* The files that a call of `run` will write: claimed before the first packet flies, held until the last is
+ * written. SPDX-License-Identifier: MIT */
+#ifndef CML_OUTPUTS_H
+#define CML_OUTPUTS_H
+
+#include "base/file_lock.h"
+#include "base/input_files.h"
+#include "cli/options.h"
+
+struct cml_output_file {
+    char *name;   /* without links and dots, so that equal names are equal files */
+    int run;      /* of the file, from 0 */
+    bool is_main; /* the one that the input file names */
+};
+
+/* Zeroed: nothing is claimed. */
+struct cml_outputs {
+    size_t count, capacity;
+    struct cml_output_file *file; /* [count] */
+    size_t num_locks;
+    struct cml_file_lock *lock; /* [num_locks] one for each stem, "STEM.lock" */
+};
+
+/* Claims all files of all runs: they can be written, none of them is an input or that of another run, and no
+ * other process writes them. `inputs`: what was read. CML_E_INPUT: a name that cannot be meant; CML_E_IO: a
+ * file that cannot be written or is locked. On failure nothing is held. Notes go to `note`. */
+CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
+                                           const struct cml_scene_list *list, const struct cml_inputs *inputs,
+                                           void (*note)(void *context, const char *text),
+                                           struct cml_outputs *outputs, struct cml_error *err);
+
+void cml_outputs_release(struct cml_outputs *outputs);
+
+/* CML_E_INPUT when `output`, that of a command, is one of the files it reads. */
+CML_NODISCARD cml_status cml_check_overwrite(const char *command, const char *output, char *const *inputs,
+                                             int num_inputs, struct cml_error *err);
+
+#endif

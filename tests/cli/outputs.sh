@@ -1,0 +1,114 @@
+#!/bin/sh
+# Outputs that would destroy something are refused before a packet flies, and two processes do not write the same
+# file. SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+cd "$work" || exit 1
+
+scene() { # OUTPUT [LINES]: a run of 1000 packets; lines stand where map, beam and m stand
+    printf '1.0\n1\n%s A\n1000\n0.1 0.1\n2 2 1 # nz, nr, na\n%s1\n1.0\n%s1.4 1 10 0.5 1\n1.0\n' "$1" "${2-}" "${3-}"
+}
+
+refused() { # CODE MESSAGE ARGUMENTS...: as expect_error; all files stay as they are
+    before=$(cat ./* 2>/dev/null | cksum)
+    expect_error "$@"
+    rm -f out err
+    test "$(cat ./* 2>/dev/null | cksum)" = "$before" || complain "$2: something was written"
+}
+
+cat >wedge.obj <<'E2'
+v -1 -1 0
+v 1 -1 0
+v 1 1 0
+v -1 1 0
+v 0 0 0.1
+f 1 2 5
+f 2 3 5
+f 3 4 5
+f 4 1 5
+E2
+
+# inputs
+scene a.mci >a.mci
+refused 2 'a.mci:3: output name = a.mci (expected another one: it would overwrite the input a.mci)' a.mci
+scene ./wedge.obj '' 'm "wedge.obj"
+' >b.mci
+refused 2 'b.mci:3: output name = ./wedge.obj (expected another one: it would overwrite the input wedge.obj)' b.mci
+ln -s b.mci link.mco
+scene link.mco >c.mci
+cp c.mci b.mci
+refused 2 'b.mci:3: output name = link.mco (expected another one: it would overwrite the input b.mci)' b.mci
+rm link.mco
+
+# two runs of one file
+(scene a.mco | sed 's/^1$/2/;q'; printf '2\n'; scene a.mco | sed 1,2d; scene ./a.mco | sed 1,2d) >two.mci
+refused 2 "two.mci:11: output name = ./a.mco (expected another one: run 1, a.mco, writes $PWD/a.mco, too)" two.mci
+(printf '1.0\n2\n'; scene a.map.vti | sed 1,2d; scene a.mco 'map 2 2 0.1 0.1
+' | sed 1,2d) >two.mci
+refused 2 "two.mci:11: output name = a.mco (expected another one: run 1, a.map.vti, writes $PWD/a.map.vti, too)" two.mci
+
+# the program's own endings
+for ending in checkpoint checkpoint.old lock tmp; do
+    scene a.mco.$ending >c.mci
+    refused 2 "c.mci:3: output name = a.mco.$ending (expected no ending .checkpoint, .checkpoint.old, .lock or .tmp)" c.mci
+done
+
+# no regular files
+mkdir folder && scene folder >c.mci
+refused 5 'folder: cannot be written (a directory)' c.mci
+mkfifo pipe && scene pipe >c.mci
+rm a.mci b.mci two.mci wedge.obj
+expect_error 5 'pipe: cannot be written (no regular file)' c.mci
+rm pipe
+scene /dev/null >c.mci
+expect_code 0 c.mci --quiet
+test -c /dev/null || complain "/dev/null was replaced"
+scene /dev/stdout >c.mci
+expect_code 0 c.mci --quiet
+grep -q '^RAT' out || complain "/dev/stdout got no result"
+
+# a link's target is written, the link stays
+ln -s target.mco link.mco && echo old >target.mco
+scene link.mco >c.mci
+expect_code 0 c.mci --quiet
+test -L link.mco && grep -q '^RAT' target.mco || complain "the link's target was not written"
+
+# a name that leaves -o is allowed, and noted
+scene ../elsewhere.mco >c.mci
+expect_code 0 c.mci --quiet -o folder
+grep -q "note: $PWD/elsewhere.mco is not below -o folder" err || complain "no note: $(cat err)"
+
+# another process: the second is refused in one line, the first is complete
+scene long.mco >c.mci
+"$program" c.mci --photons 3e6 --threads 1 --quiet &
+first=$!
+until test -e long.lock || ! kill -0 $first 2>/dev/null; do sleep 0.02; done
+expect_error 5 "$PWD/long.lock: locked by another process" c.mci
+wait $first || complain "the first writer failed"
+test "$(grep -c '^RAT' long.mco)" -eq 1 || complain "the first writer's result is not complete"
+test ! -e long.lock || complain "the lock is left"
+
+# a lock that a killed process left does not hold
+: >long.lock
+expect_code 0 c.mci --quiet
+echo precious >long.lock
+expect_error 5 "$PWD/long.lock: is no lock (expected no such file, or an empty one)" c.mci
+rm long.lock
+
+# many rounds of two writers: whatever comes out is one of the two results, whole
+scene race.mco >c.mci
+result() { grep -v '^# User time' race.mco | grep -v '^# engine' | cksum; }
+expect_code 0 c.mci --quiet --seed 1 && one=$(result)
+expect_code 0 c.mci --quiet --seed 2 && other=$(result)
+test "$one" != "$other" || complain "the seed has no effect"
+for round in $(seq "${ROUNDS:-10}"); do
+    "$program" c.mci --quiet --seed 1 2>/dev/null & first=$!
+    "$program" c.mci --quiet --seed 2 2>/dev/null & second=$!
+    done=0
+    wait $first && done=1
+    wait $second && done=1
+    test $done -eq 1 || complain "round $round: neither wrote"
+    found=$(result)
+    test "$found" = "$one" || test "$found" = "$other" || complain "round $round: neither's result"
+done
+ls ./*.tmp ./*.lock 2>/dev/null && complain "something is left"
+finish

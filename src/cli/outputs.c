@@ -8,7 +8,9 @@
 #include "output/report.h"
 #include "run/checkpoint.h"
 
+#include <dirent.h>
 #include <limits.h>
+#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -194,7 +196,8 @@ static cml_status check_distinct(const struct cml_outputs *outputs, const struct
         const struct cml_scene *first = &list->scenes[one->run], *second = &list->scenes[other->run];
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: output name = %s (expected another one: run %d, %s, writes %s, too)",
-                        second->file, second->line, second->output, one->run + 1, first->output, one->name);
+                        second->file, second->line, second->output, one->run + 1, first->output,
+                        strrchr(one->name, '/') + 1);
     }
     return CML_OK;
 }
@@ -237,6 +240,56 @@ static void note_elsewhere(const struct cml_options *options, const struct cml_o
     free(folder);
 }
 
+/* ---- what killed processes left
+ * ------------------------------------------------------------------------------- */
+
+static int compare_names(const void *a, const void *b)
+{
+    return strcmp(((const struct cml_output_file *)a)->name, ((const struct cml_output_file *)b)->name);
+}
+
+/* Length of NAME in "NAME.PID-N.tmp", a temporary file's name (atomic_file.h); 0: it is none. */
+static size_t name_length(const char *entry)
+{
+    const size_t length = strlen(entry), end = length > 4 ? length - 4 : 0;
+    size_t begin = end;
+    if (end == 0 || strcmp(entry + end, ".tmp") != 0) return 0;
+    while (begin > 0 && strchr("0123456789-", entry[begin - 1])) begin--;
+    return begin > 1 && begin < end && entry[begin - 1] == '.' ? begin - 1 : 0;
+}
+
+/* One directory's entries; those of our outputs belong to nobody, because we hold the locks. */
+static void remove_leftovers_in(const struct cml_outputs *outputs, const char *folder, size_t folder_length)
+{
+    char path[PATH_MAX], name[PATH_MAX + NAME_MAX + 2];
+    snprintf(path, sizeof path, "%.*s", (int)folder_length, folder);
+    DIR *directory = opendir(folder_length > 0 ? path : "/");
+    if (!directory) return;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        const struct cml_output_file key = {.name = name};
+        const size_t length = name_length(entry->d_name);
+        snprintf(name, sizeof name, "%s/%.*s", path, (int)length, entry->d_name);
+        if (length == 0 || !bsearch(&key, outputs->file, outputs->count, sizeof key, compare_names)) continue;
+        snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
+        remove(name);
+    }
+    closedir(directory);
+}
+
+/* Directory by directory: the outputs are sorted, so those of one mostly follow each other. */
+static void remove_leftovers(const struct cml_outputs *outputs)
+{
+    size_t before = SIZE_MAX;
+    for (size_t i = 0; i < outputs->count; i++) {
+        const char *name = outputs->file[i].name, *slash = strrchr(name, '/');
+        const size_t length = slash ? (size_t)(slash - name) : 0;
+        const bool same =
+            i > 0 && length == before && strncmp(name, outputs->file[i - 1].name, length + 1) == 0;
+        if (slash && !same) remove_leftovers_in(outputs, name, length);
+        before = length;
+    }
+}
+
 static cml_status claim_run(const struct cml_options *options, const struct cml_scene *scene, int run,
                             struct cml_outputs *outputs, struct cml_error *err)
 {
@@ -258,6 +311,7 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     CML_TRY(check_distinct(outputs, list, err));
     CML_TRY(check_inputs(outputs, list, inputs, err));
     for (int i = 0; i < list->count; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
+    remove_leftovers(outputs);
     return CML_OK;
 }
 

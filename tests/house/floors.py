@@ -50,6 +50,7 @@ FOREIGN = {
     "sched.h": "src/run/cluster_service src/run/launcher",
     "zlib.h": "src/run/checkpoint src/run/identity",
     "sys/wait.h": "src/plot/gnuplot",
+    "dirent.h": "src/cli/outputs",
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())

@@ -124,7 +124,7 @@ CML_FN real cml_fresnel(real n1, real n2, real ci, real *ct)
     const real a = CML_FMA(n1, ci, -(n2 * c)) * p_sum, b = CML_FMA(n1, c, -(n2 * ci)) * s_sum;
     const real sums = s_sum * p_sum, R = CML_FMA(a, a, b * b) / (2 * (sums * sums));
     *ct = c;
-    return total || !(R < 1) ? (real)1 : R;
+    return total ? (real)1 : R;
 }
 
 /* Mirror direction; normal is a unit vector, its sign is free. */

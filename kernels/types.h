@@ -100,6 +100,7 @@ struct cml_setup {
     int launch_medium; /* 0: traced to boundary 0; else the packet starts on plane 0 (or 1: glass) going down
                         */
     cml_u32 specular;  /* deterministic Rsp of one packet in weight units, 0 when launch_medium is 0 */
+    cml_u32 between;   /* weight that goes up to boundary 0 again in a clear first layer, 0 without one */
     real launch_z;     /* in the frame of launch_medium */
     struct cml_vec axis, e1, e2; /* beam direction and two unit vectors across it */
     real disk, gauss;            /* radius of a uniform disk, 1/e^2 radius of a Gaussian; both 0: pencil */

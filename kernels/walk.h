@@ -399,8 +399,10 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
     cml_add_to_facet(to, facet, went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE, w);
 }
 
-/* A packet that starts below planes has come through them without an event (P1): what its specular part left
- * upwards, and the rest went on. */
+/* A packet that starts below planes has come through them without an event (P1): its specular part has left
+ * upwards, the rest has gone on. In a clear first layer light has gone to and fro, too: summed over all ways,
+ * `between` comes to boundary 0 from below and turns back there, and as much to boundary 1 from above, beside
+ * what passes both. What of it leaves upwards is in the specular part. */
 CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_deposits *to,
                              const struct cml_packet *packet)
 {
@@ -408,6 +410,7 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     for (int b = 0; b < packet->medium; b++) {
         cml_score_facet(world, to, b, 0, x, y, b, b + 1, packet->w);
         if (b == 0) cml_score_facet(world, to, 0, 0, x, y, 0, 0, world->setup.specular);
+        if (packet->medium == 2) cml_score_facet(world, to, b, 0, x, y, 1, 1, world->setup.between);
     }
 }
 

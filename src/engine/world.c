@@ -168,19 +168,27 @@ static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_
     to->world.highest = to->clearance + total;
 }
 
+/* Reflectance of a boundary at normal incidence [MCML manual]. */
+static double normal_reflectance(const struct cml_medium_def *m, int boundary)
+{
+    return pow((m[boundary].n - m[boundary + 1].n) / (m[boundary].n + m[boundary + 1].n), 2);
+}
+
 /* MCML's deterministic specular reflection [manual eqs 3.6, 3.7]: of the first interface, or of both faces of
- * a clear first layer between planes. Sets where the packet then starts. */
-static double deterministic_specular(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                                     int *medium)
+ * a clear first layer between planes. Sets where packets then start, and the weights of what has happened
+ * before: in the clear layer (1 - r1) / (1 - r1 r2) comes to its lower face, of which the share r2 goes up.
+ */
+static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                         struct cml_setup *setup)
 {
     const struct cml_medium_def *m = scene->media;
-    const double r1 = pow((m[0].n - m[1].n) / (m[0].n + m[1].n), 2);
     const bool glass = m[1].mua == 0 && m[1].mus == 0 && scene->num_layers > 1 &&
                        surfaces->item[1].kind == CML_SURFACE_PLANE;
-    *medium = glass ? 2 : 1;
-    if (!glass) return r1;
-    const double r2 = pow((m[1].n - m[2].n) / (m[1].n + m[2].n), 2);
-    return r1 + (1 - r1) * (1 - r1) * r2 / (1 - r1 * r2);
+    const double r1 = normal_reflectance(m, 0), r2 = glass ? normal_reflectance(m, 1) : 0;
+    const double specular = r1 + (1 - r1) * (1 - r1) * r2 / (1 - r1 * r2);
+    setup->launch_medium = glass ? 2 : 1;
+    setup->specular = (cml_u32)lrint(specular * CML_WEIGHT_ONE);
+    setup->between = (cml_u32)lrint((1 - r1) * r2 / (1 - r1 * r2) * CML_WEIGHT_ONE);
 }
 
 /* P1. A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
@@ -199,9 +207,7 @@ static void set_launch(const struct cml_scene *scene, const struct cml_surface_s
     setup->disk = (real)(beam->kind == CML_BEAM_DISK ? beam->radius : 0);
     setup->gauss = (real)(beam->kind == CML_BEAM_GAUSSIAN ? beam->radius : 0);
     setup->launch_z = (real)(2 * top->lowest - top->highest);
-    if (top->kind == CML_SURFACE_PLANE && beam->angle == 0)
-        setup->specular =
-            (cml_u32)lrint(deterministic_specular(scene, surfaces, &setup->launch_medium) * CML_WEIGHT_ONE);
+    if (top->kind == CML_SURFACE_PLANE && beam->angle == 0) set_specular(scene, surfaces, setup);
 }
 
 /* The grid of maps and volume; nx stays 0 where the scene asks for none. */

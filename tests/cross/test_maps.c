@@ -188,6 +188,62 @@ static void the_flux_through_planes_is_what_the_balance_says(void **state)
     }
 }
 
+/* Per launched packet. */
+static double share_of_score(const struct shot *shot, int b, enum cml_facet_score score)
+{
+    return (double)sum_of_score(shot, b, score) / (double)shot->tally.balance[CML_BALANCE_LAUNCHED];
+}
+
+/* Nothing comes back from below a clear plate: what goes to and fro in it is a geometric series. */
+static void light_between_the_faces_of_a_clear_plate_is_counted(void **state)
+{
+    (void)state;
+    static const char *const engines[] = {"cpu", "reference"};
+    const double r1 = 0.04, r2 = pow(0.1 / 2.9, 2), down = (1 - r1) / (1 - r1 * r2), unit = ldexp(1, -31);
+    for (int e = 0; e < COUNT(engines); e++) {
+        struct shot shot;
+        shoot("1.0\n1\nplate A\n1000\nfacets\nmap 3 4 0.1 0.1\n0.1 0.1\n1 1 1\n2\n1\n1.5 0 0 0 0.1\n"
+              "1.4 1e4 0 0 1\n1.4\n",
+              engines[e], CML_SURFACE_AUTO, 3000, &shot);
+        assert_true(fabs(share_of_score(&shot, 0, CML_FACET_IRRADIANCE_BELOW) - down * r2) < 2 * unit);
+        assert_true(fabs(share_of_score(&shot, 0, CML_FACET_EXITANCE_BELOW) - down) < 2 * unit);
+        assert_true(fabs(share_of_score(&shot, 1, CML_FACET_IRRADIANCE_ABOVE) - down) < 2 * unit);
+        assert_true(fabs(share_of_score(&shot, 1, CML_FACET_EXITANCE_ABOVE) - down * r2) < 2 * unit);
+        assert_true(fabs(share_of_score(&shot, 1, CML_FACET_EXITANCE_BELOW) - down * (1 - r2)) < 2 * unit);
+        clear(&shot);
+    }
+}
+
+/* A beam that is not quite normal is traced through the plate, packet by packet: the same light, but for
+ * chance. A packet comes to a face more than once at most with a share of r1 r2: binomial, 5 deviations. */
+static void a_clear_plate_counts_the_same_for_traced_packets(void **state)
+{
+    (void)state;
+    static const enum cml_facet_score scores[] = {CML_FACET_IRRADIANCE_BELOW, CML_FACET_EXITANCE_BELOW,
+                                                  CML_FACET_IRRADIANCE_ABOVE, CML_FACET_EXITANCE_ABOVE};
+    static const char *const lines[] = {"", "beam pencil angle=0.0001\n"};
+    const double photons = 40000;
+    struct shot shot[2];
+    for (int i = 0; i < 2; i++) {
+        char text[300];
+        snprintf(text, sizeof text,
+                 "1.0\n1\nplate A\n1000\nfacets\nmap 3 4 0.1 0.1\n%s0.1 0.1\n1 1 1\n2\n1\n1.5 0 0 0 0.1\n"
+                 "1.9 5 1 0 1\n1.9\n",
+                 lines[i]);
+        shoot(text, "cpu", CML_SURFACE_AUTO, (uint64_t)photons, &shot[i]);
+    }
+    for (int b = 0; b < 2; b++)
+        for (int s = 0; s < COUNT(scores); s++) {
+            const double one = share_of_score(&shot[0], b, scores[s]),
+                         other = share_of_score(&shot[1], b, scores[s]);
+            const double deviation = sqrt(2 * fmax(one, 1e-3) / photons);
+            if (fabs(one - other) > 5 * deviation)
+                fail_msg("boundary %d, score %d: %g, %g", b, s, one, other);
+        }
+    clear(&shot[0]);
+    clear(&shot[1]);
+}
+
 /* A disk beam on a hill of nothing: the irradiance of a slope is the beam's times the cosine, and all of it
  * goes on. Counts are binomial; 4.5 standard deviations. */
 static void the_irradiance_of_a_slope_is_the_cosine(void **state)
@@ -256,6 +312,8 @@ int main(void)
         cmocka_unit_test(flat_rings_are_radial_bins),
         cmocka_unit_test(layers_of_the_volume_are_depth_bins),
         cmocka_unit_test(the_flux_through_planes_is_what_the_balance_says),
+        cmocka_unit_test(light_between_the_faces_of_a_clear_plate_is_counted),
+        cmocka_unit_test(a_clear_plate_counts_the_same_for_traced_packets),
         cmocka_unit_test(the_irradiance_of_a_slope_is_the_cosine),
         cmocka_unit_test(faces_have_their_areas),
     };

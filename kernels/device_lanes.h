@@ -94,7 +94,8 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
         const cml_u32 mine = l->mine[i], w = l->w[i];
         const struct cml_vec u = {l->ux[i], l->uy[i], l->uz[i]}, from = {l->x[i], l->y[i], l->z[i]};
         const struct cml_vec p = cml_along(from, l->s[i], u);
-        const cml_u32 part = cml_absorbed_part(w, l->absorb[i], l->draw2[i]), dw = mine ? part : 0u;
+        const cml_u32 part = cml_absorbed_part(w, l->absorb[i], l->draw1[i], l->draw2[i]),
+                      dw = mine ? part : 0u;
         const struct cml_vec v = cml_scatter(u, l->g[i], l->draw1[i], l->draw2[i]);
         const int iz = cml_depth_bin(setup, p.z, l->bins[i]), ir = cml_radial_bin(setup, p.x, p.y);
         l->cell[i] = (cml_u32)(ir * (setup->nz + 2) + iz);

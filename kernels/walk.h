@@ -173,11 +173,14 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     cml_add_to_cell(to, ir * (setup->nz + 2) + iz, dw);
 }
 
-/* P3: w * absorb rounded up or down at random (8 bits that the azimuth leaves), so that the integer weight
- * keeps the mean however small the albedo's complement is. */
-CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 word)
+/* P3: w * absorb rounded up or down at random, so that the integer weight keeps the mean. The random number
+ * is of 16 bits, 8 that the cosine leaves of its word and 8 that the azimuth leaves: of the smallest share
+ * that the input may ask for, 1e-11 of a whole packet (CML_LEAST_ABSORPTION), the mean is off by at most
+ * 2^-17 / (1e-11 * 2^31) = 4e-4 of it. */
+CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml_u32 azimuth_word)
 {
-    const real lot = CML_FMA((real)(word & 255u), (real)0.00390625, (real)0.001953125);
+    const cml_u32 bits = (azimuth_word & 255u) << 8 | (polar_word & 255u);
+    const real lot = CML_FMA((real)bits, (real)1.52587890625e-5, (real)7.62939453125e-6);
     const cml_u32 part = (cml_u32)CML_FMA((real)w, absorb, lot);
     return part < w ? part : w;
 }
@@ -224,7 +227,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
         return;
     }
     CML_ASSERT(cml_is_in_layer(world, packet->medium, packet->p, t * packet->u.z));
-    const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[2]);
+    const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[1], packet->draw.w[2]);
     CML_ASSERT(dw <= packet->w && packet->w <= CML_WEIGHT_ONE);
     packet->w -= dw;
     cml_deposit(world, to, packet, dw);

@@ -204,6 +204,12 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     snprintf(owner, sizeof owner, "layer %d", layer);
     CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
+    if (values[1] > 0 && values[1] < CML_LEAST_ABSORPTION * (values[1] + values[2])) {
+        char field[48], value[32];
+        snprintf(field, sizeof field, "%s: mua", owner);
+        snprintf(value, sizeof value, "%g", values[1]);
+        return cml_mci_fail(reader, field, value, "0, or at least 1e-11 of mua + mus");
+    }
     scene->media[layer] = (struct cml_medium_def){
         .n = values[0], .mua = values[1], .mus = values[2], .g = values[3], .d = values[4]};
     return CML_OK;

@@ -13,6 +13,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The smallest mua / (mua + mus) but 0: less is lost in the rounding of integer weights (kernels/walk.h,
+ * cml_absorbed_part). */
+#define CML_LEAST_ABSORPTION 1e-11
+
 struct cml_medium_def {
     double n;        /* refractive index [-], > 0 */
     double mua, mus; /* absorption, scattering coefficient [1/cm], >= 0; 0 in the media above and below */

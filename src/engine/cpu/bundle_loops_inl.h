@@ -360,7 +360,7 @@ cml_bundle_hop_drop_spin(const struct cml_setup *shared, struct cml_bundle *b, c
         const int active = b->task[i] == CML_LANE_INTERACT;
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
         const struct cml_vec p = cml_along(from, b->s[i], u);
-        const cml_u32 w = b->w[i], part = cml_absorbed_part(w, absorb[i], b->draw2[i]);
+        const cml_u32 w = b->w[i], part = cml_absorbed_part(w, absorb[i], b->draw1[i], b->draw2[i]);
         const cml_u32 dw = cml_pick_word(active, part, 0), left = w - dw;
         if (tally) {
             const int ir = cml_radial_bin(&setup, p.x, p.y), iz = cml_depth_bin(&setup, p.z, bins[i]);

@@ -38,20 +38,28 @@ static void heavy_packets_play_no_roulette(void **state)
     assert_int_equal(packet.fate, CML_FATE_ALIVE);
 }
 
-/* Far less than one unit per interaction is still absorbed in the mean: exactly over the 256 values of the
- * random bits, to 1/512 unit. */
+/* The mean over all values of the 16 random bits. */
+static double mean_absorbed(cml_u32 w, real absorb)
+{
+    double sum = 0;
+    for (cml_u32 bits = 0; bits < 65536; bits++) sum += cml_absorbed_part(w, absorb, bits & 255, bits >> 8);
+    return sum / 65536;
+}
+
+/* Far less than one unit per interaction is still absorbed in the mean, to 2^-17 units: of the least that may
+ * be asked for to 4e-4 of it. */
 static void absorbed_weight_is_rounded_without_bias(void **state)
 {
     (void)state;
-    static const real absorb[] = {(real)1e-7, (real)3e-6, (real)0.01, (real)0.37};
-    for (int k = 0; k < 4; k++) {
-        const cml_u32 w = 214748;
-        double sum = 0;
-        for (cml_u32 word = 0; word < 256; word++) sum += cml_absorbed_part(w, absorb[k], word);
-        assert_true(fabs(sum / 256 - (double)w * absorb[k]) < 1.0 / 512 + 1e-7 * (double)w * absorb[k]);
+    static const real absorb[] = {(real)1e-11, (real)2.7e-11, (real)1e-7, (real)3e-6, (real)0.01, (real)0.37};
+    for (int k = 0; k < 6; k++) {
+        const cml_u32 w = k < 2 ? CML_WEIGHT_ONE : 214748;
+        const double exact = (double)w * absorb[k];
+        assert_true(fabs(mean_absorbed(w, absorb[k]) - exact) < 1.0001 / 131072 + 1e-7 * exact);
     }
-    assert_int_equal(cml_absorbed_part(12345, 1, 0), 12345);
-    assert_int_equal(cml_absorbed_part(12345, 0, 255), 0);
+    assert_true(fabs(mean_absorbed(CML_WEIGHT_ONE, (real)1e-11) / (1e-11 * CML_WEIGHT_ONE) - 1) < 4e-4);
+    assert_int_equal(cml_absorbed_part(12345, 1, 0, 0), 12345);
+    assert_int_equal(cml_absorbed_part(12345, 0, 255, 255), 0);
 }
 
 static struct cml_vec random_direction(struct dice *dice)

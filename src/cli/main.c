@@ -5,7 +5,10 @@
 #include "base/version.h"
 #include "cli/command.h"
 #include "output/report.h"
+#include "run/stop.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -62,7 +65,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     cml_cluster_set_timeout(options.timeout);
     cml_status status = CML_OK;
     if (!answer_question(&options)) status = run_command(&options, err);
-    if (fflush(stdout) != 0 && status == CML_OK)
+    if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK)
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
     return cml_cluster_agree(status, err);
 }
@@ -73,11 +76,21 @@ static void complain(cml_status status, const struct cml_error *err)
     if (status != CML_OK) fprintf(stderr, "clustermcml: %s\n", err->text);
 }
 
+/* A file that is opened while one of the three is closed would get its number, and what is meant for the
+ * terminal would be written into it. */
+static void open_standard_streams(void)
+{
+    for (int file = 0; file <= 2; file++)
+        if (fcntl(file, F_GETFD) == -1 && errno == EBADF) (void)!open("/dev/null", O_RDWR);
+}
+
 /* One message for all ranks; when contact was lost, others than rank 0 speak only if the launcher has not
  * ended them: it may be rank 0 that is lost. */
 int main(int argc, char **argv)
 {
     struct cml_error err = {CML_OK, ""};
+    open_standard_streams();
+    cml_stop_ignore();
     cml_status status = cml_cluster_begin(&argc, &argv, &err);
     if (status != CML_OK) {
         complain(status, &err);

@@ -18,9 +18,15 @@ static void remember(int signal)
 
 /* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.
  * nohup and the like set signals to be ignored, and mean it. */
+void cml_stop_ignore(void)
+{
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
+}
+
 void cml_stop_watch(void)
 {
-    static const int signals[] = {SIGTERM, SIGINT, SIGUSR1, SIGUSR2, SIGXCPU};
+    static const int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
     struct sigaction action = {.sa_handler = remember, .sa_flags = SA_RESTART}, old;
     sigemptyset(&action.sa_mask);
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {

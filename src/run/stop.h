@@ -5,6 +5,10 @@
 
 #include <stdbool.h>
 
+/* A pipe that nobody reads and a file that may not grow become errors of the write, with a message and an
+ * exit code, where they would else end the process. */
+void cml_stop_ignore(void);
+
 /* From here on the first of the signals is remembered, the second ends the process at once. Signals that were
  * ignored stay ignored. Call it after MPI_Init, which may set handlers of its own. */
 void cml_stop_watch(void);

@@ -15,7 +15,7 @@ begin() { # LINE ARGUMENTS...: LINE is the last of its announcement
 }
 long="$scene --photons 1e8"
 
-for signal in TERM USR1 USR2 XCPU; do
+for signal in TERM HUP USR1 USR2 XCPU; do
     rm -f "$work"/thick.mco*
     begin "  boundary 1" $long
     kill -$signal $run

@@ -1,0 +1,61 @@
+#!/bin/sh
+# Standard streams that are closed, full or read by nobody, and disks that are full at any size.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+scene=samples/shapes/hihill.mci
+expect_code 0 $scene --photons 1000 --quiet -o "$work"
+cp "$work/hihill.mco" "$work/a.mco"
+expect_code 0 plot "$work/a.mco" -o "$work/whole.svg"
+
+# closed: everything is written as ever
+closed() { # CODE FILE COMMAND...: FILE must be as it was
+    wanted=$1
+    file=$2
+    shift 2
+    rm -f "$work/$file"
+    code=0
+    (eval "$*") || code=$?
+    test $code -eq "$wanted" || complain "$*: exit $code, not $wanted"
+}
+for streams in '<&-' '>&-' '2>&-' '<&- >&- 2>&-'; do
+    closed 0 plot.svg "\"$program\" plot \"$work/a.mco\" -o \"$work/plot.svg\" $streams"
+    cmp -s "$work/plot.svg" "$work/whole.svg" || complain "plot $streams: another picture"
+    closed 0 hihill.mco "\"$program\" $scene --photons 1000 --quiet -o \"$work\" $streams"
+    grep -v '^# User time' "$work/hihill.mco" >"$work/one"
+    grep -v '^# User time' "$work/a.mco" | cmp -s - "$work/one" || complain "run $streams: another result"
+done
+
+# full, or nobody reads: the result is there, and the exit code says that it was not told
+closed 5 hihill.mco "\"$program\" $scene --photons 1000 --json -o \"$work\" >/dev/full 2>\"$work/err\""
+grep -q "standard output cannot be written" "$work/err" || complain "full: $(cat "$work/err")"
+mkfifo "$work/pipe"
+(exec 3<"$work/pipe") & # opens it, and reads nothing
+closed 5 hihill.mco "\"$program\" $scene --photons 1000 --json -o \"$work\" >\"$work/pipe\" 2>\"$work/err\""
+grep -q "standard output cannot be written" "$work/err" || complain "pipe: $(cat "$work/err")"
+wait
+rm "$work"/*
+
+# full disks: a limit on the size of files, from 8 kB to that of the result. Whatever is not complete is not there.
+mkdir "$work/disk"
+full() { # SCENE FILE
+    rm -f "$work/disk"/*
+    expect_code 0 "$1" --photons 1000 --quiet -o "$work/disk"
+    size=$(stat -c %s "$work/disk/$2")
+    kib=8
+    while test $((kib * 1024)) -lt "$size"; do
+        rm -f "$work/disk"/*
+        code=0
+        (
+            ulimit -f $((2 * kib)) # blocks of 512 bytes
+            "$program" "$1" --photons 1000 --quiet -o "$work/disk" 2>"$work/err"
+        ) || code=$?
+        test $code -eq 5 || complain "$2 at $kib KiB: exit $code, not 5: $(cat "$work/err")"
+        test ! -e "$work/disk/$2" || complain "$2 at $kib KiB: half a file"
+        ls "$work/disk" | grep -q -e '\.tmp$' -e '\.lock$' && complain "$2 at $kib KiB left $(ls "$work/disk")"
+        kib=$((kib * 2))
+    done
+}
+full $scene hihill.mco
+full samples/skinmap.mci skinmap.h5
+full samples/skinmap.mci skinmap.map.vti
+finish

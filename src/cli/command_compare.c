@@ -1,6 +1,7 @@
 /* clustermcml compare: do two results agree within their noise?
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
+#include "cli/outputs.h"
 
 #include "plot/compare_report.h"
 
@@ -49,6 +50,7 @@ static cml_status compare(const struct cml_options *options, const struct cml_mc
 cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_mco mco[2];
+    if (options->output) CML_TRY(cml_check_overwrite("compare", options->output, options->operands, 2, err));
     CML_TRY(cml_mco_read(options->operands[0], &mco[0], err));
     cml_status status = cml_mco_read(options->operands[1], &mco[1], err);
     if (status == CML_OK) {

@@ -1,6 +1,7 @@
 /* clustermcml plot: reads results or maps and lets gnuplot draw them.
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
+#include "cli/outputs.h"
 
 #include "plot/curve.h"
 #include "plot/plot.h"
@@ -130,6 +131,8 @@ cml_status cml_command_plot(const struct cml_options *options, struct cml_error 
     enum cml_picture picture;
     bool maps = false;
     CML_TRY(cml_picture_of(picture_path(options), &picture, err));
+    CML_TRY(
+        cml_check_overwrite("plot", picture_path(options), options->operands, options->num_operands, err));
     CML_TRY(find_kind(options, &maps, err));
     CML_TRY((maps ? draw_maps : draw_curves)(options, picture, err));
     if (!options->quiet) printf("%s\n", picture_path(options));

@@ -72,6 +72,12 @@ scene ../elsewhere.mco >c.mci
 expect_code 0 c.mci --quiet -o folder
 grep -q "note: $PWD/elsewhere.mco is not below -o folder" err || complain "no note: $(cat err)"
 
+# plots
+scene r.svg >c.mci
+expect_code 0 c.mci --quiet
+refused 2 'plot: -o ./r.svg would overwrite its input r.svg' plot r.svg -o ./r.svg
+refused 2 'compare: -o r.svg would overwrite its input r.svg' compare r.svg r.svg -o r.svg
+
 # another process: the second is refused in one line, the first is complete
 scene long.mco >c.mci
 "$program" c.mci --photons 3e6 --threads 1 --quiet &

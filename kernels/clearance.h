@@ -56,11 +56,12 @@ CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, 
 {
     const real x = p.x + d.x, y = p.y + d.y;
     const real from = CML_SQRT(p.x * p.x + p.y * p.y), to = CML_SQRT(x * x + y * y);
-    const real slack = 4 * CML_EPSILON * (from + to), far = from < to ? to : from;
+    const real err_radius = 4 * CML_EPSILON * (from + to), far = from < to ? to : from;
     real near = from < to ? from : to;
     if ((p.x * d.x + p.y * d.y < 0) & (x * d.x + y * d.y > 0))
         near = CML_FABS(p.x * d.y - p.y * d.x) / CML_SQRT(d.x * d.x + d.y * d.y);
-    const int r0 = cml_clearance_index(grid, near - slack, 0), r1 = cml_clearance_index(grid, far + slack, 0);
+    const int r0 = cml_clearance_index(grid, near - err_radius, 0),
+              r1 = cml_clearance_index(grid, far + err_radius, 0);
     const int level = cml_clearance_level(r1 - r0);
     const int offset = grid->first + grid->level_offset[level];
     const real a = side * bounds[offset + (r0 >> level)], b = side * bounds[offset + (r1 >> level)];

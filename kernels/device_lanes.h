@@ -53,9 +53,9 @@ struct cml_device_lanes {
  * stands on it and leads away. */
 CML_FN cml_u32 cml_device_is_near(const struct cml_device_lanes *l, cml_u32 i, real s)
 {
-    const real z = l->z[i], step = s * l->uz[i], end = z + step, slack = cml_err_depth(z, step);
-    return !((end - slack > l->stop_above[i]) & (end + slack < l->stop_below[i]) &
-             (z - slack > l->start_above[i]) & (z + slack < l->start_below[i]));
+    const real z = l->z[i], step = s * l->uz[i], end = z + step, err_depth = cml_err_depth(z, step);
+    return !((end - err_depth > l->stop_above[i]) & (end + err_depth < l->stop_below[i]) &
+             (z - err_depth > l->start_above[i]) & (z + err_depth < l->start_below[i]));
 }
 
 /* The block of every lane's next interaction, the optical depth of those that have none yet, and how far they

@@ -93,10 +93,10 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double span =
         side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */
-    const double slack = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]) + span);
+    const double err_position = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]) + span);
     struct cml_mesh_crossing c;
     const int found = world->intersect_mesh(world->meshes[boundary], dp, du, side > 0, t_max, on_primitive,
-                                            undeflected, sizeof(real) == sizeof(double), slack, &c);
+                                            undeflected, sizeof(real) == sizeof(double), err_position, &c);
     *near_facet = c.ends_near_facet;
     if (!found) return 0;
     hit->t = (real)c.t;

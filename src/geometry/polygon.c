@@ -99,7 +99,7 @@ static bool in_box(const double a[2], const double b[2], const double p[2])
 }
 
 /* Whether the segments a b and c d have a point in common. */
-static bool segments_meet(const double a[2], const double b[2], const double c[2], const double d[2])
+static bool segments_intersect(const double a[2], const double b[2], const double c[2], const double d[2])
 {
     const int abc = cml_orient2d(a, b, c), abd = cml_orient2d(a, b, d), cda = cml_orient2d(c, d, a),
               cdb = cml_orient2d(c, d, b);
@@ -121,7 +121,7 @@ static bool edges_cross(const struct cml_polygon_rows *rows, size_t i, size_t j)
     const size_t n = rows->num_points, i_next = i + 1 < n ? i + 1 : 0, j_next = j + 1 < n ? j + 1 : 0;
     if (i_next == j) return neighbours_fold(rows->point[i], rows->point[j], rows->point[j_next]);
     if (j_next == i) return neighbours_fold(rows->point[j], rows->point[i], rows->point[i_next]);
-    return segments_meet(rows->point[i], rows->point[i_next], rows->point[j], rows->point[j_next]);
+    return segments_intersect(rows->point[i], rows->point[i_next], rows->point[j], rows->point[j_next]);
 }
 
 struct span {

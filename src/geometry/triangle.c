@@ -106,8 +106,8 @@ static bool contains(struct view view, const double *const t[3], const double *p
 /* Two segments in one plane meet when each has the other's ends on both sides of it, or an end on it.
  * Segments on one line do not count here: an end of p-q then lies in the triangle, or p-q passes through a
  * corner, where another edge begins. */
-static bool edges_meet(struct view view, const double *p, const double *q, const double *a, const double *b,
-                       double place[3])
+static bool edges_intersect(struct view view, const double *p, const double *q, const double *a,
+                            const double *b, double place[3])
 {
     const int pa = orientation(view, p, q, a), pb = orientation(view, p, q, b);
     const int ap = orientation(view, a, b, p), aq = orientation(view, a, b, q);
@@ -131,7 +131,7 @@ static enum cml_contact flat_segment_contact(const double *p, const double *q, c
             return CML_TOUCH;
         }
     for (int i = 0; i < 3; i++)
-        if (edges_meet(view, p, q, t[i], t[(i + 1) % 3], place)) return CML_TOUCH;
+        if (edges_intersect(view, p, q, t[i], t[(i + 1) % 3], place)) return CML_TOUCH;
     return CML_APART;
 }
 

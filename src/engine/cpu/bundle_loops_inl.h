@@ -128,12 +128,12 @@ struct cml_lane_candidates {
 
 static inline struct cml_lane_candidates cml_find_lane_candidates(const struct cml_bundle *b, int i, real s)
 {
-    const real z = b->z[i], step = s * b->uz[i], end = z + step, slack = cml_err_depth(z, step);
-    const struct cml_lane_candidates ahead = {.ends_above = !(end - slack > CML_OF_MEDIUM(b, stop_above)[i]),
-                                              .ends_below = !(end + slack < CML_OF_MEDIUM(b, stop_below)[i]),
-                                              .starts_above = !(z - slack > CML_OF_MEDIUM(b, start_above)[i]),
-                                              .starts_below =
-                                                  !(z + slack < CML_OF_MEDIUM(b, start_below)[i])};
+    const real z = b->z[i], step = s * b->uz[i], end = z + step, err_depth = cml_err_depth(z, step);
+    const struct cml_lane_candidates ahead = {
+        .ends_above = !(end - err_depth > CML_OF_MEDIUM(b, stop_above)[i]),
+        .ends_below = !(end + err_depth < CML_OF_MEDIUM(b, stop_below)[i]),
+        .starts_above = !(z - err_depth > CML_OF_MEDIUM(b, start_above)[i]),
+        .starts_below = !(z + err_depth < CML_OF_MEDIUM(b, start_below)[i])};
     return ahead;
 }
 

@@ -334,10 +334,10 @@ void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t)
     for (int k = 0; k < 3; k++) q->weight[k] = area[k] / (area[0] + area[1] + area[2]);
 }
 
-/* A packet that came straight through its facet has dealt with what lies behind it, so nothing before that
+/* A packet that came undeflected through its facet has dealt with what lies behind it, so nothing before that
  * facet's crossing counts. */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight,
+                     const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position)
 {
     q->body = body;
@@ -355,8 +355,8 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
     q->in_doubt = false;
     q->open_edges = 0;
     q->contact_distance = exclude == -1 ? q->err_query : -1;
-    q->grazing_factor = exclude >= 0 && straight ? 1 : err_grazing_factor;
-    q->t_min = exclude >= 0 && straight
+    q->grazing_factor = exclude >= 0 && undeflected ? 1 : err_grazing_factor;
+    q->t_min = exclude >= 0 && undeflected
                    ? fmax(-err_position, fmin(distance_to_primitive(q, exclude), err_position))
                    : -err_position;
 }

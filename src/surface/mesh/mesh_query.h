@@ -28,7 +28,7 @@ struct cml_mesh_query {
     double t_entry;  /* its distance */
     double err_entry, err_product, err_position, err_query;
     double t_min; /* the least distance of a crossing: -err_position, or where the ray crosses `exclude` if
-                   * the packet came straight through it */
+                   * the packet came undeflected through it */
     double grazing_factor; /* times t_min: the same for facets that the ray grazes */
     double
         contact_distance; /* a packet this close to a facet's plane may be beyond it; -1: it stands on one */
@@ -47,9 +47,9 @@ struct cml_mesh_query {
         open_edges; /* of the triangle last tested, of the best; see random_number */
 };
 
-/* Arguments as of cml_mesh_surface_hit (kernels/mesh_crossing.h); slack is err_position here. */
+/* Arguments as of cml_mesh_surface_hit (kernels/mesh_crossing.h). */
 void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body, const double p[3],
-                     const double u[3], int below, double t_max, int exclude, int straight,
+                     const double u[3], int below, double t_max, int exclude, int undeflected,
                      double err_position);
 
 /* Clips the ray to the mesh's box and puts the entry point there, or by `back` before it: only numbers of the

@@ -252,13 +252,13 @@ static void query_grid(const struct cml_mesh_surface *surface, struct query *que
 /* Packets that stand near an edge go the exact way at once: the fast ones would only send them there. The
  * outer plane is left out where the traversal has shown that the ray stays over the grid. */
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
-                         int below, double t_max, int exclude, int straight, int exact, double err_position,
-                         struct cml_mesh_crossing *crossing)
+                         int below, double t_max, int exclude, int undeflected, int exact,
+                         double err_position, struct cml_mesh_crossing *crossing)
 {
     struct query query;
     query.line = NULL;
     query.contact_only = false;
-    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, straight, err_position);
+    cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, undeflected, err_position);
     if (exact || query.ray.starts_on_edge)
         query_exact(surface, &query);
     else if (surface->grid.cell)

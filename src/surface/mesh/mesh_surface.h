@@ -44,8 +44,8 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
 
 /* The query itself, as kernels/mesh_crossing.h describes it. */
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
-                         int below, double t_max, int exclude, int straight, int exact, double err_position,
-                         struct cml_mesh_crossing *crossing);
+                         int below, double t_max, int exclude, int undeflected, int exact,
+                         double err_position, struct cml_mesh_crossing *crossing);
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */
 const char *cml_mesh_library(void);

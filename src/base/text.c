@@ -6,6 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 static const char blanks[] = " \t\v\f\r";
 
@@ -38,12 +40,23 @@ const char *cml_text_name(const char *path)
     return strcmp(path, "-") == 0 ? "standard input" : path;
 }
 
+/* Devices may have no end, as /dev/zero has none. A terminal has one. */
+static bool is_device(int file)
+{
+    struct stat about;
+    return fstat(file, &about) == 0 && (S_ISBLK(about.st_mode) || (S_ISCHR(about.st_mode) && !isatty(file)));
+}
+
 cml_status cml_text_read_file(const char *path, char **data, size_t *size, struct cml_error *err)
 {
     *data = NULL;
     const bool standard = strcmp(path, "-") == 0;
     FILE *stream = standard ? stdin : fopen(path, "rb");
     if (!stream) return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
+    if (!standard && is_device(fileno(stream))) {
+        fclose(stream);
+        return cml_fail(err, CML_E_INPUT, "%s: cannot be read (a device)", path);
+    }
     const cml_status status = read_stream(stream, path, data, size, err);
     if (!standard) fclose(stream);
     return status;

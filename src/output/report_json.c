@@ -2,6 +2,7 @@
  * stay as they are. SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
+#include "base/json_name.h"
 #include "base/version.h"
 
 #include <jansson.h>
@@ -29,7 +30,7 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
 static json_t *files_json(const struct cml_report *report)
 {
     json_t *list = json_array();
-    for (int i = 0; i < report->num_files; i++) json_array_append_new(list, json_string(report->files[i]));
+    for (int i = 0; i < report->num_files; i++) json_array_append_new(list, cml_json_name(report->files[i]));
     return list;
 }
 
@@ -96,12 +97,12 @@ static void set_speed(json_t *object, const struct cml_report *report)
     set_real(object, "communication", cml_run_communication(run));
 }
 
-/* jansson refuses a name that is not UTF-8, which looks like a lack of memory: the message names both. */
+/* One object on one line. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
-    json_t *object = json_pack("{s:s, s:s, s:s}", "scene", report->scene->file, "output", report->files[0],
-                               "engine", report->engine->name);
-    if (!object) return cml_fail_memory(err, 1, "the JSON record (or a name that is not UTF-8)");
+    json_t *object = json_pack("{s:o, s:o, s:s}", "scene", cml_json_name(report->scene->file), "output",
+                               cml_json_name(report->files[0]), "engine", report->engine->name);
+    if (!object) return cml_fail_memory(err, 1, "the JSON record");
     set_integer(object, "photons", report->run->result.photons);
     set_integer(object, "seed", report->seed);
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));

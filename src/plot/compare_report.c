@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "plot/compare_report.h"
 
+#include "base/json_name.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
@@ -207,8 +209,8 @@ cml_status cml_compare_json(FILE *stream, const struct cml_compare_report *repor
 {
     const struct cml_comparison *c = report->comparison;
     json_t *object =
-        json_pack("{s:s, s:s, s:[I, I], s:i, s:f, s:f, s:b, s:o, s:o}", "a", report->names[0], "b",
-                  report->names[1], "packets", (json_int_t)report->mco[0].photons,
+        json_pack("{s:o, s:o, s:[I, I], s:i, s:f, s:f, s:b, s:o, s:o}", "a", cml_json_name(report->names[0]),
+                  "b", cml_json_name(report->names[1]), "packets", (json_int_t)report->mco[0].photons,
                   (json_int_t)report->mco[1].photons, "tests", c->count, "p", c->p, "alpha", report->alpha,
                   "agree", !(c->p < report->alpha), "quantities", quantities_json(c), "worst", worst_json(c));
     char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;

@@ -25,6 +25,15 @@ for streams in '<&-' '>&-' '2>&-' '<&- >&- 2>&-'; do
     grep -v '^# User time' "$work/a.mco" | cmp -s - "$work/one" || complain "run $streams: another result"
 done
 
+# a device without end as input; a name that is not UTF-8
+expect_error 2 '/dev/zero: cannot be read (a device)' /dev/zero
+name=$(printf 'caf\351.mci')
+sed 's/hihill.mco/caf.mco/' $scene >"$work/$name"
+expect_code 0 "$work/$name" --photons 100 --json -o "$work"
+python3 -c 'import json, sys; scene = json.load(sys.stdin)["scene"]; sys.exit(not scene.endswith("/caf\\xe9.mci"))' <"$work/out" ||
+    complain "not UTF-8: $(cat "$work/out" "$work/err")"
+rm "$work/$name"
+
 # full, or nobody reads: the result is there, and the exit code says that it was not told
 closed 5 hihill.mco "\"$program\" $scene --photons 1000 --json -o \"$work\" >/dev/full 2>\"$work/err\""
 grep -q "standard output cannot be written" "$work/err" || complain "full: $(cat "$work/err")"

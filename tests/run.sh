@@ -1,6 +1,7 @@
 #!/bin/bash
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
-# all tests but the long ones; then the program without MPI, and the unit tests again under clang with the address and undefined sanitizers.
+# all tests but the long ones; then the program without MPI, the unit tests again under clang with the address and
+# undefined behaviour sanitizers, and each fuzzer for ten seconds.
 # SPDX-License-Identifier: MIT
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -18,3 +19,5 @@ CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-alone/clusterm
 CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build-asan --parallel 2
 LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 ctest --test-dir build-asan -L unit --output-on-failure -j2
+
+bash tests/fuzz/run.sh 10

@@ -7,17 +7,18 @@
 #include <string.h>
 
 #define EMPTY UINT32_MAX
+#define LARGEST 1e30 /* cm, as for all lengths of .mci files */
 
-/* Numbers in files are finite, but units and scale may take them beyond the range of double. */
+/* Products of three lengths must stay within the range of double, for exact predicates too (predicate.h). */
 static cml_status check_vertices(const struct cml_mesh_work *work, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     for (size_t i = 0; i < mesh->num_vertices; i++) {
         const double *p = mesh->vertex[i];
-        if (isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2])) continue;
+        if (fabs(p[0]) <= LARGEST && fabs(p[1]) <= LARGEST && fabs(p[2]) <= LARGEST) continue;
         const int line = work->source && work->source->vertex_line ? work->source->vertex_line[i] : 0;
-        return cml_mesh_fail(work, line, err, "vertex %zu is too large (expected finite coordinates in cm)",
-                             i + 1);
+        return cml_mesh_fail(work, line, err, "vertex %zu is too large (expected coordinates up to %g cm)",
+                             i + 1, LARGEST);
     }
     return CML_OK;
 }

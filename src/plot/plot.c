@@ -77,13 +77,17 @@ static void write_title(FILE *out, const struct cml_plot *plot)
 
 /* ---- ranges ---- */
 
-/* The top panel shows the first boundary, the other one the last. Pairs of r and h; returns how many
- * numbers, an even one. */
+/* The top panel shows the first boundary, the other one the last. Pairs of r and h, up to the first number
+ * that no scene can have; returns how many numbers, an even one. */
 static int read_heights(const struct drawing *d, const struct panel *panel, const struct cml_mco *mco)
 {
+    const double largest = 1e30; /* cm */
     char key[32];
     snprintf(key, sizeof key, "heightfield%d", panel->top ? 0 : mco->num_layers);
-    return cml_mco_extra(mco, key, d->values, MOST_HEIGHTS) & ~1;
+    const int count = cml_mco_extra(mco, key, d->values, MOST_HEIGHTS);
+    int sound = 0;
+    while (sound < count && fabs(d->values[sound]) <= largest) sound++;
+    return sound & ~1;
 }
 
 /* Over all files, since they share the axis. */
@@ -207,6 +211,15 @@ static void write_frame(const struct drawing *d)
             1 - (double)HEAD / d->height, d->columns);
 }
 
+/* Of the heights, cm. What differs in its last digits only is a flat line: ticks between them would be equal
+ * numbers. */
+static double height_span(const struct panel *panel)
+{
+    const double span = panel->highest - panel->lowest, flat = 0.1;
+    const double least = fmax(1e-30, 1e-6 * fmax(fabs(panel->lowest), fabs(panel->highest)));
+    return span > least ? span : fmax(flat, least);
+}
+
 /* Ticks at round heights, in the strip only. */
 static void write_height_ticks(FILE *out, const struct panel *panel, double span)
 {
@@ -227,7 +240,7 @@ static void write_height_axis(FILE *out, const struct panel *panel)
         fputs("unset y2tics\nunset label 4\nset ytics mirror\n", out);
         return;
     }
-    const double span = panel->highest > panel->lowest ? panel->highest - panel->lowest : 0.1;
+    const double span = height_span(panel);
     fprintf(out, "set ytics nomirror\nset y2range [%.9g:%.9g]\n", panel->lowest - 0.15 * span,
             panel->lowest - 0.15 * span + 1.35 * span / strip);
     write_height_ticks(out, panel, span);

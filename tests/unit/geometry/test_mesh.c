@@ -294,7 +294,7 @@ static void messages_without_a_file(void **state)
     assert_string_equal(err.text, "boundary 2: the mesh has no faces");
     mesh.vertex[3][1] = NAN;
     assert_int_equal(cml_mesh_prepare(&mesh, &source, NULL, &err), CML_E_INPUT);
-    assert_string_equal(err.text, "boundary 2: vertex 4 is too large (expected finite coordinates in cm)");
+    assert_string_equal(err.text, "boundary 2: vertex 4 is too large (expected coordinates up to 1e+30 cm)");
     cml_mesh_clear(&mesh);
     assert_null(mesh.vertex);
 }

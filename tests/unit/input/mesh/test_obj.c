@@ -147,7 +147,10 @@ static const struct refusal bad_sheets[] = {
      "m.obj:12: the mesh touches itself at the vertex (1, 1, height 0) cm (expected one fan of faces around "
      "every vertex)"},
     {"v 0 0 0\nv 1e300 0 0\nv 1 1 0\nv 1e308 1e308 1e308\nf 1 2 3\n",
-     "m.obj:2: vertex 2 is too large (expected finite coordinates in cm)"},
+     "m.obj:2: vertex 2 is too large (expected coordinates up to 1e+30 cm)"},
+    /* at this size products overflow: whether the border was simple hung on the order of the vertices */
+    {"v 0 0 0\nv 1e31 0 0\nv 1e302 1e31 0\nv 0 1 0\nf 1 3 4\nf 2 3 4\n",
+     "m.obj:2: vertex 2 is too large (expected coordinates up to 1e+30 cm)"},
 };
 
 static void refuse(void **state, const struct refusal *cases, size_t count, double unit)

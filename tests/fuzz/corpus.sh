@@ -1,0 +1,77 @@
+#!/bin/sh
+# First inputs of the fuzzers, one folder per target: corpus.sh PROGRAM FOLDER. They come from the samples, the meshes,
+# the refused inputs of tests/cli and short runs of the program, so that nothing is stored twice.
+# SPDX-License-Identifier: MIT
+set -eu
+program=$(realpath "$1")
+mkdir -p "$2"
+out=$(realpath "$2")
+cd "$(dirname "$0")/../.."
+for target in mci fly obj heightmap mco vti csv options checkpoint; do mkdir -p "$out/$target"; done
+
+# A scene and the files that it names become one input, in the order in which they are read (FUZZ_CUT of fuzz.h).
+join() {
+    cat "$1"
+    grep -o '"\.\./meshes/[^"]*"' "$1" | tr -d '"' | while read -r file; do
+        printf '\n%%%%%%%%\n'
+        cat "samples/$file"
+    done
+}
+for scene in samples/*.mci samples/shapes/*.mci; do join "$scene" >"$out/mci/$(basename "$scene")"; done
+
+# Refused ones: kind, message, then the file.
+awk -v out="$out" '
+    /^@/ { n++; file = sprintf("%s/%s/refused%03d", out, substr($1, 2), n); printf "" > file; next }
+    n    { print > file }' tests/cli/bad_input.cases
+
+cp meshes/*.obj "$out/obj"
+cp meshes/*.gsf meshes/*.asc "$out/heightmap"
+printf 'ncols 3\nnrows 2\ncellsize 0.1\nNODATA_value -9999\n1 2 3\n4 5 6\n' >"$out/heightmap/small.asc"
+printf 'Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 2\nXReal = 1\nYReal = 1\nXYUnits = cm\nZUnits = cm\n\0\0\0\0' |
+    head -c 92 >"$out/heightmap/small.gsf"
+printf '\0\0\0\77\0\0\200\77\0\0\0\0\0\0\0\100' >>"$out/heightmap/small.gsf"
+
+# Small scenes, which fly in no time: of every kind of line one, on small grids.
+scene() { # NAME FILES ABOVE BELOW: lines for the whole run, then for both boundaries
+    {
+        printf '1.0\n1\n%s.mco A\n64\n0.1 0.1\n3 4 2\n%b1\n1\n%b1.4 0.5 20 0.8 1\n%b1.5\n' "$1" "$2" "$3" "$4"
+        shift 4
+        for file in "$@"; do printf '\n%%%%%%%%\n'; cat "$file"; done
+    } >"$out/fly/$name"
+}
+name=plane; scene plane '' '' ''
+name=maps; scene maps 'beam disk 0.1 at=0.1,0 angle=30 azimuth=10\nmap 4 3 0.1 0.1 angles volume top=0\nfacets\n' '' ''
+name=hill; scene hill 'beam gaussian 0.1\nfacets\n' 'b 3 0.06 0.1 0.02 0.2 0 1\n' 'b 2 -0.1 0.2 0 1\n'
+name=pyramid; scene pyramid 'facets\n' 'm "p.obj"\n' '' meshes/pyramid.obj
+name=prism; scene prism '' 'm "p.obj" scale=0.5 up=z normals=vertex\n' 'm "w.obj" units=mm\n' meshes/prism.obj meshes/wedge.obj
+name=scan; scene scan '' 'm "s.gsf"\n' 'm "s.asc" units=mm\n' "$out/heightmap/small.gsf" "$out/heightmap/small.asc"
+cp "$out"/fly/* "$out/mci"
+for scene in samples/*.mci samples/shapes/*.mci; do # as they are, but on small grids
+    small=$out/fly/$(basename "$scene")
+    join "$scene" | sed -E 's/^[0-9]+ [0-9]+ [0-9]+/9 8 2/' >"$small"
+    [ "$(wc -c <"$small")" -le 8192 ] || rm "$small" # what is longer would be cut within a mesh
+done
+
+# Results, maps and checkpoints of the program itself.
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+for name in plane maps hill; do
+    "$program" "$out/fly/$name" --quiet --threads 1 -o "$scratch"
+    cp "$scratch/$name.mco" "$out/mco"
+done
+cp "$scratch"/*.vti "$out/vti"
+printf '# a curve\nbin,r_mid_cm,Rd_r_per_cm2,Tt_r_per_cm2\n0,0.05,2,1e-3\n1,0.15,1,0\n3,0.35,0.5,1e-9\n' >"$out/csv/curve"
+printf 'bin,x,r_mid_cm,Rd_r_per_cm2\r\n0,9,0.005,2\r\n1,9,0.015,1\r\n' >"$out/csv/crlf"
+for file in tests/reference/profiles/*.csv; do head -n 8 "$file" >"$out/csv/$(basename "$file")"; done
+
+# The grid of fuzz_checkpoint.c, which puts zeros for the cells that are cut off here. A signal leaves a checkpoint.
+sed 's/3 4 2/1 1 1/' "$out/fly/plane" >"$scratch/one.mci"
+timeout -s TERM 1 "$program" "$scratch/one.mci" --photons 1e12 --quiet --threads 1 -o "$scratch" 2>/dev/null || true
+head -c 1200 "$scratch/plane.mco.checkpoint" >"$out/checkpoint/partial"
+
+# Command lines: what the help text names, and the examples in the manual's words.
+printf 'run\nscene.mci\n--photons\n1e7\n--seed=2\n-o\nresults\n' >"$out/options/run"
+printf 'compare\na.mco\nb.mco\n--alpha\n0.05\n--json\n-of.svg\n' >"$out/options/compare"
+printf 'trace\nscene.mci\n7\n--run\n2\n--engine\nreference\n--boundaries=mesh\n--normals\nfacet\n--rings\narea\n' >"$out/options/trace"
+printf 'plot\na.map.vti\n--of\nTt\n--log\n--caption\na b\n--\n-x\n' >"$out/options/plot"
+printf -- '--checkpoint\noff\n--patience\n1e3\n--target-error\n.01\n--tolerance\n1e-3\n--threads\n2\n--device\n0,1\n' >"$out/options/machine"

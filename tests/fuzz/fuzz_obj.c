@@ -1,0 +1,51 @@
+/* .obj files: read as boundary meshes, written, and read again. SPDX-License-Identifier: MIT */
+#include "fuzz/fuzz.h"
+
+#include "input/mesh/obj.h"
+
+static const struct cml_obj_options as_written = {.unit = 1, .scale = 1, .up = CML_UP_Z};
+
+/* A mesh is a sheet with one border: Euler's number of a disk, with handles less. */
+static void check_mesh(const struct cml_mesh *mesh)
+{
+    FUZZ_CHECK(mesh->num_triangles > 0 && mesh->num_vertices > 2);
+    for (size_t t = 0; t < mesh->num_triangles; t++)
+        for (int c = 0; c < 3; c++) FUZZ_CHECK(mesh->triangle[t][c] < mesh->num_vertices);
+    struct cml_mesh_summary summary;
+    cml_mesh_summarise(mesh, &summary);
+    FUZZ_CHECK(summary.peak_to_valley >= 0);
+}
+
+static void check_written(const struct cml_mesh *mesh)
+{
+    struct cml_mesh again;
+    struct cml_mesh_notes notes;
+    struct cml_error err = {CML_OK, ""};
+    FUZZ_CHECK(cml_obj_write(fuzz_output(), mesh, "fuzz", &err) == CML_OK);
+    const cml_status status = cml_obj_read(NULL, fuzz_output(), &as_written, &again, &notes, &err);
+    if (status != CML_OK) fprintf(stderr, "%s\n", err.text);
+    FUZZ_CHECK(status == CML_OK);
+    remove(fuzz_output());
+    FUZZ_CHECK(again.num_vertices == mesh->num_vertices && again.num_triangles == mesh->num_triangles);
+    for (size_t v = 0; v < mesh->num_vertices; v++)
+        for (int axis = 0; axis < 3; axis++) FUZZ_CHECK(again.vertex[v][axis] == mesh->vertex[v][axis]);
+    cml_mesh_clear(&again);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    struct fuzz_files files = {data, size};
+    const struct cml_text_source source = fuzz_source(&files);
+    struct cml_mesh mesh;
+    struct cml_mesh_notes notes;
+    struct cml_error err = {CML_OK, ""};
+    const cml_status status = cml_obj_read(&source, "mesh.obj", &as_written, &mesh, &notes, &err);
+    if (status != CML_OK) {
+        fuzz_refused(status, &err);
+        return 0;
+    }
+    check_mesh(&mesh);
+    check_written(&mesh);
+    cml_mesh_clear(&mesh);
+    return 0;
+}

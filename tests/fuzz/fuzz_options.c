@@ -1,0 +1,54 @@
+/* Command lines, one word a line. SPDX-License-Identifier: MIT */
+#include "fuzz/fuzz.h"
+
+#include "cli/options.h"
+
+#include <getopt.h>
+
+enum { MOST_WORDS = 64 };
+
+/* Words of their own, so that a read beyond one is seen. */
+static int split(const uint8_t *data, size_t size, char *argv[MOST_WORDS + 1])
+{
+    int count = 0;
+    argv[count++] = strdup("clustermcml");
+    for (size_t at = 0; at < size && count < MOST_WORDS;) {
+        const uint8_t *end = memchr(data + at, '\n', size - at);
+        const size_t length = end ? (size_t)(end - data) - at : size - at;
+        argv[count++] = strndup((const char *)data + at, length);
+        at += length + 1;
+    }
+    argv[count] = NULL;
+    return count;
+}
+
+static void check(const struct cml_options *options, int argc)
+{
+    FUZZ_CHECK(options->engine != NULL);
+    FUZZ_CHECK(options->photons <= (uint64_t)1 << 48 && options->run >= 1 && options->run <= UINT32_MAX);
+    FUZZ_CHECK(options->engine_options.threads >= 0 && options->engine_options.threads <= 4096);
+    FUZZ_CHECK(options->surface.tolerance >= 1e-12 && options->surface.tolerance <= 0.1);
+    FUZZ_CHECK(options->target_error >= 0 && options->target_error < 1);
+    FUZZ_CHECK(options->timeout > 0 && options->checkpoint_interval >= 0);
+    FUZZ_CHECK(options->alpha > 0 && options->alpha < 1);
+    FUZZ_CHECK(options->num_operands >= 0 && options->num_operands < argc);
+    for (int i = 0; i < options->num_operands; i++) FUZZ_CHECK(options->operands[i] != NULL);
+    FUZZ_CHECK(strlen(options->command) < sizeof options->command);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    char *argv[MOST_WORDS + 1], *words[MOST_WORDS + 1];
+    const int argc = split(data, size, argv);
+    struct cml_options options;
+    struct cml_error err = {CML_OK, ""};
+    memcpy(words, argv, sizeof words); /* getopt sorts argv */
+    optind = 0;                        /* glibc and musl: begin anew */
+    const cml_status status = cml_options_parse(argc, argv, &options, &err);
+    if (status == CML_OK)
+        check(&options, argc);
+    else
+        fuzz_refused(status, &err);
+    for (int i = 0; i < argc; i++) free(words[i]);
+    return 0;
+}

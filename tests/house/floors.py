@@ -46,7 +46,7 @@ FOREIGN = {
     "spawn.h": "src/plot/gnuplot",
     "signal.h": "src/plot/gnuplot src/run/stop",
     "mpi.h": "src/run/cluster_parts",
-    "pthread.h": "src/run/cluster_parts src/run/work_ranges",
+    "pthread.h": "src/engine/engine src/engine/cpu/engine_cpu_level src/run/cluster_parts src/run/run src/run/work_ranges",
     "sched.h": "src/run/cluster_service src/run/launcher",
     "zlib.h": "src/run/checkpoint src/run/identity",
     "sys/wait.h": "src/plot/gnuplot",

@@ -4,11 +4,11 @@
  * subject: a loop over lanes becomes vector instructions only if all that it calls is inlined, and then in
  * those of this level only if it is compiled with this file's options. SPDX-License-Identifier: MIT */
 #include "engine/cpu/bundle_walk_inl.h"
+#include "engine/threads.h"
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
 #include <omp.h>
-#include <pthread.h>
 #include <stddef.h>
 #include <stdlib.h>
 
@@ -19,9 +19,6 @@ struct cpu_engine {
                                     * share */
     int threads, num_tallies;
     uint64_t chunk;
-    pthread_mutex_t lock; /* around `here` */
-    pthread_cond_t all_here;
-    int here; /* threads that have nothing left to fly */
 };
 
 static void cpu_close(void *self)
@@ -30,8 +27,6 @@ static void cpu_close(void *self)
     if (!cpu) return;
     for (int i = 0; i < cpu->num_tallies; i++) cml_tally_free(&cpu->tallies[i]);
     free(cpu->tallies);
-    pthread_mutex_destroy(&cpu->lock);
-    pthread_cond_destroy(&cpu->all_here);
     free(cpu->media);
     cml_owned_world_free(&cpu->owned);
     free(cpu);
@@ -74,8 +69,6 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     struct cpu_engine *cpu = calloc(1, sizeof *cpu);
     *self = NULL;
     if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
-    pthread_mutex_init(&cpu->lock, NULL);
-    pthread_cond_init(&cpu->all_here, NULL);
     cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
     cpu->chunk = options->chunk > 0 ? options->chunk : 1024;
     cml_status status = cml_owned_world_create(scene, surfaces, options, &cpu->owned, err);
@@ -131,33 +124,29 @@ static void fly_thread(const struct cpu_engine *cpu, const struct cml_work *work
     }
 }
 
-/* Waits until all threads have come, asleep: OpenMP's own barriers keep the core for some milliseconds first,
- * which on a busy machine is time that the threads they wait for do not get. */
-static void wait_for_all(struct cpu_engine *cpu)
+/* What the threads of one call of cpu_run do. */
+struct cpu_flight {
+    struct cpu_engine *cpu;
+    const struct cml_work *work;
+};
+
+static void fly_and_add(void *context, int number)
 {
-    pthread_mutex_lock(&cpu->lock);
-    if (++cpu->here == omp_get_num_threads()) pthread_cond_broadcast(&cpu->all_here);
-    while (cpu->here < omp_get_num_threads()) pthread_cond_wait(&cpu->all_here, &cpu->lock);
-    pthread_mutex_unlock(&cpu->lock);
+    const struct cpu_flight *flight = context;
+    struct cpu_engine *cpu = flight->cpu;
+    struct cml_tally *mine = &cpu->tallies[number + cpu->num_tallies - cpu->threads];
+    fly_thread(cpu, flight->work, mine);
+    if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
 }
 
-/* All threads fly until there is nothing left to take. That is the only time that they wait for each other: a
- * thread that waits for one that the system does not let run may take the core that it needs. What threads
- * share is handed in after that. OpenMP's threads are then ended (pause): those that wait for the next region
- * keep their cores for a while, too. */
+/* All threads fly until there is nothing left to take. That is the only time that they wait for each other.
+ * What they share is handed in after that. */
 static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     (void)err;
     struct cpu_engine *cpu = self;
-    cpu->here = 0;
-#pragma omp parallel num_threads(cpu->threads)
-    {
-        struct cml_tally *mine = &cpu->tallies[omp_get_thread_num() + cpu->num_tallies - cpu->threads];
-        fly_thread(cpu, work, mine);
-        if (mine != cpu->tallies) work->add(work->context, mine);
-        wait_for_all(cpu);
-    }
-    if (!getenv("CML_NOPAUSE")) omp_pause_resource_all(omp_pause_soft);
+    struct cpu_flight flight = {cpu, work};
+    cml_run_threads(cpu->threads, fly_and_add, &flight);
     work->add(work->context, cpu->tallies);
     return CML_OK;
 }

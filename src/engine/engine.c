@@ -4,6 +4,8 @@
 #include "surface/surface_facets.h"
 #include "types.h"
 
+#include <pthread.h>
+
 /* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other ones than its
  * cones. */
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -22,6 +24,63 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
     for (int b = 0; scene->facets && surfaces && b < surfaces->count; b++)
         grid.facets += cml_surface_facets(&surfaces->item[b], map);
     return grid;
+}
+
+/* Towards the end less and less (guided scheduling), so that all threads end at about the same time. */
+uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
+{
+    const uint64_t least = 16;
+    uint64_t size = most;
+    if (takers > 1 && most > least) {
+        const uint64_t fair = left / (8 * (uint64_t)takers);
+        size = fair < least ? least : fair < most ? fair : most;
+    }
+    return size < left ? size : left;
+}
+
+/* One range as the work of an engine. */
+struct range_work {
+    pthread_mutex_t lock; /* around all that follows */
+    uint64_t first, left;
+    struct cml_tally *tally;
+};
+
+static bool next_of_range(void *context, uint64_t most, int takers, struct cml_piece *piece)
+{
+    struct range_work *range = context;
+    pthread_mutex_lock(&range->lock);
+    *piece = (struct cml_piece){.first = range->first, .count = cml_piece_size(most, takers, range->left)};
+    range->first += piece->count;
+    range->left -= piece->count;
+    pthread_mutex_unlock(&range->lock);
+    return piece->count > 0;
+}
+
+/* A tally has no batches. */
+static void note_nothing(void *context, int batch, struct cml_tally *tally)
+{
+    (void)context;
+    (void)batch;
+    (void)tally;
+}
+
+static void add_to_range(void *context, struct cml_tally *tally)
+{
+    struct range_work *range = context;
+    pthread_mutex_lock(&range->lock);
+    cml_tally_move(range->tally, tally);
+    pthread_mutex_unlock(&range->lock);
+}
+
+cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first, uint64_t count,
+                                struct cml_tally *tally, struct cml_error *err)
+{
+    struct range_work range = {.first = first, .left = count, .tally = tally};
+    const struct cml_work work = {&range, next_of_range, note_nothing, add_to_range};
+    pthread_mutex_init(&range.lock, NULL);
+    const cml_status status = engine->run(self, &work, err);
+    pthread_mutex_destroy(&range.lock);
+    return status;
 }
 
 const char *cml_fate_name(int fate)

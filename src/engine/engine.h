@@ -1,6 +1,7 @@
-/* What an engine is: open a scene, run ranges of photon indices, close.
- * A range is the only unit of work: threads, ranks, devices, restarts and replays are ranges, and the tally
- * of a range depends on nothing but scene, options and range. SPDX-License-Identifier: MIT */
+/* What an engine is: open a scene, fly pieces of work, close.
+ * A range of photon indices is the only unit of work: threads, ranks, devices, restarts and replays are
+ * ranges, and the tally of a range depends on nothing but scene, options and range. SPDX-License-Identifier:
+ * MIT */
 #ifndef CML_ENGINE_H
 #define CML_ENGINE_H
 
@@ -44,14 +45,35 @@ struct cml_trace_event {
 };
 typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
 
+/* Packets [first, first + count), all of one batch (tally/result.h). */
+struct cml_piece {
+    uint64_t first, count;
+    int batch;
+};
+
+/* Where an engine gets packets, and where it hands in what they scored. Threads of the engine call all three
+ * at any time and side by side: so each goes its own way from piece to piece, and none waits for another. */
+struct cml_work {
+    void *context;
+    /* The next piece, of at most `most` packets; where `takers` threads ask, less and less of them towards
+     * the end. false: there are no more for this call of run; *piece is empty then. */
+    bool (*next)(void *context, uint64_t most, int takers, struct cml_piece *piece);
+    /* All that has come to the tally since the last call, or since it was zero, is of this batch, and
+     * complete: no packet of it is under way in that tally. The cells stay. */
+    void (*note)(void *context, int batch, struct cml_tally *tally);
+    /* Takes all cells of a tally that gets no more in this call of run, and that was noted; it is zero
+     * afterwards. */
+    void (*add)(void *context, struct cml_tally *tally);
+};
+
 struct cml_engine {
     const char *name, *description;
     /* The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);
-    /* Adds packets [first, first + count) to the tally; count <= CML_TALLY_MAX_PHOTONS. */
-    cml_status (*run)(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
-                      struct cml_error *err);
+    /* Flies pieces of the work until there are no more, and hands in their tallies; together at most
+     * CML_TALLY_MAX_PHOTONS. On failure some are flown, and not all of that is handed in. */
+    cml_status (*run)(void *self, const struct cml_work *work, struct cml_error *err);
     /* Flies packet `index` alone. on_event may be NULL. */
     cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                         struct cml_fate_record *record, struct cml_error *err);
@@ -61,6 +83,14 @@ struct cml_engine {
     int (*threads)(const void *self); /* NULL: as many as it takes unless told */
     void (*close)(void *self);
 };
+
+/* Adds packets [first, first + count) to the tally, which has the grid of the engine's scene and options;
+ * count <= CML_TALLY_MAX_PHOTONS. */
+CML_NODISCARD cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first,
+                                              uint64_t count, struct cml_tally *tally, struct cml_error *err);
+
+/* For cml_work.next: how many of `left` packets one of `takers` threads gets that asks for `most`. */
+uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left);
 
 /* The grid of a run's tallies: whatever scene and options ask for. surfaces NULL: without facets. */
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,

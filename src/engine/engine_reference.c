@@ -8,55 +8,67 @@
 
 #include <stdlib.h>
 
-/* An engine is its world: it keeps no state between ranges. */
+struct reference_engine {
+    struct cml_owned_world owned;
+    struct cml_tally tally; /* zero between calls of run */
+};
+
+static void reference_close(void *self)
+{
+    struct reference_engine *engine = self;
+    if (!engine) return;
+    cml_owned_world_free(&engine->owned);
+    cml_tally_free(&engine->tally);
+    free(engine);
+}
+
 static cml_status reference_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
-    struct cml_owned_world *world = malloc(sizeof *world);
+    const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
+    struct reference_engine *engine = calloc(1, sizeof *engine);
     *self = NULL;
-    if (!world) return cml_fail_memory(err, sizeof *world, "an engine");
-    const cml_status status = cml_owned_world_create(scene, surfaces, options, world, err);
+    if (!engine) return cml_fail_memory(err, sizeof *engine, "an engine");
+    cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
+    if (status == CML_OK) status = cml_tally_create(&grid, &engine->tally, err);
     if (status != CML_OK)
-        free(world);
+        reference_close(engine);
     else
-        *self = world;
+        *self = engine;
     return status;
 }
 
-static cml_status reference_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
-                                struct cml_error *err)
+static cml_status reference_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     (void)err;
-    const struct cml_owned_world *world = self;
-    run_packets(&world->world, first, count, tally);
+    struct reference_engine *engine = self;
+    struct cml_piece piece;
+    while (work->next(work->context, CML_TALLY_MAX_PHOTONS, 1, &piece)) {
+        run_packets(&engine->owned.world, piece.first, piece.count, &engine->tally);
+        work->note(work->context, piece.batch, &engine->tally);
+    }
+    work->add(work->context, &engine->tally);
     return CML_OK;
 }
 
 static cml_status reference_trace(void *self, uint64_t index, cml_trace_function *on_event, void *context,
                                   struct cml_fate_record *record, struct cml_error *err)
 {
-    const struct cml_owned_world *world = self;
-    return trace_packets(&world->world, index, 1, on_event, context, record, err);
+    const struct reference_engine *engine = self;
+    return trace_packets(&engine->owned.world, index, 1, on_event, context, record, err);
 }
 
 static cml_status reference_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                                   struct cml_error *err)
 {
-    const struct cml_owned_world *world = self;
-    return trace_packets(&world->world, first, count, NULL, NULL, records, err);
+    const struct reference_engine *engine = self;
+    return trace_packets(&engine->owned.world, first, count, NULL, NULL, records, err);
 }
 
 static int reference_threads(const void *self)
 {
     (void)self;
     return 1;
-}
-
-static void reference_close(void *self)
-{
-    if (!self) return;
-    cml_owned_world_free(self);
-    free(self);
 }
 
 const struct cml_engine cml_engine_reference = {

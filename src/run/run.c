@@ -8,6 +8,7 @@
 #include "run/stop.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -20,12 +21,23 @@ static double processor_seconds(void)
 /* What rank 0 decides at a synchronisation. */
 enum next_step { CONTINUE, FINISHED, STOPPED };
 
+/* The range in hand, and what else threads change when they take packets of it. */
+struct hand {
+    pthread_mutex_t lock;    /* around the range, `work` and `mine` of the flight while the engine runs */
+    struct cml_range range;  /* as it was taken; empty when rank 0 has been told that it is flown */
+    struct cml_range left;   /* of it, for threads to take */
+    double replied;          /* time when it was taken */
+    uint64_t room;           /* packets that the tallies of the engine can still take */
+    cml_status status;       /* of rank 0's replies */
+    struct cml_error *error; /* belongs to it */
+};
+
 /* One call of cml_run on this rank. */
 struct flight {
     const struct cml_run_setup *setup;
     struct cml_run_result *out;
-    struct cml_tally tally; /* of the pieces that the result has not been given yet, but for their profiles */
-    uint64_t in_tally;      /* packets */
+    pthread_mutex_t result_lock; /* around out->result while the engine runs */
+    struct hand hand;
     void *engine;
     struct cml_work_ranges work;
     struct cml_run_state state; /* `open` is rank 0's */
@@ -36,52 +48,21 @@ struct flight {
 
 /* ---- flying ---- */
 
-/* So many packets may each cross a facet 500 times before a cell of a tally overflows. */
-#define MOST_IN_TALLY ((uint64_t)1 << 24)
+/* A cell of a map gets each packet once, but a packet may cross a facet again and again: so many packets may
+ * each do so 500 times before a cell of a tally overflows. */
+#define MOST_AT_FACETS ((uint64_t)1 << 24)
 
-/* Gives the tally to the result. Not after every piece: adding 64-bit cells to 128-bit ones takes longer than
- * summing profiles. */
-static void empty_tally(struct flight *flight)
+/* Packets of one call of the engine, which ends when its tallies are full. Between two calls threads wait for
+ * each other, so there are few. */
+static uint64_t room_of_tallies(const struct cml_grid *grid)
 {
-    if (flight->in_tally == 0) return;
-    cml_result_add(&flight->out->result, &flight->tally);
-    cml_tally_zero(&flight->tally);
-    flight->in_tally = 0;
+    return grid->facets ? MOST_AT_FACETS : CML_TALLY_MAX_PHOTONS;
 }
 
-/* The engine adds to the tally; its profiles go to the batch at once, all else when the tally is full. */
-static cml_status fly_piece(struct flight *flight, int batch, uint64_t first, uint64_t count,
-                            struct cml_error *err)
+/* Of the range in hand. */
+static uint64_t flown_of(const struct hand *hand)
 {
-    const double begin = cml_now();
-    CML_TRY(flight->setup->engine->run(flight->engine, first, count, &flight->tally, err));
-    cml_result_note(&flight->out->result, batch, &flight->tally);
-    flight->in_tally += count;
-    if (flight->in_tally >= MOST_IN_TALLY) empty_tally(flight);
-    flight->mine.flying += cml_now() - begin;
-    flight->mine.photons += count;
-    return CML_OK;
-}
-
-/* Piece by piece, each within one batch, until the range is flown or a synchronisation is requested. This
- * rank requests one when it got a signal and, on rank 0, when a checkpoint is due. */
-static cml_status fly_range(struct flight *flight, struct cml_range *range, struct cml_error *err)
-{
-    const uint64_t round = flight->state.end - flight->state.begin;
-    while (range->count > 0 && !cml_cluster_sync_requested()) {
-        const uint64_t place = range->first - flight->state.begin;
-        const int batch = cml_batch_of(round, place);
-        const uint64_t in_batch = cml_batch_first(round, batch + 1) - place;
-        const uint64_t piece = cml_work_piece(&flight->work);
-        uint64_t count = in_batch < range->count ? in_batch : range->count;
-        if (count > piece) count = piece;
-        CML_TRY(fly_piece(flight, batch, range->first, count, err));
-        range->first += count;
-        range->count -= count;
-        if ((flight->setup->checkpoint && cml_stop_requested()) || cml_now() > flight->due)
-            cml_cluster_request_sync();
-    }
-    return CML_OK;
+    return hand->range.count - hand->left.count;
 }
 
 /* Rank 0 shows what it was told of, and what it has just flown itself. */
@@ -93,26 +74,123 @@ static void show_progress(struct flight *flight, uint64_t just_flown)
     if (setup->on_progress && cml_cluster_rank() == 0) setup->on_progress(setup->context, &progress);
 }
 
-/* Range after range until a synchronisation is requested. *left is what was not flown of the last, *flown
- * what rank 0 has not been told of. */
-static cml_status fly(struct flight *flight, struct cml_range *left, uint64_t *flown, struct cml_error *err)
+/* Ends with the range in hand, of which other threads may still fly their last packets. */
+static void end_range(struct flight *flight)
 {
-    for (;;) {
-        struct cml_range taken;
-        const double begin = cml_now();
-        CML_TRY(cml_work_take(&flight->work, *flown, &taken, err));
-        const double replied = cml_now();
-        flight->mine.asking += replied - begin;
-        *flown = 0;
-        if (taken.count == 0) return CML_OK;
-        flight->mine.ranges++;
-        *left = taken;
-        CML_TRY(fly_range(flight, left, err));
-        *flown = taken.count - left->count;
-        if (left->count > 0) return CML_OK;
-        cml_work_timed(&flight->work, taken, cml_now() - replied);
-        show_progress(flight, *flown);
-    }
+    const struct hand *hand = &flight->hand;
+    if (hand->range.count == 0) return;
+    cml_work_timed(&flight->work, hand->range, cml_now() - hand->replied);
+    show_progress(flight, hand->range.count);
+}
+
+/* The next range from rank 0, which hears what was flown of the last one. Empty when a synchronisation is
+ * requested. */
+static cml_status take_range(struct flight *flight, struct cml_error *err)
+{
+    struct hand *hand = &flight->hand;
+    const double begin = cml_now();
+    struct cml_range taken = {0};
+    end_range(flight);
+    CML_TRY(cml_work_take(&flight->work, flown_of(hand), &taken, err));
+    hand->range = hand->left = taken;
+    hand->replied = cml_now();
+    flight->mine.asking += hand->replied - begin;
+    if (taken.count > 0) flight->mine.ranges++;
+    return CML_OK;
+}
+
+/* This rank requests a synchronisation when it got a signal and, on rank 0, when a checkpoint is due. */
+static bool must_synchronise(struct flight *flight)
+{
+    if ((flight->setup->checkpoint && cml_stop_requested()) || cml_now() > flight->due)
+        cml_cluster_request_sync();
+    return cml_cluster_sync_requested();
+}
+
+/* Whether there are packets in hand for the engine to take. */
+static bool find_range(struct flight *flight)
+{
+    struct hand *hand = &flight->hand;
+    if (hand->status != CML_OK || hand->room == 0) return false;
+    if (hand->range.count > 0 && must_synchronise(flight)) return false;
+    if (hand->left.count == 0) hand->status = take_range(flight, hand->error);
+    return hand->status == CML_OK && hand->left.count > 0;
+}
+
+/* A piece of the range in hand, within one batch. */
+static struct cml_piece cut_piece(struct flight *flight, uint64_t most, int takers)
+{
+    struct hand *hand = &flight->hand;
+    const uint64_t round = flight->state.end - flight->state.begin;
+    const uint64_t place = hand->left.first - flight->state.begin, largest = cml_work_piece(&flight->work);
+    const int batch = cml_batch_of(round, place);
+    const uint64_t in_batch = cml_batch_first(round, batch + 1) - place;
+    uint64_t count = cml_piece_size(most < largest ? most : largest, takers,
+                                    hand->left.count + cml_work_open_count(&flight->work));
+    if (count > hand->left.count) count = hand->left.count;
+    if (count > in_batch) count = in_batch;
+    if (count > hand->room) count = hand->room;
+    const struct cml_piece piece = {hand->left.first, count, batch};
+    hand->left.first += count;
+    hand->left.count -= count;
+    hand->room -= count;
+    flight->mine.photons += count;
+    return piece;
+}
+
+/* For struct cml_work. Whichever thread finds the range used up asks rank 0 for the next, and only those wait
+ * for it that need packets, too. */
+static bool next_piece(void *context, uint64_t most, int takers, struct cml_piece *piece)
+{
+    struct flight *flight = context;
+    *piece = (struct cml_piece){0};
+    pthread_mutex_lock(&flight->hand.lock);
+    const bool found = find_range(flight);
+    if (found) *piece = cut_piece(flight, most, takers);
+    pthread_mutex_unlock(&flight->hand.lock);
+    return found;
+}
+
+/* For struct cml_work. The sums are long, and the thread's own; only the profiles go into the result. */
+static void note_batch(void *context, int batch, struct cml_tally *tally)
+{
+    struct flight *flight = context;
+    const double begin = cml_now();
+    cml_tally_note(tally);
+    pthread_mutex_lock(&flight->result_lock);
+    cml_result_note(&flight->out->result, batch, tally);
+    pthread_mutex_unlock(&flight->result_lock);
+    const double seconds = cml_now() - begin;
+    pthread_mutex_lock(&flight->hand.lock);
+    cml_work_noted(&flight->work, seconds);
+    pthread_mutex_unlock(&flight->hand.lock);
+}
+
+/* For struct cml_work. */
+static void add_tally(void *context, struct cml_tally *tally)
+{
+    struct flight *flight = context;
+    pthread_mutex_lock(&flight->result_lock);
+    cml_result_add(&flight->out->result, tally);
+    pthread_mutex_unlock(&flight->result_lock);
+    cml_tally_zero(tally);
+}
+
+/* The engine flies until a synchronisation is requested; it is called again only when its tallies were full.
+ * hand.left is then what was not flown of the last range. */
+static cml_status fly(struct flight *flight, struct cml_error *err)
+{
+    struct hand *hand = &flight->hand;
+    const struct cml_work work = {flight, next_piece, note_batch, add_tally};
+    const double begin = cml_now(), asking = flight->mine.asking;
+    hand->status = CML_OK;
+    hand->error = err;
+    do {
+        hand->room = room_of_tallies(&flight->out->result.grid);
+        CML_TRY(flight->setup->engine->run(flight->engine, &work, err));
+    } while (hand->status == CML_OK && hand->room == 0);
+    flight->mine.flying += cml_now() - begin - (flight->mine.asking - asking);
+    return hand->status;
 }
 
 /* ---- synchronisations ---- */
@@ -190,17 +268,18 @@ static cml_status share_decision(struct flight *flight, enum next_step *next, st
 
 /* All ranks come together: what they did not fly goes back, their results are summed, rank 0 decides how it
  * goes on. `mine` is how this rank fared; a failure of any ends the run on all. */
-static cml_status synchronise(struct flight *flight, cml_status mine, struct cml_range left, uint64_t flown,
-                              enum next_step *next, struct cml_error *err)
+static cml_status synchronise(struct flight *flight, cml_status mine, enum next_step *next,
+                              struct cml_error *err)
 {
+    struct hand *hand = &flight->hand;
     const double begin = cml_now();
     CML_TRY(cml_cluster_synchronise(err));
     const double all_here = cml_now();
     flight->mine.waiting += all_here - begin;
     CML_TRY(cml_cluster_agree(mine, err));
     bool stop = flight->setup->checkpoint && cml_stop_requested();
-    CML_TRY(cml_work_return(&flight->work, left, flown, &stop, err));
-    empty_tally(flight);
+    CML_TRY(cml_work_return(&flight->work, hand->left, flown_of(hand), &stop, err));
+    hand->range = hand->left = (struct cml_range){0};
     CML_TRY(cml_cluster_sum(&flight->out->result, err));
     cml_status status = CML_OK;
     if (cml_cluster_rank() == 0) status = decide(flight, stop, all_here, next, err);
@@ -216,11 +295,8 @@ static cml_status fly_all(struct flight *flight, struct cml_error *err)
     const struct cml_run_setup *setup = flight->setup;
     enum next_step next = CONTINUE;
     while (next == CONTINUE) {
-        struct cml_range left = {0};
-        uint64_t flown = 0;
-        const cml_status status = fly(flight, &left, &flown, err);
-        if (status != CML_OK) left = (struct cml_range){0};
-        CML_TRY(synchronise(flight, status, left, flown, &next, err));
+        const cml_status status = fly(flight, err);
+        CML_TRY(synchronise(flight, status, &next, err));
         show_progress(flight, 0);
     }
     if (next == FINISHED) return CML_OK;
@@ -280,29 +356,15 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     return cml_ranges_add(&flight->state.open, (struct cml_range){0, photons}, err);
 }
 
-/* Seconds that one piece costs beyond its packets: its profiles are summed, and what threads scored apart is
- * gathered, by all of them. The first round only touches the memory. */
-static double measure_overhead(struct flight *flight)
-{
-    double begin = 0;
-    for (int round = 0; round < 2; round++) {
-        begin = cml_now();
-        cml_tally_zero(&flight->tally);
-        cml_result_note(&flight->out->result, 0, &flight->tally);
-    }
-    return 2 * (cml_now() - begin);
-}
-
 /* What may fail on one rank alone: memory, the engine, a checkpoint. run_flight makes all ranks agree on
  * it before the first photon. */
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
     CML_TRY(cml_result_create(grid, setup->photons, &flight->out->result, err));
-    CML_TRY(cml_tally_create(grid, &flight->tally, err));
     CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &setup->options, &flight->engine, err));
     flight->out->threads = setup->engine->threads(flight->engine);
-    CML_TRY(cml_work_open(&flight->work, &flight->state.open, measure_overhead(flight), err));
+    CML_TRY(cml_work_open(&flight->work, &flight->state.open, err));
     return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;
 }
 
@@ -347,11 +409,14 @@ cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out
     const struct cml_grid grid = cml_engine_grid(setup->scene, setup->surfaces, &setup->options);
     struct flight flight = {.setup = setup, .out = out};
     *out = (struct cml_run_result){0};
+    pthread_mutex_init(&flight.hand.lock, NULL);
+    pthread_mutex_init(&flight.result_lock, NULL);
     cml_status status = open_flight(&flight, &grid, err);
     status = run_flight(&flight, status, err);
     cml_work_close(&flight.work);
     setup->engine->close(flight.engine);
-    cml_tally_free(&flight.tally);
+    pthread_mutex_destroy(&flight.hand.lock);
+    pthread_mutex_destroy(&flight.result_lock);
     cml_ranges_clear(&flight.state.open);
     if (status != CML_OK) cml_run_result_free(out);
     return status;
@@ -417,8 +482,8 @@ cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_resul
     return CML_OK;
 }
 
-/* The result, the tally of the run, and the tally of each thread; what the engine itself takes is counted
- * where its surfaces are made. */
+/* The result, the tally that has what threads share, and the tally of each thread; what the engine itself
+ * takes is counted where its surfaces are made. */
 double cml_run_bytes(const struct cml_grid *grid, int threads)
 {
     const struct cml_grid of_thread = cml_grid_of_thread(grid);

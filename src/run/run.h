@@ -31,7 +31,8 @@ struct cml_run_setup {
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;               /* of the run, see identity.h; with a checkpoint */
     bool resume;                        /* continue from the checkpoint, if there is one */
-    cml_progress_function *on_progress; /* after every range of rank 0, some twice a second; NULL: silent */
+    cml_progress_function *on_progress; /* after every range of rank 0, some twice a second, from whichever
+                                           thread ends it; NULL: silent */
     cml_note_function *on_note;         /* NULL: silent */
     void *context;
 };

@@ -54,12 +54,10 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
 
 /* All ranks begin with the same small range, because their speeds are not known: all_wants is their sum
  * then. */
-cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, double overhead,
-                         struct cml_error *err)
+cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, struct cml_error *err)
 {
     const size_t size = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
-    *work = (struct cml_work_ranges){
-        .open = open, .overhead = overhead, .want = FIRST_WANT, .all_wants = size * FIRST_WANT};
+    *work = (struct cml_work_ranges){.open = open, .want = FIRST_WANT, .all_wants = size * FIRST_WANT};
     work->wants = malloc(size * sizeof *work->wants);
     if (!work->wants) return cml_fail_memory(err, (double)size * 8, "the ranks");
     for (size_t i = 0; i < size; i++) work->wants[i] = FIRST_WANT;
@@ -90,11 +88,25 @@ cml_status cml_work_take(struct cml_work_ranges *work, uint64_t flown, struct cm
     return CML_OK;
 }
 
+/* The least that was seen: the others were held up. */
+void cml_work_noted(struct cml_work_ranges *work, double seconds)
+{
+    const double overhead = 2 * seconds; /* clearing the tally, or gathering it, costs about as much again */
+    if (work->overhead <= 0 || overhead < work->overhead) work->overhead = overhead;
+}
+
 /* At most a quarter of a range, but not below 25 times the overhead of a piece. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work)
 {
     const double pieces = fmin(4, target_seconds(work) / (25 * work->overhead));
     return (uint64_t)fmax(LEAST_PIECE, (double)work->want / pieces);
+}
+
+/* Others may take what is open, so several ranks know of what they have in hand only. */
+uint64_t cml_work_open_count(const struct cml_work_ranges *work)
+{
+    if (cml_cluster_size() > 1) return 0;
+    return work->open->total < UINT64_MAX / 2 ? (uint64_t)work->open->total : UINT64_MAX / 2;
 }
 
 uint64_t cml_work_flown(struct cml_work_ranges *work)

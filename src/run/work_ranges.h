@@ -5,7 +5,8 @@
  * speed, so that all finish together (after guided self-scheduling, Polychronopoulos and Kuck 1987): a rank
  * that is slow, or becomes slow, costs the others at most that one range. When nothing is left, when a
  * checkpoint is due, on a signal or an error, all ranks synchronise (cluster.h), and what they have not flown
- * of their ranges goes back. SPDX-License-Identifier: MIT */
+ * of their ranges goes back. The calls of one rank must not overlap (run.c locks). SPDX-License-Identifier:
+ * MIT */
 #ifndef CML_WORK_RANGES_H
 #define CML_WORK_RANGES_H
 
@@ -18,16 +19,17 @@ struct cml_work_ranges {
     struct cml_ranges *open; /* rank 0's, not flown yet; borrowed */
     pthread_mutex_t lock;    /* around what the service thread and the flying thread of rank 0 both use */
     uint64_t flown;          /* packets, since the beginning, by all ranks, as far as rank 0 was told */
-    double overhead;         /* s that a piece costs whatever its size: clearing and adding tallies */
+    double overhead;         /* s that a piece costs whatever its size: clearing and adding tallies; 0: not
+                              * known yet */
     uint64_t want;           /* size of this rank's next range, packets */
     uint64_t *wants;         /* [ranks] on rank 0: the same of all, in proportion to their speeds */
     uint64_t all_wants;      /* their sum */
 };
 
 /* Rank 0 replies to requests from here on until cml_work_close. `open` is meaningful on rank 0. It may be
- * changed only between cml_work_return and the next cml_work_take of any rank; `overhead` in seconds.
- * CML_E_INPUT when memory runs out; cml_work_close is safe then, too. */
-CML_NODISCARD cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open, double overhead,
+ * changed only between cml_work_return and the next cml_work_take of any rank. CML_E_INPUT when memory runs
+ * out; cml_work_close is safe then, too. */
+CML_NODISCARD cml_status cml_work_open(struct cml_work_ranges *work, struct cml_ranges *open,
                                        struct cml_error *err);
 void cml_work_close(struct cml_work_ranges *work);
 
@@ -40,6 +42,12 @@ CML_NODISCARD cml_status cml_work_take(struct cml_work_ranges *work, uint64_t fl
 /* Packets to fly between two looks at whether a synchronisation is requested: a quarter of a range, but not
  * few, and more where large tallies make pieces dear. */
 uint64_t cml_work_piece(const struct cml_work_ranges *work);
+
+/* Tells how many seconds it took to note the tally of a piece. */
+void cml_work_noted(struct cml_work_ranges *work, double seconds);
+
+/* Packets that this rank is sure to get after those in hand. */
+uint64_t cml_work_open_count(const struct cml_work_ranges *work);
 
 /* Packets flown by all ranks since the beginning, as far as rank 0 was told; meaningful on rank 0. */
 uint64_t cml_work_flown(struct cml_work_ranges *work);

@@ -33,13 +33,6 @@ static size_t cells_unbatched(const struct cml_grid *grid)
     return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2 + cml_cells_maps(grid);
 }
 
-/* Profiles of a tally, one behind the other and with the bins beyond the grid: Rd_r and Tt_r [nr + 1], Rd_a
- * and Tt_a [na], A_z [nz + 2] unless there is no A_rz. */
-static size_t profile_bins(const struct cml_grid *grid)
-{
-    return 2 * ((size_t)grid->nr + 1 + (size_t)grid->na) + (grid->absorption ? (size_t)grid->nz + 2 : 0);
-}
-
 /* The maps come last among the arrays without batches. */
 static cml_u128 *result_maps(const struct cml_result *result)
 {
@@ -57,12 +50,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     *result = (struct cml_result){.grid = *grid, .photons = photons};
     cml_u128 *block = calloc(cells_unbatched(grid) + cells_batched(grid), sizeof *block);
     result->A_l = block;
-    result->noted_profiles = calloc(profile_bins(grid), sizeof *result->noted_profiles);
-    result->profiles = calloc(profile_bins(grid), sizeof *result->profiles);
-    if (!block || !result->noted_profiles || !result->profiles) {
-        cml_result_free(result);
-        return cml_fail_memory(err, cml_result_bytes(grid), "the result");
-    }
+    if (!block) return cml_fail_memory(err, cml_result_bytes(grid), "the result");
     result->Rd_ra = result->A_l + grid->num_layers + 2;
     result->Tt_ra = result->Rd_ra + cells_ra(grid);
     if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
@@ -78,60 +66,29 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
 void cml_result_free(struct cml_result *result)
 {
     free(result->A_l);
-    free(result->noted_profiles);
-    free(result->profiles);
     *result = (struct cml_result){0};
 }
 
-/* Adds to the sums of rows and columns; by_row may be NULL. */
-static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64_t *by_row,
-                      uint64_t *restrict by_column)
-{
-    for (size_t i = 0; i < rows; i++) {
-        const uint64_t *row = cells + i * columns;
-        for (size_t j = 0; j < columns; j++) by_column[j] += row[j];
-        for (size_t j = 0; by_row && j < columns; j++) by_row[i] += row[j];
-    }
-}
-
-/* The profiles of all that a tally has scored. A thread's tally has no A_rz of its own where that is large,
- * but the tally that comes here is the one that owns it. */
-static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
-{
-    const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
-    uint64_t *Rd_a = sums + 2 * rows, *Tt_a = Rd_a + na, *A_z = Tt_a + na;
-    memset(sums, 0, profile_bins(&tally->grid) * sizeof *sums);
-    sum_table(tally->Rd_ra, rows, na, sums, Rd_a);
-    sum_table(tally->Tt_ra, rows, na, sums + rows, Tt_a);
-    if (tally->grid.absorption) sum_table(tally->A_rz, rows, (size_t)tally->grid.nz + 2, NULL, A_z);
-}
-
-/* What has come to n bins since they were noted, after `before` bins beyond the grid, into a batch's profile
- * of `size` bins, whose first and last take what lies beyond it. */
-static void note_bins(cml_u128 *profile, size_t size, size_t before, const uint64_t *sums,
-                      const uint64_t *noted, size_t n)
+/* n bins of which the first `before` lie beyond the grid, into a batch's profile of `size` bins, whose first
+ * and last take what lies beyond it. */
+static void add_bins(cml_u128 *profile, size_t size, size_t before, const uint64_t *brought, size_t n)
 {
     for (size_t i = 0; i < n; i++) {
         const size_t bin = i < before ? 0 : i - before;
-        profile[bin < size ? bin : size - 1] += sums[i] - noted[i];
+        profile[bin < size ? bin : size - 1] += brought[i];
     }
 }
 
-/* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
- * than its grids: the difference to the last sums is what the batch brought. The two buffers take turns. */
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
     const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
     const size_t b = (size_t)batch, r = nr + 1, a = 2 * r, z = a + 2 * na;
-    uint64_t *sums = result->profiles, *noted = result->noted_profiles;
-    sum_profiles(tally, sums);
-    note_bins(result->Rd_r + b * nr, nr, 0, sums, noted, r);
-    note_bins(result->Tt_r + b * nr, nr, 0, sums + r, noted + r, r);
-    note_bins(result->Rd_a + b * na, na, 0, sums + a, noted + a, na);
-    note_bins(result->Tt_a + b * na, na, 0, sums + a + na, noted + a + na, na);
-    if (result->grid.absorption) note_bins(result->A_z + b * nz, nz, 1, sums + z, noted + z, nz + 2);
-    result->profiles = noted;
-    result->noted_profiles = sums;
+    const uint64_t *brought = tally->brought;
+    add_bins(result->Rd_r + b * nr, nr, 0, brought, r);
+    add_bins(result->Tt_r + b * nr, nr, 0, brought + r, r);
+    add_bins(result->Rd_a + b * na, na, 0, brought + a, na);
+    add_bins(result->Tt_a + b * na, na, 0, brought + a + na, na);
+    if (result->grid.absorption) add_bins(result->A_z + b * nz, nz, 1, brought + z, nz + 2);
 }
 
 /* Rd_ra or Tt_ra: what left beyond the last radius goes into the last radial bin. */
@@ -171,7 +128,7 @@ static void add_maps(struct cml_result *result, const struct cml_tally *tally)
 {
     cml_u128 *to = result_maps(result);
     const uint64_t *from = cml_tally_maps(tally);
-    for (size_t i = 0; i < cml_cells_maps(&result->grid); i++)
+    for (size_t i = 0; i < cml_cells_maps(&tally->grid); i++)
         if (from[i]) to[i] += from[i];
 }
 
@@ -181,13 +138,12 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
     for (int m = 0; m < grid->num_layers + 2; m++) result->A_l[m] += tally->A_l[m];
     add_exits(result, result->Rd_ra, tally->Rd_ra);
     add_exits(result, result->Tt_ra, tally->Tt_ra);
-    if (grid->absorption) add_absorption(result, tally->A_rz);
+    if (tally->grid.absorption) add_absorption(result, tally->A_rz);
     add_maps(result, tally);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->summary.balance[i] += tally->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->summary.count[i] += tally->count[i];
     for (int i = 0; i < CML_NUM_TOTALS; i++) result->summary.square[i] += tally->square[i];
     cml_lost_list_merge(&result->summary.lost, &tally->lost);
-    memset(result->noted_profiles, 0, profile_bins(grid) * sizeof *result->noted_profiles);
 }
 
 cml_u128 *cml_result_cells(struct cml_result *result, size_t *count)

@@ -31,8 +31,6 @@ struct cml_result {
     cml_u128 *A_z;           /* [64][nz] or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
     struct cml_summary summary;
-    uint64_t *noted_profiles, *profiles; /* of the tally under way: as noted last, and room to sum them
-                                          * anew; private */
 };
 
 /* Bytes that a result of this grid takes. */
@@ -43,12 +41,11 @@ CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t
                                            struct cml_result *result, struct cml_error *err);
 void cml_result_free(struct cml_result *result);
 
-/* Adds what the tally has got since it was last noted, or was zero, to the profiles of a batch, 0..63:
- * packets that all belong to that. The tally has the grid of the result. */
+/* Adds what the last cml_tally_note found to the profiles of a batch, 0..63: packets that all belong to that.
+ * The tally has the grid of the result, or that of a thread. */
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally);
 
-/* Adds all but the profiles of a tally whose last packets have been noted. The tally that is noted next must
- * begin at zero. */
+/* Adds all but the profiles of a tally; what it borrowed is for its owner to add. */
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally);
 
 /* All cells of a result as one block, for those who move or store it: *count of them, owned by the result. */

@@ -20,7 +20,8 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
     small.nx = small.ny = small.map_na = 0;
     small.volume = false;
     small.facets = 0;
-    if (tally_cells_A(grid) > CML_THREAD_CELLS) small.absorption = false;
+    small.depths = tally_cells_A(grid) > CML_THREAD_CELLS;
+    if (small.depths) small.absorption = false;
     return small;
 }
 
@@ -30,10 +31,16 @@ static size_t tally_cells_ra(const struct cml_grid *grid)
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
 }
 
+/* Of all arrays whose cells are in the same order in the tally of a thread and in that which it borrows from.
+ */
+static size_t cells_in_common(const struct cml_grid *grid)
+{
+    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2;
+}
+
 size_t cml_tally_cells(const struct cml_grid *grid)
 {
-    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2 +
-           cml_cells_maps(grid);
+    return cells_in_common(grid) + (grid->depths ? (size_t)grid->nz + 2 : 0) + cml_cells_maps(grid);
 }
 
 double cml_tally_bytes(const struct cml_grid *grid)
@@ -45,12 +52,18 @@ double cml_tally_bytes(const struct cml_grid *grid)
 cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally, struct cml_error *err)
 {
     *tally = (struct cml_tally){.grid = *grid};
-    uint64_t *block = calloc(cml_tally_cells(grid), sizeof *block);
-    if (!block) return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
-    tally->A_l = block;
+    const size_t bins = cml_tally_profile_bins(grid);
+    tally->A_l = calloc(cml_tally_cells(grid), sizeof *tally->A_l);
+    tally->summed = calloc(bins, sizeof *tally->summed);
+    tally->brought = calloc(bins, sizeof *tally->brought);
+    if (!tally->A_l || !tally->summed || !tally->brought) {
+        cml_tally_free(tally);
+        return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
+    }
     tally->Rd_ra = tally->A_l + grid->num_layers + 2;
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
     if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
+    if (grid->depths) tally->A_z = tally->Tt_ra + tally_cells_ra(grid);
     CML_SET_MAPS(tally, cml_tally_maps(tally));
     return CML_OK;
 }
@@ -75,11 +88,14 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->count, 0, sizeof tally->count);
     memset(tally->square, 0, sizeof tally->square);
     tally->lost.count = 0;
+    memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
 }
 
 void cml_tally_free(struct cml_tally *tally)
 {
     free(tally->A_l);
+    free(tally->summed);
+    free(tally->brought);
     *tally = (struct cml_tally){0};
 }
 
@@ -100,27 +116,55 @@ void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *f
     for (int i = 0; i < from->count; i++) cml_lost_list_add(to, from->index[i]);
 }
 
-static void move_cells(uint64_t *restrict to, uint64_t *restrict from, size_t first, size_t end)
+void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
-    for (size_t i = first; i < end; i++) {
-        to[i] += from[i];
-        from[i] = 0;
+    const size_t cells = cells_in_common(&from->grid) + cml_cells_maps(&from->grid);
+    for (size_t i = 0; i < cells; i++) to->A_l[i] += from->A_l[i];
+    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
+    for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
+    for (int i = 0; i < CML_NUM_TOTALS; i++) to->square[i] += from->square[i];
+    cml_lost_list_merge(&to->lost, &from->lost);
+    cml_tally_zero(from);
+}
+
+size_t cml_tally_profile_bins(const struct cml_grid *grid)
+{
+    const bool depths = grid->absorption || grid->depths;
+    return 2 * ((size_t)grid->nr + 1 + (size_t)grid->na) + (depths ? (size_t)grid->nz + 2 : 0);
+}
+
+/* Adds to the sums of rows and columns; by_row may be NULL. */
+static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64_t *by_row,
+                      uint64_t *restrict by_column)
+{
+    for (size_t i = 0; i < rows; i++) {
+        const uint64_t *row = cells + i * columns;
+        for (size_t j = 0; j < columns; j++) by_column[j] += row[j];
+        for (size_t j = 0; by_row && j < columns; j++) by_row[i] += row[j];
     }
 }
 
-/* Parts of the block of cells have equal sizes whatever arrays lie there. Part 0 takes the few sums that
- * are not in it. */
-void cml_tally_move(struct cml_tally *to, struct cml_tally *from, int part, int parts)
+/* The profiles of all that a tally has scored itself. */
+static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
-    const size_t cells = cml_tally_cells(&from->grid), n = (size_t)parts, i = (size_t)part;
-    move_cells(to->A_l, from->A_l, cells * i / n, cells * (i + 1) / n);
-    if (part > 0) return;
-    move_cells(to->balance, from->balance, 0, CML_NUM_BALANCE_TERMS);
-    move_cells(to->count, from->count, 0, CML_NUM_COUNTS);
-    for (int k = 0; k < CML_NUM_TOTALS; k++) {
-        to->square[k] += from->square[k];
-        from->square[k] = 0;
+    const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
+    const size_t columns = (size_t)tally->grid.nz + 2;
+    uint64_t *Rd_a = sums + 2 * rows, *Tt_a = Rd_a + na, *A_z = Tt_a + na;
+    memset(sums, 0, cml_tally_profile_bins(&tally->grid) * sizeof *sums);
+    sum_table(tally->Rd_ra, rows, na, sums, Rd_a);
+    sum_table(tally->Tt_ra, rows, na, sums + rows, Tt_a);
+    if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, A_z);
+    if (tally->grid.depths) memcpy(A_z, tally->A_z, columns * sizeof *A_z);
+}
+
+/* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
+ * than its grids: the difference to the last sums is what came since. */
+void cml_tally_note(struct cml_tally *tally)
+{
+    sum_profiles(tally, tally->brought);
+    for (size_t i = 0; i < cml_tally_profile_bins(&tally->grid); i++) {
+        const uint64_t sum = tally->brought[i];
+        tally->brought[i] = sum - tally->summed[i];
+        tally->summed[i] = sum;
     }
-    cml_lost_list_merge(&to->lost, &from->lost);
-    from->lost.count = 0;
 }

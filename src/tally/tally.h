@@ -23,6 +23,7 @@ struct cml_grid {
     int nr, nz, na;
     int num_layers;
     bool absorption; /* A_rz is tallied; false: its cells do not exist */
+    bool depths;     /* A_z is tallied, of a thread that scores into an A_rz of others */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
      * more for whatever lies outside, so that their sums are the totals. */
     int nx, ny;    /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
@@ -49,6 +50,8 @@ struct cml_lost_list {
 struct cml_tally {
     struct cml_grid grid;
     uint64_t *A_rz;              /* [nr + 1][nz + 2] or NULL */
+    uint64_t *A_z;               /* [nz + 2] or NULL: what this tally alone has scored into an A_rz that it
+                                  * shares, over all radii */
     uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
     uint64_t *A_l;               /* [num_layers + 2] by medium */
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
@@ -59,10 +62,14 @@ struct cml_tally {
     uint64_t count[CML_NUM_COUNTS];
     cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
     struct cml_lost_list lost;
+    /* Profiles, one behind the other and with the bins beyond the grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a
+     * [na], A_z [nz + 2] unless there is no A_rz. */
+    uint64_t *summed;  /* of all that was there at the last cml_tally_note; private */
+    uint64_t *brought; /* of what had come since the one before */
 };
 
-/* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra, A_rz and the maps in this order, which lie in one block from
- * A_l on. */
+/* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra, A_rz or A_z, and the maps in this order, which lie in one
+ * block from A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
 /* Bytes that a tally of this grid takes. */
@@ -72,14 +79,14 @@ double cml_tally_bytes(const struct cml_grid *grid);
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
 
-/* The grid of one thread of several: without maps, volume and facets, and without an A_rz beyond
- * CML_THREAD_CELLS. Those are too large for a copy per thread, so threads share one. Its cells come first in
- * the full tally, too. */
+/* The grid of one thread of several: without maps, volume and facets, and with A_z instead of an A_rz beyond
+ * CML_THREAD_CELLS. Those are too large for a copy per thread, so threads share one. */
 #define CML_THREAD_CELLS ((size_t)1 << 20) /* 8 MiB: more than a core's own cache */
 struct cml_grid cml_grid_of_thread(const struct cml_grid *grid);
 
 /* A tally of a grid of one thread scores into what else `owner` has from now on. Several may do so at a time:
- * all their additions to what they share must be atomic. */
+ * all their additions to what they share must be atomic. What they add to a shared A_rz they add to their own
+ * A_z as well: so a batch of one thread can be told from those of others without waiting for them. */
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner);
 
 /* Clears what the tally has itself; what it borrowed stays. */
@@ -90,8 +97,17 @@ void cml_tally_free(struct cml_tally *tally);
 void cml_lost_list_add(struct cml_lost_list *list, uint64_t index);
 void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *from);
 
-/* to += from, and from = 0, but only one of several parts of that: part 0..parts - 1, which threads may do
- * side by side, each once. Same grid, or `from` has none of the maps and they stay as they are. */
-void cml_tally_move(struct cml_tally *to, struct cml_tally *from, int part, int parts);
+/* to += from, and from = 0. Same grid, or `from` has the grid of a thread, and what it borrowed stays as it
+ * is.
+ */
+void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
+
+/* Bins of all profiles together. */
+size_t cml_tally_profile_bins(const struct cml_grid *grid);
+
+/* Sets `brought` to the profiles of all that the tally itself has got since the last call, or since it was
+ * zero.
+ */
+void cml_tally_note(struct cml_tally *tally);
 
 #endif

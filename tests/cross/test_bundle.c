@@ -35,7 +35,7 @@ static struct cml_tally fly_bundles(const struct cml_scene *scene, const struct 
     void *cpu = NULL;
     require_ok(cml_tally_create(grid, &tally, &err), &err);
     require_ok(level.engine->open(scene, surfaces, options, &cpu, &err), &err);
-    require_ok(level.engine->run(cpu, 1000, photons, &tally, &err), &err);
+    require_ok(cml_engine_run_range(level.engine, cpu, 1000, photons, &tally, &err), &err);
     level.engine->close(cpu);
     assert_int_equal(tally.count[CML_COUNT_PHOTONS], photons);
     return tally;

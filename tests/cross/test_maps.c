@@ -26,7 +26,8 @@ static void shoot(const char *text, const char *engine, enum cml_surface_kind ki
     const struct cml_grid grid =
         cml_engine_grid(&shot->flight.list.scenes[0], &shot->flight.surfaces, &options);
     require_ok(cml_tally_create(&grid, &shot->tally, &err), &err);
-    require_ok(shot->flight.engine->run(shot->flight.self, 0, photons, &shot->tally, &err), &err);
+    require_ok(cml_engine_run_range(shot->flight.engine, shot->flight.self, 0, photons, &shot->tally, &err),
+               &err);
 }
 
 static void clear(struct shot *shot)

@@ -38,7 +38,7 @@ static struct cml_tally fly_range(const struct bench *bench, const struct cml_en
 {
     struct cml_error err;
     struct cml_tally tally = empty_tally(bench);
-    require_ok(engine->run(self, first, count, &tally, &err), &err);
+    require_ok(cml_engine_run_range(engine, self, first, count, &tally, &err), &err);
     return tally;
 }
 

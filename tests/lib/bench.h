@@ -52,11 +52,12 @@ static inline void expect_same(const struct cml_tally *a, const struct cml_tally
 }
 
 /* The weight balance of a tally, through a result of one batch. */
-static inline void assert_weight_balances(const struct cml_tally *tally, uint64_t photons)
+static inline void assert_weight_balances(struct cml_tally *tally, uint64_t photons)
 {
     struct cml_error err;
     struct cml_result result;
     require_ok(cml_result_create(&tally->grid, photons, &result, &err), &err);
+    cml_tally_note(tally);
     cml_result_note(&result, 0, tally);
     cml_result_add(&result, tally);
     assert_true(cml_result_imbalance(&result) == 0);

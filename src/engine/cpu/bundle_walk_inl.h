@@ -186,18 +186,23 @@ static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
     } while (cml_process_planes(f));
 }
 
-/* Deposits of the pass into the thread's own A_rz, or with atomic additions into one that all threads share.
+/* Deposits of the pass into the thread's own A_rz, or with atomic additions into one that all threads share,
+ * and then also into the thread's own A_z: a cell's column is its depth.
  * No vector loop: two lanes may hit the same cell. All lanes take part, as others add 0. By groups, which a
  * compiler unrolls.
  */
 static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_tally *tally)
 {
     uint64_t *A_rz = tally->A_rz;
+    const cml_u32 columns = (cml_u32)tally->grid.nz + 2;
     if (tally->grid.absorption)
         for (int first = 0; first < b->lanes; first += CML_GROUP)
             for (int k = first; k < first + CML_GROUP; k++) A_rz[(cml_u32)b->cell[k]] += b->dw[k];
     else
-        for (int i = 0; i < b->lanes; i++) cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
+        for (int i = 0; i < b->lanes; i++) {
+            cml_add_shared(&A_rz[b->cell[i]], b->dw[i]);
+            tally->A_z[(cml_u32)b->cell[i] % columns] += b->dw[i];
+        }
 }
 
 /* The same into the voxels of the volume, where one is asked for; threads share it. */

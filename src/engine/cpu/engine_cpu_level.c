@@ -4,6 +4,7 @@
  * subject: a loop over lanes becomes vector instructions only if all that it calls is inlined, and then in
  * those of this level only if it is compiled with this file's options. SPDX-License-Identifier: MIT */
 #include "engine/cpu/bundle_walk_inl.h"
+#include "engine/threads.h"
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
 
@@ -14,10 +15,9 @@
 struct cpu_engine {
     struct cml_owned_world owned;
     struct cml_lane_medium *media; /* [num_layers + 2] */
-    struct cml_tally *tallies;     /* one for each thread but those that score into the caller's; zero */
+    struct cml_tally *tallies;     /* [num_tallies], zero between calls of run; the first has all that threads
+                                    * share */
     int threads, num_tallies;
-    int first_apart; /* the first thread that has a tally of its own: 0 where all share a large A_rz, else 1
-                      */
     uint64_t chunk;
 };
 
@@ -32,20 +32,24 @@ static void cpu_close(void *self)
     free(cpu);
 }
 
-/* A tally for each thread, so that no addition needs a lock. Where A_rz is too large for a copy each
- * (cml_grid_of_thread), all threads add to the one of the caller, with atomic additions, and the first thread
- * needs one of its own, too. */
+/* A tally for each thread, so that no addition needs a lock. Maps, volume and facets are the first tally's,
+ * and all threads add to them, with atomic additions. So they do to an A_rz that is too large for a copy each
+ * (cml_grid_of_thread); then the first tally belongs to no thread, and is one more. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)
 {
     const struct cml_grid full = cml_engine_grid(scene, surfaces, options);
     const struct cml_grid grid = cml_grid_of_thread(&full);
-    cpu->first_apart = grid.absorption == full.absorption ? 1 : 0;
-    cpu->tallies = calloc((size_t)cpu->threads, sizeof *cpu->tallies);
-    if (!cpu->tallies) return cml_fail_memory(err, cpu->threads * cml_tally_bytes(&grid), "tallies");
-    for (int thread = cpu->first_apart; thread < cpu->threads; thread++)
-        CML_TRY(cml_tally_create(&grid, &cpu->tallies[cpu->num_tallies++], err));
+    const int count = cpu->threads + (cpu->threads > 1 && grid.depths ? 1 : 0);
+    cpu->tallies = calloc((size_t)count, sizeof *cpu->tallies);
+    if (!cpu->tallies) return cml_fail_memory(err, count * cml_tally_bytes(&grid), "tallies");
+    CML_TRY(cml_tally_create(&full, &cpu->tallies[cpu->num_tallies++], err));
+    while (cpu->num_tallies < count) {
+        struct cml_tally *tally = &cpu->tallies[cpu->num_tallies++];
+        CML_TRY(cml_tally_create(&grid, tally, err));
+        cml_tally_borrow(tally, &cpu->tallies[0]);
+    }
     return CML_OK;
 }
 
@@ -66,7 +70,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     *self = NULL;
     if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
     cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
-    cpu->chunk = options->chunk > 0 ? options->chunk : 128;
+    cpu->chunk = options->chunk > 0 ? options->chunk : 1024;
     cml_status status = cml_owned_world_create(scene, surfaces, options, &cpu->owned, err);
     if (status == CML_OK) status = create_lane_media(cpu, err);
     if (status == CML_OK) status = create_tallies(scene, surfaces, options, cpu, err);
@@ -77,70 +81,73 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     return status;
 }
 
-/* Photon indices that no thread has taken yet. */
-struct pool {
-    uint64_t first, count, chunk, threads;
-    uint64_t taken; /* shared by all threads */
+/* What one thread flies. */
+struct supply {
+    const struct cml_work *work;
+    uint64_t chunk;
+    int threads;
+    int batch;              /* of the packets that are under way */
+    struct cml_piece piece; /* to fly next; empty when the walk has it */
+    bool ended;
 };
 
-/* How many photons a thread takes next. Towards the end less and less (guided scheduling), so that all
- * threads end at about the same time. */
-static uint64_t choose_chunk(const struct pool *pool)
+static void take_piece(struct supply *supply)
 {
-    const uint64_t least = 16;
-    uint64_t taken;
-    if (pool->threads == 1 || pool->chunk <= least) return pool->chunk;
-#pragma omp atomic read
-    taken = pool->taken;
-    const uint64_t left = taken < pool->count ? pool->count - taken : 0, fair = left / (8 * pool->threads);
-    return fair > least ? (fair < pool->chunk ? fair : pool->chunk) : least;
+    supply->ended =
+        !supply->work->next(supply->work->context, supply->chunk, supply->threads, &supply->piece);
 }
 
-/* The next photons of the pool, for struct cml_range_source. Which thread flies which photons does not
- * matter: a photon owns its random numbers, and sums are of integers. */
-static int take_chunk(void *context, uint64_t *first, uint64_t *count)
+/* For struct cml_range_source: the next photons of the batch under way. A piece of another batch waits, and
+ * is the first of the next walk. Which thread flies which photons does not matter: a photon owns its random
+ * numbers, and sums are of integers. */
+static int next_photons(void *context, uint64_t *first, uint64_t *count)
 {
-    struct pool *pool = context;
-    const uint64_t chunk = choose_chunk(pool);
-    uint64_t begin;
-#pragma omp atomic capture
-    {
-        begin = pool->taken;
-        pool->taken += chunk;
-    }
-    if (begin >= pool->count) return 0;
-    *first = pool->first + begin;
-    *count = pool->count - begin < chunk ? pool->count - begin : chunk;
+    struct supply *supply = context;
+    if (supply->piece.count == 0 && !supply->ended) take_piece(supply);
+    if (supply->piece.count == 0 || supply->piece.batch != supply->batch) return 0;
+    *first = supply->piece.first;
+    *count = supply->piece.count;
+    supply->piece.count = 0;
     return 1;
 }
 
-/* Adds to the tally what threads have scored in tallies of their own. Each thread adds one part of the cells,
- * of all of those tallies, so no two write the same cell. */
-static void gather_part(struct cpu_engine *cpu, struct cml_tally *tally)
+/* Batch after batch into the thread's tally. */
+static void fly_thread(const struct cpu_engine *cpu, const struct cml_work *work, struct cml_tally *tally)
 {
-    const int parts = omp_get_num_threads();
-    for (int i = 0; i < parts - cpu->first_apart; i++)
-        cml_tally_move(tally, &cpu->tallies[i], omp_get_thread_num(), parts);
+    struct supply supply = {.work = work, .chunk = cpu->chunk, .threads = cpu->threads};
+    const struct cml_range_source source = {next_photons, &supply};
+    take_piece(&supply);
+    while (supply.piece.count > 0) {
+        supply.batch = supply.piece.batch;
+        cml_bundle_walk(&cpu->owned.world, cpu->media, &source, tally);
+        work->note(work->context, supply.batch, tally);
+    }
 }
 
-/* All threads fly photons of the range until there are none, then gather their tallies. */
-static cml_status cpu_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
-                          struct cml_error *err)
+/* What the threads of one call of cpu_run do. */
+struct cpu_flight {
+    struct cpu_engine *cpu;
+    const struct cml_work *work;
+};
+
+static void fly_and_add(void *context, int number)
+{
+    const struct cpu_flight *flight = context;
+    struct cpu_engine *cpu = flight->cpu;
+    struct cml_tally *mine = &cpu->tallies[number + cpu->num_tallies - cpu->threads];
+    fly_thread(cpu, flight->work, mine);
+    if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
+}
+
+/* All threads fly until there is nothing left to take. That is the only time that they wait for each other.
+ * What they share is handed in after that. */
+static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
     (void)err;
     struct cpu_engine *cpu = self;
-    struct pool pool = {
-        .first = first, .count = count, .chunk = cpu->chunk, .threads = (uint64_t)cpu->threads};
-    const struct cml_range_source source = {take_chunk, &pool};
-#pragma omp parallel num_threads(cpu->threads)
-    {
-        const int apart = omp_get_thread_num() - cpu->first_apart;
-        struct cml_tally *mine = apart < 0 ? tally : &cpu->tallies[apart];
-        if (apart >= 0) cml_tally_borrow(mine, tally);
-        cml_bundle_walk(&cpu->owned.world, cpu->media, &source, mine);
-#pragma omp barrier
-        gather_part(cpu, tally);
-    }
+    struct cpu_flight flight = {cpu, work};
+    cml_run_threads(cpu->threads, fly_and_add, &flight);
+    work->add(work->context, cpu->tallies);
     return CML_OK;
 }
 

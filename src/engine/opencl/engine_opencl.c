@@ -17,6 +17,7 @@ struct opencl_engine {
     struct cml_opencl_flight *flights; /* [count] */
     uint64_t chunk;                    /* packets a device is given at a time; 0: by what is left */
     uint64_t *cells;                   /* of one device */
+    struct cml_tally tally;            /* zero between calls of run */
 };
 
 /* Also of an engine that was opened in part. */
@@ -28,6 +29,7 @@ static void opencl_close(void *self)
     cml_owned_world_free(&engine->owned);
     free(engine->flights);
     free(engine->cells);
+    cml_tally_free(&engine->tally);
     free(engine);
 }
 
@@ -107,6 +109,7 @@ static cml_status open_engine(const struct cml_scene *scene, const struct cml_su
     CML_TRY(refuse_maps(scene, err));
     CML_TRY(cml_opencl_select(options->device, options->local_rank, &devices, &count, err));
     cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
+    if (status == CML_OK) status = cml_tally_create(&grid, &engine->tally, err);
     if (status == CML_OK) {
         const struct cml_opencl_scene job = scene_of(engine, surfaces, options, &grid);
         status = open_flights(devices, count, &job, engine, err);
@@ -189,21 +192,33 @@ static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tall
     for (uint64_t i = CML_CELL_LAYER; i < num_cells; i++) tally->A_l[i - CML_CELL_LAYER] += cells[i];
 }
 
-/* Launches until all packets of the range have ended, then collects each device's cells: the tally of a range
- * is complete when this returns, so a checkpoint needs to know nothing of devices. */
-static cml_status opencl_run(void *self, uint64_t first, uint64_t count, struct cml_tally *tally,
-                             struct cml_error *err)
+/* Launches until all packets of the piece have ended, then collects each device's cells: its tally is
+ * complete when this returns, so a checkpoint needs to know nothing of devices. */
+static cml_status fly_piece(struct opencl_engine *engine, const struct cml_piece *piece,
+                            struct cml_error *err)
 {
-    struct opencl_engine *engine = self;
-    struct pool pool = {first, count};
+    struct pool pool = {piece->first, piece->count};
     int active = 1;
     for (int i = 0; i < engine->count; i++)
-        CML_TRY(cml_opencl_flight_begin(&engine->flights[i], count, 0, err));
-    while (active > 0) CML_TRY(launch_all(engine, &pool, &active, tally, err));
+        CML_TRY(cml_opencl_flight_begin(&engine->flights[i], piece->count, 0, err));
+    while (active > 0) CML_TRY(launch_all(engine, &pool, &active, &engine->tally, err));
     for (int i = 0; i < engine->count; i++) {
         CML_TRY(cml_opencl_flight_collect(&engine->flights[i], engine->cells, err));
-        add_cells(engine->cells, engine->flights[i].num_cells, tally);
+        add_cells(engine->cells, engine->flights[i].num_cells, &engine->tally);
     }
+    return CML_OK;
+}
+
+/* Devices share each piece. */
+static cml_status opencl_run(void *self, const struct cml_work *work, struct cml_error *err)
+{
+    struct opencl_engine *engine = self;
+    struct cml_piece piece;
+    while (work->next(work->context, CML_TALLY_MAX_PHOTONS, 1, &piece)) {
+        CML_TRY(fly_piece(engine, &piece, err));
+        work->note(work->context, piece.batch, &engine->tally);
+    }
+    work->add(work->context, &engine->tally);
     return CML_OK;
 }
 

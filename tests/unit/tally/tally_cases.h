@@ -60,15 +60,13 @@ static inline void score_at_random(struct dice *dice, struct cml_tally *tally, i
               dice_below(dice, 2));
 }
 
-static inline void add_to_batch(struct cml_result *result, int batch, const struct cml_tally *tally)
+/* All of the tally, whatever was noted of it before. */
+static inline void add_to_batch(struct cml_result *result, int batch, struct cml_tally *tally)
 {
+    memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
+    cml_tally_note(tally);
     cml_result_note(result, batch, tally);
     cml_result_add(result, tally);
-}
-
-static inline void move(struct cml_tally *to, struct cml_tally *from, int parts)
-{
-    for (int part = parts - 1; part >= 0; part--) cml_tally_move(to, from, part, parts);
 }
 
 #endif

@@ -100,7 +100,8 @@ static void a_tally_may_serve_many_batches(void **state)
         piece.Rd_ra[3 * 2 + 1] = 5; /* beyond the grid, too */
         piece.A_rz[3 * 6 + 5] = 7;
         add_to_batch(&apart, batch, &piece);
-        move(&all, &piece, 1);
+        cml_tally_move(&all, &piece);
+        cml_tally_note(&all);
         cml_result_note(&result, batch, &all);
         if (n % 50 == 49) {
             cml_result_add(&result, &all);

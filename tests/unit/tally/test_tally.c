@@ -39,12 +39,13 @@ static void assert_zero(const struct cml_tally *tally)
     cml_tally_free(&fresh);
 }
 
-static void move_in(int parts)
+static void moving_takes_every_cell_once(void **state)
 {
+    (void)state;
     struct cml_tally a = make_tally(&grid), b = make_tally(&grid);
     fill(&a, 1000);
     fill(&b, 50000);
-    move(&a, &b, parts);
+    cml_tally_move(&a, &b);
     uint64_t wanted = 51000;
     for (size_t i = 0; i < cml_tally_cells(&grid); i++, wanted += 2) assert_int_equal(a.A_l[i], wanted);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++, wanted += 2) assert_int_equal(a.balance[i], wanted);
@@ -55,15 +56,6 @@ static void move_in(int parts)
     assert_zero(&a);
     cml_tally_free(&a);
     cml_tally_free(&b);
-}
-
-static void moving_takes_every_cell_once(void **state)
-{
-    (void)state;
-    move_in(1);
-    move_in(2);
-    move_in(7);
-    move_in(1000); /* more parts than cells */
 }
 
 /* The maps of a tally: arrays with their numbers of cells. */
@@ -121,7 +113,7 @@ static void borrowed_maps_are_not_merged(void **state)
     thread.facets[1] += 9;
     thread.A_rz[11] += 10;
     thread.A_l[0] += 11;
-    move(&owner, &thread, 2);
+    cml_tally_move(&owner, &thread);
     assert_int_equal(owner.Rd_xya[5], 7);
     assert_int_equal(owner.A_xyz[8], 8);
     assert_int_equal(owner.facets[1], 9);
@@ -131,12 +123,46 @@ static void borrowed_maps_are_not_merged(void **state)
     cml_tally_free(&owner);
 }
 
+/* Two threads score into one A_rz, each in a batch of its own: what each has scored there is told apart by
+ * its A_z, and comes into the result once. */
+static void threads_that_share_absorption_have_batches_of_their_own(void **state)
+{
+    (void)state;
+    const struct cml_grid large = {
+        .nr = 1 << 10, .nz = 1 << 10, .na = 1, .num_layers = 1, .absorption = true};
+    const struct cml_grid small = cml_grid_of_thread(&large);
+    assert_true(small.depths && !small.absorption);
+    struct cml_tally owner = make_tally(&large), thread[2] = {make_tally(&small), make_tally(&small)};
+    struct cml_result result = make_result(&large, 1000);
+    for (int t = 0; t < 2; t++) {
+        cml_tally_borrow(&thread[t], &owner);
+        thread[t].A_rz[7 * (large.nz + 2) + 3] += 5; /* r bin 7, z bin 2 */
+        thread[t].A_z[3] += 5;
+        thread[t].Rd_ra[4] += 3;
+        cml_tally_note(&thread[t]);
+        cml_result_note(&result, 10 + t, &thread[t]);
+    }
+    for (int t = 0; t < 2; t++) cml_result_add(&result, &thread[t]);
+    cml_result_add(&result, &owner);
+    for (int t = 0; t < 2; t++) {
+        assert_true(result.A_z[(10 + t) * large.nz + 2] == 5);
+        assert_true(result.Rd_r[(10 + t) * large.nr + 4] == 3);
+        cml_tally_move(&owner, &thread[t]);
+        assert_true(thread[t].A_z[3] == 0 && thread[t].Rd_ra[4] == 0);
+    }
+    assert_true(result.A_rz[7 * large.nz + 2] == 10 && result.Rd_ra[4] == 6);
+    assert_true(owner.A_rz[7 * (large.nz + 2) + 3] == 10 && owner.Rd_ra[4] == 6);
+    for (int t = 0; t < 2; t++) cml_tally_free(&thread[t]);
+    cml_tally_free(&owner);
+    cml_result_free(&result);
+}
+
 static void the_list_of_lost_packets_keeps_the_smallest_in_order(void **state)
 {
     (void)state;
     struct cml_tally a = make_tally(&grid), b = make_tally(&grid);
     for (uint64_t i = 0; i < 20; i++) cml_lost_list_add(i & 1 ? &a.lost : &b.lost, 7 * i % 20 + 100);
-    move(&a, &b, 3);
+    cml_tally_move(&a, &b);
     assert_int_equal(a.lost.count, CML_LOST_LISTED);
     for (int i = 0; i < CML_LOST_LISTED; i++) assert_int_equal(a.lost.index[i], 100 + i);
     assert_int_equal(b.lost.count, 0);
@@ -153,6 +179,7 @@ int main(void)
         cmocka_unit_test(moving_takes_every_cell_once),
         cmocka_unit_test(maps_have_cells_of_their_own),
         cmocka_unit_test(borrowed_maps_are_not_merged),
+        cmocka_unit_test(threads_that_share_absorption_have_batches_of_their_own),
         cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

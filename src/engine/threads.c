@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: MIT */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE
+#endif
+#include "engine/threads.h"
+
+#include <omp.h>
+#include <pthread.h>
+#include <sched.h>
+#include <stdlib.h>
+
+struct thread {
+    pthread_t id;
+    int number;
+    void (*body)(void *context, int number);
+    void *context;
+};
+
+static void *begin(void *thread)
+{
+    const struct thread *self = thread;
+    self->body(self->context, self->number);
+    return NULL;
+}
+
+/* The place of OpenMP for a thread (OpenMP 5.2, 10.1.3): beside that of the caller, or as far apart as can
+ * be; more threads than places share them evenly. */
+static int place_of(int number, int count)
+{
+    const omp_proc_bind_t bind = omp_get_proc_bind();
+    const int places = omp_get_num_places(), first = omp_get_place_num();
+    if (bind == omp_proc_bind_master) return first;
+    if (bind != omp_proc_bind_spread && count <= places) return (first + number) % places;
+    return (int)((first + (long)number * places / count) % places);
+}
+
+/* For pthread_create. Without memory for the numbers of the cores the thread runs where its creator may. */
+static void bind_to_place(int place, pthread_attr_t *attributes)
+{
+    const int count = omp_get_place_num_procs(place);
+    int *ids = count > 0 ? calloc((size_t)count, sizeof *ids) : NULL;
+    cpu_set_t cores;
+    CPU_ZERO(&cores);
+    if (!ids) return;
+    omp_get_place_proc_ids(place, ids);
+    for (int i = 0; i < count; i++)
+        if (ids[i] < CPU_SETSIZE) CPU_SET((size_t)ids[i], &cores);
+    pthread_attr_setaffinity_np(attributes, sizeof cores, &cores);
+    free(ids);
+}
+
+/* 0 when it runs. */
+static int start(struct thread *thread, int count)
+{
+    pthread_attr_t attributes;
+    int failed = pthread_attr_init(&attributes);
+    if (failed) return failed;
+    if (omp_get_proc_bind() != omp_proc_bind_false && omp_get_num_places() > 0)
+        bind_to_place(place_of(thread->number, count), &attributes);
+    failed = pthread_create(&thread->id, &attributes, begin, thread);
+    pthread_attr_destroy(&attributes);
+    return failed;
+}
+
+void cml_run_threads(int count, void (*body)(void *context, int number), void *context)
+{
+    const int most = omp_get_thread_limit(), wanted = count < most ? count : most;
+    struct thread *threads = wanted > 1 ? calloc((size_t)wanted, sizeof *threads) : NULL;
+    int started = 1;
+    for (; threads && started < wanted; started++) {
+        threads[started] = (struct thread){.number = started, .body = body, .context = context};
+        if (start(&threads[started], wanted)) break;
+    }
+    body(context, 0);
+    for (int i = 1; threads && i < started; i++) pthread_join(threads[i].id, NULL);
+    free(threads);
+}

@@ -1,0 +1,208 @@
+/* How engines take work and hand it in: every packet once, batch by batch, and no thread waits for another.
+ * SPDX-License-Identifier: MIT */
+#include "lib/bench.h"
+#include "lib/mci_case.h"
+
+#include "engine/cpu/engine_cpu.h"
+#include "engine/engine_reference.h"
+
+#include <pthread.h>
+#include <time.h>
+
+#define BLOCK 97 /* packets, all of one batch */
+#define BLOCKS 61
+#define PACKETS (BLOCK * BLOCKS)
+#define PATIENCE 120 /* s: how long a thread is held at most; only a failure takes that long */
+
+static const char *const plane = "1.0\n1\np.mco A\n1000\n0.01 0.02\n20 20 10\n2\n1.0\n"
+                                 "1.4 0.5 50 0.8 0.1\n1.5 1 20 0 0.2\n1.0\n";
+/* So many cells that threads share A_rz. */
+static const char *const fine = "1.0\n1\np.mco A\n1000\n0.0002 0.0004\n1100 1000 10\n1\n1.0\n"
+                                "1.4 0.5 50 0.8 0.1\n1.0\n";
+
+/* Where the first thread that comes there is held until the others have flown all else. */
+enum hold { NOWHERE, IN_NEXT, IN_NOTE };
+
+/* Gives out blocks in an order in which neighbours have different batches. */
+struct ledger {
+    pthread_mutex_t lock; /* around all that follows */
+    pthread_cond_t changed;
+    uint64_t most; /* packets of a piece; 0: as many as are asked for */
+    uint64_t given, noted;
+    int times[PACKETS];
+    int wrong_notes;
+    enum hold hold;
+    bool held, in_vain;
+    uint64_t by_held;
+    struct cml_tally tally;
+};
+
+/* Of the thread: packets that it was given and has not noted, by batch; what its tally held when last noted.
+ */
+static _Thread_local uint64_t pending[CML_NUM_BATCHES], seen;
+static _Thread_local int calls;
+
+static uint64_t all_pending(void)
+{
+    uint64_t sum = 0;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += pending[b];
+    return sum;
+}
+
+/* Keeps this thread here until the others have taken and noted everything but what it has itself. */
+static void hold(struct ledger *ledger)
+{
+    struct timespec end;
+    clock_gettime(CLOCK_REALTIME, &end);
+    end.tv_sec += PATIENCE;
+    ledger->hold = NOWHERE;
+    ledger->held = true;
+    ledger->by_held = all_pending();
+    while (!ledger->in_vain && ledger->noted + all_pending() < PACKETS)
+        ledger->in_vain = pthread_cond_timedwait(&ledger->changed, &ledger->lock, &end) != 0;
+}
+
+static bool next(void *context, uint64_t most, int takers, struct cml_piece *piece)
+{
+    struct ledger *ledger = context;
+    pthread_mutex_lock(&ledger->lock);
+    if (ledger->hold == IN_NEXT && ++calls == 3) hold(ledger);
+    const uint64_t block = ledger->given / BLOCK, place = ledger->given % BLOCK;
+    uint64_t count = cml_piece_size(most, takers, PACKETS - ledger->given);
+    if (ledger->most && count > ledger->most) count = ledger->most;
+    if (count > BLOCK - place) count = BLOCK - place;
+    const uint64_t first = block * 37 % BLOCKS * BLOCK + place;
+    *piece = (struct cml_piece){first, count, (int)(block % CML_NUM_BATCHES)};
+    for (uint64_t i = 0; i < count; i++) ledger->times[first + i]++;
+    ledger->given += count;
+    pending[piece->batch] += count;
+    pthread_mutex_unlock(&ledger->lock);
+    return count > 0;
+}
+
+/* What has come to the tally must be what the thread was given of that batch. */
+static void note(void *context, int batch, struct cml_tally *tally)
+{
+    struct ledger *ledger = context;
+    const uint64_t flown = tally->count[CML_COUNT_PHOTONS] - seen;
+    pthread_mutex_lock(&ledger->lock);
+    ledger->wrong_notes += flown != pending[batch];
+    if (ledger->hold == IN_NOTE) hold(ledger);
+    ledger->noted += flown;
+    seen += flown;
+    pending[batch] = 0;
+    pthread_cond_broadcast(&ledger->changed);
+    pthread_mutex_unlock(&ledger->lock);
+}
+
+static void add(void *context, struct cml_tally *tally)
+{
+    struct ledger *ledger = context;
+    pthread_mutex_lock(&ledger->lock);
+    ledger->wrong_notes += all_pending() != 0;
+    cml_tally_move(&ledger->tally, tally);
+    seen = 0;
+    calls = 0;
+    pthread_mutex_unlock(&ledger->lock);
+}
+
+/* All packets on an engine of `bench`, and what must hold of any. */
+static void fly(const struct bench *bench, const struct cml_engine *engine, const struct cml_tally *right,
+                struct ledger *ledger)
+{
+    struct cml_error err;
+    const struct cml_work work = {ledger, next, note, add};
+    ledger->tally = empty_tally(bench);
+    pthread_mutex_init(&ledger->lock, NULL);
+    pthread_cond_init(&ledger->changed, NULL);
+    void *self = open_engine(bench, engine);
+    require_ok(engine->run(self, &work, &err), &err);
+    engine->close(self);
+    for (int i = 0; i < PACKETS; i++) assert_int_equal(ledger->times[i], 1);
+    assert_int_equal(ledger->noted, PACKETS);
+    assert_int_equal(ledger->wrong_notes, 0);
+    expect_same(right, &ledger->tally, "work in pieces");
+    cml_tally_free(&ledger->tally);
+    pthread_mutex_destroy(&ledger->lock);
+    pthread_cond_destroy(&ledger->changed);
+}
+
+static struct bench set_up(void **state, const char *text, struct cml_tally *right)
+{
+    struct bench bench = {.options = {.seed = 5, .threads = 1, .reentry = true, .absorption = true}};
+    const struct cml_surface_options options = {.tessellation = {1e-2, CML_NORMALS_ANALYTIC, false}};
+    struct cml_error err;
+    case_read_ok(state, text, &bench.list);
+    require_ok(cml_surfaces_create(bench.list.scenes, &options, &bench.surfaces, &err), &err);
+    *right = empty_tally(&bench);
+    void *self = open_engine(&bench, cml_engine_cpu());
+    require_ok(cml_engine_run_range(cml_engine_cpu(), self, 0, PACKETS, right, &err), &err);
+    cml_engine_cpu()->close(self);
+    return bench;
+}
+
+static void every_packet_is_flown_once_in_its_batch(void **state)
+{
+    static const int threads[] = {1, 2, 5, 16};
+    static const uint64_t chunks[] = {0, 1, 7, 100, 100000}, most[] = {0, 3, 50};
+    struct cml_tally right;
+    struct bench bench = set_up(state, plane, &right);
+    for (int t = 0; t < 4; t++)
+        for (int c = 0; c < 5; c++)
+            for (int m = 0; m < 3; m++) {
+                struct ledger ledger = {.most = most[m]};
+                bench.options.threads = threads[t];
+                bench.options.chunk = chunks[c];
+                fly(&bench, cml_engine_cpu(), &right, &ledger);
+            }
+    cml_tally_free(&right);
+    tear_down(&bench);
+}
+
+static void the_reference_engine_takes_the_same_work(void **state)
+{
+    struct cml_tally right;
+    struct cml_error err;
+    struct bench bench = set_up(state, plane, &right);
+    cml_tally_zero(&right);
+    void *self = open_engine(&bench, &cml_engine_reference);
+    require_ok(cml_engine_run_range(&cml_engine_reference, self, 0, PACKETS, &right, &err), &err);
+    cml_engine_reference.close(self);
+    struct ledger ledger = {.most = 50};
+    fly(&bench, &cml_engine_reference, &right, &ledger);
+    cml_tally_free(&right);
+    tear_down(&bench);
+}
+
+/* With a grid of each kind: a copy of A_rz for each thread, and one for all. */
+static void a_thread_that_is_held_up_keeps_no_other_from_its_work(void **state)
+{
+    const char *const texts[] = {plane, fine};
+    static const int threads[] = {2, 3, 8};
+    for (int s = 0; s < 2; s++) {
+        struct cml_tally right;
+        struct bench bench = set_up(state, texts[s], &right);
+        for (int t = 0; t < 3; t++)
+            for (enum hold where = IN_NEXT; where <= IN_NOTE; where++) {
+                struct ledger ledger = {.most = 20, .hold = where};
+                bench.options.threads = threads[t];
+                fly(&bench, cml_engine_cpu(), &right, &ledger);
+                assert_true(ledger.held);
+                assert_false(ledger.in_vain);
+                assert_in_range(ledger.by_held, 1, PACKETS / 2);
+            }
+        cml_tally_free(&right);
+        tear_down(&bench);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(every_packet_is_flown_once_in_its_batch, case_setup, case_teardown),
+        cmocka_unit_test_setup_teardown(the_reference_engine_takes_the_same_work, case_setup, case_teardown),
+        cmocka_unit_test_setup_teardown(a_thread_that_is_held_up_keeps_no_other_from_its_work, case_setup,
+                                        case_teardown),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -88,7 +88,7 @@ static void fly(const char *name, const struct cml_scene *scene, const struct cm
         return;
     }
     FUZZ_CHECK(cml_tally_create(&grid, &tally, &err) == CML_OK);
-    FUZZ_CHECK(engine->run(self, 0, PHOTONS, &tally, &err) == CML_OK);
+    FUZZ_CHECK(cml_engine_run_range(engine, self, 0, PHOTONS, &tally, &err) == CML_OK);
     engine->close(self);
     check_tally(&tally);
     cml_tally_free(&tally);

@@ -1,12 +1,10 @@
-/* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the scene, on one
- * thread, in ns per photon: what it takes in all (ns), and of that
- *   around  which lanes may be near one, asked in every pass that has any at a boundary
- *   ahead   whether their paths keep clear of it
- *   seek    which ring or facet they meet, and where, lane by lane
- *   turn    roots and normals of rings, reflection and refraction
- *   cross   their packets into the next medium, or out of the scene for good or until they come back
- * The whole is flown without clocks, and the parts once more with them (engine/cpu/bundle_hooks.h), less what the clocks
- * take. Prints CSV. SPDX-License-Identifier: MIT */
+/* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the
+ * scene, on one thread, in ns per photon: what it takes in all (ns), and of that around  which lanes may be
+ * near one, asked in every pass that has any at a boundary ahead   whether their paths keep clear of it seek
+ * which ring or facet they meet, and where, lane by lane turn    roots and normals of rings, reflection and
+ * refraction cross   their packets into the next medium, or out of the scene for good or until they come back
+ * The whole is flown without clocks, and the parts once more with them (engine/cpu/bundle_hooks.h), less what
+ * the clocks take. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_BEGIN(part) begin(part)
 #define CML_HOOK_END(part) end(part)
@@ -92,7 +90,8 @@ static void report(const char *path, const struct bench_flight *flight, double n
     const double turn = whole(CML_HOOK_REFLECT, clocks);
     const double cross = whole(CML_HOOK_HITS, clocks) - added(CML_HOOK_REFLECT, clocks);
     const double ahead = whole(CML_HOOK_INTERVALS, clocks);
-    const double seek = whole(CML_HOOK_CURVED, clocks) - added(CML_HOOK_INTERVALS, clocks) - added(CML_HOOK_HITS, clocks);
+    const double seek =
+        whole(CML_HOOK_CURVED, clocks) - added(CML_HOOK_INTERVALS, clocks) - added(CML_HOOK_HITS, clocks);
     printf("scene,queries,ns,around,ahead,seek,turn,cross\n%s,%.3f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n", path,
            (double)flight->tally.count[CML_COUNT_QUERIES] / (double)flight->photons, ns,
            whole(CML_HOOK_CLASSIFY, clocks) / n, ahead / n, seek / n, turn / n, cross / n);
@@ -119,7 +118,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: bench_curved SCENE.mci cone|mesh\n");
         return 2;
     }
-    if (measure(argv[1], strcmp(argv[2], "mesh") == 0 ? CML_SURFACE_MESH : CML_SURFACE_CONE, &err) == CML_OK) return 0;
+    if (measure(argv[1], strcmp(argv[2], "mesh") == 0 ? CML_SURFACE_MESH : CML_SURFACE_CONE, &err) == CML_OK)
+        return 0;
     fprintf(stderr, "bench_curved: %s\n", err.text);
     return 2;
 }

@@ -3,5 +3,5 @@
 # SPDX-License-Identifier: MIT
 set -eu
 command -v clang-format >/dev/null || { echo "clang-format is missing"; exit 77; }
-find src kernels tests \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.cl' \) -print0 |
+find src kernels tests bench \( -name '*.c' -o -name '*.h' -o -name '*.cpp' -o -name '*.cl' \) -print0 |
     xargs -0 clang-format --dry-run -Werror

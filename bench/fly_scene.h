@@ -54,7 +54,8 @@ static cml_status bench_fly(struct bench_flight *flight, void (*reset)(void), st
         cml_tally_zero(&flight->tally);
         reset();
         const double begin = now();
-        CML_TRY(cpu_run(flight->cpu, 0, flight->photons, &flight->tally, err));
+        CML_TRY(cml_engine_run_range(&CML_LEVELED(cml_engine_cpu_, CML_LEVEL), flight->cpu, 0,
+                                     flight->photons, &flight->tally, err));
         flight->seconds = now() - begin;
         if (flight->seconds >= 0.4) return CML_OK;
     }

@@ -38,7 +38,7 @@ enum cml_count {
     CML_NUM_COUNTS
 };
 
-/* Totals whose squares per packet are summed for their standard errors. */
+/* Totals that have standard errors. */
 enum cml_total {
     CML_TOTAL_SPECULAR,
     CML_TOTAL_REFLECTED,

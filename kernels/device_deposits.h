@@ -107,15 +107,6 @@ CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, c
     if (amount) cml_add_near(to->near + CML_CELL_COUNT + (cml_u32)count, amount);
 }
 
-CML_FN void cml_add_square(const struct cml_deposits *to, enum cml_total total, cml_u64 value)
-{
-    __local cml_u64 *cell = to->near + CML_CELL_SQUARE + 3u * (cml_u32)total;
-    const cml_u64 low = value * value, high = mul_hi(value, value);
-    cml_add_near(cell, low & 0xffffffffu);
-    cml_add_near(cell + 1, low >> 32);
-    if (high) cml_add_near(cell + 2, high);
-}
-
 CML_FN void cml_add_exit(const struct cml_deposits *to, int reflected, int cell, cml_u32 w)
 {
     cml_add(to, reflected ? to->windows.reflected : to->windows.transmitted, (cml_u32)cell, w);

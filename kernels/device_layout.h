@@ -14,12 +14,11 @@
 #define CML_OFFSET(type, member) ((cml_u32)(size_t) & ((type *)0)->member)
 #endif
 
-/* All tallies of a device are one block of 64-bit cells: weight balance, counts, squares, A_l, Rd_ra, Tt_ra,
- * A_rz. A square is three cells: the sums of bits 0 to 31, 32 to 63 and 64 to 127 of the squares. */
+/* All tallies of a device are one block of 64-bit cells: weight balance, counts, A_l, Rd_ra, Tt_ra,
+ * A_rz. */
 #define CML_CELL_BALANCE 0
 #define CML_CELL_COUNT (CML_CELL_BALANCE + (cml_u32)CML_NUM_BALANCE_TERMS)
-#define CML_CELL_SQUARE (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
-#define CML_CELL_LAYER (CML_CELL_SQUARE + 3u * (cml_u32)CML_NUM_TOTALS)
+#define CML_CELL_LAYER (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
 
 /* A part of the block, whose first cells, those that are hit most, a work-group keeps in local memory until
  * the launch ends. */
@@ -45,9 +44,10 @@ struct cml_launch {
 
 #define CML_LOST_KEPT 64
 
-/* What work-items share: indices first .. first + count - 1, of which `taken` have been taken. */
+/* What work-items share: photons first, first + stride, first + 2 stride and so on, `count` of them, of which
+ * `taken` have been taken. */
 struct cml_control {
-    cml_u64 first;
+    cml_u64 first, stride;
     cml_u32 count, taken;
     cml_u32 alive; /* packets that the next launch goes on with */
     cml_u32 num_lost;

@@ -1,4 +1,4 @@
-/* A finished packet's entry into the tallies of an OpenCL device: weight balance, counts, squares and exit
+/* A finished packet's entry into the tallies of an OpenCL device: weight balance, counts and exit
  * bins, which src/engine/terminated_packets_inl.h adds up on the host, for many packets at once. OpenCL C
  * only. SPDX-License-Identifier: MIT */
 #ifndef CML_DEVICE_SCORE_H
@@ -33,22 +33,10 @@ CML_FN void cml_score_fate(const struct cml_setup *setup, const struct cml_packe
     }
 }
 
-CML_FN void cml_score_squares(const struct cml_setup *setup, const struct cml_packet *packet,
-                              const struct cml_deposits *to)
-{
-    const cml_u64 w = packet->w;
-    const cml_u64 specular = setup->specular + (packet->fate == CML_FATE_SPECULAR ? w : 0);
-    cml_add_square(to, CML_TOTAL_ABSORBED, packet->absorbed);
-    if (specular) cml_add_square(to, CML_TOTAL_SPECULAR, specular);
-    if (packet->fate == CML_FATE_REFLECTED) cml_add_square(to, CML_TOTAL_REFLECTED, w);
-    if (packet->fate == CML_FATE_TRANSMITTED) cml_add_square(to, CML_TOTAL_TRANSMITTED, w);
-}
-
 CML_FN void cml_score(const struct cml_setup *setup, const struct cml_packet *packet,
                       const struct cml_deposits *to)
 {
     cml_score_fate(setup, packet, to);
-    cml_score_squares(setup, packet, to);
     cml_add_to_balance(to, cml_balance_term_of(packet->fate), packet->w);
     cml_add_to_balance(to, CML_BALANCE_LAUNCHED, CML_WEIGHT_ONE);
     cml_add_to_balance(to, CML_BALANCE_SPECULAR, setup->specular);

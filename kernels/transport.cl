@@ -7,7 +7,7 @@ CML_FN int cml_device_take(__global struct cml_control *control, cml_u64 *index)
 {
     if (*(volatile __global cml_u32 *)&control->taken >= control->count) return 0; /* count stays small */
     const cml_u32 taken = atomic_inc(&control->taken);
-    *index = control->first + taken;
+    *index = control->first + taken * control->stride;
     return taken < control->count;
 }
 
@@ -131,7 +131,7 @@ CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_d
     cml_u64 index;
     cml_device_flush_deposits(to, f, i);
     cml_score(&world->setup, packet, to);
-    if (launch.record) cml_device_write_fate(packet, fates + (packet->index - to->control->first));
+    if (launch.record) cml_device_write_fate(packet, fates + (packet->index - to->control->first) / to->control->stride);
     if (cml_device_take(to->control, &index))
         cml_launch(world, index, packet);
     else

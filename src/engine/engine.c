@@ -38,10 +38,11 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
     return size < left ? size : left;
 }
 
-/* One range as the work of an engine. */
+/* One range of photons as the work of an engine. */
 struct range_work {
     pthread_mutex_t lock; /* around all that follows */
-    uint64_t first, left;
+    uint64_t begin, end;  /* photons */
+    uint64_t place;       /* of the next one to fly */
     struct cml_tally *tally;
 };
 
@@ -49,14 +50,18 @@ static bool next_of_range(void *context, uint64_t most, int takers, struct cml_p
 {
     struct range_work *range = context;
     pthread_mutex_lock(&range->lock);
-    *piece = (struct cml_piece){.first = range->first, .count = cml_piece_size(most, takers, range->left)};
-    range->first += piece->count;
-    range->left -= piece->count;
+    *piece = (struct cml_piece){0};
+    if (range->place < range->end) {
+        const uint64_t size = cml_piece_size(most, takers, range->end - range->place);
+        *piece = cml_piece_at(range->begin, range->end, range->place);
+        if (piece->count > size) piece->count = size;
+        range->place += piece->count;
+    }
     pthread_mutex_unlock(&range->lock);
     return piece->count > 0;
 }
 
-/* A tally has no batches. */
+/* One tally for all batches. */
 static void note_nothing(void *context, int batch, struct cml_tally *tally)
 {
     (void)context;
@@ -75,7 +80,7 @@ static void add_to_range(void *context, struct cml_tally *tally)
 cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uint64_t first, uint64_t count,
                                 struct cml_tally *tally, struct cml_error *err)
 {
-    struct range_work range = {.first = first, .left = count, .tally = tally};
+    struct range_work range = {.begin = first, .end = first + count, .place = first, .tally = tally};
     const struct cml_work work = {&range, next_of_range, note_nothing, add_to_range};
     pthread_mutex_init(&range.lock, NULL);
     const cml_status status = engine->run(self, &work, err);

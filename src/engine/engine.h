@@ -1,13 +1,13 @@
 /* What an engine is: open a scene, fly pieces of work, close.
- * A range of photon indices is the only unit of work: threads, ranks, devices, restarts and replays are
- * ranges, and the tally of a range depends on nothing but scene, options and range. SPDX-License-Identifier:
- * MIT */
+ * A piece, photons of one batch, is the only unit of work, and its tally depends on nothing but scene,
+ * options and piece: so threads, ranks, devices and restarts cannot show. SPDX-License-Identifier: MIT */
 #ifndef CML_ENGINE_H
 #define CML_ENGINE_H
 
 #include "scene/scene.h"
 #include "base/status.h"
 #include "surface/surface.h"
+#include "tally/places.h"
 #include "tally/tally.h"
 
 /* What a run asks of any engine. Unset members are 0. */
@@ -44,12 +44,6 @@ struct cml_trace_event {
     double weight; /* share of a packet */
 };
 typedef void cml_trace_function(void *context, const struct cml_trace_event *event);
-
-/* Packets [first, first + count), all of one batch (tally/result.h). */
-struct cml_piece {
-    uint64_t first, count;
-    int batch;
-};
 
 /* Where an engine gets packets, and where it hands in what they scored. Threads of the engine call all three
  * at any time and side by side: so each goes its own way from piece to piece, and none waits for another. */

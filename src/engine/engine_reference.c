@@ -44,7 +44,7 @@ static cml_status reference_run(void *self, const struct cml_work *work, struct 
     struct reference_engine *engine = self;
     struct cml_piece piece;
     while (work->next(work->context, CML_TALLY_MAX_PHOTONS, 1, &piece)) {
-        run_packets(&engine->owned.world, piece.first, piece.count, &engine->tally);
+        run_piece(&engine->owned.world, &piece, &engine->tally);
         work->note(work->context, piece.batch, &engine->tally);
     }
     work->add(work->context, &engine->tally);

@@ -9,15 +9,15 @@
 #include "engine/terminated_packets_inl.h"
 #include "walk.h"
 
-/* Flies packets [first, first + count), one after the other, into the tally. */
-static inline void run_packets(const struct cml_world *world, uint64_t first, uint64_t count,
-                               struct cml_tally *tally)
+/* Flies the packets of a piece, one after the other, into the tally. */
+static inline void run_piece(const struct cml_world *world, const struct cml_piece *piece,
+                             struct cml_tally *tally)
 {
     const struct cml_deposits to = cml_deposits_of(tally);
     struct cml_terminated terminated = {0};
-    for (uint64_t i = 0; i < count; i++) {
+    for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
-        cml_walk(world, &to, first + i, &packet);
+        cml_walk(world, &to, piece->first + CML_NUM_BATCHES * i, &packet);
         cml_tally_events(&packet, tally);
         const struct cml_termination end = cml_termination_of(&packet);
         cml_terminated_push(&world->setup, &terminated, &end, tally);

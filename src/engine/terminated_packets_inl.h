@@ -1,7 +1,7 @@
 /* Code, included once by each engine on the host, in its precision (CML_DOUBLE or not) and for its level of
  * the processor: no .c file, because entries are pushed member by member from registers, and the sums are
- * vector loops. Terminated packets on their way into a tally. They are collected, so that exit bins, sums and
- * squares of many packets are computed in one vector loop however rarely packets end.
+ * vector loops. Terminated packets on their way into a tally. They are collected, so that exit bins and sums
+ * of many packets are computed in one vector loop however rarely packets end.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_TERMINATED_PACKETS_INL_H
 #define CML_TERMINATED_PACKETS_INL_H
@@ -27,14 +27,10 @@ struct cml_terminated {
     cml_u32 scored[CML_TERMINATED]; /* into it */
 };
 
-/* Sums over the collected packets, in 64 bits, which vectors have. Squares of weights have up to 64 bits
- * each, so their sums are kept in two halves: bits 0 to 31 of each square, and the rest. */
+/* Sums over the collected packets, in 64 bits, which vectors have. */
 struct cml_terminated_sums {
     uint64_t reflected, transmitted, specular, absorbed, interactions, boundary_events;
     uint64_t deposited, deposited_above; /* all deposits; those of packets that were reflected */
-    uint64_t reflected_low, reflected_high, transmitted_low, transmitted_high, specular_low, specular_high,
-        absorbed_low, absorbed_high;
-    uint64_t wide; /* bits of `absorbed` beyond 32: its squares then do not fit */
 };
 
 /* Fills cell and scored: the cell of Rd_ra or Tt_ra (P7) that each packet leaves in, and the weight it scores
@@ -59,15 +55,6 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
     for (int i = 0; i < CML_TERMINATED; i++) terminated->cell[i] += cml_angle_bin(&setup, terminated->uz[i]);
 }
 
-/* Adds a weight and the halves of its square to the sums of that name. */
-#define CML_SUM_SQUARE(sums, what, value)                                                                    \
-    do {                                                                                                     \
-        const uint64_t square_ = (value) * (value);                                                          \
-        (sums).what += (value);                                                                              \
-        (sums).what##_low += square_ & 0xffffffffu;                                                          \
-        (sums).what##_high += square_ >> 32;                                                                 \
-    } while (0)
-
 /* One vector loop for everything that is summed over packets. A packet's part in a sum that is not its own is
  * 0. */
 static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_terminated *terminated)
@@ -75,16 +62,11 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_ter
     struct cml_terminated_sums sums = {0};
     for (int i = 0; i < terminated->count; i++) {
         const int fate = terminated->fate[i];
-        const uint64_t w = terminated->w[i], deposit = terminated->deposit[i],
-                       absorbed = terminated->absorbed[i] + deposit;
-        const uint64_t reflected = fate == CML_FATE_REFLECTED ? w : 0;
-        const uint64_t transmitted = fate == CML_FATE_TRANSMITTED ? w : 0;
-        const uint64_t specular = fate == CML_FATE_SPECULAR ? w : 0;
-        CML_SUM_SQUARE(sums, reflected, reflected);
-        CML_SUM_SQUARE(sums, transmitted, transmitted);
-        CML_SUM_SQUARE(sums, specular, specular);
-        CML_SUM_SQUARE(sums, absorbed, absorbed);
-        sums.wide |= absorbed >> 32;
+        const uint64_t w = terminated->w[i], deposit = terminated->deposit[i];
+        sums.reflected += fate == CML_FATE_REFLECTED ? w : 0;
+        sums.transmitted += fate == CML_FATE_TRANSMITTED ? w : 0;
+        sums.specular += fate == CML_FATE_SPECULAR ? w : 0;
+        sums.absorbed += terminated->absorbed[i] + deposit;
         sums.deposited += deposit;
         sums.deposited_above += fate == CML_FATE_REFLECTED ? deposit : 0;
         sums.interactions += terminated->interactions[i];
@@ -93,27 +75,7 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_ter
     return sums;
 }
 
-/* A sum of squares from its halves. */
-static inline cml_u128 cml_square_sum(uint64_t low, uint64_t high)
-{
-    return ((cml_u128)high << 32) + low;
-}
-
-/* Sum of squares of what packets have absorbed. Roulette may let one absorb more than it started with, and
- * then its square may not fit into 64 bits: so rarely that all are squared again, in 128 bits. */
-static inline cml_u128 cml_terminated_absorbed_squares(const struct cml_terminated *terminated,
-                                                       const struct cml_terminated_sums *sums)
-{
-    if (!sums->wide) return cml_square_sum(sums->absorbed_low, sums->absorbed_high);
-    cml_u128 sum = 0;
-    for (int i = 0; i < terminated->count; i++) {
-        const uint64_t absorbed = terminated->absorbed[i] + terminated->deposit[i];
-        sum += (cml_u128)absorbed * absorbed;
-    }
-    return sum;
-}
-
-/* Adds all sums to the tally: books (P10), deposits by layer, counts and squares. times: how often every
+/* Adds all sums to the tally: books (P10), deposits by layer and counts. times: how often every
  * packet of the collection has ended so; more than 1 for ballistic packets only. */
 static inline void cml_terminated_add_sums(const struct cml_setup *setup,
                                            const struct cml_terminated *terminated, uint64_t times,
@@ -131,13 +93,6 @@ static inline void cml_terminated_add_sums(const struct cml_setup *setup,
     tally->count[CML_COUNT_PHOTONS] += count;
     tally->count[CML_COUNT_INTERACTIONS] += times * sums.interactions;
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
-    /* where the beam's reflection is deterministic, no packet has a random one */
-    tally->square[CML_TOTAL_SPECULAR] +=
-        (cml_u128)count * specular * specular + times * cml_square_sum(sums.specular_low, sums.specular_high);
-    tally->square[CML_TOTAL_REFLECTED] += times * cml_square_sum(sums.reflected_low, sums.reflected_high);
-    tally->square[CML_TOTAL_TRANSMITTED] +=
-        times * cml_square_sum(sums.transmitted_low, sums.transmitted_high);
-    tally->square[CML_TOTAL_ABSORBED] += times * cml_terminated_absorbed_squares(terminated, &sums);
 }
 
 /* Empties the collection into the tally, each packet `times` over. */

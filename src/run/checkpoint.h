@@ -10,8 +10,8 @@
 #include "tally/result.h"
 
 struct cml_run_state {
-    struct cml_ranges open; /* indices not flown yet */
-    uint64_t begin, end;    /* the round that they belong to: its 64 batches are those of [begin, end) */
+    struct cml_ranges open; /* places (tally/places.h) of photons that are not flown yet */
+    uint64_t begin, end;    /* the round that they belong to: photons begin to end - 1 */
     double seconds;         /* flown so far */
 };
 

@@ -121,16 +121,14 @@ static bool find_range(struct flight *flight)
 static struct cml_piece cut_piece(struct flight *flight, uint64_t most, int takers)
 {
     struct hand *hand = &flight->hand;
-    const uint64_t round = flight->state.end - flight->state.begin;
-    const uint64_t place = hand->left.first - flight->state.begin, largest = cml_work_piece(&flight->work);
-    const int batch = cml_batch_of(round, place);
-    const uint64_t in_batch = cml_batch_first(round, batch + 1) - place;
+    const uint64_t largest = cml_work_piece(&flight->work);
+    struct cml_piece piece = cml_piece_at(flight->state.begin, flight->state.end, hand->left.first);
     uint64_t count = cml_piece_size(most < largest ? most : largest, takers,
                                     hand->left.count + cml_work_open_count(&flight->work));
     if (count > hand->left.count) count = hand->left.count;
-    if (count > in_batch) count = in_batch;
+    if (count > piece.count) count = piece.count;
     if (count > hand->room) count = hand->room;
-    const struct cml_piece piece = {hand->left.first, count, batch};
+    piece.count = count;
     hand->left.first += count;
     hand->left.count -= count;
     hand->room -= count;

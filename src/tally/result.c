@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All arrays lie in one block, in the order A_l, Rd_ra, Tt_ra, A_rz, maps, then the profiles batch by batch:
- * so a checkpoint or a sum over ranks is one loop over cells. */
+/* All arrays lie in one block, in the order A_l, Rd_ra, Tt_ra, A_rz, maps, then totals and profiles batch by
+ * batch: so a checkpoint or a sum over ranks is one loop over cells. */
 
 static size_t cells_A(const struct cml_grid *grid)
 {
@@ -22,12 +22,12 @@ static size_t cells_ra(const struct cml_grid *grid)
 
 static size_t cells_batched(const struct cml_grid *grid)
 {
-    const size_t bins =
-        2 * (size_t)grid->nr + 2 * (size_t)grid->na + (grid->absorption ? (size_t)grid->nz : 0);
+    const size_t bins = CML_NUM_TOTALS + 2 * (size_t)grid->nr + 2 * (size_t)grid->na +
+                        (grid->absorption ? (size_t)grid->nz : 0);
     return CML_NUM_BATCHES * bins;
 }
 
-/* Of all arrays but the profiles. */
+/* Of all arrays that are not kept apart by batch. */
 static size_t cells_unbatched(const struct cml_grid *grid)
 {
     return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2 + cml_cells_maps(grid);
@@ -55,7 +55,8 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     result->Tt_ra = result->Rd_ra + cells_ra(grid);
     if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
     CML_SET_MAPS(result, result_maps(result));
-    result->Rd_r = block + cells_unbatched(grid);
+    result->totals = block + cells_unbatched(grid);
+    result->Rd_r = result->totals + CML_NUM_BATCHES * CML_NUM_TOTALS;
     result->Tt_r = result->Rd_r + CML_NUM_BATCHES * (size_t)grid->nr;
     result->Rd_a = result->Tt_r + CML_NUM_BATCHES * (size_t)grid->nr;
     result->Tt_a = result->Rd_a + CML_NUM_BATCHES * (size_t)grid->na;
@@ -83,7 +84,8 @@ void cml_result_note(struct cml_result *result, int batch, const struct cml_tall
 {
     const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
     const size_t b = (size_t)batch, r = nr + 1, a = 2 * r, z = a + 2 * na;
-    const uint64_t *brought = tally->brought;
+    const uint64_t *totals = tally->brought, *brought = totals + CML_NUM_TOTALS;
+    add_bins(result->totals + b * CML_NUM_TOTALS, CML_NUM_TOTALS, 0, totals, CML_NUM_TOTALS);
     add_bins(result->Rd_r + b * nr, nr, 0, brought, r);
     add_bins(result->Tt_r + b * nr, nr, 0, brought + r, r);
     add_bins(result->Rd_a + b * na, na, 0, brought + a, na);
@@ -142,7 +144,6 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
     add_maps(result, tally);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->summary.balance[i] += tally->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->summary.count[i] += tally->count[i];
-    for (int i = 0; i < CML_NUM_TOTALS; i++) result->summary.square[i] += tally->square[i];
     cml_lost_list_merge(&result->summary.lost, &tally->lost);
 }
 
@@ -156,19 +157,12 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
 {
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
-    for (int i = 0; i < CML_NUM_TOTALS; i++) to->square[i] += from->square[i];
     cml_lost_list_merge(&to->lost, &from->lost);
 }
 
-/* The largest batch that begins at or before the index: floor(photons b / 64) < index + 1. */
-int cml_batch_of(uint64_t photons, uint64_t index)
+uint64_t cml_batch_size(uint64_t photons, int batch)
 {
-    return (int)((CML_NUM_BATCHES * ((cml_u128)index + 1) + photons - 1) / photons) - 1;
-}
-
-uint64_t cml_batch_first(uint64_t photons, int batch)
-{
-    return (uint64_t)((cml_u128)photons * (cml_u128)batch / CML_NUM_BATCHES);
+    return photons / CML_NUM_BATCHES + ((uint64_t)batch < photons % CML_NUM_BATCHES);
 }
 
 /* ---- weight balance ---- */
@@ -241,26 +235,14 @@ static double error_of_mean(long double n, long double sum, long double squares)
     return variance > 0 ? (double)sqrtl(variance) : 0;
 }
 
-static enum cml_balance_term term_of(enum cml_total total)
-{
-    static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
-                                                                [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
-                                                                [CML_TOTAL_TRANSMITTED] =
-                                                                    CML_BALANCE_TRANSMITTED,
-                                                                [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED};
-    return terms[total];
-}
-
 double cml_result_total(const struct cml_result *result, enum cml_total total)
 {
-    return cml_result_share(result, term_of(total));
+    return cml_result_share(result, cml_balance_term_of_total(total));
 }
 
 double cml_result_error(const struct cml_result *result, enum cml_total total)
 {
-    const long double n = (long double)result->summary.count[CML_COUNT_PHOTONS];
-    const long double sum = (long double)result->summary.balance[term_of(total)];
-    return error_of_mean(n, sum, (long double)result->summary.square[total]) * CML_WEIGHT_UNIT;
+    return cml_result_bin_error(result, result->totals, CML_NUM_TOTALS, (int)total);
 }
 
 /* The sum is turned into the unit of the squares, which was made coarser so that they fit. */
@@ -288,8 +270,7 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
     for (int b = 0; b < CML_NUM_BATCHES; b++) sum += (double)profile[(size_t)b * (size_t)n + (size_t)i];
     const double mean = sum / photons;
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
-        const double size =
-            (double)(cml_batch_first(result->photons, b + 1) - cml_batch_first(result->photons, b));
+        const double size = (double)cml_batch_size(result->photons, b);
         if (!(size > 0)) continue;
         const double deviation = (double)profile[(size_t)b * (size_t)n + (size_t)i] / size - mean;
         squares += size * deviation * deviation;

@@ -1,34 +1,33 @@
 /* Results: what the tallies of a run add up to, with standard errors.
  * 128 bits a cell, for up to 2^48 packets. What a tally has in cells beyond the grid is added to the last and
- * first bins here (P7). The photon indices of a run are split into 64 fixed ranges ("batches"), and the 1D
- * profiles are kept apart for each: the spread of the batches gives the standard errors of the bins, which
- * therefore depend on the seed only, not on threads, ranks or restarts.
+ * first bins here (P7). Totals and 1D profiles are kept apart for each batch of photons (batches.h): the
+ * spread of the batches gives their standard errors, which therefore depend on the seed only, not on threads,
+ * ranks or restarts.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_RESULT_H
 #define CML_RESULT_H
 
+#include "batches.h"
 #include "tally/tally.h"
-
-#define CML_NUM_BATCHES 64
 
 /* The part of a result that does not grow with its grid. Checkpoints and ranks move it as it stands. */
 struct cml_summary {
     cml_u128 balance[CML_NUM_BALANCE_TERMS]; /* units of weight */
     cml_u128 count[CML_NUM_COUNTS];
-    cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
     struct cml_lost_list lost;
 };
 
 /* Arrays as in struct cml_tally, without cells beyond the grid but for those of maps and volume. */
 struct cml_result {
     struct cml_grid grid;
-    uint64_t photons;        /* asked for; batch b is the range [b*photons/64, (b+1)*photons/64) */
-    cml_u128 *A_rz;          /* [nr][nz] or NULL */
-    cml_u128 *Rd_ra, *Tt_ra; /* [nr][na] */
-    cml_u128 *A_l;           /* [num_layers + 2] by medium */
-    cml_u128 *Rd_r, *Tt_r;   /* [64][nr] */
-    cml_u128 *Rd_a, *Tt_a;   /* [64][na] */
-    cml_u128 *A_z;           /* [64][nz] or NULL */
+    uint64_t photons;                                               /* asked for */
+    cml_u128 *A_rz;                                                 /* [nr][nz] or NULL */
+    cml_u128 *Rd_ra, *Tt_ra;                                        /* [nr][na] */
+    cml_u128 *A_l;                                                  /* [num_layers + 2] by medium */
+    cml_u128 *totals;                                               /* [64][CML_NUM_TOTALS] */
+    cml_u128 *Rd_r, *Tt_r;                                          /* [64][nr] */
+    cml_u128 *Rd_a, *Tt_a;                                          /* [64][na] */
+    cml_u128 *A_z;                                                  /* [64][nz] or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
     struct cml_summary summary;
 };
@@ -41,11 +40,11 @@ CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t
                                            struct cml_result *result, struct cml_error *err);
 void cml_result_free(struct cml_result *result);
 
-/* Adds what the last cml_tally_note found to the profiles of a batch, 0..63: packets that all belong to that.
- * The tally has the grid of the result, or that of a thread. */
+/* Adds what the last cml_tally_note found to the totals and profiles of a batch, 0..63: packets that all
+ * belong to that. The tally has the grid of the result, or that of a thread. */
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally);
 
-/* Adds all but the profiles of a tally; what it borrowed is for its owner to add. */
+/* Adds all but the totals and profiles of a tally; what it borrowed is for its owner to add. */
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally);
 
 /* All cells of a result as one block, for those who move or store it: *count of them, owned by the result. */
@@ -54,11 +53,8 @@ cml_u128 *cml_result_cells(struct cml_result *result, size_t *count);
 /* to += from; any order gives the same. */
 void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from);
 
-/* The batch that packet `index` < photons belongs to. */
-int cml_batch_of(uint64_t photons, uint64_t index);
-
-/* First photon index of a batch; batch 64 gives the number of photons. */
-uint64_t cml_batch_first(uint64_t photons, int batch);
+/* Photons 0 to photons - 1 that belong to a batch, 0..63. */
+uint64_t cml_batch_size(uint64_t photons, int batch);
 
 /* By how much the weight does not balance (P10), units of weight: launched + gained minus everything that
  * came of it; then the sums of A_l, A_rz and A_xyz minus the absorbed weight, those of Rd_ra and Rd_xya minus
@@ -69,8 +65,7 @@ double cml_result_imbalance(const struct cml_result *result);
 /* A term of the balance as a share of the launched weight. */
 double cml_result_share(const struct cml_result *result, enum cml_balance_term term);
 
-/* A total as a share of the launched weight, and its standard error, from the squares per packet; the error
- * is 0 for fewer than two packets. */
+/* A total as a share of the launched weight, and its standard error, as that of a bin below. */
 double cml_result_total(const struct cml_result *result, enum cml_total total);
 double cml_result_error(const struct cml_result *result, enum cml_total total);
 

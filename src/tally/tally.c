@@ -6,6 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
+{
+    static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
+                                                                [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
+                                                                [CML_TOTAL_TRANSMITTED] =
+                                                                    CML_BALANCE_TRANSMITTED,
+                                                                [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED};
+    return terms[total];
+}
+
 /* A tally has cells of its own for what lies beyond the grid (P7), so that scoring needs no branch for it:
  * one more row of r, one more depth above and one below. */
 static size_t tally_cells_A(const struct cml_grid *grid)
@@ -86,7 +96,6 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->A_l, 0, cml_tally_cells(&tally->grid) * sizeof *tally->A_l);
     memset(tally->balance, 0, sizeof tally->balance);
     memset(tally->count, 0, sizeof tally->count);
-    memset(tally->square, 0, sizeof tally->square);
     tally->lost.count = 0;
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
 }
@@ -122,7 +131,6 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     for (size_t i = 0; i < cells; i++) to->A_l[i] += from->A_l[i];
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
-    for (int i = 0; i < CML_NUM_TOTALS; i++) to->square[i] += from->square[i];
     cml_lost_list_merge(&to->lost, &from->lost);
     cml_tally_zero(from);
 }
@@ -130,7 +138,8 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 size_t cml_tally_profile_bins(const struct cml_grid *grid)
 {
     const bool depths = grid->absorption || grid->depths;
-    return 2 * ((size_t)grid->nr + 1 + (size_t)grid->na) + (depths ? (size_t)grid->nz + 2 : 0);
+    return CML_NUM_TOTALS + 2 * ((size_t)grid->nr + 1 + (size_t)grid->na) +
+           (depths ? (size_t)grid->nz + 2 : 0);
 }
 
 /* Adds to the sums of rows and columns; by_row may be NULL. */
@@ -144,15 +153,18 @@ static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64
     }
 }
 
-/* The profiles of all that a tally has scored itself. */
+/* The totals and profiles of all that a tally has scored itself. */
 static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
     const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
     const size_t columns = (size_t)tally->grid.nz + 2;
-    uint64_t *Rd_a = sums + 2 * rows, *Tt_a = Rd_a + na, *A_z = Tt_a + na;
+    uint64_t *Rd_r = sums + CML_NUM_TOTALS, *Tt_r = Rd_r + rows;
+    uint64_t *Rd_a = Tt_r + rows, *Tt_a = Rd_a + na, *A_z = Tt_a + na;
     memset(sums, 0, cml_tally_profile_bins(&tally->grid) * sizeof *sums);
-    sum_table(tally->Rd_ra, rows, na, sums, Rd_a);
-    sum_table(tally->Tt_ra, rows, na, sums + rows, Tt_a);
+    for (int i = 0; i < CML_NUM_TOTALS; i++)
+        sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
+    sum_table(tally->Rd_ra, rows, na, Rd_r, Rd_a);
+    sum_table(tally->Tt_ra, rows, na, Tt_r, Tt_a);
     if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, A_z);
     if (tally->grid.depths) memcpy(A_z, tally->A_z, columns * sizeof *A_z);
 }

@@ -60,13 +60,15 @@ struct cml_tally {
     uint64_t *facets;            /* [facets][CML_FACET_SCORES] or NULL */
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
-    cml_u128 square[CML_NUM_TOTALS]; /* sums over packets of (units of weight)^2 */
     struct cml_lost_list lost;
-    /* Profiles, one behind the other and with the bins beyond the grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a
-     * [na], A_z [nz + 2] unless there is no A_rz. */
+    /* Totals [CML_NUM_TOTALS] and profiles, one behind the other and with the bins beyond the grid: Rd_r and
+     * Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz. */
     uint64_t *summed;  /* of all that was there at the last cml_tally_note; private */
     uint64_t *brought; /* of what had come since the one before */
 };
+
+/* The term of the balance that is this total. */
+enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 
 /* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra, A_rz or A_z, and the maps in this order, which lie in one
  * block from A_l on. */
@@ -102,11 +104,11 @@ void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *f
  */
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 
-/* Bins of all profiles together. */
+/* Totals and bins of all profiles together. */
 size_t cml_tally_profile_bins(const struct cml_grid *grid);
 
-/* Sets `brought` to the profiles of all that the tally itself has got since the last call, or since it was
- * zero.
+/* Sets `brought` to the totals and profiles of all that the tally itself has got since the last call, or
+ * since it was zero.
  */
 void cml_tally_note(struct cml_tally *tally);
 

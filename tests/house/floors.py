@@ -15,7 +15,7 @@ ROOMS = {
     "kernels": "",
     "src/base": "",
     "src/geometry": "src/base",
-    "src/tally": "src/base kernels/balance.h kernels/facet.h",
+    "src/tally": "src/base kernels/balance.h kernels/batches.h kernels/facet.h",
     "src/scene": "src/geometry src/base kernels/facet.h",
     "src/input/mesh": "src/scene src/geometry src/base",
     "src/input": "src/input/mesh src/scene src/geometry src/base kernels/facet.h",

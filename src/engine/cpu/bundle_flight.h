@@ -7,7 +7,8 @@
 #include "engine/cpu/bundle_hooks.h"
 #include "engine/terminated_packets_inl.h"
 
-/* Hands out the next range [*first, *first + *count) of photon indices; 0 when there is none. */
+/* Hands out the next photons *first, *first + 64, *first + 128 and so on, *count of them, all of the batch
+ * under way (tally/places.h); 0 when there are none. */
 struct cml_range_source {
     int (*next)(void *context, uint64_t *first, uint64_t *count);
     void *context;
@@ -52,7 +53,7 @@ struct cml_flight {
     int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
     int wait_at_curved;           /* the same of lanes at curved boundaries */
     /* photons on their way in and out */
-    uint64_t next, left; /* of the range in hand, beyond the queue: first index, and number */
+    uint64_t next, left; /* photons in hand, beyond the queue: first index, and number */
     struct cml_launch_queue queue;
     struct cml_terminated terminated;
 };

@@ -32,7 +32,7 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
 {
     for (int i = 0; i < CML_QUEUE; i++)
         if (!(queue->tau[i] < CML_INFINITY))
-            queue->tau[i] = cml_optical_depth(stream, next + (uint64_t)i, 0, 0);
+            queue->tau[i] = cml_optical_depth(stream, next + CML_NUM_BATCHES * (uint64_t)i, 0, 0);
 }
 
 /* Counts the ballistic packets among the first `count` of the queue and drops them: all of them end alike, so
@@ -71,7 +71,7 @@ static int cml_fill_queue(struct cml_flight *f)
         const int count = f->left < CML_QUEUE ? (int)f->left : CML_QUEUE;
         if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
             cml_queue_draw_tails(stream, f->next, queue);
-        f->next += (uint64_t)count;
+        f->next += CML_NUM_BATCHES * (uint64_t)count;
         f->left -= (uint64_t)count;
         queue->first = 0;
         queue->end = f->ballistic.possible ? cml_count_ballistic(f, count) : count;

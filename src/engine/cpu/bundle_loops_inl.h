@@ -6,6 +6,7 @@
 #define CML_BUNDLE_LOOPS_INL_H
 
 #include "engine/cpu/bundle_masks.h"
+#include "batches.h"
 #include "walk.h"
 
 #include <stddef.h>
@@ -37,10 +38,11 @@ static inline real cml_pick(int active, real a, real b)
  * the loops beside it, and a profile could not tell them apart. What it calls is inlined. */
 #define CML_LOOP static __attribute__((noinline))
 
-/* Fills the launch queue with CML_QUEUE photons from index `next` on: the block of their first interaction,
- * the optical depth to it (P2), and whether they are transmitted at the first boundary. reflectance: there,
- * if the beam meets it at one place and angle; 0: it reflects nothing, or is not known. Returns 1 when an
- * optical depth lies in the tail (P2), which is too rare for this loop and is infinite in the queue. */
+/* Fills the launch queue with CML_QUEUE photons of a batch from index `next` on: the block of their first
+ * interaction, the optical depth to it (P2), and whether they are transmitted at the first boundary.
+ * reflectance: there, if the beam meets it at one place and angle; 0: it reflects nothing, or is not known.
+ * Returns 1 when an optical depth lies in the tail (P2), which is too rare for this loop and is infinite in
+ * the queue. */
 CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real reflectance,
                             struct cml_launch_queue *queue)
 {
@@ -49,7 +51,7 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
     int tail = 0;
 #pragma omp simd reduction(| : tail)
     for (int i = 0; i < CML_QUEUE; i++) {
-        const cml_u32 index = low + (cml_u32)i, carried = high + (cml_u32)(index < low);
+        const cml_u32 index = low + (cml_u32)(CML_NUM_BATCHES * i), carried = high + (cml_u32)(index < low);
         const struct cml_block draw = cml_threefry(stream, index, carried, 0, CML_PURPOSE_INTERACTION);
         queue->index_low[i] = index;
         queue->index_high[i] = carried;

@@ -134,7 +134,7 @@ static cml_status opencl_open(const struct cml_scene *scene, const struct cml_su
     return status;
 }
 
-/* Indices that no device has been given yet. */
+/* Photons of a piece that no device has been given yet. */
 struct pool {
     uint64_t first, count;
 };
@@ -148,8 +148,8 @@ static void give(const struct opencl_engine *engine, struct cml_opencl_flight *f
     const uint64_t least = flight->most_items;
     uint64_t part = engine->chunk ? engine->chunk : (share > least ? share : least);
     if (part > pool->count) part = pool->count;
-    cml_opencl_flight_give(flight, pool->first, part);
-    pool->first += part;
+    cml_opencl_flight_give(flight, pool->first, CML_NUM_BATCHES, part);
+    pool->first += CML_NUM_BATCHES * part;
     pool->count -= part;
 }
 
@@ -179,16 +179,11 @@ static cml_status launch_all(struct opencl_engine *engine, struct pool *pool, in
     return CML_OK;
 }
 
-/* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. A square comes
- * in three parts, because devices add in 64 bits. */
+/* Adds a device's block of cells to the tally; kernels/device_layout.h says what lies where. */
 static void add_cells(const uint64_t *cells, uint64_t num_cells, struct cml_tally *tally)
 {
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) tally->balance[i] += cells[CML_CELL_BALANCE + (cml_u32)i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) tally->count[i] += cells[CML_CELL_COUNT + (cml_u32)i];
-    for (int i = 0; i < CML_NUM_TOTALS; i++) {
-        const uint64_t *square = &cells[CML_CELL_SQUARE + 3u * (cml_u32)i];
-        tally->square[i] += square[0] + ((cml_u128)square[1] << 32) + ((cml_u128)square[2] << 64);
-    }
     for (uint64_t i = CML_CELL_LAYER; i < num_cells; i++) tally->A_l[i - CML_CELL_LAYER] += cells[i];
 }
 
@@ -260,7 +255,7 @@ static cml_status opencl_fates(void *self, uint64_t first, uint64_t count, struc
     struct opencl_engine *engine = self;
     struct cml_opencl_flight *flight = engine->flights;
     CML_TRY(cml_opencl_flight_begin(flight, count, count, err));
-    cml_opencl_flight_give(flight, first, count);
+    cml_opencl_flight_give(flight, first, 1, count);
     while (!cml_opencl_flight_done(flight)) {
         CML_TRY(cml_opencl_flight_start(flight, err));
         CML_TRY(cml_opencl_flight_finish(flight, err));
@@ -294,7 +289,7 @@ static cml_status follow(struct opencl_engine *engine, struct cml_opencl_flight 
     struct cml_packet before, after;
     cml_launch(&engine->owned.world, index, &before);
     tell(&engine->owned, "launch", &before, on_event, context);
-    cml_opencl_flight_give(flight, index, 1);
+    cml_opencl_flight_give(flight, index, 1, 1);
     do {
         flight->launch.steps = 1;
         CML_TRY(cml_opencl_flight_start(flight, err));

@@ -295,9 +295,10 @@ cml_status cml_opencl_flight_begin(struct cml_opencl_flight *flight, uint64_t ph
 }
 
 /* Written to the device with the other counters when the next launch starts. */
-void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t count)
+void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t stride, uint64_t count)
 {
     flight->control.first = first;
+    flight->control.stride = stride;
     flight->control.count = (uint32_t)count;
     flight->control.taken = 0;
 }

@@ -110,7 +110,8 @@ CML_NODISCARD cml_status cml_opencl_flight_begin(struct cml_opencl_flight *fligh
                                                  uint64_t records, struct cml_error *err);
 
 /* Hands over indices; only when it has taken all earlier ones. */
-void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t count);
+void cml_opencl_flight_give(struct cml_opencl_flight *flight, uint64_t first, uint64_t stride,
+                            uint64_t count);
 bool cml_opencl_flight_dry(const struct cml_opencl_flight *flight);  /* has taken all its indices */
 bool cml_opencl_flight_done(const struct cml_opencl_flight *flight); /* and no packet is under way */
 

@@ -9,8 +9,8 @@
 #include <pthread.h>
 #include <time.h>
 
-#define BLOCK 97 /* packets, all of one batch */
-#define BLOCKS 61
+#define BLOCK 47 /* packets, all of one batch */
+#define BLOCKS (2 * CML_NUM_BATCHES)
 #define PACKETS (BLOCK * BLOCKS)
 #define PATIENCE 120 /* s: how long a thread is held at most; only a failure takes that long */
 
@@ -71,9 +71,9 @@ static bool next(void *context, uint64_t most, int takers, struct cml_piece *pie
     uint64_t count = cml_piece_size(most, takers, PACKETS - ledger->given);
     if (ledger->most && count > ledger->most) count = ledger->most;
     if (count > BLOCK - place) count = BLOCK - place;
-    const uint64_t first = block * 37 % BLOCKS * BLOCK + place;
-    *piece = (struct cml_piece){first, count, (int)(block % CML_NUM_BATCHES)};
-    for (uint64_t i = 0; i < count; i++) ledger->times[first + i]++;
+    const uint64_t part = block / CML_NUM_BATCHES, batch = block * 37 % CML_NUM_BATCHES;
+    *piece = (struct cml_piece){(part * BLOCK + place) * CML_NUM_BATCHES + batch, count, (int)batch};
+    for (uint64_t i = 0; i < count; i++) ledger->times[piece->first + CML_NUM_BATCHES * i]++;
     ledger->given += count;
     pending[piece->batch] += count;
     pthread_mutex_unlock(&ledger->lock);

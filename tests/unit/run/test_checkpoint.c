@@ -28,8 +28,6 @@ static struct cml_result new_result(uint32_t seed)
     cml_u128 *cell = cml_result_cells(&result, &cells);
     for (size_t i = 0; seed && i < cells; i++) cell[i] = (cml_u128)dice_word(&dice) << (i % 90);
     for (int i = 0; seed && i < CML_NUM_COUNTS; i++) result.summary.count[i] = dice_word(&dice);
-    for (int i = 0; seed && i < CML_NUM_TOTALS; i++)
-        result.summary.square[i] = (cml_u128)dice_word(&dice) << 70;
     result.summary.count[CML_COUNT_PHOTONS] = END - seed - 2; /* what save() does not leave open */
     if (seed) cml_lost_list_add(&result.summary.lost, seed);
     return result;

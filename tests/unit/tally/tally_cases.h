@@ -49,8 +49,6 @@ static inline void score(struct cml_tally *tally, int r, int a, int z, bool up)
     tally->balance[up ? CML_BALANCE_REFLECTED : CML_BALANCE_TRANSMITTED] += half;
     tally->balance[CML_BALANCE_ABSORBED] += half;
     tally->count[CML_COUNT_PHOTONS]++;
-    tally->square[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += (cml_u128)half * half;
-    tally->square[CML_TOTAL_ABSORBED] += (cml_u128)half * half;
 }
 
 static inline void score_at_random(struct dice *dice, struct cml_tally *tally, int packets)

@@ -1,6 +1,8 @@
 /* Results: what tallies add up to, in which bins, with which errors. SPDX-License-Identifier: MIT */
 #include "unit/tally/tally_cases.h"
 
+#include "tally/places.h"
+
 /* One unit too many in any of these cells shows. */
 static void assert_every_cell_counts(const struct cml_result *result, cml_u128 *const *cells, int count)
 {
@@ -35,24 +37,47 @@ static void the_error_of_what_a_packet_adds_once(void **state)
     assert_true(cml_result_once_error(&result, 0, 0) == 0);
 }
 
-/* Batches lie side by side, differ by at most one packet, and each photon finds its own. */
+/* Batches differ by at most one packet, and are all that there is. */
 static void every_photon_belongs_to_one_batch(void **state)
 {
     (void)state;
     static const uint64_t photons[] = {
         1, 2, 63, 64, 65, 1000, 4095, 1000007, ((uint64_t)1 << 48) - 1, (uint64_t)1 << 48};
     for (int i = 0; i < COUNT(photons); i++) {
-        const uint64_t n = photons[i];
-        assert_int_equal(cml_batch_first(n, 0), 0);
-        assert_int_equal(cml_batch_first(n, CML_NUM_BATCHES), n);
+        uint64_t sum = 0;
         for (int b = 0; b < CML_NUM_BATCHES; b++) {
-            const uint64_t first = cml_batch_first(n, b), end = cml_batch_first(n, b + 1);
-            assert_true(end >= first);
-            assert_true(end - first == n / 64 || end - first == n / 64 + 1);
-            if (first == end) continue;
-            assert_int_equal(cml_batch_of(n, first), b);
-            assert_int_equal(cml_batch_of(n, end - 1), b);
+            const uint64_t size = cml_batch_size(photons[i], b);
+            assert_true(size == photons[i] / 64 || size == photons[i] / 64 + 1);
+            sum += size;
         }
+        assert_int_equal(sum, photons[i]);
+    }
+}
+
+/* A round, place by place: every photon once, batch after batch, each as point i / 64 of batch i mod 64. */
+static void places_hold_every_photon_once(void **state)
+{
+    (void)state;
+    static const uint64_t rounds[][2] = {{0, 1}, {0, 63},   {0, 64},   {0, 1000},
+                                         {5, 6}, {37, 300}, {64, 128}, {1000, 1777}};
+    for (int k = 0; k < COUNT(rounds); k++) {
+        const uint64_t begin = rounds[k][0], end = rounds[k][1];
+        int times[1777] = {0}, batch = -1;
+        for (uint64_t place = begin; place < end;) {
+            const struct cml_piece piece = cml_piece_at(begin, end, place),
+                                   next = cml_piece_at(begin, end, end - 1);
+            assert_true(piece.batch > batch && piece.batch <= next.batch);
+            batch = piece.batch;
+            for (uint64_t i = 0; i < piece.count; i++, place++) {
+                const struct cml_piece here = cml_piece_at(begin, end, place);
+                const uint64_t photon = piece.first + CML_NUM_BATCHES * i;
+                assert_true(here.first == photon && here.count == piece.count - i && here.batch == batch);
+                assert_int_equal(photon % CML_NUM_BATCHES, batch);
+                assert_true(photon >= begin && photon < end);
+                times[photon]++;
+            }
+        }
+        for (uint64_t photon = begin; photon < end; photon++) assert_int_equal(times[photon], 1);
     }
 }
 
@@ -170,33 +195,9 @@ static void a_broken_cell_does_not_balance(void **state)
     cml_tally_free(&tally);
 }
 
-static void the_error_of_a_total_is_that_of_its_packets(void **state)
-{
-    (void)state;
-    struct dice dice = dice_new(83);
-    struct cml_result result = make_result(&grid, 1000);
-    struct cml_tally tally = make_tally(&grid);
-    double sum = 0, squares = 0;
-    double weight[1000];
-    for (int n = 0; n < 1000; n++) {
-        const uint32_t w = dice_word(&dice) >> 1;
-        weight[n] = w * 0x1p-31;
-        sum += weight[n];
-        tally.balance[CML_BALANCE_REFLECTED] += w;
-        tally.square[CML_TOTAL_REFLECTED] += (cml_u128)w * w;
-        tally.count[CML_COUNT_PHOTONS]++;
-    }
-    for (int n = 0; n < 1000; n++) squares += (weight[n] - sum / 1000) * (weight[n] - sum / 1000);
-    add_to_batch(&result, 0, &tally);
-    assert_near("error", cml_result_error(&result, CML_TOTAL_REFLECTED), sqrt(squares / 999 / 1000), 1e-15);
-    assert_true(cml_result_error(&result, CML_TOTAL_TRANSMITTED) == 0);
-    cml_result_free(&result);
-    cml_tally_free(&tally);
-}
-
 /* Against the same formula written out, with batches of unequal size; and for independent packets it must
  * agree with the binomial error. */
-static void the_error_of_a_bin_is_the_spread_of_its_batches(void **state)
+static void errors_are_the_spread_of_batches(void **state)
 {
     (void)state;
     struct dice dice = dice_new(84);
@@ -205,7 +206,7 @@ static void the_error_of_a_bin_is_the_spread_of_its_batches(void **state)
     double mean[CML_NUM_BATCHES], size[CML_NUM_BATCHES], all = 0, squares = 0;
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
         struct cml_tally tally = make_tally(&grid);
-        size[b] = (double)(cml_batch_first(photons, b + 1) - cml_batch_first(photons, b));
+        size[b] = (double)cml_batch_size(photons, b);
         for (int n = 0; n < (int)size[b]; n++) score(&tally, dice_below(&dice, 3), 0, 0, true);
         add_to_batch(&result, b, &tally);
         mean[b] = (double)(tally.Rd_ra[2] + tally.Rd_ra[3]) * CML_WEIGHT_UNIT / size[b];
@@ -217,6 +218,30 @@ static void the_error_of_a_bin_is_the_spread_of_its_batches(void **state)
     assert_near("error", error, sqrt(squares / 63 / (double)photons), 1e-15);
     assert_near("binomial error", error / (0.5 * sqrt(2.0 / 9 / (double)photons)), 1, 0.35);
     assert_true(cml_result_bin_error(&result, result.Tt_r, 3, 1) == 0);
+    cml_result_free(&result);
+}
+
+/* A total is a profile of one bin. */
+static void the_error_of_a_total_is_that_of_its_bins(void **state)
+{
+    (void)state;
+    const struct cml_grid one = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1, .absorption = true};
+    struct dice dice = dice_new(83);
+    struct cml_result result = make_result(&one, 1000);
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        struct cml_tally tally = make_tally(&one);
+        for (uint64_t n = 0; n < cml_batch_size(1000, b); n++)
+            score(&tally, 0, 0, 0, dice_below(&dice, 3) == 0);
+        add_to_batch(&result, b, &tally);
+        cml_tally_free(&tally);
+    }
+    const double error = cml_result_error(&result, CML_TOTAL_REFLECTED);
+    assert_true(error == cml_result_bin_error(&result, result.Rd_r, 1, 0));
+    assert_near("binomial error", error / (0.5 * sqrt(2.0 / 9 / 1000)), 1, 0.35);
+    assert_true(cml_result_error(&result, CML_TOTAL_TRANSMITTED) ==
+                cml_result_bin_error(&result, result.Tt_a, 1, 0));
+    assert_true(cml_result_error(&result, CML_TOTAL_ABSORBED) == 0 && result.A_z[0] > 0);
+    assert_true(cml_result_error(&result, CML_TOTAL_SPECULAR) == 0);
     cml_result_free(&result);
 }
 
@@ -244,7 +269,6 @@ static void a_result_does_not_overflow(void **state)
     tally.balance[CML_BALANCE_LAUNCHED] = full;
     tally.balance[CML_BALANCE_REFLECTED] = full;
     tally.count[CML_COUNT_PHOTONS] = CML_TALLY_MAX_PHOTONS;
-    tally.square[CML_TOTAL_REFLECTED] = (cml_u128)full << 31;
     for (int n = 0; n < 1 << 18; n++) add_to_batch(&result, n >> 12, &tally);
     assert_true(result.Rd_ra[0] == (cml_u128)1 << 79);
     assert_true(result.Rd_r[5 * 3] == (cml_u128)1 << 73);
@@ -262,7 +286,6 @@ static struct cml_summary random_summary(struct dice *dice)
     struct cml_summary summary = {.lost = {0}};
     for (int i = 0; i < COUNT(summary.balance); i++) summary.balance[i] = (cml_u128)dice_word(dice) << 60;
     for (int i = 0; i < COUNT(summary.count); i++) summary.count[i] = dice_word(dice);
-    for (int i = 0; i < COUNT(summary.square); i++) summary.square[i] = (cml_u128)dice_word(dice) << 60;
     for (int i = 0; i < 6; i++) cml_lost_list_add(&summary.lost, dice_word(dice));
     return summary;
 }
@@ -288,12 +311,13 @@ int main(void)
         cmocka_unit_test(a_broken_map_does_not_balance),
         cmocka_unit_test(the_error_of_what_a_packet_adds_once),
         cmocka_unit_test(every_photon_belongs_to_one_batch),
+        cmocka_unit_test(places_hold_every_photon_once),
         cmocka_unit_test(a_result_has_the_margins_of_its_batches),
         cmocka_unit_test(a_tally_may_serve_many_batches),
         cmocka_unit_test(cells_beyond_the_grid_go_into_its_rim),
         cmocka_unit_test(a_broken_cell_does_not_balance),
-        cmocka_unit_test(the_error_of_a_total_is_that_of_its_packets),
-        cmocka_unit_test(the_error_of_a_bin_is_the_spread_of_its_batches),
+        cmocka_unit_test(the_error_of_a_total_is_that_of_its_bins),
+        cmocka_unit_test(errors_are_the_spread_of_batches),
         cmocka_unit_test(one_photon_has_no_error_yet),
         cmocka_unit_test(a_result_does_not_overflow),
         cmocka_unit_test(summaries_merge_in_any_order),

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally/places.h"
+
+/* Of photons 0 to photons - 1: how many are in batches below this one. */
+static uint64_t in_batches_below(uint64_t photons, uint64_t batch)
+{
+    const uint64_t rest = photons % CML_NUM_BATCHES;
+    return batch * (photons / CML_NUM_BATCHES) + (batch < rest ? batch : rest);
+}
+
+/* First place of a batch; that of batch 64 is `end`. */
+static uint64_t place_of(uint64_t begin, uint64_t end, uint64_t batch)
+{
+    return begin + in_batches_below(end, batch) - in_batches_below(begin, batch);
+}
+
+struct cml_piece cml_piece_at(uint64_t begin, uint64_t end, uint64_t place)
+{
+    uint64_t batch = 0;
+    while (place_of(begin, end, batch + 1) <= place) batch++;
+    const uint64_t first =
+        begin + (batch - begin) % CML_NUM_BATCHES; /* the batch's first photon of the round */
+    const struct cml_piece piece = {
+        .first = first + CML_NUM_BATCHES * (place - place_of(begin, end, batch)),
+        .count = place_of(begin, end, batch + 1) - place,
+        .batch = (int)batch,
+    };
+    return piece;
+}

@@ -29,7 +29,12 @@ static cml_status bench_open(const char *path, enum cml_surface_kind force, stru
                              struct cml_error *err)
 {
     const struct cml_surface_options how = {.force = force, .tessellation = {.tolerance = 1e-3}};
-    const struct cml_engine_options options = {.seed = 1, .threads = 1, .reentry = true, .absorption = true};
+    const struct cml_engine_options options = {.seed = 1,
+                                               .threads = 1,
+                                               .lattice = true,
+                                               .roulette = {0.01, 0.03},
+                                               .reentry = true,
+                                               .absorption = true};
     *flight = (struct bench_flight){0};
     CML_TRY(cml_mci_read(path, NULL, &flight->list, err));
     const struct cml_scene *scene = &flight->list.scenes[0];

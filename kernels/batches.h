@@ -4,6 +4,7 @@
 #ifndef CML_BATCHES_H
 #define CML_BATCHES_H
 
-#define CML_NUM_BATCHES 64
+#define CML_LOG2_BATCHES 6
+#define CML_NUM_BATCHES (1 << CML_LOG2_BATCHES)
 
 #endif

@@ -20,7 +20,7 @@ struct cml_device_lanes {
     cml_u32 flushed_w[CML_DEVICE_LANES]; /* weight when the deposits since were last added to the balance */
     cml_u32 interactions[CML_DEVICE_LANES];
     cml_u32 touched[CML_DEVICE_LANES]; /* the interactions before the last boundary event */
-    cml_u32 draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
+    cml_u32 draw0[CML_DEVICE_LANES], draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
         draw3[CML_DEVICE_LANES]; /* words of the next interaction's block */
     real mfp[CML_DEVICE_LANES], absorb[CML_DEVICE_LANES], g[CML_DEVICE_LANES],
         bins[CML_DEVICE_LANES]; /* of the medium */
@@ -58,23 +58,52 @@ CML_FN cml_u32 cml_device_is_near(const struct cml_device_lanes *l, cml_u32 i, r
              (z - err_depth > l->start_above[i]) & (z + err_depth < l->start_below[i]));
 }
 
-/* The block of every lane's next interaction, the optical depth of those that have none yet, and how far they
- * go. A lane whose last event was no interaction draws the block that it has. Returns the mask of the live
- * lanes that may meet a boundary; the other live lanes are to interact. */
-CML_DEVICE_LOOP cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
+/* The random block of every lane's next interaction. A lane whose last event was no interaction draws the
+ * block that it has. Returns 1 when any lane is before the interaction `events`. */
+CML_DEVICE_LOOP cml_u32 cml_device_draw(struct cml_stream stream, cml_u32 events,
+                                        struct cml_device_lanes *restrict l)
 {
-    cml_u32 near_lanes = 0;
+    cml_u32 any = 0;
     CML_AT_ONCE
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         const struct cml_block draw = cml_threefry(stream, l->index_low[i], l->index_high[i],
                                                    l->interactions[i], (cml_u32)CML_PURPOSE_INTERACTION);
-        const real fresh = cml_depth_or_tail(draw.w[0]), old = l->tau[i], tau = old < 0 ? fresh : old;
-        const real s = cml_path(tau, l->mfp[i]);
-        const cml_u32 near = cml_device_is_near(l, i, s);
-        const cml_u32 live = l->live[i];
+        l->draw0[i] = draw.w[0];
         l->draw1[i] = draw.w[1];
         l->draw2[i] = draw.w[2];
         l->draw3[i] = draw.w[3];
+        any |= l->interactions[i] < events;
+    }
+    return any;
+}
+
+/* Words of the lattice (lattice.h) in place of random ones, in lanes before the interaction `events`. */
+CML_DEVICE_LOOP void cml_device_draw_even(struct cml_stream stream, cml_u32 events,
+                                          struct cml_device_lanes *restrict l)
+{
+    CML_AT_ONCE
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
+        const cml_u32 low = l->index_low[i], high = l->index_high[i], e = l->interactions[i];
+        const struct cml_block random = {{l->draw0[i], l->draw1[i], l->draw2[i], l->draw3[i]}};
+        const struct cml_block shifts = cml_lattice_shifts(stream, (cml_u64)high << 32 | low, e);
+        const struct cml_block even = cml_lattice_block(cml_lattice_reversed(low, high), e, shifts, random);
+        l->draw0[i] = e < events ? even.w[0] : random.w[0];
+        l->draw1[i] = e < events ? even.w[1] : random.w[1];
+        l->draw2[i] = e < events ? even.w[2] : random.w[2];
+    }
+}
+
+/* The optical depth of every lane that has none yet, and how far all go. Returns the mask of the live lanes
+ * that may meet a boundary; the other live lanes are to interact. */
+CML_DEVICE_LOOP cml_u32 cml_device_fly(struct cml_device_lanes *restrict l)
+{
+    cml_u32 near_lanes = 0;
+    CML_AT_ONCE
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
+        const real fresh = cml_depth_or_tail(l->draw0[i]), old = l->tau[i], tau = old < 0 ? fresh : old;
+        const real s = cml_path(tau, l->mfp[i]);
+        const cml_u32 near = cml_device_is_near(l, i, s);
+        const cml_u32 live = l->live[i];
         l->tau[i] = tau;
         l->s[i] = s;
         l->mine[i] = live & !near;
@@ -109,7 +138,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
         l->uz[i] = mine ? v.z : u.z;
         l->tau[i] = mine ? (real)-1 : l->tau[i];
         l->interactions[i] += mine;
-        low_lanes |= (mine & (w - dw < CML_ROULETTE_THRESHOLD)) << i;
+        low_lanes |= (mine & (w - dw < setup->roulette.below)) << i;
     }
     return low_lanes;
 }

@@ -18,6 +18,7 @@ enum cml_purpose {
     CML_PURPOSE_TAIL,   /* event e: further optical depths when word [0] of interaction e fell in the lowest
                            cell */
     CML_PURPOSE_LAUNCH, /* event 0: where in the beam */
+    CML_PURPOSE_SHIFT,  /* of a batch, not of a photon: shifts of the lattice (lattice.h) */
 };
 
 struct cml_block {

@@ -170,12 +170,12 @@ CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const stru
 }
 
 /* P8, likewise. */
-CML_FN cml_u32 cml_device_roulette(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
+CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
     cml_device_flush_deposits(to, f, i);
     cml_device_read_lane(f, i);
-    cml_roulette(packet);
+    cml_roulette(rule, packet);
     f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w;
     return packet->fate != CML_FATE_ALIVE;
 }
@@ -186,13 +186,16 @@ CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_depo
                             struct cml_device_flight *f)
 {
     cml_u32 ended = 0;
-    const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
+    const cml_u32 events = world->setup.lattice;
+    if (cml_device_draw(world->setup.stream, events, &f->lanes))
+        cml_device_draw_even(world->setup.stream, events, &f->lanes);
+    const cml_u32 near_lanes = cml_device_fly(&f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
         ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     const cml_u32 low_lanes = cml_device_interact(&world->setup, &f->lanes);
     if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
     for (cml_u32 rest = low_lanes; rest; rest &= rest - 1)
-        ended |= cml_device_roulette(to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
+        ended |= cml_device_roulette(world->setup.roulette, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     for (cml_u32 rest = ended; rest; rest &= rest - 1)
         cml_device_replace(world, to, launch, fates, f, CML_LOWEST(rest));
 }

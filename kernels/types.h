@@ -14,9 +14,6 @@
 
 /* Weight is an integer, so that the balance holds to the last bit (P10): a whole packet is 2^31 units. */
 #define CML_WEIGHT_ONE 0x80000000u
-#define CML_ROULETTE_THRESHOLD 214748u     /* 1e-4 of a packet */
-#define CML_ROULETTE_SURVIVAL 429496730u   /* 0.1 of 2^32 */
-#define CML_ROULETTE_FACTOR 10u            /* 1 / 0.1 */
 #define CML_SHADED_LIMIT 1000u             /* boundary events in a row that shading normals may bend */
 #define CML_SHADED_LEAST (8 * CML_EPSILON) /* sine of the angle at which they may send light from a facet */
 #define CML_TRAPPED_LIMIT 10000u  /* boundary events in a row without interaction, in a clear medium */
@@ -85,8 +82,17 @@ struct cml_surface {
     struct cml_facet_range facets;
 };
 
+/* P8: which packets play roulette, and what survivors weigh. Units of weight. */
+struct cml_roulette_rule {
+    cml_u32 below; /* lighter ones play */
+    cml_u32
+        weight; /* at least `below`; 0: ten times what they had, below at most 2^31 / 10 (original MCML) */
+};
+
 struct cml_setup {
     struct cml_stream stream;
+    struct cml_roulette_rule roulette;
+    cml_u32 lattice; /* interactions that draw from the lattice (lattice.h): CML_LATTICE_EVENTS or 0 */
     int num_layers;
     int reentry;          /* follow packets outside (P6) */
     int tally_absorption; /* A_rz is wanted */

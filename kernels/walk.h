@@ -6,6 +6,7 @@
 #define CML_WALK_H
 
 #include "invariants.h"
+#include "lattice.h"
 #include "optics.h"
 #include "rng.h"
 #include "surface_hit.h"
@@ -17,6 +18,33 @@
 #include "host_deposits.h"
 #endif
 
+/* Words of an interaction. */
+CML_FN struct cml_block cml_draw_interaction(const struct cml_setup *setup, cml_u64 photon, cml_u32 event)
+{
+    const struct cml_block random = cml_draw(setup->stream, photon, CML_PURPOSE_INTERACTION, event);
+    if (event >= setup->lattice) return random;
+    return cml_lattice_block(cml_lattice_point(photon), event,
+                             cml_lattice_shifts(setup->stream, photon, event), random);
+}
+
+/* Word that decides the reflection at a photon's boundary event `crossing` with unequal indices. */
+CML_FN cml_u32 cml_draw_reflection(const struct cml_setup *setup, cml_u64 photon, cml_u32 crossing)
+{
+    const cml_u32 random = cml_draw(setup->stream, photon, CML_PURPOSE_BOUNDARY, crossing).w[0];
+    if (crossing > 0u || !setup->lattice) return random;
+    return cml_lattice_draw(setup->stream, photon, CML_LATTICE_REFLECTION, random);
+}
+
+/* Words that place a photon in its beam: 0 and 1. */
+CML_FN struct cml_block cml_draw_launch(const struct cml_setup *setup, cml_u64 photon)
+{
+    struct cml_block draw = cml_draw(setup->stream, photon, CML_PURPOSE_LAUNCH, 0);
+    if (!setup->lattice) return draw;
+    draw.w[0] = cml_lattice_draw(setup->stream, photon, CML_LATTICE_LAUNCH_RADIUS, draw.w[0]);
+    draw.w[1] = cml_lattice_draw(setup->stream, photon, CML_LATTICE_LAUNCH_AZIMUTH, draw.w[1]);
+    return draw;
+}
+
 /* P2: the block of the next interaction and the optical depth to it. A device draws for many packets together
  * before their next step (device_lanes.h); a depth below 0 asks for it. */
 CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
@@ -25,8 +53,7 @@ CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *pa
     (void)world;
     packet->tau = -1;
 #else
-    packet->draw =
-        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_INTERACTION, packet->interactions);
+    packet->draw = cml_draw_interaction(&world->setup, packet->index, packet->interactions);
     packet->tau =
         cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
 #endif
@@ -78,7 +105,7 @@ CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 ind
 {
     struct cml_vec none = {0, 0, 0};
     if (!(setup->disk > 0) && !(setup->gauss > 0)) return none;
-    const struct cml_block draw = cml_draw(setup->stream, index, CML_PURPOSE_LAUNCH, 0);
+    const struct cml_block draw = cml_draw_launch(setup, index);
     real c, s, r;
     cml_circle_point(draw.w[1], &c, &s);
     const real xi = cml_uniform(draw.w[0]);
@@ -185,16 +212,18 @@ CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml
     return part < w ? part : w;
 }
 
-/* P8. */
-CML_FN void cml_roulette(struct cml_packet *packet)
+/* P8: with the chance w / weight a packet goes on with that weight. A word is below 2^32 w / weight with that
+ * chance, to one part in 2^32. */
+CML_FN void cml_roulette(struct cml_roulette_rule rule, struct cml_packet *packet)
 {
-    if (packet->w >= CML_ROULETTE_THRESHOLD) return;
-    if (packet->w > 0 && packet->draw.w[3] < CML_ROULETTE_SURVIVAL) {
-        packet->gained += packet->w * (CML_ROULETTE_FACTOR - 1u);
-        packet->w *= CML_ROULETTE_FACTOR;
-        CML_ASSERT(packet->w < CML_ROULETTE_THRESHOLD * CML_ROULETTE_FACTOR);
+    const cml_u32 w = packet->w, weight = rule.weight ? rule.weight : 10u * w;
+    if (w >= rule.below) return;
+    if ((cml_u64)packet->draw.w[3] * weight < (cml_u64)w << 32) {
+        packet->gained += weight - w;
+        packet->w = weight;
+        CML_ASSERT(weight <= CML_WEIGHT_ONE);
     } else {
-        packet->roulette += packet->w;
+        packet->roulette += w;
         packet->w = 0;
         cml_end_packet(packet, CML_FATE_ABSORBED);
     }
@@ -237,7 +266,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     if (!(cml_dot(packet->u, packet->u) < 2))
         cml_lose_packet(packet, CML_LOST_NAN);
     else
-        cml_roulette(packet);
+        cml_roulette(world->setup.roulette, packet);
     if (packet->fate == CML_FATE_ALIVE) cml_next_flight(world, packet);
 }
 
@@ -290,9 +319,7 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
-    const cml_u32 word =
-        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BOUNDARY, packet->crossings).w[0];
-    const real xi = cml_uniform(word);
+    const real xi = cml_uniform(cml_draw_reflection(&world->setup, packet->index, packet->crossings));
     int transmitted;
     packet->crossings++;
     if (cml_is_plane(world, hit->boundary)) {

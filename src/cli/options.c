@@ -27,6 +27,8 @@ enum option_key {
     KEY_IGNORE_ABSORPTION,
     KEY_IGNORE_HEIGHTFIELDS,
     KEY_NO_REENTRY,
+    KEY_SAMPLING,
+    KEY_ROULETTE,
     KEY_TARGET_ERROR,
     KEY_CHECKPOINT,
     KEY_RESUME,
@@ -64,6 +66,8 @@ static const struct option long_options[] = {
     {"ignore-absorption", no_argument, NULL, KEY_IGNORE_ABSORPTION},
     {"ignore-heightfields", no_argument, NULL, KEY_IGNORE_HEIGHTFIELDS},
     {"no-reentry", no_argument, NULL, KEY_NO_REENTRY},
+    {"sampling", required_argument, NULL, KEY_SAMPLING},
+    {"roulette", required_argument, NULL, KEY_ROULETTE},
     {"target-error", required_argument, NULL, KEY_TARGET_ERROR},
     {"checkpoint", required_argument, NULL, KEY_CHECKPOINT},
     {"resume", no_argument, NULL, KEY_RESUME},
@@ -107,6 +111,9 @@ static const char help[] =
     "  --target-error E       fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt "
     "is "
     "below E\n"
+    "  --sampling KIND        of a packet's first draws: lattice (default, evenly spread) or random\n"
+    "  --roulette WR,WS|mcml  packets below WR survive as WS; mcml: below 1e-4 one in ten survives; default "
+    "0.01,0.03\n"
     "  --ignore-absorption    tally no A_rz\n"
     "  --ignore-heightfields  every surface is its nominal plane\n"
     "  --no-reentry           score packets at their first exit, as the 2019 program did\n"
@@ -229,6 +236,37 @@ static cml_status parse_machine(int key, const char *value, struct cml_options *
     }
 }
 
+/* "A,B". */
+static bool parse_pair(const char *value, double *a, double *b)
+{
+    char first[32];
+    const char *comma = strchr(value, ',');
+    const size_t length = comma ? (size_t)(comma - value) : sizeof first;
+    if (length >= sizeof first) return false;
+    memcpy(first, value, length);
+    first[length] = '\0';
+    return cml_parse_double(first, a) && cml_parse_double(comma + 1, b);
+}
+
+/* How packets draw and end: what changes the error of a result, and no expected value. */
+static cml_status parse_sampling(int key, const char *value, struct cml_options *options,
+                                 struct cml_error *err)
+{
+    static const char *const kinds[] = {"random", "lattice", NULL};
+    struct cml_roulette_options *roulette = &options->engine_options.roulette;
+    if (key == KEY_SAMPLING) {
+        int choice = 0;
+        CML_TRY(choose("sampling", value, kinds, &choice, err));
+        options->engine_options.lattice = choice == 1;
+        return CML_OK;
+    }
+    *roulette = (struct cml_roulette_options){0, 0};
+    if (strcmp(value, "mcml") == 0) return CML_OK;
+    const bool sound = parse_pair(value, &roulette->below, &roulette->weight) && roulette->below >= 1e-6 &&
+                       roulette->below <= roulette->weight && roulette->weight <= 1;
+    return sound ? CML_OK : fail(err, "roulette", value, "mcml, or WR,WS with 1e-6 <= WR <= WS <= 1");
+}
+
 /* How boundaries are represented. A tolerance that the user gives also allows a boundary to be taken for a
  * plane where that is within it. */
 static cml_status parse_surface(int key, const char *value, struct cml_options *options,
@@ -329,6 +367,9 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
     case KEY_RINGS:
     case KEY_MESH_SEARCH:
         return parse_surface(key, value, options, err);
+    case KEY_SAMPLING:
+    case KEY_ROULETTE:
+        return parse_sampling(key, value, options, err);
     case KEY_TARGET_ERROR:
     case KEY_CHECKPOINT:
     case KEY_PATIENCE:
@@ -366,6 +407,8 @@ static void set_defaults(struct cml_options *options)
     /* a fixed seed, so that a run can be repeated by whoever has its file */
     options->engine_options.seed = 1;
     options->run = 1;
+    options->engine_options.lattice = true;
+    options->engine_options.roulette = (struct cml_roulette_options){0.01, 0.03};
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
     /* s: a minute of work may be lost, and a host that is busy must not be taken for a lost one */

@@ -10,12 +10,20 @@
 #include "tally/places.h"
 #include "tally/tally.h"
 
+/* Roulette (P8), in shares of a packet; both 0: that of original MCML. */
+struct cml_roulette_options {
+    double below;  /* lighter packets play */
+    double weight; /* of survivors, below <= weight <= 1 */
+};
+
 /* What a run asks of any engine. Unset members are 0. */
 struct cml_engine_options {
     uint64_t seed;
-    uint32_t run;    /* number of the run within its file, so that runs of one file are independent */
-    int threads;     /* 0: as many as OpenMP would use */
-    uint64_t chunk;  /* packets a thread takes at a time; 0: chosen by the engine. Never changes a result */
+    uint32_t run;   /* number of the run within its file, so that runs of one file are independent */
+    int threads;    /* 0: as many as OpenMP would use */
+    uint64_t chunk; /* packets a thread takes at a time; 0: chosen by the engine. Never changes a result */
+    bool lattice;   /* the first draws of packets are evenly spread (lattice.h); false: all are random */
+    struct cml_roulette_options roulette;
     bool reentry;    /* P6 */
     bool absorption; /* tally A_rz */
     /* opencl */

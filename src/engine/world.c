@@ -4,6 +4,7 @@
 #include "engine/world.h"
 
 #include "cone.h"
+#include "lattice.h"
 #include "surface/ring_horizon.h"
 #include "surface/surface_facets.h"
 
@@ -225,6 +226,14 @@ static void set_map(const struct cml_scene *scene, struct cml_map *map)
     map->top_bins = (real)(def->top / scene->dz);
 }
 
+static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
+{
+    const struct cml_roulette_rule window = {(cml_u32)(options->below * CML_WEIGHT_ONE),
+                                             (cml_u32)(options->weight * CML_WEIGHT_ONE)},
+                                   mcml = {(cml_u32)(1e-4 * CML_WEIGHT_ONE), 0};
+    return options->below > 0 ? window : mcml;
+}
+
 /* Everything that is the same for all packets. Bin widths become their reciprocals: a bin is a product away.
  */
 static void set_up(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -234,6 +243,8 @@ static void set_up(const struct cml_scene *scene, const struct cml_surface_set *
     setup->stream.key[0] = (cml_u32)options->seed;
     setup->stream.key[1] = (cml_u32)(options->seed >> 32);
     setup->stream.key[2] = options->run;
+    setup->roulette = roulette_of(&options->roulette);
+    setup->lattice = options->lattice ? CML_LATTICE_EVENTS : 0;
     setup->num_layers = scene->num_layers;
     setup->reentry = options->reentry;
     setup->tally_absorption = options->absorption;

@@ -17,6 +17,8 @@ static void write_options(FILE *out, const struct cml_run_setup *setup,
     const struct cml_tessellation *tessellation = &surface->tessellation;
     fprintf(out, "program %s\nengine %s\nseed %" PRIu64 "\nrun %" PRIu32 "\nphotons %" PRIu64 "\n",
             cml_version(), setup->engine->name, options->seed, options->run + 1, setup->photons);
+    fprintf(out, "lattice %d, roulette below %.17g to %.17g\n", options->lattice, options->roulette.below,
+            options->roulette.weight);
     fprintf(out, "target error %.17g\nre-entry %d\nabsorption %d\nflat %d\n", setup->target_error,
             options->reentry, options->absorption, flat);
     fprintf(out, "boundaries %d, tolerance %.17g, may flatten %d, normals %d, inscribed %d, search %d\n",

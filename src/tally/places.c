@@ -20,10 +20,12 @@ struct cml_piece cml_piece_at(uint64_t begin, uint64_t end, uint64_t place)
     while (place_of(begin, end, batch + 1) <= place) batch++;
     const uint64_t first =
         begin + (batch - begin) % CML_NUM_BATCHES; /* the batch's first photon of the round */
-    const struct cml_piece piece = {
+    struct cml_piece piece = {
         .first = first + CML_NUM_BATCHES * (place - place_of(begin, end, batch)),
         .count = place_of(begin, end, batch + 1) - place,
         .batch = (int)batch,
     };
+    const uint64_t sheet = (uint64_t)1 << 32, left = sheet - piece.first / CML_NUM_BATCHES % sheet;
+    if (piece.count > left) piece.count = left;
     return piece;
 }

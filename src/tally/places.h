@@ -8,7 +8,8 @@
 
 #include <stdint.h>
 
-/* Photons first, first + 64, first + 128 and so on, which are all of one batch. */
+/* Photons first, first + 64, first + 128 and so on, which are all of one batch, and of the same 2^32 points
+ * of it (lattice.h). */
 struct cml_piece {
     uint64_t first, count;
     int batch; /* first mod 64 */

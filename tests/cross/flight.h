@@ -49,8 +49,12 @@ struct flight_options {
 static inline void flight_open(const char *text, const struct flight_options *with, struct flight *flight)
 {
     struct cml_error err;
-    const struct cml_engine_options options = {
-        .seed = 20261121, .threads = 1, .reentry = !with->no_reentry, .absorption = with->absorption};
+    const struct cml_engine_options options = {.seed = 20261121,
+                                               .threads = 1,
+                                               .lattice = true,
+                                               .roulette = {0.01, 0.03},
+                                               .reentry = !with->no_reentry,
+                                               .absorption = with->absorption};
     struct cml_surface_options surface = {.force = with->kind};
     surface.tessellation.tolerance = with->tolerance > 0 ? with->tolerance : 1e-3;
     surface.tessellation.inscribed = with->inscribed;

@@ -40,14 +40,22 @@ static struct cml_tally fly_bundles(const struct cml_scene *scene, const struct 
     return tally;
 }
 
+/* With re-entry packets draw from the lattice and play roulette as by default, without as in original MCML.
+ */
 static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry)
 {
+    const struct cml_roulette_options window = {0.01, 0.03}, mcml = {0, 0};
     struct cml_error err;
     struct cml_surface_set surfaces;
     const struct cml_surface_options surface = {.force = kind,
                                                 .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
-    const struct cml_engine_options options = {
-        .seed = 5, .threads = 2, .chunk = 37, .reentry = reentry, .absorption = true};
+    const struct cml_engine_options options = {.seed = 5,
+                                               .threads = 2,
+                                               .chunk = 37,
+                                               .lattice = reentry,
+                                               .roulette = reentry ? window : mcml,
+                                               .reentry = reentry,
+                                               .absorption = true};
     struct cml_tally scalar;
     struct cml_owned_world world;
     require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);

@@ -43,7 +43,11 @@ static struct cml_check_pair check(uint64_t photons, bool same_geometry, uint64_
     read_scenes(scene, &list);
     require_ok(cml_surfaces_create(list.scenes, &surface, &surfaces, &err), &err);
     const struct cml_check_setup setup = {.scene = list.scenes,
-                                          .options = {.seed = 3, .reentry = true, .absorption = true},
+                                          .options = {.seed = 3,
+                                                      .lattice = true,
+                                                      .roulette = {0.01, 0.03},
+                                                      .reentry = true,
+                                                      .absorption = true},
                                           .photons = photons,
                                           .num_sides = 2,
                                           .sides = {{"cpu", cml_engine_cpu(), &surfaces, true},

@@ -75,8 +75,13 @@ static void check_tally(const struct cml_tally *tally)
 static void fly(const char *name, const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const struct cml_engine *engine = cml_engine_find(name);
-    const struct cml_engine_options options = {
-        .seed = 1, .run = 1, .threads = 1, .reentry = true, .absorption = true};
+    const struct cml_engine_options options = {.seed = 1,
+                                               .run = 1,
+                                               .threads = 1,
+                                               .lattice = true,
+                                               .roulette = {0.01, 0.03},
+                                               .reentry = true,
+                                               .absorption = true};
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, &options);
     struct cml_tally tally;
     struct cml_error err = {CML_OK, ""};

@@ -23,6 +23,7 @@
 #ifndef CML_BUNDLE_H
 #define CML_BUNDLE_H
 
+#include "lattice.h"
 #include "types.h"
 
 #include <stddef.h>
@@ -72,8 +73,12 @@ struct cml_bundle {
     real s[CML_LANES];   /* distance to the next interaction, cm, if no boundary comes first */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass; units of 2^-31 of a packet */
     cml_u32 flushed_w[CML_LANES];        /* weight when deposits were last booked (cml_flush_deposits) */
-    cml_u32 draw0[CML_LANES], draw1[CML_LANES], draw2[CML_LANES]; /* words of the next interaction's block */
+    cml_u32 draw0[CML_LANES], draw1[CML_LANES], draw2[CML_LANES]; /* words of the next interaction */
     cml_u32 index_low[CML_LANES], index_high[CML_LANES];          /* photon index */
+    /* words of the lattice (lattice.h), but for their lowest bits: of the second and third interaction, and
+     * of the first reflection */
+    cml_u32 second0[CML_LANES], second1[CML_LANES], second2[CML_LANES];
+    cml_u32 third0[CML_LANES], third1[CML_LANES], third2[CML_LANES], reflection[CML_LANES];
     cml_u32 interactions[CML_LANES], crossings[CML_LANES], boundary_events[CML_LANES]; /* as in cml_packet */
     /* Of the last boundary event: how many interactions came before it. While that is equal to interactions,
      * bounces and on_boundary hold; otherwise the packet has interacted since, stands on nothing and has not
@@ -93,7 +98,9 @@ struct cml_bundle {
  * group may be read from any of them. */
 struct cml_launch_queue {
     int first, end;
+    struct cml_block shifts[CML_LATTICE_EVENTS]; /* of the photons' batch */
     _Alignas(64) cml_u32 index_low[CML_QUEUE + CML_GROUP], index_high[CML_QUEUE + CML_GROUP];
+    cml_u32 reversed[CML_QUEUE + CML_GROUP]; /* their points of the lattice */
     cml_u32 draw1[CML_QUEUE + CML_GROUP], draw2[CML_QUEUE + CML_GROUP];
     real tau[CML_QUEUE + CML_GROUP]; /* optical depth to the first interaction */
     int through[CML_QUEUE +

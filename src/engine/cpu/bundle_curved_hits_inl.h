@@ -20,7 +20,7 @@ struct cml_hits {
     real ring_r[CML_LANES], ring_z[CML_LANES], ring_end[CML_LANES], slope[CML_LANES];
     real t0[CML_LANES], t1[CML_LANES], t_max[CML_LANES];
     real t[CML_LANES];
-    cml_u32 index_low[CML_LANES], index_high[CML_LANES], crossings[CML_LANES];
+    cml_u32 index_low[CML_LANES], index_high[CML_LANES], crossings[CML_LANES], reflection[CML_LANES];
     /* what comes of it */
     int doubtful[CML_LANES]; /* to be asked for again, by itself */
     int through[CML_LANES];
@@ -78,6 +78,7 @@ CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real sid
                                          struct cml_hits *h)
 {
     const struct cml_stream stream = setup->stream;
+    const cml_u32 even = setup->lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
     const int count = h->count, size = cml_whole_vectors(count);
     int overruled = 0;
 #pragma omp simd reduction(+ : overruled)
@@ -86,9 +87,9 @@ CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real sid
         const struct cml_vec up = {h->normal_x[k], h->normal_y[k], h->normal_z[k]};
         const struct cml_block draw =
             cml_threefry(stream, h->index_low[k], h->index_high[k], h->crossings[k], CML_PURPOSE_BOUNDARY);
+        const cml_u32 word = cml_even_or_random(h->crossings[k] == even, h->reflection[k], draw.w[0]);
         int through;
-        const struct cml_vec v =
-            cml_boundary_direction(u, up, side, n1, n2, cml_uniform(draw.w[0]), &through);
+        const struct cml_vec v = cml_boundary_direction(u, up, side, n1, n2, cml_uniform(word), &through);
         const real leaving = side * cml_dot(v, up);
         const int wrong = (through & (leaving < 0)) | (!through & (leaving > 0));
         const int goes_on = wrong & !through & (side * cml_dot(u, up) < 0);

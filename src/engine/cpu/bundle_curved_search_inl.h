@@ -46,6 +46,7 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
     h->index_low[k] = b->index_low[i];
     h->index_high[k] = b->index_high[i];
     h->crossings[k] = b->crossings[i];
+    h->reflection[k] = b->reflection[i];
     return k;
 }
 

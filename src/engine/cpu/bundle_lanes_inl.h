@@ -178,14 +178,13 @@ static uint64_t cml_lanes_with(const struct cml_bundle *b, int task)
 
 /* Mask of the lanes that play roulette (P8): they have just interacted, and are below the threshold. Two
  * halves of 32 bits, since a vector's elements have 32. */
-static uint64_t cml_lanes_below_threshold(const struct cml_bundle *b)
+static uint64_t cml_lanes_below(const struct cml_bundle *b, cml_u32 threshold)
 {
     cml_u32 low = 0, high = 0;
 #pragma omp simd reduction(| : low, high)
     for (int i = 0; i < 32; i++) {
-        low |= (cml_u32)((b->task[i] == CML_LANE_INTERACT) & (b->w[i] < CML_ROULETTE_THRESHOLD)) << i;
-        high |= (cml_u32)((b->task[i + 32] == CML_LANE_INTERACT) & (b->w[i + 32] < CML_ROULETTE_THRESHOLD))
-                << i;
+        low |= (cml_u32)((b->task[i] == CML_LANE_INTERACT) & (b->w[i] < threshold)) << i;
+        high |= (cml_u32)((b->task[i + 32] == CML_LANE_INTERACT) & (b->w[i + 32] < threshold)) << i;
     }
     return (uint64_t)high << 32 | low;
 }

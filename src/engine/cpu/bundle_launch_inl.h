@@ -43,13 +43,14 @@ static int cml_count_ballistic(struct cml_flight *f, int count)
     struct cml_launch_queue *queue = &f->queue;
     struct cml_ballistic *like = &f->ballistic;
     int at = 0;
-    cml_queue_find_not_ballistic(f->world->setup.stream, like->path, like->mfp, like->crossings,
-                                 like->reflectance, queue);
+    cml_queue_find_not_ballistic(&f->world->setup, like->path, like->mfp, like->crossings, like->reflectance,
+                                 queue);
     for (int first = 0; first < count; first += CML_GROUP) {
         const cml_u32 here = count - first < CML_GROUP ? (1u << (count - first)) - 1 : CML_GROUP_MASK;
         const cml_u32 stay = cml_group_equal(queue->not_ballistic + first, 1) & here;
         cml_group_pack(queue->index_low + first, stay, queue->index_low + at);
         cml_group_pack(queue->index_high + first, stay, queue->index_high + at);
+        cml_group_pack(queue->reversed + first, stay, queue->reversed + at);
         cml_group_pack(queue->tau + first, stay, queue->tau + at);
         cml_group_pack(queue->draw1 + first, stay, queue->draw1 + at);
         cml_group_pack(queue->draw2 + first, stay, queue->draw2 + at);
@@ -69,6 +70,8 @@ static int cml_fill_queue(struct cml_flight *f)
     while (queue->first >= queue->end) {
         if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
         const int count = f->left < CML_QUEUE ? (int)f->left : CML_QUEUE;
+        for (cml_u32 e = 0; e < CML_LATTICE_EVENTS; e++)
+            queue->shifts[e] = cml_lattice_shifts(stream, f->next, e);
         if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
             cml_queue_draw_tails(stream, f->next, queue);
         f->next += CML_NUM_BATCHES * (uint64_t)count;
@@ -150,6 +153,15 @@ static cml_u32 cml_lanes_transmitted_first(const struct cml_launch_queue *queue,
     return cml_group_equal(through, 1);
 }
 
+/* What the lanes of a group need of the lattice. */
+static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
+{
+    const struct cml_launch_queue *queue = &f->queue;
+    _Alignas(64) cml_u32 reversed[CML_GROUP] = {0};
+    cml_group_unpack(queue->reversed + queue->first, lanes, reversed);
+    cml_bundle_launch_lattice(f->b, reversed, queue->shifts, first, lanes);
+}
+
 /* Packets of the queue into lanes of a group; the queue holds enough. Columns are unpacked: values that lie
  * side by side go to the lanes of the mask, in order. Packets that are transmitted at the first boundary
  * start behind it. */
@@ -163,6 +175,7 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     cml_group_unpack(queue->draw1 + at, lanes, b->draw1 + first);
     cml_group_unpack(queue->draw2 + at, lanes, b->draw2 + first);
     cml_group_unpack(queue->tau + at, lanes, b->tau + first);
+    if (f->world->setup.lattice) cml_launch_lattice(f, first, lanes);
     const cml_u32 inside = f->enters ? cml_lanes_transmitted_first(queue, lanes) : 0;
     queue->first += __builtin_popcount(lanes);
     if (inside) cml_launch_like(f, &f->inside, first, inside);

@@ -34,9 +34,26 @@ static inline real cml_pick(int active, real a, real b)
     return cml_float_of(cml_pick_word(active, cml_bits_of(a), cml_bits_of(b)));
 }
 
+/* A random word, or in its place where `even` is 1 one of the lattice, as cml_lattice_word has it. */
+static inline cml_u32 cml_even_or_random(int even, cml_u32 lattice, cml_u32 random)
+{
+    return cml_pick_word(even, (lattice & ~255u) | (random & 255u), random);
+}
+
 /* A vector loop is a function of its own: inlined, its constants would compete for registers with those of
  * the loops beside it, and a profile could not tell them apart. What it calls is inlined. */
 #define CML_LOOP static __attribute__((noinline))
+
+/* cml_draw_reflection for photon i of the queue. */
+static inline cml_u32 cml_queue_reflection(const struct cml_setup *setup,
+                                           const struct cml_launch_queue *queue, int i, cml_u32 crossing)
+{
+    const cml_u32 random =
+        cml_threefry(setup->stream, queue->index_low[i], queue->index_high[i], crossing, CML_PURPOSE_BOUNDARY)
+            .w[0];
+    const cml_u32 lattice = cml_lattice_word(queue->reversed[i], CML_LATTICE_REFLECTION, queue->shifts[0], 0);
+    return cml_even_or_random((crossing == 0u) & (setup->lattice > 0u), lattice, random);
+}
 
 /* Fills the launch queue with CML_QUEUE photons of a batch from index `next` on: the block of their first
  * interaction, the optical depth to it (P2), and whether they are transmitted at the first boundary.
@@ -47,14 +64,19 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
                             struct cml_launch_queue *queue)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32);
+    const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32), lattice = setup->lattice;
+    const struct cml_block shifts = queue->shifts[0];
     int tail = 0;
 #pragma omp simd reduction(| : tail)
     for (int i = 0; i < CML_QUEUE; i++) {
         const cml_u32 index = low + (cml_u32)(CML_NUM_BATCHES * i), carried = high + (cml_u32)(index < low);
-        const struct cml_block draw = cml_threefry(stream, index, carried, 0, CML_PURPOSE_INTERACTION);
+        const struct cml_block random = cml_threefry(stream, index, carried, 0, CML_PURPOSE_INTERACTION);
+        const cml_u32 reversed = cml_lattice_reversed(index, carried);
+        const struct cml_block even = cml_lattice_block(reversed, 0, shifts, random);
+        const struct cml_block draw = lattice ? even : random;
         queue->index_low[i] = index;
         queue->index_high[i] = carried;
+        queue->reversed[i] = reversed;
         queue->tau[i] = cml_depth_or_tail(draw.w[0]);
         queue->draw1[i] = draw.w[1];
         queue->draw2[i] = draw.w[2];
@@ -64,10 +86,8 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
     if (!(reflectance > 0)) return tail;
 #pragma omp simd
     for (int i = 0; i < CML_QUEUE; i++) {
-        /* the draw that kernels/walk.h makes for the photon's first boundary event, number 0 */
-        const struct cml_block draw =
-            cml_threefry(stream, queue->index_low[i], queue->index_high[i], 0, CML_PURPOSE_BOUNDARY);
-        queue->through[i] = !(cml_uniform(draw.w[0]) <= reflectance);
+        const cml_u32 word = cml_queue_reflection(setup, queue, i, 0);
+        queue->through[i] = !(cml_uniform(word) <= reflectance);
     }
     return tail;
 }
@@ -75,15 +95,16 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
 /* Which photons of the queue are not ballistic: they interact before they have flown `path` (cm) through a
  * medium of that mean free path (cm), or are reflected at the boundary before it or at the one behind it.
  * crossings: number of the random draw for the boundary behind, reflectance: of that boundary. */
-CML_LOOP void cml_queue_find_not_ballistic(struct cml_stream stream, real path, real mfp, cml_u32 crossings,
-                                           real reflectance, struct cml_launch_queue *queue)
+CML_LOOP void cml_queue_find_not_ballistic(const struct cml_setup *shared, real path, real mfp,
+                                           cml_u32 crossings, real reflectance,
+                                           struct cml_launch_queue *queue)
 {
+    const struct cml_setup setup = *shared;
 #pragma omp simd
     for (int i = 0; i < CML_QUEUE; i++) {
-        const struct cml_block draw =
-            cml_threefry(stream, queue->index_low[i], queue->index_high[i], crossings, CML_PURPOSE_BOUNDARY);
+        const cml_u32 word = cml_queue_reflection(&setup, queue, i, crossings);
         const int interacts = !(path < cml_path(queue->tau[i], mfp)), enters = queue->through[i];
-        queue->not_ballistic[i] = interacts | !enters | (cml_uniform(draw.w[0]) <= reflectance);
+        queue->not_ballistic[i] = interacts | !enters | (cml_uniform(word) <= reflectance);
     }
 }
 
@@ -116,6 +137,28 @@ CML_LOOP void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
         b->entered[i] = cml_pick_int(active, model.entered, b->entered[i]);
         b->task[i] = cml_pick_int(active, CML_LANE_TO_FLY, b->task[i]);
         absorbed[i] = active ? 0u : absorbed[i];
+    }
+}
+
+/* Words of the lattice for new packets in the lanes of a group, as in cml_bundle_launch: for the interactions
+ * after the first, and for the first reflection. reversed: [CML_GROUP] of their photons; shifts:
+ * [CML_LATTICE_EVENTS] of their batch. */
+CML_LOOP void cml_bundle_launch_lattice(struct cml_bundle *b, const cml_u32 *reversed,
+                                        const struct cml_block *shifts, int first, cml_u32 lanes)
+{
+    const struct cml_block second = shifts[1], third = shifts[2], reflection = shifts[0];
+#pragma omp simd
+    for (int k = 0; k < CML_GROUP; k++) {
+        const int i = first + k, active = (int)(lanes >> k & 1u);
+        const cml_u32 x = reversed[k];
+        b->second0[i] = cml_pick_word(active, cml_lattice_word(x, 4, second, 0), b->second0[i]);
+        b->second1[i] = cml_pick_word(active, cml_lattice_word(x, 5, second, 0), b->second1[i]);
+        b->second2[i] = cml_pick_word(active, cml_lattice_word(x, 6, second, 0), b->second2[i]);
+        b->third0[i] = cml_pick_word(active, cml_lattice_word(x, 8, third, 0), b->third0[i]);
+        b->third1[i] = cml_pick_word(active, cml_lattice_word(x, 9, third, 0), b->third1[i]);
+        b->third2[i] = cml_pick_word(active, cml_lattice_word(x, 10, third, 0), b->third2[i]);
+        b->reflection[i] = cml_pick_word(active, cml_lattice_word(x, CML_LATTICE_REFLECTION, reflection, 0),
+                                         b->reflection[i]);
     }
 }
 
@@ -192,22 +235,28 @@ CML_LOOP void cml_bundle_fly_again(struct cml_bundle *b)
     }
 }
 
-/* All lanes: the random block of the next interaction (Threefry, rng.h). Lanes with INTERACT have just had
- * one, and count it here; the others get the block again that they have, for a counter-based generator gives
- * the same words for the same counter, and a vector loop computes all lanes anyway. */
+/* All lanes: the words of the next interaction (rng.h), those of the second and third from the lattice
+ * (lattice.h); the first ones have come with the launch. Lanes with INTERACT have just had
+ * one, and count it here; the others keep what they have, which a vector loop computes anyway. */
 CML_LOOP void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const int lanes = b->lanes;
     const struct cml_stream stream = setup->stream;
+    const cml_u32 none = ~0u, second = setup->lattice ? 1u : none, third = setup->lattice ? 2u : none;
 #pragma omp simd
     for (int i = 0; i < lanes; i++) {
-        const cml_u32 interactions = b->interactions[i] + (cml_u32)(b->task[i] == CML_LANE_INTERACT);
+        const int active = b->task[i] == CML_LANE_INTERACT;
+        const cml_u32 interactions = b->interactions[i] + (cml_u32)active;
         const struct cml_block draw =
             cml_threefry(stream, b->index_low[i], b->index_high[i], interactions, CML_PURPOSE_INTERACTION);
+        const int is_second = interactions == second, even = is_second | (interactions == third);
+        const cml_u32 even0 = cml_pick_word(is_second, b->second0[i], b->third0[i]);
+        const cml_u32 even1 = cml_pick_word(is_second, b->second1[i], b->third1[i]);
+        const cml_u32 even2 = cml_pick_word(is_second, b->second2[i], b->third2[i]);
         b->interactions[i] = interactions;
-        b->draw0[i] = draw.w[0];
-        b->draw1[i] = draw.w[1];
-        b->draw2[i] = draw.w[2];
+        b->draw0[i] = cml_even_or_random(even, even0, draw.w[0]);
+        b->draw1[i] = cml_pick_word(active, cml_even_or_random(even, even1, draw.w[1]), b->draw1[i]);
+        b->draw2[i] = cml_pick_word(active, cml_even_or_random(even, even2, draw.w[2]), b->draw2[i]);
     }
 }
 
@@ -298,6 +347,7 @@ CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b)
 CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const struct cml_stream stream = setup->stream;
+    const cml_u32 even = setup->lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
     const int lanes = b->lanes;
     const real *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
@@ -309,9 +359,9 @@ CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struc
         const real na = n_above[i], nb = n_below[i];
         const struct cml_block draw =
             cml_threefry(stream, b->index_low[i], b->index_high[i], b->crossings[i], CML_PURPOSE_BOUNDARY);
+        const cml_u32 word = cml_even_or_random(b->crossings[i] == even, b->reflection[i], draw.w[0]);
         int through;
-        const struct cml_vec v =
-            cml_plane_direction(u, n[i], u.z < 0 ? na : nb, cml_uniform(draw.w[0]), &through);
+        const struct cml_vec v = cml_plane_direction(u, n[i], u.z < 0 ? na : nb, cml_uniform(word), &through);
         const int event = through ? CML_LANE_TRANSMITTED : CML_LANE_REFLECTED;
         b->ux[i] = cml_pick(active, v.x, u.x);
         b->uy[i] = cml_pick(active, v.y, u.y);
@@ -373,7 +423,7 @@ cml_bundle_hop_drop_spin(const struct cml_setup *shared, struct cml_bundle *b, c
         b->y[i] = cml_pick(active, p.y, from.y);
         b->z[i] = cml_pick(active, p.z, from.z);
         b->w[i] = left;
-        low |= left < CML_ROULETTE_THRESHOLD;
+        low |= left < setup.roulette.below;
     }
 #pragma omp simd
     for (int i = 0; i < lanes; i++) {

@@ -83,7 +83,7 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     struct cml_packet packet = {.w = b->w[i]};
     packet.draw =
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
-    cml_roulette(&packet);
+    cml_roulette(f->world->setup.roulette, &packet);
     cml_tally_events(&packet, f->tally);
     cml_flush_deposits(f, i);
     b->w[i] = b->flushed_w[i] = packet.w;
@@ -227,7 +227,7 @@ static void cml_flight_interact(struct cml_flight *f)
     } else {
         low = cml_bundle_scatter(setup, f->b);
     }
-    if (low) cml_for_lanes(f, cml_lanes_below_threshold(f->b) & f->live, cml_lane_roulette);
+    if (low) cml_for_lanes(f, cml_lanes_below(f->b, setup->roulette.below) & f->live, cml_lane_roulette);
 }
 
 /* Lanes in the tail, without those that hold no packet. Such a lane draws like the others, so its optical

@@ -129,7 +129,12 @@ static void fly(const struct bench *bench, const struct cml_engine *engine, cons
 
 static struct bench set_up(void **state, const char *text, struct cml_tally *right)
 {
-    struct bench bench = {.options = {.seed = 5, .threads = 1, .reentry = true, .absorption = true}};
+    struct bench bench = {.options = {.seed = 5,
+                                      .threads = 1,
+                                      .lattice = true,
+                                      .roulette = {0.01, 0.03},
+                                      .reentry = true,
+                                      .absorption = true}};
     const struct cml_surface_options options = {.tessellation = {1e-2, CML_NORMALS_ANALYTIC, false}};
     struct cml_error err;
     case_read_ok(state, text, &bench.list);

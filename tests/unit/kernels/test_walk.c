@@ -12,30 +12,52 @@
 
 static const struct cml_stream stream = {{7, 0, 0, 0}};
 
-/* N = 1e6; mean weight after roulette against the weight before: z below 4.9. */
-static void roulette_keeps_the_mean_weight(void **state)
+/* 1e6 packets of weight w, of which survivors weigh `after`: their mean against w, z below 4.9. */
+static void play(struct cml_roulette_rule rule, cml_u32 w, cml_u32 after)
 {
-    (void)state;
-    const cml_u32 w = CML_ROULETTE_THRESHOLD - 1;
-    const double n = 1e6, p = 0.1;
+    const double n = 1e6, p = (double)w / after;
     double sum = 0;
     for (cml_u64 i = 0; i < (cml_u64)n; i++) {
         struct cml_packet packet = {.w = w, .draw = cml_draw(stream, i, CML_PURPOSE_INTERACTION, 0)};
-        cml_roulette(&packet);
-        assert_int_equal(packet.w, packet.fate == CML_FATE_ALIVE ? 10 * w : 0);
+        cml_roulette(rule, &packet);
+        assert_int_equal(packet.w, packet.fate == CML_FATE_ALIVE ? after : 0);
         assert_int_equal(w + packet.gained, packet.w + packet.roulette);
         sum += packet.w;
     }
     assert_true(fabs(sum / n / w - 1) < 4.9 * sqrt((1 - p) / p / n));
 }
 
+static void roulette_keeps_the_mean_weight(void **state)
+{
+    (void)state;
+    const struct cml_roulette_rule mcml = {214748, 0}, window = {1u << 24, 3u << 24};
+    play(mcml, 214747, 2147470);
+    play(window, 1u << 23, 3u << 24);
+    play(window, 1, 3u << 24);
+}
+
 static void heavy_packets_play_no_roulette(void **state)
 {
     (void)state;
-    struct cml_packet packet = {.w = CML_ROULETTE_THRESHOLD, .draw.w[3] = 0xffffffffu};
-    cml_roulette(&packet);
-    assert_int_equal(packet.w, CML_ROULETTE_THRESHOLD);
-    assert_int_equal(packet.fate, CML_FATE_ALIVE);
+    const struct cml_roulette_rule rules[] = {{214748, 0}, {1u << 24, 3u << 24}};
+    for (int i = 0; i < 2; i++) {
+        struct cml_packet packet = {.w = rules[i].below, .draw.w[3] = 0xffffffffu};
+        cml_roulette(rules[i], &packet);
+        assert_int_equal(packet.w, rules[i].below);
+        assert_int_equal(packet.fate, CML_FATE_ALIVE);
+    }
+}
+
+/* Original MCML: a chance of a tenth, exactly, which is 429496730 words of 2^32. */
+static void the_rule_of_mcml_lets_a_tenth_survive(void **state)
+{
+    (void)state;
+    const struct cml_roulette_rule mcml = {214748, 0};
+    for (cml_u32 word = 429496728; word <= 429496731; word++) {
+        struct cml_packet packet = {.w = 77, .draw.w[3] = word};
+        cml_roulette(mcml, &packet);
+        assert_int_equal(packet.fate == CML_FATE_ALIVE, word < 429496730);
+    }
 }
 
 /* The mean over all values of the 16 random bits. */
@@ -175,6 +197,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(roulette_keeps_the_mean_weight),
         cmocka_unit_test(heavy_packets_play_no_roulette),
+        cmocka_unit_test(the_rule_of_mcml_lets_a_tenth_survive),
         cmocka_unit_test(absorbed_weight_is_rounded_without_bias),
         cmocka_unit_test(a_step_that_ends_on_a_plane_crosses_it_once),
         cmocka_unit_test(no_packet_is_reflected_into_its_facet),

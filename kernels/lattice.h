@@ -1,0 +1,108 @@
+/* Numbers that spread evenly over the photons of a batch, in place of random ones: a randomly shifted rank-1
+ * lattice rule for the first scatterings of every packet, its first reflection, and where it starts. Point p
+ * of a batch has the coordinate (reversed(p) z_d mod 2^32 + shift_d) mod 2^32 in dimension d, where
+ * reversed(p) are its bits in reverse order. So any 2^m points are a lattice, whatever m is, and a batch may
+ * grow [Hickernell, Hong, L'Ecuyer, Lemieux: Extensible lattice sequences for quasi-Monte Carlo quadrature,
+ * SIAM J. Sci. Comput. 22 (2000) 1117]. Shifts are random words of the batch; with them every single point is
+ * uniform, so that all means keep their expected values [Cranley, Patterson, SIAM J. Numer. Anal. 13 (1976)
+ * 904]. Packets of a batch depend on each other, batches do not. SPDX-License-Identifier: MIT */
+#ifndef CML_LATTICE_H
+#define CML_LATTICE_H
+
+#include "batches.h"
+#include "rng.h"
+
+/* Interactions whose depth, cosine and azimuth come from the lattice; those that follow draw at random. */
+#define CML_LATTICE_EVENTS 3u
+
+/* Dimension 4 e + k is word k of interaction e, k < 3. The fourth of each is something else. */
+#define CML_LATTICE_REFLECTION 3u    /* the first boundary event with unequal indices */
+#define CML_LATTICE_LAUNCH_RADIUS 7u /* the launch's words 0 and 1 */
+#define CML_LATTICE_LAUNCH_AZIMUTH 11u
+#define CML_LATTICE_DIMENSIONS 12u
+
+/* z_d: found by `bench/lattice.c`, which says by what criterion. */
+CML_FN cml_u32 cml_lattice_generator(cml_u32 dimension)
+{
+    switch (dimension) {
+    case 0:
+        return 1u;
+    case 1:
+        return 6915u;
+    case 2:
+        return 2957u;
+    case 3:
+        return 5001u;
+    case 4:
+        return 8787u;
+    case 5:
+        return 12209u;
+    case 6:
+        return 1665u;
+    case 7:
+        return 10007u;
+    case 8:
+        return 2831u;
+    case 9:
+        return 11421u;
+    case 10:
+        return 6115u;
+    default:
+        return 1u;
+    }
+}
+
+/* Point of a photon in its batch, modulo 2^32, with its bits in reverse order. Every 2^32 points get new
+ * shifts. */
+CML_FN cml_u32 cml_lattice_reversed(cml_u32 photon_low, cml_u32 photon_high)
+{
+    cml_u32 x = photon_low / CML_NUM_BATCHES | photon_high << (32 - CML_LOG2_BATCHES);
+    x = (x >> 16) | (x << 16);
+    x = ((x & 0xff00ff00u) >> 8) | ((x & 0x00ff00ffu) << 8);
+    x = ((x & 0xf0f0f0f0u) >> 4) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x & 0xccccccccu) >> 2) | ((x & 0x33333333u) << 2);
+    return ((x & 0xaaaaaaaau) >> 1) | ((x & 0x55555555u) << 1);
+}
+
+/* Shifts of dimensions 4 e to 4 e + 3, for the batch of a photon. */
+CML_FN struct cml_block cml_lattice_shifts(struct cml_stream stream, cml_u64 photon, cml_u32 e)
+{
+    const cml_u32 batch = (cml_u32)(photon % CML_NUM_BATCHES),
+                  beyond = (cml_u32)(photon / CML_NUM_BATCHES >> 32);
+    return cml_threefry(stream, batch, beyond, e, (cml_u32)CML_PURPOSE_SHIFT);
+}
+
+/* The same of an index in one piece. */
+CML_FN cml_u32 cml_lattice_point(cml_u64 photon)
+{
+    return cml_lattice_reversed((cml_u32)photon, (cml_u32)(photon >> 32));
+}
+
+/* A word of the lattice in place of a random one. Its lowest 8 bits stay random: they round absorbed weight
+ * (P3), and make every word possible. shifts: of the dimension's four. */
+CML_FN cml_u32 cml_lattice_word(cml_u32 reversed, cml_u32 dimension, struct cml_block shifts, cml_u32 random)
+{
+    const cml_u32 word = reversed * cml_lattice_generator(dimension) + shifts.w[dimension % 4u];
+    return (word & ~255u) | (random & 255u);
+}
+
+/* The word of one dimension. */
+CML_FN cml_u32 cml_lattice_draw(struct cml_stream stream, cml_u64 photon, cml_u32 dimension, cml_u32 random)
+{
+    const struct cml_block shifts = cml_lattice_shifts(stream, photon, dimension / 4u);
+    return cml_lattice_word(cml_lattice_point(photon), dimension, shifts, random);
+}
+
+/* The block of interaction e < CML_LATTICE_EVENTS: the random one with three of its words replaced. shifts:
+ * of dimensions 4 e to 4 e + 3. */
+CML_FN struct cml_block cml_lattice_block(cml_u32 reversed, cml_u32 e, struct cml_block shifts,
+                                          struct cml_block random)
+{
+    const struct cml_block block = {{cml_lattice_word(reversed, 4u * e, shifts, random.w[0]),
+                                     cml_lattice_word(reversed, 4u * e + 1u, shifts, random.w[1]),
+                                     cml_lattice_word(reversed, 4u * e + 2u, shifts, random.w[2]),
+                                     random.w[3]}};
+    return block;
+}
+
+#endif

@@ -385,6 +385,17 @@ static void keep_command(int argc, char **argv, struct cml_options *options)
                                  i > 0 ? " " : "", argv[i]);
 }
 
+/* What getopt stumbled on. It may be a letter in a group like -xh, of which optind says nothing: optopt is
+ * then that letter. A long option is the word before optind; optopt is then 0 or its key. */
+static cml_status refuse(int key, const char *word, struct cml_error *err)
+{
+    const char letter[] = {'-', (char)optopt, '\0'};
+    const char *option = optopt != 0 && optopt < KEY_PHOTONS ? letter : word;
+    if (key == ':')
+        return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", option);
+    return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", option);
+}
+
 /* getopt prints nothing (opterr) and sorts operands behind the options, so that both may mix. The colon in
  * front of the short options tells a missing value from an unknown option. */
 cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
@@ -395,10 +406,7 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     for (;;) {
         const int key = getopt_long(argc, argv, ":o:h", long_options, NULL);
         if (key == -1) break;
-        const char *word = argv[optind - 1];
-        if (key == '?') return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", word);
-        if (key == ':')
-            return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", word);
+        if (key == '?' || key == ':') return refuse(key, argv[optind - 1], err);
         CML_TRY(parse_one(key, optarg, options, err));
     }
     options->operands = argv + optind;

@@ -13,6 +13,10 @@ expect_error 2 "usage: clustermcml check scene.mci $try" check
 expect_error 2 "usage: clustermcml mesh scene.mci $try" mesh
 expect_error 2 "usage: clustermcml plot a.mco [b.mco ...] or a.map.vti [b.map.vti ...] $try" plot
 expect_error 2 "unknown option --fotons $try" $sample --fotons 3
+expect_error 2 "unknown option -x $try" -xh
+expect_error 2 "unknown option -q $try" $sample -qz -o x
+expect_error 2 "unknown option -z $try" $sample -hz
+expect_error 2 "-o is missing its value $try" $sample -ho
 expect_error 2 "--photons is missing its value $try" $sample --photons
 expect_error 2 "--photons 0 (expected a whole number from 1 to 281474976710656)" $sample --photons 0
 expect_error 2 "--photons 1.5 (expected a whole number from 1 to 281474976710656)" $sample --photons 1.5

@@ -27,6 +27,7 @@ expect_error 2 "--engine gpu (expected cpu, reference or opencl)" $sample --engi
 expect_error 2 "--boundaries round (expected one of plane cone mesh auto)" $sample --boundaries round
 expect_error 2 "--tolerance 1 (expected a number from 1e-12 to 0.1)" $sample --tolerance 1
 expect_error 2 "--tolerance nan (expected a number from 1e-12 to 0.1)" $sample --tolerance nan
+expect_error 2 "--mesh-budget 0 (expected a whole number from 1 to 67108864)" $sample --mesh-budget 0
 expect_error 2 "--normals none (expected one of facet vertex analytic)" $sample --normals none
 expect_error 2 "--rings wide (expected one of area inscribed)" $sample --rings wide
 expect_error 2 "--mesh-search grid (expected one of auto embree)" $sample --mesh-search grid

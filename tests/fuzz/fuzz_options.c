@@ -28,6 +28,7 @@ static void check(const struct cml_options *options, int argc)
     FUZZ_CHECK(options->photons <= (uint64_t)1 << 48 && options->run >= 1 && options->run <= UINT32_MAX);
     FUZZ_CHECK(options->engine_options.threads >= 0 && options->engine_options.threads <= 4096);
     FUZZ_CHECK(options->surface.tolerance >= 1e-12 && options->surface.tolerance <= 0.1);
+    FUZZ_CHECK(options->surface.budget.most >= 1 && options->surface.budget.most <= CML_MESH_MOST);
     FUZZ_CHECK(options->target_error >= 0 && options->target_error < 1);
     FUZZ_CHECK(options->timeout > 0 && options->checkpoint_interval >= 0);
     FUZZ_CHECK(options->alpha > 0 && options->alpha < 1);

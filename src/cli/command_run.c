@@ -87,7 +87,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     printf("%s: %g photons, %d layer%s, %s engine, seed %llu\n", scene->output, (double)setup->photons,
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
            (unsigned long long)setup->options.seed);
-    cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
+    cml_report_boundaries(stdout, "  ", scene, setup->surfaces, CML_NAMED_BY_PATH);
     if (cml_report_wants_fields(scene) && !cml_hdf5_available())
         printf("  no .h5 file: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);

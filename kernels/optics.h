@@ -1,6 +1,7 @@
 /* The optics of one packet: free path, scattering, reflection, refraction. Pure functions without a branch
  * that a vector loop could not take as a select. Equations: Wang & Jacques, Monte Carlo Modeling of Light
- * Transport in Multi-layered Tissues (1992), chapter 3. SPDX-License-Identifier: MIT */
+ * Transport in Multi-layered Tissues (1992, reprinted with corrections 1995), chapter 3.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_OPTICS_H
 #define CML_OPTICS_H
 

@@ -34,7 +34,10 @@ bool cml_file_is_device(const char *path)
 static cml_status check_target(const char *path, struct cml_error *err)
 {
     struct stat about;
-    if (stat(path, &about) != 0 || S_ISREG(about.st_mode)) return CML_OK;
+    const bool found = stat(path, &about) == 0;
+    if (!found && errno == ENAMETOOLONG)
+        return fail_write(path, strerror(errno), err); /* its temporary is cut */
+    if (!found || S_ISREG(about.st_mode)) return CML_OK;
     return fail_write(path, S_ISDIR(about.st_mode) ? "a directory" : "no regular file", err);
 }
 

@@ -26,7 +26,8 @@ bool cml_file_is_device(const char *path);
  * which would be lost by the rename; or of a link to nothing. */
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
 
-/* Flush, fsync, close, rename. On failure (CML_E_IO) the temporary file goes and PATH is what it was. */
+/* Flush, fsync, close, rename. On failure (CML_E_IO) the temporary file goes, and what stood under PATH
+ * still does, or stands under `keep`. */
 CML_NODISCARD cml_status cml_file_commit(struct cml_file *file, struct cml_error *err);
 
 /* Drops the temporary file. Does nothing after a commit. */

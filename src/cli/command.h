@@ -16,6 +16,10 @@ CML_NODISCARD cml_status cml_command_crosscheck(const struct cml_options *option
 CML_NODISCARD cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err);
 
+/* Lets the options announce meshes that take longer than a second to make, on standard error, unless they are
+ * quiet. They must stay where they are. */
+void cml_announce_meshes(struct cml_options *options);
+
 /* What run, check, mesh and trace begin with: the one operand as a list of scenes, flattened when asked,
  * checked for overlap. CML_E_INPUT when there is not exactly one operand. */
 CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,

@@ -94,7 +94,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
            scene->na);
     print_map(scene);
-    cml_report_boundaries(stdout, "  ", scene, &surfaces);
+    cml_report_boundaries(stdout, "  ", scene, &surfaces, CML_NAMED_BY_PATH);
     for (int b = 0; b <= scene->num_layers; b++)
         if (surfaces.item[b].kind != CML_SURFACE_PLANE || surfaces.item[b].expectation.bias > 0)
             printf("  boundary %d: expected bias %.2g, about %.0f ns per query, built in %.3g s, %.3g MiB "

@@ -24,12 +24,28 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
 {
     const struct cml_input_options how = {.source = source,
                                           .tolerance = options->surface.tolerance,
+                                          .budget = options->surface.budget,
                                           .flat = options->ignore_heightfields ||
                                                   options->surface.force == CML_SURFACE_PLANE};
     CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
     const cml_status status = check_all(list, err);
     if (status != CML_OK) cml_scene_list_clear(list);
     return status;
+}
+
+/* On a terminal the line is of use at once, in a log only where the wait is as long as that for the first
+ * line of a run's progress. Rank 0 speaks for all. */
+static void show_large_mesh(void *context, const char *text, double seconds)
+{
+    const struct cml_options *options = context;
+    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
+    if (isatty(STDERR_FILENO) || seconds >= 10) fprintf(stderr, "%s\n", text);
+}
+
+void cml_announce_meshes(struct cml_options *options)
+{
+    options->surface.budget.on_large = show_large_mesh;
+    options->surface.budget.context = options;
 }
 
 cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,

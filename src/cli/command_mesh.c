@@ -14,7 +14,7 @@ static cml_status write_boundary(const struct cml_options *options, const struct
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
     struct cml_mesh mesh;
-    CML_TRY(cml_boundary_mesh(boundary, &options->surface, &mesh, err));
+    CML_TRY(cml_boundary_mesh(scene, b, &options->surface, &mesh, err));
     if (mesh.num_triangles == 0) {
         printf("boundary %d: plane z = %g cm, no file\n", b, boundary->z);
         return CML_OK;

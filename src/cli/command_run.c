@@ -53,11 +53,12 @@ static void show_progress(void *context, const struct cml_progress *p)
     fprintf(stderr, "%d %%, %.0f s\n", 10 * tenths, p->seconds);
 }
 
-/* Rank 0 speaks for all. */
 static void show_note(void *context, const char *text)
 {
     (void)context;
-    if (cml_cluster_rank() == 0) fprintf(stderr, "clustermcml: note: %s\n", text);
+    char who[32] = "";
+    if (cml_cluster_rank() > 0) snprintf(who, sizeof who, "rank %d: ", cml_cluster_rank());
+    fprintf(stderr, "clustermcml: note: %s%s\n", who, text);
 }
 
 /* Files first: what is printed is then true. A run with lost packets or an imbalance is written all the
@@ -86,7 +87,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     printf("%s: %g photons, %d layer%s, %s engine, seed %llu\n", scene->output, (double)setup->photons,
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
            (unsigned long long)setup->options.seed);
-    cml_report_boundaries(stdout, "  ", scene, setup->surfaces);
+    cml_report_boundaries(stdout, "  ", scene, setup->surfaces, CML_NAMED_BY_PATH);
     if (cml_report_wants_fields(scene) && !cml_hdf5_available())
         printf("  no .h5 file: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);
@@ -165,13 +166,13 @@ static cml_status fly(const struct session *session, int index, struct cml_run_s
     return cml_cluster_agree(status, err);
 }
 
-/* Beside the output, under its name. */
 /* Of what is written to a device there is nothing to continue. */
 static bool uses_checkpoints(const struct cml_options *options, const struct cml_scene *scene)
 {
     return (options->checkpoint_interval > 0 || options->resume) && !cml_file_is_device(scene->output);
 }
 
+/* Beside the output, under its name. */
 static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
                                   char **path, struct cml_error *err)
 {
@@ -241,14 +242,15 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
     return cml_cluster_agree(status, err);
 }
 
-/* More threads than cores take turns and are slow; under mpiexec it is the usual mistake. */
+/* More threads than cores take turns and are slow; under mpiexec it is the usual mistake,
+ * and rank 0 speaks for all. */
 static void warn_of_binding(int threads)
 {
     struct cml_cores cores;
     char text[160];
     cml_cores_mine(&cores);
     const int count = cml_cores_count(&cores);
-    if (threads <= count) return;
+    if (threads <= count || cml_cluster_rank() != 0) return;
     snprintf(text, sizeof text,
              "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
              count, count == 1 ? "" : "s");

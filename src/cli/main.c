@@ -63,6 +63,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     struct cml_options options;
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
     cml_cluster_set_timeout(options.timeout);
+    cml_announce_meshes(&options);
     cml_status status = CML_OK;
     if (!answer_question(&options)) status = run_command(&options, err);
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK)

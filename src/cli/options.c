@@ -21,6 +21,7 @@ enum option_key {
     KEY_BUILD_OPTIONS,
     KEY_BOUNDARIES,
     KEY_TOLERANCE,
+    KEY_MESH_BUDGET,
     KEY_NORMALS,
     KEY_RINGS,
     KEY_MESH_SEARCH,
@@ -60,6 +61,7 @@ static const struct option long_options[] = {
     {"build-options", required_argument, NULL, KEY_BUILD_OPTIONS},
     {"boundaries", required_argument, NULL, KEY_BOUNDARIES},
     {"tolerance", required_argument, NULL, KEY_TOLERANCE},
+    {"mesh-budget", required_argument, NULL, KEY_MESH_BUDGET},
     {"normals", required_argument, NULL, KEY_NORMALS},
     {"rings", required_argument, NULL, KEY_RINGS},
     {"mesh-search", required_argument, NULL, KEY_MESH_SEARCH},
@@ -122,6 +124,10 @@ static const char help[] =
     "  --tolerance T          relative bias to keep; heightmaps: height error / peak to valley; default "
     "1e-3;\n"
     "                         when given, a surface expected to change less becomes a plane\n"
+    "  --mesh-budget N        triangles that the mesh of a boundary may have; default 4e6, or what fits into "
+    "a "
+    "quarter of\n"
+    "                         the memory at 350 bytes each; a boundary that needs more is refused\n"
     "  --normals KIND         of a tessellated heightfield: analytic (default), vertex or facet\n"
     "  --rings KIND           of a tessellated heightfield: area (area-preserving, default) or "
     "inscribed\n"
@@ -278,6 +284,12 @@ static cml_status parse_surface(int key, const char *value, struct cml_options *
     static const char *const searches[] = {"auto", "embree", NULL};
     struct cml_tessellation *tessellation = &options->surface.tessellation;
     int choice = 0;
+    if (key == KEY_MESH_BUDGET) {
+        uint64_t most = 0;
+        CML_TRY(count("mesh-budget", value, 1, (uint64_t)CML_MESH_MOST, &most, err));
+        options->surface.budget.most = (double)most;
+        return CML_OK;
+    }
     if (key == KEY_TOLERANCE) {
         const bool number = cml_parse_double(value, &options->surface.tolerance);
         const bool sound = number && options->surface.tolerance >= 1e-12 && options->surface.tolerance <= 0.1;
@@ -363,6 +375,7 @@ static cml_status parse_one(int key, const char *value, struct cml_options *opti
         return parse_machine(key, value, options, err);
     case KEY_BOUNDARIES:
     case KEY_TOLERANCE:
+    case KEY_MESH_BUDGET:
     case KEY_NORMALS:
     case KEY_RINGS:
     case KEY_MESH_SEARCH:
@@ -417,6 +430,7 @@ static void set_defaults(struct cml_options *options)
     options->surface.force = CML_SURFACE_AUTO;
     options->surface.tolerance = 1e-3;
     options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
+    options->surface.budget.most = cml_mesh_budget_default();
 }
 
 /* Before getopt moves the operands behind the options. */
@@ -426,6 +440,17 @@ static void keep_command(int argc, char **argv, struct cml_options *options)
     for (int i = 0; i < argc && used < sizeof options->command; i++)
         used += (size_t)snprintf(options->command + used, sizeof options->command - used, "%s%s",
                                  i > 0 ? " " : "", argv[i]);
+}
+
+/* What getopt stumbled on. It may be a letter in a group like -xh, of which optind says nothing: optopt is
+ * then that letter. A long option is the word before optind; optopt is then 0 or its key. */
+static cml_status refuse(int key, const char *word, struct cml_error *err)
+{
+    const char letter[] = {'-', (char)optopt, '\0'};
+    const char *option = optopt != 0 && optopt < KEY_PHOTONS ? letter : word;
+    if (key == ':')
+        return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", option);
+    return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", option);
 }
 
 /* getopt prints nothing (opterr) and sorts operands behind the options, so that both may mix. The colon in
@@ -438,10 +463,7 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     for (;;) {
         const int key = getopt_long(argc, argv, ":o:h", long_options, NULL);
         if (key == -1) break;
-        const char *word = argv[optind - 1];
-        if (key == '?') return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", word);
-        if (key == ':')
-            return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", word);
+        if (key == '?' || key == ':') return refuse(key, argv[optind - 1], err);
         CML_TRY(parse_one(key, optarg, options, err));
     }
     options->operands = argv + optind;

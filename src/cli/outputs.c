@@ -83,11 +83,11 @@ static cml_status add_beside(struct cml_outputs *outputs, const char *path, cons
     return status;
 }
 
-/* Files that one run leaves, whether every one of them is written in the end or not. */
+/* Results of one run, whether every one of them is written in the end or not. */
 static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *scene, const char *path,
                           int run, struct cml_error *err)
 {
-    char suffix[40], *checkpoint = NULL;
+    char suffix[40];
     CML_TRY(scene->format == 'B' ? CML_OK : add(outputs, path, run, true, err));
     if (cml_report_wants_fields(scene)) CML_TRY(add_beside(outputs, path, ".h5", run, err));
     if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, err));
@@ -96,6 +96,13 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
         snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
         CML_TRY(add_beside(outputs, path, suffix, run, err));
     }
+    return CML_OK;
+}
+
+static cml_status add_checkpoint(struct cml_outputs *outputs, const char *path, int run,
+                                 struct cml_error *err)
+{
+    char *checkpoint = NULL;
     CML_TRY(cml_checkpoint_path(path, &checkpoint, err));
     const cml_status status = add(outputs, checkpoint, run, false, err);
     free(checkpoint);
@@ -133,15 +140,24 @@ static cml_status check_writable(const char *path, const char *suffix, struct cm
     return CML_OK;
 }
 
-/* The main file, and of those beside it the one with the longest name. */
-static cml_status check_files(const struct cml_scene *scene, const char *path, struct cml_error *err)
+static cml_status check_format(const struct cml_scene *scene, struct cml_error *err)
 {
-    const bool more = scene->map.nx > 0 || scene->facets;
     if (scene->format == 'B' && !cml_hdf5_available())
         return cml_fail_field(err, scene->file, scene->line, "format", "B",
                               "A: this program was built without HDF5");
+    return CML_OK;
+}
+
+/* The main file, and of the run's files, from number `first` on, the one with the longest name. Only these:
+ * what a process that is killed here leaves has the name of an output, and remove_leftovers finds it. */
+static cml_status check_files(const struct cml_scene *scene, const char *path,
+                              const struct cml_outputs *outputs, size_t first, struct cml_error *err)
+{
+    const char *longest = "";
+    for (size_t i = first; i < outputs->count; i++)
+        if (strlen(outputs->file[i].name) > strlen(longest)) longest = outputs->file[i].name;
     CML_TRY(check_writable(path, scene->format == 'B' ? ".h5" : NULL, err));
-    return more ? check_writable(path, ".boundary10000.vtp", err) : CML_OK;
+    return outputs->count > first + 1 ? check_writable(longest, NULL, err) : CML_OK;
 }
 
 /* Two runs of one call that share a stem share its lock. */
@@ -294,10 +310,14 @@ static cml_status claim_run(const struct cml_options *options, const struct cml_
                             struct cml_outputs *outputs, struct cml_error *err)
 {
     char *path = NULL;
+    const size_t before = outputs->count;
     CML_TRY(check_name(scene, err));
+    CML_TRY(check_format(scene, err));
     CML_TRY(cml_output_path(options, scene->output, &path, err));
-    cml_status status = check_files(scene, path, err);
-    if (status == CML_OK && !cml_file_is_device(path)) status = add_run(outputs, scene, path, run, err);
+    const bool device = cml_file_is_device(path);
+    cml_status status = device ? CML_OK : add_run(outputs, scene, path, run, err);
+    if (status == CML_OK) status = check_files(scene, path, outputs, before, err);
+    if (status == CML_OK && !device) status = add_checkpoint(outputs, path, run, err);
     free(path);
     return status;
 }

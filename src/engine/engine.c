@@ -81,7 +81,7 @@ cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uin
                                 struct cml_tally *tally, struct cml_error *err)
 {
     struct range_work range = {.begin = first, .end = first + count, .place = first, .tally = tally};
-    const struct cml_work work = {&range, next_of_range, note_nothing, add_to_range};
+    const struct cml_work work = {&range, next_of_range, note_nothing, add_to_range, NULL};
     pthread_mutex_init(&range.lock, NULL);
     const cml_status status = engine->run(self, &work, err);
     pthread_mutex_destroy(&range.lock);

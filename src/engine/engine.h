@@ -20,7 +20,7 @@ struct cml_roulette_options {
 struct cml_engine_options {
     uint64_t seed;
     uint32_t run;   /* number of the run within its file, so that runs of one file are independent */
-    int threads;    /* 0: as many as OpenMP would use */
+    int threads;    /* 0: as many as OpenMP would use, and never more than OMP_THREAD_LIMIT */
     uint64_t chunk; /* packets a thread takes at a time; 0: chosen by the engine. Never changes a result */
     bool lattice;   /* the first draws of packets are evenly spread (lattice.h); false: all are random */
     struct cml_roulette_options roulette;
@@ -66,6 +66,8 @@ struct cml_work {
     /* Takes all cells of a tally that gets no more in this call of run, and that was noted; it is zero
      * afterwards. */
     void (*add)(void *context, struct cml_tally *tally);
+    /* The system refused to start all threads of the engine: so many fly. NULL: not told. */
+    void (*fewer)(void *context, int threads);
 };
 
 struct cml_engine {

@@ -4,9 +4,15 @@
 #ifndef CML_THREADS_H
 #define CML_THREADS_H
 
-/* body(context, number) on `count` threads side by side, numbers 0..count - 1; 0 is the caller. Returns when
- * all have ended. Fewer where the system refuses to start a thread, or OMP_THREAD_LIMIT is smaller; the
- * numbers that run are the first ones. */
-void cml_run_threads(int count, void (*body)(void *context, int number), void *context);
+struct cml_thread_task {
+    void *context;
+    void (*body)(void *context, int number);
+    void (*fewer)(void *context, int count); /* NULL: not told */
+};
+
+/* task->body(context, number) on `count` threads side by side, numbers 0..count - 1; 0 is the caller. Returns
+ * when all have ended. Where the system refuses to start a thread, fewer run, those of the first numbers: the
+ * caller at least. task->fewer is told how many before the caller begins its body. */
+void cml_run_threads(int count, const struct cml_thread_task *task);
 
 #endif

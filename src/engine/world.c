@@ -169,16 +169,16 @@ static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_
     to->world.highest = to->clearance + total;
 }
 
-/* Reflectance of a boundary at normal incidence [MCML manual]. */
+/* Reflectance of a boundary at normal incidence [MCML manual, eqs 3.2a, 3.3 and 3.4]. */
 static double normal_reflectance(const struct cml_medium_def *m, int boundary)
 {
     return pow((m[boundary].n - m[boundary + 1].n) / (m[boundary].n + m[boundary + 1].n), 2);
 }
 
-/* MCML's deterministic specular reflection [manual eqs 3.6, 3.7]: of the first interface, or of both faces of
- * a clear first layer between planes. Sets where packets then start, and the weights of what has happened
- * before: in the clear layer (1 - r1) / (1 - r1 r2) comes to its lower face, of which the share r2 goes up.
- */
+/* MCML's deterministic specular reflection [manual, eqs 3.2a and 3.2b]: of the first interface, or of both
+ * faces of a clear first layer between planes. Sets where packets then start, and the weights of what has
+ * happened before: in the clear layer (1 - r1) / (1 - r1 r2) comes to its lower face, of which the share r2
+ * goes up. */
 static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                          struct cml_setup *setup)
 {

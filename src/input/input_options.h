@@ -3,6 +3,7 @@
 #define CML_INPUT_OPTIONS_H
 
 #include "base/text.h"
+#include "scene/mesh_budget.h"
 
 #include <stdbool.h>
 
@@ -10,8 +11,9 @@ struct cml_input_options {
     const struct cml_text_source *source; /* of all files; NULL: the file system */
     double tolerance; /* [-] of the meshes of heightmaps (scene/heightmap.h); 0: merge only what lies in one
                        * plane */
-    bool flat;        /* every boundary becomes its nominal plane; its file is read and checked all the same
-                       * (the 2019 program's IGNORE_HEIGHTFIELDS) */
+    struct cml_mesh_budget budget; /* of every file's mesh; its file, line and boundary are not read */
+    bool flat; /* every boundary becomes its nominal plane; its file is read and checked all the same
+                * (the 2019 program's IGNORE_HEIGHTFIELDS) */
 };
 
 #endif

@@ -240,8 +240,8 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
     CML_TRY(
         (kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit, &map, err));
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
-    const cml_status status = cml_heightmap_mesh(&map, input->tolerance, given->normals, &boundary->mesh,
-                                                 &boundary->map_notes, err);
+    const cml_status status = cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
+                                                 &boundary->mesh, &boundary->map_notes, err);
     cml_heightmap_clear(&map);
     return status;
 }
@@ -265,6 +265,9 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         if (more) CML_TRY(set_mesh_option(&options, &obj));
     }
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
+    obj.budget = reader->options->budget;
+    obj.budget.file = boundary->file;
+    obj.budget.boundary = index;
     if (kind == FILE_OBJ)
         CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
                              &boundary->mesh_notes, reader->err));

@@ -187,8 +187,43 @@ static void write_field(struct writer *w, const struct cml_field *field)
     H5Dclose(dataset);
 }
 
+/* Contiguous data, unlike an attribute, stand in the file without a checksum that would differ, too. */
+static void write_call_text(struct writer *w, hid_t group, const char *name, const char *long_name,
+                            const char *text)
+{
+    char *padded = (char *)w->buffer;
+    const size_t length = strnlen(text, CML_HDF5_CALL - 1);
+    memset(padded, 0, CML_HDF5_CALL);
+    memcpy(padded, text, length);
+    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    check(w, H5Tset_size(type, CML_HDF5_CALL));
+    check(w, H5Tset_cset(type, H5T_CSET_UTF8));
+    check(w, H5Pset_obj_track_times(properties, false));
+    const hid_t dataset = H5Dcreate2(group, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    check(w, dataset);
+    put_text(w, dataset, "long_name", long_name);
+    check(w, H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded));
+    H5Dclose(dataset);
+    H5Pclose(properties);
+    H5Sclose(space);
+    H5Tclose(type);
+}
+
+static void write_call(struct writer *w, const struct cml_hdf5_call *call)
+{
+    const hid_t properties = H5Pcreate(H5P_GROUP_CREATE);
+    check(w, H5Pset_obj_track_times(properties, false));
+    const hid_t group = H5Gcreate2(w->file, "call", H5P_DEFAULT, properties, H5P_DEFAULT);
+    check(w, group);
+    write_call_text(w, group, "command", "command line", call->command);
+    write_call_text(w, group, "input_file", "input file as it was named there", call->input_file);
+    H5Gclose(group);
+    H5Pclose(properties);
+}
+
 static void write_all(struct writer *w, const struct cml_attribute *attributes, int num_attributes,
-                      const struct cml_field *fields, int num_fields)
+                      const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields)
 {
     for (int i = 0; i < num_attributes && !w->failed; i++) {
         if (attributes[i].value)
@@ -196,6 +231,7 @@ static void write_all(struct writer *w, const struct cml_attribute *attributes, 
         else
             put_number(w, w->file, attributes[i].name, attributes[i].number);
     }
+    if (!w->failed) write_call(w, call);
     for (int i = 0; i < num_fields && !w->failed; i++) write_field(w, &fields[i]);
 }
 
@@ -230,7 +266,8 @@ static cml_status finish(const struct writer *w, struct cml_file *file, struct c
 
 /* HDF5 opens the temporary file once more by its name; the commit syncs and renames that same file. */
 cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
-                          const struct cml_field *fields, int num_fields, struct cml_error *err)
+                          const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields,
+                          struct cml_error *err)
 {
     struct cml_file file;
     struct writer w = {.buffer = malloc(CHUNK * sizeof *w.buffer)};
@@ -238,7 +275,7 @@ cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attribut
     cml_status status = cml_file_create(path, &file, err);
     if (status == CML_OK) {
         create_file(&w, file.temporary);
-        write_all(&w, attributes, num_attributes, fields, num_fields);
+        write_all(&w, attributes, num_attributes, call, fields, num_fields);
         check(&w, H5Fclose(w.file));
         status = finish(&w, &file, err);
     }
@@ -254,9 +291,10 @@ bool cml_hdf5_available(void)
 }
 
 cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
-                          const struct cml_field *fields, int num_fields, struct cml_error *err)
+                          const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields,
+                          struct cml_error *err)
 {
-    (void)attributes, (void)num_attributes, (void)fields, (void)num_fields;
+    (void)attributes, (void)num_attributes, (void)call, (void)fields, (void)num_fields;
     return cml_fail(err, CML_E_INPUT, "%s: this program was built without HDF5", path);
 }
 

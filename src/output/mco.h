@@ -1,7 +1,7 @@
 /* Original MCML's result file: the numbers, the writer and the reader.
  * Lines 1 to the end of Tt_ra are byte for byte what MCML 1.2.2 writes; what is ours follows as `extra` text,
  * whose lines begin with '#' or with a keyword that no section of MCML begins with. Knows nothing of tallies
- * or engines. Layout: MCML manual (Wang and Jacques 1992), chapter 7, and observed on version 1.2.2;
+ * or engines. Layout: MCML manual (Wang and Jacques 1992), section 9.3, and observed on version 1.2.2;
  * scaling.h says how its numbers come about.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCO_H

@@ -1,10 +1,20 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
+#include <string.h>
+
+/* Without the scene's folder, which cml_path_beside put in front of it. */
+static const char *name_by_scene(const struct cml_scene *scene, const char *file)
+{
+    const char *slash = strrchr(scene->file, '/');
+    const size_t folder = slash ? (size_t)(slash - scene->file) + 1 : 0;
+    return strncmp(file, scene->file, folder) == 0 ? file + folder : file;
+}
+
 /* Also a part of the .mco file, whose bytes must not depend on the machine: nothing that was measured is
  * named. */
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
-                           const struct cml_surface_set *surfaces)
+                           const struct cml_surface_set *surfaces, enum cml_file_names names)
 {
     static const char *const unit_of[] = {"", "rings", "triangles"};
     for (int b = 0; b < surfaces->count; b++) {
@@ -14,7 +24,9 @@ void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_sc
         if (def->kind != CML_SURFACE_PLANE)
             fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
         fprintf(stream, " (%s)", def->reason);
-        if (scene->boundaries[b].file) fprintf(stream, " from %s", scene->boundaries[b].file);
+        const char *file = scene->boundaries[b].file;
+        if (file)
+            fprintf(stream, " from %s", names == CML_NAMED_BY_SCENE ? name_by_scene(scene, file) : file);
         fputc('\n', stream);
     }
 }

@@ -44,9 +44,13 @@ CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, c
 CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco,
                                         struct cml_error *err);
 
-/* One line per boundary, each behind the prefix: number, kind, primitives, reason. */
+/* How the file of a boundary is named: by its path as it was opened, which depends on the folder from which
+ * the program was called, or as in the scene's file. */
+enum cml_file_names { CML_NAMED_BY_PATH, CML_NAMED_BY_SCENE };
+
+/* One line per boundary, each behind the prefix: number, kind, primitives, reason, file. */
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
-                           const struct cml_surface_set *surfaces);
+                           const struct cml_surface_set *surfaces, enum cml_file_names names);
 
 /* Rsp, Rd, A, Tt with standard errors, weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);

@@ -63,9 +63,10 @@ static const char *last_file(const struct cml_report *report)
     return report->files[report->num_files - 1];
 }
 
-#define ATTRIBUTES 12
+#define ATTRIBUTES 10
 
-/* Where the numbers come from. No times: the same run gives the same bytes. */
+/* Where the numbers come from. No times, and nothing of how the program was called: the same run gives the
+ * same bytes. */
 static void fill_attributes(const struct cml_report *report, const char *boundaries,
                             struct cml_attribute attributes[ATTRIBUTES])
 {
@@ -74,9 +75,7 @@ static void fill_attributes(const struct cml_report *report, const char *boundar
         {"title", scene->output, 0},
         {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
         {"version", cml_version(), 0},
-        {"command", report->command, 0},
         {"engine", report->engine->name, 0},
-        {"input_file", scene->file, 0},
         {"input", scene->text, 0},
         {"boundaries", boundaries, 0},
         {"seed", NULL, (double)report->seed},
@@ -87,13 +86,13 @@ static void fill_attributes(const struct cml_report *report, const char *boundar
     memcpy(attributes, all, sizeof all);
 }
 
-/* The same lines as in the .mco file, as one attribute. */
+/* The lines of the .mco file as one attribute, with files as the scene names them. */
 static cml_status describe_boundaries(const struct cml_report *report, char **text, struct cml_error *err)
 {
     size_t size = 0;
     FILE *out = open_memstream(text, &size);
     if (!out) return cml_fail_memory(err, 1, "the boundaries in words");
-    cml_report_boundaries(out, "", report->scene, report->surfaces);
+    cml_report_boundaries(out, "", report->scene, report->surfaces, CML_NAMED_BY_SCENE);
     return fclose(out) == 0 ? CML_OK : cml_fail_memory(err, (double)size, "the boundaries in words");
 }
 
@@ -125,13 +124,14 @@ static cml_status write_h5(const struct cml_report *report, const struct cml_mco
 {
     struct cml_field_list list;
     struct cml_attribute attributes[ATTRIBUTES];
+    const struct cml_hdf5_call call = {report->command, report->scene->file};
     char *boundaries = NULL;
     CML_TRY(describe_boundaries(report, &boundaries, err));
     cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
         fill_list(&list, mco);
         fill_attributes(report, boundaries, attributes);
-        status = cml_hdf5_write(path, attributes, ATTRIBUTES, list.fields, list.num_fields, err);
+        status = cml_hdf5_write(path, attributes, ATTRIBUTES, &call, list.fields, list.num_fields, err);
         cml_field_list_free(&list);
     }
     free(boundaries);

@@ -129,7 +129,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
     fprintf(out, "\n# clustermcml %s\n# engine %s, seed %llu, run %u, %s\n", cml_version(),
             report->engine->name, (unsigned long long)report->seed, report->run_index + 1,
             report->reentry ? "packets that leave may re-enter" : "packets are scored at their first exit");
-    cml_report_boundaries(out, "# ", scene, report->surfaces);
+    cml_report_boundaries(out, "# ", scene, report->surfaces, CML_NAMED_BY_PATH);
     fprintf(out, "\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n%.6G\n%.6G\n%.6G\n%.6G\n",
             cml_result_error(result, CML_TOTAL_SPECULAR), cml_result_error(result, CML_TOTAL_REFLECTED),
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));

@@ -1,9 +1,10 @@
 /* How tallies become what MCML writes: weight per packet divided by the measure of a bin.
  * Rd_r and Tt_r are per area, Rd_a and Tt_a per solid angle, Rd_ra and Tt_ra per area and projected solid
- * angle, A_z per depth, A_rz per volume. All as in MCML 1.2.2 (ScaleRdTt, ScaleA; manual by Wang and Jacques,
- * 1992, equations 4.11 to 4.14), whose readers expect its values, although those over angles are not exact:
- * see each. The functions of bins take the width of a bin and its number from 0, so that who knows no scene
- * can use them. SPDX-License-Identifier: MIT */
+ * angle, A_z per depth, A_rz per volume. All as in MCML 1.2.2 (ScaleRdTt, ScaleA), whose readers expect its
+ * values, although those over angles are not exact: see each. The manual (Wang and Jacques, 1992) has them as
+ * eqs 4.9 to 4.18 and 4.23 to 4.26; its solid angle, eq 4.12, is exact, but the program divides Rd_a and Tt_a
+ * by that of cml_solid_angle. The functions of bins take the width of a bin and its number from 0, so that
+ * who knows no scene can use them. SPDX-License-Identifier: MIT */
 #ifndef CML_SCALING_H
 #define CML_SCALING_H
 

@@ -55,19 +55,22 @@ static int utf8_length(const unsigned char *p)
     return p[0] < 0x20 || p[0] == 0x7F ? 0 : length;
 }
 
+/* Double quotes: in single ones gnuplot 5.4 misreads an apostrophe that comes first or twice. */
 void cml_gnuplot_quote(FILE *out, const char *text)
 {
-    fputc('\'', out);
+    fputc('"', out);
     for (const unsigned char *p = (const unsigned char *)text; *p;) {
         const int length = utf8_length(p);
-        if (*p == '\'') fputc('\'', out);
+        if (*p == '"' || *p == '\\') fputc('\\', out);
         if (length == 0)
             fputc('?', out);
+        else if (*p == '`')
+            fputs("\\140", out);
         else
             fwrite(p, 1, (size_t)length, out);
         p += length == 0 ? 1 : length;
     }
-    fputc('\'', out);
+    fputc('"', out);
 }
 
 /* ---- the process ---- */

@@ -17,8 +17,9 @@ CML_NODISCARD cml_status cml_picture_of(const char *path, enum cml_picture *pict
 /* Terminal, frame and grid of a picture of width x height points; a PNG has twice as many pixels. */
 void cml_gnuplot_begin(FILE *out, enum cml_picture picture, int width, int height);
 
-/* The text as a string of gnuplot: in single quotes it takes everything as it stands but the quote itself,
- * which is doubled. Control characters and what is not UTF-8 become '?'. */
+/* The text as a string of gnuplot, in double quotes. A backslash stands before quotes and backslashes; what
+ * stands in backquotes, gnuplot would run as a command, so these are written by their octal number. Control
+ * characters and what is not UTF-8 become '?'. */
 void cml_gnuplot_quote(FILE *out, const char *text);
 
 /* Lets write(out, what, err) write a script that leaves the picture on gnuplot's standard output, and draws

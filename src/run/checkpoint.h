@@ -20,7 +20,8 @@ enum cml_checkpoint_kind { CML_CHECKPOINT_NONE, CML_CHECKPOINT_PARTIAL, CML_CHEC
 /* "PATH.checkpoint"; the caller's to free. */
 CML_NODISCARD cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err);
 
-/* result NULL: the run is finished and its output written. CML_E_IO: what stood there before still does. */
+/* result NULL: the run is finished and its output written. CML_E_IO: what stood there before still does,
+ * or stands under "PATH.old". */
 CML_NODISCARD cml_status cml_checkpoint_write(const char *path, const char *identity,
                                               const struct cml_run_state *state, struct cml_result *result,
                                               struct cml_error *err);

@@ -204,7 +204,8 @@ cml_status cml_service_start(struct cml_error *err)
     if (!service.peer) return cml_fail_memory(err, (double)(peers * sizeof *service.peer), "the ranks");
     for (size_t i = 0; i < peers; i++) service.peer[i].heartbeat = MPI_REQUEST_NULL;
     if (pthread_create(&service.thread, NULL, serve, NULL) != 0)
-        return cml_fail(err, CML_E_DEVICE, "the thread that answers other ranks cannot start");
+        return cml_fail(err, CML_E_IO, "rank %d: the thread that answers other ranks cannot start",
+                        cml_ranks.rank);
     return CML_OK;
 }
 

@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 
@@ -174,12 +175,23 @@ static void add_tally(void *context, struct cml_tally *tally)
     cml_tally_zero(tally);
 }
 
+/* For struct cml_work. */
+static void note_fewer_threads(void *context, int threads)
+{
+    struct flight *flight = context;
+    const struct cml_run_setup *setup = flight->setup;
+    char text[80];
+    snprintf(text, sizeof text, "%d of %d threads: the system starts no more", threads, flight->out->threads);
+    if (setup->on_note && threads < flight->out->threads) setup->on_note(setup->context, text);
+    flight->out->threads = threads;
+}
+
 /* The engine flies until a synchronisation is requested; it is called again only when its tallies were full.
  * hand.left is then what was not flown of the last range. */
 static cml_status fly(struct flight *flight, struct cml_error *err)
 {
     struct hand *hand = &flight->hand;
-    const struct cml_work work = {flight, next_piece, note_batch, add_tally};
+    const struct cml_work work = {flight, next_piece, note_batch, add_tally, note_fewer_threads};
     const double begin = cml_now(), asking = flight->mine.asking;
     hand->status = CML_OK;
     hand->error = err;
@@ -279,9 +291,8 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     CML_TRY(cml_work_return(&flight->work, hand->left, flown_of(hand), &stop, err));
     hand->range = hand->left = (struct cml_range){0};
     CML_TRY(cml_cluster_sum(&flight->out->result, err));
-    cml_status status = CML_OK;
-    if (cml_cluster_rank() == 0) status = decide(flight, stop, all_here, next, err);
-    CML_TRY(cml_cluster_agree(status, err));
+    const bool decides = cml_cluster_rank() == 0;
+    CML_TRY(cml_cluster_agree(decides ? decide(flight, stop, all_here, next, err) : CML_OK, err));
     CML_TRY(share_decision(flight, next, err));
     flight->mine.summing += cml_now() - all_here;
     return CML_OK;
@@ -306,8 +317,6 @@ static cml_status fly_all(struct flight *flight, struct cml_error *err)
 
 /* ---- beginning and end ---- */
 
-/* On rank 0: the state of a checkpoint where --resume asks for it. *fresh: there was none, and the run begins
- * anew. */
 /* Photons of the first round. */
 static uint64_t first_round(const struct cml_run_setup *setup)
 {
@@ -323,6 +332,8 @@ static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
     return place == end;
 }
 
+/* On rank 0: the state of a checkpoint where --resume asks for it. *fresh: there was none, and the run begins
+ * anew. */
 static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
@@ -349,9 +360,8 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     bool fresh = true;
     CML_TRY(restore(flight, &fresh, err));
     if (!fresh) return CML_OK;
-    const uint64_t photons = first_round(setup);
-    flight->state.end = flight->out->result.photons = photons;
-    return cml_ranges_add(&flight->state.open, (struct cml_range){0, photons}, err);
+    flight->state.end = flight->out->result.photons = first_round(setup);
+    return cml_ranges_add(&flight->state.open, (struct cml_range){0, flight->state.end}, err);
 }
 
 /* What may fail on one rank alone: memory, the engine, a checkpoint. run_flight makes all ranks agree on
@@ -372,9 +382,8 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
     struct cml_run_result *out = flight->out;
     out->ranks = cml_cluster_size();
     out->rank = calloc((size_t)out->ranks, sizeof *out->rank);
-    cml_status status = CML_OK;
-    if (!out->rank)
-        status = cml_fail_memory(err, out->ranks * (double)sizeof *out->rank, "the ranks' reports");
+    const cml_status status =
+        out->rank ? CML_OK : cml_fail_memory(err, out->ranks * (double)sizeof *out->rank, "the ranks");
     CML_TRY(cml_cluster_agree(status, err));
     flight->mine.elapsed = cml_now() - flight->begin;
     flight->mine.processor = processor_seconds() - flight->mine.processor;

@@ -14,7 +14,7 @@ struct cml_progress {
     double seconds;       /* since the run began */
 };
 typedef void cml_progress_function(void *context, const struct cml_progress *progress);
-typedef void cml_note_function(void *context, const char *text); /* one line for people */
+typedef void cml_note_function(void *context, const char *text); /* one line for people; from any rank */
 
 struct cml_run_setup {
     const struct cml_scene *scene;

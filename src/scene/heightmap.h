@@ -13,6 +13,7 @@
 #define CML_HEIGHTMAP_H
 
 #include "geometry/mesh.h"
+#include "scene/mesh_budget.h"
 
 #define CML_RIM_CELLS 4
 
@@ -68,9 +69,10 @@ void cml_heightmap_measure(const struct cml_heightmap *map, const double *h, str
 
 /* The prepared mesh in the boundary's frame, z = -height. tolerance: largest height error as a share of the
  * distance from the lowest to the highest sample, 0: merge only what lies in one plane. CML_E_INPUT for
- * memory. */
+ * memory, and when more triangles are left than the budget (NULL: CML_MESH_MOST) has. */
 CML_NODISCARD cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance,
-                                            enum cml_normals normals, struct cml_mesh *mesh,
-                                            struct cml_heightmap_notes *notes, struct cml_error *err);
+                                            enum cml_normals normals, const struct cml_mesh_budget *budget,
+                                            struct cml_mesh *mesh, struct cml_heightmap_notes *notes,
+                                            struct cml_error *err);
 
 #endif

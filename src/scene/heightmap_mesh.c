@@ -9,8 +9,8 @@
 
 struct builder {
     const struct cml_heightmap *map;
-    size_t (*corner)[3]; /* [count] samples of the triangles */
-    size_t count, capacity;
+    size_t (*corner)[3]; /* [count] samples of the triangles, up to `most` */
+    size_t count, capacity, most;
     uint32_t *vertex; /* [ny][nx] number of the mesh's vertex at a sample, from 1; 0: none */
     size_t *rim;      /* [num_rim] samples of the rim that are vertices, counter-clockwise from 0, 0 */
     size_t num_rim;
@@ -21,6 +21,11 @@ struct builder {
 static void add_triangle(void *context, const size_t corner[3])
 {
     struct builder *b = context;
+    for (int k = 0; k < 3; k++) b->vertex[corner[k]] = 1;
+    if (b->count >= b->most) { /* only counted */
+        b->count++;
+        return;
+    }
     if (b->count == b->capacity) {
         const size_t larger = b->capacity ? 2 * b->capacity : 1024;
         void *corners = realloc(b->corner, larger * sizeof *b->corner);
@@ -30,7 +35,6 @@ static void add_triangle(void *context, const size_t corner[3])
         b->capacity = larger;
     }
     memcpy(b->corner[b->count++], corner, sizeof *b->corner);
-    for (int k = 0; k < 3; k++) b->vertex[corner[k]] = 1;
 }
 
 /* ---- the rim ---- */
@@ -203,7 +207,14 @@ static void note_errors(const struct cml_heightmap *map, double *surface, struct
     notes->slope_error = difference.slope_rms;
 }
 
-static cml_status merge(struct builder *b, double tolerance, double *surface, struct cml_error *err)
+/* With those of the skirt. */
+static size_t all_triangles(const struct builder *b)
+{
+    return b->count + 2 * b->num_rim + 8;
+}
+
+static cml_status merge(struct builder *b, double tolerance, const struct cml_mesh_budget *budget,
+                        double *surface, struct cml_error *err)
 {
     struct cml_split split;
     CML_TRY(cml_split_create(b->map, &split, err));
@@ -212,7 +223,8 @@ static cml_status merge(struct builder *b, double tolerance, double *surface, st
     if (b->out_of_memory)
         return cml_fail_memory(err, 48.0 * (double)b->count, "the triangles of a heightmap");
     list_rim(b);
-    return CML_OK;
+    return cml_mesh_budget_check(budget, (double)all_triangles(b), "a larger --tolerance or --mesh-budget",
+                                 err);
 }
 
 static void clear(struct builder *b, double *surface)
@@ -226,10 +238,12 @@ static void clear(struct builder *b, double *surface)
 /* Heights are merged first, at the samples; only what is left becomes vertices and triangles, so that a large
  * map never has all its triangles in memory. */
 cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance, enum cml_normals normals,
-                              struct cml_mesh *mesh, struct cml_heightmap_notes *notes, struct cml_error *err)
+                              const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
+                              struct cml_heightmap_notes *notes, struct cml_error *err)
 {
     const size_t samples = (size_t)map->nx * (size_t)map->ny;
     struct builder b = {.map = map,
+                        .most = (size_t)(budget && budget->most > 0 ? budget->most : CML_MESH_MOST),
                         .vertex = calloc(samples, sizeof *b.vertex),
                         .rim = malloc(rim_length(map) * sizeof *b.rim)};
     double *surface = malloc(samples * sizeof *surface);
@@ -237,7 +251,7 @@ cml_status cml_heightmap_mesh(const struct cml_heightmap *map, double tolerance,
     note_map(map, tolerance, notes);
     cml_status status = CML_OK;
     if (!b.vertex || !b.rim || !surface) status = cml_fail_memory(err, 12 * (double)samples, "a heightmap");
-    if (status == CML_OK) status = merge(&b, notes->tolerance, surface, err);
+    if (status == CML_OK) status = merge(&b, notes->tolerance, budget, surface, err);
     if (status == CML_OK) {
         notes->triangles = b.count;
         note_errors(map, surface, notes);

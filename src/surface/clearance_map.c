@@ -130,13 +130,33 @@ static void cover_cell(struct cml_clearance_map *map, const struct triangle_plan
     widen_cell(map, ix, iy, least, most);
 }
 
-static void cover_triangle(struct cml_clearance_map *map, const struct triangle_plane *t)
+/* Widens *lower..*upper by the part of the edge from p to q that lies in from <= y <= to. */
+static void clip_edge(const double *p, const double *q, double from, double to, double *lower, double *upper)
+{
+    const double *low = p[1] < q[1] ? p : q, *high = low == p ? q : p, ends[2] = {from, to};
+    if (low[1] > to || high[1] < from) return;
+    for (int i = 0; i < 2; i++) {
+        const double y = fmin(fmax(ends[i], low[1]), high[1]), rise = high[1] - low[1];
+        const double x = low[0] + (rise > 0 ? (y - low[1]) / rise : i) * (high[0] - low[0]);
+        *lower = fmin(*lower, x);
+        *upper = fmax(*upper, x);
+    }
+}
+
+/* Row by row, only the cells that the triangle reaches: the box of a needle that lies aslant has a thousand
+ * times as many as the needle. */
+static void cover_triangle(struct cml_clearance_map *map, const struct triangle_plane *t,
+                           const double *corner[3])
 {
     const double err = err_cell * map->cell;
-    const int x0 = cell_index(map, t->lower[0] - err, 0), x1 = cell_index(map, t->upper[0] + err, 0);
     const int y0 = cell_index(map, t->lower[1] - err, 1), y1 = cell_index(map, t->upper[1] + err, 1);
-    for (int iy = y0; iy <= y1; iy++)
-        for (int ix = x0; ix <= x1; ix++) cover_cell(map, t, ix, iy);
+    for (int iy = y0; iy <= y1; iy++) {
+        const double from = map->corner[1] + iy * map->cell - err, to = from + map->cell + 2 * err;
+        double lower = INFINITY, upper = -INFINITY;
+        for (int k = 0; k < 3; k++) clip_edge(corner[k], corner[(k + 1) % 3], from, to, &lower, &upper);
+        const int x1 = cell_index(map, upper + err, 0);
+        for (int ix = cell_index(map, lower - err, 0); ix <= x1; ix++) cover_cell(map, t, ix, iy);
+    }
 }
 
 /* The outer plane lies over every cell that is not all inside the rectangle; NULL: over all of them. */
@@ -174,8 +194,9 @@ cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearan
     CML_TRY(allocate_square((double)mesh->num_triangles, mesh->lower[0], mesh->lower[1], width, map, err));
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const uint32_t *v = mesh->triangle[i];
-        const struct triangle_plane t = plane_of(mesh->vertex[v[0]], mesh->vertex[v[1]], mesh->vertex[v[2]]);
-        cover_triangle(map, &t);
+        const double *corner[3] = {mesh->vertex[v[0]], mesh->vertex[v[1]], mesh->vertex[v[2]]};
+        const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);
+        cover_triangle(map, &t, corner);
     }
     const bool filled = fills_its_box(mesh);
     cover_outside(map, mesh->z_border, filled ? mesh->lower : NULL, mesh->upper);

@@ -86,14 +86,26 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     return CML_OK;
 }
 
-static cml_status make_tessellated(const struct cml_radial *field, double depth,
-                                   const struct cml_scene *scene, const struct cml_surface_options *options,
-                                   const char *reason, struct cml_surface_def *def, struct cml_error *err)
+static cml_status tessellate(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                             const struct cml_surface_options *options, struct cml_mesh *mesh,
+                             struct cml_error *err)
 {
     const struct cml_tessellation tessellation = cml_choice_tessellation(options);
+    struct cml_mesh_budget budget = options->budget;
+    budget.file = scene->file;
+    budget.line = boundary->line;
+    budget.boundary = (int)(boundary - scene->boundaries);
+    return cml_tessellate(&boundary->radial, &tessellation, &budget, mesh, err);
+}
+
+static cml_status make_tessellated(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                   const struct cml_surface_options *options, struct cml_surface_def *def,
+                                   struct cml_error *err)
+{
     struct cml_mesh mesh;
-    CML_TRY(cml_tessellate(field, &tessellation, &mesh, err));
-    const cml_status status = make_mesh(&mesh, depth, scene, options->search, reason, def, err);
+    CML_TRY(tessellate(scene, boundary, options, &mesh, err));
+    const cml_status status =
+        make_mesh(&mesh, boundary->z, scene, options->search, "radial heightfield, tessellated", def, err);
     cml_mesh_clear(&mesh);
     return status;
 }
@@ -141,9 +153,7 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
     read_mut(scene, boundary, mut);
     if (forced) def->expectation = cml_choice_expect(options->force, field, mut, options);
     if (options->force == CML_SURFACE_CONE) return make_cones(field, field->n, boundary->z, def, err);
-    if (options->force == CML_SURFACE_MESH)
-        return make_tessellated(field, boundary->z, scene, options, "radial heightfield, tessellated", def,
-                                err);
+    if (options->force == CML_SURFACE_MESH) return make_tessellated(scene, boundary, options, def, err);
     struct cml_radial merged;
     CML_TRY(cml_radial_merge(field, &merged, err));
     const cml_status status = represent_best(scene, boundary, &merged, options, def, err);
@@ -250,13 +260,13 @@ void cml_surfaces_free(struct cml_surface_set *set)
 }
 
 /* A field of one sample or equal heights still has a mesh; a plane without any has none to show. */
-cml_status cml_boundary_mesh(const struct cml_boundary *boundary, const struct cml_surface_options *options,
+cml_status cml_boundary_mesh(const struct cml_scene *scene, int b, const struct cml_surface_options *options,
                              struct cml_mesh *mesh, struct cml_error *err)
 {
-    const struct cml_tessellation tessellation = cml_choice_tessellation(options);
+    const struct cml_boundary *boundary = &scene->boundaries[b];
     if (boundary->form == CML_FORM_MESH) return cml_mesh_copy(&boundary->mesh, mesh, err);
     if (boundary->form == CML_FORM_RADIAL && boundary->radial.n > 1)
-        return cml_tessellate(&boundary->radial, &tessellation, mesh, err);
+        return tessellate(scene, boundary, options, mesh, err);
     *mesh = (struct cml_mesh){0};
     return CML_OK;
 }

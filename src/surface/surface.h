@@ -33,7 +33,8 @@ struct cml_surface_set {
     struct cml_surface_def *item; /* [count] */
 };
 
-/* Represents every boundary of the scene. CML_E_INPUT when a boundary cannot take the forced kind. */
+/* Represents every boundary of the scene. CML_E_INPUT when a boundary cannot take the forced kind, or a
+ * tessellation is over the budget. */
 CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
                                              const struct cml_surface_options *options,
                                              struct cml_surface_set *set, struct cml_error *err);
@@ -42,9 +43,9 @@ void cml_surfaces_free(struct cml_surface_set *set);
 
 const char *cml_surface_kind_name(enum cml_surface_kind kind);
 
-/* The mesh of a boundary as cml_surfaces_create would give it to Embree, tessellated or loaded; empty (no
+/* The mesh of boundary b as cml_surfaces_create would give it to Embree, tessellated or loaded; empty (no
  * triangles) for a plane. For `clustermcml mesh`. */
-CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_boundary *boundary,
+CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_scene *scene, int b,
                                            const struct cml_surface_options *options, struct cml_mesh *mesh,
                                            struct cml_error *err);
 

@@ -16,6 +16,7 @@ struct cml_surface_options {
     double tolerance; /* relative bias asked of totals and profiles; tessellation.tolerance follows from it.
                        * 0: tessellation.tolerance counts as it stands */
     enum cml_mesh_search search;
+    struct cml_mesh_budget budget; /* of each tessellation; its file, line and boundary are not read */
     bool may_flatten; /* a surface whose effect is expected below the tolerance may become a plane */
 };
 

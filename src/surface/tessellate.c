@@ -7,11 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define FEWEST_SEGMENTS 8.0   /* eighths of a turn are mirrored bit for bit */
-#define MOST_SEGMENTS 0x1p40  /* ends the search for absurd tolerances; far beyond MOST_TRIANGLES */
-#define MOST_TRIANGLES 0x1p26 /* refused beyond */
-#define NEEDLE_BUDGET 4e6     /* triangles; the needle rule is relaxed to stay below */
-#define NEEDLE 16.0           /* an arc longer than this many ring widths makes needles */
+#define FEWEST_SEGMENTS 8.0  /* eighths of a turn are mirrored bit for bit */
+#define MOST_SEGMENTS 0x1p40 /* ends the search for absurd tolerances; far beyond CML_MESH_MOST */
+#define NEEDLE_BUDGET 4e6    /* triangles; the needle rule is relaxed to stay below */
+#define NEEDLE 16.0          /* an arc longer than this many ring widths makes needles */
 
 /* One tessellation in progress; the counts are whole numbers, in double because absurd requests must not
  * wrap. */
@@ -111,22 +110,20 @@ static double choose_segments(const struct rings *rings, double needle)
     return triangles;
 }
 
-/* The tolerance is kept at any price up to MOST_TRIANGLES, good shape only within NEEDLE_BUDGET. */
-static cml_status plan(const struct rings *rings, double *triangles, struct cml_error *err)
+/* The tolerance is kept at any price within the budget, good shape only within NEEDLE_BUDGET, which no
+ * machine changes: the same tolerance makes the same mesh everywhere, or none. */
+static cml_status plan(const struct rings *rings, const struct cml_mesh_budget *budget, double *triangles,
+                       struct cml_error *err)
 {
     const double without = choose_segments(rings, INFINITY);
-    if (without > MOST_TRIANGLES)
-        return cml_fail(err, CML_E_INPUT,
-                        "a radial heightfield of %d rings needs %.3g triangles at a tolerance of %g (at most "
-                        "%.0f)",
-                        rings->radial->n - 1, without, rings->options->tolerance, MOST_TRIANGLES);
     double needle = NEEDLE;
     *triangles = choose_segments(rings, needle);
     while (*triangles > NEEDLE_BUDGET && *triangles > without) {
         needle *= 2.0;
         *triangles = choose_segments(rings, needle);
     }
-    return CML_OK;
+    return cml_mesh_budget_check(budget, *triangles,
+                                 "a larger --tolerance or --mesh-budget, or --boundaries cone", err);
 }
 
 /* Points of the unit circle, mirrored from one eighth of it so that symmetric vertices have symmetric bits.
@@ -227,7 +224,8 @@ static void put_all(const struct rings *rings, struct cml_mesh *mesh)
     for (int i = 1; i + 1 < rings->radial->n; i++) put_strip(rings, i, mesh);
 }
 
-static cml_status make(struct rings *rings, struct cml_mesh *mesh, struct cml_error *err)
+static cml_status make(struct rings *rings, const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
+                       struct cml_error *err)
 {
     const size_t n = (size_t)rings->radial->n;
     double triangles = 0.0;
@@ -235,7 +233,7 @@ static cml_status make(struct rings *rings, struct cml_mesh *mesh, struct cml_er
     rings->first = malloc(n * sizeof *rings->first);
     if (!rings->segments || !rings->first)
         return cml_fail_memory(err, (double)n * 16.0, "the rings of a radial heightfield");
-    CML_TRY(plan(rings, &triangles, err));
+    CML_TRY(plan(rings, budget, &triangles, err));
     number_vertices(rings, mesh);
     mesh->normals = rings->options->normals;
     CML_TRY(allocate(mesh, (size_t)triangles, err));
@@ -256,12 +254,12 @@ static cml_status check_options(const struct cml_radial *radial, const struct cm
 }
 
 cml_status cml_tessellate(const struct cml_radial *radial, const struct cml_tessellation *options,
-                          struct cml_mesh *mesh, struct cml_error *err)
+                          const struct cml_mesh_budget *budget, struct cml_mesh *mesh, struct cml_error *err)
 {
     memset(mesh, 0, sizeof *mesh);
     CML_TRY(check_options(radial, options, err));
     struct rings rings = {radial, options, NULL, NULL};
-    const cml_status status = make(&rings, mesh, err);
+    const cml_status status = make(&rings, budget, mesh, err);
     free(rings.segments);
     free(rings.first);
     if (status != CML_OK) cml_mesh_clear(mesh);

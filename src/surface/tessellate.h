@@ -12,6 +12,7 @@
 #define CML_TESSELLATE_H
 
 #include "geometry/mesh.h"
+#include "scene/mesh_budget.h"
 #include "scene/scene.h"
 
 struct cml_tessellation {
@@ -21,9 +22,10 @@ struct cml_tessellation {
 };
 
 /* A prepared mesh (cml_mesh_prepare has run) in the boundary's frame, z = -h(r). radial->n >= 2.
- * CML_E_INPUT when it would need more than 2^26 triangles: the message states the number. */
+ * CML_E_INPUT when it would need more triangles than the budget (NULL: CML_MESH_MOST) has. */
 CML_NODISCARD cml_status cml_tessellate(const struct cml_radial *radial,
-                                        const struct cml_tessellation *options, struct cml_mesh *mesh,
+                                        const struct cml_tessellation *options,
+                                        const struct cml_mesh_budget *budget, struct cml_mesh *mesh,
                                         struct cml_error *err);
 
 #endif

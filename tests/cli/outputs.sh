@@ -52,6 +52,12 @@ for ending in checkpoint checkpoint.old lock tmp; do
     refused 2 "c.mci:3: output name = a.mco.$ending (expected no ending .checkpoint, .checkpoint.old, .lock or .tmp)" c.mci
 done
 
+# a name beside it that is too long is found before the flight, not after
+long=$(printf '%0246d' 0)
+scene $long.mco 'map 2 2 0.1 0.1 volume
+' >c.mci
+refused 5 "$PWD/$long.volume.vti: cannot be written (File name too long)" c.mci
+
 # no regular files
 mkdir folder && scene folder >c.mci
 refused 5 'folder: cannot be written (a directory)' c.mci

@@ -44,6 +44,16 @@ grep -q 'hinoise.reentry.csv' "$work/curve.svg" || complain "the curve is not in
 grep -q 'stroke-dasharray' "$work/curve.svg" || complain "the curve is not dashed"
 grep -q "A caption of &lt;one> &amp; 'two' words" "$work/curve.svg" || complain "the caption is missing"
 test "$(grep -c '#0072B2\|rgb(  0, 114, 178)' "$work/curve.svg")" -ge 2 || complain "the curve has another colour"
+
+# Whatever a caption or a name holds is drawn as it stands, and nothing in it is an order to gnuplot.
+for text in "'at both ends'" "''two'' '''three'''" "'" "a \"quoted\" word\"" 'back\slash\' '`touch '"$work"'/called`7' '@x % $0'; do
+    expect_code 0 plot "$work/fig5.mco" -o "$work/text.svg" --caption "$text"
+    drawn=$(printf %s "$text" | sed 's/&/\&amp;/g; s/</\&lt;/g')
+    grep -Fq ">$drawn</text>" "$work/text.svg" || complain "the caption $text is not drawn: $(cat "$work/err")"
+    cp "$work/fig5.mco" "$work/$(printf %s "$text" | tr / :).mco"
+    expect_code 0 plot "$work/$(printf %s "$text" | tr / :).mco" -o "$work/text.svg"
+done
+test ! -e "$work/called" || complain "a caption was run as a command"
 bad_curve() { # MESSAGE TEXT
     printf "$2" >"$work/bad.csv"
     expect_error 2 "$work/bad.csv$1" plot "$work/bad.csv" -o "$work/none.svg"

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Without --threads as many threads as the process may use cores, even where OpenMP binds its threads before main begins;
-# a note where more are asked for than the process may use.
+# a note where more are asked for than the process may use, or the system starts fewer; small stacks and huge ones.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 unset OMP_NUM_THREADS OMP_PLACES OMP_PROC_BIND
@@ -32,4 +32,28 @@ done
 expect_threads "bound to one core" 1 taskset -c "$first" "$program"
 expect_threads "two threads on one core" 2 taskset -c "$first" env OMP_NUM_THREADS=2 "$program"
 grep -q '^clustermcml: note: 2 threads on 1 core ' "$work/err" || complain "two threads on one core: $(cat "$work/err")"
+expect_threads "OMP_THREAD_LIMIT" 1 env OMP_THREAD_LIMIT=1 OMP_NUM_THREADS="$cores" "$program"
+
+# The system starts no more threads: those that fly are counted and give the same bytes; without any the caller flies.
+bits() { grep -v '^# User time' "$work/fig5.mco" | cksum; }
+expected=$(bits)
+unset OMP_NUM_THREADS
+for refused in 1 2 3; do
+    expect_threads "thread $refused is refused" $refused env LD_PRELOAD="$SYSTEM_FAULT" CML_THREADS=$refused \
+        OMP_NUM_THREADS=4 "$program"
+    test "$(grep -v ' threads on ' "$work/err")" = "clustermcml: note: $refused of 4 threads: the system starts no more" ||
+        complain "thread $refused is refused: $(cat "$work/err")"
+    test "$(bits)" = "$expected" || complain "thread $refused is refused: other bytes"
+done
+
+# Stacks have a size of their own: neither OpenMP's nor the limit of the process, which may be gigabytes.
+for limit in 256 1000000 unlimited; do
+    (
+        ulimit -s $limit && ulimit -v 3000000 || exit 0
+        expect_threads "ulimit -s $limit" 4 env OMP_STACKSIZE=16k OMP_NUM_THREADS=4 "$program"
+        grep -v ' threads on ' "$work/err" >"$work/notes" && complain "ulimit -s $limit: $(cat "$work/notes")"
+        finish
+    ) || complain "ulimit -s $limit"
+    test "$(bits)" = "$expected" || complain "ulimit -s $limit: other bytes"
+done
 finish

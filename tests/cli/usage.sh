@@ -13,6 +13,10 @@ expect_error 2 "usage: clustermcml check scene.mci $try" check
 expect_error 2 "usage: clustermcml mesh scene.mci $try" mesh
 expect_error 2 "usage: clustermcml plot a.mco [b.mco ...] or a.map.vti [b.map.vti ...] $try" plot
 expect_error 2 "unknown option --fotons $try" $sample --fotons 3
+expect_error 2 "unknown option -x $try" -xh
+expect_error 2 "unknown option -q $try" $sample -qz -o x
+expect_error 2 "unknown option -z $try" $sample -hz
+expect_error 2 "-o is missing its value $try" $sample -ho
 expect_error 2 "--photons is missing its value $try" $sample --photons
 expect_error 2 "--photons 0 (expected a whole number from 1 to 281474976710656)" $sample --photons 0
 expect_error 2 "--photons 1.5 (expected a whole number from 1 to 281474976710656)" $sample --photons 1.5
@@ -23,6 +27,7 @@ expect_error 2 "--engine gpu (expected cpu, reference or opencl)" $sample --engi
 expect_error 2 "--boundaries round (expected one of plane cone mesh auto)" $sample --boundaries round
 expect_error 2 "--tolerance 1 (expected a number from 1e-12 to 0.1)" $sample --tolerance 1
 expect_error 2 "--tolerance nan (expected a number from 1e-12 to 0.1)" $sample --tolerance nan
+expect_error 2 "--mesh-budget 0 (expected a whole number from 1 to 67108864)" $sample --mesh-budget 0
 expect_error 2 "--normals none (expected one of facet vertex analytic)" $sample --normals none
 expect_error 2 "--rings wide (expected one of area inscribed)" $sample --rings wide
 expect_error 2 "--mesh-search grid (expected one of auto embree)" $sample --mesh-search grid

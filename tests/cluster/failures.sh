@@ -28,6 +28,16 @@ test $code -eq 2 && grep -q 'rank 1 has another program or other options than ra
     test "$(wc -l <"$work/said")" -eq 1 || complain "other options on rank 1: $code, $(cat "$work/err")"
 test ! -e "$work/fig5.mco" && test ! -e "$work/S6b.mco" || complain "a failed run wrote a result"
 
+# A rank whose system starts no threads: without that which answers others it cannot take part, else it flies alone.
+run="$program $sample --photons 1000 --threads 2 --quiet -o $work"
+two_kinds "$run" "LD_PRELOAD=$SYSTEM_FAULT CML_THREADS=1 $run"
+test $code -eq 5 && test "$(cat "$work/said")" = "clustermcml: rank 1: the thread that answers other ranks cannot start" ||
+    complain "no service thread: $code, $(cat "$work/err")"
+two_kinds "$run" "LD_PRELOAD=$SYSTEM_FAULT CML_THREADS=2 $run"
+test $code -eq 0 && grep -q '^clustermcml: note: rank 1: 1 of 2 threads: the system starts no more$' "$work/said" ||
+    complain "no flying thread: $code, $(cat "$work/err")"
+rm "$work/fig5.mco"
+
 c=$work/thick.mco.checkpoint
 
 # A rank that answers no more: after the patience one message, and the checkpoint serves.

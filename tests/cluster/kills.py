@@ -1,4 +1,4 @@
-"""Twenty kills at random moments, each resumed on another number of ranks and threads: the same bytes at the end.
+"""Kills at random moments (KILLS of them, or 20), each resumed on another number of ranks and threads: the same bytes at the end.
 
 SIGTERM to the program, to one rank or to mpiexec, SIGUSR2 to mpiexec, SIGKILL to one rank or to mpiexec; some in the
 middle of starting. Where the program itself decides, it must say 75. Standard library only."""
@@ -13,7 +13,7 @@ import time
 PROGRAM = os.environ.get("CLUSTERMCML", "build/clustermcml")
 SCENE = ["samples/thick.mci", "--photons", "7e5", "--seed", "7"]
 SHAPES = [(0, 1), (0, 2), (0, 1), (0, 2), (1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]  # ranks (0: no mpiexec), threads
-KILLS = 20
+KILLS = int(os.environ.get("KILLS", "20"))
 dice = random.Random(20)
 
 

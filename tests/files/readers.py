@@ -83,10 +83,14 @@ def check_provenance(verdict, file, text):
 
     verdict.check("input", word("input").startswith("all.mco A") and "beam disk 0.3" in word("input"))
     verdict.check("input", all(line in text for line in word("input").split("\n")), "as written")
-    verdict.check("command", " run " in word("command") and "--json" in word("command"))
+    call = {name: item[()].decode() for name, item in file["call"].items()}
+    verdict.check("call", " run " in call["command"] and "--json" in call["command"])
+    verdict.check("call", call["input_file"].endswith(".mci") and call["input_file"] in call["command"] and len(call) == 2)
     verdict.check("seed", file.attrs["seed"] == 3 and file.attrs["photons"] == 20000 and word("engine") == "cpu")
     verdict.check("boundaries", "boundary 1: plane" in word("boundaries") and "cone" in word("boundaries"))
     for name, item in file.items():
+        if name == "call":
+            continue
         verdict.check(name, item.attrs["units"] and item.attrs["long_name"], "has units and a long name")
         if item.shape and "CLASS" not in item.attrs:  # an axis has that
             verdict.check(name, all(len(axis) == 1 for axis in item.dims), "has its axes")

@@ -16,7 +16,7 @@ static void check_map(struct cml_heightmap *map)
     FUZZ_CHECK(map->nx >= 2 && map->ny >= 2 && map->dx > 0 && map->dy > 0);
     for (int i = 0; i < map->nx * map->ny; i++) FUZZ_CHECK(isfinite(map->h[i]));
     if (map->nx * map->ny <= MOST_SAMPLES) {
-        const cml_status status = cml_heightmap_mesh(map, 1e-3, CML_NORMALS_FACET, &mesh, &notes, &err);
+        const cml_status status = cml_heightmap_mesh(map, 1e-3, CML_NORMALS_FACET, NULL, &mesh, &notes, &err);
         if (status == CML_OK)
             cml_mesh_clear(&mesh);
         else

@@ -28,12 +28,38 @@ static void check(const struct cml_options *options, int argc)
     FUZZ_CHECK(options->photons <= (uint64_t)1 << 48 && options->run >= 1 && options->run <= UINT32_MAX);
     FUZZ_CHECK(options->engine_options.threads >= 0 && options->engine_options.threads <= 4096);
     FUZZ_CHECK(options->surface.tolerance >= 1e-12 && options->surface.tolerance <= 0.1);
+    FUZZ_CHECK(options->surface.budget.most >= 1 && options->surface.budget.most <= CML_MESH_MOST);
     FUZZ_CHECK(options->target_error >= 0 && options->target_error < 1);
     FUZZ_CHECK(options->timeout > 0 && options->checkpoint_interval >= 0);
     FUZZ_CHECK(options->alpha > 0 && options->alpha < 1);
     FUZZ_CHECK(options->num_operands >= 0 && options->num_operands < argc);
     for (int i = 0; i < options->num_operands; i++) FUZZ_CHECK(options->operands[i] != NULL);
     FUZZ_CHECK(strlen(options->command) < sizeof options->command);
+}
+
+/* Whether the name is the word, or a letter of it: -x of -xh. Control characters have become '?'. */
+static bool is_of(const char *name, size_t length, const char *word)
+{
+    bool letter = false, same = strlen(word) == length;
+    for (size_t i = 0; same && i < length; i++) same = name[i] == word[i] || name[i] == '?';
+    if (word[0] != '-' || word[1] == '-' || length != 2) return same;
+    for (const char *c = word + 1; *c; c++) letter = letter || name[1] == *c || name[1] == '?';
+    return same || letter;
+}
+
+/* A message of an option that is unknown, or has no value, names one that was given. Messages that are too
+ * long are cut, and have no such end. */
+static void check_name(const char *message, int argc, char *const *words)
+{
+    static const char head[] = "unknown option ";
+    const bool unknown = strncmp(message, head, sizeof head - 1) == 0;
+    const char *name = unknown ? message + sizeof head - 1 : message;
+    const char *tail =
+        unknown ? " (try clustermcml --help)" : " is missing its value (try clustermcml --help)";
+    if (strlen(name) < strlen(tail) || strcmp(name + strlen(name) - strlen(tail), tail) != 0) return;
+    bool given = false;
+    for (int i = 1; i < argc; i++) given = given || is_of(name, strlen(name) - strlen(tail), words[i]);
+    FUZZ_CHECK(given);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -45,10 +71,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     memcpy(words, argv, sizeof words); /* getopt sorts argv */
     optind = 0;                        /* glibc and musl: begin anew */
     const cml_status status = cml_options_parse(argc, argv, &options, &err);
-    if (status == CML_OK)
+    if (status == CML_OK) {
         check(&options, argc);
-    else
+    } else {
         fuzz_refused(status, &err);
+        check_name(err.text, argc, words);
+    }
     for (int i = 0; i < argc; i++) free(words[i]);
     return 0;
 }

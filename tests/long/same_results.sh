@@ -69,7 +69,7 @@ mask='/^# User time:/s/:.*/: TIME/
 s/clustermcml [0-9][0-9.]*( \([^)]*\))?/clustermcml VERSION/
 s/"version":"[^"]*"/"version":VERSION/
 s/^(\/ @version = ).*/\1VERSION/
-s/^(\/ @command = ..)[^ ]+ /\1PROGRAM /
+/^call(\/|$| )/d
 s/built in [^ ]* s, [^ ]* MiB/built in TIME, MEASURED/
 s/^  [^ ]* s, [^ ]* photons\/s, /  TIME, /
 s/, [^ ]* ns\/step/, TIME/

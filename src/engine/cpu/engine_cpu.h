@@ -1,4 +1,4 @@
-/* The engine `cpu`: float, OpenMP threads, bundles of packets in vector loops.
+/* The engine `cpu`: float, threads, bundles of packets in vector loops.
  * It is compiled for several levels of the processor, which differ in speed only, and the best one that this
  * machine can run is chosen when the program starts. SPDX-License-Identifier: MIT */
 #ifndef CML_ENGINE_CPU_H

@@ -9,6 +9,7 @@
 #include "engine/world.h"
 
 #include <omp.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <stdlib.h>
 
@@ -63,13 +64,20 @@ static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *er
     return CML_OK;
 }
 
+/* What is asked for, 0 for as many as OpenMP would use, within OMP_THREAD_LIMIT. */
+static int choose_threads(int asked)
+{
+    const int wanted = asked > 0 ? asked : omp_get_max_threads(), most = omp_get_thread_limit();
+    return wanted < most ? wanted : most;
+}
+
 static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                            const struct cml_engine_options *options, void **self, struct cml_error *err)
 {
     struct cpu_engine *cpu = calloc(1, sizeof *cpu);
     *self = NULL;
     if (!cpu) return cml_fail_memory(err, sizeof *cpu, "an engine");
-    cpu->threads = options->threads > 0 ? options->threads : omp_get_max_threads();
+    cpu->threads = choose_threads(options->threads);
     cpu->chunk = options->chunk > 0 ? options->chunk : 1024;
     cml_status status = cml_owned_world_create(scene, surfaces, options, &cpu->owned, err);
     if (status == CML_OK) status = create_lane_media(cpu, err);
@@ -139,6 +147,12 @@ static void fly_and_add(void *context, int number)
     if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
 }
 
+static void tell_fewer(void *context, int count)
+{
+    const struct cml_work *work = ((const struct cpu_flight *)context)->work;
+    if (work->fewer) work->fewer(work->context, count);
+}
+
 /* All threads fly until there is nothing left to take. That is the only time that they wait for each other.
  * What they share is handed in after that. */
 static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_error *err)
@@ -146,7 +160,7 @@ static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_er
     (void)err;
     struct cpu_engine *cpu = self;
     struct cpu_flight flight = {cpu, work};
-    cml_run_threads(cpu->threads, fly_and_add, &flight);
+    cml_run_threads(cpu->threads, &(struct cml_thread_task){&flight, fly_and_add, tell_fewer});
     work->add(work->context, cpu->tallies);
     return CML_OK;
 }
@@ -158,33 +172,58 @@ static cml_status cpu_trace(void *self, uint64_t index, cml_trace_function *on_e
     return trace_packets(&cpu->owned.world, index, 1, on_event, context, record, err);
 }
 
+/* What the threads of one call of cpu_fates do. */
+struct cpu_fates {
+    const struct cpu_engine *cpu;
+    uint64_t first, count;
+    struct cml_fate_record *records; /* [count] */
+    _Atomic uint64_t taken;          /* parts of `chunk` packets */
+    atomic_flag failed;              /* set by the first thread that fails, whose the error is */
+    cml_status status;
+    struct cml_error *error;
+};
+
+/* The next packets for a thread; false: there are no more. */
+static bool take_part(struct cpu_fates *fates, uint64_t *begin, uint64_t *size)
+{
+    const uint64_t chunk = fates->cpu->chunk, parts = (fates->count + chunk - 1) / chunk;
+    const uint64_t part = atomic_fetch_add(&fates->taken, 1);
+    if (part >= parts) return false;
+    *begin = part * chunk;
+    *size = fates->count - *begin < chunk ? fates->count - *begin : chunk;
+    return true;
+}
+
+static void trace_parts(void *context, int number)
+{
+    (void)number;
+    struct cpu_fates *fates = context;
+    uint64_t begin, size;
+    while (take_part(fates, &begin, &size)) {
+        struct cml_error mine;
+        const cml_status status = trace_packets(&fates->cpu->owned.world, fates->first + begin, size, NULL,
+                                                NULL, fates->records + begin, &mine);
+        if (status == CML_OK || atomic_flag_test_and_set(&fates->failed)) continue;
+        fates->status = status;
+        *fates->error = mine;
+    }
+}
+
 /* How packets end, by the scalar walk: bundles keep no record of single packets, and equal that walk bit for
  * bit. */
 static cml_status cpu_fates(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                             struct cml_error *err)
 {
     const struct cpu_engine *cpu = self;
-    const uint64_t parts = (count + cpu->chunk - 1) / cpu->chunk;
-    cml_status status = CML_OK;
-#pragma omp parallel for num_threads(cpu->threads) schedule(dynamic)
-    for (uint64_t part = 0; part < parts; part++) {
-        const uint64_t begin = part * cpu->chunk;
-        const uint64_t size = count - begin < cpu->chunk ? count - begin : cpu->chunk;
-        struct cml_error mine;
-        const cml_status failed =
-            trace_packets(&cpu->owned.world, first + begin, size, NULL, NULL, records + begin, &mine);
-        if (failed != CML_OK) {
-#pragma omp critical
-            *err = mine, status = failed;
-        }
-    }
-    return status;
+    struct cpu_fates fates = {cpu, first, count, records, 0, ATOMIC_FLAG_INIT, CML_OK, err};
+    cml_run_threads(cpu->threads, &(struct cml_thread_task){&fates, trace_parts, NULL});
+    return fates.status;
 }
 
 /* Without an engine: as many as one would take. */
 static int cpu_threads(const void *self)
 {
-    return self ? ((const struct cpu_engine *)self)->threads : omp_get_max_threads();
+    return self ? ((const struct cpu_engine *)self)->threads : choose_threads(0);
 }
 
 #define CML_PASTE(a, b) a##b
@@ -194,7 +233,7 @@ static int cpu_threads(const void *self)
 extern const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL);
 const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
     .name = "cpu",
-    .description = "single precision, bundles of packets in vector loops, OpenMP threads",
+    .description = "single precision, bundles of packets in vector loops, threads",
     .open = cpu_open,
     .run = cpu_run,
     .trace = cpu_trace,

@@ -114,6 +114,8 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
                              struct cml_mesh_notes *notes, struct cml_error *err)
 {
     int *triangle_line = NULL;
+    CML_TRY(cml_mesh_budget_check(&options->budget, (double)cml_obj_count(text),
+                                  "a coarser mesh or a larger --mesh-budget", err));
     CML_TRY(cml_obj_scan_text(text, scan, err));
     cml_status status = build_triangles(text, scan, mesh, &triangle_line, err);
     if (status == CML_OK) {

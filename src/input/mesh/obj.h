@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 #include "geometry/mesh.h"
+#include "scene/mesh_budget.h"
 
 enum cml_up_axis { CML_UP_Z, CML_UP_Y, CML_UP_MINUS_Z };
 
@@ -15,6 +16,7 @@ struct cml_obj_options {
     double shift[3]; /* cm, added after the scale, in the file's axes turned to z up */
     enum cml_up_axis up;
     enum cml_normals normals;
+    struct cml_mesh_budget budget;
 };
 
 /* A prepared mesh in the boundary's frame, of the file `path` of `source` (NULL: of the file system): z =

@@ -189,6 +189,38 @@ static cml_status scan_line(struct cml_text *text, struct line *line, struct cml
     return CML_OK;
 }
 
+/* Words up to the end of the line or its comment, which is where *at is left. A backslash joins the next
+ * line. */
+static size_t count_words(const char **at, const char *end)
+{
+    size_t words = 0;
+    bool inside = false, joined = false;
+    for (; *at < end && (**at != '\n' || joined) && **at != '#'; (*at)++) {
+        joined = **at == '\\' || (joined && **at == '\r');
+        const bool blank = joined || strchr(" \t\v\f\r\n", **at) != NULL;
+        words += !blank && !inside;
+        inside = !blank;
+    }
+    return words;
+}
+
+size_t cml_obj_count(const struct cml_text *text)
+{
+    size_t triangles = 0;
+    const char *end = text->data + text->size;
+    for (const char *line = text->data; line && line < end;) {
+        const char *at = line + strspn(line, " \t\v\f");
+        if (at + 1 < end && *at == 'f' && strchr(" \t\v\f\\", at[1])) {
+            at++;
+            const size_t corners = count_words(&at, end);
+            triangles += corners > 2 ? corners - 2 : 0;
+        }
+        line = memchr(at, '\n', (size_t)(end - at));
+        if (line) line++;
+    }
+    return triangles;
+}
+
 cml_status cml_obj_scan_text(struct cml_text *text, struct cml_obj_scan *scan, struct cml_error *err)
 {
     *scan = (struct cml_obj_scan){0};

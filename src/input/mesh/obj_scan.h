@@ -15,6 +15,10 @@ struct cml_obj_scan {
     size_t vertex_capacity, face_capacity;
 };
 
+/* How many triangles the faces of the text become, in one pass without memory. Faces with mistakes, which the
+ * scan refuses, may count as any number. */
+size_t cml_obj_count(const struct cml_text *text);
+
 /* Scans from the text's cursor to its end and blanks everything but vertices and faces in text->data. Vertex
  * numbers above the number of vertices are not refused here, because a face may stand before its vertices.
  * Clear *scan in any case. */

@@ -210,15 +210,25 @@ static void what_is_no_regular_file_is_not_replaced(void **state)
 /* 250 bytes are what a scene's output name may have. */
 static void long_names_have_room_for_their_temporary_ones(void **state)
 {
-    char name[251], path[512];
+    char path[512];
     struct cml_error err;
     struct cml_file file;
-    memset(name, 'n', 250);
-    name[250] = '\0';
-    snprintf(path, sizeof path, "%s/%s", (const char *)*state, name);
+    snprintf(path, sizeof path, "%s/%0250d", (const char *)*state, 0);
     assert_int_equal(cml_file_create(path, &file, &err), CML_OK);
     assert_int_equal(cml_file_commit(&file, &err), CML_OK);
     assert_int_equal(unlink(path), 0);
+}
+
+/* Its temporary one would have a name that is cut. */
+static void a_name_that_is_too_long_is_found_at_once(void **state)
+{
+    char path[512];
+    struct cml_error err;
+    struct cml_file file;
+    snprintf(path, sizeof path, "%s/%0256d", (const char *)*state, 0);
+    assert_int_equal(cml_file_create(path, &file, &err), CML_E_IO);
+    assert_non_null(strstr(err.text, "(File name too long)"));
+    assert_nothing_is_left(state);
 }
 
 /* A file is as open to others as the user wants it, not as a temporary one. */
@@ -246,6 +256,7 @@ int main(void)
         cmocka_unit_test(a_link_stays_and_its_target_is_replaced),
         cmocka_unit_test(what_is_no_regular_file_is_not_replaced),
         cmocka_unit_test(long_names_have_room_for_their_temporary_ones),
+        cmocka_unit_test(a_name_that_is_too_long_is_found_at_once),
         cmocka_unit_test(permissions_follow_the_mask),
     };
     return cmocka_run_group_tests_name("atomic_file", tests, case_setup, case_teardown);

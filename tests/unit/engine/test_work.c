@@ -111,7 +111,7 @@ static void fly(const struct bench *bench, const struct cml_engine *engine, cons
                 struct ledger *ledger)
 {
     struct cml_error err;
-    const struct cml_work work = {ledger, next, note, add};
+    const struct cml_work work = {ledger, next, note, add, NULL};
     ledger->tally = empty_tally(bench);
     pthread_mutex_init(&ledger->lock, NULL);
     pthread_cond_init(&ledger->changed, NULL);

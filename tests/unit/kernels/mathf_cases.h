@@ -5,11 +5,11 @@
 #include <float.h>
 
 #ifdef CML_DOUBLE
-static const double log_bound = 2.3e-16, circle_bound = 2e-16;
+static const double log_bound = 2.3e-16, circle_bound = 2e-16, acos_bound = 2.3e-16;
 #define SMALLEST DBL_MIN
 #define LARGEST DBL_MAX
 #else
-static const double log_bound = 1.2e-7, circle_bound = 1.2e-7;
+static const double log_bound = 1.2e-7, circle_bound = 1.2e-7, acos_bound = 1.4e-7;
 #define SMALLEST FLT_MIN
 #define LARGEST FLT_MAX
 #endif
@@ -97,6 +97,40 @@ static void opposite_words_give_opposite_points(void **state)
     }
 }
 
+static double acos_error(real c)
+{
+    return (double)fabsl((long double)cml_acos(c) - acosl((long double)c));
+}
+
+/* Evenly, from the ends in steps of one rounding, near 1/2, where two formulas meet, and over all exponents.
+ */
+static void the_arc_cosine_keeps_its_bound(void **state)
+{
+    (void)state;
+    double worst = fmax(acos_error(0), acos_error(SMALLEST));
+    for (int n = 1; n <= 1000000; n++) worst = fmax(worst, acos_error((real)(n * 1e-6)));
+    for (int n = 0; n < 200000; n++) {
+        const real steps = (real)n * CML_EPSILON / 2;
+        worst = fmax(worst, acos_error(1 - steps));
+        worst = fmax(worst, acos_error((real)0.5 + steps));
+        worst = fmax(worst, acos_error((real)0.5 - steps / 2));
+    }
+    struct dice dice = dice_new(13);
+    for (int n = 0; n < 300000; n++)
+        worst = fmax(worst, acos_error((real)exp(dice_between(&dice, log(SMALLEST), 0))));
+    assert_near("largest error", worst, 0, acos_bound);
+}
+
+/* Exits along the normal and along the surface are in the first and the last angle bin. */
+static void the_ends_of_the_arc_cosine_are_right(void **state)
+{
+    (void)state;
+    assert_true(cml_acos(1) == 0);
+    assert_true(cml_acos(0) == (real)1.5707963267948966);
+    for (real c = SMALLEST; c < 1; c *= (real)1.01)
+        assert_true(cml_acos(c) > 0 && cml_acos(c) <= cml_acos(0));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -105,6 +139,8 @@ int main(void)
         cmocka_unit_test(the_logarithm_keeps_its_bound_everywhere),
         cmocka_unit_test(circle_points_keep_their_bound),
         cmocka_unit_test(opposite_words_give_opposite_points),
+        cmocka_unit_test(the_arc_cosine_keeps_its_bound),
+        cmocka_unit_test(the_ends_of_the_arc_cosine_are_right),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -20,7 +20,7 @@ static void build(const struct cml_heightmap *map, double tolerance, struct cml_
                   struct cml_heightmap_notes *notes)
 {
     struct cml_error err = {0};
-    const cml_status status = cml_heightmap_mesh(map, tolerance, CML_NORMALS_FACET, mesh, notes, &err);
+    const cml_status status = cml_heightmap_mesh(map, tolerance, CML_NORMALS_FACET, NULL, mesh, notes, &err);
     assert_string_equal(err.text, "");
     assert_int_equal(status, CML_OK);
 }

@@ -89,7 +89,7 @@ static void the_tolerance_picks_the_tessellation(void **state)
             cml_choice_expect(CML_SURFACE_MESH, &z.radial, mut, &options);
         assert_true(fine.tolerance < options.tolerance && mesh_of_it.deviation == fine.tolerance);
         assert_true(mesh_of_it.bias <= options.tolerance * (1 + 1e-12));
-        assert_int_equal(cml_tessellate(&z.radial, &fine, &mesh, &err), CML_OK);
+        assert_int_equal(cml_tessellate(&z.radial, &fine, NULL, &mesh, &err), CML_OK);
         assert_true(mesh.num_triangles > before);
         before = mesh.num_triangles;
         cml_mesh_clear(&mesh);

@@ -68,7 +68,8 @@ static struct subject scan(double tolerance)
         const int x = i % map.nx, y = i / map.nx;
         map.h[i] = 0.05 * sin(0.2 * x) * cos(0.15 * y) + (x > 24 ? dice_between(&dice, -0.02, 0.02) : 0);
     }
-    assert_int_equal(cml_heightmap_mesh(&map, tolerance, CML_NORMALS_FACET, &mesh, &notes, &err), CML_OK);
+    assert_int_equal(cml_heightmap_mesh(&map, tolerance, CML_NORMALS_FACET, NULL, &mesh, &notes, &err),
+                     CML_OK);
     if (tolerance > 0) assert_true(notes.triangles < 2 * notes.cells);
     cml_heightmap_clear(&map);
     return subject_of(&mesh);

@@ -369,7 +369,7 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     struct cml_mesh mesh;
     struct cml_mesh_surface *surface;
     struct cml_error err;
-    assert_int_equal(cml_tessellate(&radial, &options, &mesh, &err), CML_OK);
+    assert_int_equal(cml_tessellate(&radial, &options, NULL, &mesh, &err), CML_OK);
     assert_int_equal(cml_mesh_surface_create(&mesh, 0.3, 0.1, CML_SEARCH_AUTO, &surface, &err), CML_OK);
     struct dice dice = dice_new(67);
     for (int n = 0; n < 20000; n++) {

@@ -1,0 +1,112 @@
+"""Every kind of call (open, write, fsync, close, rename, unlink) on every file that a run touches fails once, the first
+or the last one, with an older result in the folder or without. Where a result cannot be written the exit code is 5 and
+one line names the file; what stood there stays, nothing half written does, and --resume brings the bytes of the run
+without faults. A checkpoint that cannot be written is noted, and the run goes on. Short writes are no failure.
+
+Shares all of the program with what it judges, but for the fault. Standard library only."""
+import errno
+import os
+import signal
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+from file_faults import NAMES, Folder, fault  # noqa: E402
+
+REASONS = {"open": ["ENOSPC", "EROFS", "ENOENT", "EINTR"], "write": ["EIO", "ENOSPC", "short", "EINTR"],
+           "fsync": ["EIO", "EINTR"], "close": ["EIO"], "rename": ["EIO", "EROFS", "ENOENT", "ENOSPC"],
+           "unlink": ["EROFS"], "ftruncate": ["EIO"]}
+
+
+def aims(folder):
+    """(call, which, reason, file): reasons take turns."""
+    turn = 0
+    for (call, name), count in folder.occurrences().items():
+        every = call in ("open", "close") and ".h5" in name  # the library opens and closes it, too
+        for n in range(1, count + 1) if every else sorted({1, count}):
+            yield call, n, REASONS[call][turn % len(REASONS[call])], name
+            turn += 1
+
+
+def wanted_code(folder, call, n, reason, name):
+    """Checkpoints only help; HDF5 opens and closes a file to see whether it can. Nothing depends on what cannot be removed, nor on how files without content are closed:
+    the lock, and the two that try whether the folder can be written to."""
+    tries = call == "close" and n == 1 and ("unlink", name) in folder.calls
+    helps = ".checkpoint" in name or call == "unlink" or (call == "close" and name == "skinmap.lock")
+    if call == "ftruncate":
+        return None
+    if ".h5" in name and call in ("open", "close") and 1 < n + (call == "close") < folder.occurrences()[call, name]:
+        return None
+    return 0 if helps or tries or reason == "short" else 5
+
+
+def check_words(folder, code, reason, name, err):
+    """One line that names the file and says why, or notes about checkpoints."""
+    lines = err.splitlines()
+    path = os.path.join(folder.path, name.removesuffix(".tmp"))
+    words = "" if reason == "short" else os.strerror(getattr(errno, reason))
+    if code == 5:
+        why = words in err or "HDF5 failed" in err
+        return [] if len(lines) == 1 and lines[0].startswith(f"clustermcml: {path}: ") and why else [err]
+    return [line for line in lines if not line.startswith("clustermcml: note: ") or ".checkpoint" not in line]
+
+
+def fail(folder, number, aim):
+    """What is wrong after this failure."""
+    call, n, reason, name = aim
+    folder.clear(older=number % 2 == 0)
+    action = "short" if reason == "short" else getattr(errno, reason)
+    many = "+" if call == "write" and reason != "short" else ""  # the reason of a write is found by another one
+    done = folder.run(fault(call, f"{n}{many}", action, name))
+    code = wanted_code(folder, *aim)
+    complaints = [f"exit {done.returncode}, not {code}"] if code not in (None, done.returncode) else []
+    code = done.returncode
+    complaints += check_words(folder, code, reason, name, done.stderr)
+    complaints += [f"{wrong} is neither old nor new" for wrong in folder.wrong_files([folder.older, folder.expected])]
+    left = folder.read()
+    complaints += [f"{other} is left" for other in left if other.endswith((".tmp", ".lock")) and call != "unlink"]
+    final = name.removesuffix(".tmp")
+    if code == 5 and final in NAMES and left.get(final) not in (folder.older[final], None):
+        complaints.append("the older result is gone")
+    if code == 5 or call == "unlink":
+        complaints += [f"after it: {folder.run().stderr}"] if folder.run().returncode else []
+        left = folder.read()
+    if left != folder.expected:
+        complaints.append(f"other bytes, or files: {sorted(left)}")
+    return [f"{call} {name} {n} {reason}: {complaint}" for complaint in complaints]
+
+
+def stopped(folder):
+    """A run that is asked to stop when no checkpoint can be written says so, with 5 instead of 75."""
+    folder.clear()
+    process = folder.start({"CML_FAULT": f"rename 1+ {errno.EIO} skinmap.mco.checkpoint"}, photons="1e9")
+    note = process.stderr.readline()
+    process.send_signal(signal.SIGTERM)
+    last = process.communicate()[1].splitlines()[-1]
+    path = os.path.join(folder.path, "skinmap.mco.checkpoint")
+    line = f"{path}: cannot be written ({os.strerror(errno.EIO)})"
+    good = process.returncode == 5 and note == f"clustermcml: note: {line}\n" and last == f"clustermcml: {line}"
+    return [] if good and not os.listdir(folder.path) else [f"stopped: exit {process.returncode}: {note}{last}"]
+
+
+def read_only(folder):
+    """From the middle of a run on the file system is read-only: the older result stays."""
+    folder.clear(older=True)
+    done = folder.run({"CML_FAULT": f"open 6+ {errno.EROFS}"})
+    good = done.returncode == 5 and done.stderr.splitlines()[-1].startswith(f"clustermcml: {folder.path}/skinmap.mco: ")
+    changed = [name for name in NAMES if folder.read()[name] != folder.older[name]]
+    return [] if good and not changed else [f"read-only: exit {done.returncode}, {changed}: {done.stderr}"]
+
+
+def main():
+    complaints, number = [], 0
+    with Folder() as folder:
+        for aim in aims(folder):
+            complaints += fail(folder, number, aim)
+            number += 1
+        complaints += stopped(folder) + read_only(folder)
+    print(f"{number} failing calls")
+    print("\n".join("FAILED " + complaint for complaint in complaints))
+    sys.exit(1 if complaints or number < 50 else 0)
+
+
+main()

@@ -1,0 +1,93 @@
+"""What the tests of failing files share: one run that writes every kind of file, under lib/file_fault.c.
+
+The clock of lib/system_fault.c ticks with every look, so that the run writes several checkpoints on any machine, and
+on one thread the same ones. --resume stands in every command line, because the .h5 holds it. Standard library only."""
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+PROGRAM = os.environ.get("CLUSTERMCML", "build/clustermcml")
+NAMES = ["skinmap.boundary0.vtp", "skinmap.h5", "skinmap.map.vti", "skinmap.mco", "skinmap.volume.vti"]
+
+
+class Folder:
+    """An output folder; what the run leaves there is in `expected`, and in `calls` how it came there."""
+
+    def __init__(self):
+        self.root = os.path.realpath(tempfile.mkdtemp())
+        self.path = os.path.join(self.root, "out")
+        os.mkdir(self.path)
+        if self.run(seed=8).returncode:
+            raise RuntimeError("the run without faults fails")
+        self.older = self.read()
+        if "skinmap.h5" not in self.older:
+            print("the program was built without HDF5")
+            sys.exit(77)
+        self.clear()
+        log = os.path.join(self.root, "log")
+        self.run({"CML_FAULT_LOG": log}).check_returncode()
+        self.expected = self.read()
+        with open(log, encoding="utf-8") as file:
+            self.calls = [tuple(line.split()) for line in file]  # (call, file); temporary ones are NAME.tmp
+        if sorted(self.expected) != NAMES or ("rename", "skinmap.mco.checkpoint.old") not in self.calls:
+            raise RuntimeError(f"left {sorted(self.expected)} by {self.calls}")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *unused):
+        shutil.rmtree(self.root)
+
+    def clear(self, older=False):
+        """Only an older result is there, or nothing."""
+        for name in os.listdir(self.path):
+            os.remove(os.path.join(self.path, name))
+        for name, data in self.older.items() if older else []:
+            with open(os.path.join(self.path, name), "wb") as file:
+                file.write(data)
+
+    def read(self):
+        """{name: bytes but for the line of time}"""
+        files = {}
+        for name in os.listdir(self.path):
+            with open(os.path.join(self.path, name), "rb") as file:
+                files[name] = re.sub(rb"# User time.*\n", b"", file.read())
+        return files
+
+    def start(self, faults=None, threads=1, ranks=0, seed=7, photons="20000"):
+        preload = os.environ["FILE_FAULT"] + ":" + os.environ["SYSTEM_FAULT"]
+        preloaded = {"LD_PRELOAD": preload, "CML_FAULT_FOLDER": self.path + "/", **(faults or {})}
+        words = ["env", f"OMP_NUM_THREADS={threads}"]
+        if faults is not None:
+            words += [f"{name}={value}" for name, value in preloaded.items()] + ["CML_CLOCK=tick"] * (ranks == 0)
+        words += [PROGRAM, "samples/skinmap.mci", "--photons", photons, "--seed", str(seed), "--chunk", "500", "--quiet",
+                  "--checkpoint", "1e-9", "--resume", "-o", self.path]
+        if ranks:
+            words = ["mpiexec", "-n", str(ranks), "--oversubscribe", "--bind-to", "none", *words]
+        return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def run(self, faults=None, **options):
+        """faults None: nothing is preloaded, and the clock is the machine's."""
+        process = self.start(faults, **options)
+        out, err = process.communicate()
+        return subprocess.CompletedProcess(process.args, process.returncode, out, err)
+
+    def occurrences(self):
+        """{(call, file): how often}, in the order in which they come first."""
+        counts = {}
+        for call in self.calls:
+            counts[call] = counts.get(call, 0) + 1
+        return counts
+
+    def wrong_files(self, allowed):
+        """Final names whose bytes are none of the allowed ones."""
+        return [name for name, data in self.read().items()
+                if name in NAMES and data not in [files.get(name) for files in allowed]]
+
+
+def fault(call, n, action, name):
+    """For lib/file_fault.c."""
+    return {"CML_FAULT": f"{call} {n} {action} {name}"}

@@ -28,27 +28,27 @@ CML_FN cml_u32 cml_lattice_generator(cml_u32 dimension)
     case 0:
         return 1u;
     case 1:
-        return 6915u;
+        return 70295u;
     case 2:
-        return 2957u;
+        return 715331u;
     case 3:
-        return 5001u;
+        return 336347u;
     case 4:
-        return 8787u;
+        return 321735u;
     case 5:
-        return 12209u;
+        return 442827u;
     case 6:
-        return 1665u;
+        return 663857u;
     case 7:
-        return 10007u;
+        return 587937u;
     case 8:
-        return 2831u;
+        return 641369u;
     case 9:
-        return 11421u;
+        return 699997u;
     case 10:
-        return 6115u;
+        return 1026691u;
     default:
-        return 1u;
+        return 344913u;
     }
 }
 

@@ -115,7 +115,7 @@ static const char help[] =
     "below E\n"
     "  --sampling KIND        of a packet's first draws: lattice (default, evenly spread) or random\n"
     "  --roulette WR,WS|mcml  packets below WR survive as WS; mcml: below 1e-4 one in ten survives; default "
-    "0.01,0.03\n"
+    "0.003,0.01\n"
     "  --ignore-absorption    tally no A_rz\n"
     "  --ignore-heightfields  every surface is its nominal plane\n"
     "  --no-reentry           score packets at their first exit, as the 2019 program did\n"
@@ -421,7 +421,7 @@ static void set_defaults(struct cml_options *options)
     options->engine_options.seed = 1;
     options->run = 1;
     options->engine_options.lattice = true;
-    options->engine_options.roulette = (struct cml_roulette_options){0.01, 0.03};
+    options->engine_options.roulette = (struct cml_roulette_options){0.003, 0.01};
     options->engine_options.reentry = true;
     options->engine_options.absorption = true;
     /* s: a minute of work may be lost, and a host that is busy must not be taken for a lost one */

@@ -10,6 +10,7 @@ sh samples/packages.sh test
 
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build --parallel 2
+cmake --build build --parallel 2 --target benches
 ctest --test-dir build -LE long --output-on-failure -j2
 
 cmake -S . -B build-alone -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_MPI=OFF -DCLUSTERMCML_TESTS=OFF >/dev/null

@@ -1,8 +1,8 @@
 #!/bin/bash
-# What the tests execute: builds with clang's coverage in build-coverage, with assertions; runs all tests but the long
-# ones and those of the source text, or those that the arguments for ctest name, like -L unit; prints lines and branches
-# by room. Lines that nothing executed are left in build-coverage/gaps.txt. Exit code 1 when a room is below 95 % of its
-# lines or a test fails. Takes half an hour on 2 cores, and llvm-cov besides what tests/run.sh needs.
+# What the tests execute: coverage.sh [ARGUMENTS FOR CTEST], which are -LE 'long|house' unless given. Builds with clang's
+# coverage in build-coverage, with assertions; runs the tests; prints lines and branches by room. Lines that nothing
+# executed are left in build-coverage/gaps.txt. Exit code 1 when a room is below 95 % of its lines or a test fails. Needs
+# llvm-cov besides what tests/run.sh needs, and about half an hour on 2 cores.
 # Counters lie in files that processes share as memory, so that those count that are killed, too. What a device of OpenCL
 # executes is not counted; the same text is, where it flies on the processor.
 # SPDX-License-Identifier: MIT
@@ -15,10 +15,11 @@ CC=clang CXX=clang++ cmake --preset coverage -DCLUSTERMCML_TESTS=ON >/dev/null
 build=$PWD/build-coverage
 cmake --build "$build" --parallel 2 >"$build/build.log" 2>&1 || { cat "$build/build.log"; exit 1; }
 
+test $# -gt 0 || set -- -LE 'long|house'
 rm -rf "$build/raw"
 mkdir "$build/raw"
 failed=0
-LLVM_PROFILE_FILE="$build/raw/%m%c.profraw" ctest --test-dir "$build" -LE 'long|house' -j2 "$@" >"$build/ctest.log" 2>&1 || failed=1
+LLVM_PROFILE_FILE="$build/raw/%m%c.profraw" ctest --test-dir "$build" -j2 "$@" >"$build/ctest.log" 2>&1 || failed=1
 sed -n '/% tests passed/,$p' "$build/ctest.log"
 
 llvm-profdata merge -sparse "$build"/raw/*.profraw -o "$build/all.profdata"

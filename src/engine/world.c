@@ -34,6 +34,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->ring_starts);
     free(to->clearance);
     free(to->meshes);
+    *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
 /* All arrays, with zeros. Those that may have no elements get one, so that NULL always means failure. */

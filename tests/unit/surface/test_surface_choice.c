@@ -102,6 +102,13 @@ static void the_tolerance_picks_the_tessellation(void **state)
     free(z.numbers);
 }
 
+static void represent_again(const struct cml_scene_list *list, const struct cml_surface_options *options,
+                            struct cml_surface_set *set)
+{
+    struct cml_error err;
+    if (cml_surfaces_create(&list->scenes[0], options, set, &err) != CML_OK) fail_msg("%s", err.text);
+}
+
 static void represent(const char *text, const struct cml_surface_options *options,
                       struct cml_scene_list *list, struct cml_surface_set *set)
 {
@@ -113,7 +120,7 @@ static void represent(const char *text, const struct cml_surface_options *option
     const cml_status status = cml_mci_read(path, NULL, list, &err);
     remove(path);
     if (status != CML_OK) fail_msg("%s", err.text);
-    if (cml_surfaces_create(&list->scenes[0], options, set, &err) != CML_OK) fail_msg("%s", err.text);
+    represent_again(list, options, set);
 }
 
 /* A flat field, a ripple and a hill: every boundary for itself; a plane lies where the field ends. */
@@ -139,9 +146,17 @@ static void every_boundary_chooses_for_itself(void **state)
     assert_true(set.item[1].expectation.bias > 0);
     assert_int_equal(set.item[2].kind, CML_SURFACE_CONE);
     cml_surfaces_free(&set);
+    options.force = CML_SURFACE_PLANE; /* all of them at their nominal depth */
+    represent_again(&list, &options, &set);
+    for (int b = 0; b < 3; b++) {
+        assert_int_equal(set.item[b].kind, CML_SURFACE_PLANE);
+        assert_true(set.item[b].depth == b);
+    }
+    assert_string_equal(set.item[2].reason, "surface ignored as asked");
+    cml_surfaces_free(&set);
+    options.force = CML_SURFACE_AUTO;
     list.scenes[0].facets = true; /* whose rings were asked for */
-    struct cml_error err;
-    assert_int_equal(cml_surfaces_create(&list.scenes[0], &options, &set, &err), CML_OK);
+    represent_again(&list, &options, &set);
     assert_int_equal(set.item[1].kind, CML_SURFACE_CONE);
     cml_surfaces_free(&set);
     cml_scene_list_clear(&list);

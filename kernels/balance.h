@@ -1,8 +1,14 @@
-/* The names of what is summed over packets: the terms of the weight balance, counts, totals.
+/* The names of what is summed over packets: the terms of the weight balance, counts, totals; and batches.
  * In files and messages for users the terms are called `books`, and by how much they do not balance
  * `residue`. SPDX-License-Identifier: MIT */
 #ifndef CML_BALANCE_H
 #define CML_BALANCE_H
+
+/* The photons of a run are dealt out in turn to 64 batches: photon i is point i / 64 of batch i mod 64. How
+ * many photons there are does not matter, so a longer run has all packets of a shorter one, in the same
+ * batches. Standard errors come from the spread of the batches. */
+#define CML_LOG2_BATCHES 6
+#define CML_NUM_BATCHES (1 << CML_LOG2_BATCHES)
 
 /* launched + gained = specular + reflected + transmitted + absorbed + roulette + trapped + lost, exactly
  * (P10). */

@@ -59,9 +59,8 @@ CML_FN cml_u32 cml_device_is_near(const struct cml_device_lanes *l, cml_u32 i, r
 }
 
 /* The random block of every lane's next interaction. A lane whose last event was no interaction draws the
- * block that it has. Returns 1 when any lane is before the interaction `events`. */
-CML_DEVICE_LOOP cml_u32 cml_device_draw(struct cml_stream stream, cml_u32 events,
-                                        struct cml_device_lanes *restrict l)
+ * block that it has. Returns 1 when any lane is to draw from the lattice. */
+CML_DEVICE_LOOP cml_u32 cml_device_draw(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 any = 0;
     CML_AT_ONCE
@@ -72,14 +71,13 @@ CML_DEVICE_LOOP cml_u32 cml_device_draw(struct cml_stream stream, cml_u32 events
         l->draw1[i] = draw.w[1];
         l->draw2[i] = draw.w[2];
         l->draw3[i] = draw.w[3];
-        any |= l->interactions[i] < events;
+        any |= l->interactions[i] < stream.lattice;
     }
     return any;
 }
 
-/* Words of the lattice (lattice.h) in place of random ones, in lanes before the interaction `events`. */
-CML_DEVICE_LOOP void cml_device_draw_even(struct cml_stream stream, cml_u32 events,
-                                          struct cml_device_lanes *restrict l)
+/* Words of the lattice (lattice.h) in place of random ones, in lanes that draw from it. */
+CML_DEVICE_LOOP void cml_device_draw_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     CML_AT_ONCE
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
@@ -87,9 +85,9 @@ CML_DEVICE_LOOP void cml_device_draw_even(struct cml_stream stream, cml_u32 even
         const struct cml_block random = {{l->draw0[i], l->draw1[i], l->draw2[i], l->draw3[i]}};
         const struct cml_block shifts = cml_lattice_shifts(stream, (cml_u64)high << 32 | low, e);
         const struct cml_block even = cml_lattice_block(cml_lattice_reversed(low, high), e, shifts, random);
-        l->draw0[i] = e < events ? even.w[0] : random.w[0];
-        l->draw1[i] = e < events ? even.w[1] : random.w[1];
-        l->draw2[i] = e < events ? even.w[2] : random.w[2];
+        l->draw0[i] = e < stream.lattice ? even.w[0] : random.w[0];
+        l->draw1[i] = e < stream.lattice ? even.w[1] : random.w[1];
+        l->draw2[i] = e < stream.lattice ? even.w[2] : random.w[2];
     }
 }
 

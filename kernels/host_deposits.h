@@ -4,7 +4,7 @@
 #ifndef CML_HOST_DEPOSITS_H
 #define CML_HOST_DEPOSITS_H
 
-#include "facet.h"
+#include "boundary.h"
 #include "port.h"
 
 /* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:

@@ -9,7 +9,7 @@
 #ifndef CML_LATTICE_H
 #define CML_LATTICE_H
 
-#include "batches.h"
+#include "balance.h"
 #include "rng.h"
 
 /* Interactions whose depth, cosine and azimuth come from the lattice; those that follow draw at random. */
@@ -103,6 +103,35 @@ CML_FN struct cml_block cml_lattice_block(cml_u32 reversed, cml_u32 e, struct cm
                                      cml_lattice_word(reversed, 4u * e + 2u, shifts, random.w[2]),
                                      random.w[3]}};
     return block;
+}
+
+/* ---- what a packet draws: from the lattice as long as the stream has one ---- */
+
+/* Words of an interaction. */
+CML_FN struct cml_block cml_draw_interaction(struct cml_stream stream, cml_u64 photon, cml_u32 event)
+{
+    const struct cml_block random = cml_draw(stream, photon, CML_PURPOSE_INTERACTION, event);
+    if (event >= stream.lattice) return random;
+    return cml_lattice_block(cml_lattice_point(photon), event, cml_lattice_shifts(stream, photon, event),
+                             random);
+}
+
+/* Word that decides the reflection at a photon's boundary event `crossing` with unequal indices. */
+CML_FN cml_u32 cml_draw_reflection(struct cml_stream stream, cml_u64 photon, cml_u32 crossing)
+{
+    const cml_u32 random = cml_draw(stream, photon, CML_PURPOSE_BOUNDARY, crossing).w[0];
+    if (crossing > 0u || !stream.lattice) return random;
+    return cml_lattice_draw(stream, photon, CML_LATTICE_REFLECTION, random);
+}
+
+/* Words that place a photon in its beam: 0 and 1. */
+CML_FN struct cml_block cml_draw_launch(struct cml_stream stream, cml_u64 photon)
+{
+    struct cml_block draw = cml_draw(stream, photon, CML_PURPOSE_LAUNCH, 0);
+    if (!stream.lattice) return draw;
+    draw.w[0] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_RADIUS, draw.w[0]);
+    draw.w[1] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_AZIMUTH, draw.w[1]);
+    return draw;
 }
 
 #endif

@@ -26,7 +26,9 @@ struct cml_block {
 };
 
 struct cml_stream {
-    cml_u32 key[4]; /* seed low, seed high, run, 0 */
+    cml_u32 key[4];  /* seed low, seed high, run, 0 */
+    cml_u32 lattice; /* interactions of a packet that draw from the lattice: CML_LATTICE_EVENTS or 0
+                        (lattice.h) */
 };
 
 CML_FN cml_u32 cml_rotate_left(cml_u32 x, int n)

@@ -131,7 +131,8 @@ CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_d
     cml_u64 index;
     cml_device_flush_deposits(to, f, i);
     cml_score(&world->setup, packet, to);
-    if (launch.record) cml_device_write_fate(packet, fates + (packet->index - to->control->first) / to->control->stride);
+    if (launch.record)
+        cml_device_write_fate(packet, fates + (packet->index - to->control->first) / to->control->stride);
     if (cml_device_take(to->control, &index))
         cml_launch(world, index, packet);
     else
@@ -170,7 +171,8 @@ CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const stru
 }
 
 /* P8, likewise. */
-CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
+CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
+                                   struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_packet *packet = &f->packets[i];
     cml_device_flush_deposits(to, f, i);
@@ -186,9 +188,8 @@ CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_depo
                             struct cml_device_flight *f)
 {
     cml_u32 ended = 0;
-    const cml_u32 events = world->setup.lattice;
-    if (cml_device_draw(world->setup.stream, events, &f->lanes))
-        cml_device_draw_even(world->setup.stream, events, &f->lanes);
+    const struct cml_stream stream = world->setup.stream;
+    if (cml_device_draw(stream, &f->lanes)) cml_device_draw_even(stream, &f->lanes);
     const cml_u32 near_lanes = cml_device_fly(&f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
         ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);

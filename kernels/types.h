@@ -6,11 +6,10 @@
 #ifndef CML_TYPES_H
 #define CML_TYPES_H
 
-#include "facet.h"
+#include "boundary.h"
 #include "mesh_crossing.h"
 #include "port.h"
 #include "rng.h"
-#include "surface_kind.h"
 
 /* Weight is an integer, so that the balance holds to the last bit (P10): a whole packet is 2^31 units. */
 #define CML_WEIGHT_ONE 0x80000000u
@@ -92,7 +91,6 @@ struct cml_roulette_rule {
 struct cml_setup {
     struct cml_stream stream;
     struct cml_roulette_rule roulette;
-    cml_u32 lattice; /* interactions that draw from the lattice (lattice.h): CML_LATTICE_EVENTS or 0 */
     int num_layers;
     int reentry;          /* follow packets outside (P6) */
     int tally_absorption; /* A_rz is wanted */

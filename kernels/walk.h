@@ -18,33 +18,6 @@
 #include "host_deposits.h"
 #endif
 
-/* Words of an interaction. */
-CML_FN struct cml_block cml_draw_interaction(const struct cml_setup *setup, cml_u64 photon, cml_u32 event)
-{
-    const struct cml_block random = cml_draw(setup->stream, photon, CML_PURPOSE_INTERACTION, event);
-    if (event >= setup->lattice) return random;
-    return cml_lattice_block(cml_lattice_point(photon), event,
-                             cml_lattice_shifts(setup->stream, photon, event), random);
-}
-
-/* Word that decides the reflection at a photon's boundary event `crossing` with unequal indices. */
-CML_FN cml_u32 cml_draw_reflection(const struct cml_setup *setup, cml_u64 photon, cml_u32 crossing)
-{
-    const cml_u32 random = cml_draw(setup->stream, photon, CML_PURPOSE_BOUNDARY, crossing).w[0];
-    if (crossing > 0u || !setup->lattice) return random;
-    return cml_lattice_draw(setup->stream, photon, CML_LATTICE_REFLECTION, random);
-}
-
-/* Words that place a photon in its beam: 0 and 1. */
-CML_FN struct cml_block cml_draw_launch(const struct cml_setup *setup, cml_u64 photon)
-{
-    struct cml_block draw = cml_draw(setup->stream, photon, CML_PURPOSE_LAUNCH, 0);
-    if (!setup->lattice) return draw;
-    draw.w[0] = cml_lattice_draw(setup->stream, photon, CML_LATTICE_LAUNCH_RADIUS, draw.w[0]);
-    draw.w[1] = cml_lattice_draw(setup->stream, photon, CML_LATTICE_LAUNCH_AZIMUTH, draw.w[1]);
-    return draw;
-}
-
 /* P2: the block of the next interaction and the optical depth to it. A device draws for many packets together
  * before their next step (device_lanes.h); a depth below 0 asks for it. */
 CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *packet)
@@ -53,7 +26,7 @@ CML_FN void cml_next_flight(const struct cml_world *world, struct cml_packet *pa
     (void)world;
     packet->tau = -1;
 #else
-    packet->draw = cml_draw_interaction(&world->setup, packet->index, packet->interactions);
+    packet->draw = cml_draw_interaction(world->setup.stream, packet->index, packet->interactions);
     packet->tau =
         cml_optical_depth(world->setup.stream, packet->index, packet->interactions, packet->draw.w[0]);
 #endif
@@ -105,7 +78,7 @@ CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 ind
 {
     struct cml_vec none = {0, 0, 0};
     if (!(setup->disk > 0) && !(setup->gauss > 0)) return none;
-    const struct cml_block draw = cml_draw_launch(setup, index);
+    const struct cml_block draw = cml_draw_launch(setup->stream, index);
     real c, s, r;
     cml_circle_point(draw.w[1], &c, &s);
     const real xi = cml_uniform(draw.w[0]);
@@ -319,7 +292,7 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
 CML_FN int cml_reflect_or_refract(const struct cml_world *world, struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
-    const real xi = cml_uniform(cml_draw_reflection(&world->setup, packet->index, packet->crossings));
+    const real xi = cml_uniform(cml_draw_reflection(world->setup.stream, packet->index, packet->crossings));
     int transmitted;
     packet->crossings++;
     if (cml_is_plane(world, hit->boundary)) {

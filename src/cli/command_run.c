@@ -141,9 +141,7 @@ static cml_status publish_run(const struct session *session, int index, const st
                                 .surfaces = setup->surfaces,
                                 .run = run,
                                 .engine = setup->engine,
-                                .seed = setup->options.seed,
-                                .run_index = setup->options.run,
-                                .reentry = setup->options.reentry,
+                                .options = &setup->options,
                                 .command = options->command};
     CML_TRY(publish(options, &report, err));
     if (!setup->checkpoint || index + 1 == session->list.count) return CML_OK;

@@ -245,7 +245,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_surface_set *
     setup->stream.key[1] = (cml_u32)(options->seed >> 32);
     setup->stream.key[2] = options->run;
     setup->roulette = roulette_of(&options->roulette);
-    setup->lattice = options->lattice ? CML_LATTICE_EVENTS : 0;
+    setup->stream.lattice = options->lattice ? CML_LATTICE_EVENTS : 0;
     setup->num_layers = scene->num_layers;
     setup->reentry = options->reentry;
     setup->tally_absorption = options->absorption;

@@ -1,7 +1,7 @@
 /* Lines map and facets. SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
-#include "facet.h"
+#include "boundary.h"
 
 #include <string.h>
 

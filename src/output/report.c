@@ -83,7 +83,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));
-    print_rarities(stream, result, report->run_index);
+    print_rarities(stream, result, report->options->run);
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps, %.3g ns/step on %d thread%s\n", seconds,
             (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->run->threads,
             report->run->threads == 1 ? "" : "s");

@@ -11,9 +11,7 @@ struct cml_report {
     const struct cml_surface_set *surfaces;
     const struct cml_run_result *run;
     const struct cml_engine *engine;
-    uint64_t seed;
-    uint32_t run_index; /* from 0 */
-    bool reentry;
+    const struct cml_engine_options *options;
     const char *command; /* line, for provenance */
     int num_files;
     char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */

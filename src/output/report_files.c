@@ -63,7 +63,7 @@ static const char *last_file(const struct cml_report *report)
     return report->files[report->num_files - 1];
 }
 
-#define ATTRIBUTES 10
+#define ATTRIBUTES 13
 
 /* Where the numbers come from. No times, and nothing of how the program was called: the same run gives the
  * same bytes. */
@@ -78,9 +78,12 @@ static void fill_attributes(const struct cml_report *report, const char *boundar
         {"engine", report->engine->name, 0},
         {"input", scene->text, 0},
         {"boundaries", boundaries, 0},
-        {"seed", NULL, (double)report->seed},
-        {"run", NULL, report->run_index + 1},
-        {"reentry", NULL, report->reentry},
+        {"sampling", cml_sampling_name(report->options), 0},
+        {"roulette_below", NULL, report->options->roulette.below},
+        {"roulette_weight", NULL, report->options->roulette.weight},
+        {"seed", NULL, (double)report->options->seed},
+        {"run", NULL, report->options->run + 1},
+        {"reentry", NULL, report->options->reentry},
         {"photons", NULL, (double)report->run->result.photons},
     };
     memcpy(attributes, all, sizeof all);

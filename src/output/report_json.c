@@ -104,7 +104,8 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
                                cml_json_name(report->files[0]), "engine", report->engine->name);
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
     set_integer(object, "photons", report->run->result.photons);
-    set_integer(object, "seed", report->seed);
+    set_integer(object, "seed", report->options->seed);
+    json_object_set_new(object, "sampling", json_string(cml_sampling_name(report->options)));
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
     json_object_set_new(object, "files", files_json(report));
     set_results(object, report);

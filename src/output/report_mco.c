@@ -120,16 +120,31 @@ static void write_heightfields(FILE *out, const struct cml_scene *scene)
     }
 }
 
+/* How packets draw and end: what changes errors, and no expected value. */
+static void write_sampling(FILE *out, const struct cml_engine_options *options)
+{
+    const struct cml_roulette_options *roulette = &options->roulette;
+    fprintf(out, "# sampling %s, roulette ", cml_sampling_name(options));
+    if (roulette->below > 0)
+        fprintf(out, "below %g to %g\n", roulette->below, roulette->weight);
+    else
+        fprintf(out, "of original MCML\n");
+}
+
 /* Everything behind Tt_ra, where readers of MCML's files have stopped. Lines that begin with # come first:
  * they are comments for those who read on. Nothing here may depend on time, threads, ranks or the machine. */
 static void write_extra(FILE *out, const struct cml_report *report)
 {
     const struct cml_scene *scene = report->scene;
     const struct cml_result *result = &report->run->result;
+    const struct cml_engine_options *options = report->options;
     fprintf(out, "\n# clustermcml %s\n# engine %s, seed %llu, run %u, %s\n", cml_version(),
-            report->engine->name, (unsigned long long)report->seed, report->run_index + 1,
-            report->reentry ? "packets that leave may re-enter" : "packets are scored at their first exit");
+            report->engine->name, (unsigned long long)options->seed, options->run + 1,
+            options->reentry ? "packets that leave may re-enter" : "packets are scored at their first exit");
+    write_sampling(out, options);
     cml_report_boundaries(out, "# ", scene, report->surfaces, CML_NAMED_BY_PATH);
+    fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
+            options->lattice);
     fprintf(out, "\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n%.6G\n%.6G\n%.6G\n%.6G\n",
             cml_result_error(result, CML_TOTAL_SPECULAR), cml_result_error(result, CML_TOTAL_REFLECTED),
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));

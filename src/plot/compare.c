@@ -211,6 +211,14 @@ static double typical_score(const struct quantity *q, const struct group *group,
     return packets_in(n, mean, square) >= enough ? square / mean : 1;
 }
 
+/* Whether errors of the file say how packets scatter: not where they were spread evenly (--sampling lattice),
+ * which errors gain from. */
+static bool packets_are_independent(const struct cml_mco *mco)
+{
+    double lattice = 0;
+    return cml_mco_extra(mco, "lattice", &lattice, 1) != 1 || lattice == 0;
+}
+
 /* Variance per packet of a file without errors, and with it of the other: mean square less squared mean,
  * where the mean is that of both, or the file's own when it is larger, so that a chance excess is not
  * overrated. */
@@ -218,7 +226,8 @@ static void estimate(const struct quantity *q, const struct group *group, double
 {
     const int lender = q->error[0] ? 0 : 1;
     const bool lent = q->error[lender] != NULL;
-    const double score = lent ? typical_score(q, group, lender) : 1;
+    const double score =
+        lent && packets_are_independent(q->mco[lender]) ? typical_score(q, group, lender) : 1;
     const double own = lent ? own_variance(q, group, lender) : 0;
     for (int k = 0; k < 2; k++) variance[k] = fmax(own, score * fmax(mean, group->mean[k]) - mean * mean);
 }
@@ -227,7 +236,7 @@ static void estimate(const struct quantity *q, const struct group *group, double
 static double freedom_of(const struct quantity *q, const double variance[2])
 {
     const double each = BATCHES - 1, sum = variance[0] + variance[1];
-    if (is_total(q->which) || (!q->error[0] && !q->error[1]) || !(sum > 0)) return INFINITY;
+    if ((!q->error[0] && !q->error[1]) || !(sum > 0)) return INFINITY;
     if (!q->error[0] || !q->error[1]) return each;
     return each * sum * sum / (variance[0] * variance[0] + variance[1] * variance[1]);
 }
@@ -253,8 +262,8 @@ static struct spread spread_of(const struct quantity *q, const struct group *gro
     return s;
 }
 
-/* Equal means agree whatever their errors: two runs that hold nothing have none. Errors of bins come from 64
- * batches, so the quotient is a Student deviate (Student 1908, Biometrika 6, 1). */
+/* Equal means agree whatever their errors: two runs that hold nothing have none. Errors come from 64 batches,
+ * so the quotient is a Student deviate (Student 1908, Biometrika 6, 1). */
 static double deviate(const struct group *group, const struct spread *spread)
 {
     const double difference = group->mean[0] - group->mean[1];

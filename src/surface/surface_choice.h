@@ -5,7 +5,7 @@
 #define CML_SURFACE_CHOICE_H
 
 #include "scene/radial.h"
-#include "surface_kind.h"
+#include "boundary.h"
 #include "surface/mesh/mesh_surface.h"
 #include "surface/tessellate.h"
 

@@ -4,7 +4,7 @@
 #ifndef CML_PLACES_H
 #define CML_PLACES_H
 
-#include "batches.h"
+#include "balance.h"
 
 #include <stdint.h>
 

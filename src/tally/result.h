@@ -1,13 +1,12 @@
 /* Results: what the tallies of a run add up to, with standard errors.
  * 128 bits a cell, for up to 2^48 packets. What a tally has in cells beyond the grid is added to the last and
- * first bins here (P7). Totals and 1D profiles are kept apart for each batch of photons (batches.h): the
+ * first bins here (P7). Totals and 1D profiles are kept apart for each batch of photons (balance.h): the
  * spread of the batches gives their standard errors, which therefore depend on the seed only, not on threads,
  * ranks or restarts.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_RESULT_H
 #define CML_RESULT_H
 
-#include "batches.h"
 #include "tally/tally.h"
 
 /* The part of a result that does not grow with its grid. Checkpoints and ranks move it as it stands. */

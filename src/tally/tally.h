@@ -7,7 +7,7 @@
 #define CML_TALLY_H
 
 #include "balance.h"
-#include "facet.h"
+#include "boundary.h"
 #include "base/status.h"
 
 #include <stdbool.h>

@@ -26,7 +26,7 @@ struct dice {
 
 static inline struct dice dice_new(uint32_t seed)
 {
-    const struct dice dice = {{{seed, 0xd1ceu, 0, 0}}, 0};
+    const struct dice dice = {.stream = {.key = {seed, 0xd1ceu, 0, 0}}};
     return dice;
 }
 

@@ -78,7 +78,7 @@ CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real sid
                                          struct cml_hits *h)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even = setup->lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
+    const cml_u32 even = setup->stream.lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
     const int count = h->count, size = cml_whole_vectors(count);
     int overruled = 0;
 #pragma omp simd reduction(+ : overruled)

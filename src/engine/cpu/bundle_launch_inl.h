@@ -175,7 +175,7 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     cml_group_unpack(queue->draw1 + at, lanes, b->draw1 + first);
     cml_group_unpack(queue->draw2 + at, lanes, b->draw2 + first);
     cml_group_unpack(queue->tau + at, lanes, b->tau + first);
-    if (f->world->setup.lattice) cml_launch_lattice(f, first, lanes);
+    if (f->world->setup.stream.lattice) cml_launch_lattice(f, first, lanes);
     const cml_u32 inside = f->enters ? cml_lanes_transmitted_first(queue, lanes) : 0;
     queue->first += __builtin_popcount(lanes);
     if (inside) cml_launch_like(f, &f->inside, first, inside);

@@ -6,7 +6,6 @@
 #define CML_BUNDLE_LOOPS_INL_H
 
 #include "engine/cpu/bundle_masks.h"
-#include "batches.h"
 #include "walk.h"
 
 #include <stddef.h>
@@ -52,7 +51,7 @@ static inline cml_u32 cml_queue_reflection(const struct cml_setup *setup,
         cml_threefry(setup->stream, queue->index_low[i], queue->index_high[i], crossing, CML_PURPOSE_BOUNDARY)
             .w[0];
     const cml_u32 lattice = cml_lattice_word(queue->reversed[i], CML_LATTICE_REFLECTION, queue->shifts[0], 0);
-    return cml_even_or_random((crossing == 0u) & (setup->lattice > 0u), lattice, random);
+    return cml_even_or_random((crossing == 0u) & (setup->stream.lattice > 0u), lattice, random);
 }
 
 /* Fills the launch queue with CML_QUEUE photons of a batch from index `next` on: the block of their first
@@ -64,7 +63,7 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
                             struct cml_launch_queue *queue)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32), lattice = setup->lattice;
+    const cml_u32 low = (cml_u32)next, high = (cml_u32)(next >> 32), lattice = setup->stream.lattice;
     const struct cml_block shifts = queue->shifts[0];
     int tail = 0;
 #pragma omp simd reduction(| : tail)
@@ -242,7 +241,8 @@ CML_LOOP void cml_bundle_draw(const struct cml_setup *setup, struct cml_bundle *
 {
     const int lanes = b->lanes;
     const struct cml_stream stream = setup->stream;
-    const cml_u32 none = ~0u, second = setup->lattice ? 1u : none, third = setup->lattice ? 2u : none;
+    const cml_u32 none = ~0u, second = setup->stream.lattice ? 1u : none,
+                  third = setup->stream.lattice ? 2u : none;
 #pragma omp simd
     for (int i = 0; i < lanes; i++) {
         const int active = b->task[i] == CML_LANE_INTERACT;
@@ -347,7 +347,7 @@ CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b)
 CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even = setup->lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
+    const cml_u32 even = setup->stream.lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
     const int lanes = b->lanes;
     const real *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =

@@ -394,7 +394,7 @@ static void azimuths_are_uniform_about_any_direction(void **state)
 
 static double depth_of(uint64_t photon, uint32_t event, uint32_t word)
 {
-    const struct cml_stream stream = {{5u, 0u, 0u, 0u}};
+    const struct cml_stream stream = {.key = {5u, 0u, 0u, 0u}};
     return (double)cml_optical_depth(stream, photon, event, word);
 }
 

@@ -3,7 +3,7 @@
 
 #include <Random123/threefry.h>
 
-static const struct cml_stream stream = {{42u, 7u, 3u, 0u}};
+static const struct cml_stream stream = {.key = {42u, 7u, 3u, 0u}};
 
 static struct cml_block from_random123(int rounds, const uint32_t key[4], const uint32_t counter[4])
 {
@@ -64,7 +64,7 @@ static void no_block_serves_two_purposes(void **state)
     static struct cml_block block[2 * 4 * 40 * 200];
     size_t n = 0;
     for (uint32_t run = 0; run < 2; run++) {
-        const struct cml_stream s = {{1u, 0u, run, 0u}};
+        const struct cml_stream s = {.key = {1u, 0u, run, 0u}};
         for (int purpose = CML_PURPOSE_INTERACTION; purpose <= CML_PURPOSE_LAUNCH; purpose++)
             for (uint64_t photon = 0; photon < 40; photon++)
                 for (uint32_t event = 0; event < 200; event++)

@@ -10,7 +10,7 @@
 
 #include <cmocka.h>
 
-static const struct cml_stream stream = {{7, 0, 0, 0}};
+static const struct cml_stream stream = {.key = {7, 0, 0, 0}};
 
 /* 1e6 packets of weight w, of which survivors weigh `after`: their mean against w, z below 4.9. */
 static void play(struct cml_roulette_rule rule, cml_u32 w, cml_u32 after)

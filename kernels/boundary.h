@@ -1,0 +1,32 @@
+/* What a boundary is: its kind, and its facets with what is scored on them. Knows no precision, so that
+ * tallies can stand on it. SPDX-License-Identifier: MIT */
+#ifndef CML_BOUNDARY_H
+#define CML_BOUNDARY_H
+
+enum cml_surface_kind {
+    CML_SURFACE_PLANE,
+    CML_SURFACE_CONE, /* rings of capped cones about the z axis */
+    CML_SURFACE_MESH,
+    CML_SURFACE_AUTO, /* the kind of no surface: asks the host to choose one */
+};
+
+/* Facets are the triangles of a mesh or the rings of cones, in order, and behind them the outer plane; the
+ * pixels of the map on a plane, and behind them what lies outside. Above and below are the sides of the
+ * boundary. What arrives at a facet leaves it again, so irradiances and exitances have the same sum, exactly.
+ * Weights, i.e. power: to be divided by the facet's area. */
+enum cml_facet_score {
+    CML_FACET_IRRADIANCE_ABOVE, /* arrives from the medium above */
+    CML_FACET_IRRADIANCE_BELOW,
+    CML_FACET_EXITANCE_ABOVE, /* leaves into the medium above, transmitted or reflected */
+    CML_FACET_EXITANCE_BELOW,
+    CML_FACET_ESCAPED,         /* part of Rd (boundary 0) or Tt (boundary L) that touched this facet last */
+    CML_FACET_ESCAPED_SQUARES, /* of the packets' weights, in units of CML_SQUARE_UNIT^2 (tally.h) */
+    CML_FACET_SCORES
+};
+
+/* Where the facets of a boundary stand among those of all. count 0: none are scored. */
+struct cml_facet_range {
+    int first, count;
+};
+
+#endif

@@ -20,7 +20,7 @@ struct cml_device_lanes {
     cml_u32 flushed_w[CML_DEVICE_LANES]; /* weight when the deposits since were last added to the balance */
     cml_u32 interactions[CML_DEVICE_LANES];
     cml_u32 touched[CML_DEVICE_LANES]; /* the interactions before the last boundary event */
-    cml_u32 draw0[CML_DEVICE_LANES], draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
+    cml_u32 draw1[CML_DEVICE_LANES], draw2[CML_DEVICE_LANES],
         draw3[CML_DEVICE_LANES]; /* words of the next interaction's block */
     real mfp[CML_DEVICE_LANES], absorb[CML_DEVICE_LANES], g[CML_DEVICE_LANES],
         bins[CML_DEVICE_LANES]; /* of the medium */
@@ -58,56 +58,59 @@ CML_FN cml_u32 cml_device_is_near(const struct cml_device_lanes *l, cml_u32 i, r
              (z - err_depth > l->start_above[i]) & (z + err_depth < l->start_below[i]));
 }
 
-/* The random block of every lane's next interaction. A lane whose last event was no interaction draws the
- * block that it has. Returns 1 when any lane is to draw from the lattice. */
-CML_DEVICE_LOOP cml_u32 cml_device_draw(struct cml_stream stream, struct cml_device_lanes *restrict l)
+/* The block of lane i's next interaction, its optical depth if it has none yet, and how far it goes. A lane
+ * whose last event was no interaction draws the block that it has. even: words may come from the lattice.
+ * Returns 1 when the lane is live and may meet a boundary; other live lanes are to interact. */
+CML_FN cml_u32 cml_device_fly_lane(struct cml_stream stream, int even, struct cml_device_lanes *restrict l,
+                                   cml_u32 i)
 {
-    cml_u32 any = 0;
-    CML_AT_ONCE
-    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
-        const struct cml_block draw = cml_threefry(stream, l->index_low[i], l->index_high[i],
-                                                   l->interactions[i], (cml_u32)CML_PURPOSE_INTERACTION);
-        l->draw0[i] = draw.w[0];
-        l->draw1[i] = draw.w[1];
-        l->draw2[i] = draw.w[2];
-        l->draw3[i] = draw.w[3];
-        any |= l->interactions[i] < stream.lattice;
+    const cml_u32 low = l->index_low[i], high = l->index_high[i], e = l->interactions[i];
+    struct cml_block draw = cml_threefry(stream, low, high, e, (cml_u32)CML_PURPOSE_INTERACTION);
+    if (even) {
+        const struct cml_block shifts = cml_lattice_shifts(stream, low, high, e);
+        const struct cml_block block = cml_lattice_block(cml_lattice_reversed(low, high), e, shifts, draw);
+        const int from_lattice = e < stream.lattice;
+        draw.w[0] = from_lattice ? block.w[0] : draw.w[0];
+        draw.w[1] = from_lattice ? block.w[1] : draw.w[1];
+        draw.w[2] = from_lattice ? block.w[2] : draw.w[2];
     }
-    return any;
+    const real fresh = cml_depth_or_tail(draw.w[0]), old = l->tau[i], tau = old < 0 ? fresh : old;
+    const real s = cml_path(tau, l->mfp[i]);
+    const cml_u32 near = cml_device_is_near(l, i, s), live = l->live[i];
+    l->draw1[i] = draw.w[1];
+    l->draw2[i] = draw.w[2];
+    l->draw3[i] = draw.w[3];
+    l->tau[i] = tau;
+    l->s[i] = s;
+    l->mine[i] = live & !near;
+    return live & near;
 }
 
-/* Words of the lattice (lattice.h) in place of random ones, in lanes that draw from it. */
-CML_DEVICE_LOOP void cml_device_draw_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
-{
-    CML_AT_ONCE
-    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
-        const cml_u32 low = l->index_low[i], high = l->index_high[i], e = l->interactions[i];
-        const struct cml_block random = {{l->draw0[i], l->draw1[i], l->draw2[i], l->draw3[i]}};
-        const struct cml_block shifts = cml_lattice_shifts(stream, (cml_u64)high << 32 | low, e);
-        const struct cml_block even = cml_lattice_block(cml_lattice_reversed(low, high), e, shifts, random);
-        l->draw0[i] = e < stream.lattice ? even.w[0] : random.w[0];
-        l->draw1[i] = e < stream.lattice ? even.w[1] : random.w[1];
-        l->draw2[i] = e < stream.lattice ? even.w[2] : random.w[2];
-    }
-}
-
-/* The optical depth of every lane that has none yet, and how far all go. Returns the mask of the live lanes
- * that may meet a boundary; the other live lanes are to interact. */
-CML_DEVICE_LOOP cml_u32 cml_device_fly(struct cml_device_lanes *restrict l)
+/* All lanes, none of which draws from the lattice. Returns the mask of those for which cml_device_fly_lane
+ * returns 1. */
+CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
     cml_u32 near_lanes = 0;
     CML_AT_ONCE
-    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
-        const real fresh = cml_depth_or_tail(l->draw0[i]), old = l->tau[i], tau = old < 0 ? fresh : old;
-        const real s = cml_path(tau, l->mfp[i]);
-        const cml_u32 near = cml_device_is_near(l, i, s);
-        const cml_u32 live = l->live[i];
-        l->tau[i] = tau;
-        l->s[i] = s;
-        l->mine[i] = live & !near;
-        near_lanes |= (live & near) << i;
-    }
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) near_lanes |= cml_device_fly_lane(stream, 0, l, i) << i;
     return near_lanes;
+}
+
+/* The same where some may. */
+CML_DEVICE_LOOP cml_u32 cml_device_fly_even(struct cml_stream stream, struct cml_device_lanes *restrict l)
+{
+    cml_u32 near_lanes = 0;
+    CML_AT_ONCE
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) near_lanes |= cml_device_fly_lane(stream, 1, l, i) << i;
+    return near_lanes;
+}
+
+/* The second only where it must be: it takes twice as many random numbers. */
+CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
+{
+    cml_u32 even = 0;
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) even |= l->interactions[i] < stream.lattice;
+    return even ? cml_device_fly_even(stream, l) : cml_device_fly_random(stream, l);
 }
 
 /* P3 and P4 of the lanes that interact: fills dw and, where absorption is tallied, cell. Returns the mask of

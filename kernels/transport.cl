@@ -188,9 +188,7 @@ CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_depo
                             struct cml_device_flight *f)
 {
     cml_u32 ended = 0;
-    const struct cml_stream stream = world->setup.stream;
-    if (cml_device_draw(stream, &f->lanes)) cml_device_draw_even(stream, &f->lanes);
-    const cml_u32 near_lanes = cml_device_fly(&f->lanes);
+    const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
         ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     const cml_u32 low_lanes = cml_device_interact(&world->setup, &f->lanes);

@@ -71,7 +71,7 @@ static int cml_fill_queue(struct cml_flight *f)
         if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
         const int count = f->left < CML_QUEUE ? (int)f->left : CML_QUEUE;
         for (cml_u32 e = 0; e < CML_LATTICE_EVENTS; e++)
-            queue->shifts[e] = cml_lattice_shifts(stream, f->next, e);
+            queue->shifts[e] = cml_lattice_shifts(stream, (cml_u32)f->next, (cml_u32)(f->next >> 32), e);
         if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
             cml_queue_draw_tails(stream, f->next, queue);
         f->next += CML_NUM_BATCHES * (uint64_t)count;

@@ -37,8 +37,9 @@ CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, con
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
 
-/* Multiplications, some 0.1 s of them: what commands spend on totals by adding-doubling beside other work. */
-#define CML_EXACT_LITTLE_WORK 3e8
+/* Multiplications, some 0.15 s of them: what commands spend on totals by adding-doubling beside other work.
+ */
+#define CML_EXACT_LITTLE_WORK 1e9
 
 /* The output file of a scene: its name below the output directory. *path is the caller's to free. */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,

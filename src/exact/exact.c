@@ -13,13 +13,16 @@ static const int orders[] = {8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256};
 
 enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2 };
 
-/* Roughly, to a factor of two: doublings of matrices are nearly all of it. */
+/* Products of matrices in power series and doublings are nearly all of it (layer_response.c). */
 static double work(const struct cml_medium_def *media, const struct cml_directions *directions)
 {
     double sum = 0;
     for (int m = 1; m < directions->num_media - 1; m++) {
-        const double n = directions->live[m], depth = media[m].d * (media[m].mua + media[m].mus);
-        if (media[m].mus > 0) sum += 8 * n * n * n * (6 + fmax(0, log2(1 + depth * n * n)));
+        if (!(media[m].mus > 0)) continue;
+        const int n = directions->live[m];
+        const double steepest = cml_directions_cosine(directions, n - 1, media[m].n);
+        const double depth = media[m].d * (media[m].mua + media[m].mus) / steepest;
+        sum += pow(n, 3) * (40 + 7.5 * fmax(0, log2(depth)));
     }
     return sum;
 }

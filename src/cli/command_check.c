@@ -89,7 +89,10 @@ static cml_status print_flat_twin(const struct cml_scene *scene, struct cml_erro
     const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
     struct cml_exact exact;
     const cml_status status = cml_exact_scene(scene, NULL, &little, &exact, err);
-    if (status == CML_E_NUMERIC) return CML_OK;
+    if (status == CML_E_NUMERIC) {
+        printf("  no totals of the flat scene: %s\n", err->text);
+        return CML_OK;
+    }
     if (status == CML_OK) cml_report_flat_twin(stdout, &exact);
     if (status == CML_OK) cml_exact_clear(&exact);
     return status;

@@ -118,20 +118,29 @@ static bool scatters(const struct cml_medium_def *medium)
     return medium->mus * medium->d * (1 - fabs(medium->g)) > 1e-12;
 }
 
-/* Light is in a direction of a medium where it comes from outside, is scattered, or comes from a neighbour. A
- * clear layer that reflects totally on both sides would hold light for ever, but none gets in. */
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int greatest(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+/* Light is in a direction of a medium where it comes from outside, is scattered, or comes from a neighbour:
+ * once down and once up, as on the way it turns it has been before. A clear layer that reflects totally on
+ * both sides would hold light for ever, but none gets in. */
 static void find_live(const struct cml_medium_def *media, struct cml_directions *to)
 {
     const int last = to->num_media - 1;
-    for (int m = 0; m <= last; m++)
-        to->live[m] = m == 0 || scatters(&media[m]) ? count_directions(to, media[m].n) : 0;
-    for (int round = 0; round <= last; round++)
-        for (int m = 1; m <= last; m++) {
-            const int most = count_directions(to, media[m].n), above = to->live[m - 1],
-                      below = m < last ? to->live[m + 1] : 0, near = above > below ? above : below;
-            const int reached = near < most ? near : most;
-            if (reached > to->live[m]) to->live[m] = reached;
-        }
+    int *live = to->live;
+    for (int m = 0; m <= last; m++) {
+        const int all = count_directions(to, media[m].n);
+        live[m] = m == 0 || scatters(&media[m]) ? all : least(live[m - 1], all);
+    }
+    for (int m = last - 1; m > 0; m--)
+        live[m] = greatest(live[m], least(live[m + 1], count_directions(to, media[m].n)));
 }
 
 /* Diffuse light has its share in the etendue of all directions of medium 0. */

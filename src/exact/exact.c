@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -66,6 +67,8 @@ static cml_status solve_order(struct search *search, const struct cml_directions
     value[CML_EXACT_A] = sum;
     value[CML_EXACT_TT] = transmitted;
     search->defect = fabs(1 - reflected - transmitted - sum);
+    if (!(search->defect < 0.01))
+        return cml_fail(err, CML_E_NUMERIC, "adding-doubling loses light (numbers too large or too small?)");
     search->history[2] = search->history[1];
     search->history[1] = search->history[0];
     search->history[0] = value;
@@ -160,6 +163,7 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     const cml_status status = cml_exact_solve(media, scene->num_layers, &light, options, exact, err);
     free(media);
     if (status != CML_E_NUMERIC) return status;
-    return cml_fail(err, status, "%s:%d: adding-doubling takes more than %g multiplications here",
-                    scene->file, scene->line, options->most_work);
+    char reason[128];
+    snprintf(reason, sizeof reason, "%.127s", err->text);
+    return cml_fail(err, status, "%s:%d: %s", scene->file, scene->line, reason);
 }

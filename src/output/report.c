@@ -53,7 +53,8 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
             fprintf(stream, "  A of layer %d", i - CML_EXACT_LAYERS + 1);
         fprintf(stream, " %.9f +- %.1g\n", exact->value[i], exact->error[i]);
     }
-    if (!exact->converged) fprintf(stream, "  errors are above the aim: higher orders are too much work\n");
+    if (!exact->converged)
+        fprintf(stream, "  errors are above the aim at the highest order that was tried\n");
 }
 
 void cml_report_flat_twin(FILE *stream, const struct cml_exact *exact)

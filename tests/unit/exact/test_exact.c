@@ -367,6 +367,18 @@ static void too_much_work_is_refused_or_cut_short(void **state)
     cml_exact_clear(&exact);
 }
 
+static void numbers_beyond_double_precision_are_refused(void **state)
+{
+    (void)state;
+    const struct stack stack = slab(1e200, 1, 10, 0.5, 1);
+    const struct cml_exact_light light = {.angle = 0};
+    const struct cml_exact_options options = {1e-7, 1e11};
+    struct cml_exact exact;
+    struct cml_error err;
+    assert_int_equal(cml_exact_solve(stack.media, 1, &light, &options, &exact, &err), CML_E_NUMERIC);
+    assert_null(exact.value);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -382,6 +394,7 @@ int main(void)
         cmocka_unit_test(limits_are_finite_and_keep_all_light),
         cmocka_unit_test(stated_errors_are_no_smaller_than_true_ones),
         cmocka_unit_test(too_much_work_is_refused_or_cut_short),
+        cmocka_unit_test(numbers_beyond_double_precision_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const int orders[] = {8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256};
+static const int orders[] = {8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362};
 
 enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2 };
 

@@ -25,7 +25,7 @@ struct cml_exact {
 };
 
 /* media: [num_layers + 2], their thicknesses those of the layers: boundaries are planes. The order rises by
- * factors of sqrt(2) up to 256. An error is twice the larger change from half the order and from the one
+ * factors of sqrt(2) up to 362. An error is twice the larger change from half the order and from the one
  * between, and by how much the shares do not add up to 1. On success the caller clears *exact. CML_E_INPUT:
  * out of memory; CML_E_NUMERIC: too much work for the least three orders, or numbers beyond double precision.
  */

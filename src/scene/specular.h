@@ -12,8 +12,8 @@ struct cml_specular {
     double reflected, between;
 };
 
-/* media: [num_layers + 2]. Boundary 0 is a plane; planes: so is boundary 1. [MCML manual, equations 3.6
- * and 3.7] */
+/* media: [num_layers + 2]. Boundary 0 is a plane; planes: so is boundary 1. [MCML manual,
+ * equations 3.2a to 3.4] */
 struct cml_specular cml_specular_split(const struct cml_medium_def *media, int num_layers, bool planes);
 
 #endif

@@ -95,6 +95,8 @@ static const char help[] =
     "input)\n"
     "       clustermcml check scene.mci [options]     parse, validate, show boundaries and memory; "
     "fly nothing\n"
+    "       clustermcml exact scene.mci               totals of the flat scene without photons, by "
+    "adding-doubling\n"
     "       clustermcml mesh scene.mci -o DIR         write every boundary as OBJ at the tolerance\n"
     "       clustermcml trace scene.mci N [--run K]   every event of photon N (of run K of the file) as a "
     "table\n"

@@ -39,7 +39,7 @@ grep -q '"shading_overruled":[1-9]' "$work/out" || complain "no smooth normal wa
 
 # Between vertex normals light may run into a groove for ever; after 1000 events in a row the facets turn it back, as trace
 # shows.
-expect_code 0 trace samples/shapes/hinoise.mci 782539 --boundaries mesh --tolerance 1e-1 --normals vertex
+expect_code 0 trace samples/shapes/hinoise.mci 782539 --sampling random --roulette mcml --boundaries mesh --tolerance 1e-1 --normals vertex
 tail -n 1 "$work/out" | grep -q '^# reflected after 6 interactions and 1018 boundary events' ||
     complain "light in a groove: $(tail -n 1 "$work/out")"
 expect_error 2 "--run 3 (expected 1 to 2, the runs of samples/two_runs.mci)" trace samples/two_runs.mci 1 --run 3

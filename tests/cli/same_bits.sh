@@ -14,7 +14,7 @@ result() { # scene, then options: prints a checksum of all lines but the time
 
 for scene in samples/mcml_sample.mci samples/shapes/hinoise.mci samples/mixed.mci; do
     expected=$(result "$scene" --threads 1)
-    for options in "--threads 2" "--threads 3" "--threads 7" "--chunk 1" "--chunk 1000 --threads 3" "--chunk 1e6"; do
+    for options in "--threads 2" "--threads 3" "--threads 7" "--threads 32" "--chunk 1" "--chunk 1000 --threads 3" "--chunk 1e6"; do
         # shellcheck disable=SC2086 # several options on purpose
         [ "$(result "$scene" $options)" = "$expected" ] || { echo "$scene differs with $options"; exit 1; }
     done
@@ -25,7 +25,7 @@ done
 # All files of a run with maps. The .h5 knows the command line, so the threads come from the environment.
 scene=samples/skinmap.mci
 expected=$(OMP_NUM_THREADS=1 result "$scene" && cat "$scratch"/*.vti "$scratch"/*.vtp "$scratch"/*.h5 | sha256sum)
-for threads in 2 3 7; do
+for threads in 2 3 7 32; do
     found=$(OMP_NUM_THREADS=$threads result "$scene" && cat "$scratch"/*.vti "$scratch"/*.vtp "$scratch"/*.h5 | sha256sum)
     [ "$found" = "$expected" ] || { echo "$scene differs with $threads threads"; exit 1; }
 done

@@ -1,5 +1,5 @@
 #!/bin/sh
-# The one list of what clustermcml needs on Debian 12; Debian 13 has the same names. packages.sh installs what is missing
+# The one list of what clustermcml needs on Debian 12; Debian 13 and Ubuntu 24.04 have the same names. packages.sh installs what is missing
 # to build, run and plot; `packages.sh test` also what the tests need; `packages.sh names` prints the names of both, and
 # installs nothing. Asks for sudo only when something is missing.
 # SPDX-License-Identifier: MIT

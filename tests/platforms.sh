@@ -2,7 +2,7 @@
 # On which platforms the program builds and passes its tests: prints one row of the table in tests/README.md for each.
 #
 #     sh tests/platforms.sh [debian12] [debian13] [ubuntu2404] [clang] [arm64] [debug] [threads]     none: all
-#     KEEP=/var/tmp/roots sh tests/platforms.sh arm64     roots stay in that folder; the next run installs nothing
+#     KEEP=/var/tmp/roots sh tests/platforms.sh arm64     roots and logs stay there; the next run installs nothing
 #     QUICK=1 sh tests/platforms.sh debian13              four labels instead of the whole of tests/run.sh
 #
 # - debian12, debian13, ubuntu2404: the two commands of README.md in a bare root that debootstrap makes
@@ -31,7 +31,7 @@ roots=$(cd "$roots" && pwd)
 
 configure="cmake -S . -B build -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON"
 build="cmake --build build --parallel 2"
-check="ctest --test-dir build --output-on-failure -j2 -L"
+check="ctest --test-dir build --output-on-failure --timeout 86400 -j2 -L" # emulated, a test may take an hour
 install="export DEBIAN_FRONTEND=noninteractive; apt-get update -q; apt-get install -y -q --no-install-recommends"
 fly='for scene in samples/*.mci samples/shapes/*.mci; do
     flown=build/flown/$(basename "$scene" .mci)
@@ -109,19 +109,24 @@ tests_of() { # LOG
         }' "$1"
 }
 
+# An .mco file without its line of time, and without what $mask takes out.
+science_of() { # FILE
+    sed -e '/^# User time/d' -e "$mask" "$1"
+}
+
 # How many .mco files have the bytes that this machine's have, and which have others.
 compare_with_here() { # ROOT
     same=0 other=
     for file in $(cd "$work/expected" && find . -name '*.mco' | sort); do
+        science_of "$work/expected/$file" >"$work/a"
         if test -f "$1/root/clustermcml/build/flown/$file" &&
-            grep -v '^# User time' "$work/expected/$file" >"$work/a" &&
-            grep -v '^# User time' "$1/root/clustermcml/build/flown/$file" | cmp -s - "$work/a"; then
+            science_of "$1/root/clustermcml/build/flown/$file" | cmp -s - "$work/a"; then
             same=$((same + 1))
         else
             other="$other ${file##*/}"
         fi
     done
-    echo "$same .mco the same${other:+, others:$other}"
+    echo "$same .mco the same${mask:+ but for the error of Rsp}${other:+, others:$other}"
     test -z "$other" && test "$same" -gt 0
 }
 
@@ -134,7 +139,8 @@ fly_here() {
     mv "$roots/HERE/root/clustermcml/build/flown" "$work/expected"
 }
 
-settings() { # NAME: sets system (what the row says), suite and commands
+settings() { # NAME: sets system (what the row says), suite, commands and mask
+    mask=
     readme="sh samples/quickstart.sh; sh tests/run.sh; EMULATOR=; $fly"
     test -z "${QUICK:-}" || readme="sh samples/quickstart.sh; sh samples/packages.sh test
         $configure -DCMAKE_BUILD_TYPE=Release; $build; EMULATOR=; $fly; $check 'house|unit|cross|cli'"
@@ -148,7 +154,8 @@ settings() { # NAME: sets system (what the row says), suite and commands
             ! command -v gcc; export CC=clang CXX=clang++
             $configure -DCMAKE_BUILD_TYPE=Release; $build; EMULATOR=; $fly; $check 'unit|cross'" ;;
     arm64)
-        system="aarch64 (qemu-user)" suite=trixie
+        # the error of an Rsp without chance is the rounding of a long double, which has more bits on aarch64
+        system="aarch64 (qemu-user)" suite=trixie mask='/^se_RAT/{n;d;}'
         commands="dpkg --add-architecture arm64
             $install crossbuild-essential-arm64 cmake make git pkg-config python3 qemu-user opencl-headers librandom123-dev \
                 libgomp1:arm64 libembree-dev:arm64 libtinyobjloader-dev:arm64 libjansson-dev:arm64 zlib1g-dev:arm64 \
@@ -171,7 +178,7 @@ settings() { # NAME: sets system (what the row says), suite and commands
 # One row. The commands run outside of any condition, so that the first one that fails ends them.
 platform() { # NAME
     settings "$1"
-    log=${TMPDIR:-/tmp}/platforms-$1.log
+    log=$roots/$1.log
     root=$roots/$1
     test "$suite" != HERE || root=$roots/HERE
     if test "$suite" != HERE && { test "$(id -u)" -ne 0 || ! command -v debootstrap >/dev/null; }; then
@@ -192,8 +199,9 @@ platform() { # NAME
     case $1 in clang) tool="CC=clang;" ;; arm64) tool="CC=aarch64-linux-gnu-gcc;" ;; esac
     bytes=$(compare_with_here "$root") || code=1
     echo "| $system | $(in_clone "$root" "$tool $versions") | $(tests_of "$log"); $bytes |"
-    test "$code" -ne 0 || { rm -f "$log"; return 0; }
-    echo "$1: failed, see $log" >&2
+    test "$code" -ne 0 || return 0
+    echo "$1: failed${KEEP:+, see $log}" >&2
+    tail -n 40 "$log" >&2
     failed=$((failed + 1))
 }
 

@@ -55,6 +55,13 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
     for (int i = 0; i < CML_TERMINATED; i++) terminated->cell[i] += cml_angle_bin(&setup, terminated->uz[i]);
 }
 
+/* A mask for `&`: gcc 14.2 compiles sums of `condition ? value : 0` wrongly for AVX-512 (two of those in the
+ * loop below, from 8 packets on). */
+static inline uint64_t cml_all_bits_if(int condition)
+{
+    return 0 - (uint64_t)condition;
+}
+
 /* One vector loop for everything that is summed over packets. A packet's part in a sum that is not its own is
  * 0. */
 static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_terminated *terminated)
@@ -63,12 +70,13 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_ter
     for (int i = 0; i < terminated->count; i++) {
         const int fate = terminated->fate[i];
         const uint64_t w = terminated->w[i], deposit = terminated->deposit[i];
-        sums.reflected += fate == CML_FATE_REFLECTED ? w : 0;
-        sums.transmitted += fate == CML_FATE_TRANSMITTED ? w : 0;
-        sums.specular += fate == CML_FATE_SPECULAR ? w : 0;
+        const uint64_t up = cml_all_bits_if(fate == CML_FATE_REFLECTED);
+        sums.reflected += w & up;
+        sums.transmitted += w & cml_all_bits_if(fate == CML_FATE_TRANSMITTED);
+        sums.specular += w & cml_all_bits_if(fate == CML_FATE_SPECULAR);
         sums.absorbed += terminated->absorbed[i] + deposit;
         sums.deposited += deposit;
-        sums.deposited_above += fate == CML_FATE_REFLECTED ? deposit : 0;
+        sums.deposited_above += deposit & up;
         sums.interactions += terminated->interactions[i];
         sums.boundary_events += terminated->boundary_events[i];
     }

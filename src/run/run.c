@@ -6,6 +6,7 @@
 #include "run/cluster.h"
 #include "run/work_ranges.h"
 #include "run/stop.h"
+#include "tally/target_error.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -222,22 +223,6 @@ static cml_status write_checkpoint(struct flight *flight, bool stop, double begi
     return status;
 }
 
-/* Of the launched weight: a total that hardly scores would keep --target-error flying for ever. */
-#define LEAST_SHARE 1e-3
-
-/* The largest relative standard error of those of Rd, A and Tt that hold at least this share. */
-static double relative_error(const struct cml_result *result)
-{
-    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
-    double largest = 0;
-    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        const double share = cml_result_total(result, totals[i]);
-        if (share < LEAST_SHARE) continue;
-        largest = fmax(largest, cml_result_error(result, totals[i]) / share);
-    }
-    return largest;
-}
-
 /* The next round of --target-error where one is needed: as long as all before it together. */
 static cml_status begin_round(struct flight *flight, struct cml_error *err)
 {
@@ -245,7 +230,7 @@ static cml_status begin_round(struct flight *flight, struct cml_error *err)
     struct cml_result *result = &flight->out->result;
     struct cml_run_state *state = &flight->state;
     const bool full = state->end > ((uint64_t)1 << 47);
-    if (setup->target_error <= 0 || full || relative_error(result) <= setup->target_error) return CML_OK;
+    if (setup->target_error <= 0 || full || cml_target_met(result, setup->target_error)) return CML_OK;
     state->begin = state->end;
     state->end = 2 * state->end;
     result->photons = state->end;

@@ -23,9 +23,9 @@ struct cml_run_setup {
     struct cml_engine_options options;
     uint64_t photons;
     double target_error; /* 0: fly `photons`. Else rounds of N, N, 2N, 4N ... packets, N = `photons` rounded
-                          * up to 64, until after a round the relative standard errors of Rd, A and Tt, those
-                          * above 1e-3, are not above it: it is looked at nowhere else, so that the end
-                          * depends on the seed only. A round has as many photons in every batch. */
+                          * up to 64, until one ends with cml_target_met: it is looked at nowhere else, so
+                          * that the end depends on the seed only. A round has as many photons in every
+                          * batch. */
     const char *checkpoint; /* file; NULL: none, and no signal is watched */
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity;               /* of the run, see identity.h; with a checkpoint */

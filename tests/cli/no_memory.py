@@ -65,7 +65,7 @@ def call(folder, arguments, failing):
 
 def fault(code, lines, names):
     """What is wrong with how a run ended; an empty text when nothing is."""
-    left = [name for name in names if not re.fullmatch(r"[\w.]+\.(mco|h5|vti|vtp|obj|svg|mco\.checkpoint)", name)]
+    left = [name for name in names if not re.fullmatch(r"[\w.]+\.(mco|h5|vti|vtp|obj|svg|mco\.checkpoint|mco\.checkpoint\.old)", name)]
     if left:
         return f"left {' '.join(left)}"
     if code in (0, 1):  # 1: two results differ

@@ -37,6 +37,14 @@ def mci(layers, name="out.mco", photons=1000, grid="0.01 0.01", bins="10 10 1", 
     return "\n".join(lines + [str(n_below)]) + "\n"
 
 
+def repeated(runs, layers, name="run", kind=".mco", **scene):
+    """An .mci file's text with that scene `runs` times, named run0.mco, run1.mco ...; each has random numbers of its own."""
+    text = ["1.0", str(runs)]
+    for i in range(runs):
+        text.append("\n".join(mci(layers, name=f"{name}{i}{kind}", **scene).split("\n")[2:]))
+    return "\n".join(text)
+
+
 def run(text, *options, keep=None):
     """Runs the text of an .mci file, or a path to one; returns the list of JSON records. keep: directory for output."""
     with tempfile.TemporaryDirectory() as scratch:

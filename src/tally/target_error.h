@@ -1,0 +1,18 @@
+/* When a run with --target-error may end. SPDX-License-Identifier: MIT */
+#ifndef CML_TARGET_ERROR_H
+#define CML_TARGET_ERROR_H
+
+#include "tally/result.h"
+
+/* Shares of the launched weight below this are not looked at: a total that hardly scores would keep
+ * --target-error flying for ever. */
+#define CML_TARGET_LEAST_SHARE 1e-3
+
+/* Nothing is judged before so many photons: a total of the least share then has ten packets, and is seen. */
+#define CML_TARGET_LEAST_PHOTONS 10000
+
+/* Whether each of Rd, A and Tt of a complete round has a relative standard error of at most `target`, or is
+ * by three standard errors below the least share. */
+bool cml_target_met(const struct cml_result *result, double target);
+
+#endif

@@ -1,0 +1,86 @@
+/* When --target-error ends a run, on results made up here. SPDX-License-Identifier: MIT */
+#include "lib/require.h"
+
+#include "tally/target_error.h"
+
+#include <math.h>
+
+static const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1};
+static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
+
+/* Batches take turns in being above and below the share, so that its relative error comes out as asked. */
+static void set_total(struct cml_result *result, enum cml_total total, double share, double relative)
+{
+    const double off = relative * sqrt(CML_NUM_BATCHES - 1);
+    const double weight = share * (double)result->photons / CML_NUM_BATCHES / CML_WEIGHT_UNIT;
+    result->summary.balance[cml_balance_term_of_total(total)] = 0;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        const cml_u128 units = (cml_u128)(weight * (b % 2 ? 1 + off : 1 - off));
+        result->totals[b * CML_NUM_TOTALS + (int)total] = units;
+        result->summary.balance[cml_balance_term_of_total(total)] += units;
+    }
+}
+
+/* Rd, A and Tt of 0.3, with a relative error of 0.01. */
+static struct cml_result flown(uint64_t photons)
+{
+    struct cml_result result;
+    struct cml_error err;
+    require_ok(cml_result_create(&grid, photons, &result, &err), &err);
+    result.summary.balance[CML_BALANCE_LAUNCHED] = (cml_u128)photons << 31;
+    for (int i = 0; i < 3; i++) set_total(&result, totals[i], 0.3, 0.01);
+    return result;
+}
+
+static void every_total_counts(void **state)
+{
+    (void)state;
+    struct cml_result result = flown(64000);
+    assert_true(cml_target_met(&result, 0.0101));
+    assert_false(cml_target_met(&result, 0.0099));
+    for (int i = 0; i < 3; i++) {
+        set_total(&result, totals[i], 0.3, 0.02);
+        assert_false(cml_target_met(&result, 0.0101));
+        set_total(&result, totals[i], 0.3, 0.01);
+    }
+    cml_result_free(&result);
+}
+
+/* 8.3e-4 with an error of 10 % is less than 1e-3 by two errors, with one of 6 % by more than three. */
+static void a_small_total_is_left_out_when_it_surely_is_small(void **state)
+{
+    (void)state;
+    struct cml_result result = flown(64000);
+    for (int i = 0; i < 3; i++) {
+        set_total(&result, totals[i], 8.3e-4, 0.1);
+        assert_false(cml_target_met(&result, 0.0101));
+        set_total(&result, totals[i], 8.3e-4, 0.06);
+        assert_true(cml_target_met(&result, 0.0101));
+        set_total(&result, totals[i], 8.3e-4, 0);
+        assert_true(cml_target_met(&result, 0.0101));
+        set_total(&result, totals[i], 0, 0);
+        assert_true(cml_target_met(&result, 0.0101));
+        set_total(&result, totals[i], 0.3, 0.01);
+    }
+    cml_result_free(&result);
+}
+
+static void few_photons_are_no_judges(void **state)
+{
+    (void)state;
+    for (uint64_t photons = 64; photons <= 16384; photons *= 2) {
+        struct cml_result result = flown(photons);
+        assert_true(cml_target_met(&result, 0.5) == (photons >= 10000));
+        cml_result_free(&result);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_total_counts),
+        cmocka_unit_test(a_small_total_is_left_out_when_it_surely_is_small),
+        cmocka_unit_test(few_photons_are_no_judges),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -61,11 +61,11 @@ static int compare_blocks(const void *a, const void *b)
 static void no_block_serves_two_purposes(void **state)
 {
     (void)state;
-    static struct cml_block block[2 * 4 * 40 * 200];
+    static struct cml_block block[2 * 5 * 40 * 200];
     size_t n = 0;
     for (uint32_t run = 0; run < 2; run++) {
         const struct cml_stream s = {.key = {1u, 0u, run, 0u}};
-        for (int purpose = CML_PURPOSE_INTERACTION; purpose <= CML_PURPOSE_LAUNCH; purpose++)
+        for (int purpose = CML_PURPOSE_INTERACTION; purpose <= CML_PURPOSE_SHIFT; purpose++)
             for (uint64_t photon = 0; photon < 40; photon++)
                 for (uint32_t event = 0; event < 200; event++)
                     block[n++] =

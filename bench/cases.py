@@ -130,16 +130,28 @@ def rows_of(name):
         return list(csv.DictReader(line for line in stream if not line.startswith("#")))
 
 
-def reference(medium):
-    """Rd of the flat scene from adding-doubling (error below 1e-6, without this program), or None."""
+def totals_of(row, specular):
+    """Rd, A, Tt from total reflectance and transmittance, which hold specular and unscattered light."""
+    reflected, transmitted = float(row["UR1"]), float(row["UT1"])
+    return {"Rd": reflected - specular, "A": 1 - reflected - transmitted, "Tt": transmitted}
+
+
+def exact(medium):
+    """Rd, A, Tt of the flat scene from adding-doubling (error below 1e-6, without this program), or None."""
     layers = [line.split() for line in data_lines(medium)[ABOVE + 1:-1]]
     numbers = [[float(word) for word in layer] for layer in layers]
     specular = ((numbers[0][0] - 1) / (numbers[0][0] + 1)) ** 2
     for row in rows_of("layers.csv"):
         if [[float(word) for word in layer.split("/")] for layer in row["layers"].split("|")] == numbers:
-            return float(row["UR1"]) - specular
+            return totals_of(row, specular)
     for row in rows_of("slabs.csv"):
         key = [float(row[name]) for name in ("n_slab", "mua", "mus", "g", "d")]
         if [key] == numbers and float(row["n_outside"]) == 1 and row["specular_included"] == "yes":
-            return float(row["UR1"]) - specular
+            return totals_of(row, specular)
     return None
+
+
+def reference(medium):
+    """Its Rd, or None."""
+    known = exact(medium)
+    return known and known["Rd"]

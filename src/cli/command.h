@@ -8,6 +8,7 @@
 #include "cli/options.h"
 
 CML_NODISCARD cml_status cml_command_run(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_plan(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_check(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_exact(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err);
@@ -31,6 +32,10 @@ CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, stru
 CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *options,
                                                 struct cml_scene_list *list, struct cml_inputs *inputs,
                                                 struct cml_error *err);
+
+/* Threads of this rank, as asked for; 0 leaves it to OpenMP, that is OMP_NUM_THREADS or the affinity mask,
+ * but ranks that share the cores of a machine share them evenly. More threads than cores get a note. */
+int cml_choose_threads(const struct cml_options *options);
 
 /* CML_E_INPUT with the figure when the run would take more memory than the machine has. surfaces NULL: they
  * are not made yet, and facets do not count. */

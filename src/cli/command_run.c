@@ -280,9 +280,7 @@ static void warn_of_binding(int threads)
     show_note(NULL, text);
 }
 
-/* Threads as asked for; 0 leaves it to OpenMP, that is OMP_NUM_THREADS or the affinity mask, but ranks that
- * share the cores of a machine share them evenly. */
-static int choose_threads(const struct cml_options *options)
+int cml_choose_threads(const struct cml_options *options)
 {
     const char *environment = getenv("OMP_NUM_THREADS");
     int threads = options->engine_options.threads;
@@ -322,7 +320,7 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     struct cml_options mine = *options;
     struct session session = {.options = &mine};
     struct cml_inputs inputs;
-    mine.engine_options.threads = choose_threads(options);
+    mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
     cml_status status = cml_cluster_agree(cml_identity_inputs(&inputs, &session.inputs, err), err);

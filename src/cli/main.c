@@ -21,6 +21,7 @@ static const struct command {
     cml_status (*run)(const struct cml_options *options, struct cml_error *err);
 } commands[] = {
     {"run", 1, 1, true, "scene.mci", cml_command_run},
+    {"plan", 1, 1, true, "scene.mci", cml_command_plan},
     {"check", 1, 1, false, "scene.mci", cml_command_check},
     {"exact", 1, 1, false, "scene.mci", cml_command_exact},
     {"mesh", 1, 1, false, "scene.mci", cml_command_mesh},

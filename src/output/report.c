@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Without the scene's folder, which cml_path_beside put in front of it. */
@@ -108,6 +109,19 @@ static void print_rarities(FILE *stream, const struct cml_result *result, uint32
         fprintf(stream, "  %.4g of the weight was absorbed above z = 0, in the first bin\n", above);
 }
 
+/* What an error costs on this machine, from this run's. Totals that were not seen are left out. */
+static void print_seconds_to(FILE *stream, const struct cml_run_result *run)
+{
+    const char *before = "  an error of 1 % takes: ";
+    for (size_t i = 0; i < CML_NUM_GOALS; i++) {
+        const double seconds = run->seconds * cml_result_times_to(&run->result, cml_goals[i].total, 0.01);
+        if (!isfinite(seconds)) continue;
+        fprintf(stream, "%s%s %.2g s", before, cml_goals[i].name, seconds);
+        before = ", ";
+    }
+    if (before[0] == ',') fputc('\n', stream);
+}
+
 /* The words `books` and `residue` are those of the output files; the code says weight balance and
  * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
@@ -125,6 +139,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps, %.3g ns/step on %d thread%s\n", seconds,
             (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->run->threads,
             report->run->threads == 1 ? "" : "s");
+    print_seconds_to(stream, report->run);
 }
 
 /* Shares of each rank's own time. */

@@ -78,6 +78,17 @@ static json_t *ranks_json(const struct cml_run_result *run)
     return list;
 }
 
+/* By total; null where it was not seen. */
+static json_t *seconds_to_json(const struct cml_run_result *run, double error)
+{
+    json_t *object = json_object();
+    for (size_t i = 0; i < CML_NUM_GOALS; i++) {
+        const double seconds = run->seconds * cml_result_times_to(&run->result, cml_goals[i].total, error);
+        json_object_set_new(object, cml_goals[i].name, isfinite(seconds) ? json_real(seconds) : json_null());
+    }
+    return object;
+}
+
 /* What depends on the machine and the moment, not on the light. */
 static void set_speed(json_t *object, const struct cml_report *report)
 {
@@ -90,6 +101,7 @@ static void set_speed(json_t *object, const struct cml_report *report)
     set_real(object, "queries", (double)run->result.summary.count[CML_COUNT_QUERIES]);
     set_real(object, "ns_per_step", steps > 0 ? 1e9 * run->seconds / steps : 0);
     set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);
+    json_object_set_new(object, "s_to_1pc", seconds_to_json(run, 0.01));
     set_integer(object, "threads", (uint64_t)run->threads);
     set_integer(object, "ranks", (uint64_t)run->ranks);
     json_object_set_new(object, "rank_s", ranks_json(run));

@@ -245,6 +245,21 @@ double cml_result_error(const struct cml_result *result, enum cml_total total)
     return cml_result_bin_error(result, result->totals, CML_NUM_TOTALS, (int)total);
 }
 
+const struct cml_goal cml_goals[CML_NUM_GOALS] = {
+    {"Rd", CML_TOTAL_REFLECTED}, {"A", CML_TOTAL_ABSORBED}, {"Tt", CML_TOTAL_TRANSMITTED}};
+
+double cml_result_relative_error(const struct cml_result *result, enum cml_total total)
+{
+    const double value = cml_result_total(result, total), error = cml_result_error(result, total);
+    return value > 0 && error > 0 ? error / value : INFINITY;
+}
+
+double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error)
+{
+    const double times = cml_result_relative_error(result, total) / error;
+    return times * times;
+}
+
 /* The sum is turned into the unit of the squares, which was made coarser so that they fit. */
 double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares)
 {

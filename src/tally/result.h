@@ -68,6 +68,22 @@ double cml_result_share(const struct cml_result *result, enum cml_balance_term t
 double cml_result_total(const struct cml_result *result, enum cml_total total);
 double cml_result_error(const struct cml_result *result, enum cml_total total);
 
+/* The totals whose errors a run is judged by: what is diffusely reflected, absorbed, transmitted. */
+struct cml_goal {
+    const char *name; /* MCML's */
+    enum cml_total total;
+};
+#define CML_NUM_GOALS 3
+extern const struct cml_goal cml_goals[CML_NUM_GOALS];
+
+/* Standard error over total; INFINITY where one of them is 0, as nothing is known then. */
+double cml_result_relative_error(const struct cml_result *result, enum cml_total total);
+
+/* What a run would have to last, in units of this run's time, for a relative standard error in (0, 1), on the
+ * same machine, if errors fall with the root of the photons; INFINITY as above. With evenly spread draws
+ * (lattice.h) they may fall faster: longer runs then take less, shorter ones more. */
+double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error);
+
 /* Of bin i of a profile [64][n]: the sum over its batches, units of weight; and the standard error of the
  * weight per photon, as a share of a packet, from the spread of the batches (method of batch means), 0 for
  * fewer than two batches with packets. */

@@ -38,7 +38,7 @@ FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/engine/cpu/bundle_masks",
-    "jansson.h": "src/base/json_name src/output/report_json src/plot/compare_report",
+    "jansson.h": "src/base/json_name src/output/report_json src/plot/compare_report src/cli/command_plan",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "getopt.h": "src/cli/options",

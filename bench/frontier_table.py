@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Tells what frontier.py measured. As a program: frontier_table.py CSV README.md rewrites the reading there; frontier_table.py CSV
+prints the table; frontier_table.py CSV --series DIRECTORY writes what frontier.gp draws.
+
+SPDX-License-Identifier: MIT
+"""
+import math
+import os
+import statistics
+import sys
+
+import block
+import frontier_scenes
+import results
+
+MANY = ("hihill", "hicrater", "lonoise")
+GAINS = ("Rd", "A", "Tt", "totals", "profiles")
+FLOOR = 2e-7  # of the chart; biases below are drawn on it
+
+
+def number(row, key):
+    return float(row[key]) if row[key] != "" else math.nan
+
+
+def pick(rows, **keys):
+    return [row for row in rows if all(row[key] == value for key, value in keys.items())]
+
+
+def usual(rows):
+    """The rows `after` of what the program takes by itself: auto, or the plane of a flat scene."""
+    return [row for row in pick(rows, variant="after")
+            if row["method"] == "auto" or not pick(rows, scene=row["scene"], method="auto")]
+
+
+def hidden(row):
+    """Whether two standard errors hide the bias."""
+    return abs(number(row, "bias")) < 2 * number(row, "bias_se")
+
+
+def shown(row):
+    return max(abs(number(row, "bias")), 2 * number(row, "bias_se"))
+
+
+def ranged(row, name):
+    return "%.3g (%.3g-%.3g)" % tuple(number(row, "gain_%s%s" % (name, end)) for end in ("", "_min", "_max"))
+
+
+TITLES = ["scene", "boundary", "s to 0.1 %: Rd", "A", "Tt", "before / after: Rd", "A", "Tt", "Rd, A, Tt", "profiles",
+          "MCML / after: Rd", "A", "Tt"]
+
+
+def cells(row):
+    return ([row["scene"], row["method"]] + ["%.2g" % number(row, "s_" + total) for total in ("Rd", "A", "Tt")]
+            + [ranged(row, name) for name in GAINS]
+            + ["%.3g" % number(row, "mcml_" + total) if row["mcml_" + total] != "" else "-" for total in ("Rd", "A", "Tt")])
+
+
+def mcml_row(rows, row):
+    """The row of the plane, on which original MCML was timed, where the shape makes another one the usual."""
+    return row if row["method"] == "plane" else (pick(rows, scene=row["scene"], method="plane", variant="after") or [row])[0]
+
+
+def table(rows):
+    lines = []
+    for row in usual(rows):
+        lines.append(cells(row))
+        flat = mcml_row(rows, row)
+        if flat is not row and flat["mcml_Rd"] != "":
+            lines.append(cells(flat))
+    return lines
+
+
+def mean(values):
+    return math.exp(statistics.fmean(map(math.log, values)))
+
+
+def span(values):
+    return "%.2g to %.2g" % (min(values), max(values))
+
+
+def gains_reading(rows):
+    chosen = usual(rows)
+    many = [row for row in chosen if row["scene"] in MANY]
+    totals = [number(row, "gain_totals") for row in chosen]
+    least = min(((number(row, "gain_" + name), row["scene"], name) for row in chosen for name in GAINS))
+    yield "Thin scenes (%s): the same error of Rd, A, Tt in %s of the time before (geometric mean of the three); of profile bins in %s." % (
+        ", ".join(row["scene"] for row in many), span([1 / number(row, "gain_totals") for row in many]),
+        span([1 / number(row, "gain_profiles") for row in many]))
+    yield "All scenes: %s times as fast to the same error of Rd, A, Tt, in the geometric mean of scenes %.2g; least of all columns: %.2g (%s of %s)." % (
+        span(totals), mean(totals), least[0], least[2], least[1])
+
+
+def mcml_reading(rows):
+    timed = [row for row in pick(rows, variant="after", method="plane") if row["mcml_Rd"] != ""]
+    if not timed:
+        yield "Original MCML was not timed (`--mcml PATH`)."
+        return
+    each = ["%s %s" % (row["scene"], "/".join("%.3g" % number(row, "mcml_" + total) for total in ("Rd", "A", "Tt"))) for row in timed]
+    yield "Original MCML takes so many times as long to the same error of Rd/A/Tt, on planes: %s." % ", ".join(each)
+
+
+def bias_reading(rows):
+    after = pick(rows, variant="after")
+    planes = [row for row in after if row["method"] == "plane" and row["truth"] == "reference"]
+    others = [row for row in after if row["method"] != "plane"]
+    flat = [row for row in after if row["truth"] == "adding-doubling"]
+    far = max(others, key=shown)
+    yield "A plane for a shape is %s off in the worst total; no other method more than %.1e (%s of %s)." % (
+        span([shown(row) for row in planes]), shown(far), far["method"], far["scene"])
+    z = [abs(number(row, "bias")) / number(row, "bias_se") for row in flat + [row for row in pick(rows, variant="before") if row["truth"] != "reference"]]
+    yield "Flat scenes against adding-doubling: the most biased total is at most %.1f standard errors off (%d comparisons of three totals), limits %s." % (
+        max(z), len(z), span([shown(row) for row in flat]))
+    z = [abs(number(row, "z_before")) for row in after]
+    yield "After against before: the total that differs most does so by at most %.1f standard errors (%d comparisons of three totals)." % (
+        max(z), len(z))
+
+
+def kinds_reading(rows):
+    for scene in MANY:
+        of = {row["method"]: row for row in pick(rows, variant="after", scene=scene)}
+        yield "%s, s to 0.1 %% (0.01 %%) of the slowest total: %s." % (scene, ", ".join(
+            "%s %.2g (%.2g)" % (name, number(row, "s_worst"), number(row, "s_worst_small")) for name, row in of.items()))
+    small = [number(row, "s_worst_small") / number(row, "s_worst") for row in usual(rows)]
+    yield "A tenth of the error takes %s times as long after, 100 times before." % span(small)
+
+
+def reading(rows):
+    return (list(gains_reading(rows)) + list(mcml_reading(rows)) + list(bias_reading(rows)) + list(kinds_reading(rows)))
+
+
+def text(header, rows):
+    grid = [TITLES] + table(rows)
+    widths = [max(len(line[i]) for line in grid) for i in range(len(TITLES))]
+    lines = ["%s: %s" % pair for pair in header] + [""]
+    lines += ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in grid]
+    return "\n".join(lines + [""] + reading(rows)) + "\n"
+
+
+def readme_lines(header, rows):
+    about = dict(header)
+    yield "Measured: %s; %s; median (least-most) of %s rounds, %s cores busy." % (
+        about["program"], about["machine"], about["rounds"], about.get("cores busy", "?"))
+    yield ""
+    yield "| " + " | ".join(TITLES) + " |"
+    yield "|---" * len(TITLES) + "|"
+    for line in table(rows):
+        yield "| " + " | ".join(line) + " |"
+    yield ""
+    for line in reading(rows):
+        yield "- " + line
+
+
+def write_series(header, rows, directory):
+    """A file per scene and variant: seconds to 0.1 % and 0.01 %, bias, whether it is a limit, number of the method."""
+    methods = ("plane", "cone", "grid", "mesh", "auto")
+    names = {"scenes": " ".join(frontier_scenes.CHARTED), "labels": "\n".join(
+        frontier_scenes.LABELS.get(scene, scene) for scene in frontier_scenes.CHARTED),
+        "note": "" if pick(rows, variant="mcml") else "original MCML was not timed (--mcml PATH)"}
+    for name, words in names.items():
+        with open(os.path.join(directory, name), "w") as stream:
+            stream.write(words + "\n")
+    for scene in frontier_scenes.CHARTED:
+        for variant in ("before", "after", "mcml"):
+            for number_of, method in enumerate(methods):
+                with open(os.path.join(directory, "%s.%s.%s" % (scene, variant, method)), "w") as stream:
+                    for row in pick(rows, scene=scene, variant=variant, method=method):
+                        stream.write("%g %g %g %d %d\n" % (number(row, "s_worst"), number(row, "s_worst_small"),
+                                                           max(shown(row), FLOOR), hidden(row), number_of))
+                    if not pick(rows, scene=scene, variant=variant, method=method):
+                        stream.write("NaN NaN NaN NaN NaN\n")
+
+
+def main():
+    if len(sys.argv) not in (2, 3, 4):
+        sys.exit("usage: frontier_table.py CSV [README.md | --series DIRECTORY]")
+    header, rows = results.read_csv(sys.argv[1])
+    if len(sys.argv) == 2:
+        print(text(header, rows))
+    elif sys.argv[2] == "--series":
+        write_series(header, rows, sys.argv[3])
+    else:
+        block.replace(sys.argv[2], "frontier_table.py", readme_lines(header, rows))
+
+
+if __name__ == "__main__":
+    main()

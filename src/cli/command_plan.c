@@ -1,0 +1,213 @@
+/* clustermcml plan: how long a run must be for an error, by engine and sampling. Flies pilots, writes
+ * nothing. SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "base/clock.h"
+#include "base/json_name.h"
+#include "base/version.h"
+#include "cli/plan.h"
+#include "engine/engines.h"
+#include "run/cluster.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* Seconds: errors need more packets than speed does. Together about one. */
+#define ERROR_PILOT 0.3
+#define SPEED_PILOT 0.1
+#define DEFAULT_ERROR 1e-3
+
+/* Packets are the same on every engine, so the errors are known from the fastest. */
+static const char *const engine_names[] = {"cpu", "reference", "opencl"};
+static const char *const sampling_names[] = {"random", "lattice"};
+enum { ENGINES = sizeof engine_names / sizeof *engine_names, SAMPLINGS = 2 };
+
+struct plan {
+    const struct cml_scene *scene;
+    double error;
+    struct cml_pilot errors[SAMPLINGS]; /* by `lattice` */
+    double photons_per_s[ENGINES];      /* 0: it cannot fly the scene */
+    struct cml_error refusal;           /* why the last one cannot */
+    double seconds;                     /* that the pilots took */
+};
+
+/* ---- pilots ---- */
+
+/* A device may be missing, or refuse the scene; the other engines can fly whatever can be read. How many
+ * photons an engine flies in its time is its own affair: --photons is for the pilots of errors. */
+static cml_status measure_speed(struct plan *plan, const struct cml_run_setup *setup, int engine,
+                                struct cml_error *err)
+{
+    struct cml_run_setup mine = *setup;
+    struct cml_pilot pilot;
+    mine.engine = cml_engine_find(engine_names[engine]);
+    mine.photons = 0;
+    const cml_status status = cml_pilot_fly(&mine, SPEED_PILOT, 8, &pilot, err);
+    if (engine == ENGINES - 1 && (status == CML_E_DEVICE || status == CML_E_INPUT)) {
+        plan->refusal = *err;
+        return CML_OK;
+    }
+    plan->photons_per_s[engine] = status == CML_OK ? pilot.photons_per_s : 0;
+    return status;
+}
+
+static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setup, struct cml_error *err)
+{
+    struct cml_run_setup mine = *setup;
+    const double begin = cml_now();
+    mine.engine = cml_engine_find(engine_names[0]);
+    for (int lattice = 0; lattice < SAMPLINGS; lattice++) {
+        mine.options.lattice = lattice == 1;
+        CML_TRY(cml_pilot_fly(&mine, ERROR_PILOT, 2, &plan->errors[lattice], err));
+        plan->photons_per_s[0] = fmax(plan->photons_per_s[0], plan->errors[lattice].photons_per_s);
+    }
+    for (int engine = 1; engine < ENGINES; engine++) CML_TRY(measure_speed(plan, setup, engine, err));
+    plan->seconds = cml_now() - begin;
+    return CML_OK;
+}
+
+/* ---- what is said ---- */
+
+/* Two digits: the error of an error is 9 %. */
+static void print_time(double seconds)
+{
+    static const struct {
+        double seconds;
+        const char *name;
+    } units[] = {{86400, "d"}, {3600, "h"}, {60, "min"}, {1, "s"}};
+    size_t unit = 0;
+    while (units[unit].seconds > 1 && seconds < 1.5 * units[unit].seconds) unit++;
+    printf(" %7.2g %-3s", seconds / units[unit].seconds, units[unit].name);
+}
+
+static void print_row(const struct plan *plan, int engine, int lattice)
+{
+    const double speed = plan->photons_per_s[engine];
+    printf("  %-10s %-9s %9.2g", engine_names[engine], sampling_names[lattice], speed);
+    for (int goal = 0; goal < CML_NUM_GOALS; goal++) {
+        const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
+        printf("  %9.2g", photons);
+        print_time(photons / speed);
+    }
+    putchar('\n');
+}
+
+static double longest_pilot(const struct plan *plan)
+{
+    const struct cml_pilot *pilot = &plan->errors[1];
+    return (double)pilot->round[pilot->num_rounds - 1].photons;
+}
+
+static void print_plan(const struct plan *plan)
+{
+    const int ranks = cml_cluster_size(), threads = plan->errors[1].threads;
+    printf("%s: photons and time to a relative standard error of %g %%, on %d rank%s of %d thread%s\n",
+           plan->scene->output, 100 * plan->error, ranks, ranks == 1 ? "" : "s", threads,
+           threads == 1 ? "" : "s");
+    printf("  %-10s %-9s %9s", "engine", "sampling", "photons/s");
+    for (int goal = 0; goal < CML_NUM_GOALS; goal++) printf("  %9s %-11s", cml_goals[goal].name, "");
+    putchar('\n');
+    for (int engine = 0; engine < ENGINES; engine++)
+        for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
+            print_row(plan, engine, lattice);
+    if (plan->refusal.text[0]) printf("  without %s: %s\n", engine_names[ENGINES - 1], plan->refusal.text);
+    printf("  from pilots of up to %.2g photons in %.2g s; photons are known to some 20 %%. Beyond the "
+           "pilots errors "
+           "are taken\n  to fall with the root of the photons: with lattice sampling that is an upper "
+           "estimate.\n",
+           longest_pilot(plan), plan->seconds);
+}
+
+/* null where a pilot saw nothing. */
+static json_t *number_json(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+static json_t *row_json(const struct plan *plan, int engine, int lattice)
+{
+    const double speed = plan->photons_per_s[engine];
+    json_t *row = json_pack("{s:s, s:s, s:f}", "engine", engine_names[engine], "sampling",
+                            sampling_names[lattice], "photons_per_s", speed);
+    for (int goal = 0; goal < CML_NUM_GOALS; goal++) {
+        const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
+        json_object_set_new(row, cml_goals[goal].name,
+                            json_pack("{s:o, s:o}", "photons", number_json(photons), "seconds",
+                                      number_json(photons / speed)));
+    }
+    return row;
+}
+
+static cml_status print_json(const struct plan *plan, struct cml_error *err)
+{
+    json_t *object = json_pack(
+        "{s:o, s:o, s:f, s:i, s:i, s:f, s:f}", "scene", cml_json_name(plan->scene->file), "output",
+        cml_json_name(plan->scene->output), "error", plan->error, "ranks", cml_cluster_size(), "threads",
+        plan->errors[1].threads, "pilot_photons", longest_pilot(plan), "pilot_s", plan->seconds);
+    if (!object) return cml_fail_memory(err, 1, "the JSON record");
+    json_t *rows = json_array();
+    for (int engine = 0; engine < ENGINES; engine++)
+        for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
+            json_array_append_new(rows, row_json(plan, engine, lattice));
+    json_object_set_new(object, "plans", rows);
+    json_object_set_new(object, "version", json_string(cml_version()));
+    char *text = json_dumps(object, JSON_COMPACT);
+    json_decref(object);
+    if (!text) return cml_fail_memory(err, 1, "the JSON record");
+    printf("%s\n", text);
+    free(text);
+    return CML_OK;
+}
+
+/* ---- the command ---- */
+
+static cml_status publish(const struct cml_options *options, const struct plan *plan, struct cml_error *err)
+{
+    if (cml_cluster_rank() != 0) return CML_OK;
+    if (options->json) return print_json(plan, err);
+    print_plan(plan);
+    return CML_OK;
+}
+
+static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene,
+                          struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    CML_TRY(cml_surfaces_create(scene, &options->surface, surfaces, err));
+    return cml_check_memory(options, scene, surfaces, err);
+}
+
+static cml_status plan_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
+                             struct cml_error *err)
+{
+    struct cml_surface_set surfaces = {0};
+    struct cml_run_setup setup = {.scene = scene,
+                                  .surfaces = &surfaces,
+                                  .options = options->engine_options,
+                                  .photons = options->photons};
+    struct plan plan = {.scene = scene,
+                        .error = options->target_error > 0 ? options->target_error : DEFAULT_ERROR};
+    setup.options.run = (uint32_t)index;
+    cml_status status = cml_cluster_agree(prepare(options, scene, &surfaces, err), err);
+    if (status == CML_OK) status = fly_pilots(&plan, &setup, err);
+    if (status == CML_OK) status = publish(options, &plan, err);
+    cml_surfaces_free(&surfaces);
+    return cml_cluster_agree(status, err);
+}
+
+cml_status cml_command_plan(const struct cml_options *options, struct cml_error *err)
+{
+    struct cml_options mine = *options;
+    struct cml_scene_list list;
+    struct cml_inputs inputs;
+    cml_status status = CML_OK;
+    mine.engine_options.threads = cml_choose_threads(options);
+    mine.engine_options.local_rank = cml_cluster_local_rank();
+    CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
+    cml_inputs_clear(&inputs);
+    for (int i = 0; status == CML_OK && i < list.count; i++)
+        status = plan_scene(&mine, &list.scenes[i], i, err);
+    cml_scene_list_clear(&list);
+    return status;
+}

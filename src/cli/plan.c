@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/plan.h"
+
+#include "base/clock.h"
+#include "run/cluster.h"
+
+#include <math.h>
+
+#define FIRST_ROUND 1024 /* 16 photons in a batch: fewer say little of its mean */
+
+static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot *pilot, struct cml_error *err)
+{
+    struct cml_run_result run;
+    struct cml_pilot_round *round = &pilot->round[pilot->num_rounds];
+    CML_TRY(cml_run(setup, &run, err));
+    round->photons = setup->photons;
+    for (int i = 0; i < CML_NUM_GOALS && cml_cluster_rank() == 0; i++)
+        round->error[i] = cml_result_relative_error(&run.result, cml_goals[i].total);
+    pilot->photons_per_s = (double)setup->photons / run.seconds;
+    pilot->threads = run.threads;
+    pilot->num_rounds++;
+    cml_run_result_free(&run);
+    return CML_OK;
+}
+
+static uint64_t shorter(uint64_t a, uint64_t b)
+{
+    return a < b ? a : b;
+}
+
+cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int growth,
+                         struct cml_pilot *pilot, struct cml_error *err)
+{
+    struct cml_run_setup mine = *setup;
+    const uint64_t most = setup->photons > 0 ? setup->photons : (uint64_t)1 << 48;
+    const double begin = cml_now();
+    bool more = true;
+    *pilot = (struct cml_pilot){0};
+    mine.photons = shorter(FIRST_ROUND, most);
+    while (more) {
+        const double round_begin = cml_now();
+        CML_TRY(fly_round(&mine, pilot, err));
+        const double next = growth * (cml_now() - round_begin);
+        more = mine.photons < most && pilot->num_rounds < CML_PILOT_MOST_ROUNDS &&
+               (setup->photons > 0 || pilot->num_rounds < 2 || cml_now() - begin + next < seconds);
+        CML_TRY(cml_cluster_share(&more, sizeof more, err));
+        mine.photons = shorter((uint64_t)growth * mine.photons, most);
+    }
+    return CML_OK;
+}
+
+/* On the line through two rounds, in logarithms; the first may have seen nothing. */
+static double interpolate(const struct cml_pilot_round rounds[2], int goal, double error)
+{
+    const double slope =
+        log(rounds[0].error[goal] / error) / log(rounds[0].error[goal] / rounds[1].error[goal]);
+    const double first = (double)rounds[0].photons, last = (double)rounds[1].photons;
+    return isfinite(rounds[0].error[goal]) ? first * pow(last / first, slope) : last;
+}
+
+double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error)
+{
+    int reached = pilot->num_rounds; /* from this round on all do */
+    while (reached > 0 && pilot->round[reached - 1].error[goal] <= error) reached--;
+    if (reached > 0 && reached < pilot->num_rounds)
+        return ceil(interpolate(&pilot->round[reached - 1], goal, error));
+    const struct cml_pilot_round *nearest = &pilot->round[reached > 0 ? reached - 1 : 0];
+    const double photons = (double)nearest->photons * pow(nearest->error[goal] / error, 2);
+    return ceil(fmax(photons, CML_NUM_BATCHES));
+}

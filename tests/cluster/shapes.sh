@@ -40,6 +40,9 @@ test "$(grep -c '^clustermcml' "$work/out")" -eq 1 || complain "more than one ba
 ranks 2 check samples/fig5.mci >"$work/out" || complain "check on 2 ranks"
 test "$(grep -c fig5.mco "$work/out")" -eq 1 || complain "check spoke twice"
 
+ranks 2 plan samples/fig5.mci --photons 4096 --threads 1 >"$work/out" 2>"$work/err" || complain "plan on 2 ranks: $(cat "$work/err")"
+test "$(grep -c ', on 2 ranks of 1 thread$' "$work/out")" -eq 1 || complain "plan on 2 ranks: $(cat "$work/out")"
+
 # a rank may use all cores that it was given, wherever OpenMP bound its main thread
 cores=$(nproc)
 (export OMP_PROC_BIND=true OMP_NUM_THREADS="$cores"; unset OMP_PLACES

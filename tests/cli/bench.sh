@@ -20,7 +20,7 @@ for script in bench/*.sh; do
     scripts=$((scripts + 1))
     case $script in
     */figure.sh) expect_refusal usage "$script" --nonsense && continue ;;
-    */atlas.sh | */parts.sh) place=--build ;;
+    */atlas.sh | */parts.sh | */unbiased.sh) place=--build ;;
     *) place=--program ;;
     esac
     expect_refusal "unknown option --nonsense" "$script" --nonsense
@@ -34,6 +34,7 @@ done
 test "$scripts" -ge 8 || complain "only $scripts scripts in bench"
 expect_refusal "--photons 1e: not a number" bench/scaling.sh --photons 1e
 expect_refusal "--rounds 0: not a number" bench/speed.sh --rounds 0
+expect_refusal "--runs x: not a number" bench/unbiased.sh --runs x
 expect_refusal "--mmc is missing" bench/mmc.sh --program "$program"
 expect_refusal "$work/none is no program" bench/mmc.sh --program "$program" --mmc "$work/none"
 expect_refusal "$work is no program" bench/speed.sh --program "$work"

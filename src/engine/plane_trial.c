@@ -9,7 +9,9 @@
 #define SEED UINT64_C(0x706c616e65) /* any; fixed, so that all runs of a scene have the same surfaces */
 #define BATCHES 64
 #define MOST_PACKETS 1048576
-#define MOST_STEPS 4e7 /* of both ways and all boundaries: 5 to 40 ns each */
+#define MOST_STEPS 4e7     /* of both ways and all boundaries: 5 to 40 ns each */
+#define ALONE 16.0         /* a packet that flies alone takes so many times as long */
+#define CELLS_AS_STEPS 0.1 /* a cell of a tally is zeroed and summed in 1 to 3 ns */
 
 /* In standard errors: that a plane does no harm; that it does, which may be chance in one of some hundred
  * bins. */
@@ -46,12 +48,14 @@ struct trial {
     struct value *value; /* [num_values] */
     size_t num_values;
     double tolerance, most_steps;
-    double steps;     /* of both ways */
+    double steps;    /* of both ways, by the time that they take */
+    double overhead; /* of a round, in steps: tallies are zeroed and summed */
+    int rounds;
     uint64_t packets; /* of each */
 };
 
 struct verdict {
-    bool tried;             /* or refused without a packet */
+    const char *refused;    /* without a packet, for this reason; NULL: tried */
     bool harmless, harmful; /* neither: more packets are needed */
     double most;            /* the largest difference that is possible */
     const char *what;       /* of this total or profile */
@@ -99,8 +103,8 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
         CML_TRY(cml_engine_run_range(trial->engine, trial->flight[way], trial->packets, count, tally, err));
         cml_tally_note(tally);
         fold_profiles(tally);
-        trial->steps +=
-            (double)(tally->count[CML_COUNT_INTERACTIONS] + tally->count[CML_COUNT_BOUNDARY_EVENTS]);
+        trial->steps += (1 + ALONE / (double)count) * (double)(tally->count[CML_COUNT_INTERACTIONS] +
+                                                               tally->count[CML_COUNT_BOUNDARY_EVENTS]);
     }
     for (size_t i = 0; i < trial->num_values; i++) {
         const double truth = value_of(&trial->tally[0], i);
@@ -156,7 +160,7 @@ static void judge_series(const struct trial *trial, const struct series *series,
 
 static struct verdict judge(const struct trial *trial)
 {
-    struct verdict verdict = {.tried = true};
+    struct verdict verdict = {.most = 0};
     for (int i = 0; i < NUM_SERIES && !verdict.harmful; i++) judge_series(trial, &trial->series[i], &verdict);
     verdict.harmless = !verdict.harmful && verdict.most <= trial->tolerance;
     return verdict;
@@ -166,24 +170,34 @@ static struct verdict judge(const struct trial *trial)
  * long as the steps that are left. */
 static uint64_t next_round(const struct trial *trial)
 {
+    const double left = trial->most_steps - trial->steps - (trial->rounds + 1) * trial->overhead;
+    if (left <= 0) return 0;
     if (trial->packets == 0) return BATCHES;
     const double each = fmax(trial->steps / (double)trial->packets, 1);
-    const double left = (trial->most_steps - trial->steps) / each;
     const uint64_t whole = trial->packets == BATCHES ? 2048 : 8 * trial->packets;
     const uint64_t wanted = (whole < MOST_PACKETS ? whole : MOST_PACKETS) - trial->packets;
-    const uint64_t possible = left > 0 ? (uint64_t)fmin(left, MOST_PACKETS) : 0;
+    const uint64_t possible = (uint64_t)fmin(left / each, MOST_PACKETS);
     return (wanted < possible ? wanted : possible) / BATCHES * BATCHES;
+}
+
+/* Ends early where packets take many more steps than those before them. */
+static cml_status fly_round(struct trial *trial, uint64_t packets, struct cml_error *err)
+{
+    trial->rounds++;
+    for (int batch = 0; batch < BATCHES && trial->steps < trial->most_steps; batch++)
+        CML_TRY(fly_batch(trial, packets / BATCHES, err));
+    return CML_OK;
 }
 
 static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, struct cml_error *err)
 {
-    for (;;) {
-        const uint64_t round = next_round(trial);
-        if (round == 0) return CML_OK;
-        for (int batch = 0; batch < BATCHES; batch++) CML_TRY(fly_batch(trial, round / BATCHES, err));
+    *verdict = (struct verdict){.refused = "too large a grid for trial packets"};
+    for (uint64_t round = next_round(trial); round > 0; round = next_round(trial)) {
+        CML_TRY(fly_round(trial, round, err));
         *verdict = judge(trial);
         if (verdict->harmless || verdict->harmful) return CML_OK;
     }
+    return CML_OK;
 }
 
 /* ---- one boundary after the other ---- */
@@ -195,6 +209,7 @@ static cml_status open_trial(const struct cml_scene *scene, const struct cml_eng
     const struct cml_grid grid = cml_engine_grid(scene, ways[0], options);
     list_series(&grid, trial->series);
     trial->num_values = CML_NUM_TOTALS + cml_tally_profile_bins(&grid);
+    trial->overhead = 2 * BATCHES * CELLS_AS_STEPS * (double)cml_tally_cells(&grid);
     trial->value = calloc(trial->num_values, sizeof *trial->value);
     if (!trial->value)
         return cml_fail_memory(err, (double)(trial->num_values * sizeof *trial->value), "trial packets");
@@ -253,8 +268,8 @@ static cml_status try_boundary(struct search *search, int b, struct cml_error *e
 {
     struct cml_surface_def *level = &search->level.item[b];
     struct verdict *verdict = &search->verdict[b];
-    *verdict = (struct verdict){.tried = !is_face_of_glass(search->scene, b)};
-    if (!verdict->tried) return CML_OK;
+    *verdict = (struct verdict){.refused = "as a plane it would count more light as Rsp"};
+    if (is_face_of_glass(search->scene, b)) return CML_OK;
     cml_status status = cml_surface_make_level_rings(&search->scene->boundaries[b], level, err);
     if (status == CML_OK) status = try_level(search, verdict, err);
     if (status == CML_OK && verdict->harmless) return CML_OK;
@@ -269,8 +284,8 @@ static void tell(const struct verdict *verdict, double tolerance, struct cml_sur
 {
     const size_t used = strlen(def->reason), room = sizeof def->reason - used;
     char *text = def->reason + used;
-    if (!verdict->tried)
-        snprintf(text, room, ", as a plane it would count more light as Rsp");
+    if (verdict->refused)
+        snprintf(text, room, ", %s", verdict->refused);
     else if (verdict->harmless)
         snprintf(text, room, ", as a plane %s is off by at most %.2g", verdict->what, verdict->most);
     else if (verdict->harmful)

@@ -80,6 +80,18 @@ static void what_cannot_be_shown_stays(void **state)
     tear_down(&bench);
 }
 
+/* Its tallies alone would take longer than the trial may. */
+static void below_a_huge_grid_it_stays(void **state)
+{
+    struct bench bench = choose(state,
+                                "1.0\n1\nx.mco A\n10\n0.001 0.001\n3000 3000 1\n1\n1\nb 2 1e-6 0.1 0 0.1\n"
+                                "1.4 1 10 0.5 1\n1\n",
+                                &asked);
+    assert_int_equal(bench.surfaces.item[0].kind, CML_SURFACE_CONE);
+    assert_non_null(strstr(bench.surfaces.item[0].reason, ", too large a grid for trial packets"));
+    tear_down(&bench);
+}
+
 static void nothing_is_a_plane_unasked_or_with_facets(void **state)
 {
     struct cml_surface_options unasked = asked, forced = asked;
@@ -156,6 +168,7 @@ int main(void)
         cmocka_unit_test(a_tiny_hill_becomes_the_plane_in_which_it_ends),
         cmocka_unit_test(a_hill_that_matters_stays),
         cmocka_unit_test(what_cannot_be_shown_stays),
+        cmocka_unit_test(below_a_huge_grid_it_stays),
         cmocka_unit_test(nothing_is_a_plane_unasked_or_with_facets),
         cmocka_unit_test(the_outcome_depends_on_the_scene_only),
         cmocka_unit_test(faces_of_a_clear_first_layer_stay_at_normal_incidence),

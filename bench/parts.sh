@@ -12,7 +12,7 @@ options "" "build out" "$@"
 need python3 cmake
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-cmake --build "$build" --target bench_stages bench_queries bench_busy bench_curved >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
+cmake --build "$build" --target benches >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 2; }
 mkdir -p "$out"
 
 python3 -B "$here/rough.py" mesh 3e5 0.018 "$work/rough.obj"

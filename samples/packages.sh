@@ -1,16 +1,19 @@
 #!/bin/sh
-# The one list of what clustermcml needs on Debian 12; Debian 13 has the same names. packages.sh installs what is missing
-# to build, run and plot; `packages.sh test` also what the tests need. Asks for sudo only when something is missing.
+# The one list of what clustermcml needs on Debian 12; Debian 13 and Ubuntu 24.04 have the same names. packages.sh installs what is missing
+# to build, run and plot; `packages.sh test` also what the tests need; `packages.sh names` prints the names of both, and
+# installs nothing. Asks for sudo only when something is missing.
 # SPDX-License-Identifier: MIT
 set -eu
 packages="cmake make gcc g++ libc6-dev pkg-config git libembree-dev libtinyobjloader-dev libjansson-dev zlib1g-dev libhdf5-dev libopenmpi-dev openmpi-bin gnuplot-nox
 ocl-icd-opencl-dev opencl-headers pocl-opencl-icd"
-if test "${1:-}" = test; then
+if test "${1:-}" = test || test "${1:-}" = names; then
     packages="$packages libcmocka-dev librandom123-dev clang clang-format libomp-dev libclang-rt-dev python3 libxml2-utils file iproute2"
     packages="$packages python3-h5py python3-xarray python3-netcdf4 python3-vtk9 dpkg-dev lintian man-db"
     # a Slurm of one node, which its test starts; Debian starts none without a configuration
     packages="$packages munge slurmctld slurmd slurm-client slurm-wlm-basic-plugins"
 fi
+
+test "${1:-}" != names || { printf '%s\n' $packages; exit 0; }
 
 missing=
 for package in $packages; do

@@ -1,7 +1,8 @@
 #!/bin/bash
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
-# all tests but the long ones; then the program without MPI, the unit tests again under clang with the address and
-# undefined behaviour sanitizers, and each fuzzer for ten seconds.
+# all tests but the long ones; then the program without MPI, the unit tests and all samples again under clang with the
+# address and undefined behaviour sanitizers, the engines' threads under the thread sanitizer, and each fuzzer for ten
+# seconds.
 # SPDX-License-Identifier: MIT
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -10,6 +11,7 @@ sh samples/packages.sh test
 
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build --parallel 2
+cmake --build build --parallel 2 --target benches
 ctest --test-dir build -LE long --output-on-failure -j2
 
 cmake -S . -B build-alone -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_MPI=OFF -DCLUSTERMCML_TESTS=OFF >/dev/null
@@ -18,6 +20,9 @@ CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-alone/clusterm
 
 CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build-asan --parallel 2
-LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0 ctest --test-dir build-asan -L unit --output-on-failure -j2
+export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
+ctest --test-dir build-asan -L unit --output-on-failure -j2
+CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
+sh tests/sanitize/threads.sh
 
 bash tests/fuzz/run.sh 10

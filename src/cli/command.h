@@ -9,6 +9,7 @@
 
 CML_NODISCARD cml_status cml_command_run(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_check(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_exact(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_trace(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err);
@@ -45,6 +46,10 @@ CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, con
 /* One line: the most memory that the run will hold. */
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
+
+/* Multiplications, some 0.15 s of them: what commands spend on totals by adding-doubling beside other work.
+ */
+#define CML_EXACT_LITTLE_WORK 1e9
 
 /* The output file of a scene: its name below the output directory. *path is the caller's to free. */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "exact/exact.h"
 #include "output/report.h"
 
 #include <math.h>
@@ -82,6 +83,21 @@ static void print_map(const struct cml_scene *scene)
     if (scene->facets) printf("  facets: irradiance and exitance of every boundary\n");
 }
 
+/* What a run is to be compared with before it is worth its time. */
+static cml_status print_flat_twin(const struct cml_scene *scene, struct cml_error *err)
+{
+    const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
+    struct cml_exact exact;
+    const cml_status status = cml_exact_scene(scene, NULL, &little, &exact, err);
+    if (status == CML_E_NUMERIC) {
+        printf("  no totals of the flat scene: %s\n", err->text);
+        return CML_OK;
+    }
+    if (status == CML_OK) cml_report_flat_twin(stdout, &exact);
+    if (status == CML_OK) cml_exact_clear(&exact);
+    return status;
+}
+
 /* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
  * memory needs their size. */
 static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
@@ -105,7 +121,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
         if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
     cml_print_memory(options, scene, &surfaces);
     cml_surfaces_free(&surfaces);
-    return CML_OK;
+    return print_flat_twin(scene, err);
 }
 
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)

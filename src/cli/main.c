@@ -22,6 +22,7 @@ static const struct command {
 } commands[] = {
     {"run", 1, 1, true, "scene.mci", cml_command_run},
     {"check", 1, 1, false, "scene.mci", cml_command_check},
+    {"exact", 1, 1, false, "scene.mci", cml_command_exact},
     {"mesh", 1, 1, false, "scene.mci", cml_command_mesh},
     {"trace", 2, 2, false, "scene.mci N", cml_command_trace},
     {"compare", 2, 2, false, "a.mco b.mco", cml_command_compare},

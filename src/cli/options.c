@@ -90,6 +90,8 @@ static const char help[] =
     "usage: clustermcml [run] scene.mci [options]     simulate all runs of the file (- is standard "
     "input)\n"
     "       clustermcml check scene.mci [options]     parse, validate, show boundaries and memory\n"
+    "       clustermcml exact scene.mci               totals of the flat scene without photons, by "
+    "adding-doubling\n"
     "       clustermcml mesh scene.mci -o DIR         write every boundary as OBJ at the tolerance\n"
     "       clustermcml trace scene.mci N [--run K]   every event of photon N (of run K of the file) as a "
     "table\n"

@@ -68,6 +68,13 @@ static inline void cml_terminated_find_cells(const struct cml_setup *shared,
         (sums).what##_high += square_ >> 32;                                                                 \
     } while (0)
 
+/* A mask for `&`: gcc 14.2 compiles sums of `condition ? value : 0` wrongly for AVX-512 (two of those in the
+ * loop below, from 8 packets on). */
+static inline uint64_t cml_all_bits_if(int condition)
+{
+    return 0 - (uint64_t)condition;
+}
+
 /* One vector loop for everything that is summed over packets. A packet's part in a sum that is not its own is
  * 0. */
 static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_terminated *terminated)
@@ -77,16 +84,17 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_ter
         const int fate = terminated->fate[i];
         const uint64_t w = terminated->w[i], deposit = terminated->deposit[i],
                        absorbed = terminated->absorbed[i] + deposit;
-        const uint64_t reflected = fate == CML_FATE_REFLECTED ? w : 0;
-        const uint64_t transmitted = fate == CML_FATE_TRANSMITTED ? w : 0;
-        const uint64_t specular = fate == CML_FATE_SPECULAR ? w : 0;
+        const uint64_t up = cml_all_bits_if(fate == CML_FATE_REFLECTED);
+        const uint64_t reflected = w & up;
+        const uint64_t transmitted = w & cml_all_bits_if(fate == CML_FATE_TRANSMITTED);
+        const uint64_t specular = w & cml_all_bits_if(fate == CML_FATE_SPECULAR);
         CML_SUM_SQUARE(sums, reflected, reflected);
         CML_SUM_SQUARE(sums, transmitted, transmitted);
         CML_SUM_SQUARE(sums, specular, specular);
         CML_SUM_SQUARE(sums, absorbed, absorbed);
         sums.wide |= absorbed >> 32;
         sums.deposited += deposit;
-        sums.deposited_above += fate == CML_FATE_REFLECTED ? deposit : 0;
+        sums.deposited_above += deposit & up;
         sums.interactions += terminated->interactions[i];
         sums.boundary_events += terminated->boundary_events[i];
     }

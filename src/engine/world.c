@@ -4,6 +4,7 @@
 #include "engine/world.h"
 
 #include "cone.h"
+#include "scene/specular.h"
 #include "surface/ring_horizon.h"
 #include "surface/surface_facets.h"
 
@@ -33,6 +34,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->ring_starts);
     free(to->clearance);
     free(to->meshes);
+    *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
 /* All arrays, with zeros. Those that may have no elements get one, so that NULL always means failure. */
@@ -168,27 +170,15 @@ static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_
     to->world.highest = to->clearance + total;
 }
 
-/* Reflectance of a boundary at normal incidence [MCML manual, eqs 3.2a, 3.3 and 3.4]. */
-static double normal_reflectance(const struct cml_medium_def *m, int boundary)
-{
-    return pow((m[boundary].n - m[boundary + 1].n) / (m[boundary].n + m[boundary + 1].n), 2);
-}
-
-/* MCML's deterministic specular reflection [manual, eqs 3.2a and 3.2b]: of the first interface, or of both
- * faces of a clear first layer between planes. Sets where packets then start, and the weights of what has
- * happened before: in the clear layer (1 - r1) / (1 - r1 r2) comes to its lower face, of which the share r2
- * goes up. */
+/* P1: where packets start, and the weights of what has happened before. */
 static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                          struct cml_setup *setup)
 {
-    const struct cml_medium_def *m = scene->media;
-    const bool glass = m[1].mua == 0 && m[1].mus == 0 && scene->num_layers > 1 &&
-                       surfaces->item[1].kind == CML_SURFACE_PLANE;
-    const double r1 = normal_reflectance(m, 0), r2 = glass ? normal_reflectance(m, 1) : 0;
-    const double specular = r1 + (1 - r1) * (1 - r1) * r2 / (1 - r1 * r2);
-    setup->launch_medium = glass ? 2 : 1;
-    setup->specular = (cml_u32)lrint(specular * CML_WEIGHT_ONE);
-    setup->between = (cml_u32)lrint((1 - r1) * r2 / (1 - r1 * r2) * CML_WEIGHT_ONE);
+    const bool planes = scene->num_layers > 1 && surfaces->item[1].kind == CML_SURFACE_PLANE;
+    const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
+    setup->launch_medium = split.glass ? 2 : 1;
+    setup->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);
+    setup->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
 }
 
 /* P1. A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */

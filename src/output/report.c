@@ -11,6 +11,8 @@ static const char *name_by_scene(const struct cml_scene *scene, const char *file
     return strncmp(file, scene->file, folder) == 0 ? file + folder : file;
 }
 
+static const char *const exact_names[CML_EXACT_LAYERS] = {"Rsp", "Rd", "A", "Tt"};
+
 /* Also a part of the .mco file, whose bytes must not depend on the machine: nothing that was measured is
  * named. */
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
@@ -31,11 +33,47 @@ void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_sc
     }
 }
 
-/* The letters are MCML's; the error is that of one standard deviation. */
-static void print_total(FILE *stream, const char *name, const struct cml_result *result, enum cml_total total)
+/* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
+ */
+static void print_total(FILE *stream, enum cml_exact_share share, const struct cml_report *report,
+                        enum cml_total total)
 {
-    fprintf(stream, "  %-4s %.6f +- %.6f\n", name, cml_result_total(result, total),
+    const struct cml_result *result = &report->run->result;
+    fprintf(stream, "  %-4s %.6f +- %.6f", exact_names[share], cml_result_total(result, total),
             cml_result_error(result, total));
+    if (report->exact)
+        fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[share], report->exact->error[share]);
+    fputc('\n', stream);
+}
+
+/* Boundaries that are given a shape have a line in the file. */
+static void print_flattened(FILE *stream, const struct cml_scene *scene)
+{
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].line > 0) fprintf(stream, "  boundary %d counts as a plane\n", b);
+}
+
+void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
+{
+    fprintf(stream, "%s (%s:%d): adding-doubling, order %d\n", scene->output, scene->file, scene->line,
+            exact->order);
+    print_flattened(stream, scene);
+    for (int i = 0; i < exact->count; i++) {
+        if (i < CML_EXACT_LAYERS)
+            fprintf(stream, "  %-4s", exact_names[i]);
+        else
+            fprintf(stream, "  A of layer %d", i - CML_EXACT_LAYERS + 1);
+        fprintf(stream, " %.9f +- %.1g\n", exact->value[i], exact->error[i]);
+    }
+    if (!exact->converged)
+        fprintf(stream, "  errors are above the aim at the highest order that was tried\n");
+}
+
+void cml_report_flat_twin(FILE *stream, const struct cml_exact *exact)
+{
+    fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
+    for (int i = 0; i < CML_EXACT_LAYERS; i++) fprintf(stream, " %s %.7f", exact_names[i], exact->value[i]);
+    fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
 /* What happened that should be rare: one line each, only when it did. */
@@ -76,10 +114,10 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = &report->run->result;
     const double seconds = report->run->seconds, steps = cml_run_steps(report->run);
-    print_total(stream, "Rsp", result, CML_TOTAL_SPECULAR);
-    print_total(stream, "Rd", result, CML_TOTAL_REFLECTED);
-    print_total(stream, "A", result, CML_TOTAL_ABSORBED);
-    print_total(stream, "Tt", result, CML_TOTAL_TRANSMITTED);
+    print_total(stream, CML_EXACT_RSP, report, CML_TOTAL_SPECULAR);
+    print_total(stream, CML_EXACT_RD, report, CML_TOTAL_REFLECTED);
+    print_total(stream, CML_EXACT_A, report, CML_TOTAL_ABSORBED);
+    print_total(stream, CML_EXACT_TT, report, CML_TOTAL_TRANSMITTED);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));

@@ -3,6 +3,7 @@
 #ifndef CML_REPORT_H
 #define CML_REPORT_H
 
+#include "exact/exact.h"
 #include "output/mco.h"
 #include "run/run.h"
 
@@ -14,7 +15,8 @@ struct cml_report {
     uint64_t seed;
     uint32_t run_index; /* from 0 */
     bool reentry;
-    const char *command; /* line, for provenance */
+    const char *command;           /* line, for provenance */
+    const struct cml_exact *exact; /* totals by adding-doubling for summary and JSON; NULL: none */
     int num_files;
     char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */
 };
@@ -52,7 +54,7 @@ enum cml_file_names { CML_NAMED_BY_PATH, CML_NAMED_BY_SCENE };
 void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
                            const struct cml_surface_set *surfaces, enum cml_file_names names);
 
-/* Rsp, Rd, A, Tt with standard errors, weight balance, speed. */
+/* Rsp, Rd, A, Tt with standard errors and, where there are any, exact values; weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
 /* One line per rank: packets, and where its time went; and the shares of all together. */
@@ -61,5 +63,13 @@ void cml_report_ranks(FILE *stream, const struct cml_run_result *run);
 /* One object on one line, keys as documented in README. */
 CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,
                                          struct cml_error *err);
+
+/* Totals by adding-doubling alone: a table, and one object on one line. */
+void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
+CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene,
+                                               const struct cml_exact *exact, struct cml_error *err);
+
+/* The same in one line, for what the scene would be with planes in place of all shapes. */
+void cml_report_flat_twin(FILE *stream, const struct cml_exact *exact);
 
 #endif

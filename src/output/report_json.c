@@ -97,6 +97,56 @@ static void set_speed(json_t *object, const struct cml_report *report)
     set_real(object, "communication", cml_run_communication(run));
 }
 
+/* Totals by adding-doubling, and for each the limit of its error. */
+static void set_exact(json_t *object, const struct cml_exact *exact)
+{
+    static const char *const names[] = {"Rsp", "Rd", "A", "Tt"};
+    static const char *const errors[] = {"Rsp_error", "Rd_error", "A_error", "Tt_error"};
+    json_t *layers = json_array(), *layer_errors = json_array();
+    for (int i = 0; i < CML_EXACT_LAYERS; i++) set_real(object, names[i], exact->value[i]);
+    for (int i = 0; i < CML_EXACT_LAYERS; i++) set_real(object, errors[i], exact->error[i]);
+    for (int i = CML_EXACT_LAYERS; i < exact->count; i++) {
+        json_array_append_new(layers, json_real(exact->value[i]));
+        json_array_append_new(layer_errors, json_real(exact->error[i]));
+    }
+    json_object_set_new(object, "A_l", layers);
+    json_object_set_new(object, "A_l_error", layer_errors);
+    set_integer(object, "order", (uint64_t)exact->order);
+    json_object_set_new(object, "converged", json_boolean(exact->converged));
+}
+
+/* What a run prints beside its own totals; null where there is none. */
+static void set_exact_totals(json_t *object, const struct cml_exact *exact)
+{
+    static const char *const names[] = {"Rsp_exact", "Rd_exact", "A_exact", "Tt_exact"};
+    for (int i = 0; i < CML_EXACT_LAYERS; i++)
+        json_object_set_new(object, names[i], exact ? json_real(exact->value[i]) : json_null());
+    json_object_set_new(object, "exact_error", exact ? json_real(cml_exact_worst(exact)) : json_null());
+}
+
+/* Ends the object. */
+static cml_status print_object(FILE *stream, json_t *object, struct cml_error *err)
+{
+    json_object_set_new(object, "version", json_string(cml_version()));
+    char *text = json_dumps(object, JSON_COMPACT);
+    json_decref(object);
+    if (!text) return cml_fail_memory(err, 1, "the JSON record");
+    fprintf(stream, "%s\n", text);
+    fflush(stream);
+    free(text);
+    return CML_OK;
+}
+
+cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact,
+                                 struct cml_error *err)
+{
+    json_t *object =
+        json_pack("{s:o, s:o}", "scene", cml_json_name(scene->file), "output", cml_json_name(scene->output));
+    if (!object) return cml_fail_memory(err, 1, "the JSON record");
+    set_exact(object, exact);
+    return print_object(stream, object, err);
+}
+
 /* One object on one line. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
@@ -108,13 +158,7 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
     json_object_set_new(object, "files", files_json(report));
     set_results(object, report);
+    set_exact_totals(object, report->exact);
     set_speed(object, report);
-    json_object_set_new(object, "version", json_string(cml_version()));
-    char *text = json_dumps(object, JSON_COMPACT);
-    json_decref(object);
-    if (!text) return cml_fail_memory(err, 1, "the JSON record");
-    fprintf(stream, "%s\n", text);
-    fflush(stream);
-    free(text);
-    return CML_OK;
+    return print_object(stream, object, err);
 }

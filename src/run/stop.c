@@ -2,18 +2,20 @@
 #include "run/stop.h"
 
 #include <signal.h>
+#include <stdatomic.h>
 #include <stddef.h>
 #include <unistd.h>
 
-/* All that a signal handler may write without harm; the run looks at it between two pieces. */
-static volatile sig_atomic_t requested;
+/* Written by a signal handler, which any thread may be interrupted for, and read by all threads between two
+ * pieces: such an object must be atomic, and without a lock (C11, 5.1.2.3 and 7.14.1.1). */
+static atomic_int requested;
+_Static_assert(ATOMIC_INT_LOCK_FREE == 2, "a signal handler cannot wait for a lock");
 
 /* The second signal ends the process as if it had not been caught: exit code 128 + number, as shells
  * report it. _exit, because exit is not safe in a handler. */
 static void remember(int signal)
 {
-    if (requested) _exit(128 + signal);
-    requested = 1;
+    if (atomic_exchange(&requested, 1)) _exit(128 + signal);
 }
 
 /* SA_RESTART: file and MPI calls that are under way must not fail for a signal that is only remembered.
@@ -37,5 +39,5 @@ void cml_stop_watch(void)
 
 bool cml_stop_requested(void)
 {
-    return requested != 0;
+    return atomic_load(&requested) != 0;
 }

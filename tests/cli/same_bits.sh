@@ -14,7 +14,7 @@ result() { # scene, then options: prints a checksum of all lines but the time
 
 for scene in samples/mcml_sample.mci samples/shapes/hinoise.mci samples/mixed.mci; do
     expected=$(result "$scene" --threads 1)
-    for options in "--threads 2" "--threads 3" "--threads 7" "--chunk 1" "--chunk 1000 --threads 3" "--chunk 1e6"; do
+    for options in "--threads 2" "--threads 3" "--threads 7" "--threads 32" "--chunk 1" "--chunk 1000 --threads 3" "--chunk 1e6"; do
         # shellcheck disable=SC2086 # several options on purpose
         [ "$(result "$scene" $options)" = "$expected" ] || { echo "$scene differs with $options"; exit 1; }
     done
@@ -45,7 +45,7 @@ maps() { # FOLDER SCENE OPTIONS...
 }
 scene=samples/skinmap.mci
 expected=$(maps . "$scene" --threads 1)
-for options in "--threads 2" "--threads 3" "--threads 7" "--threads 2 --chunk 1000"; do
+for options in "--threads 2" "--threads 3" "--threads 7" "--threads 32" "--threads 2 --chunk 1000"; do
     # shellcheck disable=SC2086 # several options on purpose
     [ "$(maps . "$scene" $options)" = "$expected" ] || { echo "$scene differs with $options"; exit 1; }
 done

@@ -44,7 +44,7 @@ test ! -e "$work/x.mco" && test ! -s "$work/out" || complain "a wrong file had r
 
 expect_code 0 --help
 grep -q '^usage: clustermcml ' "$work/out" || complain "--help shows no usage"
-for word in run check mesh trace plot --photons --seed --threads --boundaries --json --output-dir 'exit codes'; do
+for word in run check exact mesh trace plot --photons --seed --threads --boundaries --json --output-dir 'exit codes'; do
     grep -q -e "$word" "$work/out" || complain "--help does not mention $word"
 done
 expect_code 0 --version

@@ -160,6 +160,10 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "beam pencil angle=75 at=0.03,0.01\n" GRID
                       "1\n1\nb 3 0.1 0.1 -0.1 0.2 0 0\n1.4 1 10 0.5 0.5\n1\n",
                  1000);
+    /* enters by the flank of a cone, and is then guided for ever: the last of its events is at a plane */
+    compare_text(HEAD "beam pencil at=0.05,0\n" GRID
+                      "3\n1\nb 2 0.17320508075688773 0.1 0 0\n2 0 0 0 0.3\n2 0 0 0 0.1\n2 0 0 0 0.1\n1\n",
+                 300);
     compare_text(HEAD GRID "1\n1\n1.4 1 9 0.5 0.2\n1\n", 1);
     compare_text(HEAD "0.01 0.3\n20 1 1\n1\n1\n1.4 1 50 0.5 0.2\n1\n", 1000); /* a single radial bin */
     /* an A_rz that all threads share */

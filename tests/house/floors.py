@@ -25,10 +25,11 @@ ROOMS = {
     "src/engine/cpu": "src/engine src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/opencl": "src/engine src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
+    "src/exact": "src/scene src/base",
     "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
-    "src/output": "src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
+    "src/output": "src/exact src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
     "src/plot": "src/output src/base",
-    "src/cli": "src/plot src/output src/run src/engine src/engine/engines src/engine/cpu src/engine/opencl src/surface "
+    "src/cli": "src/plot src/output src/exact src/run src/engine src/engine/engines src/engine/cpu src/engine/opencl src/surface "
                "src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 

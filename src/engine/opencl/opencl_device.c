@@ -225,7 +225,7 @@ cml_status cml_opencl_select(const char *wanted, int local_rank, struct cml_open
     int numbers[most], devices;
     *list = NULL;
     CML_TRY(cml_opencl_find(&all, &devices, err));
-    if (devices == 0)
+    if (devices < 1)
         return cml_fail(err, CML_E_DEVICE, "there is no OpenCL device (see clustermcml devices)");
     cml_status status = CML_OK;
     *count = 1;

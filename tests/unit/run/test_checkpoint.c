@@ -166,6 +166,8 @@ static void that_of_another_run_is_refused_with_the_reason(void **state)
 
 /* Places in the file of save(5): the head's numbers, then the identity, two ranges, the summary. */
 enum {
+    AT_ORDER = 24,
+    AT_VERSION = 32,
     AT_IDENTITY_SIZE = 48,
     AT_NUM_RANGES = 56,
     AT_NUM_CELLS = 64,
@@ -240,6 +242,32 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_forged_is_refused(cases[i].place, cases[i].value, cases[i].size);
+}
+
+/* Of another program, another machine or another version, though the checksum is right. */
+static void what_cannot_be_understood_is_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        long place;
+        uint64_t value;
+        const char *text;
+    } cases[] = {
+        {0, 0x6c63207265746f6eu, ": is no checkpoint"},
+        {AT_ORDER, 0x0807060504030201u,
+         ": the checkpoint has another format or byte order (expected format 1)"},
+        {AT_VERSION, 2, ": the checkpoint has another format or byte order (expected format 1)"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        enum cml_checkpoint_kind kind;
+        char old[80];
+        save(5);
+        forge(cases[i].place, &cases[i].value, sizeof cases[i].value);
+        name_of(".old", old);
+        unlink(old);
+        assert_int_equal(read_as(identity, &kind, 5), CML_E_INPUT);
+        if (!strstr(err.text, cases[i].text)) fail_msg("'%s', not '%s'", err.text, cases[i].text);
+    }
 }
 
 /* Opening a pipe for reading waits for a writer, and a device may have no end. */
@@ -321,6 +349,7 @@ int main(void)
         cmocka_unit_test_teardown(a_damaged_one_without_an_older_is_refused, clean),
         cmocka_unit_test_teardown(that_of_another_run_is_refused_with_the_reason, clean),
         cmocka_unit_test_teardown(forged_numbers_are_refused_though_the_checksum_is_right, clean),
+        cmocka_unit_test_teardown(what_cannot_be_understood_is_refused, clean),
         cmocka_unit_test_teardown(what_is_no_regular_file_is_refused, clean),
         cmocka_unit_test_teardown(a_finished_run_says_so, clean),
         cmocka_unit_test_teardown(a_failed_write_leaves_the_old_one, clean),

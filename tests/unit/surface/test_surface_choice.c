@@ -71,6 +71,13 @@ static void the_tolerance_picks_the_tessellation(void **state)
     free(z.numbers);
 }
 
+static void represent_again(const struct cml_scene_list *list, const struct cml_surface_options *options,
+                            struct cml_surface_set *set)
+{
+    struct cml_error err;
+    if (cml_surfaces_create(&list->scenes[0], options, set, &err) != CML_OK) fail_msg("%s", err.text);
+}
+
 static void represent(const char *text, const struct cml_surface_options *options,
                       struct cml_scene_list *list, struct cml_surface_set *set)
 {
@@ -82,7 +89,7 @@ static void represent(const char *text, const struct cml_surface_options *option
     const cml_status status = cml_mci_read(path, NULL, list, &err);
     remove(path);
     if (status != CML_OK) fail_msg("%s", err.text);
-    if (cml_surfaces_create(&list->scenes[0], options, set, &err) != CML_OK) fail_msg("%s", err.text);
+    represent_again(list, options, set);
 }
 
 /* A flat field is the plane in which it lies; what is not flat stays, however small, also where a trial may
@@ -106,6 +113,17 @@ static void only_flat_fields_are_planes(void **state)
         cml_surfaces_free(&set);
         cml_scene_list_clear(&list);
     }
+    struct cml_scene_list list;
+    struct cml_surface_set set;
+    options.force = CML_SURFACE_PLANE; /* all of them at their nominal depth */
+    represent(text, &options, &list, &set);
+    for (int b = 0; b < 3; b++) {
+        assert_int_equal(set.item[b].kind, CML_SURFACE_PLANE);
+        assert_true(set.item[b].depth == b);
+    }
+    assert_string_equal(set.item[2].reason, "surface ignored as asked");
+    cml_surfaces_free(&set);
+    cml_scene_list_clear(&list);
 }
 
 /* What it would be as a plane lies where the field ends; its level rings lie there, too. */

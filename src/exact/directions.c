@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+#include "exact/directions.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double pi = 3.14159265358979323846;
+
+/* P_n(x) by its recurrence; *slope its derivative, -1 < x < 1. */
+static double legendre(int n, double x, double *slope)
+{
+    double before = 1, p = x;
+    for (int l = 2; l <= n; l++) {
+        const double next = ((2 * l - 1) * x * p - (l - 1) * before) / l;
+        before = p;
+        p = next;
+    }
+    *slope = n * (before - x * p) / (1 - x * x);
+    return p;
+}
+
+/* Gauss-Legendre node i of n >= 2 on (-1, 1), from the largest down, by Newton's steps from Tricomi's guess.
+ */
+static double gauss_node(int n, int i, double *weight)
+{
+    double x = cos(pi * (i + 0.75) / (n + 0.5)), slope = 1;
+    for (int step = 0; step < 8; step++) x -= legendre(n, x, &slope) / slope;
+    legendre(n, x, &slope);
+    *weight = 2 / ((1 - x * x) * slope * slope);
+    return x;
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The indices of the stack, rising, each once. Returns how many. */
+static int sort_indices(const struct cml_medium_def *media, int count, double *index)
+{
+    int distinct = 0;
+    for (int m = 0; m < count; m++) index[m] = media[m].n;
+    qsort(index, (size_t)count, sizeof *index, compare_numbers);
+    for (int m = 0; m < count; m++)
+        if (m == 0 || index[m] > index[distinct - 1]) index[distinct++] = index[m];
+    return distinct;
+}
+
+/* Cosine, in a medium of index n, of the direction that has the cosine c in one of index n1; 0: none. Written
+ * so that nothing cancels where the indices are nearly equal. */
+static double refracted_cosine(double n1, double c, double n)
+{
+    const double square = (n - n1) * (n + n1) + n1 * c * (n1 * c);
+    return square > 0 ? sqrt(square) / n : 0;
+}
+
+/* Nodes of the interval of s between two indices: as many as its part of a quarter of a circle asks for, and
+ * a few, because light in a narrow interval is a smooth function, but no polynomial of low degree. */
+static int interval_nodes(double below, double above, int order)
+{
+    const double part = acos(below / above) / (pi / 2);
+    return 3 + order / 8 + (int)ceil((order - 3 - order / 8) * part);
+}
+
+static void add_direction(struct cml_directions *to, double index, double cosine, double etendue)
+{
+    to->index[to->count] = index;
+    to->cosine[to->count] = cosine;
+    to->etendue[to->count] = etendue;
+    to->count++;
+}
+
+/* s^2 = above^2 (1 - cosine^2), so s ds = above^2 cosine d(cosine). */
+static void add_interval(struct cml_directions *to, double below, double above, int nodes)
+{
+    const double most = sqrt((above - below) * (above + below)) / above;
+    for (int i = 0; i < nodes; i++) {
+        double weight;
+        const double cosine = most * 0.5 * (1 + gauss_node(nodes, i, &weight));
+        add_direction(to, above, cosine, above * above * cosine * weight * most * 0.5);
+    }
+}
+
+/* The beam stands before the first interval whose end is beyond its s. */
+static void add_all(struct cml_directions *to, const double *index, int distinct, double n0, double beam,
+                    int order)
+{
+    double below = 0;
+    for (int k = 0; k < distinct; k++) {
+        if (beam > 0 && refracted_cosine(n0, beam, index[k]) > 0) {
+            to->light[to->count] = 1;
+            add_direction(to, n0, beam, 0);
+            beam = 0;
+        }
+        add_interval(to, below, index[k], interval_nodes(below, index[k], order));
+        below = index[k];
+    }
+}
+
+double cml_directions_cosine(const struct cml_directions *directions, int i, double n)
+{
+    return refracted_cosine(directions->index[i], directions->cosine[i], n);
+}
+
+/* Directions that exist in a medium; those of a lower index come first. */
+static int count_directions(const struct cml_directions *directions, double n)
+{
+    int count = 0;
+    while (count < directions->count && cml_directions_cosine(directions, count, n) > 0) count++;
+    return count;
+}
+
+/* So little that what is scattered into all directions does not count; exactly on or back is no change of
+ * direction. */
+static bool scatters(const struct cml_medium_def *medium)
+{
+    return medium->mus * medium->d * (1 - fabs(medium->g)) > 1e-12;
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int greatest(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+/* Light is in a direction of a medium where it comes from outside, is scattered, or comes from a neighbour:
+ * once down and once up, as on the way it turns it has been before. A clear layer that reflects totally on
+ * both sides would hold light for ever, but none gets in. */
+static void find_live(const struct cml_medium_def *media, struct cml_directions *to)
+{
+    const int last = to->num_media - 1;
+    int *live = to->live;
+    for (int m = 0; m <= last; m++) {
+        const int all = count_directions(to, media[m].n);
+        live[m] = m == 0 || scatters(&media[m]) ? all : least(live[m - 1], all);
+    }
+    for (int m = last - 1; m > 0; m--)
+        live[m] = greatest(live[m], least(live[m + 1], count_directions(to, media[m].n)));
+}
+
+/* Diffuse light has its share in the etendue of all directions of medium 0. */
+static void set_diffuse(struct cml_directions *to, double n0)
+{
+    for (int i = 0; i < to->live[0]; i++) to->light[i] = 2 * to->etendue[i] / (n0 * n0);
+}
+
+void cml_directions_clear(struct cml_directions *directions)
+{
+    free(directions->index);
+    free(directions->cosine);
+    free(directions->etendue);
+    free(directions->light);
+    free(directions->live);
+    *directions = (struct cml_directions){0};
+}
+
+static cml_status allocate(int num_media, int most, struct cml_directions *to, struct cml_error *err)
+{
+    *to = (struct cml_directions){.num_media = num_media};
+    to->index = calloc((size_t)most, sizeof *to->index);
+    to->cosine = calloc((size_t)most, sizeof *to->cosine);
+    to->etendue = calloc((size_t)most, sizeof *to->etendue);
+    to->light = calloc((size_t)most, sizeof *to->light);
+    to->live = calloc((size_t)num_media, sizeof *to->live);
+    if (to->index && to->cosine && to->etendue && to->light && to->live) return CML_OK;
+    cml_directions_clear(to);
+    return cml_fail_memory(err, 4.0 * most * sizeof(double), "directions");
+}
+
+cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers,
+                                 const struct cml_exact_light *light, int order, struct cml_directions *to,
+                                 struct cml_error *err)
+{
+    const int num_media = num_layers + 2;
+    double *index = malloc((size_t)num_media * sizeof *index);
+    if (!index) return cml_fail_memory(err, num_media * (double)sizeof *index, "directions");
+    const int distinct = sort_indices(media, num_media, index);
+    int most = 1;
+    for (int k = 0; k < distinct; k++) most += interval_nodes(k > 0 ? index[k - 1] : 0, index[k], order);
+    const cml_status status = allocate(num_media, most, to, err);
+    if (status == CML_OK) {
+        add_all(to, index, distinct, media[0].n, light->diffuse ? 0 : cos(light->angle), order);
+        find_live(media, to);
+        if (light->diffuse) set_diffuse(to, media[0].n);
+    }
+    free(index);
+    return status;
+}

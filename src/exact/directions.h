@@ -1,0 +1,43 @@
+/* The directions of discrete ordinates in a stack of plane layers. A direction is a bundle of rays that
+ * Snell's law takes from medium to medium: s = n sin(angle to the z axis) is the same in all of them, and so
+ * is the etendue s ds. So one set of values of s serves all media, and boundaries mix no directions. Between
+ * two neighbouring indices of the stack, all that light does is a smooth function of s; at s = n_m a medium m
+ * reflects totally. Therefore each such interval has Gauss-Legendre nodes of its own, in the cosine that they
+ * have in the medium whose index ends the interval. Double-Gauss quadrature (Sykes 1951) is the case of one
+ * index. SPDX-License-Identifier: MIT */
+#ifndef CML_DIRECTIONS_H
+#define CML_DIRECTIONS_H
+
+#include "base/status.h"
+#include "scene/scene.h"
+
+/* What shines on the stack from medium 0: a beam in one direction, or light of the same radiance from all. */
+struct cml_exact_light {
+    bool diffuse;
+    double angle; /* rad, between the beam and +z, 0 <= angle < pi/2; 0 where diffuse */
+};
+
+/* Directions stand in the order of s. A beam's is one of them, with no weight: light is scattered out of it,
+ * none into it. Medium m of the stack has the first live[m] of them: those with s < n_m that light can reach.
+ */
+struct cml_directions {
+    int count, num_media;
+    double *index;   /* [count] n of a medium in which the direction has the cosine */
+    double *cosine;  /* [count] */
+    double *etendue; /* [count] quadrature weight: of integrals over s ds */
+    double *light;   /* [count] share of the incident light, sums to 1 */
+    int *live;       /* [num_media] */
+};
+
+/* order: nodes over a quarter of a circle, had all media one index. CML_E_INPUT: out of memory. On failure
+ * *to is empty; else the caller clears it. media: [num_layers + 2]. */
+CML_NODISCARD cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers,
+                                               const struct cml_exact_light *light, int order,
+                                               struct cml_directions *to, struct cml_error *err);
+
+void cml_directions_clear(struct cml_directions *directions);
+
+/* The cosine of direction i in a medium of index n, 0 where the medium does not have it. */
+double cml_directions_cosine(const struct cml_directions *directions, int i, double n);
+
+#endif

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+#include "exact/exact.h"
+
+#include "exact/stack.h"
+#include "scene/specular.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const int orders[] = {8, 11, 16, 23, 32, 45, 64, 91, 128, 181, 256, 362};
+
+enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2 };
+
+/* Products of matrices in power series and doublings are nearly all of it (layer_response.c). */
+static double work(const struct cml_medium_def *media, const struct cml_directions *directions)
+{
+    double sum = 0;
+    for (int m = 1; m < directions->num_media - 1; m++) {
+        if (!(media[m].mus > 0)) continue;
+        const int n = directions->live[m];
+        const double steepest = cml_directions_cosine(directions, n - 1, media[m].n);
+        const double depth = media[m].d * (media[m].mua + media[m].mus) / steepest;
+        sum += pow(n, 3) * (40 + 7.5 * fmax(0, log2(depth)));
+    }
+    return sum;
+}
+
+/* One call's question, and how far it has come. */
+struct search {
+    const struct cml_medium_def *media;
+    int num_layers;
+    const struct cml_exact_light *light;
+    const struct cml_exact_options *options;
+    double *history[3]; /* all shares, of the newest order first */
+    double defect;      /* what those of the newest order lack of 1 */
+    double spent;       /* work */
+    bool enough;        /* the next order was too much work */
+};
+
+/* What comes back from boundary 0 at once; at normal incidence as original MCML splits it. */
+static double specular(const struct search *search, const struct cml_directions *directions)
+{
+    const struct cml_medium_def *media = search->media;
+    if (!search->light->diffuse && search->light->angle == 0)
+        return cml_specular_split(media, search->num_layers, true).reflected;
+    double sum = 0;
+    for (int i = 0; i < directions->live[0]; i++)
+        sum += directions->light[i] *
+               cml_stack_fresnel(media[0].n, cml_directions_cosine(directions, i, media[0].n), media[1].n,
+                                 cml_directions_cosine(directions, i, media[1].n));
+    return sum;
+}
+
+/* All shares of one order become the newest; those of three orders before go. */
+static cml_status solve_order(struct search *search, const struct cml_directions *directions, int order,
+                              struct cml_error *err)
+{
+    double *value = search->history[2], *absorbed = value + CML_EXACT_LAYERS, reflected, transmitted, sum = 0;
+    CML_TRY(cml_stack_shares(search->media, directions, TERMS_PER_NODE * order, &reflected, &transmitted,
+                             absorbed, err));
+    for (int l = 0; l < search->num_layers; l++) sum += absorbed[l];
+    value[CML_EXACT_RSP] = specular(search, directions);
+    value[CML_EXACT_RD] = reflected - value[CML_EXACT_RSP];
+    value[CML_EXACT_A] = sum;
+    value[CML_EXACT_TT] = transmitted;
+    search->defect = fabs(1 - reflected - transmitted - sum);
+    if (!(search->defect < 0.01))
+        return cml_fail(err, CML_E_NUMERIC, "adding-doubling loses light (numbers too large or too small?)");
+    search->history[2] = search->history[1];
+    search->history[1] = search->history[0];
+    search->history[0] = value;
+    return CML_OK;
+}
+
+static cml_status raise_order(struct search *search, int order, struct cml_error *err)
+{
+    struct cml_directions directions;
+    CML_TRY(cml_directions_create(search->media, search->num_layers, search->light, order, &directions, err));
+    search->spent += work(search->media, &directions);
+    search->enough = search->spent > search->options->most_work;
+    const cml_status status = search->enough ? CML_OK : solve_order(search, &directions, order, err);
+    cml_directions_clear(&directions);
+    return status;
+}
+
+/* Changes of two orders, and a tenth of what other shares change, because one may be small by chance; twice
+ * of them, because they may become smaller slowly. The last term is the rounding of a sum of shares. */
+static void estimate(const struct search *search, struct cml_exact *exact)
+{
+    double *const *history = search->history, most = 0;
+    for (int i = 0; i < exact->count; i++) {
+        const double value = history[0][i];
+        exact->value[i] = value;
+        exact->error[i] = fmax(fabs(value - history[1][i]), fabs(value - history[2][i]));
+        most = fmax(most, exact->error[i]);
+    }
+    for (int i = 0; i < exact->count; i++)
+        exact->error[i] = 2 * fmax(exact->error[i], 0.1 * most) + search->defect + DBL_EPSILON;
+    exact->error[CML_EXACT_RSP] = search->light->diffuse ? exact->error[CML_EXACT_RSP] : DBL_EPSILON;
+}
+
+double cml_exact_worst(const struct cml_exact *exact)
+{
+    double worst = 0;
+    for (int i = 0; i < exact->count; i++) worst = fmax(worst, exact->error[i]);
+    return worst;
+}
+
+void cml_exact_clear(struct cml_exact *exact)
+{
+    free(exact->value);
+    free(exact->error);
+    *exact = (struct cml_exact){0};
+}
+
+static cml_status converge(struct search *search, struct cml_exact *exact, struct cml_error *err)
+{
+    for (int k = 0; k < NUM_ORDERS && !exact->converged; k++) {
+        CML_TRY(raise_order(search, orders[k], err));
+        if (search->enough) break;
+        if (k < 2) continue;
+        estimate(search, exact);
+        exact->order = orders[k];
+        exact->converged = cml_exact_worst(exact) <= search->options->tolerance;
+    }
+    if (exact->order > 0) return CML_OK;
+    return cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %g multiplications",
+                    search->options->most_work);
+}
+
+cml_status cml_exact_solve(const struct cml_medium_def *media, int num_layers,
+                           const struct cml_exact_light *light, const struct cml_exact_options *options,
+                           struct cml_exact *exact, struct cml_error *err)
+{
+    const size_t count = (size_t)CML_EXACT_LAYERS + (size_t)num_layers;
+    double *numbers = calloc(3 * count, sizeof *numbers);
+    struct search search = {.media = media, .num_layers = num_layers, .light = light, .options = options};
+    for (size_t i = 0; numbers && i < 3; i++) search.history[i] = numbers + i * count;
+    *exact = (struct cml_exact){.count = (int)count};
+    exact->value = calloc(count, sizeof *exact->value);
+    exact->error = calloc(count, sizeof *exact->error);
+    const cml_status status = numbers && exact->value && exact->error
+                                  ? converge(&search, exact, err)
+                                  : cml_fail_memory(err, 40.0 * (double)count, "totals");
+    free(numbers);
+    if (status != CML_OK) cml_exact_clear(exact);
+    return status;
+}
+
+cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
+                           const struct cml_exact_options *options, struct cml_exact *exact,
+                           struct cml_error *err)
+{
+    const size_t count = (size_t)scene->num_layers + 2;
+    const struct cml_exact_light light = {.angle = scene->beam.angle};
+    struct cml_medium_def *media = malloc(count * sizeof *media);
+    if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
+    memcpy(media, scene->media, count * sizeof *media);
+    for (int l = 1; depth && l <= scene->num_layers; l++) media[l].d = depth[l] - depth[l - 1];
+    const cml_status status = cml_exact_solve(media, scene->num_layers, &light, options, exact, err);
+    free(media);
+    if (status != CML_E_NUMERIC) return status;
+    char reason[128];
+    snprintf(reason, sizeof reason, "%.127s", err->text);
+    return cml_fail(err, status, "%s:%d: %s", scene->file, scene->line, reason);
+}

@@ -1,0 +1,269 @@
+/* Azimuthal means are enough for totals. With f+ and f- the power that goes down and up in each direction,
+ * and S = f+ + f-, D = f+ - f-, the equation of transfer in a layer is
+ *
+ *     dS/dz = -P D,    P = (mua + mus - mus H_odd) / mu
+ *     dD/dz = -Q S,    Q = (mua + mus - mus H_even) / mu
+ *
+ * where H_even and H_odd are the even and odd Legendre terms of the scattering function. Light that comes
+ * alike from both sides has S even and D odd in z about the middle, light that comes with opposite signs the
+ * reverse. So R + T and R - T come from matrices of half the size, as power series in the thickness. Cut off
+ * behind the first term they would be the diamond initialisation (Wiscombe 1976); here the layer is so thin
+ * that they are exact in double precision. It is then doubled [van de Hulst; Prahl, van Gemert, Welch 1993].
+ * SPDX-License-Identifier: MIT */
+#include "exact/layer_response.h"
+
+#include "exact/dense.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Matrices of n x n that are needed beside R and U. */
+enum { BUFFERS = 6, SERIES_TERMS = 9 };
+
+/* A layer while it is being made. */
+struct work {
+    int n, terms;
+    const struct cml_medium_def *medium;
+    double *cosine, *weight; /* [n] in this medium: the weights of integrals over the cosine */
+    double *out;             /* [n] what a direction loses per cm, 1/cm */
+    double *buffer[BUFFERS]; /* [n + 1][n] */
+    double *scratch;         /* [n] */
+};
+
+static void clear_work(struct work *w)
+{
+    free(w->cosine);
+    free(w->weight);
+    free(w->out);
+    free(w->scratch);
+    for (int i = 0; i < BUFFERS; i++) free(w->buffer[i]);
+}
+
+static bool allocate_work(struct work *w)
+{
+    const size_t n = (size_t)w->n;
+    bool sound = true;
+    w->cosine = calloc(n, sizeof(double));
+    w->weight = calloc(n, sizeof(double));
+    w->out = calloc(n, sizeof(double));
+    w->scratch = calloc(n, sizeof(double));
+    for (int i = 0; i < BUFFERS; i++) {
+        w->buffer[i] = calloc(n * (n + 1), sizeof(double));
+        sound = sound && w->buffer[i];
+    }
+    return sound && w->cosine && w->weight && w->out && w->scratch;
+}
+
+/* Henyey and Greenstein's function has the Legendre moments g^l. Behind `terms` of them it is cut off: the
+ * share |g|^terms is taken to go exactly on, which is no scattering, or exactly back where g < 0 (delta-M,
+ * Wiscombe 1977). Moment l of what is left, times its share of mus, times 2l + 1. */
+static double moment(double g, int l, int terms)
+{
+    const double rest = pow(fabs(g), l) - pow(fabs(g), terms);
+    return (2 * l + 1) * (g < 0 && l % 2 == 1 ? -rest : rest);
+}
+
+/* even, odd: [n][n] sums of mus (2l+1) moment_l P_l(mu_i) P_l(mu_j) over even and odd l. */
+static void scattering(struct work *w, double *even, double *odd)
+{
+    const int n = w->n;
+    double *before = w->buffer[2], *p = before + n; /* P_{l-1} and P_l at all cosines */
+    memset(even, 0, (size_t)n * (size_t)n * sizeof *even);
+    memset(odd, 0, (size_t)n * (size_t)n * sizeof *odd);
+    for (int j = 0; j < n; j++) {
+        before[j] = 0;
+        p[j] = 1;
+    }
+    for (int l = 0; l < w->terms; l++) {
+        const double factor = w->medium->mus * moment(w->medium->g, l, w->terms);
+        double *sum = l % 2 == 0 ? even : odd;
+        for (int i = 0; factor != 0 && i < n; i++)
+            for (int j = 0; j < n; j++) sum[i * n + j] += factor * p[i] * p[j];
+        for (int j = 0; j < n; j++) {
+            const double next = ((2 * l + 1) * w->cosine[j] * p[j] - l * before[j]) / (l + 1);
+            before[j] = p[j];
+            p[j] = next;
+        }
+    }
+}
+
+/* What a direction loses by scattering is what the quadrature finds in all others, so energy is conserved for
+ * any order; to keep light in its direction is no scattering. Light that goes exactly back is lost to S
+ * nowhere, to D twice. */
+static void transfer(struct work *w, double *Q, double *P)
+{
+    const int n = w->n;
+    const double g = w->medium->g, back = g < 0 ? w->medium->mus * pow(-g, w->terms) : 0;
+    scattering(w, Q, P);
+    for (int j = 0; j < n; j++) {
+        double scattered = 0;
+        for (int i = 0; i < n; i++) scattered += w->weight[i] * Q[i * n + j];
+        w->out[j] = w->medium->mua + scattered;
+        for (int i = 0; i < n; i++) {
+            Q[i * n + j] *= -w->weight[i] / w->cosine[j];
+            P[i * n + j] *= -w->weight[i] / w->cosine[j];
+        }
+        Q[j * n + j] += w->out[j] / w->cosine[j];
+        P[j * n + j] += (w->out[j] + 2 * back) / w->cosine[j];
+        w->out[j] += 2 * back;
+    }
+}
+
+/* X = A s (c + A s)^-1, with c = cosh(h sqrt(K) / 2), s = sinh(h sqrt(K) / 2) / sqrt(K), K = B A, as power
+ * series. row, or NULL: [n], becomes row s (c + A s)^-1. X, c, s, power: [n + 1][n]. */
+static void half_response(struct work *w, double h, const double *A, const double *B, double *row, double *X)
+{
+    const int n = w->n, rows = row ? n + 1 : n;
+    const size_t size = (size_t)n * (size_t)n;
+    double *c = w->buffer[2], *s = w->buffer[3], *power = w->buffer[4], *next = w->buffer[5];
+    memset(power, 0, size * sizeof *power);
+    for (int i = 0; i < n; i++) power[i * n + i] = 1;
+    memset(c, 0, size * sizeof *c);
+    memset(s, 0, size * sizeof *s);
+    double factor = 1;
+    for (int l = 0; l < SERIES_TERMS; l++) {
+        for (size_t i = 0; i < size; i++) {
+            c[i] += factor * power[i];
+            s[i] += factor * (h / 2) / (2 * l + 1) * power[i];
+        }
+        factor *= h * h / 4 / ((2 * l + 1) * (2 * l + 2));
+        memset(next, 0, size * sizeof *next);
+        cml_dense_add_product(n, n, power, B, next);
+        memset(power, 0, size * sizeof *power);
+        cml_dense_add_product(n, n, next, A, power);
+    }
+    memset(X, 0, (size + (size_t)n) * sizeof *X);
+    cml_dense_add_product(n, n, A, s, X);
+    if (row) cml_dense_add_product(1, n, row, s, X + size);
+    for (size_t i = 0; i < size; i++) c[i] += X[i];
+    cml_dense_divide(rows, n, c, X);
+    if (row) memcpy(row, X + size, (size_t)n * sizeof *row);
+}
+
+/* A layer of thickness h. R + T - 1 = -2 X(Q, P), R - T + 1 = 2 X(P, Q). */
+static void start(struct work *w, double h, struct cml_layer_response *to)
+{
+    const int n = w->n;
+    double *Q = w->buffer[0], *P = w->buffer[1];
+    for (int j = 0; j < n; j++) to->a[j] = 2 * w->medium->mua / w->cosine[j];
+    half_response(w, h, Q, P, to->a, to->R);
+    half_response(w, h, P, Q, NULL, to->U);
+    for (size_t i = 0; i < (size_t)n * (size_t)n; i++) {
+        const double even = to->R[i], odd = to->U[i];
+        to->R[i] = odd - even;
+        to->U[i] = -odd - even;
+    }
+}
+
+/* Two of the same, one upon the other. With X = (1 - RR)^-1 - 1, W = (1 + X) R T goes up between them and
+ * (1 + X) T = 1 + U + Y down; T grows by Y + U (U + Y) + U, R by T W. */
+static void double_layer(struct work *w, struct cml_layer_response *to)
+{
+    const int n = w->n;
+    const size_t size = (size_t)n * (size_t)n, bytes = size * sizeof(double);
+    double *R = to->R, *U = to->U, *a = to->a;
+    double *X = w->buffer[0], *B = w->buffer[1], *Y = w->buffer[2], *V = w->buffer[3], *W = w->buffer[4];
+    memset(X, 0, bytes);
+    cml_dense_add_product(n, n, R, R, X);
+    for (size_t i = 0; i < size; i++) B[i] = -X[i];
+    for (int i = 0; i < n; i++) B[i * n + i] += 1;
+    cml_dense_divide(n, n, B, X);
+    memcpy(Y, X, bytes);
+    cml_dense_add_product(n, n, X, U, Y);
+    memcpy(V, R, bytes);
+    cml_dense_add_product(n, n, R, U, V);
+    memcpy(W, V, bytes);
+    cml_dense_add_product(n, n, X, V, W);
+    for (size_t i = 0; i < size; i++) B[i] = U[i] + Y[i];
+    for (int j = 0; j < n; j++) w->scratch[j] = 2 * a[j];
+    cml_dense_add_product(1, n, a, B, w->scratch);
+    cml_dense_add_product(1, n, a, W, w->scratch);
+    memcpy(a, w->scratch, (size_t)n * sizeof *a);
+    for (size_t i = 0; i < size; i++) R[i] += W[i];
+    cml_dense_add_product(n, n, U, W, R);
+    for (size_t i = 0; i < size; i++) X[i] = 2 * U[i] + Y[i];
+    cml_dense_add_product(n, n, U, B, X);
+    memcpy(U, X, bytes);
+}
+
+/* Halvings after which no direction loses more than d rate = 1 over a layer: there the series are exact. */
+static int halvings(double d, double rate)
+{
+    return (int)fmax(0, ceil(log2(d) + log2(rate)));
+}
+
+/* Nothing comes through that double precision could tell from nothing: more of the same changes no more. */
+static bool is_opaque(const struct cml_layer_response *layer)
+{
+    const int n = layer->count;
+    double most = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) most = fmax(most, fabs(layer->U[i * n + j] + (i == j)));
+    return most < 64 * DBL_EPSILON;
+}
+
+static void fill_scattering(struct work *w, struct cml_layer_response *to)
+{
+    double rate = 0;
+    transfer(w, w->buffer[0], w->buffer[1]);
+    for (int j = 0; j < w->n; j++) rate = fmax(rate, w->out[j] / w->cosine[j]);
+    const int steps = halvings(w->medium->d, rate);
+    start(w, ldexp(w->medium->d, -steps), to);
+    for (int k = 0; k < steps && !is_opaque(to); k++) double_layer(w, to);
+    if (!is_opaque(to)) return;
+    memset(to->U, 0, (size_t)w->n * (size_t)w->n * sizeof *to->U);
+    for (int j = 0; j < w->n; j++) to->U[j * w->n + j] = -1;
+}
+
+/* Nothing changes its direction. */
+static void fill_absorbing(struct work *w, struct cml_layer_response *to)
+{
+    const int n = w->n;
+    for (int j = 0; j < n; j++) {
+        to->U[j * n + j] = expm1(-w->medium->mua * w->medium->d / w->cosine[j]);
+        to->a[j] = -to->U[j * n + j];
+    }
+}
+
+void cml_layer_response_clear(struct cml_layer_response *response)
+{
+    free(response->R);
+    free(response->U);
+    free(response->a);
+    *response = (struct cml_layer_response){0};
+}
+
+static void set_cosines(const struct cml_directions *directions, struct work *w)
+{
+    const double n = w->medium->n;
+    for (int i = 0; i < w->n; i++) {
+        w->cosine[i] = cml_directions_cosine(directions, i, n);
+        w->weight[i] = directions->etendue[i] / (n * n * w->cosine[i]);
+    }
+}
+
+cml_status cml_layer_response_create(const struct cml_medium_def *medium,
+                                     const struct cml_directions *directions, int count, int terms,
+                                     struct cml_layer_response *to, struct cml_error *err)
+{
+    struct work w = {.n = count, .terms = terms, .medium = medium};
+    const size_t n = (size_t)count;
+    *to = (struct cml_layer_response){.count = count};
+    to->R = calloc(n * (n + 1), sizeof(double));
+    to->U = calloc(n * (n + 1), sizeof(double));
+    to->a = calloc(n, sizeof(double));
+    const bool sound = allocate_work(&w) && to->R && to->U && to->a;
+    if (sound) {
+        set_cosines(directions, &w);
+        if (medium->mus > 0)
+            fill_scattering(&w, to);
+        else
+            fill_absorbing(&w, to);
+    } else {
+        cml_layer_response_clear(to);
+    }
+    clear_work(&w);
+    return sound ? CML_OK : cml_fail_memory(err, 8.0 * (BUFFERS + 2) * count * count, "a layer");
+}

@@ -1,0 +1,144 @@
+/* Adding [van de Hulst, Multiple Light Scattering, 1980, chapter 4; Prahl, van Gemert, Welch 1993]. What lies
+ * below a level is a matrix that takes the power that comes down in each direction to that which comes back
+ * up, and rows that take it to the shares transmitted and absorbed in each layer. Layers and boundaries are
+ * put on top of it. SPDX-License-Identifier: MIT */
+#include "exact/stack.h"
+
+#include "exact/dense.h"
+#include "exact/layer_response.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Everything below a level, seen from above it. `below`: [n + rows][n]: n rows of what comes back, then
+ * shares. */
+struct stack {
+    int n, rows, most; /* directions here; shares; the most directions of any medium */
+    double *below;
+    double *other, *matrix; /* [most + rows][most] scratch */
+    double *mirror;         /* [most] reflectances of a boundary */
+};
+
+double cml_stack_fresnel(double n1, double c1, double n2, double c2)
+{
+    if (!(c1 > 0 && c2 > 0)) return 1;
+    const double s = (n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2), p = (n1 * c2 - n2 * c1) / (n1 * c2 + n2 * c1);
+    return (s * s + p * p) / 2;
+}
+
+static void clear(struct stack *stack)
+{
+    free(stack->below);
+    free(stack->other);
+    free(stack->matrix);
+    free(stack->mirror);
+}
+
+static cml_status allocate(struct stack *stack, struct cml_error *err)
+{
+    const size_t most = (size_t)stack->most, size = most * (most + (size_t)stack->rows);
+    stack->below = calloc(size, sizeof(double));
+    stack->other = calloc(size, sizeof(double));
+    stack->matrix = calloc(size, sizeof(double));
+    stack->mirror = calloc(most, sizeof(double));
+    if (stack->below && stack->other && stack->matrix && stack->mirror) return CML_OK;
+    return cml_fail_memory(err, 3.0 * (double)size * sizeof(double), "layers");
+}
+
+/* A boundary on top, below a medium with n directions. Directions that only one side has are reflected
+ * totally. Light goes to and fro between the boundary and what lies below, (1 - r below)^-1 times in all. */
+static void add_boundary(struct stack *stack, const struct cml_directions *directions, double above,
+                         double below, int n)
+{
+    const int inner = stack->n, shared = n < inner ? n : inner; /* directions below, on both sides */
+    double *r = stack->mirror, *to = stack->other;
+    for (int i = 0; i < inner; i++)
+        r[i] = i < shared ? cml_stack_fresnel(above, cml_directions_cosine(directions, i, above), below,
+                                              cml_directions_cosine(directions, i, below))
+                          : 1;
+    for (int i = 0; i < inner; i++)
+        for (int j = 0; j < inner; j++)
+            stack->matrix[i * inner + j] = (i == j) - r[i] * stack->below[i * inner + j];
+    cml_dense_divide(inner + stack->rows, inner, stack->matrix, stack->below);
+    memset(to, 0, (size_t)(n + stack->rows) * (size_t)n * sizeof *to);
+    for (int j = 0; j < shared; j++) {
+        for (int i = 0; i < shared; i++)
+            to[i * n + j] = (1 - r[i]) * stack->below[i * inner + j] * (1 - r[j]);
+        for (int k = 0; k < stack->rows; k++)
+            to[(n + k) * n + j] = stack->below[(inner + k) * inner + j] * (1 - r[j]);
+    }
+    for (int i = 0; i < n; i++) to[i * n + i] += i < shared ? r[i] : 1;
+    stack->other = stack->below;
+    stack->below = to;
+    stack->n = n;
+}
+
+/* A layer on top, whose absorbed share is row `number`. What lies below gets (1 - R below)^-1 T of what
+ * comes, and Z comes back from there. */
+static void add_layer(struct stack *stack, const struct cml_layer_response *layer, int number)
+{
+    const int n = stack->n;
+    double *Z = stack->other, *old = stack->below, *matrix = stack->matrix;
+    memset(matrix, 0, (size_t)n * (size_t)n * sizeof *matrix);
+    cml_dense_add_product(n, n, layer->R, old, matrix);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) matrix[i * n + j] = (i == j) - matrix[i * n + j];
+    cml_dense_divide(n + stack->rows, n, matrix, old);
+    memcpy(Z, old, (size_t)(n + stack->rows) * (size_t)n * sizeof *Z);
+    cml_dense_add_product(n + stack->rows, n, old, layer->U, Z);
+    double *absorbed = Z + (size_t)(n + number) * (size_t)n;
+    memcpy(absorbed, layer->a, (size_t)n * sizeof *absorbed);
+    cml_dense_add_product(1, n, layer->a, Z, absorbed);
+    memcpy(old, Z, (size_t)(n + stack->rows) * (size_t)n * sizeof *old);
+    cml_dense_add_product(n, n, layer->U, Z, old);
+    for (int i = 0; i < n * n; i++) old[i] += layer->R[i];
+}
+
+/* The medium below: nothing comes back; share 0 is what is transmitted. */
+static void begin(struct stack *stack, int n)
+{
+    stack->n = n;
+    for (int j = 0; j < n; j++) stack->below[n * n + j] = 1;
+}
+
+static cml_status build(const struct cml_medium_def *media, const struct cml_directions *directions,
+                        int terms, struct stack *stack, struct cml_error *err)
+{
+    const int num_layers = directions->num_media - 2;
+    begin(stack, directions->live[num_layers + 1]);
+    for (int b = num_layers; b >= 0; b--) {
+        struct cml_layer_response layer;
+        add_boundary(stack, directions, media[b].n, media[b + 1].n, directions->live[b]);
+        if (b == 0) break;
+        CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, &layer, err));
+        add_layer(stack, &layer, b);
+        cml_layer_response_clear(&layer);
+    }
+    return CML_OK;
+}
+
+/* The share of the incident light that a row of the stack takes. */
+static double share(const struct stack *stack, int row, const double *light)
+{
+    double sum = 0;
+    for (int j = 0; j < stack->n; j++) sum += stack->below[row * stack->n + j] * light[j];
+    return sum;
+}
+
+cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_directions *directions,
+                            int terms, double *reflected, double *transmitted, double *absorbed,
+                            struct cml_error *err)
+{
+    struct stack stack = {.rows = directions->num_media - 1, .most = directions->count};
+    cml_status status = allocate(&stack, err);
+    if (status == CML_OK) status = build(media, directions, terms, &stack, err);
+    if (status == CML_OK) {
+        *reflected = 0;
+        for (int i = 0; i < stack.n; i++) *reflected += share(&stack, i, directions->light);
+        *transmitted = share(&stack, stack.n, directions->light);
+        for (int l = 1; l < stack.rows; l++) absorbed[l - 1] = share(&stack, stack.n + l, directions->light);
+    }
+    clear(&stack);
+    return status;
+}

@@ -1,0 +1,19 @@
+/* Plane layers and their boundaries, added up from below. SPDX-License-Identifier: MIT */
+#ifndef CML_STACK_H
+#define CML_STACK_H
+
+#include "exact/directions.h"
+
+/* Shares of the incident light: what is reflected, transmitted and absorbed[l - 1] in layer l, [num_layers].
+ * By energy they add up to 1; nothing here makes them, so their sum tells how much rounding has done. media:
+ * [num_layers + 2]; terms: of the phase functions. CML_E_INPUT: out of memory. */
+CML_NODISCARD cml_status cml_stack_shares(const struct cml_medium_def *media,
+                                          const struct cml_directions *directions, int terms,
+                                          double *reflected, double *transmitted, double *absorbed,
+                                          struct cml_error *err);
+
+/* Fresnel's reflectance of unpolarised light, from the indices and cosines on both sides; no cosine (0) on
+ * one side: total reflection, 1. Symmetric in the sides. [Hecht, Optics, chapter 4] */
+double cml_stack_fresnel(double n1, double c1, double n2, double c2);
+
+#endif

@@ -1,0 +1,44 @@
+#!/bin/sh
+# Every program of bench/*.c runs through: one table on standard output, as many columns in every row as in its heading,
+# and numbers above 0 where something is counted or timed. The numbers themselves are judged by nobody here. Skipped
+# where they are not built: cmake --build build --target benches.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+build=$(dirname "$program")
+for source in bench/*.c; do
+    test -x "$build/bench_$(basename "$source" .c)" || { echo "bench_$(basename "$source" .c) is not built"; exit 77; }
+done
+
+# Rows below the heading; all but the first column are numbers, empty where a row has no such number.
+expect_table() { # HEADING ROWS POSITIVE-COLUMN COMMAND ARGUMENTS...
+    heading=$1 rows=$2 column=$3
+    shift 3
+    name=$1
+    "$build/$@" >"$work/out" 2>"$work/err" </dev/null || complain "$*: exit $?: $(cat "$work/err")"
+    test "$(head -n 1 "$work/out")" = "$heading" || complain "$name: heading $(head -n 1 "$work/out")"
+    # a comma within quotes parts no columns
+    sed '1!s/"[^"]*"/row/' "$work/out" | awk -F, -v rows="$rows" -v column="$column" '
+        NR == 1 { columns = NF; next }
+        NF != columns || $column !~ /^[0-9.]+$/ || $column <= 0 { print "row " NR ": " $0; bad = 1 }
+        { for (i = 2; i <= NF; i++) if ($i !~ /^(-?[0-9]+(\.[0-9]+)?)?$/) { print "no number: " $i; bad = 1 } }
+        END { if (NR - 1 != rows) print NR - 1 " rows"; exit bad || NR - 1 != rows }' >"$work/judged" ||
+        complain "$*: $(cat "$work/judged")"
+}
+
+busy=scene,launched,interactions,boundary_events,lanes_in_passes,lanes_at_planes,ns
+expect_table $busy 2 7 bench_busy samples/mcml_sample.mci samples/wedge.mci
+for kind in cone mesh; do
+    expect_table scene,queries,ns,around,ahead,seek,turn,cross 1 3 bench_curved samples/shapes/hihill.mci $kind
+done
+expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci
+expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci --mesh
+expect_table stage,ns_alone,ns_saved_when_left_out 11 2 bench_stages
+
+for bench in "bench_busy" "bench_queries" "bench_curved"; do
+    code=0
+    "$build/$bench" "$work/none.mci" mesh >"$work/out" 2>"$work/err" || code=$?
+    test $code -eq 2 || complain "$bench none.mci: exit $code, not 2"
+    test "$(cat "$work/err")" = "$bench: $work/none.mci: cannot be read (No such file or directory)" ||
+        complain "$bench none.mci: $(cat "$work/err")"
+done
+finish

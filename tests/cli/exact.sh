@@ -1,0 +1,73 @@
+#!/bin/sh
+# What `exact`, `run` and `check` say of totals by adding-doubling; unit.exact and stat.exact judge the numbers.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+
+shows() { # WHAT PATTERN: a line of standard output
+    grep -Eq "$2" "$work/out" || complain "$1: no '$2' in: $(cat "$work/out")"
+}
+
+value() { # KEY: of the JSON line
+    sed -n "s/.*\"$1\":\([^],}]*\).*/\1/p" "$work/out"
+}
+
+# the value of tests/reference/layers.csv for this stack, less its specular part
+expect_code 0 exact samples/mcml_sample.mci
+shows "head" '^mcml_sample\.mco \(samples/mcml_sample\.mci:5\): adding-doubling, order [0-9]+$'
+shows "Rsp" '^  Rsp  0\.024372875 \+- [0-9]e-16$'
+shows "Rd" '^  Rd   0\.2378562[0-9]* \+- [0-9]e-08$'
+shows "A" '^  A    0\.6417231'
+shows "Tt" '^  Tt   0\.0960477'
+shows "layers" '^  A of layer 3 0\.2310313'
+test "$(wc -l <"$work/out")" -eq 8 || complain "exact: $(cat "$work/out")"
+
+# one line for each run of the file
+expect_code 0 exact samples/two_runs.mci --json
+test "$(wc -l <"$work/out")" -eq 2 || complain "two runs: $(cat "$work/out")"
+expect_code 0 exact samples/mcml_sample.mci --json
+for key in Rsp Rd A Tt; do
+    awk -v e="$(value ${key}_error)" 'BEGIN { exit !(e > 0 && e <= 1e-7) }' || complain "$key: error $(value ${key}_error)"
+done
+test "$(value converged)" = true || complain "not converged: $(cat "$work/out")"
+awk -v a="$(value Rsp)" -v b="$(value Rd)" -v c="$(value A)" -v d="$(value Tt)" \
+    'BEGIN { s = a + b + c + d - 1; exit !(s * s < 1e-24) }' || complain "totals do not add up: $(cat "$work/out")"
+
+# shapes count as planes, whatever they are
+expect_code 0 exact samples/shapes/hihill.mci
+shows "hill" '^  boundary 0 counts as a plane$'
+shows "hill" '^  boundary 1 counts as a plane$'
+expect_code 0 exact samples/wedge.mci
+shows "wedge" 'counts as a plane$'
+
+# a run has them where all it flies is flat, check says them of the flat twin
+expect_code 0 samples/mcml_sample.mci --photons 1e3 -o "$work"
+shows "run" '^  Rd   0\.[0-9]{6} \+- 0\.[0-9]{6}   exact 0\.23[0-9]{5} \+- [0-9.e-]+$'
+expect_code 0 samples/mcml_sample.mci --photons 1e3 -o "$work" --json
+awk -v a="$(value Rd_exact)" -v e="$(value exact_error)" 'BEGIN { d = a - 0.2378563; exit !(e > 0 && d * d <= (e + 1e-7) ^ 2) }' ||
+    complain "run --json: $(cat "$work/out")"
+expect_code 0 samples/shapes/hihill.mci --photons 100 -o "$work"
+grep -q '   exact 0' "$work/out" && complain "a hill has exact totals: $(cat "$work/out")"
+expect_code 0 samples/shapes/hihill.mci --photons 100 -o "$work" --json
+test "$(value Rd_exact)" = null || complain "a hill has exact totals: $(cat "$work/out")"
+expect_code 0 samples/shapes/hihill.mci --photons 100 --ignore-heightfields -o "$work"
+shows "flattened" '^  Tt .*   exact 0\.166'
+
+# a flat field lies at its height, not at its nominal depth: this layer is twice as thick as it says
+printf '1.0\n1\nx.mco A\n1000\n0.1 0.1\n2 2 1\n1\n1.0\n%s\n1.4 1 10 0.5 %s\n1.0\n' 'b 2  0.1 1  0.1 1' 0.1 >"$work/high.mci"
+printf '1.0\n1\nx.mco A\n1000\n0.1 0.1\n2 2 1\n1\n1.0\n1.4 1 10 0.5 0.2\n1.0\n' >"$work/thick.mci"
+expect_code 0 exact "$work/thick.mci" --json
+thick=$(value Tt)
+expect_code 0 "$work/high.mci" -o "$work" --json
+awk -v a="$(value Tt_exact)" -v b="$thick" -v e="$(value exact_error)" 'BEGIN { d = a - b; exit !(d * d <= (e + 1e-7) ^ 2) }' ||
+    complain "a high flat field: not $thick: $(cat "$work/out")"
+
+expect_code 0 check samples/shapes/hihill.mci
+shows "check" "with planes in place of all shapes, by adding-doubling: Rsp 0\.0170132 Rd 0\.0618193 A 0\.754994[0-9] Tt 0\.1661734"
+
+# no file depends on it
+"$program" samples/mcml_sample.mci --photons 1e3 -o "$work" --quiet
+grep -qi 'exact\b.*adding' "$work/mcml_sample.mco" && complain "exact totals stand in the .mco"
+
+expect_error 2 "usage: clustermcml exact scene.mci (try clustermcml --help)" exact
+expect_code 2 exact "$work/missing.mci"
+finish

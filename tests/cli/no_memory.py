@@ -1,0 +1,116 @@
+"""Memory runs out: each request for memory that the program makes for a scene fails once, one a run. Then it either does
+without (a thread that is not bound), or says so in one line, exits with 2, or with 5 where a file was to be written, and
+leaves nothing half written. Shares nothing with the program but its words. Requests of libraries do not fail.
+
+no_memory.py PROGRAM: tests/lib/failing_memory.c linked into clustermcml."""
+import concurrent.futures
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+PROGRAM = os.path.abspath(sys.argv[1])
+
+SCENE = """1.0
+2
+first.mco A
+1000
+map 4 3 0.1 0.1 angles volume
+facets
+0.01 0.02
+20 20 10
+2
+1.0
+b 4 0 0.1 0.05 0.1 0.02 0.1 0 0.1
+1.4 0.5 50 0.8 0.1
+m "pyramid.obj" units=mm
+1.5 1 20 0 0.2
+1.0
+second.mco B
+1000
+0.01 0.02
+20 20 10
+1
+1.0
+m "scan.asc" units=mm
+1.4 0.5 50 0.8 0.1
+1.0
+"""
+SCAN = "ncols 4\nnrows 4\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + "0 0 0 0\n0 1 0.5 0\n0 0.3 2 0\n0 0 0 0\n"
+
+RUN = ["scene.mci", "--photons", "200", "--threads", "1", "--quiet"]
+COMMANDS = {
+    "run": RUN + ["-o", "OUT"],
+    "mesh": ["mesh", "scene.mci", "-o", "OUT"],
+    "run on meshes": RUN + ["--boundaries", "mesh", "--normals", "vertex", "--json", "-o", "OUT"],
+    "reference": RUN + ["--engine", "reference", "-o", "OUT"],
+    "rounds": ["flat.mci", "--photons", "64", "--threads", "1", "--target-error", "0.3", "--checkpoint", "1e-9", "--quiet", "-o", "OUT"],
+    "threads": ["flat.mci", "--photons", "200", "--threads", "2", "--quiet", "-o", "OUT"],
+    "trace": ["trace", "scene.mci", "3"],
+    "compare": ["compare", "a.mco", "b.mco", "-o", "OUT/z.svg"],
+    "plot": ["plot", "a.mco", "b.mco", "c.csv", "-o", "OUT/r.svg"],
+    "plot a map": ["plot", "first.map.vti", "-o", "OUT/map.svg"],
+}
+
+
+def call(folder, arguments, failing):
+    """Exit code, lines of standard error, names left in the folder of results."""
+    with tempfile.TemporaryDirectory() as out:
+        arguments = [argument.replace("OUT", out) for argument in arguments]
+        run = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, errors="replace",
+                             stdin=subprocess.DEVNULL, env={**os.environ, "FAIL_ALLOCATION": str(failing)})
+        return run.returncode, run.stderr.replace(out, "OUT").splitlines(), sorted(os.listdir(out))
+
+
+def fault(code, lines, names):
+    """What is wrong with how a run ended; an empty text when nothing is."""
+    left = [name for name in names if not re.fullmatch(r"[\w.]+\.(mco|h5|vti|vtp|obj|svg|mco\.checkpoint)", name)]
+    if left:
+        return f"left {' '.join(left)}"
+    if code in (0, 1):  # 1: two results differ
+        return ""
+    if code not in (2, 5) or len(lines) != 1 or not lines[0].startswith("clustermcml: "):
+        return "not one line with exit code 2 or 5"
+    return "" if re.search("out of memory: |Cannot allocate memory", lines[0]) else "another reason"
+
+
+def prepare(folder):
+    """Inputs, and results to compare and plot."""
+    def write(name, text):
+        with open(os.path.join(folder, name), "w", encoding="ascii") as file:
+            file.write(text)
+    with open("meshes/pyramid.obj", encoding="ascii") as file:
+        write("pyramid.obj", file.read())
+    write("scene.mci", SCENE)
+    write("scan.asc", SCAN)
+    write("c.csv", "bin,r_mid_cm,Rd_r_per_cm2\n0,0.01,2\n1,0.03,1\n2,0.05,0.5\n")
+    flat = "1.0\n1\n%s A\n1000\n0.01 0.02\n20 20 10\n1\n1.0\n1.4 0.5 50 0.8 0.1\n1.0\n"
+    for name in ("flat", "a", "b"):
+        write(f"{name}.mci", flat % f"{name}.mco")
+    for seed, name in enumerate("ab", 1):
+        subprocess.run([PROGRAM, f"{name}.mci", "--seed", str(seed), "--quiet"], cwd=folder, check=True, capture_output=True)
+    subprocess.run([PROGRAM, *RUN], cwd=folder, check=True, capture_output=True)
+
+
+def main():
+    failures = 0
+    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(2) as pool:
+        prepare(folder)
+        for name, arguments in COMMANDS.items():
+            code, lines, _ = call(folder, arguments, 0)
+            requests = int(lines[-1].removeprefix("requests: "))
+            ends = list(pool.map(lambda n: call(folder, arguments, n), range(1, requests + 1)))
+            refused = sum(code in (2, 5) for code, _, _ in ends)
+            print(f"{name}: {requests} requests, {refused} of them end it", flush=True)
+            for number, end in enumerate(ends, 1):
+                if fault(*end):
+                    failures += 1
+                    print(f"FAILED: {name}, request {number}: {fault(*end)}: exit {end[0]}, {end[1]}")
+            if code not in (0, 1) or refused < requests / 2:
+                failures += 1
+                print(f"FAILED: {name}: exit {code} without a failure, {refused} of {requests} requests matter: {lines}")
+    sys.exit(failures > 0)
+
+
+main()

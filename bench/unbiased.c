@@ -79,17 +79,20 @@ static cml_status fly(const struct bench *bench, const struct cml_engine_options
                                   .engine = cml_engine_find("cpu"),
                                   .options = *options,
                                   .photons = photons};
+    double lost = 0;
     for (int i = 0; i < runs->count; i++) {
+        const size_t row = (size_t)i * (size_t)runs->bins;
         struct cml_run_result out;
         setup.options.run = (uint32_t)i;
         CML_TRY(cml_run(&setup, &out, err));
-        keep(bench, &out.result, runs->value + (size_t)i * (size_t)runs->bins,
-             runs->error + (size_t)i * (size_t)runs->bins);
-        const cml_status verdict = cml_run_verdict(setup.scene, &out.result, err);
+        keep(bench, &out.result, runs->value + row, runs->error + row);
+        lost += (double)cml_result_lost(&out.result);
+        const bool balanced = cml_result_imbalance(&out.result) == 0;
         cml_run_result_free(&out);
-        CML_TRY(verdict);
+        if (!balanced) return cml_fail(err, CML_E_NUMERIC, "the weight of run %d does not balance", i);
     }
-    return CML_OK;
+    if (lost <= 1e-6 * runs->count * (double)photons) return CML_OK;
+    return cml_fail(err, CML_E_NUMERIC, "%.0f packets lost", lost);
 }
 
 /* ---- what the runs say ---- */

@@ -21,7 +21,7 @@ static void bench_open(const char *line, enum cml_surface_kind kind, struct benc
     const struct cml_surface_options surface = {.force = kind,
                                                 .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
     const struct cml_engine_options options = {.seed = 1, .reentry = true};
-    *bench = (struct bench){.stream = {{1, 2, 3, 4}}};
+    *bench = (struct bench){.stream = {.key = {1, 2, 3, 4}}};
     snprintf(text, sizeof text, "1.0\n1\nbench A\n1\n1 1\n1 1 1\n1\n1\n%s\n1.4 1 10 0 2\n1\n", line);
     read_scenes(text, &bench->list);
     require_ok(cml_surfaces_create(&bench->list.scenes[0], &surface, &bench->surfaces, &err), &err);

@@ -195,7 +195,6 @@ static cml_status control_run(const struct session *session, int index, const st
     cml_status status = publish_run(session, index, setup, run, &flight, control, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
         status = cml_run_verdict(&twin->scene, &flight.result, err);
-    if (twin->checkpoint && cml_cluster_rank() == 0) cml_checkpoint_remove(twin->checkpoint);
     cml_run_result_free(&flight);
     return status;
 }
@@ -213,6 +212,8 @@ static cml_status fly(const struct session *session, int index, const struct cml
     cml_status status = setup->keep && !run.finished
                             ? control_run(session, index, setup, &run, twin, err)
                             : publish_run(session, index, setup, &run, NULL, NULL, err);
+    if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
+        cml_checkpoint_remove(twin->checkpoint);
     cml_run_result_free(&run);
     return cml_cluster_agree(status, err);
 }

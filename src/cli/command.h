@@ -40,6 +40,12 @@ CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *option
  * but ranks that share the cores of a machine share them evenly. More threads than cores get a note. */
 int cml_choose_threads(const struct cml_options *options);
 
+/* The surfaces that a scene is flown with: those of cml_surfaces_create, less those that --tolerance, where
+ * it was given, lets be planes. All commands that fly or show surfaces take these. *surfaces is the caller's
+ * to free; empty on failure. */
+CML_NODISCARD cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,
+                                             struct cml_surface_set *surfaces, struct cml_error *err);
+
 /* CML_E_INPUT with the figure when the run would take more memory than the machine has. surfaces NULL: they
  * are not made yet, and facets do not count. */
 CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,

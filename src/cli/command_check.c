@@ -1,4 +1,4 @@
-/* clustermcml check: everything that can be said of a file without flying a photon.
+/* clustermcml check: everything that can be said of a file without running it.
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
@@ -104,7 +104,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
                               struct cml_error *err)
 {
     struct cml_surface_set surfaces;
-    CML_TRY(cml_surfaces_create(scene, &options->surface, &surfaces, err));
+    CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
     printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
     print_media(scene);
     printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,

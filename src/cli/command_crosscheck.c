@@ -149,7 +149,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;
     as_mesh.force = CML_SURFACE_MESH;
-    CML_TRY(cml_surfaces_create(scene, &options->surface, &chosen, err));
+    CML_TRY(cml_choose_surfaces(options, scene, &chosen, err));
     cml_status status = cml_surfaces_create(scene, &as_mesh, &meshes, err);
     if (status == CML_OK) {
         status = check_surfaces(options, scene, index, &chosen, &meshes, err);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "engine/engines.h"
+#include "engine/plane_trial.h"
 #include "run/cluster.h"
 #include "input/mci.h"
 #include "output/report.h"
@@ -90,6 +92,16 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
     if (status == CML_OK) return CML_OK;
     cml_scene_list_clear(list);
     cml_inputs_clear(inputs);
+    return status;
+}
+
+cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,
+                               struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    CML_TRY(cml_surfaces_create(scene, &options->surface, surfaces, err));
+    const cml_status status = cml_make_harmless_planes(scene, &options->surface, cml_engine_find("cpu"),
+                                                       &options->engine_options, surfaces, err);
+    if (status != CML_OK) cml_surfaces_free(surfaces);
     return status;
 }
 

@@ -174,7 +174,7 @@ static cml_status publish(const struct cml_options *options, const struct plan *
 static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene,
                           struct cml_surface_set *surfaces, struct cml_error *err)
 {
-    CML_TRY(cml_surfaces_create(scene, &options->surface, surfaces, err));
+    CML_TRY(cml_choose_surfaces(options, scene, surfaces, err));
     return cml_check_memory(options, scene, surfaces, err);
 }
 

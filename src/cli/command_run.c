@@ -241,7 +241,7 @@ static cml_status prepare(const struct session *session, int index, struct cml_s
                           struct cml_run_setup *setup, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
-    CML_TRY(cml_surfaces_create(setup->scene, &options->surface, surfaces, err));
+    CML_TRY(cml_choose_surfaces(options, setup->scene, surfaces, err));
     CML_TRY(cml_check_memory(options, setup->scene, surfaces, err));
     setup->surfaces = surfaces;
     setup->options.run = (uint32_t)index;

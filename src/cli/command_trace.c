@@ -43,7 +43,7 @@ static cml_status trace_scene(const struct cml_options *options, const struct cm
     struct cml_engine_options engine_options = options->engine_options;
     void *engine = NULL;
     engine_options.run = (uint32_t)options->run - 1;
-    CML_TRY(cml_surfaces_create(scene, &options->surface, &surfaces, err));
+    CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
     cml_status status = options->engine->open(scene, &surfaces, &engine_options, &engine, err);
     if (status == CML_OK) status = trace(options, scene, engine, photon, err);
     options->engine->close(engine);

@@ -221,15 +221,15 @@ static bool packets_are_independent(const struct cml_mco *mco)
 
 /* Variance per packet of a file without errors, and with it of the other: mean square less squared mean,
  * where the mean is that of both, or the file's own when it is larger, so that a chance excess is not
- * overrated. */
+ * overrated. Only a lender that cannot say how packets scatter keeps its own. */
 static void estimate(const struct quantity *q, const struct group *group, double mean, double variance[2])
 {
     const int lender = q->error[0] ? 0 : 1;
-    const bool lent = q->error[lender] != NULL;
-    const double score =
-        lent && packets_are_independent(q->mco[lender]) ? typical_score(q, group, lender) : 1;
+    const bool lent = q->error[lender] != NULL, says = lent && packets_are_independent(q->mco[lender]);
+    const double score = says ? typical_score(q, group, lender) : 1;
     const double own = lent ? own_variance(q, group, lender) : 0;
     for (int k = 0; k < 2; k++) variance[k] = fmax(own, score * fmax(mean, group->mean[k]) - mean * mean);
+    if (lent && !says) variance[lender] = own;
 }
 
 /* Degrees of freedom of the difference [Welch, Biometrika 34 (1947) 28]. */
@@ -352,6 +352,7 @@ cml_status cml_compare(const struct cml_mco *a, const struct cml_mco *b, const c
 {
     const struct cml_mco *const mco[2] = {a, b};
     *c = (struct cml_comparison){.measured = {has_errors(a), has_errors(b)},
+                                 .lends = {packets_are_independent(a), packets_are_independent(b)},
                                  .no_absorption = !tallied_absorption(a) || !tallied_absorption(b)};
     CML_TRY(check_grids(a, b, names, err));
     const int most = a->nz > a->nr ? (a->nz > a->na ? a->nz : a->na) : (a->nr > a->na ? a->nr : a->na);

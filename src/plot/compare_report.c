@@ -44,10 +44,14 @@ static const struct cml_compare_test *worst_of(const struct cml_comparison *c, e
 /* Where the errors come from decides how much a difference means, so it stands first. */
 static void print_file(FILE *stream, const struct cml_compare_report *report, int k)
 {
+    const struct cml_comparison *c = report->comparison;
     const char *errors = "standard errors from the file";
-    if (!report->comparison->measured[k])
-        errors = report->comparison->measured[1 - k] ? "no standard errors: variances of the other file"
-                                                     : "no standard errors: upper bounds";
+    if (!c->measured[k] && !c->measured[1 - k])
+        errors = "no standard errors: upper bounds";
+    else if (!c->measured[k])
+        errors = c->lends[1 - k]
+                     ? "no standard errors: variances of the other file"
+                     : "no standard errors: upper bounds (--sampling random in the other would find more)";
     fprintf(stream, "%c: %s, %.0f packets, %s\n", "ab"[k], report -> names[k],
             (double)report -> mco[k].photons, errors);
 }

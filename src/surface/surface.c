@@ -32,6 +32,7 @@ static cml_status make_cones(const struct cml_radial *field, int given, double d
     def->depth = depth;
     def->num_rings = field->n;
     def->primitives = n;
+    def->expectation = cml_choice_expect_cones(field->n);
     def->r = malloc(3 * n * sizeof *def->r);
     if (!def->r) return cml_fail_memory(err, (double)(3 * n * sizeof *def->r), "the rings of a heightfield");
     def->z = def->r + n;
@@ -106,37 +107,9 @@ static cml_status make_tessellated(const struct cml_scene *scene, const struct c
     CML_TRY(tessellate(scene, boundary, options, &mesh, err));
     const cml_status status =
         make_mesh(&mesh, boundary->z, scene, options->search, "radial heightfield, tessellated", def, err);
+    def->expectation = cml_choice_expect_tessellation(options);
     cml_mesh_clear(&mesh);
     return status;
-}
-
-/* mut of the media above and below a boundary. */
-static void read_mut(const struct cml_scene *scene, const struct cml_boundary *boundary, double mut[2])
-{
-    const struct cml_medium_def *above = &scene->media[boundary - scene->boundaries];
-    for (int side = 0; side < 2; side++) mut[side] = above[side].mua + above[side].mus;
-}
-
-/* Facets are asked for by number, and a plane has none. */
-static struct cml_surface_options options_for(const struct cml_scene *scene,
-                                              const struct cml_surface_options *options)
-{
-    struct cml_surface_options own = *options;
-    own.may_flatten = options->may_flatten && !scene->facets;
-    return own;
-}
-
-static cml_status represent_best(const struct cml_scene *scene, const struct cml_boundary *boundary,
-                                 const struct cml_radial *merged, const struct cml_surface_options *options,
-                                 struct cml_surface_def *def, struct cml_error *err)
-{
-    const struct cml_surface_options own = options_for(scene, options);
-    double mut[2];
-    read_mut(scene, boundary, mut);
-    if (cml_choose_radial(merged, mut, &own, &def->expectation) == CML_SURFACE_CONE)
-        return make_cones(merged, boundary->radial.n, boundary->z, def, err);
-    make_plane(boundary->z - merged->h[merged->n - 1], "radial heightfield: effect below the tolerance", def);
-    return CML_OK;
 }
 
 static cml_status represent_field(const struct cml_scene *scene, const struct cml_boundary *boundary,
@@ -145,33 +118,17 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
 {
     const struct cml_radial *field = &boundary->radial;
     const bool forced = options->force == CML_SURFACE_CONE || options->force == CML_SURFACE_MESH;
-    double mut[2];
     if (field->n == 1 || (!forced && cml_radial_is_flat(field))) {
         make_plane(boundary->z - field->h[0], "flat heightfield", def);
         return CML_OK;
     }
-    read_mut(scene, boundary, mut);
-    if (forced) def->expectation = cml_choice_expect(options->force, field, mut, options);
-    if (options->force == CML_SURFACE_CONE) return make_cones(field, field->n, boundary->z, def, err);
     if (options->force == CML_SURFACE_MESH) return make_tessellated(scene, boundary, options, def, err);
+    if (options->force == CML_SURFACE_CONE) return make_cones(field, field->n, boundary->z, def, err);
     struct cml_radial merged;
     CML_TRY(cml_radial_merge(field, &merged, err));
-    const cml_status status = represent_best(scene, boundary, &merged, options, def, err);
+    const cml_status status = make_cones(&merged, field->n, boundary->z, def, err);
     cml_radial_clear(&merged);
     return status;
-}
-
-/* True when the plane in which the mesh goes on outside will do; *bias is what that is expected to cost. */
-static bool mesh_may_be_plane(const struct cml_scene *scene, const struct cml_boundary *boundary,
-                              const struct cml_surface_options *options, double *bias)
-{
-    const struct cml_mesh *mesh = &boundary->mesh;
-    const double height = fmax(mesh->upper[2] - mesh->z_border, mesh->z_border - mesh->lower[2]);
-    double mut[2];
-    if (!options_for(scene, options).may_flatten) return false;
-    read_mut(scene, boundary, mut);
-    *bias = cml_choice_plane_bias(height, steepest_facet(mesh), fmax(mut[0], mut[1]));
-    return *bias <= options->tolerance;
 }
 
 static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
@@ -185,11 +142,6 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
                         scene->file, boundary->line);
     if (options->force == CML_SURFACE_AUTO && cml_mesh_is_flat(&boundary->mesh, &z)) {
         make_plane(boundary->z + z, "flat mesh", def);
-        return CML_OK;
-    }
-    if (options->force == CML_SURFACE_AUTO &&
-        mesh_may_be_plane(scene, boundary, options, &def->expectation.bias)) {
-        make_plane(boundary->z + boundary->mesh.z_border, "mesh: effect below the tolerance", def);
         return CML_OK;
     }
     struct cml_mesh mesh;
@@ -248,13 +200,42 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     return CML_OK;
 }
 
+/* Height above the boundary's depth of the plane in which it goes on outside. */
+static double outer_height(const struct cml_boundary *boundary)
+{
+    if (boundary->form == CML_FORM_MESH) return -boundary->mesh.z_border;
+    return boundary->radial.h[boundary->radial.n - 1];
+}
+
+void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def)
+{
+    *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
+    make_plane(boundary->z - outer_height(boundary),
+               boundary->form == CML_FORM_MESH ? "mesh" : "radial heightfield", def);
+}
+
+/* The radius of the level part has no effect. */
+cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, struct cml_surface_def *def,
+                                        struct cml_error *err)
+{
+    const double height = outer_height(boundary);
+    double r[] = {0, 1}, h[] = {height, height};
+    const struct cml_radial level = {2, r, h};
+    *def = (struct cml_surface_def){.kind = CML_SURFACE_CONE};
+    return make_cones(&level, level.n, boundary->z, def, err);
+}
+
+void cml_surface_clear(struct cml_surface_def *def)
+{
+    free(def->r);
+    cml_mesh_surface_free(def->mesh);
+    cml_clearance_clear(&def->clearance);
+    *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
+}
+
 void cml_surfaces_free(struct cml_surface_set *set)
 {
-    for (int b = 0; set->item && b < set->count; b++) {
-        free(set->item[b].r);
-        cml_mesh_surface_free(set->item[b].mesh);
-        cml_clearance_clear(&set->item[b].clearance);
-    }
+    for (int b = 0; set->item && b < set->count; b++) cml_surface_clear(&set->item[b]);
     free(set->item);
     *set = (struct cml_surface_set){0};
 }

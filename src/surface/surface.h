@@ -1,8 +1,7 @@
 /* How each boundary of a scene is represented: plane, cones or mesh, and why.
  * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
- * marched as exact cones unless a mesh within the tolerance costs less (surface_choice.h), meshes that are
- * regular grids are walked, other ones go to Embree. A representation can be forced, which is how methods
- * judge each other. SPDX-License-Identifier: MIT */
+ * marched as exact cones, meshes that are regular grids are walked, other ones go to Embree. A representation
+ * can be forced, which is how methods judge each other. SPDX-License-Identifier: MIT */
 #ifndef CML_SURFACE_H
 #define CML_SURFACE_H
 
@@ -15,7 +14,7 @@
  * it. */
 struct cml_surface_def {
     enum cml_surface_kind kind;
-    char reason[96];        /* why this kind, for people */
+    char reason[160];       /* why this kind, for people */
     double depth;           /* of the frame; for a plane that of the plane itself */
     double steepest;        /* at least the slope of every part, infinite where it is upright or overhangs */
     double lowest, highest; /* lowest <= z <= highest everywhere */
@@ -40,6 +39,18 @@ CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
                                              struct cml_surface_set *set, struct cml_error *err);
 
 void cml_surfaces_free(struct cml_surface_set *set);
+
+/* The plane in which a curved boundary goes on outside; owns nothing. What *def was is overwritten. */
+void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def);
+
+/* The same plane as rings without a slope: packets take the events that they take on curved boundaries, with
+ * the same random numbers (on a plane at normal incidence they start behind the first one). The caller's to
+ * clear, also on failure. */
+CML_NODISCARD cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary,
+                                                      struct cml_surface_def *def, struct cml_error *err);
+
+/* Frees what one boundary owns, and makes it a plane at z = 0. */
+void cml_surface_clear(struct cml_surface_def *def);
 
 const char *cml_surface_kind_name(enum cml_surface_kind kind);
 

@@ -28,35 +28,18 @@ struct cml_tessellation cml_choice_tessellation(const struct cml_surface_options
     return tessellation;
 }
 
-/* A shift by h changes an optical depth by mut h, a slope turns a normal by as much. Both count in full,
- * which the charts never saw. */
-double cml_choice_plane_bias(double height, double steepest, double mut)
-{
-    return mut * height + steepest;
-}
-
-static double plane_bias(const struct cml_radial *radial, const double mut[2])
-{
-    double height = 0, steepest = 0;
-    const int last = radial->n - 1;
-    for (int i = 0; i < last; i++) {
-        height = fmax(height, fabs(radial->h[i] - radial->h[last]));
-        steepest =
-            fmax(steepest, fabs((radial->h[i + 1] - radial->h[i]) / (radial->r[i + 1] - radial->r[i])));
-    }
-    return cml_choice_plane_bias(height, steepest, fmax(mut[0], mut[1]));
-}
-
 struct cml_expectation cml_choice_expect_mesh(void)
 {
     return (struct cml_expectation){.query_ns = MESH_NS};
 }
 
-struct cml_expectation cml_choice_expect(enum cml_surface_kind kind, const struct cml_radial *radial,
-                                         const double mut[2], const struct cml_surface_options *options)
+struct cml_expectation cml_choice_expect_cones(int rings)
 {
-    if (kind == CML_SURFACE_PLANE) return (struct cml_expectation){.bias = plane_bias(radial, mut)};
-    if (kind == CML_SURFACE_CONE) return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * radial->n};
+    return (struct cml_expectation){.query_ns = CONE_NS + RING_NS * rings};
+}
+
+struct cml_expectation cml_choice_expect_tessellation(const struct cml_surface_options *options)
+{
     const struct cml_tessellation tessellation = cml_choice_tessellation(options);
     struct cml_expectation expectation = cml_choice_expect_mesh();
     expectation.deviation = tessellation.tolerance;
@@ -64,14 +47,4 @@ struct cml_expectation cml_choice_expect(enum cml_surface_kind kind, const struc
                            ? INFINITY
                            : tessellation.tolerance * bias_per_deviation(&tessellation);
     return expectation;
-}
-
-enum cml_surface_kind cml_choose_radial(const struct cml_radial *radial, const double mut[2],
-                                        const struct cml_surface_options *options,
-                                        struct cml_expectation *expectation)
-{
-    *expectation = cml_choice_expect(CML_SURFACE_PLANE, radial, mut, options);
-    if (options->may_flatten && expectation->bias <= options->tolerance) return CML_SURFACE_PLANE;
-    *expectation = cml_choice_expect(CML_SURFACE_CONE, radial, mut, options);
-    return CML_SURFACE_CONE;
 }

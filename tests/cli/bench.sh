@@ -20,7 +20,7 @@ for script in bench/*.sh; do
     scripts=$((scripts + 1))
     case $script in
     */figure.sh) expect_refusal usage "$script" --nonsense && continue ;;
-    */atlas.sh | */parts.sh) place=--build ;;
+    */atlas.sh | */parts.sh | */unbiased.sh) place=--build ;;
     *) place=--program ;;
     esac
     expect_refusal "unknown option --nonsense" "$script" --nonsense
@@ -34,10 +34,14 @@ done
 test "$scripts" -ge 8 || complain "only $scripts scripts in bench"
 expect_refusal "--photons 1e: not a number" bench/scaling.sh --photons 1e
 expect_refusal "--rounds 0: not a number" bench/speed.sh --rounds 0
+expect_refusal "--runs x: not a number" bench/unbiased.sh --runs x
 expect_refusal "--mmc is missing" bench/mmc.sh --program "$program"
 expect_refusal "$work/none is no program" bench/mmc.sh --program "$program" --mmc "$work/none"
 expect_refusal "$work is no program" bench/speed.sh --program "$work"
-expect_refusal "none.csv: cannot be read" bench/accuracy.sh --draw none.csv "$work/none.svg"
+expect_refusal "$work/none is no program" bench/frontier.sh --program "$program" --mcml "$work/none"
+for chart in accuracy frontier; do
+    expect_refusal "none.csv: cannot be read" bench/$chart.sh --draw none.csv "$work/none.svg"
+done
 
 # the chart of a result: three panels per scene, and small enough to keep
 if command -v gnuplot >/dev/null; then
@@ -51,5 +55,16 @@ panels = [text.count(words) for words in (": relative bias", ": total error", ":
 assert panels == [15, 15, 15], panels
 END
     test "$(wc -c <"$work/chart.svg")" -lt 300000 || complain "accuracy.sh --draw: $(wc -c <"$work/chart.svg") bytes"
+
+    # a panel per scene, and every mark of the key
+    sh bench/frontier.sh --draw bench/results/frontier-intel-xeon-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
+        complain "frontier.sh --draw: $(cat "$work/out")"
+    python3 - "$work/frontier.svg" <<'END' || complain "frontier.sh --draw: wrong chart"
+import sys
+import xml.etree.ElementTree as tree
+text = "".join(tree.parse(sys.argv[1]).getroot().itertext())
+counts = [text.count(words) for words in ("processor seconds", "original MCML", "S5 (skin7), flat", "hihill", "S2, rough scan on top")]
+assert counts == [8, 1, 1, 1, 1], counts
+END
 fi
 finish

@@ -34,6 +34,10 @@ expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci
 expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci --mesh
 expect_table stage,ns_alone,ns_saved_when_left_out 11 2 bench_stages
 
+sed 's/^40 50 1 /1 1 1 /' samples/mcml_sample.mci >"$work/one-bin.mci"
+means=quantity,first,last,mean,mean_error,reference,reference_error,deviation,packets,independent,reported,within_1,within_2
+expect_table $means 9 4 bench_unbiased "$work/one-bin.mci" 20 1000 1
+
 for bench in "bench_busy" "bench_queries" "bench_curved"; do
     code=0
     "$build/$bench" "$work/none.mci" mesh >"$work/out" 2>"$work/err" || code=$?

@@ -19,6 +19,10 @@ grep -q '^p = .* no difference at the level 0.01$' "$work/out" || complain "no v
 expect_code 0 compare "$a" "$a"
 grep -q '^note: both runs have seed 1: ' "$work/out" || complain "a common seed is not noticed"
 expect_code 0 compare "$a" "$work/plain_b.mco"
+grep -q 'no standard errors: upper bounds (--sampling random in the other would find more)$' "$work/out" ||
+    complain "an even spread lends errors"
+sed '/^lattice #/ { n; s/1/0/; }' "$a" >"$work/random_a.mco"
+expect_code 0 compare "$work/random_a.mco" "$work/plain_b.mco"
 grep -q 'no standard errors: variances of the other file$' "$work/out" || complain "borrowed errors are not named"
 expect_code 0 compare "$work/plain_a.mco" "$work/plain_b.mco"
 grep -c 'no standard errors: upper bounds$' "$work/out" | grep -qx 2 || complain "bounds are not named"

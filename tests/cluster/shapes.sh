@@ -30,6 +30,15 @@ mv "$work/fig5.mco" "$work/expected"
 ranks 4 - --photons 2 --quiet -o "$work" <samples/fig5.mci || complain "standard input on 4 ranks"
 expect_bits "2 photons on 4 ranks" "$work/fig5.mco" "$work/expected"
 
+# what --tolerance makes a plane every rank finds out by itself
+printf '1.0\n1\nripple.mco A\n1000\n0.02 0.02\n50 50 10\n1\n1.0\n%s\n1.4 1 10 0 0.5\n1.0\n' \
+    "b 5 0 0.1 1e-5 0.1 0 0.1 1e-5 0.1 0 0.1" >"$work/ripple.mci"
+expect_code 0 "$work/ripple.mci" --tolerance 0.05 --photons 20000 --threads 1 --quiet -o "$work"
+grep -q 'boundary 0: plane at z = 0 cm (radial heightfield, as a plane' "$work/ripple.mco" || complain "ripple is no plane"
+mv "$work/ripple.mco" "$work/expected"
+ranks 3 "$work/ripple.mci" --tolerance 0.05 --photons 20000 --quiet -o "$work" || complain "ripple on 3 ranks"
+expect_bits "ripple on 3 ranks" "$work/ripple.mco" "$work/expected"
+
 # one banner, one line of JSON, one table of ranks
 ranks 3 samples/fig5.mci --photons 1e4 -o "$work" --json >"$work/out" 2>"$work/err"
 test "$(wc -l <"$work/out")" -eq 1 && grep -q '"ranks":3' "$work/out" || complain "JSON of 3 ranks: $(cat "$work/out")"
@@ -39,6 +48,9 @@ test "$flown" = 10000 || complain "the ranks' photons are $flown: $(cat "$work/o
 test "$(grep -c '^clustermcml' "$work/out")" -eq 1 || complain "more than one banner: $(cat "$work/out")"
 ranks 2 check samples/fig5.mci >"$work/out" || complain "check on 2 ranks"
 test "$(grep -c fig5.mco "$work/out")" -eq 1 || complain "check spoke twice"
+
+ranks 2 plan samples/fig5.mci --photons 4096 --threads 1 >"$work/out" 2>"$work/err" || complain "plan on 2 ranks: $(cat "$work/err")"
+test "$(grep -c ', on 2 ranks of 1 thread$' "$work/out")" -eq 1 || complain "plan on 2 ranks: $(cat "$work/out")"
 
 # a rank may use all cores that it was given, wherever OpenMP bound its main thread
 cores=$(nproc)

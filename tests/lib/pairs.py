@@ -1,10 +1,12 @@
 """Is `compare` honest? Pairs of runs that differ in nothing but their random numbers must be told apart at a level of
-0.05 in at most 5 % of the cases, whatever errors their files carry and however few packets they have.
+0.05 in at most 5 % of the cases, whatever errors their files carry, however few packets they have and however those were
+drawn.
 
 Scenes: thin (97 % unscattered, which is one bin; few packets elsewhere), dark (weights spread over decades, correlated
-depth bins), white (no absorption to speak of). Files: both with standard errors, one without, the other without,
-neither (cut off behind Tt_ra, as original MCML writes them). Limit: the binomial quantile at 1e-4 for a true rate of
-0.05. The second half, power: a run with mus 1 % higher must be found."""
+depth bins), white (no absorption to speak of). The first file of a pair is of a run by default (--sampling lattice), the
+second of one as original MCML would draw it. Files: both with standard errors, one without, the other without, neither
+(cut off behind Tt_ra, as original MCML writes them); and two of the first kind with their errors. Limit: the binomial
+quantile at 1e-4 for a true rate of 0.05. The second half, power: a run with mus 1 % higher must be found."""
 import json
 import math
 import os
@@ -17,15 +19,13 @@ SCENES = {"thin": (["1.34 0.1 1 0.5 0.1"], "50 100 30", "0.01 0.01"),
           "dark": (["1.4 5 50 0.8 1"], "100 200 10", "0.01 0.005"),
           "white": (["1 0.01 100 0 0.2"], "50 100 20", "0.01 0.01")}
 FILES = {"both": (), "first": ("b",), "second": ("a",), "none": ("a", "b")}
+AS_MCML = ("--sampling", "random", "--roulette", "mcml")
 
 
-def fly(keep, tag, layers, bins, grid, photons, runs, seed):
+def fly(keep, tag, layers, bins, grid, photons, runs, seed, *options):
     """`runs` results TAG0.mco, TAG1.mco ...: the runs of one file have random numbers of their own."""
-    text = ["1.0", str(runs)]
-    for i in range(runs):
-        scene = cml.mci(layers, name=f"{tag}{i}.mco", photons=photons, grid=grid, bins=bins)
-        text.append("\n".join(scene.split("\n")[2:]))
-    cml.run("\n".join(text), "--seed", seed, keep=keep)
+    text = cml.repeated(runs, layers, tag, photons=photons, grid=grid, bins=bins)
+    cml.run(text, "--seed", seed, *options, keep=keep)
 
 
 def cut(path, out):
@@ -50,26 +50,29 @@ def quantile(n, p, level):
     return k
 
 
+def count_alarms(verdict, name, paths):
+    """paths: of both files of every pair."""
+    records = [compare(*pair) for pair in paths]
+    alarms, tests = sum(record["p"] < 0.05 for record in records), sum(record["tests"] for record in records)
+    most = quantile(len(paths), 0.05, 1e-4)
+    print(f"{name}: {alarms} alarms in {len(paths)} pairs, {tests / len(paths):.0f} tests each")
+    verdict.check(name, alarms <= most, f"{alarms} alarms, expected at most {most}")
+    verdict.check(name, tests > 10 * len(paths), f"{tests} tests in {len(paths)} pairs")
+
+
 def false_alarms(verdict, scene, photons, pairs):
     """photons: of the first and of the second of each pair."""
     layers, bins, grid = SCENES[scene]
     with tempfile.TemporaryDirectory() as keep:
-        for tag, number, seed in zip("ab", photons, (11, 12)):
-            fly(keep, tag, layers, bins, grid, number, pairs, seed)
+        fly(keep, "a", layers, bins, grid, photons[0], pairs, 11)
+        fly(keep, "b", layers, bins, grid, photons[1], pairs, 12, *AS_MCML)
+        path = {(tag, i): os.path.join(keep, f"{tag}{i}.mco") for tag in "ab" for i in range(pairs)}
+        for name in path.values():
+            cut(name, name + ".cut")
         for files, without in FILES.items():
-            alarms, tests = 0, 0
-            for i in range(pairs):
-                paths = {tag: os.path.join(keep, f"{tag}{i}.mco") for tag in "ab"}
-                for tag in without:
-                    cut(paths[tag], paths[tag] + ".cut")
-                    paths[tag] += ".cut"
-                record = compare(paths["a"], paths["b"])
-                alarms += record["p"] < 0.05
-                tests += record["tests"]
-            most = quantile(pairs, 0.05, 1e-4)
-            print(f"{scene} {photons} errors in {files}: {alarms} alarms in {pairs} pairs, {tests / pairs:.0f} tests each")
-            verdict.check(f"{scene} {photons} {files}", alarms <= most, f"{alarms} alarms, expected at most {most}")
-            verdict.check(f"{scene} {photons} {files}", tests > 10 * pairs, f"{tests} tests in {pairs} pairs")
+            paths = [[path[tag, i] + (".cut" if tag in without else "") for tag in "ab"] for i in range(pairs)]
+            count_alarms(verdict, f"{scene} {photons} errors in {files}", paths)
+        count_alarms(verdict, f"{scene} {photons[0]} two lattices", [[path["a", i - 1], path["a", i]] for i in range(1, pairs, 2)])
 
 
 def power(verdict, photons):
@@ -78,7 +81,7 @@ def power(verdict, photons):
     layers, bins, grid = ["1.4 0.5 20 0.8 0.1"], "20 100 30", "0.005 0.01"
     with tempfile.TemporaryDirectory() as keep:
         fly(keep, "a", layers, bins, grid, photons, 1, 21)
-        fly(keep, "b", [layers[0].replace(" 20 ", " 20.2 ")], bins, grid, photons, 1, 22)
+        fly(keep, "b", [layers[0].replace(" 20 ", " 20.2 ")], bins, grid, photons, 1, 22, *AS_MCML)
         cut(keep + "/a0.mco", keep + "/a0.cut")
         cut(keep + "/b0.mco", keep + "/b0.cut")
         for a, b in (("mco", "mco"), ("cut", "mco"), ("mco", "cut"), ("cut", "cut")):

@@ -1,4 +1,4 @@
-/* What auto takes for which boundary, and how fine. SPDX-License-Identifier: MIT */
+/* What auto takes for which boundary, and how fine a tessellation is. SPDX-License-Identifier: MIT */
 #include "input/mci.h"
 #include "surface/surface.h"
 
@@ -34,43 +34,14 @@ static struct zigzag make_zigzag(int n, double height)
     return z;
 }
 
-static enum cml_surface_kind choose(int n, double height, double mut,
-                                    const struct cml_surface_options *options,
-                                    struct cml_expectation *expectation)
-{
-    const double both[2] = {0, mut};
-    struct zigzag z = make_zigzag(n, height);
-    const enum cml_surface_kind kind = cml_choose_radial(&z.radial, both, options, expectation);
-    free(z.numbers);
-    return kind;
-}
-
 /* Measured: rings cost next to nothing, and a mesh would be biased. */
-static void few_rings_and_many_are_cones_without_bias(void **state)
+static void cones_cost_less_than_a_mesh_and_have_no_bias(void **state)
 {
     (void)state;
-    const struct cml_surface_options options = STANDARD;
-    struct cml_expectation few, many;
-    assert_int_equal(choose(50, 0.05, 1, &options, &few), CML_SURFACE_CONE);
+    const struct cml_expectation few = cml_choice_expect_cones(50), many = cml_choice_expect_cones(10001);
     assert_true(few.bias == 0 && few.query_ns > 0 && few.deviation == 0);
-    assert_int_equal(choose(10001, 0.001, 1, &options, &many), CML_SURFACE_CONE);
     assert_true(many.bias == 0 && many.query_ns > few.query_ns);
     assert_true(many.query_ns < cml_choice_expect_mesh().query_ns);
-}
-
-static void a_plane_only_when_asked_and_small(void **state)
-{
-    (void)state;
-    struct cml_surface_options options = STANDARD;
-    struct cml_expectation expectation;
-    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_SURFACE_CONE);
-    options.may_flatten = true;
-    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_SURFACE_PLANE);
-    assert_true(expectation.bias > 0 && expectation.bias <= options.tolerance);
-    assert_int_equal(choose(50, 1e-6, 1e5, &options, &expectation), CML_SURFACE_CONE);
-    assert_int_equal(choose(50, 0.05, 1, &options, &expectation), CML_SURFACE_CONE);
-    options.tolerance = 1e-5;
-    assert_int_equal(choose(50, 1e-6, 1, &options, &expectation), CML_SURFACE_CONE);
 }
 
 /* A forced mesh keeps the tolerance that is asked for; without one the tessellation's own counts. */
@@ -79,14 +50,12 @@ static void the_tolerance_picks_the_tessellation(void **state)
     (void)state;
     struct cml_surface_options options = STANDARD;
     struct zigzag z = make_zigzag(50, 0.01);
-    const double mut[2] = {0, 1};
     size_t before = 0;
     for (options.tolerance = 1e-1; options.tolerance > 1e-6; options.tolerance /= 10) {
         struct cml_mesh mesh;
         struct cml_error err;
         const struct cml_tessellation fine = cml_choice_tessellation(&options);
-        const struct cml_expectation mesh_of_it =
-            cml_choice_expect(CML_SURFACE_MESH, &z.radial, mut, &options);
+        const struct cml_expectation mesh_of_it = cml_choice_expect_tessellation(&options);
         assert_true(fine.tolerance < options.tolerance && mesh_of_it.deviation == fine.tolerance);
         assert_true(mesh_of_it.bias <= options.tolerance * (1 + 1e-12));
         assert_int_equal(cml_tessellate(&z.radial, &fine, NULL, &mesh, &err), CML_OK);
@@ -95,7 +64,7 @@ static void the_tolerance_picks_the_tessellation(void **state)
         cml_mesh_clear(&mesh);
     }
     options.tessellation.normals = CML_NORMALS_VERTEX; /* whose bias does not shrink */
-    assert_true(isinf(cml_choice_expect(CML_SURFACE_MESH, &z.radial, mut, &options).bias));
+    assert_true(isinf(cml_choice_expect_tessellation(&options).bias));
     options.tolerance = 0;
     options.tessellation.tolerance = 0.01;
     assert_true(cml_choice_tessellation(&options).tolerance == 0.01);
@@ -123,41 +92,59 @@ static void represent(const char *text, const struct cml_surface_options *option
     represent_again(list, options, set);
 }
 
-/* A flat field, a ripple and a hill: every boundary for itself; a plane lies where the field ends. */
-static void every_boundary_chooses_for_itself(void **state)
+/* A flat field is the plane in which it lies; what is not flat stays, however small, also where a trial may
+ * make it a plane later. */
+static void only_flat_fields_are_planes(void **state)
 {
     (void)state;
     static const char *const text =
         "1.0\n1\nx.mco A\n10\n0.01 0.01\n1 1 1\n2\n1\nb 3 0.1 1 0.1 1 0.1 1\n"
         "1.4 1 10 0.5 1\nb 3 0.200001 1 0.2 1 0.2 1\n1.3 1 10 0.5 1\nb 2 0.1 1 0 1\n1\n";
     struct cml_surface_options options = STANDARD;
+    for (int allowed = 0; allowed < 2; allowed++) {
+        struct cml_scene_list list;
+        struct cml_surface_set set;
+        options.may_flatten = allowed;
+        represent(text, &options, &list, &set);
+        assert_int_equal(set.item[0].kind, CML_SURFACE_PLANE);
+        assert_true(set.item[0].expectation.bias == 0 && set.item[0].depth == -0.1);
+        assert_int_equal(set.item[1].kind, CML_SURFACE_CONE);
+        assert_int_equal(set.item[2].kind, CML_SURFACE_CONE);
+        cml_surfaces_free(&set);
+        cml_scene_list_clear(&list);
+    }
     struct cml_scene_list list;
     struct cml_surface_set set;
-    represent(text, &options, &list, &set);
-    assert_int_equal(set.item[0].kind, CML_SURFACE_PLANE);
-    assert_true(set.item[0].expectation.bias == 0);
-    assert_int_equal(set.item[1].kind, CML_SURFACE_CONE);
-    cml_surfaces_free(&set);
-    cml_scene_list_clear(&list);
-    options.may_flatten = true;
-    represent(text, &options, &list, &set);
-    assert_int_equal(set.item[1].kind, CML_SURFACE_PLANE);
-    assert_true(set.item[1].depth == 0.8);
-    assert_true(set.item[1].expectation.bias > 0);
-    assert_int_equal(set.item[2].kind, CML_SURFACE_CONE);
-    cml_surfaces_free(&set);
     options.force = CML_SURFACE_PLANE; /* all of them at their nominal depth */
-    represent_again(&list, &options, &set);
+    represent(text, &options, &list, &set);
     for (int b = 0; b < 3; b++) {
         assert_int_equal(set.item[b].kind, CML_SURFACE_PLANE);
         assert_true(set.item[b].depth == b);
     }
     assert_string_equal(set.item[2].reason, "surface ignored as asked");
     cml_surfaces_free(&set);
-    options.force = CML_SURFACE_AUTO;
-    list.scenes[0].facets = true; /* whose rings were asked for */
-    represent_again(&list, &options, &set);
-    assert_int_equal(set.item[1].kind, CML_SURFACE_CONE);
+    cml_scene_list_clear(&list);
+}
+
+/* What it would be as a plane lies where the field ends; its level rings lie there, too. */
+static void a_field_goes_on_as_its_outer_plane(void **state)
+{
+    (void)state;
+    static const char *const text = "1.0\n1\nx.mco A\n10\n0.01 0.01\n1 1 1\n1\n1\n"
+                                    "1.4 1 10 0.5 1\nb 3 0.200001 1 0.25 1 0.2 1\n1\n";
+    const struct cml_surface_options options = STANDARD;
+    struct cml_scene_list list;
+    struct cml_surface_set set;
+    struct cml_surface_def def;
+    struct cml_error err;
+    represent(text, &options, &list, &set);
+    cml_surface_make_outer_plane(&list.scenes[0].boundaries[1], &def);
+    assert_int_equal(def.kind, CML_SURFACE_PLANE);
+    assert_true(def.depth == 0.8);
+    assert_int_equal(cml_surface_make_level_rings(&list.scenes[0].boundaries[1], &def, &err), CML_OK);
+    assert_int_equal(def.kind, CML_SURFACE_CONE);
+    assert_true(def.depth == 1 && def.lowest == -0.2 && def.highest == -0.2 && def.steepest == 0);
+    cml_surface_clear(&def);
     cml_surfaces_free(&set);
     cml_scene_list_clear(&list);
 }
@@ -165,10 +152,10 @@ static void every_boundary_chooses_for_itself(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(few_rings_and_many_are_cones_without_bias),
-        cmocka_unit_test(a_plane_only_when_asked_and_small),
+        cmocka_unit_test(cones_cost_less_than_a_mesh_and_have_no_bias),
         cmocka_unit_test(the_tolerance_picks_the_tessellation),
-        cmocka_unit_test(every_boundary_chooses_for_itself),
+        cmocka_unit_test(only_flat_fields_are_planes),
+        cmocka_unit_test(a_field_goes_on_as_its_outer_plane),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

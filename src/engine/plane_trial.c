@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: MIT */
+#include "engine/plane_trial.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define SEED UINT64_C(0x706c616e65) /* any; fixed, so that all runs of a scene have the same surfaces */
+#define BATCHES 64
+#define MOST_PACKETS 1048576
+#define MOST_STEPS 4e7     /* of both ways and all boundaries: 5 to 40 ns each */
+#define ALONE 16.0         /* a packet that flies alone takes so many times as long */
+#define CELLS_AS_STEPS 0.1 /* a cell of a tally is zeroed and summed in 1 to 3 ns */
+
+/* In standard errors: that a plane does no harm; that it does, which may be chance in one of some hundred
+ * bins. */
+#define SURE 3.0
+#define SURE_OF_HARM 4.0
+/* What happens to a share p of the packets is not seen among n of them with probability exp(-n p): it is
+ * 0.13 % for so many packets. */
+#define UNSEEN 6.6
+
+static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
+                                                            [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
+                                                            [CML_TOTAL_TRANSMITTED] = CML_BALANCE_TRANSMITTED,
+                                                            [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED};
+
+/* Neighbouring values that are judged together: a total, or the bins of a profile. */
+struct series {
+    const char *name;
+    size_t first, count;
+};
+#define NUM_SERIES (CML_NUM_TOTALS + 5)
+
+/* Of one value, units of weight: sums over batches of what the scene as it is scores, of what the planes
+ * score more, and of the squares of the latter. Their root is the standard error of the difference, somewhat
+ * larger than the spread about the mean gives, and needs no batches of equal length. */
+struct value {
+    double truth, difference, squares;
+};
+
+struct trial {
+    const struct cml_engine *engine;
+    void *flight[2]; /* as it is, with planes */
+    struct cml_tally tally[2];
+    struct series series[NUM_SERIES];
+    struct value *value; /* [num_values] */
+    size_t num_values;
+    double tolerance, most_steps;
+    double steps;    /* of both ways, by the time that they take */
+    double overhead; /* of a round, in steps: tallies are zeroed and summed */
+    int rounds;
+    uint64_t packets; /* of each */
+};
+
+struct verdict {
+    const char *refused;    /* without a packet, for this reason; NULL: tried */
+    bool harmless, harmful; /* neither: more packets are needed */
+    double most;            /* the largest difference that is possible */
+    const char *what;       /* of this total or profile */
+};
+
+static void list_series(const struct cml_grid *grid, struct series *series)
+{
+    static const char *const totals[CML_NUM_TOTALS] = {"Rsp", "Rd", "Tt", "A"};
+    const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
+    const struct series profiles[] = {
+        {"Rd_r", 0, nr}, {"Tt_r", 0, nr}, {"Rd_a", 0, na}, {"Tt_a", 0, na}, {"A_z", 0, nz}};
+    size_t first = 0;
+    for (int i = 0; i < NUM_SERIES; i++) {
+        series[i] = i < CML_NUM_TOTALS ? (struct series){totals[i], 0, 1} : profiles[i - CML_NUM_TOTALS];
+        series[i].first = first;
+        first += series[i].count;
+    }
+}
+
+/* ---- flying ---- */
+
+/* As in the output: what lies beyond the grid counts in its first and last bins. */
+static void fold_profiles(struct cml_tally *tally)
+{
+    const size_t nr = (size_t)tally->grid.nr, na = (size_t)tally->grid.na, nz = (size_t)tally->grid.nz;
+    uint64_t *Rd_r = tally->brought, *Tt_r = Rd_r + nr + 1, *A_z = Tt_r + nr + 1 + 2 * na;
+    uint64_t *const ends[][2] = {
+        {Rd_r + nr, Rd_r + nr - 1}, {Tt_r + nr, Tt_r + nr - 1}, {A_z, A_z + 1}, {A_z + nz + 1, A_z + nz}};
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        *ends[i][1] += *ends[i][0];
+        *ends[i][0] = 0;
+    }
+}
+
+static double value_of(const struct cml_tally *tally, size_t i)
+{
+    return (double)(i < CML_NUM_TOTALS ? tally->balance[terms[i]] : tally->brought[i - CML_NUM_TOTALS]);
+}
+
+static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_error *err)
+{
+    for (int way = 0; way < 2; way++) {
+        struct cml_tally *tally = &trial->tally[way];
+        cml_tally_zero(tally);
+        CML_TRY(cml_engine_run_range(trial->engine, trial->flight[way], trial->packets, count, tally, err));
+        cml_tally_note(tally);
+        fold_profiles(tally);
+        trial->steps += (1 + ALONE / (double)count) * (double)(tally->count[CML_COUNT_INTERACTIONS] +
+                                                               tally->count[CML_COUNT_BOUNDARY_EVENTS]);
+    }
+    for (size_t i = 0; i < trial->num_values; i++) {
+        const double truth = value_of(&trial->tally[0], i);
+        const double difference = value_of(&trial->tally[1], i) - truth;
+        trial->value[i].truth += truth;
+        trial->value[i].difference += difference;
+        trial->value[i].squares += difference * difference;
+    }
+    trial->packets += count;
+    return CML_OK;
+}
+
+/* ---- judging ---- */
+
+/* What differences are relative to, units of weight. */
+static double light_of(const struct trial *trial, const struct series *series)
+{
+    double truth = 0;
+    for (size_t i = 0; i < series->count; i++) truth += trial->value[series->first + i].truth;
+    return fmax(truth, CML_TRIAL_LEAST_SHARE * (double)trial->packets / CML_WEIGHT_UNIT);
+}
+
+/* The difference of a series at most, relative. A packet that was not seen would move from one bin to
+ * another, but changes a total once. */
+static double most_of_series(const struct trial *trial, const struct series *series)
+{
+    double difference = 0, squares = 0;
+    for (size_t i = series->first; i < series->first + series->count; i++) {
+        difference += fabs(trial->value[i].difference);
+        squares += trial->value[i].squares;
+    }
+    const double unseen = (series->count > 1 ? 2 : 1) * UNSEEN / CML_WEIGHT_UNIT;
+    return (difference + SURE * sqrt(squares) + unseen) / light_of(trial, series);
+}
+
+/* One total or profile, and its bins: each relative to what it holds, or to an average one where it holds
+ * less. */
+static void judge_series(const struct trial *trial, const struct series *series, struct verdict *verdict)
+{
+    const double average = light_of(trial, series) / (double)series->count;
+    double most = most_of_series(trial, series);
+    for (size_t i = 0; i < series->count; i++) {
+        const struct value *value = &trial->value[series->first + i];
+        const double whole = fmax(value->truth, average), difference = fabs(value->difference);
+        const double error = sqrt(value->squares);
+        most = fmax(most, (difference + SURE * error) / whole);
+        verdict->harmful |= difference - SURE_OF_HARM * error > trial->tolerance * whole;
+    }
+    if (most <= verdict->most && !verdict->harmful) return;
+    verdict->most = most;
+    verdict->what = series->name;
+}
+
+static struct verdict judge(const struct trial *trial)
+{
+    struct verdict verdict = {.most = 0};
+    for (int i = 0; i < NUM_SERIES && !verdict.harmful; i++) judge_series(trial, &trial->series[i], &verdict);
+    verdict.harmless = !verdict.harmful && verdict.most <= trial->tolerance;
+    return verdict;
+}
+
+/* Rounds of 64, 1984, 16 Ki - 2 Ki ... packets: few are enough to see a large difference. The last one is as
+ * long as the steps that are left. */
+static uint64_t next_round(const struct trial *trial)
+{
+    const double left = trial->most_steps - trial->steps - (trial->rounds + 1) * trial->overhead;
+    if (left <= 0) return 0;
+    if (trial->packets == 0) return BATCHES;
+    const double each = fmax(trial->steps / (double)trial->packets, 1);
+    const uint64_t whole = trial->packets == BATCHES ? 2048 : 8 * trial->packets;
+    const uint64_t wanted = (whole < MOST_PACKETS ? whole : MOST_PACKETS) - trial->packets;
+    const uint64_t possible = (uint64_t)fmin(left / each, MOST_PACKETS);
+    return (wanted < possible ? wanted : possible) / BATCHES * BATCHES;
+}
+
+/* Ends early where packets take many more steps than those before them. */
+static cml_status fly_round(struct trial *trial, uint64_t packets, struct cml_error *err)
+{
+    trial->rounds++;
+    for (int batch = 0; batch < BATCHES && trial->steps < trial->most_steps; batch++)
+        CML_TRY(fly_batch(trial, packets / BATCHES, err));
+    return CML_OK;
+}
+
+static cml_status fly_and_judge(struct trial *trial, struct verdict *verdict, struct cml_error *err)
+{
+    *verdict = (struct verdict){.refused = "too large a grid for trial packets"};
+    for (uint64_t round = next_round(trial); round > 0; round = next_round(trial)) {
+        CML_TRY(fly_round(trial, round, err));
+        *verdict = judge(trial);
+        if (verdict->harmless || verdict->harmful) return CML_OK;
+    }
+    return CML_OK;
+}
+
+/* ---- one boundary after the other ---- */
+
+static cml_status open_trial(const struct cml_scene *scene, const struct cml_engine_options *options,
+                             const struct cml_surface_set *ways[2], struct trial *trial,
+                             struct cml_error *err)
+{
+    const struct cml_grid grid = cml_engine_grid(scene, ways[0], options);
+    list_series(&grid, trial->series);
+    trial->num_values = CML_NUM_TOTALS + cml_tally_profile_bins(&grid);
+    trial->overhead = 2 * BATCHES * CELLS_AS_STEPS * (double)cml_tally_cells(&grid);
+    trial->value = calloc(trial->num_values, sizeof *trial->value);
+    if (!trial->value)
+        return cml_fail_memory(err, (double)(trial->num_values * sizeof *trial->value), "trial packets");
+    for (int way = 0; way < 2; way++) {
+        CML_TRY(cml_tally_create(&grid, &trial->tally[way], err));
+        CML_TRY(trial->engine->open(scene, ways[way], options, &trial->flight[way], err));
+    }
+    return CML_OK;
+}
+
+static void close_trial(struct trial *trial)
+{
+    for (int way = 0; way < 2; way++) {
+        trial->engine->close(trial->flight[way]);
+        cml_tally_free(&trial->tally[way]);
+    }
+    free(trial->value);
+}
+
+/* What all boundaries of a scene share. */
+struct search {
+    const struct cml_scene *scene; /* without maps, which are not compared */
+    const struct cml_engine *engine;
+    struct cml_engine_options options;
+    double tolerance, most_steps; /* of one boundary */
+    struct cml_surface_set *curved;
+    struct cml_surface_set level; /* own level rings where a plane will do, else what `curved` has */
+    struct verdict *verdict;      /* [curved->count] */
+};
+
+static bool is_curved(const struct cml_surface_def *def)
+{
+    return def->kind != CML_SURFACE_PLANE;
+}
+
+static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
+{
+    const struct cml_surface_set *ways[2] = {search->curved, &search->level};
+    struct trial trial = {
+        .engine = search->engine, .tolerance = search->tolerance, .most_steps = search->most_steps};
+    cml_status status = open_trial(search->scene, &search->options, ways, &trial, err);
+    if (status == CML_OK) status = fly_and_judge(&trial, verdict, err);
+    close_trial(&trial);
+    return status;
+}
+
+/* As a plane, this boundary would make the program count light that goes to and fro in a clear first layer as
+ * specular (P1), which is another definition of Rsp and Rd. */
+static bool is_face_of_glass(const struct cml_scene *scene, int b)
+{
+    const struct cml_medium_def *first = &scene->media[1];
+    return b <= 1 && scene->num_layers > 1 && first->mua + first->mus == 0 && scene->beam.angle == 0;
+}
+
+static cml_status try_boundary(struct search *search, int b, struct cml_error *err)
+{
+    struct cml_surface_def *level = &search->level.item[b];
+    struct verdict *verdict = &search->verdict[b];
+    *verdict = (struct verdict){.refused = "as a plane it would count more light as Rsp"};
+    if (is_face_of_glass(search->scene, b)) return CML_OK;
+    cml_status status = cml_surface_make_level_rings(&search->scene->boundaries[b], level, err);
+    if (status == CML_OK) status = try_level(search, verdict, err);
+    if (status == CML_OK && verdict->harmless) return CML_OK;
+    verdict->harmless = false;
+    cml_surface_clear(level);
+    *level = search->curved->item[b];
+    return status;
+}
+
+/* A difference that is certain is not told by its size, which was measured with few packets. */
+static void tell(const struct verdict *verdict, double tolerance, struct cml_surface_def *def)
+{
+    const size_t used = strlen(def->reason), room = sizeof def->reason - used;
+    char *text = def->reason + used;
+    if (verdict->refused)
+        snprintf(text, room, ", %s", verdict->refused);
+    else if (verdict->harmless)
+        snprintf(text, room, ", as a plane %s is off by at most %.2g", verdict->what, verdict->most);
+    else if (verdict->harmful)
+        snprintf(text, room, ", as a plane %s is off by more than %g", verdict->what, tolerance);
+    else
+        snprintf(text, room, ", as a plane %s may be off by %.2g", verdict->what, verdict->most);
+}
+
+/* The level rings go, whether they were found to do or not. */
+static void adopt(const struct search *search, int b)
+{
+    const struct verdict *verdict = &search->verdict[b];
+    struct cml_surface_def *def = &search->curved->item[b];
+    if (verdict->harmless) {
+        const double seconds = def->build_seconds;
+        cml_surface_clear(def);
+        cml_surface_make_outer_plane(&search->scene->boundaries[b], def);
+        def->expectation.bias = verdict->most;
+        def->build_seconds = seconds;
+        cml_surface_clear(&search->level.item[b]);
+    }
+    tell(verdict, search->tolerance, def);
+}
+
+static cml_status allocate(struct search *search, struct cml_error *err)
+{
+    const size_t count = (size_t)search->curved->count;
+    search->level.count = search->curved->count;
+    search->level.item = malloc(count * sizeof *search->level.item);
+    search->verdict = calloc(count, sizeof *search->verdict);
+    if (!search->level.item || !search->verdict)
+        return cml_fail_memory(err, (double)(count * sizeof *search->level.item), "the boundaries");
+    memcpy(search->level.item, search->curved->item, count * sizeof *search->level.item);
+    return CML_OK;
+}
+
+static cml_status search_planes(struct search *search, struct cml_error *err)
+{
+    const struct cml_surface_set *curved = search->curved;
+    int candidates = 0;
+    for (int b = 0; b < curved->count; b++) candidates += is_curved(&curved->item[b]);
+    search->most_steps = MOST_STEPS / candidates;
+    cml_status status = allocate(search, err);
+    for (int b = 0; status == CML_OK && b < curved->count; b++)
+        if (is_curved(&curved->item[b])) status = try_boundary(search, b, err);
+    for (int b = 0; search->verdict && b < curved->count; b++)
+        if (is_curved(&curved->item[b])) adopt(search, b);
+    free(search->level.item);
+    free(search->verdict);
+    return status;
+}
+
+cml_status cml_make_harmless_planes(const struct cml_scene *scene, const struct cml_surface_options *options,
+                                    const struct cml_engine *engine,
+                                    const struct cml_engine_options *engine_options,
+                                    struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    struct cml_scene bare = *scene;
+    bare.map = (struct cml_map_def){0};
+    struct search search = {.scene = &bare,
+                            .engine = engine,
+                            .options = *engine_options,
+                            .tolerance = options->tolerance,
+                            .curved = surfaces};
+    search.options.seed = SEED;
+    search.options.run = 0;
+    search.options.absorption = true;
+    search.options.lattice = false; /* errors of the trial take packets for independent */
+    search.options.roulette = (struct cml_roulette_options){0, 0};
+    if (!options->may_flatten || options->force != CML_SURFACE_AUTO || scene->facets) return CML_OK;
+    return search_planes(&search, err);
+}

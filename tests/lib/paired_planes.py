@@ -1,0 +1,102 @@
+"""What a plane in place of a curved boundary changes, on the same photon streams: the scene as it is against level rings,
+which are that plane, but are met with the same random numbers as the curved boundary.
+
+RUNS runs of a scene in one file, each with its own streams, flown both ways, give paired differences of the totals and of
+every bin of the profiles; what they exceed a tolerance by is counted in their standard errors."""
+import math
+import statistics
+import tempfile
+
+import cml
+
+RUNS = 16
+TOTALS = ("Rsp", "Rd", "A", "Tt")
+PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a", "A_z")
+LEAST_SHARE = 0.01  # of the light: smaller totals and profiles are held to the tolerance of this share
+# Level up to a radius where no light comes. The bump there is for the envelope, beyond which a packet counts as leaked:
+# were it no higher than rounding, it would be one now and then.
+LEVEL = "b 4 0 500 0 0.1 1e-4 0.1 0 1"
+
+
+class Scene:
+    """One boundary that is curved, in layers. surface and level: its line and that of the plane; layers: the lines of an
+    .mci; at: the boundary's index."""
+
+    def __init__(self, name, surface, layers, level=LEVEL, at=0, beam="pencil", n_above=1.0, n_below=1.0,
+                 grid="0.01 0.01", bins="50 50 10"):
+        self.name, self.surface, self.level, self.layers, self.at, self.beam = name, surface, level, layers, at, beam
+        self.n_above, self.n_below, self.grid, self.bins = n_above, n_below, grid, bins
+
+    def text(self, surface, runs=1):
+        """With this line for the boundary, so many times in one file."""
+        lines = ["1.0", str(runs)]
+        for run in range(runs):
+            lines += [f"out{run}.mco A", "1000", f"beam {self.beam}", self.grid, self.bins, str(len(self.layers)),
+                      str(self.n_above)]
+            for i, layer in enumerate(self.layers + [str(self.n_below)]):
+                lines += [surface, layer] if i == self.at else [layer]
+        return "\n".join(lines) + "\n"
+
+
+def bins_of(scene, record, key):
+    """What a profile holds in each bin, as shares of the light."""
+    values = cml.read_sections(record["output"])[key]
+    dz, dr = map(float, scene.grid.split())
+    if key == "A_z":
+        return [value * dz for value in values]
+    if key in ("Rd_r", "Tt_r"):
+        return [value * 2 * math.pi * (i + 0.5) * dr * dr for i, value in enumerate(values)]
+    step = math.pi / 2 / len(values)
+    return [value * 4 * math.pi * math.sin((i + 0.5) * step) * math.sin(step / 2) for i, value in enumerate(values)]
+
+
+def fly(scene, surface, photons, options=()):
+    """Per run {name: [values]}: totals have one."""
+    with tempfile.TemporaryDirectory() as keep:
+        records = cml.run(scene.text(surface, RUNS), "--photons", photons, *options, keep=keep)
+        runs = [{key: [record[key]] for key in TOTALS} | {key: bins_of(scene, record, key) for key in PROFILES}
+                for record in records]
+    return records, runs
+
+
+def mean(columns):
+    return [statistics.fmean(column) for column in columns]
+
+
+def errors(columns):
+    return [statistics.stdev(column) / math.sqrt(len(column)) for column in columns]
+
+
+def distance(differences):
+    """Sum over bins of the mean difference without its sign, not raised by noise: the signs come from one half of the
+    runs, the differences from the other. On average at most the true sum."""
+    halves = mean(zip(*differences[::2])), mean(zip(*differences[1::2]))
+    return sum(math.copysign(b, a * b) if a * b else 0.0 for a, b in zip(*halves))
+
+
+class Bias:
+    """Of a scene with a plane: series and bins have (relative difference, its standard error)."""
+
+    def __init__(self, scene, photons, options=()):
+        truth_records, truth = fly(scene, scene.surface, photons, options)
+        level_records, level = fly(scene, scene.level, photons, [*options, "--boundaries", "cone"])
+        self.series, self.bins = {}, {}
+        self.clean = all(record["lost"] == 0 and record["residue"] == 0 for record in truth_records + level_records)
+        self.seconds = statistics.fmean(record["cpu_s"] for record in truth_records)  # of a run of the scene as it is
+        for key in TOTALS + PROFILES:
+            differences = [[b - a for a, b in zip(one[key], other[key])] for one, other in zip(truth, level)]
+            whole = max(sum(mean(zip(*(run[key] for run in truth)))), LEAST_SHARE)
+            means, spread = mean(zip(*differences)), errors(list(zip(*differences)))
+            shift = abs(means[0]) if key in TOTALS else distance(differences)
+            self.series[key] = shift / whole, math.hypot(*spread) / whole
+            average = whole / len(means)
+            holds = [max(value, average) for value in mean(zip(*(run[key] for run in truth)))]
+            self.bins[key] = [(abs(m) / h, e / h) for m, e, h in zip(means, spread, holds)]
+
+    def excess(self, tolerance):
+        """Largest excess of a series over the tolerance, and of a bin, in standard errors, with their names."""
+        def over(pair):
+            return (pair[0] - tolerance) / max(pair[1], 1e-12)
+        series = max((over(pair), key) for key, pair in self.series.items())
+        bins = max((over(pair), f"{key}[{i}]") for key, pairs in self.bins.items() for i, pair in enumerate(pairs))
+        return series, bins

@@ -62,6 +62,13 @@ static void show_note(void *context, const char *text)
     fprintf(stderr, "clustermcml: note: %s%s\n", who, text);
 }
 
+static bool all_planes(const struct cml_surface_set *surfaces)
+{
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE) return false;
+    return true;
+}
+
 /* Where all boundaries are flown as planes, what would come out without noise: a little finer than the run's
  * own errors, and none where that takes longer than it is worth. It is in no file. */
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
@@ -72,8 +79,7 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++)
         options.tolerance = fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(result, totals[i])));
-    for (int b = 0; b < surfaces->count; b++)
-        if (surfaces->item[b].kind != CML_SURFACE_PLANE) return CML_OK;
+    if (!all_planes(surfaces)) return CML_OK;
     double *depth = malloc((size_t)surfaces->count * sizeof *depth);
     if (!depth) return cml_fail_memory(err, surfaces->count * (double)sizeof *depth, "depths");
     for (int b = 0; b < surfaces->count; b++) depth[b] = surfaces->item[b].depth;
@@ -154,7 +160,8 @@ static void note_old_checkpoint(const struct cml_options *options, const char *p
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume of a file with
  * several runs goes on with the next; that of the last run is not needed, as all are removed then. */
 static cml_status publish_run(const struct session *session, int index, const struct cml_run_setup *setup,
-                              const struct cml_run_result *run, struct cml_error *err)
+                              const struct cml_run_result *run, const struct cml_run_result *twin,
+                              const struct cml_controlled *control, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
     if (cml_cluster_rank() != 0) return CML_OK;
@@ -167,6 +174,8 @@ static cml_status publish_run(const struct session *session, int index, const st
                                 .run = run,
                                 .engine = setup->engine,
                                 .options = &setup->options,
+                                .control = control,
+                                .control_processor = twin ? cml_run_processor(twin) : 0,
                                 .command = options->command};
     CML_TRY(publish(options, &report, err));
     if (!setup->checkpoint || index + 1 == session->list.count) return CML_OK;
@@ -174,9 +183,25 @@ static cml_status publish_run(const struct session *session, int index, const st
     return cml_checkpoint_write(setup->checkpoint, setup->identity, &nothing, NULL, err);
 }
 
+/* The flat twin's flight lies between the run's and its publication. That the twin's books balance is looked
+ * at last, as the run's own results are good without it. */
+static cml_status control_run(const struct session *session, int index, const struct cml_run_setup *setup,
+                              const struct cml_run_result *run, const struct cml_twin *twin,
+                              struct cml_error *err)
+{
+    struct cml_run_result flight;
+    struct cml_controlled control[CML_NUM_TOTALS];
+    CML_TRY(cml_twin_fly(twin, setup, &run->result, &flight, control, err));
+    cml_status status = publish_run(session, index, setup, run, &flight, control, err);
+    if (status == CML_OK && cml_cluster_rank() == 0)
+        status = cml_run_verdict(&twin->scene, &flight.result, err);
+    cml_run_result_free(&flight);
+    return status;
+}
+
 /* One run on all ranks. */
-static cml_status fly(const struct session *session, int index, struct cml_run_setup *setup,
-                      struct cml_error *err)
+static cml_status fly(const struct session *session, int index, const struct cml_run_setup *setup,
+                      const struct cml_twin *twin, struct cml_error *err)
 {
     struct cml_run_result run;
     if (setup->checkpoint && cml_cluster_rank() == 0)
@@ -184,7 +209,11 @@ static cml_status fly(const struct session *session, int index, struct cml_run_s
     announce(session->options, setup);
     CML_TRY(check_same(setup->identity, err));
     CML_TRY(cml_run(setup, &run, err));
-    cml_status status = publish_run(session, index, setup, &run, err);
+    cml_status status = setup->keep && !run.finished
+                            ? control_run(session, index, setup, &run, twin, err)
+                            : publish_run(session, index, setup, &run, NULL, NULL, err);
+    if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
+        cml_checkpoint_remove(twin->checkpoint);
     cml_run_result_free(&run);
     return cml_cluster_agree(status, err);
 }
@@ -208,21 +237,31 @@ static cml_status checkpoint_path(const struct cml_options *options, const struc
 
 /* Everything that may fail on one rank alone happens before the ranks agree. */
 static cml_status prepare(const struct session *session, int index, struct cml_surface_set *surfaces,
-                          char **checkpoint, char **identity, struct cml_run_setup *setup,
-                          struct cml_error *err)
+                          char **checkpoint, char **identity, struct cml_twin *twin,
+                          struct cml_run_setup *setup, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
     CML_TRY(cml_choose_surfaces(options, setup->scene, surfaces, err));
     CML_TRY(cml_check_memory(options, setup->scene, surfaces, err));
     setup->surfaces = surfaces;
     setup->options.run = (uint32_t)index;
+    setup->keep = options->control && !all_planes(surfaces);
     CML_TRY(cml_identity_of(setup, &options->surface, options->ignore_heightfields, session->inputs, identity,
                             err));
     setup->identity = *identity;
     if (uses_checkpoints(options, setup->scene))
         CML_TRY(checkpoint_path(options, setup->scene, checkpoint, err));
     setup->checkpoint = *checkpoint;
-    return CML_OK;
+    return setup->keep ? cml_twin_create(options, setup, twin, err) : CML_OK;
+}
+
+/* The run flies all the same, for other runs of the file may have shapes. */
+static void note_nothing_to_control(const struct cml_scene *scene)
+{
+    char text[512];
+    snprintf(text, sizeof text, "%.400s: --control flat has nothing to do where all boundaries are planes",
+             scene->output);
+    if (cml_cluster_rank() == 0) show_note(NULL, text);
 }
 
 /* What prepare made is freed whether it was complete or not; nothing here may return before all ranks
@@ -244,9 +283,12 @@ static cml_status run_scene(const struct session *session, int index, struct cml
                                   .context = &display};
     struct cml_surface_set surfaces = {0};
     char *checkpoint = NULL, *identity = NULL;
-    cml_status status = prepare(session, index, &surfaces, &checkpoint, &identity, &setup, err);
+    struct cml_twin twin = {.checkpoint = NULL};
+    cml_status status = prepare(session, index, &surfaces, &checkpoint, &identity, &twin, &setup, err);
     status = cml_cluster_agree(status, err);
-    if (status == CML_OK) status = fly(session, index, &setup, err);
+    if (status == CML_OK && options->control && !setup.keep) note_nothing_to_control(scene);
+    if (status == CML_OK) status = fly(session, index, &setup, &twin, err);
+    cml_twin_clear(&twin);
     cml_surfaces_free(&surfaces);
     free(checkpoint);
     free(identity);
@@ -320,6 +362,8 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     struct cml_options mine = *options;
     struct session session = {.options = &mine};
     struct cml_inputs inputs;
+    if (options->control && options->ignore_heightfields)
+        return cml_fail(err, CML_E_INPUT, "--control flat (expected no --ignore-heightfields beside it)");
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));

@@ -26,6 +26,9 @@ struct cml_engine_options {
     struct cml_roulette_options roulette;
     bool reentry;    /* P6 */
     bool absorption; /* tally A_rz */
+    /* Packets start as they do with these surfaces: above boundary 0 where that is curved here, so that in
+     * another geometry they draw the same. NULL: with the run's own. Borrowed. */
+    const struct cml_surface_set *start_as;
     /* opencl */
     const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
     int local_rank;     /* for that: this process's number among those of its machine */

@@ -172,10 +172,10 @@ static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_
 }
 
 /* P1: where packets start, and the weights of what has happened before. */
-static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
                          struct cml_setup *setup)
 {
-    const bool planes = scene->num_layers > 1 && surfaces->item[1].kind == CML_SURFACE_PLANE;
+    const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE;
     const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
     setup->launch_medium = split.glass ? 2 : 1;
     setup->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);
@@ -184,7 +184,7 @@ static void set_specular(const struct cml_scene *scene, const struct cml_surface
 
 /* P1. A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
 static void set_launch(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                       struct cml_setup *setup)
+                       const struct cml_surface_set *start_as, struct cml_setup *setup)
 {
     const struct cml_beam *beam = &scene->beam;
     const struct cml_surface_def *top = &surfaces->item[0];
@@ -198,7 +198,7 @@ static void set_launch(const struct cml_scene *scene, const struct cml_surface_s
     setup->disk = (real)(beam->kind == CML_BEAM_DISK ? beam->radius : 0);
     setup->gauss = (real)(beam->kind == CML_BEAM_GAUSSIAN ? beam->radius : 0);
     setup->launch_z = (real)(2 * top->lowest - top->highest);
-    if (top->kind == CML_SURFACE_PLANE && beam->angle == 0) set_specular(scene, surfaces, setup);
+    if (start_as->item[0].kind == CML_SURFACE_PLANE && beam->angle == 0) set_specular(scene, start_as, setup);
 }
 
 /* The grid of maps and volume; nx stays 0 where the scene asks for none. */
@@ -245,7 +245,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_surface_set *
     setup->per_dz = (real)(1 / scene->dz);
     setup->per_da = (real)(scene->na / 1.5707963267948966);
     set_map(scene, &setup->map);
-    set_launch(scene, surfaces, setup);
+    set_launch(scene, surfaces, options->start_as ? options->start_as : surfaces, setup);
 }
 
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,

@@ -42,6 +42,9 @@ static void print_total(FILE *stream, enum cml_exact_share share, const struct c
     const struct cml_result *result = &report->run->result;
     fprintf(stream, "  %-4s %.6f +- %.6f", exact_names[share], cml_result_total(result, total),
             cml_result_error(result, total));
+    if (report->control)
+        fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
+                report->control[total].error);
     if (report->exact)
         fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[share], report->exact->error[share]);
     fputc('\n', stream);
@@ -140,6 +143,9 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
             (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->run->threads,
             report->run->threads == 1 ? "" : "s");
     print_seconds_to(stream, report->run);
+    if (report->control)
+        fprintf(stream, "  control: the flat twin took %.3g s of processor time\n",
+                report->control_processor);
 }
 
 /* Shares of each rank's own time. */

@@ -6,6 +6,7 @@
 #include "exact/exact.h"
 #include "output/mco.h"
 #include "run/run.h"
+#include "tally/control.h"
 
 struct cml_report {
     const struct cml_scene *scene;
@@ -13,8 +14,10 @@ struct cml_report {
     const struct cml_run_result *run;
     const struct cml_engine *engine;
     const struct cml_engine_options *options;
-    const char *command;           /* line, for provenance */
-    const struct cml_exact *exact; /* totals by adding-doubling for summary and JSON; NULL: none */
+    const char *command;                  /* line, for provenance */
+    const struct cml_controlled *control; /* [CML_NUM_TOTALS] with the flat twin; NULL: none */
+    double control_processor;             /* s that the twin's flight took */
+    const struct cml_exact *exact;        /* totals by adding-doubling for summary and JSON; NULL: none */
     int num_files;
     char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */
 };

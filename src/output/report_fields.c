@@ -166,7 +166,7 @@ static void set_facet_axes(struct cml_field_list *c)
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
-    const size_t boundaries = (size_t)report->surfaces->count, capacity = 64 + 14 * boundaries;
+    const size_t boundaries = (size_t)report->surfaces->count, capacity = 72 + 14 * boundaries;
     *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
@@ -242,6 +242,15 @@ static struct cml_field_source *add_errors(struct cml_field_list *c, cml_field_v
 
 /* ---- what an .mco file holds ---- */
 
+/* A total with the flat twin as control variate. */
+static void add_control(struct cml_field_list *c, const char *total, const struct cml_controlled *control)
+{
+    char name[32];
+    snprintf(name, sizeof name, "%s_control", total);
+    add_number(c, name, "the same with the flat twin as control variate", control->value);
+    add_errors(c, number_value)->number = control->error;
+}
+
 /* Totals in double, as in the JSON line; in the .mco they have six digits. */
 static void add_totals(struct cml_field_list *c)
 {
@@ -258,6 +267,7 @@ static void add_totals(struct cml_field_list *c)
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
         add_number(c, totals[i].name, totals[i].long_name, cml_result_total(result, totals[i].total));
         add_errors(c, number_value)->number = cml_result_error(result, totals[i].total);
+        if (c->report->control) add_control(c, totals[i].name, &c->report->control[totals[i].total]);
     }
 }
 

@@ -135,6 +135,26 @@ static void set_exact_totals(json_t *object, const struct cml_exact *exact)
     json_object_set_new(object, "exact_error", exact ? json_real(cml_exact_worst(exact)) : json_null());
 }
 
+/* What a run has with its flat twin as control variate; null without one. */
+static void set_control(json_t *object, const struct cml_report *report)
+{
+    static const struct {
+        const char *name, *error;
+        enum cml_total total;
+    } keys[] = {{"Rsp_control", "Rsp_control_se", CML_TOTAL_SPECULAR},
+                {"Rd_control", "Rd_control_se", CML_TOTAL_REFLECTED},
+                {"A_control", "A_control_se", CML_TOTAL_ABSORBED},
+                {"Tt_control", "Tt_control_se", CML_TOTAL_TRANSMITTED}};
+    const struct cml_controlled *control = report->control;
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const enum cml_total total = keys[i].total;
+        json_object_set_new(object, keys[i].name, control ? json_real(control[total].value) : json_null());
+        json_object_set_new(object, keys[i].error, control ? json_real(control[total].error) : json_null());
+    }
+    json_object_set_new(object, "control_cpu_s",
+                        control ? json_real(report->control_processor) : json_null());
+}
+
 /* Ends the object. */
 static cml_status print_object(FILE *stream, json_t *object, struct cml_error *err)
 {
@@ -171,6 +191,7 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     json_object_set_new(object, "files", files_json(report));
     set_results(object, report);
     set_exact_totals(object, report->exact);
+    set_control(object, report);
     set_speed(object, report);
     return print_object(stream, object, err);
 }

@@ -131,6 +131,17 @@ static void write_sampling(FILE *out, const struct cml_engine_options *options)
         fprintf(out, "of original MCML\n");
 }
 
+/* The totals with the flat twin as control variate, then their standard errors, if it was flown. */
+static void write_control(FILE *out, const struct cml_controlled *control)
+{
+    static const enum cml_total totals[] = {CML_TOTAL_SPECULAR, CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,
+                                            CML_TOTAL_TRANSMITTED};
+    if (!control) return;
+    fprintf(out, "\ncontrol # Rsp, Rd, A, Tt with the flat twin as control variate, then their errors [-]\n");
+    for (int i = 0; i < CML_NUM_TOTALS; i++) fprintf(out, "%.9G\n", control[totals[i]].value);
+    for (int i = 0; i < CML_NUM_TOTALS; i++) fprintf(out, "%.6G\n", control[totals[i]].error);
+}
+
 /* Everything behind Tt_ra, where readers of MCML's files have stopped. Lines that begin with # come first:
  * they are comments for those who read on. Nothing here may depend on time, threads, ranks or the machine. */
 static void write_extra(FILE *out, const struct cml_report *report)
@@ -151,6 +162,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
     write_errors(out, report);
     write_balance(out, result);
     write_heightfields(out, scene);
+    write_control(out, report->control);
 }
 
 /* As a text in memory, because the writer of .mco files knows no runs; a reader keeps it as a text, too. */

@@ -214,7 +214,7 @@ static bool are_open(const struct cml_range *ranges, uint64_t count, const struc
         from = ranges[i].first + ranges[i].count;
         open += ranges[i].count;
     }
-    return open > 0 && summary->count[CML_COUNT_PHOTONS] == head->end - open;
+    return summary->count[CML_COUNT_PHOTONS] == head->end - open;
 }
 
 static bool are_lost(const struct cml_lost_list *lost, uint64_t end)

@@ -243,9 +243,9 @@ static cml_status decide(struct flight *flight, bool stop, double begin, enum ne
 {
     *next = stop ? STOPPED : CONTINUE;
     if (flight->state.open.total == 0) CML_TRY(begin_round(flight, err));
-    if (flight->state.open.total == 0)
-        *next = FINISHED;
-    else if (flight->setup->checkpoint && (stop || cml_now() > flight->due))
+    const bool complete = flight->state.open.total == 0;
+    if (complete) *next = FINISHED;
+    if (flight->setup->checkpoint && (complete ? flight->setup->keep : stop || cml_now() > flight->due))
         return write_checkpoint(flight, stop, begin, err);
     return CML_OK;
 }

@@ -28,8 +28,9 @@ struct cml_run_setup {
                           * batch. */
     const char *checkpoint; /* file; NULL: none, and no signal is watched */
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
-    const char *identity;               /* of the run, see identity.h; with a checkpoint */
-    bool resume;                        /* continue from the checkpoint, if there is one */
+    const char *identity; /* of the run, see identity.h; with a checkpoint */
+    bool keep;   /* the complete result goes into the checkpoint, too: more is done before it is published */
+    bool resume; /* continue from the checkpoint, if there is one */
     cml_progress_function *on_progress; /* after every range of rank 0, some twice a second, from whichever
                                            thread ends it; NULL: silent */
     cml_note_function *on_note;         /* NULL: silent */

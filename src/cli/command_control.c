@@ -1,0 +1,120 @@
+/* clustermcml run --control flat: the flat twin of a scene, whose totals adding-doubling knows. Twin and
+ * scene fly the same photons with the same draws, so their totals err alike. SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "run/checkpoint.h"
+#include "run/cluster.h"
+#include "scene/specular.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Multiplications, some seconds of them. */
+#define MOST_WORK 1e10
+
+/* Planes, and a grid of one bin: only totals are wanted of it. */
+static cml_status flatten(const struct cml_scene *scene, struct cml_scene *flat, struct cml_error *err)
+{
+    const size_t count = (size_t)scene->num_layers + 1;
+    *flat = *scene;
+    flat->nr = flat->nz = flat->na = 1;
+    flat->map = (struct cml_map_def){0};
+    flat->facets = false;
+    flat->boundaries = calloc(count, sizeof *flat->boundaries);
+    if (!flat->boundaries) return cml_fail_memory(err, (double)(count * sizeof *flat->boundaries), "planes");
+    for (size_t b = 0; b < count; b++) flat->boundaries[b].z = scene->boundaries[b].z;
+    return CML_OK;
+}
+
+/* What the twin's packets count as specular is what those of the scene do: the first reflection at boundary
+ * 0, and that of a clear first layer only where the scene's packets start below it (P1). */
+static double specular(const struct cml_run_setup *setup, const struct cml_exact *exact)
+{
+    const struct cml_scene *scene = setup->scene;
+    const struct cml_surface_def *surface = setup->surfaces->item;
+    const bool planes = surface[0].kind == CML_SURFACE_PLANE && surface[1].kind == CML_SURFACE_PLANE;
+    return scene->beam.angle > 0 ? exact->value[CML_EXACT_RSP]
+                                 : cml_specular_split(scene->media, scene->num_layers, planes).reflected;
+}
+
+static cml_status solve(const struct cml_run_setup *setup, struct cml_twin *twin, struct cml_error *err)
+{
+    const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = MOST_WORK};
+    struct cml_exact exact;
+    CML_TRY(cml_exact_scene(&twin->scene, NULL, &aim, &exact, err));
+    const double *value = exact.value, *error = exact.error, Rsp = specular(setup, &exact);
+    twin->known[CML_TOTAL_SPECULAR] = (struct cml_known){Rsp, error[CML_EXACT_RSP]};
+    twin->known[CML_TOTAL_REFLECTED] =
+        (struct cml_known){value[CML_EXACT_RSP] + value[CML_EXACT_RD] - Rsp, error[CML_EXACT_RD]};
+    twin->known[CML_TOTAL_ABSORBED] = (struct cml_known){value[CML_EXACT_A], error[CML_EXACT_A]};
+    twin->known[CML_TOTAL_TRANSMITTED] = (struct cml_known){value[CML_EXACT_TT], error[CML_EXACT_TT]};
+    cml_exact_clear(&exact);
+    return CML_OK;
+}
+
+/* text + suffix, the caller's to free. */
+static cml_status join(const char *text, const char *suffix, char **to, struct cml_error *err)
+{
+    const size_t size = strlen(text) + strlen(suffix) + 1;
+    *to = malloc(size);
+    if (!*to) return cml_fail_memory(err, (double)size, "a name");
+    strcpy(*to, text);
+    strcat(*to, suffix);
+    return CML_OK;
+}
+
+/* NAME.control.checkpoint, beside the scene's. */
+static cml_status checkpoint_path(const struct cml_options *options, const struct cml_scene *scene,
+                                  char **path, struct cml_error *err)
+{
+    char *output = NULL, *name = NULL;
+    cml_status status = cml_output_path(options, scene->output, &output, err);
+    if (status == CML_OK) status = join(output, ".control", &name, err);
+    if (status == CML_OK) status = cml_checkpoint_path(name, path, err);
+    free(output);
+    free(name);
+    return status;
+}
+
+cml_status cml_twin_create(const struct cml_options *options, const struct cml_run_setup *setup,
+                           struct cml_twin *twin, struct cml_error *err)
+{
+    struct cml_surface_options planes = options->surface;
+    planes.force = CML_SURFACE_PLANE;
+    CML_TRY(flatten(setup->scene, &twin->scene, err));
+    CML_TRY(cml_surfaces_create(&twin->scene, &planes, &twin->surfaces, err));
+    CML_TRY(join(setup->identity, "flat twin\n", &twin->identity, err));
+    if (setup->checkpoint) CML_TRY(checkpoint_path(options, setup->scene, &twin->checkpoint, err));
+    return cml_cluster_rank() == 0 ? solve(setup, twin, err) : CML_OK;
+}
+
+void cml_twin_clear(struct cml_twin *twin)
+{
+    cml_surfaces_free(&twin->surfaces);
+    free(twin->scene.boundaries);
+    free(twin->checkpoint);
+    free(twin->identity);
+    *twin = (struct cml_twin){0};
+}
+
+cml_status cml_twin_fly(const struct cml_twin *twin, const struct cml_run_setup *setup,
+                        const struct cml_result *result, struct cml_run_result *flight,
+                        struct cml_controlled *control, struct cml_error *err)
+{
+    struct cml_run_setup flat = *setup;
+    *flight = (struct cml_run_result){0};
+    flat.scene = &twin->scene;
+    flat.surfaces = &twin->surfaces;
+    flat.options.start_as = setup->surfaces;
+    flat.options.absorption = false;
+    flat.photons = result->photons;
+    flat.target_error = 0;
+    flat.checkpoint = twin->checkpoint;
+    flat.identity = twin->identity;
+    flat.keep = false;
+    CML_TRY(cml_cluster_share(&flat.photons, sizeof flat.photons, err)); /* other ranks' results are empty */
+    CML_TRY(cml_run(&flat, flight, err));
+    for (int t = 0; cml_cluster_rank() == 0 && t < CML_NUM_TOTALS; t++)
+        control[t] = cml_control_total(result, &flight->result, (enum cml_total)t, &twin->known[t]);
+    return CML_OK;
+}

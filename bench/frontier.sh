@@ -9,21 +9,7 @@
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"
-draw() { # CSV SVG
-    work=$(mktemp -d)
-    trap 'rm -rf "$work"' EXIT
-    python3 -B "$here/frontier_table.py" "$1" --series "$work"
-    case $2 in *.png) kind=pngcairo ;; *) kind=svg ;; esac
-    gnuplot -e "work='$work'; out='$2'; kind='$kind'" "$here/frontier.gp"
-    [ $kind = pngcairo ] || python3 -B "$here/shrink_svg.py" "$2"
-}
-if [ "${1-}" = --draw ]; then
-    [ $# -eq 3 ] || fail "--draw needs CSV and SVG"
-    need python3 gnuplot
-    [ -r "$2" ] || fail "$2: cannot be read"
-    draw "$2" "$3"
-    exit
-fi
+draw_again frontier "$@"
 quick= mcml=
 options quick "mcml program out" "$@"
 need_program
@@ -33,8 +19,4 @@ need python3
 mkdir -p "$out"
 python3 -B "$here/frontier.py" "$program" "$out" $quick ${mcml:+--mcml "$mcml"} >"$out/frontier.txt"
 cat "$out/frontier.txt"
-if command -v gnuplot >/dev/null; then
-    draw "$out/frontier.csv" "$out/frontier.svg"
-else
-    echo "no gnuplot, no figure" >&2
-fi
+draw_result frontier

@@ -122,16 +122,14 @@ def bin_seconds(run, bins):
 # ---- measuring
 
 def calibrate(program, series, target):
-    """Photons of a run: before, so many seconds; after, what an error of ERROR takes, if that is no more than twice as long."""
-    trial = fly(program, series.scene, series.method, "before", TRIAL, 1)
-    rate = TRIAL / trial["cpu_s"]
-    series.photons["before"] = max(TRIAL, int(rate * target))
+    """Photons of a run: what an error of ERROR takes after, if that is no more than twice `target` seconds. As many before, so that
+    what a run costs whatever its length weighs the same in both."""
     wanted = TRIAL
     for _ in range(3):  # errors do not fall with the root of the photons
         run = fly(program, series.scene, series.method, "after", wanted, 1)
         limits = run["photons"] / run["cpu_s"] * target
         wanted = int(min(max(run["photons"] * (mean_error(run) / ERROR) ** 2, 0.1 * limits, TRIAL), 2 * limits))
-    series.photons["after"] = wanted
+    series.photons["before"] = series.photons["after"] = wanted
 
 
 def calibrate_mcml(mcml, series, target):

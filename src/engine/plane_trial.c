@@ -21,11 +21,6 @@
  * 0.13 % for so many packets. */
 #define UNSEEN 6.6
 
-static const enum cml_balance_term terms[CML_NUM_TOTALS] = {[CML_TOTAL_SPECULAR] = CML_BALANCE_SPECULAR,
-                                                            [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
-                                                            [CML_TOTAL_TRANSMITTED] = CML_BALANCE_TRANSMITTED,
-                                                            [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED};
-
 /* Neighbouring values that are judged together: a total, or the bins of a profile. */
 struct series {
     const char *name;
@@ -61,6 +56,7 @@ struct verdict {
     const char *what;       /* of this total or profile */
 };
 
+/* In the order of what a tally has brought (tally.h). */
 static void list_series(const struct cml_grid *grid, struct series *series)
 {
     static const char *const totals[CML_NUM_TOTALS] = {"Rsp", "Rd", "Tt", "A"};
@@ -81,18 +77,13 @@ static void list_series(const struct cml_grid *grid, struct series *series)
 static void fold_profiles(struct cml_tally *tally)
 {
     const size_t nr = (size_t)tally->grid.nr, na = (size_t)tally->grid.na, nz = (size_t)tally->grid.nz;
-    uint64_t *Rd_r = tally->brought, *Tt_r = Rd_r + nr + 1, *A_z = Tt_r + nr + 1 + 2 * na;
+    uint64_t *Rd_r = tally->brought + CML_NUM_TOTALS, *Tt_r = Rd_r + nr + 1, *A_z = Tt_r + nr + 1 + 2 * na;
     uint64_t *const ends[][2] = {
         {Rd_r + nr, Rd_r + nr - 1}, {Tt_r + nr, Tt_r + nr - 1}, {A_z, A_z + 1}, {A_z + nz + 1, A_z + nz}};
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
         *ends[i][1] += *ends[i][0];
         *ends[i][0] = 0;
     }
-}
-
-static double value_of(const struct cml_tally *tally, size_t i)
-{
-    return (double)(i < CML_NUM_TOTALS ? tally->balance[terms[i]] : tally->brought[i - CML_NUM_TOTALS]);
 }
 
 static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_error *err)
@@ -107,8 +98,8 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
                                                                tally->count[CML_COUNT_BOUNDARY_EVENTS]);
     }
     for (size_t i = 0; i < trial->num_values; i++) {
-        const double truth = value_of(&trial->tally[0], i);
-        const double difference = value_of(&trial->tally[1], i) - truth;
+        const double truth = (double)trial->tally[0].brought[i];
+        const double difference = (double)trial->tally[1].brought[i] - truth;
         trial->value[i].truth += truth;
         trial->value[i].difference += difference;
         trial->value[i].squares += difference * difference;
@@ -208,7 +199,7 @@ static cml_status open_trial(const struct cml_scene *scene, const struct cml_eng
 {
     const struct cml_grid grid = cml_engine_grid(scene, ways[0], options);
     list_series(&grid, trial->series);
-    trial->num_values = CML_NUM_TOTALS + cml_tally_profile_bins(&grid);
+    trial->num_values = cml_tally_profile_bins(&grid);
     trial->overhead = 2 * BATCHES * CELLS_AS_STEPS * (double)cml_tally_cells(&grid);
     trial->value = calloc(trial->num_values, sizeof *trial->value);
     if (!trial->value)

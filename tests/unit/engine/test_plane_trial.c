@@ -139,6 +139,20 @@ static void faces_of_a_clear_first_layer_stay_at_normal_incidence(void **state)
     }
 }
 
+/* All light is absorbed within 0.02 cm below a step which is as high: as a plane it moves the light from the first
+ * depth bin to the second, and changes nothing else. */
+static void one_profile_alone_keeps_a_boundary(void **state)
+{
+    struct bench bench = choose(state,
+                                "1.0\n1\nx.mco A\n10\n0.02 0.02\n2 20 1\n2\n1\n1 1e-6 0 0 0.02\n"
+                                "b 3 0.02 0.5 0.02 0.5 0 0.5\n1 1000 0 0 1\n1\n",
+                                &asked);
+    const struct cml_surface_def *step = &bench.surfaces.item[1];
+    assert_int_equal(step->kind, CML_SURFACE_CONE);
+    assert_non_null(strstr(step->reason, "as a plane A_z is off by more than 0.05"));
+    tear_down(&bench);
+}
+
 /* Light that goes straight through two layers which absorb: either hill takes away 3.4 % of what leaves
  * below, which is within the tolerance, and both together 6.8 %, which is not. */
 static void planes_keep_the_tolerance_together(void **state)
@@ -172,6 +186,7 @@ int main(void)
         cmocka_unit_test(nothing_is_a_plane_unasked_or_with_facets),
         cmocka_unit_test(the_outcome_depends_on_the_scene_only),
         cmocka_unit_test(faces_of_a_clear_first_layer_stay_at_normal_incidence),
+        cmocka_unit_test(one_profile_alone_keeps_a_boundary),
         cmocka_unit_test(planes_keep_the_tolerance_together),
     };
     return cmocka_run_group_tests(tests, case_setup, case_teardown);

@@ -6,6 +6,7 @@
   (in samples and meshes: also like a scene or mesh). A path begins at the top, in the text's own folder, or in src, as
   includes do; a name without a slash may stand anywhere below the text's folder. One with * is a pattern, one with <>,
   {} or a word in capitals is skipped, and so is what a build or a bench writes.
+- No marks of a merge that nobody finished.
 
 Runs in the source directory."""
 import fnmatch
@@ -25,6 +26,7 @@ SKIPPED = ("bench/results",)  # texts that scripts wrote once: what they name is
 TEST = re.compile(r"(?<![\w/.-])(%s)\.(\w+)" % "|".join(TESTS))
 QUOTED = re.compile(r"`([^`]+)`")
 LINK = re.compile(r"\]\(([^)#:\s]+)\)")
+MERGE = re.compile(r"^(?:<<<<<<<|>>>>>>>) ", re.MULTILINE)
 PLACEHOLDER = re.compile(r"[<>{}]|(?:^|[/_.])(?!README|CONTRIBUTING|LICENSE|CITATION)[A-Z]{2,}(?:[._/]|$)")
 
 
@@ -80,6 +82,8 @@ def check_text(path, text, files, places):
     missing = [f"{path}: names the test {label}.{name}, which is not there"
                for label, name in sorted(set(TEST.findall(text)))
                if "." + name not in SOURCES and not test_exists(label, name, files)]
+    if MERGE.search(text):
+        missing.append(f"{path}: holds marks of a merge")
     return missing + [f"{path}: names {word}, which is not there" for word in sorted(set(words(text)))
                       if is_path(word, home, places, endings) and not path_exists(word, home, places)]
 
@@ -103,7 +107,7 @@ def check_the_check():
     assert check(sound) == [], check(sound)
     for text in ("`unit.b`", "cross.a", "stat.none", "`long.same`", "house.g", "stability.atlas", "cli.a", "unit.room",
                  "`src/room/b.c`", "`src/rooms/a.c`", "`src/none`", "`none/a.c`", "`b.c`", "    sh bench/none.sh",
-                 "[x](bench/no.svg)", "`bench/*.py`", "`tests/unit/a.c --quick`"):
+                 "[x](bench/no.svg)", "`bench/*.py`", "`tests/unit/a.c --quick`", "a\n<<<<<<< HEAD\nb"):
         for path in ("README.md", "CONTRIBUTING.md", "bench/README.md"):
             assert len(check({**sound, path: text})) == 1, (path, text, check({**sound, path: text}))
     assert len(check({**sound, "meshes/README.md": "`i.obj` `none.obj` `CITATION.cff`"})) == 2

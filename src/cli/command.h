@@ -5,7 +5,7 @@
 #define CML_COMMAND_H
 
 #include "base/input_files.h"
-#include "cli/options.h"
+#include "cli/options/options.h"
 #include "exact/exact.h"
 #include "run/run.h"
 #include "tally/control.h"

@@ -4,6 +4,8 @@
 
 #include "base/version.h"
 #include "cli/command.h"
+#include "cli/options/help.h"
+#include "cli/options/options_parse.h"
 #include "output/report.h"
 #include "run/stop.h"
 
@@ -12,51 +14,39 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Commands with the number of operands that each takes. The first one is meant where none is named. */
-static const struct command {
-    const char *name;
-    int least, most; /* operands */
-    bool parallel;   /* all ranks work; else rank 0 alone */
-    const char *operands;
-    cml_status (*run)(const struct cml_options *options, struct cml_error *err);
-} commands[] = {
-    {"run", 1, 1, true, "scene.mci", cml_command_run},
-    {"plan", 1, 1, true, "scene.mci", cml_command_plan},
-    {"check", 1, 1, false, "scene.mci", cml_command_check},
-    {"exact", 1, 1, false, "scene.mci", cml_command_exact},
-    {"mesh", 1, 1, false, "scene.mci", cml_command_mesh},
-    {"trace", 2, 2, false, "scene.mci N", cml_command_trace},
-    {"compare", 2, 2, false, "a.mco b.mco", cml_command_compare},
-    {"crosscheck", 1, 1, false, "scene.mci", cml_command_crosscheck},
-    {"devices", 0, 0, false, "", cml_command_devices},
-    {"plot", 1, 64, false, "a.mco [b.mco ...] or a.map.vti [b.map.vti ...]", cml_command_plot},
-};
-
-/* A word that is no command is the operand of `run`: `clustermcml scene.mci` is enough. Commands that are
- * not parallel run on rank 0 while the others wait for its status. */
-static cml_status run_command(struct cml_options *options, struct cml_error *err)
+static cml_status help(const struct cml_options *options, struct cml_error *err)
 {
-    const struct command *command = &commands[0];
-    for (size_t i = 0; options->num_operands > 0 && i < sizeof commands / sizeof *commands; i++) {
-        if (strcmp(options->operands[0], commands[i].name) != 0) continue;
-        command = &commands[i];
-        options->operands++;
-        options->num_operands--;
-        break;
-    }
-    if (options->num_operands < command->least || options->num_operands > command->most)
-        return cml_fail(err, CML_E_INPUT, "usage: clustermcml %s %s (try clustermcml --help)", command->name,
-                        command->operands);
-    return command->parallel || cml_cluster_rank() == 0 ? command->run(options, err) : CML_OK;
+    return cml_help_print(stdout, options->num_operands > 0 ? options->operands[0] : NULL, err);
 }
 
-/* On rank 0 what --help and --version ask for. */
-static bool answer_question(const struct cml_options *options)
+static const struct {
+    bool parallel; /* all ranks work; else rank 0 alone, and the others wait for its status */
+    cml_status (*run)(const struct cml_options *options, struct cml_error *err);
+} commands[CML_NUM_COMMANDS] = {
+    [CML_COMMAND_RUN] = {true, cml_command_run},
+    [CML_COMMAND_PLAN] = {true, cml_command_plan},
+    [CML_COMMAND_CHECK] = {false, cml_command_check},
+    [CML_COMMAND_EXACT] = {false, cml_command_exact},
+    [CML_COMMAND_MESH] = {false, cml_command_mesh},
+    [CML_COMMAND_TRACE] = {false, cml_command_trace},
+    [CML_COMMAND_CROSSCHECK] = {false, cml_command_crosscheck},
+    [CML_COMMAND_COMPARE] = {false, cml_command_compare},
+    [CML_COMMAND_PLOT] = {false, cml_command_plot},
+    [CML_COMMAND_DEVICES] = {false, cml_command_devices},
+    [CML_COMMAND_HELP] = {false, help},
+};
+
+/* --help and --version come before what the command would do. */
+static cml_status answer(const struct cml_options *options, struct cml_error *err)
 {
-    if (cml_cluster_rank() == 0 && options->help) fputs(cml_options_help(), stdout);
-    if (cml_cluster_rank() == 0 && options->version && !options->help)
-        printf("clustermcml %s\n", cml_version());
-    return options->help || options->version;
+    const bool first = cml_cluster_rank() == 0;
+    const char *topic = options->named ? cml_commands[options->which].name : NULL;
+    if (!options->help && !options->version)
+        return first || commands[options->which].parallel ? commands[options->which].run(options, err)
+                                                          : CML_OK;
+    if (first && options->help) return cml_help_print(stdout, topic, err);
+    if (first) printf("clustermcml %s\n", cml_version());
+    return CML_OK;
 }
 
 /* All ranks end with the status and the message of the one that fared worst. */
@@ -66,8 +56,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
     cml_cluster_set_timeout(options.timeout);
     cml_announce_meshes(&options);
-    cml_status status = CML_OK;
-    if (!answer_question(&options)) status = run_command(&options, err);
+    cml_status status = answer(&options, err);
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK)
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");
     return cml_cluster_agree(status, err);

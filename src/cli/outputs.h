@@ -5,7 +5,7 @@
 
 #include "base/file_lock.h"
 #include "base/input_files.h"
-#include "cli/options.h"
+#include "cli/options/options.h"
 
 struct cml_output_file {
     char *name;   /* without links and dots, so that equal names are equal files */

@@ -2,7 +2,7 @@
 # compare: exit codes, words, JSON and picture, for our own files and for such as original MCML writes.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
-try="(try clustermcml --help)"
+try="(try clustermcml help compare)"
 mkdir "$work/1" "$work/2" "$work/3"
 for seed in 1 2; do
     expect_code 0 samples/mcml_sample.mci --photons 2e4 --seed $seed --quiet -o "$work/$seed"

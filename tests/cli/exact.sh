@@ -68,6 +68,6 @@ shows "check" "with planes in place of all shapes, by adding-doubling: Rsp 0\.01
 "$program" samples/mcml_sample.mci --photons 1e3 -o "$work" --quiet
 grep -qi 'exact\b.*adding' "$work/mcml_sample.mco" && complain "exact totals stand in the .mco"
 
-expect_error 2 "usage: clustermcml exact scene.mci (try clustermcml --help)" exact
+expect_error 2 "usage: clustermcml exact scene.mci (try clustermcml help exact)" exact
 expect_code 2 exact "$work/missing.mci"
 finish

@@ -1,6 +1,6 @@
 #!/bin/sh
 # What `cmake --install` copies: the program flies a sample from there, the manual page renders without a warning, and
-# page and completion know every option and command of --help, and every word that an option takes.
+# page and completion know every option, command and text of the help, and every word that an option takes.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 build=$(dirname "$program")
@@ -13,7 +13,7 @@ installed=$work/root/usr/bin/clustermcml
 for file in doc/clustermcml/LICENSE doc/clustermcml/README.md doc/clustermcml/CITATION.cff; do
     cmp -s "$(basename $file)" "$share/$file" || complain "$file: missing, or another than here"
 done
-for file in samples/*.mci samples/shapes/*.mci samples/slurm.sh meshes/*.obj meshes/*.gsf meshes/*.asc; do
+for file in samples/*.mci samples/*.md samples/shapes/*.mci samples/slurm.sh meshes/*.obj meshes/*.gsf meshes/*.asc; do
     cmp -s "$file" "$share/clustermcml/$file" || complain "$file: not installed"
 done
 test -x "$share/clustermcml/samples/slurm.sh" || complain "samples/slurm.sh: not executable"
@@ -28,11 +28,13 @@ for folder in here there; do
 done
 cmp -s "$work/here/bits" "$work/there/bits" && test -s "$work/here/bits" || complain "the installed program gives other results"
 
-expect_code 0 --help
-cp "$work/out" "$work/help"
-options=$(grep -oE -e '(^|[ (])--?[a-z][a-z-]*' "$work/help" | tr -d ' (' | sort -u)
-commands=$(sed -n 's/.*clustermcml \[*\([a-z]*\)\]* .*/\1/p' "$work/help" | sed '/^$/q' | sort -u)
-test "$(echo "$options" | wc -l)" -gt 30 && test "$(echo $commands | wc -w)" -ge 8 || complain "--help reads as $options, $commands"
+expect_code 0 help options
+options=$(grep -oE -e '^  (-[a-z], )?--[a-z-]+' "$work/out" | tr -d ' ' | tr ',' '\n' | sort -u)
+expect_code 0 help
+commands=$(sed -n '/^commands/,/^$/s/^  \[*\([a-z][a-z]*\).*/\1/p' "$work/out" | sort -u)
+topics=$(sed -n '/^topics/,/^$/s/^  \([a-z][a-z]*\) .*/\1/p' "$work/out")
+test "$(echo "$options" | wc -l)" -gt 30 && test "$(echo $commands | wc -w)" -ge 10 && test "$(echo $topics | wc -w)" -ge 3 ||
+    complain "the help reads as $options, $commands, $topics"
 
 page=$share/man/man1/clustermcml.1
 if command -v man >/dev/null; then
@@ -47,6 +49,12 @@ if command -v man >/dev/null; then
     for code in 0 1 2 3 4 5 75; do
         grep -qE "^ +$code +[a-z]" "$work/page" || complain "the manual page has no exit code $code"
     done
+    # the texts: their last words, and no mark of Markdown
+    for text in input output; do
+        last=$("$program" help $text | tr -d '`*' | awk 'NF { word = $NF } END { print word }')
+        grep -qF -e "$last" "$work/page" || complain "the manual page does not hold all of help $text: $last"
+    done
+    grep -nE '^ *(##|\||```)|`[a-z]' "$work/page" && complain "the manual page has marks of Markdown"
     for folder in $(sed -n 's/^ *PREFIX\///p' "$work/page"); do
         test -d "$work/root/usr/$folder" || complain "the manual page names $folder, which is not there"
     done
@@ -64,7 +72,14 @@ complete() {
         bash "$share/bash-completion/completions/clustermcml" clustermcml "$@"
 }
 test "$(complete a.mci -)" = "$(complete a.mci "")" && complain "an option is completed as a file is"
-test "$(complete a.mci - | sort -u)" = "$options" || complain "completion offers other options: $(complete a.mci -)"
+for command in $commands; do
+    expect_code 0 help "$command"
+    own=$(grep -oE -e '^  (-[a-z], )?--[a-z-]+' "$work/out" | tr -d ' ' | tr ',' '\n' | sort -u)
+    test "$(complete "$command" - | sort -u)" = "$own" || complain "$command: other options: $(complete "$command" -)"
+done
+test "$(complete a.mci -)" = "$(complete run -)" || complain "without a command: $(complete a.mci -)"
+test "$(complete --quiet check a.mci -)" = "$(complete check -)" || complain "a command behind an option is not seen"
+test "$(complete help in)" = input || complain "help in completes to $(complete help in)"
 (cd "$work/here" && complete "") | sort -u | grep -v mixed.mco | grep -v bits >"$work/out"
 test "$(cat "$work/out")" = "$commands" || complain "completion offers other commands: $(cat "$work/out")"
 test "$(complete a.mci --eng)" = --engine || complain "--eng completes to $(complete a.mci --eng)"

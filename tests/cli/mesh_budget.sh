@@ -19,7 +19,7 @@ grep -q 'boundary 0: mesh at z = 0 cm, 256 triangles' "$work/out" || complain "$
 remedy="a larger --tolerance or --mesh-budget, or --boundaries cone)"
 for command in check mesh run crosscheck; do
     refused "field.mci:9: boundary 0 needs 256 triangles, 8.34e-05 GiB (expected at most 255, or $remedy" \
-        $command "$work/field.mci" --boundaries mesh --mesh-budget 255 -o "$work" --quiet
+        $command "$work/field.mci" --boundaries mesh --mesh-budget 255 --quiet
 done
 expect_code 0 check "$work/field.mci" --mesh-budget 1 # cones
 

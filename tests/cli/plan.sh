@@ -4,12 +4,12 @@
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
-expect_error 2 "usage: clustermcml plan scene.mci (try clustermcml --help)" plan
+expect_error 2 "usage: clustermcml plan scene.mci (try clustermcml help plan)" plan
 expect_error 2 "--target-error 1 (expected a relative error between 0 and 1)" plan samples/fig6.mci --target-error 1
 expect_code 2 plan "$work/none.mci"
 
 cp samples/fig6.mci "$work"
-expect_code 0 plan "$work/fig6.mci" --target-error 0.01 --photons 4096 --threads 1 -o "$work"
+expect_code 0 plan "$work/fig6.mci" --target-error 0.01 --photons 4096 --threads 1
 grep -q '^fig6.mco: photons and time to a relative standard error of 1 %, on 1 rank of 1 thread$' "$work/out" ||
     complain "plan: heading $(head -n 1 "$work/out")"
 for row in 'cpu *lattice' 'cpu *random' 'reference *lattice' 'reference *random'; do

@@ -5,14 +5,27 @@
 sample=samples/fig5.mci
 try="(try clustermcml --help)"
 
-expect_error 2 "usage: clustermcml run scene.mci $try"
-expect_error 2 "usage: clustermcml run scene.mci $try" run
-expect_error 2 "usage: clustermcml run scene.mci $try" run a.mci b.mci
-expect_error 2 "usage: clustermcml trace scene.mci N $try" trace $sample
-expect_error 2 "usage: clustermcml check scene.mci $try" check
-expect_error 2 "usage: clustermcml mesh scene.mci $try" mesh
-expect_error 2 "usage: clustermcml plot a.mco [b.mco ...] or a.map.vti [b.map.vti ...] $try" plot
-expect_error 2 "unknown option --fotons $try" $sample --fotons 3
+expect_error 2 "usage: clustermcml run scene.mci (try clustermcml help run)"
+expect_error 2 "usage: clustermcml run scene.mci (try clustermcml help run)" run
+expect_error 2 "usage: clustermcml trace scene.mci N (try clustermcml help trace)" trace $sample
+expect_error 2 "usage: clustermcml check scene.mci (try clustermcml help check)" check
+expect_error 2 "usage: clustermcml mesh scene.mci (try clustermcml help mesh)" mesh
+expect_error 2 "usage: clustermcml plot FILE ... (try clustermcml help plot)" plot
+expect_error 2 "usage: clustermcml devices (try clustermcml help devices)" devices 1
+one="(a file may hold several runs; for several files call it once for each)"
+expect_error 2 "run takes one scene, not a.mci and b.mci $one" a.mci b.mci
+expect_error 2 "run takes one scene, not a.mci and b.mci $one" run a.mci b.mci
+expect_error 2 "check takes one scene, not a.mci and b.mci $one" check a.mci b.mci
+expect_error 2 "unknown command chek (did you mean check?)" chek a.mci
+expect_error 2 "unknown command cross (did you mean crosscheck?)" cross a.mci
+
+# Names are written out; what was probably meant is said.
+expect_error 2 "unknown option --fotons (did you mean --photons?)" $sample --fotons 3
+expect_error 2 "unknown option --phot (did you mean --photons?)" $sample --phot 3
+expect_error 2 "unknown option --phot (did you mean --photons?)" $sample --phot=3
+expect_error 2 "unknown option --r $try" $sample --r 3
+expect_error 2 "unknown option --wavelength $try" $sample --wavelength 600
+expect_error 2 "--quiet takes no value $try" $sample --quiet=yes
 expect_error 2 "unknown option -x $try" -xh
 expect_error 2 "unknown option -q $try" $sample -qz -o x
 expect_error 2 "unknown option -z $try" $sample -hz
@@ -32,6 +45,33 @@ expect_error 2 "--normals none (expected one of facet vertex analytic)" $sample 
 expect_error 2 "--rings wide (expected one of area inscribed)" $sample --rings wide
 expect_error 2 "--mesh-search grid (expected one of auto embree)" $sample --mesh-search grid
 expect_error 2 "trace: photon x (expected an index from 0)" trace $sample x
+
+# An option belongs to some commands, and some to one engine only. A command that is not named is run.
+belongs() { # COMMAND OPTION OWNERS ARGUMENTS...
+    refused="$1: $2 does not apply (it belongs to: $3)"
+    shift 3
+    expect_error 2 "$refused" "$@"
+}
+belongs run --run trace $sample --run 2
+belongs run --run trace --run 2 run $sample
+belongs run --alpha compare $sample --alpha 0.1 --photons 10 -o "$work"
+belongs check --resume run check $sample --resume
+belongs check --photons "run, plan, crosscheck" --photons 3 check $sample
+belongs plan -o "run, mesh" plan $sample -o "$work"
+belongs plan --output-dir "run, mesh" plan $sample --output-dir "$work"
+belongs run --output "compare, plot" $sample --output "$work"
+belongs exact --engine "run, check, trace" exact $sample --engine cpu
+belongs devices --json "run, plan, check, exact, compare" devices --json
+only="(it belongs to: opencl)"
+expect_error 2 "run: --device does not apply to engine cpu $only" $sample --device 7 --photons 10 -o "$work"
+expect_error 2 "run: --group does not apply to engine reference $only" $sample --group 64 --engine reference
+expect_error 2 "trace: --build-options does not apply to engine cpu $only" trace $sample 1 --build-options x
+expect_error 2 "run: --mesh-search does not apply to engine reference (it belongs to: cpu)" \
+    $sample --mesh-search embree --engine reference
+test ! -e "$work/fig5.mco" || complain "an option was refused after the run"
+# with --help nothing is refused that is known
+expect_code 0 check --resume --help
+
 expect_code 2 "$work/missing.mci"
 expect_code 2 "$work"
 expect_code 5 $sample --photons 10 -o "$work/missing"
@@ -44,9 +84,40 @@ test ! -e "$work/x.mco" && test ! -s "$work/out" || complain "a wrong file had r
 
 expect_code 0 --help
 grep -q '^usage: clustermcml ' "$work/out" || complain "--help shows no usage"
-for word in run plan check exact mesh trace plot --photons --seed --threads --boundaries --json --output-dir 'exit codes'; do
-    grep -q -e "$word" "$work/out" || complain "--help does not mention $word"
+for word in run plan check exact mesh trace crosscheck compare plot devices help options input output 'exit codes' 75; do
+    grep -q -e "^ *\\[*$word" "$work/out" || complain "--help does not mention $word"
 done
+cp "$work/out" "$work/list"
+expect_code 0 help
+cmp -s "$work/list" "$work/out" || complain "help and --help are two things"
+
+# help COMMAND is what COMMAND --help prints
+sed -n '/^commands/,/^$/s/^  \[*\([a-z][a-z]*\).*/\1/p' "$work/list" >"$work/commands"
+test "$(wc -l <"$work/commands")" -ge 10 || complain "--help lists few commands"
+while read -r command; do
+    expect_code 0 help "$command"
+    cp "$work/out" "$work/text"
+    grep -q "^usage: clustermcml $command " "$work/text" || complain "help $command shows no usage"
+    grep -A1 '^examples$' "$work/text" | grep -q "^  clustermcml " || complain "help $command has no example"
+    expect_code 0 "$command" --help
+    cmp -s "$work/text" "$work/out" || complain "$command --help and help $command are two things"
+done <"$work/commands"
+
+# options of the command, and no others
+expect_code 0 help compare
+test "$(grep -o -e '^  [-a-z, ]*--[a-z-]*' "$work/out" | tr -d '\n')" = \
+    "  -o, --output  --json  --alpha  --quiet  -h, --help  --version" || complain "help compare: $(cat "$work/out")"
+expect_code 0 help options
+test "$(grep -c -e '^  [-a-z, ]*--[a-z-]*' "$work/out")" -ge 35 || complain "help options: $(cat "$work/out")"
+
+# texts are those of the sources
+for text in input output; do
+    expect_code 0 help $text
+    cmp -s samples/$text.md "$work/out" || complain "help $text is not samples/$text.md"
+done
+expect_error 2 "help: no text on inputs (did you mean input?)" help inputs
+expect_error 2 "help: no text on everything (try clustermcml help)" help everything
+
 expect_code 0 --version
 grep -Eq '^clustermcml [0-9]+\.[0-9]+\.[0-9]+( \([^)]*\))?$' "$work/out" || complain "--version: $(cat "$work/out")"
 

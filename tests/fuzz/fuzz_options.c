@@ -1,9 +1,7 @@
 /* Command lines, one word a line. SPDX-License-Identifier: MIT */
 #include "fuzz/fuzz.h"
 
-#include "cli/options.h"
-
-#include <getopt.h>
+#include "cli/options/options_parse.h"
 
 enum { MOST_WORDS = 64 };
 
@@ -37,10 +35,12 @@ static void check(const struct cml_options *options, int argc)
     FUZZ_CHECK(strlen(options->command) < sizeof options->command);
 }
 
-/* Whether the name is the word, or a letter of it: -x of -xh. Control characters have become '?'. */
+/* Whether the name is the word, less what stands behind '=' or beyond 62 bytes, or a letter of it: -x of -xh.
+ * Control characters have become '?'. */
 static bool is_of(const char *name, size_t length, const char *word)
 {
-    bool letter = false, same = strlen(word) == length;
+    const size_t whole = strcspn(word, "=");
+    bool letter = false, same = length == (whole < 62 ? whole : 62);
     for (size_t i = 0; same && i < length; i++) same = name[i] == word[i] || name[i] == '?';
     if (word[0] != '-' || word[1] == '-' || length != 2) return same;
     for (const char *c = word + 1; *c; c++) letter = letter || name[1] == *c || name[1] == '?';
@@ -68,8 +68,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     const int argc = split(data, size, argv);
     struct cml_options options;
     struct cml_error err = {CML_OK, ""};
-    memcpy(words, argv, sizeof words); /* getopt sorts argv */
-    optind = 0;                        /* glibc and musl: begin anew */
+    memcpy(words, argv, sizeof words); /* operands come to the front of argv */
     const cml_status status = cml_options_parse(argc, argv, &options, &err);
     if (status == CML_OK) {
         check(&options, argc);

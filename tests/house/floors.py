@@ -29,7 +29,8 @@ ROOMS = {
     "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/exact src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
     "src/plot": "src/output src/base",
-    "src/cli": "src/plot src/output src/exact src/run src/engine src/engine/engines src/engine/cpu src/engine/opencl src/surface "
+    "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
+    "src/cli": "src/cli/options src/plot src/output src/exact src/run src/engine src/engine/engines src/engine/cpu src/engine/opencl src/surface "
                "src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -41,7 +42,6 @@ FOREIGN = {
     "jansson.h": "src/base/json_name src/output/report_json src/plot/compare_report src/cli/command_plan",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
-    "getopt.h": "src/cli/options",
     "hdf5*.h": "src/output/hdf5_file",
     "sys/resource.h": "src/cli/command_load",
     "spawn.h": "src/plot/gnuplot",

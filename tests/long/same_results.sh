@@ -215,7 +215,6 @@ fly_slow_options() {
 --engine reference --boundaries cone
 --engine reference --boundaries mesh
 --engine reference --boundaries mesh --normals facet
---engine reference --mesh-search embree
 --engine reference --no-reentry
 --engine opencl --json
 --engine opencl --boundaries plane

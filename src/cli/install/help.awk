@@ -1,31 +1,42 @@
-# Fills a template of the manual page or of the completion with what `clustermcml --help` says, so that neither can say
+# Fills a template of the manual page or of the completion with what `clustermcml help` says, so that neither can say
 # anything else: awk -v version=V -v date=D -v datadir=DIR -f help.awk HELP TEMPLATE
-# A line of the template that is one of the keys of `block` gives way to that block; @VERSION@, @DATE@ and @DATADIR@ to
-# the values.
+# HELP is what help.cmake writes. A line of the template that is one of the keys of `block` gives way to that block;
+# @VERSION@, @DATE@ and @DATADIR@ to the values.
 # SPDX-License-Identifier: MIT
 
-# Text of the manual page: the characters that roff would read as its own, and `words` in bold.
+# Text of the manual page: the characters that roff would read as its own, and `words` and **words** in bold.
 function roff(text) {
     gsub(/\\/, "\\e", text)
     gsub(/-/, "\\-", text)
     gsub(/\^/, "\\(ha", text)
     gsub(/~/, "\\(ti", text)
-    while (match(text, /`[^`]*`/))
-        text = substr(text, 1, RSTART - 1) "\\fB" substr(text, RSTART + 1, RLENGTH - 2) "\\fR" substr(text, RSTART + RLENGTH)
-    return text ~ /^[.']/ ? "\\&" text : text
+    while (match(text, /`[^`]*`/)) text = bold(text, 1)
+    while (match(text, /\*\*[^*]*\*\*/)) text = bold(text, 2)
+    return text
 }
 
-# The same, in lines of at most 80 bytes.
+# What match found, without its marks.
+function bold(text, marks) {
+    return substr(text, 1, RSTART - 1) "\\fB" substr(text, RSTART + marks, RLENGTH - 2 * marks) "\\fR" \
+           substr(text, RSTART + RLENGTH)
+}
+
+# A line that begins like a request would be one.
+function guarded(line) {
+    return line ~ /^[.']/ ? "\\&" line : line
+}
+
+# Running text, in lines of at most 80 bytes.
 function prose(text,    count, words, i, line, lines) {
-    count = split(text, words, " ")
+    count = split(roff(text), words, " ")
     line = words[1]
     for (i = 2; i <= count; i++)
-        if (length(roff(line " " words[i])) <= 80) line = line " " words[i]
+        if (length(line " " words[i]) <= 80) line = line " " words[i]
         else {
-            lines = lines roff(line) "\n"
+            lines = lines guarded(line) "\n"
             line = words[i]
         }
-    return lines roff(line)
+    return lines guarded(line)
 }
 
 # What is typed as it stands in bold, what the user fills in in italics, brackets and dots as they are.
@@ -45,8 +56,10 @@ function add(key, line) {
     block[key] = block[key] line "\n"
 }
 
-# Two or more spaces stand between what is typed and what it does.
-function halves(line) {
+# ---- lists of items: what is typed, two or more spaces, what it does; further lines are indented ----
+
+function item(line) {
+    end_item()
     sub(/^ +/, "", line)
     left = line
     right = ""
@@ -56,31 +69,32 @@ function halves(line) {
     }
 }
 
-function usage(line,    words) {
-    halves(line)
-    split(left, words, " ")
-    fixed = words[2] ~ /^\[?[a-z]+\]?$/ ? 2 : 1
-    add("@SYNOPSIS@", (usages++ ? ".br\n" : "") typed(left, fixed))
-    add("@COMMANDS@", ".TP\n" typed(left, fixed) "\n" prose(right))
-    gsub(/[][]/, "", words[2])
-    if (!seen[words[2]]++) add("@COMMAND_WORDS@", words[2])
+function end_item() {
+    if (left != "") {
+        if (section == "@list" && part == "exit codes") add("@EXIT_CODES@", ".TP\n.B " left "\n" prose(right))
+        if (section == "@list" && part == "topics of help" && left != "COMMAND") topics = topics " " left
+        if (section == "@command" && part == "examples") add("@EXAMPLES@", roff(left))
+        if (section == "@command" && part != "examples") own = own " " names(left, " ")
+        if (section == "@options") option()
+    }
+    left = right = ""
 }
 
-# The option whose lines have been read: to the manual page, and to the completion with the words that it takes.
-function end_option(    count, parts, i, list, name) {
-    if (option == "") return
-    add("@OPTIONS@", ".TP\n" typed(option, 0) (text == "" ? "" : "\n" prose(text)))
-    count = split(option, parts, /[ ,]+/)
+# "-o, --output-dir DIR" gives -o and --output-dir.
+function names(text, between,    count, parts, i, list) {
+    count = split(text, parts, /[ ,]+/)
     for (i = 1; i <= count; i++)
-        if (parts[i] ~ /^-/) {
-            add("@OPTION_WORDS@", parts[i])
-            name = name (name == "" ? "" : "|") parts[i]
-        }
-    if (parts[count] !~ /^-/) {
-        if (parts[count] ~ /^(KIND|NAME)$/) list = choices(text)
-        add("@VALUES@", "    " name ") takes_value=1 words=\"" list "\" ;;")
-    }
-    option = text = ""
+        if (parts[i] ~ /^-/) list = list (list == "" ? "" : between) parts[i]
+    return list
+}
+
+# To the manual page, and to the completion with the words that it takes.
+function option(    count, parts, list) {
+    add("@OPTIONS@", ".TP\n" typed(left, 0) "\n" prose(right))
+    count = split(left, parts, " ")
+    if (parts[count] ~ /^-/) return
+    if (parts[count] ~ /^(KIND|NAME)$/) list = choices(right)
+    add("@VALUES@", "    " names(left, "|") ") takes_value=1 words=\"" list "\" ;;")
 }
 
 # "auto (default), plane, cone or mesh" gives auto plane cone mesh.
@@ -93,35 +107,107 @@ function choices(text,    count, parts, i, list) {
     return list
 }
 
-# "exit codes: 0 ok, 1 results differ, ..., 75 ...": a code begins behind a comma.
-function end_codes(    place) {
-    sub(/^exit codes: */, "", codes)
-    while (codes != "") {
-        place = match(codes, /, [0-9]+ /) ? RSTART : length(codes) + 1
-        left = substr(codes, 1, place - 1)
-        codes = substr(codes, place + 2)
-        add("@EXIT_CODES@", ".TP\n.B " (left + 0) "\n" prose(substr(left, index(left, " ") + 1)))
+# ---- a command: its usage, a paragraph, its options ----
+
+function usage(line) {
+    sub(/^usage: /, "", line)
+    add("@SYNOPSIS@", (usages++ ? ".br\n" : "") typed(line, 2))
+    add("@COMMANDS@", ".TP\n" typed(line, 2))
+    add("@COMMAND_WORDS@", name)
+}
+
+function end_command() {
+    if (own == "") return
+    add("@OPTIONS_BY_COMMAND@", "    " name ") options=\"" substr(own, 2) "\" ;;")
+    own = ""
+}
+
+# ---- a text in Markdown: headings, paragraphs, lists, tables (their first column becomes the tag), indented lines ----
+
+function text_line(line) {
+    if (line ~ /^    / && !listed || line ~ /^```/) { indented(line); return }
+    if (code) { add(key, ".fi\n.RE"); code = 0 }
+    if (line ~ /^ *$/) { end_paragraph(); listed = 0; return }
+    gsub(/!\[[^]]*\]\([^)]*\)/, "", line)
+    while (match(line, /\[[^]]*\]\([^)]*\)/))
+        line = substr(line, 1, RSTART - 1) substr(line, RSTART + 1, index(substr(line, RSTART), "](") - 2) \
+               substr(line, RSTART + RLENGTH)
+    if (line ~ /^# /) return
+    if (line ~ /^##/) { end_paragraph(); sub(/^#+ */, "", line); add(key, ".SS " roff(line)); fresh = 1; return }
+    if (line ~ /^\|/) { row(line); return }
+    rows = 0
+    if (line ~ /^ *(-|[0-9]+\.) /) {
+        end_paragraph()
+        listed = 1
+        match(line, /(-|[0-9]+\.) /)
+        add(key, line ~ /^ *-/ ? ".IP \\(bu 2" : ".IP " substr(line, RSTART, RLENGTH - 1) " 4")
+        line = substr(line, RSTART + RLENGTH)
+        fresh = 1
     }
+    paragraph = paragraph " " line
+}
+
+function indented(line) {
+    end_paragraph()
+    if (line ~ /^```/) { fenced = !fenced; if (!fenced) { add(key, ".fi\n.RE"); code = 0 }; return }
+    if (!code) add(key, (fresh ? "" : ".PP\n") ".RS 4\n.nf")
+    code = 1
+    fresh = 0
+    gsub(/`/, "\001", line)
+    line = roff(substr(line, 5))
+    gsub(/\001/, "`", line)
+    add(key, guarded(line))
+}
+
+# The first row names the columns, the second is a rule.
+function row(line,    count, cells, i, rest) {
+    end_paragraph()
+    if (++rows <= 2) return
+    gsub(/\\\|/, "\001", line)
+    count = split(line, cells, /[ \t]*\|[ \t]*/)
+    for (i = 3; i < count; i++) rest = rest (rest == "" ? "" : "; ") cells[i]
+    gsub(/\001/, "|", cells[2])
+    gsub(/\001/, "|", rest)
+    add(key, ".TP\n" guarded(roff(cells[2])) "\n" prose(rest == "" ? "." : rest))
+    fresh = 0
+}
+
+function end_paragraph() {
+    if (paragraph ~ /[^ ]/) add(key, (fresh ? "" : ".PP\n") prose(paragraph))
+    if (paragraph ~ /[^ ]/) fresh = 0
+    paragraph = ""
 }
 
 FNR == 1 { file++ }
 
-file == 1 && /^usage: / { part = "usage"; sub(/^usage: /, "") }
-file == 1 && /^[a-z]+$/ {
-    end_option()
-    part = $0 == "examples" ? "examples" : "options"
-    if (part == "options") add("@OPTIONS@", ".SS " toupper(substr($0, 1, 1)) substr($0, 2))
+file == 1 && /^@/ {
+    end_item()
+    end_command()
+    end_paragraph()
+    section = $1
+    name = $2
+    part = ""
+    key = "@" toupper(name) "@"
+    fresh = 1
+    rows = listed = code = 0
     next
 }
-file == 1 && /^exit codes: / { end_option(); part = "codes" }
-file == 1 && /^$/ { next }
-file == 1 && part == "usage" { usage($0) }
-file == 1 && part == "options" && /^  -/ { end_option(); halves($0); option = left; text = right }
-file == 1 && part == "options" && /^    / { sub(/^ +/, ""); text = text " " $0 }
-file == 1 && part == "codes" { sub(/^ +/, " "); codes = codes $0 }
-file == 1 && part == "examples" { sub(/^ +/, ""); add("@EXAMPLES@", roff($0)) }
+file == 1 && section == "@text" { text_line($0); next }
+file == 1 && /^usage: / { if (section == "@command") usage($0); next }
+file == 1 && /^$/ { end_item(); next }
+file == 1 && /^[a-z ]+$/ && !/^ / {
+    part = $0
+    if (section == "@options") add("@OPTIONS@", ".SS " toupper(substr($0, 1, 1)) substr($0, 2))
+    next
+}
+file == 1 && /^   / { right = right " " $0; gsub(/  +/, " ", right); next }
+file == 1 && /^  / { item($0); next }
+file == 1 && section == "@command" && part == "" { add("@COMMANDS@", prose($0)); next }
 
-file == 2 && FNR == 1 { end_codes() }
+file == 2 && FNR == 1 {
+    end_paragraph()
+    add("@TOPICS@", substr(topics, 2))
+}
 file == 2 && ($0 in block) { printf "%s", block[$0]; next }
 file == 2 {
     gsub(/@VERSION@/, version)

@@ -1,4 +1,4 @@
-# What `cmake --install` copies. The manual page and the completion are written by the program's own --help, so their
+# What `cmake --install` copies. The manual page and the completion are written by the program's own help, so their
 # texts stand here, beside the command line they describe; package.cmake makes a Debian package of it all.
 # SPDX-License-Identifier: MIT
 set(here ${CMAKE_CURRENT_LIST_DIR})
@@ -33,15 +33,14 @@ install(FILES README.md CITATION.cff DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT plain)
 # without the scripts that build from source, and those that make what is here
 install(DIRECTORY samples meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml
-        FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "README.md")
+        FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "*.md")
 install(PROGRAMS samples/slurm.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/samples)
 if(CLUSTERMCML_PAGES)
     find_program(AWK NAMES mawk gawk awk REQUIRED)
     file(MAKE_DIRECTORY ${pages})
-    # a program under the address sanitizer may not fail for a library's leak
-    add_custom_command(OUTPUT ${pages}/help DEPENDS clustermcml
-        COMMAND ${CMAKE_COMMAND} -E env ASAN_OPTIONS=detect_leaks=0 ${CMAKE_CROSSCOMPILING_EMULATOR}
-                $<TARGET_FILE:clustermcml> --help > ${pages}/help)
+    add_custom_command(OUTPUT ${pages}/help DEPENDS clustermcml ${here}/help.cmake
+        COMMAND ${CMAKE_COMMAND} -D "PROGRAM=${CMAKE_CROSSCOMPILING_EMULATOR};$<TARGET_FILE:clustermcml>"
+                -D OUTPUT=${pages}/help -P ${here}/help.cmake VERBATIM)
     cml_fill(clustermcml.1.in clustermcml.1)
     cml_fill(clustermcml.bash.in clustermcml)
     add_custom_target(pages ALL DEPENDS ${pages}/clustermcml.1 ${pages}/clustermcml)

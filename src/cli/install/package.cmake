@@ -40,6 +40,8 @@ add_custom_command(OUTPUT ${debian}/changelog.gz ${debian}/clustermcml.1.gz
     COMMAND ${GZIP} -9nc ${debian}/changelog > ${debian}/changelog.gz
     COMMAND ${GZIP} -9nc ${pages}/clustermcml.1 > ${debian}/clustermcml.1.gz)
 add_custom_target(debian ALL DEPENDS ${debian}/changelog.gz ${debian}/clustermcml.1.gz)
+# else both targets would write the page at the same time
+add_dependencies(debian pages)
 install(FILES ${debian}/changelog.gz ${debian}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}
         COMPONENT debian EXCLUDE_FROM_ALL)
 install(FILES ${debian}/clustermcml.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT debian EXCLUDE_FROM_ALL)

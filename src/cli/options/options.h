@@ -1,13 +1,14 @@
-/* The command line: one set of options for all commands.
- * SPDX-License-Identifier: MIT */
+/* What the command line said, in one structure for all commands. SPDX-License-Identifier: MIT */
 #ifndef CML_OPTIONS_H
 #define CML_OPTIONS_H
 
+#include "cli/options/command_table.h"
 #include "engine/engine.h"
 #include "plot/plot_parts.h"
 #include "surface/surface.h"
 
 struct cml_options {
+    enum cml_command which; /* run where none is named */
     const struct cml_engine *engine;
     struct cml_engine_options engine_options;
     struct cml_surface_options surface;
@@ -24,20 +25,13 @@ struct cml_options {
     const char *caption;  /* of `plot`, NULL: none */
     const char *of;       /* array of a map for `plot`, NULL: not given */
     enum cml_scale scale; /* of `plot` */
-    const char *output;   /* -o, --output-dir: a directory, or the picture of `plot` and `compare`; NULL: not
-                             given */
+    const char *output;   /* a directory, or the picture of `plot` and `compare`; NULL: not given */
     const char *dump;     /* crosscheck: a file for the photons that differ; NULL: not wanted */
-    int num_operands;
-    char **operands; /* borrowed from argv */
+    int num_operands;     /* without the command's name */
+    char **operands;      /* borrowed from argv */
     bool help, version;
+    bool named;         /* the command was */
     char command[4096]; /* the command line as it was typed, words joined by blanks; cut when longer */
 };
-
-/* Parses argv[1..]; options and operands may mix. CML_E_INPUT with one line on what is wrong. */
-CML_NODISCARD cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
-                                           struct cml_error *err);
-
-/* The grouped help text. */
-const char *cml_options_help(void);
 
 #endif

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/options/command_table.h"
+
+#include "cli/options/guess.h"
+
+#include <string.h>
+
+const struct cml_command_def cml_commands[] = {
+    [CML_COMMAND_RUN] =
+        {"run", "scene.mci", 1, 1, "simulate all runs of the file",
+         "Flies the photons of all runs of the file and writes one result each. The word run may be left "
+         "out, and - "
+         "reads the scene from standard input. Under mpiexec or srun all ranks share the photons. Progress "
+         "goes to "
+         "standard error; a run that is stopped leaves a checkpoint, from which --resume continues.",
+         "clustermcml samples/shapes/hihill.mci --photons 1e7 -o results\n"
+         "clustermcml samples/mcml_sample.mci --target-error 1e-3 --json\n"},
+    [CML_COMMAND_PLAN] = {"plan", "scene.mci", 1, 1,
+                          "photons and time that an error takes, by engine and sampling",
+                          "Flies about a second of pilots, and prints how many photons, and how much time, a "
+                          "relative standard error of "
+                          "Rd, A and Tt takes on this machine. Writes no file.",
+                          "clustermcml plan samples/thick.mci --target-error 1e-2\n"},
+    [CML_COMMAND_CHECK] = {"check", "scene.mci", 1, 1, "validate; show layers, boundaries, meshes and memory",
+                           "Reads the file as run does, and prints what was understood: layers with their "
+                           "mean free paths, grids, how "
+                           "every boundary is represented and why, mesh sizes, the memory that a run will "
+                           "hold, and the totals of the "
+                           "scene without its shapes. Flies no photons but the trial ones of --tolerance.",
+                           "clustermcml check samples/mixed.mci\n"
+                           "clustermcml check samples/scan.mci --tolerance 0.01 --json\n"},
+    [CML_COMMAND_EXACT] = {"exact", "scene.mci", 1, 1,
+                           "totals of the flat scene without photons, by adding-doubling",
+                           "Computes Rsp, Rd, A, Tt and the absorption of every layer to 1e-7, without "
+                           "noise. Shapes count as planes at "
+                           "their nominal depths.",
+                           "clustermcml exact samples/skin7.mci\n"},
+    [CML_COMMAND_MESH] =
+        {"mesh", "scene.mci", 1, 1, "write every curved boundary as OBJ",
+         "Writes every boundary that is no plane as NAME.boundary<b>.obj, as a run would give it to Embree: "
+         "heightfields and heightmaps become meshes that are as fine as --tolerance asks for.",
+         "clustermcml mesh samples/scan.mci -o meshes --tolerance 0.01\n"},
+    [CML_COMMAND_TRACE] = {"trace", "scene.mci N", 2, 2, "every event of photon N, as a table",
+                           "Flies photon N (from 0) alone, with the random numbers that it has in a run with "
+                           "the same options, and prints "
+                           "its events.",
+                           "clustermcml trace samples/ridges.mci 17\n"
+                           "clustermcml trace samples/two_runs.mci 3 --run 2 --engine reference\n"},
+    [CML_COMMAND_CROSSCHECK] =
+        {"crosscheck", "scene.mci", 1, 1, "cones, mesh and OpenCL on the same photons, packet by packet",
+         "Flies the same photons in several ways, and compares how each ended, all totals and all profiles.",
+         "clustermcml crosscheck samples/shapes/hinoise.mci --photons 1e5 --dump differ.txt\n"},
+    [CML_COMMAND_COMPARE] = {"compare", "a.mco b.mco", 2, 2,
+                             "do two results agree within their noise? exit code 1 if not",
+                             "Tests the totals and every bin of the profiles of two results on the same "
+                             "grid, ours or original MCML's. "
+                             "Prints z and a p-value that is corrected for the number of tests.",
+                             "clustermcml compare a.mco b.mco -o z.svg\n"},
+    [CML_COMMAND_PLOT] =
+        {"plot", "FILE ...", 1, 64, "draw results and curves (.mco, .csv) or maps (.map.vti)",
+         "Draws r*Rd(r) and r*Tt(r) of one or more results (.mco), with heightfields dotted and the curves "
+         "of others "
+         "(.csv) dashed; or Rd(x,y) of one or more maps (.map.vti) in colours, side by side. Needs gnuplot.",
+         "clustermcml plot a.mco b.mco report.csv -o curves.svg\n"
+         "clustermcml plot skinmap.map.vti --of Tt -o map.png\n"},
+    [CML_COMMAND_DEVICES] = {"devices", "", 0, 0, "OpenCL devices and their numbers, cores, Embree",
+                             "Lists what photons can be flown on: cores and their vector instructions, "
+                             "OpenCL devices with the numbers that "
+                             "--device takes, and the version of Embree.",
+                             "clustermcml devices\n"},
+    [CML_COMMAND_HELP] = {"help", "[TOPIC]", 0, 1, "this list, or the text on a topic",
+                          "Prints the list of commands; of a command what it does and its options; all "
+                          "options; or a text: what an "
+                          "input file may hold, what the output is.",
+                          "clustermcml help run\n"
+                          "clustermcml help input | less\n"},
+};
+_Static_assert(sizeof cml_commands / sizeof *cml_commands == CML_NUM_COMMANDS, "a command without a row");
+
+enum cml_command cml_command_find(const char *name)
+{
+    int command = 0;
+    while (command < CML_NUM_COMMANDS && strcmp(cml_commands[command].name, name) != 0) command++;
+    return (enum cml_command)command;
+}
+
+const char *cml_command_guess(const char *word)
+{
+    struct cml_guess guess = {.word = word, .length = strlen(word)};
+    for (int i = 0; i < CML_NUM_COMMANDS; i++) cml_guess_offer(&guess, cml_commands[i].name);
+    return cml_guess_best(&guess);
+}

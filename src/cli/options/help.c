@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/options/help.h"
+
+#include "cli/options/guess.h"
+#include "cli/options/option_table.h"
+
+#include <string.h>
+
+/* Columns: of the text, and of what an item does. */
+enum { WIDTH = 80, INDENT = 26 };
+
+static const struct {
+    int code;
+    const char *text;
+} exit_codes[] = {
+    {0, "done"},
+    {1, "results differ (compare, crosscheck)"},
+    {2, "usage or input, or a request that does not fit into memory"},
+    {3, "no device, or one that failed"},
+    {4, "numerical: lost packets, or a balance of weights that is not 0; the result is written all the same"},
+    {5, "a file could not be written, a rank was lost, or gnuplot failed"},
+    {75, "stopped by a signal; --resume continues"},
+};
+
+/* Broken at blanks, from `column` on; further lines begin at `indent`. */
+static void print_wrapped(FILE *stream, const char *text, size_t column, size_t indent)
+{
+    while (*text) {
+        const size_t length = strcspn(text, " ");
+        if (column > indent && column + 1 + length > WIDTH) {
+            fprintf(stream, "\n%*s", (int)indent, "");
+            column = indent;
+        } else if (column > indent) {
+            fputc(' ', stream);
+            column++;
+        }
+        fwrite(text, 1, length, stream);
+        column += length;
+        text += length + (text[length] == ' ');
+    }
+    fputc('\n', stream);
+}
+
+/* What is typed, and what it does beside it, or below where there is no room. */
+static void print_item(FILE *stream, const char *typed, const char *text)
+{
+    fprintf(stream, "  %-*s", INDENT - 2, typed);
+    if (strlen(typed) > INDENT - 4) fprintf(stream, "\n%*s", INDENT, "");
+    print_wrapped(stream, text, INDENT, INDENT);
+}
+
+static void print_option(FILE *stream, const struct cml_option *option, bool owners)
+{
+    char typed[80], commands[160] = "", text[640];
+    snprintf(typed, sizeof typed, "%s%c%s--%s%s%s", option->letter ? "-" : "",
+             option->letter ? option->letter : ' ', option->letter ? ", " : "", option->name,
+             option->argument ? " " : "", option->argument ? option->argument : "");
+    cml_option_commands(option, commands, sizeof commands);
+    snprintf(text, sizeof text, owners ? "%s (%s)" : "%s", option->help, commands);
+    print_item(stream, typed + !option->letter, text);
+}
+
+/* Those of one command, or of all with the names of their commands. */
+static void print_options(FILE *stream, enum cml_command command)
+{
+    const bool all = command == CML_NUM_COMMANDS;
+    const char *title = NULL;
+    for (size_t i = 0; i < cml_option_count; i++) {
+        const struct cml_option *option = &cml_option_table[i];
+        if (option->title) title = option->title;
+        if (!all && !cml_option_belongs(option, command)) continue;
+        if (title) fprintf(stream, "\n%s\n", title);
+        title = NULL;
+        print_option(stream, option, all);
+    }
+}
+
+/* The first lines of the texts, less the '#' of a heading, say what they are. */
+static void print_topics(FILE *stream)
+{
+    fprintf(stream, "\ntopics of help\n");
+    print_item(stream, "COMMAND", "what it does, its options and an example");
+    print_item(stream, "options", "all options");
+    for (const struct cml_help_text *text = cml_help_texts; text->name; text++) {
+        char title[80];
+        const char *begin = text->text + strspn(text->text, "# ");
+        snprintf(title, sizeof title, "%.*s", (int)strcspn(begin, "\n"), begin);
+        print_item(stream, text->name, title);
+    }
+}
+
+static void print_list(FILE *stream)
+{
+    fprintf(stream, "usage: clustermcml [COMMAND] OPERANDS [OPTIONS]\n\ncommands\n");
+    for (int i = 0; i < CML_NUM_COMMANDS; i++) {
+        const struct cml_command_def *command = &cml_commands[i];
+        char typed[80];
+        snprintf(typed, sizeof typed, "%s%s%s%s%s", i == 0 ? "[" : "", command->name, i == 0 ? "]" : "",
+                 command->operands[0] ? " " : "", command->operands);
+        print_item(stream, typed, command->summary);
+    }
+    print_topics(stream);
+    fprintf(stream, "\nexit codes\n");
+    for (size_t i = 0; i < sizeof exit_codes / sizeof *exit_codes; i++) {
+        char code[8];
+        snprintf(code, sizeof code, "%d", exit_codes[i].code);
+        print_item(stream, code, exit_codes[i].text);
+    }
+    fprintf(stream, "\nexamples\n  clustermcml samples/mcml_sample.mci\n"
+                    "  clustermcml samples/shapes/hihill.mci --photons 1e7 -o results\n"
+                    "  clustermcml plot results/hihill.mco -o hihill.svg\n");
+}
+
+static void print_command(FILE *stream, enum cml_command which)
+{
+    const struct cml_command_def *command = &cml_commands[which];
+    fprintf(stream, "usage: clustermcml %s%s%s [options]\n\n", command->name, command->operands[0] ? " " : "",
+            command->operands);
+    print_wrapped(stream, command->text, 0, 0);
+    print_options(stream, which);
+    fprintf(stream, "\nexamples\n");
+    for (const char *line = command->example; *line; line += strcspn(line, "\n") + 1)
+        fprintf(stream, "  %.*s\n", (int)strcspn(line, "\n"), line);
+}
+
+static cml_status refuse(const char *topic, struct cml_error *err)
+{
+    struct cml_guess guess = {.word = topic, .length = strlen(topic)};
+    for (int i = 0; i < CML_NUM_COMMANDS; i++) cml_guess_offer(&guess, cml_commands[i].name);
+    for (const struct cml_help_text *text = cml_help_texts; text->name; text++)
+        cml_guess_offer(&guess, text->name);
+    const char *meant = cml_guess_best(&guess);
+    return cml_fail(err, CML_E_INPUT, "help: no text on %s (%s%s%s)", topic,
+                    meant ? "did you mean " : "try clustermcml help", meant ? meant : "", meant ? "?" : "");
+}
+
+cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err)
+{
+    if (!topic) {
+        print_list(stream);
+        return CML_OK;
+    }
+    if (strcmp(topic, "options") == 0) {
+        print_options(stream, CML_NUM_COMMANDS);
+        return CML_OK;
+    }
+    const enum cml_command command = cml_command_find(topic);
+    if (command != CML_NUM_COMMANDS) {
+        print_command(stream, command);
+        return CML_OK;
+    }
+    const struct cml_help_text *text = cml_help_texts;
+    while (text->name && strcmp(text->name, topic) != 0) text++;
+    if (!text->name) return refuse(topic, err);
+    fputs(text->text, stream);
+    return CML_OK;
+}

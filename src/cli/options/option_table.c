@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/options/option_table.h"
+
+#include "cli/options/guess.h"
+#include "cli/options/option_values.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* Commands in one word each, and some that often stand together. */
+enum {
+    RUN = 1 << CML_COMMAND_RUN,
+    PLAN = 1 << CML_COMMAND_PLAN,
+    CHECK = 1 << CML_COMMAND_CHECK,
+    EXACT = 1 << CML_COMMAND_EXACT,
+    MESH = 1 << CML_COMMAND_MESH,
+    TRACE = 1 << CML_COMMAND_TRACE,
+    CROSSCHECK = 1 << CML_COMMAND_CROSSCHECK,
+    COMPARE = 1 << CML_COMMAND_COMPARE,
+    PLOT = 1 << CML_COMMAND_PLOT,
+    ALL = (1 << CML_NUM_COMMANDS) - 1,
+    FLYING = RUN | PLAN | TRACE | CROSSCHECK,
+    SURFACES = FLYING | CHECK | MESH
+};
+
+#define MEMBER(name) offsetof(struct cml_options, name)
+#define FLAG(name) .read = cml_read_true, .member = MEMBER(name)
+#define NO_FLAG(name) .read = cml_read_false, .member = MEMBER(name)
+#define TEXT(name) .read = cml_read_text, .member = MEMBER(name)
+#define COUNT(name, low, high) .read = cml_read_count, .member = MEMBER(name), .least = (low), .most = (high)
+#define INT(name, low, high) .read = cml_read_int, .member = MEMBER(name), .least = (low), .most = (high)
+
+/* 2^48 photons is what a result holds; a seed up to 2^53 survives as a number in JSON and HDF5. */
+const struct cml_option cml_option_table[] = {
+    {"photons", 0, "N", RUN | PLAN | CROSSCHECK, NULL,
+     "instead of the file's number; 1e7 reads as ten million; of plan: of the longest pilot",
+     COUNT(photons, 1, 0x1p48), .title = "simulation"},
+    {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
+     COUNT(engine_options.seed, 0, 0x1p53)},
+    {"run", 0, "K", TRACE, NULL, "the file's run that the photon belongs to, from 1 (default)",
+     COUNT(run, 1, UINT32_MAX)},
+    {"target-error", 0, "E", RUN | PLAN, NULL,
+     "fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt is below E; of plan: the error "
+     "that is "
+     "planned for, default 1e-3",
+     .read = cml_read_target_error},
+    {"sampling", 0, "KIND", RUN | TRACE | CROSSCHECK, NULL,
+     "of a packet's first draws: lattice (default, evenly spread) or random", .read = cml_read_sampling,
+     .words = "random lattice"},
+    {"roulette", 0, "WR,WS|mcml", FLYING, NULL,
+     "packets below WR survive as WS; mcml: below 1e-4 one in ten survives; default 0.003,0.01",
+     .read = cml_read_roulette},
+    {"control", 0, "flat", RUN, NULL,
+     "totals once more with the flat twin as control variate: smaller errors where boundaries are curved",
+     .read = cml_read_control, .words = "flat"},
+    {"ignore-absorption", 0, NULL, RUN | PLAN | CHECK | CROSSCHECK, NULL, "tally no A_rz",
+     NO_FLAG(engine_options.absorption)},
+    {"ignore-heightfields", 0, NULL, SURFACES, NULL, "every surface is its nominal plane",
+     FLAG(ignore_heightfields)},
+    {"no-reentry", 0, NULL, FLYING | CHECK, NULL,
+     "score packets at their first exit, as the 2019 program did", NO_FLAG(engine_options.reentry)},
+
+    {"boundaries", 0, "KIND", SURFACES, NULL, "auto (default), plane, cone or mesh",
+     .read = cml_read_boundaries, .words = "plane cone mesh auto", .title = "boundaries"},
+    {"tolerance", 0, "T", SURFACES | EXACT, NULL,
+     "relative bias to keep; heightmaps: height error / peak to valley; default 1e-3. When given, a surface "
+     "becomes a "
+     "plane where trial packets (a second at most) show that this changes no total or profile by more",
+     .read = cml_read_tolerance},
+    {"mesh-budget", 0, "N", SURFACES | EXACT, NULL,
+     "triangles that the mesh of a boundary may have; default 4e6, or what fits into a quarter of the memory "
+     "at 350 "
+     "bytes each; a boundary that needs more is refused",
+     .read = cml_read_mesh_budget, .least = 1, .most = CML_MESH_MOST},
+    {"normals", 0, "KIND", SURFACES, NULL,
+     "of a tessellated heightfield: analytic (default), vertex or facet", .read = cml_read_normals,
+     .words = "facet vertex analytic"},
+    {"rings", 0, "KIND", SURFACES, NULL,
+     "of a tessellated heightfield: area (area-preserving, default) or inscribed", .read = cml_read_rings,
+     .words = "area inscribed"},
+    {"mesh-search", 0, "KIND", FLYING | CHECK, "cpu",
+     "of engine cpu: auto (default; regular grids are walked, Embree elsewhere) or embree",
+     .read = cml_read_mesh_search, .words = "auto embree"},
+
+    {"engine", 0, "NAME", RUN | CHECK | TRACE, NULL, "cpu (default), reference or opencl",
+     .read = cml_read_engine, .title = "machine"},
+    {"threads", 0, "N", RUN | PLAN | CHECK | CROSSCHECK, NULL, "default: OMP_NUM_THREADS, or all cores",
+     INT(engine_options.threads, 1, 4096)},
+    {"chunk", 0, "N", RUN | PLAN | CROSSCHECK, NULL,
+     "packets a thread or device takes at a time; never changes a result",
+     COUNT(engine_options.chunk, 1, CML_TALLY_MAX_PHOTONS)},
+    {"device", 0, "I[,J...]|all", FLYING, "opencl",
+     "for opencl: numbers that `devices` lists; default by local MPI rank, GPUs first",
+     TEXT(engine_options.device)},
+    {"group", 0, "N", FLYING, "opencl", "for opencl: work-items per group; never changes a result",
+     INT(engine_options.group, 1, 65536)},
+    {"build-options", 0, "TEXT", FLYING, "opencl", "for opencl: for the device's compiler, behind ours",
+     TEXT(engine_options.build_options)},
+    {"checkpoint", 0, "S|off", RUN, NULL,
+     "seconds between checkpoints of a run, default 60 (DIR/NAME.checkpoint)", .read = cml_read_checkpoint,
+     .member = MEMBER(checkpoint_interval)},
+    {"resume", 0, NULL, RUN, NULL, "continue from the checkpoint, on any number of ranks and threads",
+     FLAG(resume)},
+    {"patience", 0, "S", RUN | PLAN, NULL,
+     "under mpiexec or srun: end when a rank was silent for so long, default 60", .read = cml_read_seconds,
+     .member = MEMBER(timeout)},
+
+    {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
+     TEXT(output), .title = "output"},
+    {"output", 'o', "FILE", COMPARE | PLOT, NULL,
+     "the picture, .svg or .png; of compare: none without it; of plot: default plot.svg", TEXT(output)},
+    {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | COMPARE, NULL,
+     "one line with one object per run on standard output, nothing else there", FLAG(json)},
+    {"alpha", 0, "A", COMPARE, NULL, "p below it is a difference, default 0.01", .read = cml_read_alpha},
+    {"dump", 0, "FILE", CROSSCHECK, NULL, "the photons that differ, for trace", TEXT(dump)},
+    {"verbose", 0, NULL, RUN, NULL, "photons, idle and communication share of every rank", FLAG(verbose)},
+    {"caption", 0, "TEXT", PLOT, NULL, "below the picture", TEXT(caption)},
+    {"of", 0, "NAME", PLOT, NULL, "of a map: Rd (default), Tt, or any array of the file", TEXT(of)},
+    {"log", 0, NULL, PLOT, NULL, "logarithmic scale; default: curves are, maps as their range asks for",
+     .read = cml_read_log},
+    {"linear", 0, NULL, PLOT, NULL, "linear scale", .read = cml_read_linear},
+    {"quiet", 0, NULL, SURFACES | EXACT | COMPARE | PLOT, NULL, "no banner, progress or summary",
+     FLAG(quiet)},
+    {"help", 'h', NULL, ALL, NULL, "of the command, or the list of commands", FLAG(help)},
+    {"version", 0, NULL, ALL, NULL, "of the program", FLAG(version)},
+};
+
+const size_t cml_option_count = sizeof cml_option_table / sizeof *cml_option_table;
+
+const struct cml_option *cml_option_find(const char *name, size_t length)
+{
+    for (size_t i = 0; i < cml_option_count; i++) {
+        const char *known = cml_option_table[i].name;
+        if (strlen(known) == length && memcmp(known, name, length) == 0) return &cml_option_table[i];
+    }
+    return NULL;
+}
+
+const struct cml_option *cml_option_of_letter(char letter, enum cml_command command)
+{
+    const struct cml_option *first = NULL;
+    for (const struct cml_option *o = cml_option_table; o < cml_option_table + cml_option_count; o++) {
+        if (o->letter != letter || letter == '\0') continue;
+        if (cml_option_belongs(o, command)) return o;
+        if (!first) first = o;
+    }
+    return first;
+}
+
+void cml_option_commands(const struct cml_option *option, char *text, size_t size)
+{
+    size_t used = 0;
+    for (int i = 0; i < CML_NUM_COMMANDS && used < size; i++)
+        if (cml_option_belongs(option, (enum cml_command)i))
+            used +=
+                (size_t)snprintf(text + used, size - used, "%s%s", used ? ", " : "", cml_commands[i].name);
+}
+
+const char *cml_option_guess(const char *name, size_t length)
+{
+    struct cml_guess guess = {.word = name, .length = length};
+    for (size_t i = 0; i < cml_option_count; i++) cml_guess_offer(&guess, cml_option_table[i].name);
+    return cml_guess_best(&guess);
+}

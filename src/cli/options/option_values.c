@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/options/option_values.h"
+
+#include "base/text.h"
+#include "engine/engines.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static cml_status fail(struct cml_error *err, const struct cml_option *option, const char *value,
+                       const char *expected)
+{
+    return cml_fail(err, CML_E_INPUT, "--%s %s (expected %s)", option->name, value, expected);
+}
+
+/* ---- shared by several options ---- */
+
+static void *member_of(const struct cml_option *option, struct cml_options *options)
+{
+    return (char *)options + option->member;
+}
+
+cml_status cml_read_true(const struct cml_option *option, const char *value, struct cml_options *options,
+                         struct cml_error *err)
+{
+    (void)value, (void)err;
+    *(bool *)member_of(option, options) = true;
+    return CML_OK;
+}
+
+cml_status cml_read_false(const struct cml_option *option, const char *value, struct cml_options *options,
+                          struct cml_error *err)
+{
+    (void)value, (void)err;
+    *(bool *)member_of(option, options) = false;
+    return CML_OK;
+}
+
+cml_status cml_read_text(const struct cml_option *option, const char *value, struct cml_options *options,
+                         struct cml_error *err)
+{
+    (void)err;
+    *(const char **)member_of(option, options) = value;
+    return CML_OK;
+}
+
+static cml_status count(const struct cml_option *option, const char *value, uint64_t *number,
+                        struct cml_error *err)
+{
+    char expected[96];
+    snprintf(expected, sizeof expected, "a whole number from %.0f to %.0f", option->least, option->most);
+    uint64_t read = 0;
+    if (!cml_parse_count(value, &read) || (double)read < option->least || (double)read > option->most)
+        return fail(err, option, value, expected);
+    *number = read;
+    return CML_OK;
+}
+
+cml_status cml_read_count(const struct cml_option *option, const char *value, struct cml_options *options,
+                          struct cml_error *err)
+{
+    return count(option, value, member_of(option, options), err);
+}
+
+cml_status cml_read_int(const struct cml_option *option, const char *value, struct cml_options *options,
+                        struct cml_error *err)
+{
+    uint64_t number = 0;
+    CML_TRY(count(option, value, &number, err));
+    *(int *)member_of(option, options) = (int)number;
+    return CML_OK;
+}
+
+/* Zero would mean for ever in one place and never in another, so it is refused. */
+cml_status cml_read_seconds(const struct cml_option *option, const char *value, struct cml_options *options,
+                            struct cml_error *err)
+{
+    double *number = member_of(option, options);
+    if (cml_parse_double(value, number) && *number > 0 && *number <= 1e9) return CML_OK;
+    return fail(err, option, value, "seconds above 0, up to 1e9");
+}
+
+/* One of option->words, whose position is *choice. */
+static cml_status choose(const struct cml_option *option, const char *value, int *choice,
+                         struct cml_error *err)
+{
+    char expected[128];
+    const size_t length = strlen(value);
+    int position = 0;
+    for (const char *word = option->words; *word; position++) {
+        const size_t size = strcspn(word, " ");
+        if (size == length && memcmp(word, value, size) == 0) {
+            *choice = position;
+            return CML_OK;
+        }
+        word += size + (word[size] == ' ');
+    }
+    snprintf(expected, sizeof expected, "%s%s", position > 1 ? "one of " : "", option->words);
+    return fail(err, option, value, expected);
+}
+
+/* ---- what is flown, and until when ---- */
+
+cml_status cml_read_engine(const struct cml_option *option, const char *value, struct cml_options *options,
+                           struct cml_error *err)
+{
+    const struct cml_engine *engine = cml_engine_find(value);
+    if (engine) options->engine = engine;
+    return engine ? CML_OK : fail(err, option, value, "cpu, reference or opencl");
+}
+
+cml_status cml_read_sampling(const struct cml_option *option, const char *value, struct cml_options *options,
+                             struct cml_error *err)
+{
+    int choice = 0;
+    CML_TRY(choose(option, value, &choice, err));
+    options->engine_options.lattice = choice == 1;
+    return CML_OK;
+}
+
+/* "A,B". */
+static bool parse_pair(const char *value, double *a, double *b)
+{
+    char first[32];
+    const char *comma = strchr(value, ',');
+    const size_t length = comma ? (size_t)(comma - value) : sizeof first;
+    if (length >= sizeof first) return false;
+    memcpy(first, value, length);
+    first[length] = '\0';
+    return cml_parse_double(first, a) && cml_parse_double(comma + 1, b);
+}
+
+cml_status cml_read_roulette(const struct cml_option *option, const char *value, struct cml_options *options,
+                             struct cml_error *err)
+{
+    struct cml_roulette_options *roulette = &options->engine_options.roulette;
+    *roulette = (struct cml_roulette_options){0, 0};
+    if (strcmp(value, "mcml") == 0) return CML_OK;
+    const bool sound = parse_pair(value, &roulette->below, &roulette->weight) && roulette->below >= 1e-6 &&
+                       roulette->below <= roulette->weight && roulette->weight <= 1;
+    return sound ? CML_OK : fail(err, option, value, "mcml, or WR,WS with 1e-6 <= WR <= WS <= 1");
+}
+
+cml_status cml_read_control(const struct cml_option *option, const char *value, struct cml_options *options,
+                            struct cml_error *err)
+{
+    int choice = 0;
+    CML_TRY(choose(option, value, &choice, err));
+    options->control = true;
+    return CML_OK;
+}
+
+cml_status cml_read_target_error(const struct cml_option *option, const char *value,
+                                 struct cml_options *options, struct cml_error *err)
+{
+    double *error = &options->target_error;
+    if (cml_parse_double(value, error) && *error > 0 && *error < 1) return CML_OK;
+    return fail(err, option, value, "a relative error between 0 and 1");
+}
+
+cml_status cml_read_checkpoint(const struct cml_option *option, const char *value,
+                               struct cml_options *options, struct cml_error *err)
+{
+    if (strcmp(value, "off") != 0) return cml_read_seconds(option, value, options, err);
+    options->checkpoint_interval = 0;
+    return CML_OK;
+}
+
+/* ---- how boundaries are represented ---- */
+
+cml_status cml_read_boundaries(const struct cml_option *option, const char *value,
+                               struct cml_options *options, struct cml_error *err)
+{
+    int choice = 0;
+    CML_TRY(choose(option, value, &choice, err));
+    options->surface.force = (enum cml_surface_kind)choice;
+    return CML_OK;
+}
+
+/* A tolerance that the user gives also allows a boundary to be taken for a plane where that is within it. */
+cml_status cml_read_tolerance(const struct cml_option *option, const char *value, struct cml_options *options,
+                              struct cml_error *err)
+{
+    double *tolerance = &options->surface.tolerance;
+    options->surface.may_flatten = true;
+    if (cml_parse_double(value, tolerance) && *tolerance >= 1e-12 && *tolerance <= 0.1) return CML_OK;
+    return fail(err, option, value, "a number from 1e-12 to 0.1");
+}
+
+cml_status cml_read_mesh_budget(const struct cml_option *option, const char *value,
+                                struct cml_options *options, struct cml_error *err)
+{
+    uint64_t most = 0;
+    CML_TRY(count(option, value, &most, err));
+    options->surface.budget.most = (double)most;
+    return CML_OK;
+}
+
+cml_status cml_read_normals(const struct cml_option *option, const char *value, struct cml_options *options,
+                            struct cml_error *err)
+{
+    int choice = 0;
+    CML_TRY(choose(option, value, &choice, err));
+    options->surface.tessellation.normals = (enum cml_normals)choice;
+    return CML_OK;
+}
+
+cml_status cml_read_rings(const struct cml_option *option, const char *value, struct cml_options *options,
+                          struct cml_error *err)
+{
+    int choice = 0;
+    CML_TRY(choose(option, value, &choice, err));
+    options->surface.tessellation.inscribed = choice == 1;
+    return CML_OK;
+}
+
+cml_status cml_read_mesh_search(const struct cml_option *option, const char *value,
+                                struct cml_options *options, struct cml_error *err)
+{
+    int choice = 0;
+    CML_TRY(choose(option, value, &choice, err));
+    options->surface.search = (enum cml_mesh_search)choice;
+    return CML_OK;
+}
+
+/* ---- comparing and plotting ---- */
+
+/* 0 would never differ, 1 always. */
+cml_status cml_read_alpha(const struct cml_option *option, const char *value, struct cml_options *options,
+                          struct cml_error *err)
+{
+    if (cml_parse_double(value, &options->alpha) && options->alpha > 0 && options->alpha < 1) return CML_OK;
+    return fail(err, option, value, "a number above 0 and below 1");
+}
+
+cml_status cml_read_log(const struct cml_option *option, const char *value, struct cml_options *options,
+                        struct cml_error *err)
+{
+    (void)option, (void)value, (void)err;
+    options->scale = CML_SCALE_LOG;
+    return CML_OK;
+}
+
+cml_status cml_read_linear(const struct cml_option *option, const char *value, struct cml_options *options,
+                           struct cml_error *err)
+{
+    (void)option, (void)value, (void)err;
+    options->scale = CML_SCALE_LINEAR;
+    return CML_OK;
+}

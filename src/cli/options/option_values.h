@@ -1,0 +1,22 @@
+/* How the values of options are read. Every message names the option, what was given, and what was expected.
+ * Functions with the signature of cml_option.read. SPDX-License-Identifier: MIT */
+#ifndef CML_OPTION_VALUES_H
+#define CML_OPTION_VALUES_H
+
+#include "cli/options/option.h"
+#include "cli/options/options.h"
+
+typedef cml_status cml_option_reader(const struct cml_option *option, const char *value,
+                                     struct cml_options *options, struct cml_error *err);
+
+/* Shared: they set option->member. A bool becomes true or false; a text is the value; numbers lie between
+ * option->least and most, and whole ones may be written like 1e7. */
+cml_option_reader cml_read_true, cml_read_false, cml_read_text, cml_read_count, cml_read_int,
+    cml_read_seconds;
+
+/* Of one option each. */
+cml_option_reader cml_read_engine, cml_read_sampling, cml_read_roulette, cml_read_control,
+    cml_read_target_error, cml_read_checkpoint, cml_read_boundaries, cml_read_tolerance, cml_read_mesh_budget,
+    cml_read_normals, cml_read_rings, cml_read_mesh_search, cml_read_alpha, cml_read_log, cml_read_linear;
+
+#endif

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/options/options_parse.h"
+
+#include "cli/options/option_table.h"
+#include "cli/options/option_values.h"
+#include "engine/engines.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* ---- words ---- */
+
+enum word_kind { WORD_END, WORD_OPERAND, WORD_OPTION };
+
+/* Goes through argv. The last five members are the word read last. */
+struct words {
+    int argc, at;
+    char **argv;
+    enum cml_command command; /* decides what a letter means that several options share */
+    const char *letters;      /* left of a group like -xh */
+    bool ended;               /* by --: operands are left */
+    char *operand;
+    const struct cml_option *option; /* NULL: unknown */
+    char typed[64];                  /* the option's name with its dashes; cut when longer */
+    const char *value;               /* NULL: none */
+    bool surplus;                    /* a value stands behind an option that takes none */
+};
+
+/* What stands behind it in the same word, or the next word, whatever that is: --seed -1. */
+static void take_value(struct words *words, const char *behind)
+{
+    words->value = NULL;
+    if (!words->option || !words->option->argument) return;
+    words->value = behind ? behind : words->at < words->argc ? words->argv[words->at++] : NULL;
+}
+
+static enum word_kind take_letter(struct words *words)
+{
+    const char letter = *words->letters++;
+    snprintf(words->typed, sizeof words->typed, "-%c", letter);
+    words->option = cml_option_of_letter(letter, words->command);
+    words->surplus = false;
+    const bool takes = words->option && words->option->argument;
+    const char *behind = takes && *words->letters ? words->letters : NULL;
+    if (takes || !*words->letters) words->letters = NULL;
+    take_value(words, behind);
+    return WORD_OPTION;
+}
+
+static enum word_kind take_name(struct words *words, const char *name)
+{
+    const size_t length = strcspn(name, "=");
+    const char *behind = name[length] ? name + length + 1 : NULL;
+    snprintf(words->typed, sizeof words->typed, "--%.*s", length < 60 ? (int)length : 60, name);
+    words->option = cml_option_find(name, length);
+    words->surplus = behind && words->option && !words->option->argument;
+    take_value(words, behind);
+    return WORD_OPTION;
+}
+
+static enum word_kind next_word(struct words *words)
+{
+    if (words->letters) return take_letter(words);
+    if (words->at >= words->argc) return WORD_END;
+    char *word = words->argv[words->at++];
+    const bool dashed = !words->ended && word[0] == '-' && word[1];
+    if (dashed && strcmp(word, "--") == 0) {
+        words->ended = true;
+        return next_word(words);
+    }
+    words->operand = word;
+    if (!dashed) return WORD_OPERAND;
+    if (word[1] == '-') return take_name(words, word + 2);
+    words->letters = word + 1;
+    return take_letter(words);
+}
+
+/* ---- what is refused ---- */
+
+static cml_status refuse_unknown(const struct words *words, struct cml_error *err)
+{
+    const char *name = words->typed + 2, *meant = NULL;
+    if (words->typed[1] == '-') meant = cml_option_guess(name, strlen(name));
+    if (!meant) return cml_fail(err, CML_E_INPUT, "unknown option %s (try clustermcml --help)", words->typed);
+    return cml_fail(err, CML_E_INPUT, "unknown option %s (did you mean --%s?)", words->typed, meant);
+}
+
+/* An option that nothing would look at was meant to do something. */
+static cml_status check_belongs(const struct words *words, const struct cml_options *options,
+                                struct cml_error *err)
+{
+    const struct cml_option *option = words->option, *engine = cml_option_find("engine", strlen("engine"));
+    const char *command = cml_commands[options->which].name;
+    char owners[160] = "";
+    if (!cml_option_belongs(option, options->which)) {
+        cml_option_commands(option, owners, sizeof owners);
+        return cml_fail(err, CML_E_INPUT, "%s: %s does not apply (it belongs to: %s)", command, words->typed,
+                        owners);
+    }
+    if (!option->engine || !cml_option_belongs(engine, options->which) ||
+        strcmp(option->engine, options->engine->name) == 0)
+        return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: %s does not apply to engine %s (it belongs to: %s)", command,
+                    words->typed, options->engine->name, option->engine);
+}
+
+static cml_status check_option(const struct words *words, const struct cml_options *options,
+                               struct cml_error *err)
+{
+    if (!words->option) return refuse_unknown(words, err);
+    if (!options->help && !options->version) CML_TRY(check_belongs(words, options, err));
+    if (words->option->argument && !words->value)
+        return cml_fail(err, CML_E_INPUT, "%s is missing its value (try clustermcml --help)", words->typed);
+    if (words->surplus)
+        return cml_fail(err, CML_E_INPUT, "%s takes no value (try clustermcml --help)", words->typed);
+    return CML_OK;
+}
+
+/* Two scenes are the usual mistake, or a command that is misspelt. */
+static cml_status refuse_operands(const struct cml_options *options, struct cml_error *err)
+{
+    const struct cml_command_def *command = &cml_commands[options->which];
+    char *const *operands = options->operands;
+    const char *meant = options->named || options->num_operands < 2 ? NULL : cml_command_guess(operands[0]);
+    if (meant) return cml_fail(err, CML_E_INPUT, "unknown command %s (did you mean %s?)", operands[0], meant);
+    if (options->num_operands > 1 && strcmp(command->operands, "scene.mci") == 0)
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%s takes one scene, not %s and %s (a file may hold several runs; for several files call it "
+            "once for each)",
+            command->name, operands[0], operands[1]);
+    return cml_fail(err, CML_E_INPUT, "usage: clustermcml %s%s%s (try clustermcml help %s)", command->name,
+                    command->operands[0] ? " " : "", command->operands, command->name);
+}
+
+/* ---- reading ---- */
+
+/* Whatever is not zero. */
+static void set_defaults(struct cml_options *options)
+{
+    *options = (struct cml_options){.engine = cml_engine_find("cpu")};
+    /* a level of one false alarm in a hundred comparisons */
+    options->alpha = 0.01;
+    /* a fixed seed, so that a run can be repeated by whoever has its file */
+    options->engine_options.seed = 1;
+    options->run = 1;
+    options->engine_options.lattice = true;
+    options->engine_options.roulette = (struct cml_roulette_options){0.003, 0.01};
+    options->engine_options.reentry = true;
+    options->engine_options.absorption = true;
+    /* s: a minute of work may be lost, and a host that is busy must not be taken for a lost one */
+    options->checkpoint_interval = 60;
+    options->timeout = 60;
+    options->surface.force = CML_SURFACE_AUTO;
+    options->surface.tolerance = 1e-3;
+    options->surface.tessellation.normals = CML_NORMALS_ANALYTIC;
+    options->surface.budget.most = cml_mesh_budget_default();
+}
+
+/* Before operands are moved to the front. */
+static void keep_command(int argc, char **argv, struct cml_options *options)
+{
+    size_t used = 0;
+    for (int i = 0; i < argc && used < sizeof options->command; i++)
+        used += (size_t)snprintf(options->command + used, sizeof options->command - used, "%s%s",
+                                 i > 0 ? " " : "", argv[i]);
+}
+
+/* What decides which options belong, wherever it stands: the command, the engine, and the flag --help. Flags
+ * and the engine are read a second time later, which changes nothing; so are mistakes. */
+static void look_ahead(int argc, char **argv, struct cml_options *options)
+{
+    struct words words = {.argc = argc, .at = 1, .argv = argv};
+    bool first = true;
+    for (enum word_kind kind = next_word(&words); kind != WORD_END; kind = next_word(&words)) {
+        const struct cml_option *option = words.option;
+        struct cml_error later;
+        if (kind == WORD_OPERAND && first) {
+            const enum cml_command command = cml_command_find(words.operand);
+            options->named = command != CML_NUM_COMMANDS;
+            if (options->named) options->which = command;
+            first = false;
+        } else if (kind == WORD_OPTION && option && (!option->argument || option->read == cml_read_engine)) {
+            if (option->argument && !words.value) continue;
+            if (option->read(option, words.value, options, &later) != CML_OK) continue;
+        }
+    }
+}
+
+cml_status cml_options_parse(int argc, char **argv, struct cml_options *options, struct cml_error *err)
+{
+    set_defaults(options);
+    keep_command(argc, argv, options);
+    look_ahead(argc, argv, options);
+    struct words words = {.argc = argc, .at = 1, .argv = argv, .command = options->which};
+    int operands = 0;
+    for (enum word_kind kind = next_word(&words); kind != WORD_END; kind = next_word(&words)) {
+        if (kind == WORD_OPERAND) {
+            argv[1 + operands++] = words.operand; /* behind `at`, so that no word is lost */
+            continue;
+        }
+        CML_TRY(check_option(&words, options, err));
+        CML_TRY(words.option->read(words.option, words.value, options, err));
+    }
+    options->operands = argv + 1 + options->named;
+    options->num_operands = operands - options->named;
+    const struct cml_command_def *command = &cml_commands[options->which];
+    const bool fits = options->num_operands >= command->least && options->num_operands <= command->most;
+    return fits || options->help || options->version ? CML_OK : refuse_operands(options, err);
+}

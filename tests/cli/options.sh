@@ -1,0 +1,76 @@
+#!/bin/sh
+# Every option stands in a text that users read (README.md, samples/*.md), and every option that those texts name is there;
+# where a text shows a whole command, the option belongs to it. The program's help is what counts.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+cat >"$work/check.py" <<'END_OF_CHECK'
+import glob, re, subprocess, sys
+
+PROGRAM = sys.argv[1]
+OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
+# Of other programs, where a text names them alone: cmake, Open MPI, Slurm, scripts of bench.
+FOREIGN = {"--prefix", "--bind-to", "--map-by", "--mpi", "--quick"}
+
+
+def options_of(topic):
+    text = subprocess.run([PROGRAM, "help", topic], capture_output=True, text=True, check=True).stdout
+    return {name for line in text.split("\n") if re.match(r"  (-\w, )?--", line) for name in OPTION.findall(line[:26])}
+
+
+def spans(text):
+    """What is typed: words in backquotes, indented and fenced lines."""
+    fenced = False
+    for line in text.split("\n"):
+        if line.startswith("```"):
+            fenced = not fenced
+        elif fenced or line.startswith("    "):
+            yield line.strip()
+        else:
+            yield from re.findall(r"`([^`]+)`", line)
+
+
+def check_span(span, commands, every):
+    """Complaints about options that are not there, and the options named."""
+    words = span.split()
+    at = [i for i, word in enumerate(words) if re.fullmatch(r"(.*/)?clustermcml", word)]
+    if not at and not span.startswith("--"):
+        return [], set()
+    named = set(OPTION.findall(" ".join(words[at[0]:] if at else words).split(" | ")[0])) - (FOREIGN if not at else set())
+    command = words[at[0] + 1].strip("[]") if at and at[0] + 1 < len(words) else ""
+    known = every if not at else commands.get(command, commands["run"] | {"--help", "--version"})
+    return [f"`{span}`: no option {name}" for name in sorted(named - known)], named & every
+
+
+def check(texts, commands, every):
+    complaints, named = [], set()
+    for path, text in texts.items():
+        for span in spans(text):
+            wrong, right = check_span(span, commands, every)
+            complaints += [f"{path}: {line}" for line in wrong]
+            named |= right
+    return complaints + [f"no text names {name} (samples/input.md lists options)" for name in sorted(every - named)]
+
+
+def check_the_check():
+    commands = {"run": {"--a", "--b"}, "plan": {"--b"}}
+    sound = {"x.md": "`--a` and `--b 3`, `--prefix`, `cmake --build`\n\n    mpiexec --c clustermcml plan x --b | y --d\n    z --e\n"}
+    assert check(sound, commands, {"--a", "--b"}) == [], check(sound, commands, {"--a", "--b"})
+    for text in ("`--c`", "    clustermcml plan x --a", "    clustermcml x.mci --c", "```\nclustermcml plan --a\n```", "`clustermcml plan --a`"):
+        assert len(check({**sound, "y.md": text}, commands, {"--a", "--b"})) == 1, text
+    assert len(check({"x.md": "`--a`"}, commands, {"--a", "--b"})) == 1
+
+
+check_the_check()
+listed = subprocess.run([PROGRAM, "help"], capture_output=True, text=True, check=True).stdout
+names = re.findall(r"^  \[?([a-z]+)\]? ", listed.split("\ncommands\n")[1].split("\n\n")[0], re.MULTILINE)
+texts = {}
+for path in ["README.md", *sorted(glob.glob("samples/*.md"))]:
+    with open(path, encoding="utf-8") as file:
+        texts[path] = file.read()
+every = options_of("options")
+complaints = check(texts, {name: options_of(name) for name in names}, every)
+print("\n".join(complaints) or f"{len(every)} options in {len(texts)} texts")
+sys.exit(1 if complaints or len(every) < 35 or len(names) < 10 else 0)
+END_OF_CHECK
+python3 "$work/check.py" "$program" || complain "options and texts"
+finish

@@ -25,6 +25,9 @@ CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, str
  * quiet. They must stay where they are. */
 void cml_announce_meshes(struct cml_options *options);
 
+/* A cml_note_function: one line on standard error, from any rank. context is not looked at. */
+void cml_show_note(void *context, const char *text);
+
 /* What run, check, mesh and trace begin with: the one operand as a list of scenes, flattened when asked,
  * checked for overlap. CML_E_INPUT when there is not exactly one operand. */
 CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,

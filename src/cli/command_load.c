@@ -21,12 +21,27 @@ static cml_status check_all(const struct cml_scene_list *list, struct cml_error 
     return CML_OK;
 }
 
+void cml_show_note(void *context, const char *text)
+{
+    (void)context;
+    char who[32] = "";
+    if (cml_cluster_rank() > 0) snprintf(who, sizeof who, "rank %d: ", cml_cluster_rank());
+    fprintf(stderr, "clustermcml: note: %s%s\n", who, text);
+}
+
+/* All ranks read the same. */
+static void note_input(void *context, const char *text)
+{
+    if (cml_cluster_rank() == 0) cml_show_note(context, text);
+}
+
 static cml_status load(const struct cml_options *options, const struct cml_text_source *source,
                        struct cml_scene_list *list, struct cml_error *err)
 {
     const struct cml_input_options how = {.source = source,
                                           .tolerance = options->surface.tolerance,
                                           .budget = options->surface.budget,
+                                          .on_note = note_input,
                                           .flat = options->ignore_heightfields ||
                                                   options->surface.force == CML_SURFACE_PLANE};
     CML_TRY(cml_mci_read(options->operands[0], &how, list, err));

@@ -4,6 +4,7 @@
 
 #include "base/atomic_file.h"
 #include "cli/outputs.h"
+#include "cli/progress.h"
 #include "run/checkpoint.h"
 #include "run/cluster.h"
 #include "run/launcher.h"
@@ -18,49 +19,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* Progress goes to standard error: a bar that redraws itself on a terminal, a line every tenth elsewhere. */
-struct display {
-    bool quiet, terminal;
-    int tenths; /* lines printed so far */
-};
-
-/* The line is written over itself, and cleared at the end: results follow it. */
-static void draw_bar(const struct cml_progress *p)
-{
-    char bar[31];
-    const double share = (double)p->done / (double)p->total, speed = (double)p->done / p->seconds;
-    const int full = (int)(share * (sizeof bar - 1));
-    for (int i = 0; i < (int)sizeof bar - 1; i++) bar[i] = i < full ? '#' : '.';
-    bar[sizeof bar - 1] = '\0';
-    fprintf(stderr, "\r[%s] %3.0f %%  %.3g photons/s  %.0f s left   ", bar, 100 * share, speed,
-            (double)(p->total - p->done) / speed);
-    if (p->done == p->total) fprintf(stderr, "\r\033[K");
-    fflush(stderr);
-}
-
-/* Nothing in the first ten seconds where a log would keep it. */
-static void show_progress(void *context, const struct cml_progress *p)
-{
-    struct display *display = context;
-    if (display->quiet) return;
-    if (display->terminal) {
-        draw_bar(p);
-        return;
-    }
-    const int tenths = (int)(10 * p->done / p->total);
-    if (tenths <= display->tenths || p->seconds < 10) return;
-    display->tenths = tenths;
-    fprintf(stderr, "%d %%, %.0f s\n", 10 * tenths, p->seconds);
-}
-
-static void show_note(void *context, const char *text)
-{
-    (void)context;
-    char who[32] = "";
-    if (cml_cluster_rank() > 0) snprintf(who, sizeof who, "rank %d: ", cml_cluster_rank());
-    fprintf(stderr, "clustermcml: note: %s%s\n", who, text);
-}
 
 static bool all_planes(const struct cml_surface_set *surfaces)
 {
@@ -154,7 +112,7 @@ static void note_old_checkpoint(const struct cml_options *options, const char *p
     if (options->resume || access(path, F_OK) != 0) return;
     char text[512];
     snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew", path);
-    show_note(NULL, text);
+    cml_show_note(NULL, text);
 }
 
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume of a file with
@@ -261,7 +219,7 @@ static void note_nothing_to_control(const struct cml_scene *scene)
     char text[512];
     snprintf(text, sizeof text, "%.400s: --control flat has nothing to do where all boundaries are planes",
              scene->output);
-    if (cml_cluster_rank() == 0) show_note(NULL, text);
+    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
 }
 
 /* What prepare made is freed whether it was complete or not; nothing here may return before all ranks
@@ -270,7 +228,8 @@ static cml_status run_scene(const struct session *session, int index, struct cml
 {
     const struct cml_options *options = session->options;
     const struct cml_scene *scene = &session->list.scenes[index];
-    struct display display = {.quiet = options->quiet || options->json, .terminal = isatty(STDERR_FILENO)};
+    struct cml_display display = {.quiet = options->quiet || options->json,
+                                  .terminal = isatty(STDERR_FILENO)};
     struct cml_run_setup setup = {.scene = scene,
                                   .engine = options->engine,
                                   .options = options->engine_options,
@@ -278,8 +237,8 @@ static cml_status run_scene(const struct session *session, int index, struct cml
                                   .target_error = options->target_error,
                                   .interval = options->checkpoint_interval,
                                   .resume = options->resume,
-                                  .on_progress = show_progress,
-                                  .on_note = show_note,
+                                  .on_progress = cml_progress_show,
+                                  .on_note = cml_show_note,
                                   .context = &display};
     struct cml_surface_set surfaces = {0};
     char *checkpoint = NULL, *identity = NULL;
@@ -303,7 +262,7 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
     for (int i = 0; status == CML_OK && i < list->count; i++)
         status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
-        status = cml_outputs_claim(session->options, list, inputs, show_note, &session->outputs, err);
+        status = cml_outputs_claim(session->options, list, inputs, cml_show_note, &session->outputs, err);
     return cml_cluster_agree(status, err);
 }
 
@@ -319,7 +278,7 @@ static void warn_of_binding(int threads)
     snprintf(text, sizeof text,
              "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
              count, count == 1 ? "" : "s");
-    show_note(NULL, text);
+    cml_show_note(NULL, text);
 }
 
 int cml_choose_threads(const struct cml_options *options)

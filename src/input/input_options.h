@@ -12,6 +12,9 @@ struct cml_input_options {
     double tolerance; /* [-] of the meshes of heightmaps (scene/heightmap.h); 0: merge only what lies in one
                        * plane */
     struct cml_mesh_budget budget; /* of every file's mesh; its file, line and boundary are not read */
+    void (*on_note)(void *context, const char *text); /* one line on what reads well and was perhaps not
+                                                       * meant; NULL: silent */
+    void *context;
     bool flat; /* every boundary becomes its nominal plane; its file is read and checked all the same
                 * (the 2019 program's IGNORE_HEIGHTFIELDS) */
 };

@@ -13,6 +13,8 @@
 #define MAX_RUNS 32767
 #define MAX_LAYERS 100000
 #define MAX_CELLS 2147483648.0
+/* cm: what is as thick as this stands for a medium without end; 1e8 is usual */
+#define SEMI_INFINITE 1e4
 #define MIN_INDEX 0.01
 #define MAX_INDEX 100
 
@@ -210,6 +212,8 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
         snprintf(value, sizeof value, "%g", values[1]);
         return cml_mci_fail(reader, field, value, "0, or at least 1e-11 of mua + mus");
     }
+    if (values[4] > 50 && values[4] < SEMI_INFINITE)
+        cml_mci_note(reader, "%s: d = %g cm (lengths are in cm: was it meant in mm?)", owner, values[4]);
     scene->media[layer] = (struct cml_medium_def){
         .n = values[0], .mua = values[1], .mus = values[2], .g = values[3], .d = values[4]};
     return CML_OK;
@@ -246,27 +250,47 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     return CML_OK;
 }
 
+/* A line that could be a run's first, behind the last run. */
+static void note_run(struct cml_mci_reader *reader, const struct cml_scene_list *list)
+{
+    const char *name = cml_text_word(&reader->cursor), *format = cml_text_word(&reader->cursor);
+    if (!format || !strchr("AaBb", format[0]) || format[1]) return;
+    cml_mci_note(reader, "the run %.100s and what follows it is not read: the number of runs is %d", name,
+                 list->count);
+}
+
 /* Whatever follows the last run is ignored, as in the original: it may be a run switched off by the number of
  * runs. But a boundary line right behind n below was meant for this run. */
-static cml_status check_rest(struct cml_mci_reader *reader)
+static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_scene_list *list)
 {
     enum cml_mci_kind kind;
     CML_TRY(cml_mci_next(reader, true, &kind));
-    if (kind != CML_MCI_B && kind != CML_MCI_M) return CML_OK;
-    return fail_misplaced(reader, kind, "the end of the run");
+    if (kind == CML_MCI_B || kind == CML_MCI_M) return fail_misplaced(reader, kind, "the end of the run");
+    if (kind == CML_MCI_DATA) note_run(reader, list);
+    return CML_OK;
 }
 
-/* The file version is any data line: original MCML does not look at it either. */
+/* Original MCML does not look at the version, and some files have none that means anything. But MCML 2
+ * describes media, sources and grids in another way, and nothing behind that line would be understood. */
+static cml_status read_version(struct cml_mci_reader *reader)
+{
+    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, "file version"));
+    const char *version = cml_text_word(&reader->cursor);
+    if (strncmp(version, "mcmli2", strlen("mcmli2")) != 0) return CML_OK;
+    return cml_mci_fail(reader, "file version", version,
+                        "1.0, the format of MCML 1; this is input of MCML 2, which is not read");
+}
+
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)
 {
     static const struct cml_mci_field field = {"number of runs", 1, MAX_RUNS, true,
                                                "a whole number of 1..32767"};
     double runs = 0;
-    CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, "file version"));
+    CML_TRY(read_version(reader));
     CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, field.name));
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &runs));
     while (list->count < (int)runs) CML_TRY(read_run(reader, list));
-    return check_rest(reader);
+    return check_rest(reader, list);
 }
 
 /* A scene that is half read is never seen: a failure clears all. */

@@ -277,6 +277,45 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     return CML_OK;
 }
 
+/* --- files that cannot be read ---------------------------------------------------------------------------
+ */
+
+/* The source of all files, and the line that names them. */
+struct named_source {
+    const struct cml_text_source *source; /* NULL: the file system */
+    const struct cml_mci_reader *reader;
+    int boundary;
+};
+
+/* Where a file is missing the mistake is in the line. */
+static cml_status read_named(void *context, const char *path, char **data, size_t *size,
+                             struct cml_error *err)
+{
+    const struct named_source *named = context;
+    const cml_status status = named->source
+                                  ? named->source->read(named->source->context, path, data, size, err)
+                                  : cml_text_read_file(path, data, size, err);
+    if (status == CML_OK) return CML_OK;
+    const struct cml_error why = *err;
+    return cml_fail(err, status, "%s:%d: boundary %d: %s", named->reader->text.path, named->reader->text.line,
+                    named->boundary, why.text);
+}
+
+static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
+                                struct cml_boundary *boundary)
+{
+    const struct cml_input_options *options = reader->options;
+    struct named_source named = {options->source, reader, index};
+    const struct cml_text_source source = {read_named, &named};
+    struct cml_input_options mine = *options;
+    mine.source = &source;
+    reader->options = &mine;
+    const cml_status status =
+        kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary);
+    reader->options = options;
+    return status;
+}
+
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {
@@ -287,7 +326,7 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
     }
     boundary->line = reader->text.line;
-    CML_TRY(kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary));
+    CML_TRY(read_boundary(reader, kind, index, boundary));
     if (reader->options->flat) cml_boundary_flatten(boundary);
     return CML_OK;
 }

@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "input/mci_lines.h"
 
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -94,6 +95,30 @@ static enum cml_mci_kind take_keyword(char **cursor)
     return CML_MCI_DATA;
 }
 
+static bool begins_with(const char *text, const char *const *beginnings)
+{
+    for (; *beginnings; beginnings++)
+        if (strncmp(text, *beginnings, strlen(*beginnings)) == 0) return true;
+    return false;
+}
+
+/* "#b 3 0.1 ..." is a comment, but was meant as one by few: what follows the keyword must look like our line.
+ */
+static void hint_at_mark(const struct cml_mci_reader *reader)
+{
+    static const char *const sources[] = {"pencil", "disk ", "gaussian ", NULL};
+    char *behind = reader->cursor + 1;
+    if (*behind == '\0' || strchr(blanks, *behind)) return;
+    const enum cml_mci_kind kind = take_keyword(&behind);
+    behind += strspn(behind, blanks);
+    const bool number = *behind >= '0' && *behind <= '9', name = *behind == '"';
+    const bool ours = (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
+                      (kind == CML_MCI_MAP && number) || (kind == CML_MCI_FACETS && *behind == '\0') ||
+                      (kind == CML_MCI_BEAM && begins_with(behind, sources));
+    if (ours)
+        cml_mci_note(reader, "a comment: %.60s (did you mean #@ %.60s?)", reader->cursor, reader->cursor + 1);
+}
+
 /* Only data lines and lines of ours are kept: comments change no result. */
 cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind)
 {
@@ -105,6 +130,7 @@ cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_m
         if (!line) return CML_OK;
         reader->cursor = line + strspn(line, blanks);
         marked = is_marked(reader->cursor);
+        if (!marked && *reader->cursor == '#') hint_at_mark(reader);
     } while (!marked && (*reader->cursor == '#' || *reader->cursor == '\0'));
     CML_TRY(keep_line(reader, line));
     if (marked) reader->cursor += 2;
@@ -128,6 +154,19 @@ cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, 
                         const char *expected)
 {
     return cml_fail_field(reader->err, reader->text.path, reader->text.line, field, value, expected);
+}
+
+void cml_mci_note(const struct cml_mci_reader *reader, const char *format, ...)
+{
+    const struct cml_input_options *options = reader->options;
+    char text[1024];
+    if (!options->on_note) return;
+    const int used = snprintf(text, sizeof text, "%.500s:%d: ", reader->text.path, reader->text.line);
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text + used, sizeof text - (size_t)used, format, values);
+    va_end(values);
+    options->on_note(options->context, text);
 }
 
 /* Whole numbers go through both: cml_parse_count refuses what is not whole, the range is compared as a

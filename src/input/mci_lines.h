@@ -70,6 +70,9 @@ void cml_mci_cut_comment(char *text);
 CML_NODISCARD cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field,
                                       const char *value, const char *expected);
 
+/* Tells the reader's user something of the current line: "FILE:LINE: TEXT". */
+CML_PRINTF(2, 3) void cml_mci_note(const struct cml_mci_reader *reader, const char *format, ...);
+
 /* True when the entire word is a number in the field's range. */
 bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *value);
 

@@ -58,7 +58,7 @@ def check(folder, seconds, ranks, expected):
     jumps = os.path.exists(os.path.join(folder, "jumps"))
     with open(result, encoding="utf-8") as file:
         took = float(re.search(r"# User time: *([-+.e0-9]+)", file.read()).group(1))
-    bars = [tuple(map(float, bar)) for bar in re.findall(r"(\S+) % +(\S+) photons/s +(\S+) s left", shown)]
+    bars = [tuple(map(float, bar)) for bar in re.findall(r"(\S+) % +(\S+) photons/s +\S+ \w+, (\S+) s left", shown)]
     shares = [share for share, _, _ in bars]
     if bits(result) != expected:
         complaints.append("other bytes")

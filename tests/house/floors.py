@@ -44,6 +44,7 @@ FOREIGN = {
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/hdf5_file",
     "sys/resource.h": "src/cli/command_load",
+    "sys/ioctl.h": "src/cli/progress",
     "spawn.h": "src/plot/gnuplot",
     "signal.h": "src/plot/gnuplot src/run/stop",
     "mpi.h": "src/run/cluster_parts",

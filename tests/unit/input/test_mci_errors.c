@@ -199,7 +199,8 @@ static void heightfields_that_are_none(void **state)
         {ONE "b \"\"\n", "x.mci:9: boundary 0: file is missing (expected a file name in a pair of quotes)"},
         {ONE "b \"heights.txt\" in mm\n",
          "x.mci:9: boundary 0: text after the file name = in (expected the end of the line or a # comment)"},
-        {ONE "b \"nowhere.txt\"\n", "nowhere.txt: cannot be read (No such file or directory)"},
+        {ONE "b \"nowhere.txt\"\n",
+         "x.mci:9: boundary 0: nowhere.txt: cannot be read (No such file or directory)"},
     };
     CHECK_ALL(state, table);
 }
@@ -236,8 +237,8 @@ static void meshes_that_cannot_be_read(void **state)
         {ONE "m \"skin.obj\n",
          "x.mci:9: boundary 0: file = \"skin.obj (expected a file name in a pair of quotes)"},
         {ONE "m \"skin.gsf\" up=y\n", "x.mci:9: boundary 0: up = y (expected z or -z for a heightmap)"},
-        {ONE "m \"skin.gsf\"\n", "skin.gsf: cannot be read (No such file or directory)"},
-        {ONE "m \"skin.asc\"\n", "skin.asc: cannot be read (No such file or directory)"},
+        {ONE "m \"skin.gsf\"\n", "x.mci:9: boundary 0: skin.gsf: cannot be read (No such file or directory)"},
+        {ONE "m \"skin.asc\"\n", "x.mci:9: boundary 0: skin.asc: cannot be read (No such file or directory)"},
         {ONE "m \"skin\"\n",
          "x.mci:9: boundary 0: file = skin (expected an .obj file, or a .gsf or .asc heightmap)"},
         {ONE "m \"a.obj\" units=inch\n", "x.mci:9: boundary 0: units = inch (expected cm, mm, um or m)"},
@@ -260,7 +261,8 @@ static void meshes_that_cannot_be_read(void **state)
         {ONE "m \"a.obj\" up=x\n", "x.mci:9: boundary 0: up = x (expected z, y or -z)"},
         {ONE "m \"a.obj\" normals=smooth\n",
          "x.mci:9: boundary 0: normals = smooth (expected face or vertex)"},
-        {ONE "m \"nowhere.obj\"\n", "nowhere.obj: cannot be read (No such file or directory)"},
+        {ONE "m \"nowhere.obj\"\n",
+         "x.mci:9: boundary 0: nowhere.obj: cannot be read (No such file or directory)"},
     };
     CHECK_ALL(state, table);
 }

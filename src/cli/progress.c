@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/progress.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+/* Columns: of a terminal that does not tell, and of a bar that still says something or is long enough. */
+enum { USUAL_WIDTH = 80, SHORTEST_BAR = 4, LONGEST_BAR = 60 };
+
+/* In the unit in which it is a number of two or three digits. */
+static void write_time(double seconds, char text[16])
+{
+    if (seconds < 120)
+        snprintf(text, 16, "%.0f s", seconds);
+    else if (seconds < 7200)
+        snprintf(text, 16, "%.0f min", seconds / 60);
+    else if (seconds < 172800)
+        snprintf(text, 16, "%.1f h", seconds / 3600);
+    else
+        snprintf(text, 16, "%.3g d", seconds / 86400);
+}
+
+static double seconds_left(const struct cml_progress *p)
+{
+    return p->seconds * (double)(p->total - p->done) / (double)p->done;
+}
+
+static int terminal_width(void)
+{
+    struct winsize size;
+    return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : USUAL_WIDTH;
+}
+
+/* The line is written over itself, and cleared at the end: results follow it. One column stays free, because
+ * a terminal may go to the next line behind the last. What does not fit is left out: the bar first, then the
+ * speed. */
+static void draw_bar(const struct cml_progress *p)
+{
+    char elapsed[16], left[16], text[96], bar[LONGEST_BAR + 4] = "";
+    const double share = (double)p->done / (double)p->total;
+    const int width = terminal_width() - 1;
+    write_time(p->seconds, elapsed);
+    write_time(seconds_left(p), left);
+    snprintf(text, sizeof text, "%3.0f %%  %.3g photons/s  %s, %s left", 100 * share,
+             (double)p->done / p->seconds, elapsed, left);
+    if ((int)strlen(text) > width) snprintf(text, sizeof text, "%3.0f %%  %s left", 100 * share, left);
+    int length = width - (int)strlen(text) - (int)strlen("[] ");
+    if (length > LONGEST_BAR) length = LONGEST_BAR;
+    const int full = (int)(share * length);
+    for (int i = 0; length >= SHORTEST_BAR && i < length; i++) bar[1 + i] = i < full ? '#' : '.';
+    if (length >= SHORTEST_BAR) {
+        bar[0] = '[';
+        strcpy(bar + 1 + length, "] ");
+    }
+    fprintf(stderr, "\r%s%.*s\033[K", bar, width > 0 ? width : 0, text);
+    if (p->done == p->total) fprintf(stderr, "\r\033[K");
+    fflush(stderr);
+}
+
+/* Nothing in the first ten seconds where a log would keep it. */
+void cml_progress_show(void *context, const struct cml_progress *p)
+{
+    struct cml_display *display = context;
+    if (display->quiet || p->done == 0) return;
+    if (display->terminal) {
+        draw_bar(p);
+        return;
+    }
+    char elapsed[16], left[16];
+    const int tenths = (int)(10 * p->done / p->total);
+    if (tenths <= display->tenths || p->seconds < 10) return;
+    display->tenths = tenths;
+    write_time(p->seconds, elapsed);
+    write_time(seconds_left(p), left);
+    fprintf(stderr, "%d %%, %s elapsed, %s left\n", 10 * tenths, elapsed, left);
+}

@@ -1,0 +1,17 @@
+/* How far a run is, on standard error: a bar that redraws itself on a terminal, a line every tenth elsewhere.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_PROGRESS_H
+#define CML_PROGRESS_H
+
+#include "run/run.h"
+
+/* Of one run. */
+struct cml_display {
+    bool quiet, terminal;
+    int tenths; /* lines printed so far */
+};
+
+/* A cml_progress_function; context: the display. */
+void cml_progress_show(void *context, const struct cml_progress *progress);
+
+#endif

@@ -54,7 +54,11 @@ CML_NODISCARD cml_status cml_choose_surfaces(const struct cml_options *options, 
 CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
                                           const struct cml_surface_set *surfaces, struct cml_error *err);
 
-/* One line: the most memory that the run will hold. */
+/* Bytes: the most memory that the run will hold. */
+double cml_most_memory(const struct cml_options *options, const struct cml_scene *scene,
+                       const struct cml_surface_set *surfaces);
+
+/* The same in one line. */
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
 

@@ -83,18 +83,55 @@ static void print_map(const struct cml_scene *scene)
     if (scene->facets) printf("  facets: irradiance and exitance of every boundary\n");
 }
 
-/* What a run is to be compared with before it is worth its time. */
-static cml_status print_flat_twin(const struct cml_scene *scene, struct cml_error *err)
+/* For people. */
+static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
+                        const struct cml_surface_set *surfaces)
+{
+    printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
+    print_media(scene);
+    printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
+           scene->na);
+    print_map(scene);
+    cml_report_boundaries(stdout, "  ", scene, surfaces, CML_NAMED_BY_PATH);
+    for (int b = 0; b <= scene->num_layers; b++) {
+        const struct cml_surface_def *def = &surfaces->item[b];
+        if (def->kind != CML_SURFACE_PLANE || def->expectation.bias > 0)
+            printf("  boundary %d: expected bias %.2g, about %.0f ns per query, built in %.3g s, %.3g MiB "
+                   "with its clearance map\n",
+                   b, def->expectation.bias, def->expectation.query_ns, def->build_seconds,
+                   def->bytes / 1048576);
+    }
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
+    cml_print_memory(options, scene, surfaces);
+}
+
+/* What a run is to be compared with before it is worth its time. *known false: *err says why they are not. */
+static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exact *exact, bool *known,
+                                  struct cml_error *err)
 {
     const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
+    const cml_status status = cml_exact_scene(scene, NULL, &little, exact, err);
+    *known = status == CML_OK;
+    return status == CML_E_NUMERIC ? CML_OK : status;
+}
+
+/* The memory is looked at before the twin takes some of it. */
+static cml_status show(const struct cml_options *options, const struct cml_scene *scene,
+                       const struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    const double bytes = cml_most_memory(options, scene, surfaces);
     struct cml_exact exact;
-    const cml_status status = cml_exact_scene(scene, NULL, &little, &exact, err);
-    if (status == CML_E_NUMERIC) {
+    bool known = false;
+    if (!options->json) print_scene(options, scene, surfaces);
+    cml_status status = solve_flat_twin(scene, &exact, &known, err);
+    if (status == CML_OK && options->json)
+        status = cml_report_check_json(stdout, scene, surfaces, bytes, known ? &exact : NULL, err);
+    else if (status == CML_OK && known)
+        cml_report_flat_twin(stdout, &exact);
+    else if (status == CML_OK)
         printf("  no totals of the flat scene: %s\n", err->text);
-        return CML_OK;
-    }
-    if (status == CML_OK) cml_report_flat_twin(stdout, &exact);
-    if (status == CML_OK) cml_exact_clear(&exact);
+    if (known) cml_exact_clear(&exact);
     return status;
 }
 
@@ -105,23 +142,9 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 {
     struct cml_surface_set surfaces;
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
-    printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
-    print_media(scene);
-    printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
-           scene->na);
-    print_map(scene);
-    cml_report_boundaries(stdout, "  ", scene, &surfaces, CML_NAMED_BY_PATH);
-    for (int b = 0; b <= scene->num_layers; b++)
-        if (surfaces.item[b].kind != CML_SURFACE_PLANE || surfaces.item[b].expectation.bias > 0)
-            printf("  boundary %d: expected bias %.2g, about %.0f ns per query, built in %.3g s, %.3g MiB "
-                   "with its clearance map\n",
-                   b, surfaces.item[b].expectation.bias, surfaces.item[b].expectation.query_ns,
-                   surfaces.item[b].build_seconds, surfaces.item[b].bytes / 1048576);
-    for (int b = 0; b <= scene->num_layers; b++)
-        if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
-    cml_print_memory(options, scene, &surfaces);
+    const cml_status status = show(options, scene, &surfaces, err);
     cml_surfaces_free(&surfaces);
-    return print_flat_twin(scene, err);
+    return status;
 }
 
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)

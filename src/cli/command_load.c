@@ -152,11 +152,17 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     return memory;
 }
 
+double cml_most_memory(const struct cml_options *options, const struct cml_scene *scene,
+                       const struct cml_surface_set *surfaces)
+{
+    const struct memory memory = memory_of(options, scene, surfaces);
+    return memory.held + memory.tallies + memory.output;
+}
+
 cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
                             const struct cml_surface_set *surfaces, struct cml_error *err)
 {
-    const struct memory memory = memory_of(options, scene, surfaces);
-    const double bytes = memory.held + memory.tallies + memory.output, gib = 1073741824.0;
+    const double bytes = cml_most_memory(options, scene, surfaces), gib = 1073741824.0;
     const double most = (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGESIZE);
     if (bytes < most) return CML_OK;
     return cml_fail(err, CML_E_INPUT, "%s: %s takes %.3g GiB (expected at most this machine's %.3g GiB)",

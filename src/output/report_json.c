@@ -1,5 +1,5 @@
-/* The JSON line of a run. Its keys are those that README.md names under --json: programs read them, so they
- * stay as they are. SPDX-License-Identifier: MIT */
+/* The JSON lines of run, check and exact. Programs read their keys, so they stay as they are; texts name
+ * them. SPDX-License-Identifier: MIT */
 #include "output/report.h"
 
 #include "base/json_name.h"
@@ -175,6 +175,56 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
         json_pack("{s:o, s:o}", "scene", cml_json_name(scene->file), "output", cml_json_name(scene->output));
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
     set_exact(object, exact);
+    return print_object(stream, object, err);
+}
+
+static json_t *layers_json(const struct cml_scene *scene)
+{
+    json_t *list = json_array();
+    for (int l = 1; l <= scene->num_layers; l++) {
+        const struct cml_medium_def *medium = &scene->media[l];
+        json_array_append_new(list, json_pack("{s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua,
+                                              "mus", medium->mus, "g", medium->g, "d", medium->d));
+    }
+    return list;
+}
+
+/* null where the scene asks for no map. */
+static json_t *map_json(const struct cml_map_def *map)
+{
+    if (map->nx == 0) return json_null();
+    return json_pack("{s:i, s:i, s:f, s:f, s:b, s:b}", "nx", map->nx, "ny", map->ny, "dx", map->dx, "dy",
+                     map->dy, "angles", map->angles, "volume", map->volume);
+}
+
+static json_t *flat_json(const struct cml_exact *flat)
+{
+    if (!flat) return json_null();
+    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "Rsp", flat->value[CML_EXACT_RSP], "Rd",
+                     flat->value[CML_EXACT_RD], "A", flat->value[CML_EXACT_A], "Tt",
+                     flat->value[CML_EXACT_TT], "error", cml_exact_worst(flat));
+}
+
+cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
+                                 const struct cml_surface_set *surfaces, double bytes,
+                                 const struct cml_exact *flat, struct cml_error *err)
+{
+    const char format[] = {scene->format, '\0'};
+    json_t *object = json_pack("{s:o, s:i, s:o, s:s}", "scene", cml_json_name(scene->file), "line",
+                               scene->line, "output", cml_json_name(scene->output), "format", format);
+    if (!object) return cml_fail_memory(err, 1, "the JSON record");
+    set_integer(object, "photons", scene->photons);
+    set_real(object, "n_above", scene->media[0].n);
+    json_object_set_new(object, "layers", layers_json(scene));
+    set_real(object, "n_below", scene->media[scene->num_layers + 1].n);
+    json_object_set_new(object, "grid",
+                        json_pack("{s:f, s:f, s:i, s:i, s:i}", "dz", scene->dz, "dr", scene->dr, "nz",
+                                  scene->nz, "nr", scene->nr, "na", scene->na));
+    json_object_set_new(object, "map", map_json(&scene->map));
+    json_object_set_new(object, "facets", json_boolean(scene->facets));
+    json_object_set_new(object, "boundaries", boundaries_json(surfaces));
+    set_integer(object, "memory_bytes", (uint64_t)bytes);
+    json_object_set_new(object, "flat", flat_json(flat));
     return print_object(stream, object, err);
 }
 

@@ -1,0 +1,65 @@
+#!/bin/sh
+# check --json: one object per run on one line and nothing else, with what check prints for people and what exact finds.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+
+expect_code 0 check samples/two_runs.mci --json
+test "$(wc -l <"$work/out")" -eq 2 && test ! -s "$work/err" || complain "not one line per run: $(cat "$work/out" "$work/err")"
+cp "$work/out" "$work/two.json"
+expect_code 0 exact samples/two_runs.mci --json
+cp "$work/out" "$work/exact.json"
+expect_code 0 check samples/mixed.mci
+cp "$work/out" "$work/mixed.txt"
+expect_code 0 check samples/mixed.mci --json
+cp "$work/out" "$work/mixed.json"
+expect_code 0 check samples/mixed.mci --json --boundaries mesh
+cp "$work/out" "$work/mesh.json"
+expect_code 0 check samples/skinmap.mci --json
+cp "$work/out" "$work/map.json"
+# totals of so many different layers take too long to be worth it here; check says so, too
+awk 'BEGIN { print "1.0\n1\nmany.mco B\n1e7\n0.1 0.1\n1 1 1\n4000\n1"
+             for (i = 0; i < 4000; i++) print 1.3 + i / 1e5, "1 10 0.5 0.01"; print 1 }' >"$work/many.mci"
+expect_code 0 check "$work/many.mci"
+grep -q '^  no totals of the flat scene: ' "$work/out" || complain "check knows the totals of 4000 layers: $(tail -n 1 "$work/out")"
+expect_code 0 check "$work/many.mci" --json
+cp "$work/out" "$work/many.json"
+
+python3 - "$work" <<'END' || complain "the objects"
+import json, re, sys
+work = sys.argv[1]
+
+
+def read(name):
+    with open(f"{work}/{name}.json") as file:
+        return [json.loads(line) for line in file]
+
+
+for run, exact in zip(read("two"), read("exact")):
+    flat = run["flat"]
+    for total in "Rsp", "Rd", "A", "Tt":
+        assert abs(flat[total] - exact[total]) <= flat["error"] + exact[total + "_error"], (total, run, exact)
+    assert flat["error"] < 1e-5 and run["output"] == exact["output"] and run["scene"] == exact["scene"]
+assert [(run["output"], run["line"]) for run in read("two")] == [("two_runs_flat.mco", 6), ("two_runs_hill.mco", 16)]
+
+mixed, = read("mixed")
+with open(f"{work}/mixed.txt") as file:
+    text = file.read()
+assert mixed["photons"] == 5e5 and mixed["format"] == "A" and mixed["map"] is None and mixed["facets"] is False
+assert (mixed["n_above"], mixed["n_below"]) == (1, 1)
+assert mixed["layers"][1] == {"n": 1.33, "mua": 0.1, "mus": 5, "g": 0.5, "d": 0.4} and len(mixed["layers"]) == 3
+assert mixed["grid"] == {"dz": 0.01, "dr": 0.01, "nz": 90, "nr": 200, "na": 1}
+for b, (kind, reason) in enumerate(re.findall(r"boundary \d: (\w+) at .*?\(([^)]*)\)", text)):
+    assert (mixed["boundaries"][b]["kind"], mixed["boundaries"][b]["reason"]) == (kind, reason), b
+assert [b["kind"] for b in mixed["boundaries"]] == ["plane", "cone", "mesh", "plane"]
+assert [b["primitives"] for b in mixed["boundaries"]] == [1, 4, 4, 1]
+for key in "build_s", "MiB", "bias", "query_ns", "deviation":
+    assert all(key in b for b in mixed["boundaries"])
+most = float(re.search(r"memory: at most (\d+) MiB", text).group(1))
+assert 0.8 * most < mixed["memory_bytes"] / 2 ** 20 < 1.25 * most, (most, mixed["memory_bytes"])
+assert read("mesh")[0]["boundaries"][1]["kind"] == "mesh"
+skin, = read("map")
+assert skin["map"] == {"nx": 81, "ny": 61, "dx": 0.02, "dy": 0.02, "angles": False, "volume": True} and skin["facets"] is True
+many, = read("many")
+assert many["flat"] is None and many["format"] == "B" and many["photons"] == 10 ** 7 and len(many["layers"]) == 4000
+END
+finish

@@ -57,8 +57,8 @@ static void repair(struct file *file, size_t cells)
     memcpy(file->data + place + offsetof(struct cml_summary, count[CML_COUNT_PHOTONS]), &flown, sizeof flown);
 }
 
-/* What is open and what was flown make up the round, each index once; run.c relies on it. Nothing need be open: a run
- * that is kept for its control has flown all. */
+/* What is open and what was flown make up the round, each index once; run.c relies on it. Nothing need be
+ * open: a run that is kept for its control has flown all. */
 static void check(const struct cml_run_state *state, const struct cml_result *result)
 {
     const struct cml_ranges *open = &state->open;

@@ -84,7 +84,7 @@ def check_text(path, text, files, places):
     endings = SOURCES + tuple(end for end in DATA if any(file.endswith(end) for file in beside))
     missing = [f"{path}: names the test {label}.{name}, which is not there"
                for label, name in sorted(set(TEST.findall(text)))
-               if "." + name not in SOURCES and not test_exists(label, name, files)]
+               if "." + name not in SOURCES + (".md",) and not test_exists(label, name, files)]
     if MERGE.search(text):
         missing.append(f"{path}: holds marks of a merge")
     return missing + [f"{path}: names {word}, which is not there" for word in sorted(set(words(text)) - written)

@@ -139,8 +139,8 @@ static void faces_of_a_clear_first_layer_stay_at_normal_incidence(void **state)
     }
 }
 
-/* All light is absorbed within 0.02 cm below a step which is as high: as a plane it moves the light from the first
- * depth bin to the second, and changes nothing else. */
+/* All light is absorbed within 0.02 cm below a step which is as high: as a plane it moves the light from the
+ * first depth bin to the second, and changes nothing else. */
 static void one_profile_alone_keeps_a_boundary(void **state)
 {
     struct bench bench = choose(state,

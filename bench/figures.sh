@@ -1,6 +1,6 @@
 #!/bin/sh
 # Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
-# curves (figures/*.csv) dashed beside them, and the map of samples/skinmap.mci:
+# curves (figures/*.csv) dashed beside them, the map of samples/skinmap.mci, and the runs of samples/two_runs.mci:
 #     figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
 # by default 3e6 packets (--quick: 1e5) of build/clustermcml into bench/out.
 # SPDX-License-Identifier: MIT
@@ -15,10 +15,9 @@ need_program
 need gnuplot
 mkdir -p "$out"
 for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
-    shapes/hinoise skinmap; do
+    shapes/hinoise skinmap two_runs; do
     "$program" "$root/samples/$scene.mci" --photons "$photons" --ignore-absorption --quiet -o "$out"
 done
-
 flat="Solid: this program, $photons packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of \
 the program of 2019, read from its graphics, where its flat scenes are sound: they agree within print and noise."
 kernel="Solid: this program, $photons packets, with a band of one standard error; dotted: the heightfield, on top and bottom. Dashed: the \
@@ -44,3 +43,4 @@ times as much." flat50.mco lonoise.mco hinoise.mco "$curves/flat50-2019.csv" \
     "$curves/lonoise-2019.csv" "$curves/hinoise-2019.csv"
 draw skinmap "Diffuse reflectance of ridged skin in a disk of light from the left, 50 degrees from the vertical, $photons packets. \
 Pixels of 0.2 mm." skinmap.map.vti
+draw hill "A slab with and without a hill, $photons packets each." two_runs_hill.mco two_runs_flat.mco

@@ -54,7 +54,7 @@ if command -v man >/dev/null; then
         last=$("$program" help $text | tr -d '`*' | awk 'NF { word = $NF } END { print word }')
         grep -qF -e "$last" "$work/page" || complain "the manual page does not hold all of help $text: $last"
     done
-    grep -nE '^ *(##|\||```)|`[a-z]' "$work/page" && complain "the manual page has marks of Markdown"
+    grep -nE '^ *(## |\| |```)|`[a-z]' "$work/page" && complain "the manual page has marks of Markdown"
     for folder in $(sed -n 's/^ *PREFIX\///p' "$work/page"); do
         test -d "$work/root/usr/$folder" || complain "the manual page names $folder, which is not there"
     done

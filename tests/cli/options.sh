@@ -9,7 +9,7 @@ import glob, re, subprocess, sys
 PROGRAM = sys.argv[1]
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z-]*")
 # Of other programs, where a text names them alone: cmake, Open MPI, Slurm, scripts of bench.
-FOREIGN = {"--prefix", "--bind-to", "--map-by", "--mpi", "--quick"}
+FOREIGN = {"--prefix", "--bind-to", "--map-by", "--mca", "--mpi", "--quick"}
 
 
 def options_of(topic):

@@ -5,7 +5,8 @@
 - Files: words in backquotes or in an indented block that begin with a folder of the repository or end like a source file
   (in samples and meshes: also like a scene or mesh). A path begins at the top, in the text's own folder, or in src, as
   includes do; a name without a slash may stand anywhere below the text's folder. One with * is a pattern, one with <>,
-  {} or a word in capitals is skipped, and so is what a build or a bench writes.
+  {} or a word in capitals is skipped, and so is what a build, a bench or a command of
+  the text itself writes.
 - No marks of a merge that nobody finished.
 
 Runs in the source directory."""
@@ -26,8 +27,9 @@ SKIPPED = ("bench/results",)  # texts that scripts wrote once: what they name is
 TEST = re.compile(r"(?<![\w/.-])(%s)\.(\w+)" % "|".join(TESTS))
 QUOTED = re.compile(r"`([^`]+)`")
 LINK = re.compile(r"\]\(([^)#:\s]+)\)")
+REDIRECTED = re.compile(r">([\w.]+)")  # what the commands of a text write
 MERGE = re.compile(r"^(?:<<<<<<<|>>>>>>>) ", re.MULTILINE)
-PLACEHOLDER = re.compile(r"[<>{}]|(?:^|[/_.])(?!README|CONTRIBUTING|LICENSE|CITATION)[A-Z]{2,}(?:[._/]|$)")
+PLACEHOLDER = re.compile(r"^scene\.mci$|[<>{}]|(?:^|[/_.])(?!README|CONTRIBUTING|LICENSE|CITATION)[A-Z]{2,}(?:[._/]|$)")
 
 
 def test_exists(label, name, files):
@@ -76,15 +78,16 @@ def path_exists(word, home, places):
 
 def check_text(path, text, files, places):
     """places: files and folders."""
+    written = set(REDIRECTED.findall(text))
     home = os.path.dirname(path)
     beside = [file for file in files if os.path.dirname(file) == home]
     endings = SOURCES + tuple(end for end in DATA if any(file.endswith(end) for file in beside))
     missing = [f"{path}: names the test {label}.{name}, which is not there"
                for label, name in sorted(set(TEST.findall(text)))
-               if "." + name not in SOURCES and not test_exists(label, name, files)]
+               if "." + name not in SOURCES + (".md",) and not test_exists(label, name, files)]
     if MERGE.search(text):
         missing.append(f"{path}: holds marks of a merge")
-    return missing + [f"{path}: names {word}, which is not there" for word in sorted(set(words(text)))
+    return missing + [f"{path}: names {word}, which is not there" for word in sorted(set(words(text)) - written)
                       if is_path(word, home, places, endings) and not path_exists(word, home, places)]
 
 
@@ -101,7 +104,7 @@ def check_the_check():
                           "`src/room`\n    sh bench/g.sh --out bench/out >build/x/y.txt\n[h](bench/h.svg) `skin.obj` `1/cm`\n",
              "src/README.md": "`room/a.c` `a.c` `cluster.c` `room/<name>.c` `room/i_NAME.c` `src/room/*.c` `../none.c` `room/*.c`",
              REGISTRY: "add_test(NAME long.d\nadd_test(NAME stability.e\ncml_script_test(house x/house/f.py)",
-             "bench/results/old.md": "`src/gone.c`", "meshes/README.md": "`i.obj` `README.md`"}
+             "bench/results/old.md": "`src/gone.c`", "meshes/README.md": "`i.obj` `README.md` `scene.mci`\n```sh\nrun >j.obj\n```\n`j.obj`"}
     sound |= {path: "" for path in "tests/unit/room/test_a.c tests/cross/test_b.c tests/stat/coverage.py tests/long/same.sh "
               "tests/house/g.py src/room/a.c src/room/cluster.c bench/g.sh bench/h.svg meshes/i.obj".split()}
     assert check(sound) == [], check(sound)

@@ -125,9 +125,17 @@ function end_command() {
 # ---- a text in Markdown: headings, paragraphs, lists, tables (their first column becomes the tag), indented lines ----
 
 function text_line(line) {
-    if (line ~ /^    / && !listed || line ~ /^```/) { indented(line); return }
-    if (code) { add(key, ".fi\n.RE"); code = 0 }
-    if (line ~ /^ *$/) { end_paragraph(); listed = 0; return }
+    if (line ~ /^```/) {
+        fenced = !fenced
+        if (!fenced) end_code()
+        return
+    }
+    if (fenced || line ~ /^    / && !listed) {
+        code_line(fenced ? line : substr(line, 5))
+        return
+    }
+    end_code()
+    if (line ~ /^ *$/) { end_paragraph(); listed = rows = 0; return }
     gsub(/!\[[^]]*\]\([^)]*\)/, "", line)
     while (match(line, /\[[^]]*\]\([^)]*\)/))
         line = substr(line, 1, RSTART - 1) substr(line, RSTART + 1, index(substr(line, RSTART), "](") - 2) \
@@ -147,16 +155,23 @@ function text_line(line) {
     paragraph = paragraph " " line
 }
 
-function indented(line) {
+# As it stands.
+function code_line(line) {
     end_paragraph()
-    if (line ~ /^```/) { fenced = !fenced; if (!fenced) { add(key, ".fi\n.RE"); code = 0 }; return }
     if (!code) add(key, (fresh ? "" : ".PP\n") ".RS 4\n.nf")
     code = 1
     fresh = 0
     gsub(/`/, "\001", line)
-    line = roff(substr(line, 5))
+    gsub(/\*/, "\002", line)
+    line = roff(line)
     gsub(/\001/, "`", line)
+    gsub(/\002/, "*", line)
     add(key, guarded(line))
+}
+
+function end_code() {
+    if (code) add(key, ".fi\n.RE")
+    code = 0
 }
 
 # The first row names the columns, the second is a rule.
@@ -165,7 +180,7 @@ function row(line,    count, cells, i, rest) {
     if (++rows <= 2) return
     gsub(/\\\|/, "\001", line)
     count = split(line, cells, /[ \t]*\|[ \t]*/)
-    for (i = 3; i < count; i++) rest = rest (rest == "" ? "" : "; ") cells[i]
+    for (i = 3; i < count; i++) if (cells[i] !~ /^-?$/) rest = rest (rest == "" ? "" : "; ") cells[i]
     gsub(/\001/, "|", cells[2])
     gsub(/\001/, "|", rest)
     add(key, ".TP\n" guarded(roff(cells[2])) "\n" prose(rest == "" ? "." : rest))
@@ -183,13 +198,14 @@ FNR == 1 { file++ }
 file == 1 && /^@/ {
     end_item()
     end_command()
+    end_code()
     end_paragraph()
     section = $1
     name = $2
     part = ""
     key = "@" toupper(name) "@"
     fresh = 1
-    rows = listed = code = 0
+    rows = listed = fenced = 0
     next
 }
 file == 1 && section == "@text" { text_line($0); next }

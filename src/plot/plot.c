@@ -393,7 +393,7 @@ static void lay_out(struct drawing *d, int num_panels)
         const size_t letters = cml_plot_letters(d->plot->names[k]);
         if (letters > longest) longest = letters < LONGEST_NAME ? letters : LONGEST_NAME;
     }
-    d->columns = (int)fmax(1, floor(0.95 * WIDTH / ((double)longest * letter + sample)));
+    d->columns = (int)fmax(1, floor((RIGHT - LEFT) / ((double)longest * letter + sample)));
     if (d->columns > d->count) d->columns = d->count;
     d->rows = (d->count + d->columns - 1) / d->columns;
     d->foot = FOOT + cml_plot_caption(NULL, d->plot->style.caption, 0);

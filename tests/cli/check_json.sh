@@ -58,7 +58,7 @@ most = float(re.search(r"memory: at most (\d+) MiB", text).group(1))
 assert 0.8 * most < mixed["memory_bytes"] / 2 ** 20 < 1.25 * most, (most, mixed["memory_bytes"])
 assert read("mesh")[0]["boundaries"][1]["kind"] == "mesh"
 skin, = read("map")
-assert skin["map"] == {"nx": 81, "ny": 61, "dx": 0.02, "dy": 0.02, "angles": False, "volume": True} and skin["facets"] is True
+assert skin["map"] == {"nx": 81, "ny": 61, "dx": 0.012, "dy": 0.012, "angles": False, "volume": True} and skin["facets"] is True
 many, = read("many")
 assert many["flat"] is None and many["format"] == "B" and many["photons"] == 10 ** 7 and len(many["layers"]) == 4000
 END

@@ -62,6 +62,10 @@ double cml_most_memory(const struct cml_options *options, const struct cml_scene
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
 
+/* Lines about what was done to the mesh of boundary b that changes its surface: faces cut, border levelled,
+ * skirt added. None where nothing was. */
+void cml_print_mesh_repairs(const struct cml_scene *scene, int b);
+
 /* Multiplications, some 0.15 s of them: what commands spend on totals by adding-doubling beside other work.
  */
 #define CML_EXACT_LITTLE_WORK 1e9

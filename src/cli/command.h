@@ -66,6 +66,11 @@ void cml_print_memory(const struct cml_options *options, const struct cml_scene 
  * skirt added. None where nothing was. */
 void cml_print_mesh_repairs(const struct cml_scene *scene, int b);
 
+/* Draws the run of the file that --run names (1) as `check -o` is told; nothing without -o. */
+CML_NODISCARD cml_status cml_draw_section(const struct cml_options *options,
+                                          const struct cml_scene_list *list, enum cml_picture picture,
+                                          struct cml_error *err);
+
 /* Multiplications, some 0.15 s of them: what commands spend on totals by adding-doubling beside other work.
  */
 #define CML_EXACT_LITTLE_WORK 1e9

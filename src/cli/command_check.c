@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "cli/outputs.h"
 #include "exact/exact.h"
 #include "geometry/footprint.h"
 #include "output/report.h"
@@ -206,10 +207,16 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;
+    enum cml_picture picture = CML_PICTURE_SVG;
+    if (options->output) {
+        CML_TRY(cml_picture_of(options->output, &picture, err));
+        CML_TRY(cml_check_overwrite("check", options->output, options->operands, options->num_operands, err));
+    }
     CML_TRY(cml_load_scenes(options, &list, err));
     cml_status status = CML_OK;
     for (int i = 0; status == CML_OK && i < list.count; i++)
         status = check_scene(options, &list.scenes[i], err);
+    if (status == CML_OK) status = cml_draw_section(options, &list, picture, err);
     cml_scene_list_clear(&list);
     return status;
 }

@@ -1,0 +1,106 @@
+"""Texts of SVG pictures must not overlap, nor leave the picture: svg_text.py FILE.svg [...].
+
+A text's box is as wide as its characters times WIDTH of the size of its letters, for no fonts are at hand: about the mean of
+Helvetica, in which digits take 0.556. It reaches from the baseline up to the capitals, and down to the tails of letters.
+Boxes may touch by SLACK points. Turned texts are turned with their boxes. Prints each pair; the exit code is 1 then.
+SPDX-License-Identifier: MIT
+"""
+import math
+import re
+import sys
+import xml.etree.ElementTree as tree
+
+WIDTH, UP, DOWN, SLACK = 0.56, 0.72, 0.2, 1.0
+SVG = "{http://www.w3.org/2000/svg}"
+STEP = re.compile(r"(translate|scale|rotate)\(([^)]*)\)")
+LENGTH = re.compile(r"[-+0-9.eE]+")
+SAME = (1, 0, 0, 1, 0, 0)  # x' = a x + c y + e, y' = b x + d y + f, as SVG's matrix(a b c d e f)
+
+
+def times(m, n):
+    """First n, then m."""
+    a, b, c, d, e, f = m
+    return (a * n[0] + c * n[1], b * n[0] + d * n[1], a * n[2] + c * n[3], b * n[2] + d * n[3],
+            a * n[4] + c * n[5] + e, b * n[4] + d * n[5] + f)
+
+
+def matrix(transform):
+    m = SAME
+    for name, words in STEP.findall(transform or ""):
+        v = [float(word) for word in LENGTH.findall(words)]
+        if name == "translate":
+            m = times(m, (1, 0, 0, 1, v[0], v[1] if len(v) > 1 else 0))
+        elif name == "scale":
+            m = times(m, (v[0], 0, 0, v[-1], 0, 0))
+        else:
+            sine, cosine = math.sin(math.radians(v[0])), math.cos(math.radians(v[0]))
+            m = times(m, (cosine, sine, -sine, cosine, 0, 0))
+    return m
+
+
+def box_of(element, m, size, anchor):
+    """(left, top, right, bottom) in points of the picture."""
+    width = len(words_of(element)) * size * WIDTH
+    left = {"middle": -width / 2, "end": -width}.get(anchor, 0)
+    x, y = float(element.get("x", 0)), float(element.get("y", 0))
+    corners = [(x + left + i * width, y + j * size) for i in (0, 1) for j in (-UP, DOWN)]
+    moved = [(m[0] * u + m[2] * v + m[4], m[1] * u + m[3] * v + m[5]) for u, v in corners]
+    return (min(u for u, _ in moved), min(v for _, v in moved), max(u for u, _ in moved), max(v for _, v in moved))
+
+
+def words_of(element):
+    return "".join(element.itertext()).strip()
+
+
+def texts_of(element, m=SAME, size=12.0, anchor="start"):
+    """(words, box) of every text below the element."""
+    m = times(m, matrix(element.get("transform")))
+    size = float(LENGTH.match(element.get("font-size", str(size))).group())
+    anchor = element.get("text-anchor", anchor)
+    if element.tag == SVG + "text":
+        for part in element:
+            size = float(LENGTH.match(part.get("font-size", str(size))).group()) if part.text else size
+        return [(words_of(element), box_of(element, m, size, anchor))] if words_of(element) else []
+    return [found for child in element if child.tag != SVG + "defs" for found in texts_of(child, m, size, anchor)]
+
+
+def faults_of(root):
+    view = [float(word) for word in LENGTH.findall(root.get("viewBox"))]
+    texts = texts_of(root)
+    faults = [f"{words!r} leaves the picture" for words, box in texts
+              if box[0] < view[0] - SLACK or box[1] < view[1] - SLACK or box[2] > view[2] + SLACK or box[3] > view[3] + SLACK]
+    for i, (words, a) in enumerate(texts):
+        for other, b in texts[:i]:
+            if min(a[2], b[2]) - max(a[0], b[0]) > SLACK and min(a[3], b[3]) - max(a[1], b[1]) > SLACK:
+                faults.append(f"{other!r} and {words!r} overlap")
+    return faults, len(texts)
+
+
+def check_the_check():
+    """Pictures made up: two texts apart, and one fault of each kind."""
+    def faults(*texts):
+        body = "".join(f'<g transform="{where}" font-size="10" text-anchor="middle"><text>{text}</text></g>' for where, text in texts)
+        return len(faults_of(tree.fromstring(f'<svg xmlns="{SVG[1:-1]}" viewBox="0 0 100 100">{body}</svg>'))[0])
+    first = ("translate(50,50)", "aaaaa")
+    assert faults(first, ("translate(50,62)", "bbbbb")) == 0 and faults(first, ("translate(80,50)", "bbbbb")) == 0
+    assert faults(first, ("translate(50,55)", "bbbbb")) == 1 and faults(first, ("translate(75,50)", "bbbbb")) == 1
+    assert faults(first, ("translate(72,50) rotate(-90)", "bbbbb")) == 0
+    assert faults(first, ("translate(66,50) rotate(-90)", "bbbbb")) == 1
+    assert faults(("translate(10,50)", "aaaaa")) == 1 and faults(("translate(50,5)", "aaaaa")) == 1
+
+
+def main():
+    check_the_check()
+    count = 0
+    for path in sys.argv[1:]:
+        faults, texts = faults_of(tree.parse(path).getroot())
+        if not texts:
+            faults = ["no text"]
+        for fault in faults:
+            print(f"{path}: {fault}")
+        count += len(faults)
+    sys.exit(1 if count or len(sys.argv) < 2 else 0)
+
+
+if __name__ == "__main__":
+    main()

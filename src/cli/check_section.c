@@ -194,6 +194,6 @@ cml_status cml_draw_section(const struct cml_options *options, const struct cml_
         return cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
                         (unsigned long long)options->run, list->count, options->operands[0]);
     CML_TRY(draw_scene(&list->scenes[options->run - 1], picture, options->output, err));
-    if (!options->quiet) printf("  -> %s\n", options->output);
+    if (!options->quiet && !options->json) printf("  -> %s\n", options->output);
     return CML_OK;
 }

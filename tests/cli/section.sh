@@ -46,4 +46,6 @@ test ! -e "$work/third.svg" || complain "a picture of no run"
 expect_error 2 "--output $work/a.txt (expected a name that ends in .svg or .png)" check samples/mixed.mci -o "$work/a.txt"
 expect_code 0 check samples/mixed.mci -o "$work/mixed.png" --quiet
 head -c 8 "$work/mixed.png" | grep -q PNG || complain "the PNG is none"
+expect_code 0 check samples/mixed.mci -o "$work/json.svg" --json
+test "$(wc -l <"$work/out")" -eq 1 && test -s "$work/json.svg" || complain "--json with a picture: $(cat "$work/out")"
 finish

@@ -17,7 +17,7 @@ draw() { # NAME SCENE TEXT...: draws NAME.svg; every TEXT stands in it
 draw mixed samples/mixed.mci 'mixed.mco, seen along y' 'above, n = 1<' 'layer 1, n = 1.4<' 'layer 3, n = 1.45<' 'below, n = 1<' \
     'pencil<' 'Boundary 1: heightfield. Boundary 2: pyramid.obj.' 'depth z [cm]' 'x [cm]'
 grep -q 'map,' "$work/mixed.svg" && complain "a map where there is none"
-draw skinmap samples/skinmap.mci 'map, 81 x 61 pixels of 0.02 x 0.02 cm' 'disk, R = 0.2 cm, angle 50, azimuth 0'
+draw skinmap samples/skinmap.mci 'map, ' ', angle ' 'Boundary 0: '
 draw scan samples/scan.mci 'Boundary 0: skin.gsf. Boundary 1: grooves.asc.'
 draw skin7 samples/skin7.mci 'layer 1, n = 1.53' 'layer 2, n = 1.34' 'layer 3, n = 1.4' 'layer 4, n = 1.39' 'layer 7, n = 1.44'
 

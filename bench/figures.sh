@@ -15,9 +15,11 @@ need_program
 need gnuplot
 mkdir -p "$out"
 for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
-    shapes/hinoise skinmap; do
+    shapes/hinoise; do
     "$program" "$root/samples/$scene.mci" --photons "$photons" --ignore-absorption --quiet -o "$out"
 done
+# a map has as many pixels as a profile has bins, squared
+"$program" "$root/samples/skinmap.mci" --photons "${photons}0" --ignore-absorption --quiet -o "$out"
 
 flat="Solid: this program, $photons packets, with a band of one standard error. Dashed: the report's curves of CUDAMCML and of \
 the program of 2019, read from its graphics, where its flat scenes are sound: they agree within print and noise."
@@ -42,5 +44,7 @@ draw figure9 "$kernel, its packets began at z = 0, above the crater's floor, and
 draw figure10 "$kernel, crossings were missed, and light that left could not come back, without which hinoise reflects 1.8 \
 times as much." flat50.mco lonoise.mco hinoise.mco "$curves/flat50-2019.csv" \
     "$curves/lonoise-2019.csv" "$curves/hinoise-2019.csv"
-draw skinmap "Diffuse reflectance of ridged skin in a disk of light from the left, 50 degrees from the vertical, $photons packets. \
-Pixels of 0.2 mm." skinmap.map.vti
+draw skinmap "Diffuse reflectance of ridged skin in light from the left, 15 degrees above it, ${photons}0 packets; ridges are 0.01 cm high. \
+Pixels of 0.12 mm. What faces the light is three times as bright as what turns away." skinmap.map.vti --percentile 99.9 --linear \
+    --label "Ridges of skin, grazing light"
+for figure in figure5 figure6 figure7 figure8 figure9 figure10; do python3 -B "$here/shrink_svg.py" "$out/$figure.svg"; done

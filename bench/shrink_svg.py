@@ -116,6 +116,8 @@ def main():
     tree.register_namespace("xlink", LINK[1:-5])
     figure = tree.parse(sys.argv[1])
     canvas = figure.find(SVG + "g[@id='gnuplot_canvas']")
+    for ground in canvas.findall(SVG + "rect"):
+        ground.set("stroke", "none")  # what all inherit would frame it
     marks = [part for child in canvas if child.tag != SVG + "defs" for part in
              (shrunk(child, SHARED) if child.tag == SVG + "g" else [child])]
     canvas[:] = canvas.findall(SVG + "defs") + joined(marks)

@@ -4,6 +4,7 @@
 #include "cli/outputs.h"
 
 #include "plot/compare_report.h"
+#include "plot/files/result_file.h"
 
 /* The picture first: where it fails the exit code says so, and nothing has been claimed yet. */
 static cml_status show(const struct cml_options *options, struct cml_compare_report *report,
@@ -51,8 +52,8 @@ cml_status cml_command_compare(const struct cml_options *options, struct cml_err
 {
     struct cml_mco mco[2];
     if (options->output) CML_TRY(cml_check_overwrite("compare", options->output, options->operands, 2, err));
-    CML_TRY(cml_mco_read(options->operands[0], &mco[0], err));
-    cml_status status = cml_mco_read(options->operands[1], &mco[1], err);
+    CML_TRY(cml_result_file_read(options->operands[0], &mco[0], err));
+    cml_status status = cml_result_file_read(options->operands[1], &mco[1], err);
     if (status == CML_OK) {
         status = compare(options, mco, err);
         cml_mco_clear(&mco[1]);

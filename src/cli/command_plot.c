@@ -1,33 +1,19 @@
-/* clustermcml plot: reads results or maps and lets gnuplot draw them.
+/* clustermcml plot: reads results, curves of others or maps and lets gnuplot draw them.
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 #include "cli/outputs.h"
 
-#include "plot/curve.h"
+#include "plot/files/hdf5_result.h"
+#include "plot/files/result_file.h"
 #include "plot/plot.h"
 #include "plot/plot_map.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
-/* In capitals, too, as files come from other systems. */
-static bool ends_in(const char *path, const char *extension)
-{
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot, extension) == 0;
-}
-
-/* Operands are told apart by their ending. */
-static bool is_curve(const char *path)
-{
-    return ends_in(path, ".csv");
-}
-
-static bool is_map(const char *path)
-{
-    return ends_in(path, ".vti");
-}
+/* What the operands are drawn as. */
+enum kind { CURVES, GRIDS, MAPS };
 
 /* For plot --output is the picture, not a folder. */
 static const char *picture_path(const struct cml_options *options)
@@ -35,106 +21,225 @@ static const char *picture_path(const struct cml_options *options)
     return options->output ? options->output : "plot.svg";
 }
 
-/* ---- curves over r ---- */
-
-/* Curves and results become the same structure; two bins, of which the last is not drawn, make no curve. */
-static cml_status read_one(const char *path, struct cml_mco *mco, struct cml_error *err)
+static bool is_curve(const char *path)
 {
-    CML_TRY(is_curve(path) ? cml_curve_read(path, mco, err) : cml_mco_read(path, mco, err));
+    return cml_file_ends_in(path, ".csv");
+}
+
+static bool is_map(const char *path)
+{
+    return cml_file_ends_in(path, ".vti");
+}
+
+/* Of the i-th operand: its label or its name. */
+static const char *name_of(const struct cml_options *options, int i)
+{
+    if (i < options->num_labels) return options->labels[i];
+    return cml_plot_name((const char *const *)options->operands, options->num_operands, i);
+}
+
+/* ---- curves ---- */
+
+/* All that a plot of curves borrows. */
+struct curves {
+    struct cml_plot plot;
+    struct cml_mco *results;
+    struct cml_curve (*others)[2];
+    const char **paths, **names;
+};
+
+/* Two bins, of which the last is not drawn, make no curve. */
+static cml_status read_result(const char *path, struct cml_mco *mco, struct cml_error *err)
+{
+    CML_TRY(cml_result_file_read(path, mco, err));
     if (mco->nr >= 3) return CML_OK;
     const int nr = mco->nr;
     cml_mco_clear(mco);
     return cml_fail(err, CML_E_INPUT, "%s: nr = %d (expected 3 or more bins for a curve over r)", path, nr);
 }
 
-/* Results first, then curves; names in the same order. */
-static cml_status read_all(const struct cml_options *options, struct cml_mco *results, const char **names,
-                           struct cml_plot *plot, struct cml_error *err)
+/* Results first, then curves of others; the numbers in the plot are those that have been read. */
+static cml_status read_all(const struct cml_options *options, struct curves *c, struct cml_error *err)
 {
+    const struct cml_shown *shown = c->plot.shown;
+    struct cml_curve_columns columns[2];
+    int count = 0;
+    for (int i = 0; i < shown->num_panels; i++) columns[i] = cml_shown_columns(&shown->panel[i]);
     for (int curves = 0; curves < 2; curves++)
         for (int i = 0; i < options->num_operands; i++) {
             const char *path = options->operands[i];
             if (is_curve(path) != (curves == 1)) continue;
-            CML_TRY(read_one(path, &results[plot->count], err));
-            names[plot->count++] = path;
-            plot->num_results += curves == 0;
+            c->paths[count] = path;
+            c->names[count++] = name_of(options, i);
+            if (curves == 0) {
+                CML_TRY(read_result(path, &c->results[c->plot.num_results], err));
+                c->plot.num_results++;
+            } else {
+                CML_TRY(cml_curve_read(path, columns, shown->num_panels, c->others[c->plot.num_curves], err));
+                c->plot.num_curves++;
+            }
         }
     return CML_OK;
 }
 
-/* plot.count is the number read so far, so that only those are cleared after a failure. */
-static cml_status draw_curves(const struct cml_options *options, enum cml_picture picture,
-                              struct cml_error *err)
+static cml_status draw_curves(const struct cml_options *options, const struct cml_shown *shown,
+                              enum cml_picture picture, struct cml_error *err)
 {
     const size_t count = (size_t)options->num_operands;
-    struct cml_plot plot = {.caption = options->caption, .picture = picture, .scale = options->scale};
-    struct cml_mco *results = calloc(count, sizeof *results);
-    const char **names = calloc(count, sizeof *names);
-    cml_status status = results && names ? CML_OK : cml_fail_memory(err, 1, "the results");
-    if (status == CML_OK) status = read_all(options, results, names, &plot, err);
-    plot.results = results;
-    plot.names = names;
-    if (status == CML_OK) status = cml_gnuplot_draw(cml_plot_script, &plot, picture_path(options), err);
-    for (int i = 0; i < plot.count; i++) cml_mco_clear(&results[i]);
-    free(results);
-    free(names);
+    struct curves c = {.plot = {.shown = shown, .picture = picture, .style = options->style},
+                       .results = calloc(count, sizeof *c.results),
+                       .others = calloc(count, sizeof *c.others),
+                       .paths = calloc(count, sizeof *c.paths),
+                       .names = calloc(count, sizeof *c.names)};
+    cml_status status =
+        c.results && c.others && c.paths && c.names ? CML_OK : cml_fail_memory(err, 1, "the results");
+    if (status == CML_OK) status = read_all(options, &c, err);
+    c.plot.results = c.results;
+    c.plot.curves = c.others;
+    c.plot.paths = c.paths;
+    c.plot.names = c.names;
+    if (status == CML_OK) status = cml_gnuplot_draw(cml_plot_script, &c.plot, picture_path(options), err);
+    for (int i = 0; i < c.plot.num_results; i++) cml_mco_clear(&c.results[i]);
+    for (int i = 0; i < 2 * c.plot.num_curves; i++) cml_curve_free(&c.others[i / 2][i % 2]);
+    free(c.results);
+    free(c.others);
+    free(c.paths);
+    free(c.names);
     return status;
 }
 
 /* ---- maps ---- */
 
+/* Room for what stands beside the colours. */
+enum { QUANTITY = 160 };
+
 /* Reflectance and transmittance have short names here; every other array is called as in the file. */
-static const char *array_of(const char *of, const char **quantity)
+static const char *array_of(const char *of)
 {
-    const bool top = !of || strcmp(of, "Rd") == 0, bottom = !top && strcmp(of, "Tt") == 0;
-    *quantity = top ? "Rd(x,y)  [1/cm²]" : bottom ? "Tt(x,y)  [1/cm²]" : of;
-    return top ? "Rd_xy" : bottom ? "Tt_xy" : of;
+    if (!of || strcmp(of, "Rd") == 0) return "Rd_xy";
+    return strcmp(of, "Tt") == 0 ? "Tt_xy" : of;
 }
 
-/* Maps that were not read are zero, and clearing them does nothing. */
-static cml_status draw_maps(const struct cml_options *options, enum cml_picture picture,
-                            struct cml_error *err)
+/* The map of one operand, and what stands beside its colours. Images know no units: all that ours hold are
+ * shares of the light per area. */
+static cml_status read_map(const char *path, const char *of, const struct cml_shown *shown,
+                           struct cml_pixels *map, char quantity[QUANTITY], struct cml_error *err)
+{
+    const char *array = array_of(of);
+    char unit[CML_HDF5_UNIT] = "1/cm2";
+    struct cml_mco mco;
+    if (shown) {
+        snprintf(quantity, QUANTITY, "%s", shown->map);
+        CML_TRY(cml_result_file_read(path, &mco, err));
+        const cml_status status = cml_shown_map(&mco, path, shown, map, err);
+        cml_mco_clear(&mco);
+        return status;
+    }
+    CML_TRY(is_map(path) ? cml_vti_read(path, array, map, err)
+                         : cml_hdf5_read_map(path, array, map, unit, err));
+    if (array != of)
+        snprintf(quantity, QUANTITY, "%.2s(x,y)  [1/cm²]", array);
+    else
+        snprintf(quantity, QUANTITY, "%.100s  [%s]", of, strcmp(unit, "1/cm2") == 0 ? "1/cm²" : unit);
+    return CML_OK;
+}
+
+/* shown: a grid of results over (r, z); NULL: arrays of maps. Maps that were not read are zero, and clearing
+ * them does nothing. */
+static cml_status draw_maps(const struct cml_options *options, const struct cml_shown *shown,
+                            enum cml_picture picture, struct cml_error *err)
 {
     const int count = options->num_operands;
+    char quantity[QUANTITY] = "";
     struct cml_pixels *maps = calloc((size_t)count, sizeof *maps);
-    struct cml_map_plot plot = {.count = count,
-                                .maps = maps,
-                                .names = (const char *const *)options->operands,
-                                .caption = options->caption,
-                                .picture = picture,
-                                .scale = options->scale};
-    const char *array = array_of(options->of, &plot.quantity);
-    cml_status status = maps ? CML_OK : cml_fail_memory(err, 1, "the maps");
-    for (int i = 0; i < count && status == CML_OK; i++)
-        status = cml_vti_read(options->operands[i], array, &maps[i], err);
+    const char **names = calloc((size_t)count, sizeof *names);
+    const struct cml_map_plot plot = {.count = count,
+                                      .maps = maps,
+                                      .names = names,
+                                      .quantity = quantity,
+                                      .grey = shown ? "no light, or nothing absorbs" : "no light",
+                                      .axes = shown ? &cml_map_rz : &cml_map_xy,
+                                      .picture = picture,
+                                      .style = options->style};
+    cml_status status = maps && names ? CML_OK : cml_fail_memory(err, 1, "the maps");
+    for (int i = 0; i < count && status == CML_OK; i++) {
+        names[i] = name_of(options, i);
+        status = read_map(options->operands[i], options->of, shown, &maps[i], quantity, err);
+    }
     if (status == CML_OK) status = cml_gnuplot_draw(cml_map_script, &plot, picture_path(options), err);
     for (int i = 0; i < count && maps; i++) cml_pixels_clear(&maps[i]);
     free(maps);
+    free(names);
     return status;
 }
 
-/* Whether the operands are maps: all or none. */
-static cml_status find_kind(const struct cml_options *options, bool *maps, struct cml_error *err)
+/* ---- what is asked for ---- */
+
+/* Whether an operand can be drawn beside the first, which says what all are. */
+static cml_status check_operand(const struct cml_options *options, int i, enum kind kind,
+                                struct cml_error *err)
 {
-    *maps = is_map(options->operands[0]);
-    for (int i = 1; i < options->num_operands; i++)
-        if (is_map(options->operands[i]) != *maps)
-            return cml_fail(err, CML_E_INPUT, "%s (expected %s, like %s)", options->operands[i],
-                            *maps ? "a map" : "a result or a curve", options->operands[0]);
-    if (*maps || !options->of) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "--of %s (expected with maps only: .vti files)", options->of);
+    const char *path = options->operands[i], *first = options->operands[0];
+    const bool table = cml_file_ends_in(path, ".h5") && options->of;
+    if (kind == MAPS ? is_map(path) || table : !is_map(path) && (kind == CURVES || !is_curve(path)))
+        return CML_OK;
+    if (kind == GRIDS)
+        return cml_fail(err, CML_E_INPUT, "%s (expected a result, for --of %s)", path, options->of);
+    return cml_fail(err, CML_E_INPUT, "%s (expected %s, like %s)", path,
+                    kind == MAPS ? "a map" : "a result or a curve", first);
+}
+
+/* .vti files are maps, .csv files curves; what .mco and .h5 files are, --of says: what it does not know of
+ * results can only be an array of a map. */
+static cml_status find_kind(const struct cml_options *options, enum kind *kind,
+                            const struct cml_shown **shown, struct cml_error *err)
+{
+    const char *first = options->operands[0];
+    const cml_status known = cml_shown_find(options->of, shown, err);
+    if (is_map(first) || (known != CML_OK && cml_file_ends_in(first, ".h5")))
+        *kind = MAPS;
+    else if (known != CML_OK)
+        return known;
+    else
+        *kind = (*shown)->map ? GRIDS : CURVES;
+    for (int i = 0; i < options->num_operands; i++) CML_TRY(check_operand(options, i, *kind, err));
+    return CML_OK;
+}
+
+/* A range that would not be used, or cannot be, is refused. */
+static cml_status check_style(const struct cml_options *options, enum kind kind, struct cml_error *err)
+{
+    const struct cml_plot_style *style = &options->style;
+    const struct cml_axis_range *logged = kind == CURVES ? &style->y : &style->colour;
+    const bool log = style->scale == CML_SCALE_LOG || (kind == CURVES && style->scale != CML_SCALE_LINEAR);
+    const bool coloured = !isnan(style->colour.from) || !isnan(style->colour.to);
+    if (options->num_labels > 0 && options->num_labels != options->num_operands)
+        return cml_fail(err, CML_E_INPUT, "--label given %d times (expected once for each of %d files)",
+                        options->num_labels, options->num_operands);
+    if (kind == CURVES && (coloured || style->percentile < 100))
+        return cml_fail(err, CML_E_INPUT, "--%s (expected with maps only)",
+                        coloured ? "crange" : "percentile");
+    if (coloured && style->percentile < 100)
+        return cml_fail(err, CML_E_INPUT, "--percentile (expected without --crange)");
+    if (log && (logged->from <= 0 || logged->to <= 0))
+        return cml_fail(err, CML_E_INPUT, "--%srange (expected numbers above 0 on a log scale, or --linear)",
+                        kind == CURVES ? "y" : "c");
+    return CML_OK;
 }
 
 /* Everything that can be wrong with the command line is found before a file is read. */
 cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err)
 {
     enum cml_picture picture;
-    bool maps = false;
+    enum kind kind;
+    const struct cml_shown *shown = NULL;
     CML_TRY(cml_picture_of(picture_path(options), &picture, err));
     CML_TRY(
         cml_check_overwrite("plot", picture_path(options), options->operands, options->num_operands, err));
-    CML_TRY(find_kind(options, &maps, err));
-    CML_TRY((maps ? draw_maps : draw_curves)(options, picture, err));
+    CML_TRY(find_kind(options, &kind, &shown, err));
+    CML_TRY(check_style(options, kind, err));
+    CML_TRY(kind == CURVES ? draw_curves(options, shown, picture, err)
+                           : draw_maps(options, kind == GRIDS ? shown : NULL, picture, err));
     if (!options->quiet) printf("%s\n", picture_path(options));
     return CML_OK;
 }

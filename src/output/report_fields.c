@@ -19,7 +19,7 @@ static double per_photon(const struct cml_field_source *source)
 static void array_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    memcpy(out, source->array + begin, count * sizeof *out);
+    for (size_t i = 0; i < count; i++) out[i] = source->array[(begin + i) * source->stride];
 }
 
 /* There is one value, whatever part is asked for. */
@@ -37,8 +37,7 @@ static void profile_errors(const void *context, size_t begin, size_t count, doub
         out[i] = cml_profile_error(source->report, &source->profile, (int)(begin + i));
 }
 
-/* Over the angle bins of a pixel, as integers: so the map without angles is the exact sum of that with
- * angles. */
+/* Over the angle bins of a pixel, as integers: so a map without angles is the exact sum. */
 static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
 {
     cml_u128 sum = 0;
@@ -191,8 +190,7 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
-/* Fields and their sources lie in arrays of fixed size, so that a field may point to its source. Returns
- * the source to be filled in. */
+/* Returns the source to be filled in. No array grows, so that a field may point to its source. */
 static struct cml_field_source *add(struct cml_field_list *c, const char *name, const char *long_name,
                                     const char *units, cml_field_values *values)
 {
@@ -201,6 +199,7 @@ static struct cml_field_source *add(struct cml_field_list *c, const char *name, 
     source->report = c->report;
     source->scale = 1;
     source->per_facet = 1;
+    source->stride = 1;
     snprintf(field->name, sizeof field->name, "%s", name);
     field->long_name = long_name;
     field->units = units;
@@ -271,8 +270,7 @@ static void add_totals(struct cml_field_list *c)
     }
 }
 
-/* The names begin with book_ as the section `books` of an .mco file is called; `residue` is the imbalance.
- * They are part of the file format. */
+/* The names, after the section `books` of an .mco file, are part of the file format. */
 static void add_balance(struct cml_field_list *c)
 {
     static const char *const names[CML_NUM_BALANCE_TERMS] = {
@@ -295,6 +293,20 @@ static void add_array(struct cml_field_list *c, const char *name, const char *lo
     along(c, slow, fast, NULL);
 }
 
+/* The numbers of the input, so that a file needs no .mci beside it. */
+static void add_layers(struct cml_field_list *c, const struct cml_mco *mco)
+{
+    static const char *const fields[5][3] = {{"layer_n", "refractive index", "1"},
+                                             {"layer_mua", "absorption coefficient", "1/cm"},
+                                             {"layer_mus", "scattering coefficient", "1/cm"},
+                                             {"layer_g", "anisotropy of scattering", "1"},
+                                             {"layer_d", "thickness", "cm"}};
+    for (int i = 0; i < 5; i++) {
+        add_array(c, fields[i][0], fields[i][1], fields[i][2], &mco->layer[0][i], &c->layer, NULL);
+        c->sources[c->num_fields - 1].stride = 5;
+    }
+}
+
 /* A profile and its errors; nothing where it was not tallied. */
 static void add_profile(struct cml_field_list *c, const struct cml_profile *profile, const char *long_name,
                         const double *array, const struct cml_axis *axis)
@@ -304,14 +316,14 @@ static void add_profile(struct cml_field_list *c, const struct cml_profile *prof
     add_errors(c, profile_errors)->profile = *profile;
 }
 
-/* The order in the file is that of an .mco, so that both can be read side by side. Of the grids over two
- * variables no errors are known: batches are kept of profiles only. */
+/* In the order of an .mco. Of the grids over two variables no errors are known: they have no batches. */
 void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
 {
     struct cml_profile profiles[CML_PROFILES];
     cml_report_profiles(c->report, profiles);
     add_totals(c);
     add_balance(c);
+    add_layers(c, mco);
     add_array(c, "A_l", "absorption by layer", "1", mco->A_l, &c->layer, NULL);
     add_profile(c, &profiles[0], "absorption by depth; what lies outside is in the outermost bins", mco->A_z,
                 &c->z);
@@ -358,8 +370,7 @@ void cml_add_map_fields(struct cml_field_list *c)
     add_pixels(c, "Tt_xya", "transmittance by angle", r->Tt_xya, r->Tt_xya2, true);
 }
 
-/* Without errors: a packet deposits in a voxel many times, and squares of its sums would need a volume per
- * packet. */
+/* Without errors: squares of what a packet leaves in a voxel would need a volume per packet. */
 void cml_add_volume_fields(struct cml_field_list *c)
 {
     const struct cml_result *result = &c->report->run->result;
@@ -447,8 +458,7 @@ static void along_facets(struct cml_field_list *c, int b)
         along(c, &c->facet[b], NULL, NULL);
 }
 
-/* The axis is as long as the drawing has faces, so a file for tables and one for pictures differ in
- * nothing else. */
+/* The axis is as long as the drawing has faces, in which tables and pictures differ. */
 void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const cml_u128 *first = facets_of(c->report, b);

@@ -28,6 +28,7 @@ const char *cml_balance_text(enum cml_balance_term term);
 struct cml_field_source {
     const struct cml_report *report;
     const double *array;
+    size_t stride; /* from one number of the array to the next */
     double number;
     struct cml_profile profile;
     const cml_u128 *cells, *squares;

@@ -7,12 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {
-    {"Rsp", "-", NULL},          {"Rd", "-", NULL},           {"A", "-", NULL},
-    {"Tt", "-", NULL},           {"A_z", "1/cm", "z [cm]"},   {"Rd_r", "1/cm2", "r [cm]"},
-    {"Rd_a", "1/sr", "a [rad]"}, {"Tt_r", "1/cm2", "r [cm]"}, {"Tt_a", "1/sr", "a [rad]"},
-};
-
 enum { NUM_TOTALS = 4, BATCHES = 64 };
 
 /* One quantity of both files, in weight per launched packet. */
@@ -45,46 +39,13 @@ struct spread {
 
 /* ---- the files ---- */
 
-static bool is_total(enum cml_quantity which)
-{
-    return which < CML_QUANTITY_A_z;
-}
-
-/* In the order of enum cml_quantity; a total is a profile of one bin. */
-static const double *profile_of(const struct cml_mco *mco, enum cml_quantity which)
-{
-    const double *const profiles[CML_NUM_QUANTITIES] = {&mco->Rsp, &mco->Rd,  &mco->A,   &mco->Tt, mco->A_z,
-                                                        mco->Rd_r, mco->Rd_a, mco->Tt_r, mco->Tt_a};
-    return profiles[which];
-}
-
-static bool is_radial(enum cml_quantity which)
-{
-    return which == CML_QUANTITY_Rd_r || which == CML_QUANTITY_Tt_r;
-}
-
-static int bins_of(const struct cml_mco *mco, enum cml_quantity which)
-{
-    if (is_total(which)) return 1;
-    if (which == CML_QUANTITY_A_z) return mco->nz;
-    return is_radial(which) ? mco->nr : mco->na;
-}
-
-/* Width of a bin on its axis, cm or rad. */
-static double width_of(const struct cml_mco *mco, enum cml_quantity which)
-{
-    if (is_total(which)) return 0;
-    if (which == CML_QUANTITY_A_z) return mco->dz;
-    return is_radial(which) ? mco->dr : cml_angle_width(mco->na);
-}
-
 /* What turns a value of the file back into weight per packet. */
 static double measure_of(const struct cml_mco *mco, enum cml_quantity which, int i)
 {
-    const double width = width_of(mco, which);
-    if (is_total(which)) return 1;
+    const double width = cml_quantity_width(mco, which);
+    if (cml_quantity_is_total(which)) return 1;
     if (which == CML_QUANTITY_A_z) return width;
-    return is_radial(which) ? cml_ring_area(width, i) : cml_solid_angle(width, i);
+    return cml_quantity_is_radial(which) ? cml_ring_area(width, i) : cml_solid_angle(width, i);
 }
 
 /* Fewer packets than batches make no error. */
@@ -95,16 +56,11 @@ static bool has_errors(const struct cml_mco *mco)
 }
 
 /* Fills errors[bins]; false when the file has none. */
-static bool read_errors(const struct cml_mco *mco, enum cml_quantity which, double *errors, int bins)
+static bool read_errors(const struct cml_mco *mco, enum cml_quantity which, double *errors)
 {
-    static const char *const keys[CML_NUM_QUANTITIES] = {[CML_QUANTITY_A_z] = "se_A_z",
-                                                         [CML_QUANTITY_Rd_r] = "se_Rd_r",
-                                                         [CML_QUANTITY_Rd_a] = "se_Rd_a",
-                                                         [CML_QUANTITY_Tt_r] = "se_Tt_r",
-                                                         [CML_QUANTITY_Tt_a] = "se_Tt_a"};
     double totals[NUM_TOTALS] = {0};
     const bool any = has_errors(mco);
-    if (!is_total(which)) return any && cml_mco_extra(mco, keys[which], errors, bins) == bins;
+    if (!cml_quantity_is_total(which)) return any && cml_quantity_errors(mco, which, errors);
     if (any) (void)cml_mco_extra(mco, "se_RAT", totals, NUM_TOTALS);
     errors[0] = totals[which];
     return any || which == CML_QUANTITY_Rsp;
@@ -149,7 +105,7 @@ static double rounding_of(double value, int digits)
 static void add_bin(const struct quantity *q, int i, struct group *group)
 {
     const double measure = measure_of(q->mco[0], q->which, i);
-    const int digits = is_total(q->which) ? 6 : 5;
+    const int digits = cml_quantity_is_total(q->which) ? 6 : 5;
     group->last = i;
     group->measure += measure;
     for (int k = 0; k < 2; k++) {
@@ -275,7 +231,7 @@ static double deviate(const struct group *group, const struct spread *spread)
 static struct cml_compare_test test_group(const struct quantity *q, const struct group *group)
 {
     const struct spread spread = spread_of(q, group);
-    const double width = width_of(q->mco[0], q->which), z = deviate(group, &spread);
+    const double width = cml_quantity_width(q->mco[0], q->which), z = deviate(group, &spread);
     struct cml_compare_test test = {.quantity = q->which,
                                     .first = group->first,
                                     .last = group->last,
@@ -324,14 +280,14 @@ static void test_all(const struct cml_mco *const mco[2], double *scratch, int mo
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity which = (enum cml_quantity)i;
-        struct quantity q = {.which = which, .bins = bins_of(mco[0], which)};
+        struct quantity q = {.which = which, .bins = cml_quantity_bins(mco[0], which)};
         if (which == CML_QUANTITY_A_z && c->no_absorption) continue;
         for (int k = 0; k < 2; k++) {
             double *errors = scratch + (size_t)k * (size_t)most;
             q.mco[k] = mco[k];
             q.packets[k] = (double)mco[k]->photons;
-            q.value[k] = profile_of(mco[k], q.which);
-            q.error[k] = read_errors(mco[k], q.which, errors, q.bins) ? errors : NULL;
+            q.value[k] = cml_quantity_values(mco[k], q.which);
+            q.error[k] = read_errors(mco[k], q.which, errors) ? errors : NULL;
         }
         test_quantity(&q, c);
     }

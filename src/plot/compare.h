@@ -20,30 +20,9 @@
 #ifndef CML_COMPARE_H
 #define CML_COMPARE_H
 
-#include "output/mco.h"
-
-#include <stdbool.h>
+#include "plot/quantity.h"
 
 #define CML_COMPARE_PACKETS 20.0
-
-enum cml_quantity {
-    CML_QUANTITY_Rsp,
-    CML_QUANTITY_Rd,
-    CML_QUANTITY_A,
-    CML_QUANTITY_Tt,
-    CML_QUANTITY_A_z, /* from here on profiles */
-    CML_QUANTITY_Rd_r,
-    CML_QUANTITY_Rd_a,
-    CML_QUANTITY_Tt_r,
-    CML_QUANTITY_Tt_a,
-    CML_NUM_QUANTITIES
-};
-
-struct cml_quantity_info {
-    const char *name, *unit; /* of the values, as in the file */
-    const char *axis;        /* of a profile: "z [cm]"; NULL for a total */
-};
-extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
 
 /* One test: a total (first = last = 0), a bin, or neighbouring bins. */
 struct cml_compare_test {

@@ -18,28 +18,65 @@ extern char **environ;
 
 /* ---- the script ---- */
 
+/* How gnuplot makes each format. Cairo's letters are measured in points of 1/72 inch, SVG's in its units: a
+ * PNG of two pixels per point has 96 pixels per inch, and a page of 900 points is 7 inches wide. */
+static const struct terminal {
+    const char *ending, *name, *unit, *options;
+    double length, letters; /* of a point of the page */
+} terminals[] = {
+    [CML_PICTURE_SVG] = {".svg", "svg", "", "", 1, 1},
+    [CML_PICTURE_PNG] = {".png", "pngcairo", "", " fontscale 2 linewidth 2 pointscale 2", 2, 11.0 / 15},
+    [CML_PICTURE_PDF] = {".pdf", "pdfcairo", "in", " fontscale 1 linewidth 0.56 pointscale 0.56", 7.0 / 900,
+                         0.56},
+    [CML_PICTURE_EPS] = {".eps", "epscairo", "in", " fontscale 1 linewidth 0.56 pointscale 0.56", 7.0 / 900,
+                         0.56},
+};
+enum { NUM_TERMINALS = sizeof terminals / sizeof *terminals };
+
 /* Judged before anything is read or computed. The dot must be in the name itself, not in a folder. */
 cml_status cml_picture_of(const char *path, enum cml_picture *picture, struct cml_error *err)
 {
     const char *slash = strrchr(path, '/'), *dot = strrchr(slash ? slash : path, '.');
-    *picture = dot && strcasecmp(dot, ".png") == 0 ? CML_PICTURE_PNG : CML_PICTURE_SVG;
-    if (dot && (*picture == CML_PICTURE_PNG || strcasecmp(dot, ".svg") == 0)) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "--output %s (expected a name that ends in .svg or .png)", path);
+    for (int i = 0; dot && i < NUM_TERMINALS; i++)
+        if (strcasecmp(dot, terminals[i].ending) == 0) {
+            *picture = (enum cml_picture)i;
+            return CML_OK;
+        }
+    return cml_fail(err, CML_E_INPUT, "--output %s (expected a name that ends in .svg, .png, .pdf or .eps)",
+                    path);
 }
 
-/* `noenhanced`, because names of files have underscores, which gnuplot would take for subscripts. A PNG
- * has twice the pixels and the lines and letters to match, for screens and print. */
-void cml_gnuplot_begin(FILE *out, enum cml_picture picture, int width, int height)
+/* `noenhanced`, because names of files have underscores, which gnuplot would take for subscripts. */
+void cml_page_begin(const struct cml_page *page)
 {
-    const bool svg = picture == CML_PICTURE_SVG;
-    const int scale = svg ? 1 : 2;
-    fprintf(out,
-            "set encoding utf8\nset terminal %s noenhanced size %d,%d font '%s' background '#FFFFFF'%s\n",
-            svg ? "svg" : "pngcairo", scale * width, scale * height, svg ? "Helvetica,15" : "Helvetica,11",
-            svg ? "" : " fontscale 2 linewidth 2 pointscale 2");
+    const struct terminal *t = &terminals[page->picture];
+    fprintf(page->out,
+            "set encoding utf8\nset terminal %s noenhanced size %g%s,%g%s font 'Helvetica,%g' background "
+            "'#FFFFFF'%s\n",
+            t->name, t->length * page->width, t->unit, t->length * page->height, t->unit,
+            t->letters * CML_PAGE_NORMAL, t->options);
     fputs("set border 15 lw 0.8 lc rgb '#404040'\nset tics textcolor rgb '#202020'\n"
           "set grid xtics ytics lc rgb '#E4E4E4' lt 1 lw 0.6\n",
-          out);
+          page->out);
+}
+
+void cml_page_panel(const struct cml_page *page, double left, double right, double bottom, double top)
+{
+    fprintf(page->out, "set lmargin at screen %.6f\nset rmargin at screen %.6f\n", left / page->width,
+            right / page->width);
+    fprintf(page->out, "set bmargin at screen %.6f\nset tmargin at screen %.6f\n", bottom / page->height,
+            top / page->height);
+}
+
+/* Small letters are grey. */
+void cml_page_write(const struct cml_page *page, int number, const struct cml_page_text *text)
+{
+    static const char *const aligns[] = {"left", "center", "right", "center rotate"};
+    fprintf(page->out, "set label %d ", number);
+    cml_gnuplot_quote(page->out, text->text);
+    fprintf(page->out, " at screen %.6f,%.6f %s font ',%g'%s\n", text->x / page->width,
+            text->y / page->height, aligns[text->align], terminals[page->picture].letters * text->size,
+            text->size == CML_PAGE_SMALL ? " textcolor rgb '#404040'" : "");
 }
 
 /* Bytes of a UTF-8 sequence that begins at p; 0 when it is none, or a control character. */

@@ -9,13 +9,37 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-enum cml_picture { CML_PICTURE_SVG, CML_PICTURE_PNG };
+enum cml_picture { CML_PICTURE_SVG, CML_PICTURE_PNG, CML_PICTURE_PDF, CML_PICTURE_EPS };
 
-/* What the end of the name asks for; CML_E_INPUT when it is neither .svg nor .png. */
+/* What the end of the name asks for; CML_E_INPUT when it is none of .svg, .png, .pdf and .eps. */
 CML_NODISCARD cml_status cml_picture_of(const char *path, enum cml_picture *picture, struct cml_error *err);
 
-/* Terminal, frame and grid of a picture of width x height points; a PNG has twice as many pixels. */
-void cml_gnuplot_begin(FILE *out, enum cml_picture picture, int width, int height);
+/* A picture and its size in points, which are the same for all formats: places are counted from its lower
+ * left corner. An SVG has a unit per point, a PNG two pixels; PDF and EPS are 7 inches wide at 900 points. */
+struct cml_page {
+    FILE *out;
+    enum cml_picture picture;
+    int width, height;
+};
+
+/* Sizes of letters in points: of titles, of axes, of what stands beside them. */
+enum { CML_PAGE_LARGE = 18, CML_PAGE_NORMAL = 15, CML_PAGE_SMALL = 13 };
+
+/* Terminal, frame and grid. */
+void cml_page_begin(const struct cml_page *page);
+
+/* The four sides of the panel that is plotted next. */
+void cml_page_panel(const struct cml_page *page, double left, double right, double bottom, double top);
+
+/* A text in gnuplot's label `number`, at its middle's height; it replaces the one of that number. */
+enum cml_align { CML_ALIGN_LEFT, CML_ALIGN_CENTER, CML_ALIGN_RIGHT, CML_ALIGN_UPRIGHT };
+struct cml_page_text {
+    double x, y;
+    enum cml_align align; /* upright: turned by 90 degrees, centred */
+    int size;
+    const char *text;
+};
+void cml_page_write(const struct cml_page *page, int number, const struct cml_page_text *text);
 
 /* The text as a string of gnuplot, in double quotes. A backslash stands before quotes and backslashes; what
  * stands in backquotes, gnuplot would run as a command, so these are written by their octal number. Control

@@ -12,55 +12,72 @@ static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7"
 
 /* gnuplot's marks, full for results and open for curves of others: what tells curves apart in grey. */
 static const int marks[2][8] = {{7, 5, 9, 13, 11, 15, 2, 1}, {6, 4, 8, 12, 10, 14, 2, 1}};
-enum { NUM_COLOURS = sizeof colours / sizeof *colours, MOST_HEIGHTS = 20000, LONGEST_NAME = 60 };
+enum { NUM_COLOURS = sizeof colours / sizeof *colours, MOST_HEIGHTS = 20000 };
+
+/* Letters of a name in the legend, and of the title. */
+enum { LONGEST_NAME = 60, LONGEST_TITLE = 80 };
 
 /* Share of a panel's height, at its bottom, that belongs to the heightfields alone. */
 static const double strip = 0.25;
 
-/* Lengths in points of the SVG; the PNG has twice as many pixels. */
-enum { WIDTH = 900, PANEL = 340, GAP = 44, HEAD = 50, ROW = 18, FOOT = 62 };
+/* Lengths in points of the page. A panel alone is higher than one of two. TITLE_* are middles of axis titles,
+ * from the page's left, the panel's bottom and the page's right: numbers of 7 letters stand between. */
+enum {
+    WIDTH = 900,
+    LEFT = 104,
+    RIGHT = 790,
+    PANEL = 340,
+    SINGLE = 440,
+    GAP = 44,
+    HEAD = 50,
+    ROW = 18,
+    FOOT = 78,
+    TITLE_LEFT = 20,
+    TITLE_BELOW = 48,
+    TITLE_RIGHT = 882
+};
 
-/* One of the two pictures, one above the other, with a common axis of r. */
+/* gnuplot's labels. */
+enum { LABEL_TITLE = 1, LABEL_PANEL, LABEL_NOTE, LABEL_HEIGHT, LABEL_X, LABEL_Y };
+
+/* One of at most two pictures, one above the other, with a common axis. */
 struct panel {
-    const char *name, *title, *axis, *error_key;
-    bool top;                /* R over the top surface, else T over the bottom */
-    double low, high, first; /* y range of the curves; the largest first bin when it is above it, else 0 */
-    double lowest, highest;  /* heights, cm; lowest > highest when no file has any */
+    const struct cml_shown_panel *shown;
+    struct cml_curve *curves; /* [count of files], owned; no points where a file has none */
+    double bottom, top;       /* points of the page */
+    double low, high, first;  /* range of the values; the largest first one if above it, else 0 */
+    double lowest, highest;   /* heights, cm; lowest > highest when no file has any */
+    int place;                /* 0: the upper one */
 };
 
 struct drawing {
-    FILE *out;
+    struct cml_page page;
     const struct cml_plot *plot;
-    double r_max;   /* cm */
-    double *values; /* scratch for standard errors and heights */
-    int capacity, columns, rows;
-    int height; /* of the whole picture, points */
-    int foot;   /* of that below the panels */
+    int count;         /* of files: results, then curves of others */
+    double from, to;   /* of the common axis, cm or rad */
+    double *heights;   /* scratch, [MOST_HEIGHTS] */
+    int columns, rows; /* of the legend */
+    int foot;          /* points below the panels */
     struct panel panels[2];
 };
-
-/* Curves of others have both profiles, one of them perhaps zero. */
-static const double *profile_of(const struct panel *panel, const struct cml_mco *mco)
-{
-    return panel->top ? mco->Rd_r : mco->Tt_r;
-}
 
 /* Curves span decades, so log is what they are without being asked. */
 static bool linear(const struct drawing *d)
 {
-    return d->plot->scale == CML_SCALE_LINEAR;
+    return d->plot->style.scale == CML_SCALE_LINEAR;
 }
 
-/* Of bin i, cm: r Rd(r) is drawn at the middle of its bin, by which others' curves are told, too. */
-static double centre(const struct cml_mco *mco, int i)
+/* What has no place on the axis, and is a gap. */
+static bool is_gap(const struct drawing *d, double y)
 {
-    return (i + 0.5) * mco->dr;
+    return !(y > 0 || (linear(d) && y == 0));
 }
 
-/* "Reflectance and transmittance of a, b, c and 4 more": the output names that the scenes carry. */
-static void write_title(FILE *out, const struct cml_plot *plot)
+/* "a, b, c and 4 more": the output names that the scenes carry. */
+static void write_title(const struct drawing *d)
 {
-    char title[512] = "";
+    const struct cml_plot *plot = d->plot;
+    char title[512] = "", cut[CML_PLOT_NAME];
     size_t used = 0;
     const int named = plot->num_results <= 4 ? plot->num_results : 3;
     for (int i = 0; i < named; i++) {
@@ -72,21 +89,57 @@ static void write_title(FILE *out, const struct cml_plot *plot)
     }
     if (named < plot->num_results)
         snprintf(title + used, sizeof title - used, " and %d more", plot->num_results - named);
-    cml_gnuplot_quote(out, title);
+    cml_plot_cut(plot->style.title ? plot->style.title : title, LONGEST_TITLE, cut);
+    cml_page_write(
+        &d->page, LABEL_TITLE,
+        &(struct cml_page_text){WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER, CML_PAGE_LARGE, cut});
+}
+
+/* ---- curves ---- */
+
+/* All files become curves, so that the drawing need not tell them apart. */
+static cml_status make_curves(struct drawing *d, struct panel *panel, struct cml_error *err)
+{
+    const struct cml_plot *plot = d->plot;
+    panel->curves = calloc((size_t)d->count, sizeof *panel->curves);
+    if (!panel->curves) return cml_fail_memory(err, 1, "the plot");
+    for (int k = 0; k < plot->num_results; k++)
+        CML_TRY(cml_shown_curve(&plot->results[k], plot->paths[k], panel->shown, &panel->curves[k], err));
+    for (int k = 0; k < plot->num_curves; k++)
+        CML_TRY(cml_shown_curve_of_others(&plot->curves[k][panel->place], panel->shown,
+                                          &panel->curves[plot->num_results + k], err));
+    return CML_OK;
+}
+
+static void free_curves(const struct drawing *d, struct panel *panel)
+{
+    for (int k = 0; k < d->count && panel->curves; k++) cml_curve_free(&panel->curves[k]);
+    free(panel->curves);
+}
+
+/* A curve that has nothing to draw, only a place in the legend. */
+static bool lit(const struct cml_curve *curve)
+{
+    for (int i = 0; i < curve->n; i++)
+        if (curve->y[i] > 0) return true;
+    return false;
 }
 
 /* ---- ranges ---- */
 
-/* The top panel shows the first boundary, the other one the last. Pairs of r and h, up to the first number
- * that no scene can have; returns how many numbers, an even one. */
-static int read_heights(const struct drawing *d, const struct panel *panel, const struct cml_mco *mco)
+/* Reflectance belongs to the first boundary, transmittance to the last. Pairs of r and h, up to the first
+ * number that no scene can have; returns how many numbers, an even one. */
+static int read_heights(const struct drawing *d, const struct panel *panel, int k)
 {
     const double largest = 1e30; /* cm */
     char key[32];
-    snprintf(key, sizeof key, "heightfield%d", panel->top ? 0 : mco->num_layers);
-    const int count = cml_mco_extra(mco, key, d->values, MOST_HEIGHTS);
+    if (k >= d->plot->num_results || !cml_quantity_is_radial(panel->shown->quantity)) return 0;
+    const struct cml_mco *mco = &d->plot->results[k];
+    snprintf(key, sizeof key, "heightfield%d",
+             panel->shown->quantity == CML_QUANTITY_Rd_r ? 0 : mco->num_layers);
+    const int count = cml_mco_extra(mco, key, d->heights, MOST_HEIGHTS);
     int sound = 0;
-    while (sound < count && fabs(d->values[sound]) <= largest) sound++;
+    while (sound < count && fabs(d->heights[sound]) <= largest) sound++;
     return sound & ~1;
 }
 
@@ -95,11 +148,11 @@ static void find_heights(struct drawing *d, struct panel *panel)
 {
     panel->lowest = INFINITY;
     panel->highest = -INFINITY;
-    for (int k = 0; k < d->plot->count; k++) {
-        const int n = read_heights(d, panel, &d->plot->results[k]);
+    for (int k = 0; k < d->plot->num_results; k++) {
+        const int n = read_heights(d, panel, k);
         for (int i = 0; i < n; i += 2) {
-            panel->lowest = fmin(panel->lowest, d->values[i + 1]);
-            panel->highest = fmax(panel->highest, d->values[i + 1]);
+            panel->lowest = fmin(panel->lowest, d->heights[i + 1]);
+            panel->highest = fmax(panel->highest, d->heights[i + 1]);
         }
     }
 }
@@ -116,18 +169,24 @@ static void widen(struct panel *panel, double y)
     if (y > 0 && y < panel->low) panel->low = y;
 }
 
-/* The first bin holds the light that never scattered: often a thousand times the rest. It may leave the frame
- * rather than flatten every other curve. */
+/* Over r the first bin holds the light that never scattered: often a thousand times the rest. It may leave
+ * the frame rather than flatten every other curve. */
 static void find_range(const struct drawing *d, struct panel *panel)
 {
     const double headroom = 1.5, linear_headroom = 1.05, spike = 8, decades = 1e8;
+    const bool radial = cml_quantity_is_radial(panel->shown->quantity);
     double first = 0;
     panel->low = INFINITY;
     panel->high = 0;
-    for (int k = 0; k < d->plot->count; k++) {
-        const struct cml_mco *mco = &d->plot->results[k];
-        first = fmax(first, centre(mco, 0) * profile_of(panel, mco)[0]);
-        for (int i = 1; i < mco->nr - 1; i++) widen(panel, centre(mco, i) * profile_of(panel, mco)[i]);
+    for (int k = 0; k < d->count; k++) {
+        const struct cml_curve *curve = &panel->curves[k];
+        for (int i = 0; i < curve->n; i++) {
+            if (curve->x[i] < d->from || curve->x[i] > d->to) continue;
+            if (i == 0 && radial && k < d->plot->num_results)
+                first = fmax(first, curve->y[0]);
+            else
+                widen(panel, curve->y[i]);
+        }
     }
     if (panel->high == 0 || first <= spike * panel->high) {
         widen(panel, first);
@@ -136,6 +195,7 @@ static void find_range(const struct drawing *d, struct panel *panel)
     panel->first = first;
     panel->low = linear(d) ? 0 : fmax(panel->low, panel->high / decades) / headroom;
     panel->high *= linear(d) ? linear_headroom : headroom;
+    if (panel->high > 0) cml_axis_range_apply(&d->plot->style.y, &panel->low, &panel->high);
 }
 
 /* The strip for the heights lies below the curves. */
@@ -146,69 +206,58 @@ static double bottom_of(const struct drawing *d, const struct panel *panel)
     return panel->low / pow(panel->high / panel->low, strip / (1 - strip));
 }
 
-/* The curves' last radius, cm: what lies beyond is an empty frame. */
-static double lit_radius(const struct cml_mco *mco)
+/* Up to the last light of any curve. */
+static void find_axis(struct drawing *d, int num_panels)
 {
-    int last = 1;
-    for (int i = 0; i < mco->nr - 1; i++)
-        if (mco->Rd_r[i] > 0 || mco->Tt_r[i] > 0) last = i + 2;
-    return last * mco->dr;
+    for (int i = 0; i < num_panels; i++)
+        for (int k = 0; k < d->count; k++) d->to = fmax(d->to, d->panels[i].curves[k].end);
+    cml_axis_range_apply(&d->plot->style.x, &d->from, &d->to);
 }
 
 /* ---- data ---- */
 
-/* r, r*R, and the band of one standard error; bins of zero have no place on a log axis. */
-static void write_profile(const struct drawing *d, const struct panel *panel, int k)
+/* Place, value, and one standard error to both sides. Two empty lines would begin another data set. */
+static void write_curve_data(const struct drawing *d, const struct panel *panel, int k)
 {
-    const struct cml_mco *mco = &d->plot->results[k];
-    const double *profile = profile_of(panel, mco);
-    const bool errors = cml_mco_extra(mco, panel->error_key, d->values, mco->nr) == mco->nr;
-    fprintf(d->out, "$%s%d << EOD\n", panel->name, k);
-    for (int i = 0; i < mco->nr - 1; i++) {
-        const double r = centre(mco, i), y = r * profile[i], e = errors ? r * d->values[i] : 0;
-        if (y > 0 || linear(d))
-            fprintf(d->out, "%.7g %.7g %.7g %.7g\n", r, y, fmax(y - e, panel->low), y + e);
+    const struct cml_curve *curve = &panel->curves[k];
+    bool gap = true;
+    fprintf(d->page.out, "$c%d_%d << EOD\n", panel->place, k);
+    for (int i = 0; i < curve->n; i++) {
+        const double y = curve->y[i], e = curve->error ? curve->error[i] : 0;
+        if (!is_gap(d, y))
+            fprintf(d->page.out, "%.7g %.7g %.7g %.7g\n", curve->x[i], y, fmax(y - e, panel->low), y + e);
+        else if (!gap)
+            fputc('\n', d->page.out);
+        gap = is_gap(d, y);
     }
-    fputs("EOD\n", d->out);
+    fputs("EOD\n", d->page.out);
 }
 
 /* The last height goes on to the edge of the picture, as the boundary does. */
 static void write_heights(const struct drawing *d, const struct panel *panel, int k)
 {
-    const int n = read_heights(d, panel, &d->plot->results[k]);
+    const int n = read_heights(d, panel, k);
     if (n == 0) return;
-    fprintf(d->out, "$%sheight%d << EOD\n", panel->name, k);
-    for (int i = 0; i < n; i += 2) fprintf(d->out, "%.9g %.9g\n", d->values[i], d->values[i + 1]);
-    fprintf(d->out, "%.9g %.9g\nEOD\n", fmax(d->r_max, d->values[n - 2]), d->values[n - 1]);
-}
-
-/* The last bin holds what lies beyond the grid and is not drawn. */
-static bool lit(const struct panel *panel, const struct cml_mco *mco)
-{
-    const double *profile = profile_of(panel, mco);
-    for (int i = 0; i < mco->nr - 1; i++)
-        if (profile[i] > 0) return true;
-    return false;
+    fprintf(d->page.out, "$h%d_%d << EOD\n", panel->place, k);
+    for (int i = 0; i < n; i += 2) fprintf(d->page.out, "%.9g %.9g\n", d->heights[i], d->heights[i + 1]);
+    fprintf(d->page.out, "%.9g %.9g\nEOD\n", fmax(d->to, d->heights[n - 2]), d->heights[n - 1]);
 }
 
 /* ---- the picture ---- */
 
-/* All that both panels share. The legend stands above them, once. */
+/* All that the panels share. The legend stands above them, once. */
 static void write_frame(const struct drawing *d)
 {
-    cml_gnuplot_begin(d->out, d->plot->picture, WIDTH, d->height);
-    fputs(linear(d) ? "set multiplot\n" : "set multiplot\nset logscale y\n", d->out);
-    fputs("set format y '%g'\nset format y2 '%g'\nset mxtics 2\n"
-          "set lmargin at screen 0.11\nset rmargin at screen 0.88\n",
-          d->out);
-    fprintf(d->out, "set xrange [0:%.9g]\n", d->r_max);
-    fprintf(d->out, "set label 1 at screen 0.5,%.6f center font ',%d' ", 1 - 24.0 / d->height,
-            d->plot->picture == CML_PICTURE_SVG ? 18 : 13);
-    write_title(d->out, d->plot);
-    fprintf(d->out,
-            "\nset key at screen 0.5,%.6f center top horizontal maxcols %d Left reverse samplen 2.5 "
+    FILE *out = d->page.out;
+    cml_page_begin(&d->page);
+    fputs(linear(d) ? "set multiplot\n" : "set multiplot\nset logscale y\n", out);
+    fprintf(out, "set format y '%%g'\nset format y2 '%%g'\nset mxtics 2\nset xrange [%.9g:%.9g]\n", d->from,
+            d->to);
+    write_title(d);
+    fprintf(out,
+            "set key at screen 0.5,%.6f center top horizontal maxcols %d Left reverse samplen 2.5 "
             "noautotitle\n",
-            1 - (double)HEAD / d->height, d->columns);
+            1 - (double)HEAD / d->page.height, d->columns);
 }
 
 /* Of the heights, cm. What differs in its last digits only is a flat line: ticks between them would be equal
@@ -234,132 +283,157 @@ static void write_height_ticks(FILE *out, const struct panel *panel, double span
 }
 
 /* A second axis on which the heights fill the strip below the curves. */
-static void write_height_axis(FILE *out, const struct panel *panel)
+static void write_height_axis(const struct drawing *d, const struct panel *panel)
 {
+    FILE *out = d->page.out;
     if (!has_heights(panel)) {
-        fputs("unset y2tics\nunset label 4\nset ytics mirror\n", out);
+        fprintf(out, "unset y2tics\nunset label %d\nset ytics mirror\n", LABEL_HEIGHT);
         return;
     }
     const double span = height_span(panel);
     fprintf(out, "set ytics nomirror\nset y2range [%.9g:%.9g]\n", panel->lowest - 0.15 * span,
             panel->lowest - 0.15 * span + 1.35 * span / strip);
     write_height_ticks(out, panel, span);
-    fprintf(out, "set label 4 'height [cm]' at graph 1.085,%.6g center rotate textcolor rgb '#606060'\n",
-            strip / 2);
+    cml_page_write(&d->page, LABEL_HEIGHT,
+                   &(struct cml_page_text){TITLE_RIGHT,
+                                           panel->bottom + strip / 2 * (panel->top - panel->bottom) + 8,
+                                           CML_ALIGN_UPRIGHT, CML_PAGE_SMALL, "height [cm]"});
 }
 
-/* r is labelled below the lower panel only. Labels with fixed numbers replace those of the panel before. */
-static void write_axes(const struct drawing *d, const struct panel *panel)
+/* What stands above the panel's right end. */
+static void write_note(const struct drawing *d, const struct panel *panel)
 {
-    const int bottom = d->foot + (panel->top ? PANEL + GAP : 0);
-    fprintf(d->out, "set bmargin at screen %.6f\nset tmargin at screen %.6f\n", (double)bottom / d->height,
-            (double)(bottom + PANEL) / d->height);
-    fprintf(d->out, "set label 2 '%s' at graph 0,1 left offset 0,0.7\nset ylabel '%s' offset 0.5,0\n",
-            panel->title, panel->axis);
-    fputs(panel->top ? "set format x ''\nunset xlabel\n" : "set format x '%g'\nset xlabel 'radius r [cm]'\n",
-          d->out);
-    if (panel->high > 0)
-        fprintf(d->out, "set yrange [%.6g:%.6g]\nunset label 3\n", bottom_of(d, panel), panel->high);
-    else
-        fputs("set yrange [0.1:1]\nset label 3 'no light' at graph 0.5,0.5 center\n", d->out);
-    if (panel->first > 0)
-        fprintf(d->out, "set label 3 'first bin: %.3g' at graph 0.99,1 right offset 0,0.7\n", panel->first);
-    write_height_axis(d->out, panel);
+    char note[64];
+    struct cml_page_text text = {RIGHT, panel->top + 12, CML_ALIGN_RIGHT, CML_PAGE_NORMAL, note};
+    fprintf(d->page.out, "unset label %d\n", LABEL_NOTE);
+    snprintf(note, sizeof note, "%s", panel->high > 0 ? "" : "no light");
+    if (panel->first > 0) snprintf(note, sizeof note, "first bin: %.3g", panel->first);
+    if (note[0]) cml_page_write(&d->page, LABEL_NOTE, &text);
+}
+
+/* Titles stand at places of our own: gnuplot's would move with the letters of each format. The common axis is
+ * labelled below the lowest panel only. */
+static void write_axes(const struct drawing *d, const struct panel *panel, bool last)
+{
+    FILE *out = d->page.out;
+    const double middle = (panel->bottom + panel->top) / 2, across = (LEFT + RIGHT) / 2.0;
+    cml_page_panel(&d->page, LEFT, RIGHT, panel->bottom, panel->top);
+    cml_page_write(
+        &d->page, LABEL_PANEL,
+        &(struct cml_page_text){LEFT, panel->top + 12, CML_ALIGN_LEFT, CML_PAGE_NORMAL, panel->shown->title});
+    cml_page_write(
+        &d->page, LABEL_Y,
+        &(struct cml_page_text){TITLE_LEFT, middle, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL, panel->shown->axis});
+    fputs(last ? "set format x '%g'\n" : "set format x ''\n", out);
+    if (last)
+        cml_page_write(&d->page, LABEL_X,
+                       &(struct cml_page_text){across, panel->bottom - TITLE_BELOW, CML_ALIGN_CENTER,
+                                               CML_PAGE_NORMAL, cml_shown_axis(panel->shown)});
+    fprintf(out, "set yrange [%.6g:%.6g]\n", panel->high > 0 ? bottom_of(d, panel) : 0.1,
+            panel->high > 0 ? panel->high : 1);
+    write_note(d, panel);
+    write_height_axis(d, panel);
     if (linear(d) && panel->high > 0) /* none below 0, where the heights are */
-        fprintf(d->out, "set ytics 0,%g\n", cml_plot_round_step(panel->high / 5));
+        fprintf(out, "set ytics %g,%g\n", panel->low, cml_plot_round_step((panel->high - panel->low) / 5));
 }
 
 /* The colours repeat after eight curves, then with another dash; curves of others have the colour of the
  * result that they belong to. A curve without light still gets its place in the legend. */
 static void write_curve(const struct drawing *d, const struct panel *panel, int k)
 {
-    const struct cml_mco *mco = &d->plot->results[k];
+    FILE *out = d->page.out;
+    const struct cml_curve *curve = &panel->curves[k];
     const bool others = k >= d->plot->num_results;
-    const int place = others ? k - d->plot->num_results : k;
+    const int place = others ? k - d->plot->num_results : k, at = panel->place;
     const int dash = others ? 2 : 1 + 3 * (place / NUM_COLOURS % 2);
     const char *colour = colours[place % NUM_COLOURS];
-    char name[CML_PLOT_NAME];
-    cml_plot_name(d->plot->names, d->plot->count, k, LONGEST_NAME, name);
-    if (lit(panel, mco) && !others)
-        fprintf(d->out, "$%s%d using 1:3:4 with filledcurves lc rgb '%s' fs transparent solid 0.3 noborder, ",
-                panel->name, k, colour);
-    if (lit(panel, mco))
-        fprintf(d->out, "$%s%d using 1:2 with linespoints lw %g dt %d pt %d ps 0.6 pi %d lc rgb '%s'",
-                panel->name, k, others ? 1.3 : 2, dash, marks[others][place % NUM_COLOURS], 1 + mco->nr / 14,
-                colour);
+    if (lit(curve) && !others)
+        fprintf(out, "$c%d_%d using 1:3:4 with filledcurves lc rgb '%s' fs transparent solid 0.3 noborder, ",
+                at, k, colour);
+    if (lit(curve) && others && curve->error)
+        fprintf(out, "$c%d_%d using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '%s', ", at, k, colour);
+    if (lit(curve))
+        fprintf(out, "$c%d_%d using 1:2 with linespoints lw %g dt %d pt %d ps 0.6 pi %d lc rgb '%s'", at, k,
+                others ? 1.3 : 2, dash, marks[others][place % NUM_COLOURS], 1 + curve->n / 14, colour);
     else
-        fprintf(d->out, "NaN with linespoints lw 2 dt %d pt %d ps 0.6 lc rgb '%s'", dash,
+        fprintf(out, "NaN with linespoints lw 2 dt %d pt %d ps 0.6 lc rgb '%s'", dash,
                 marks[others][place % NUM_COLOURS], colour);
-    if (panel->top) {
-        fputs(" title ", d->out);
-        cml_gnuplot_quote(d->out, name);
+    if (panel->place == 0) {
+        char name[CML_PLOT_NAME];
+        cml_plot_cut(d->plot->names[k], LONGEST_NAME, name);
+        fputs(" title ", out);
+        cml_gnuplot_quote(out, name);
     }
-    if (read_heights(d, panel, mco) > 0)
-        fprintf(d->out, ", $%sheight%d using 1:2 axes x1y2 with lines lw 2 dt 3 lc rgb '%s'", panel->name, k,
-                colour);
+    if (read_heights(d, panel, k) > 0)
+        fprintf(out, ", $h%d_%d using 1:2 axes x1y2 with lines lw 2 dt 3 lc rgb '%s'", at, k, colour);
 }
 
 /* Data first, since gnuplot wants blocks complete before a plot names them. */
-static void write_panel(const struct drawing *d, const struct panel *panel)
+static void write_panel(const struct drawing *d, const struct panel *panel, bool last)
 {
-    for (int k = 0; k < d->plot->count; k++) {
-        if (lit(panel, &d->plot->results[k])) write_profile(d, panel, k);
+    for (int k = 0; k < d->count; k++) {
+        if (lit(&panel->curves[k])) write_curve_data(d, panel, k);
         write_heights(d, panel, k);
     }
-    write_axes(d, panel);
-    fputs(panel->top ? "" : "unset key\nunset label 1\n", d->out);
-    for (int k = 0; k < d->plot->count; k++) {
-        fputs(k == 0 ? "plot " : ", \\\n     ", d->out);
+    write_axes(d, panel, last);
+    for (int k = 0; k < d->count; k++) {
+        fputs(k == 0 ? "plot " : ", \\\n     ", d->page.out);
         write_curve(d, panel, k);
     }
-    fputc('\n', d->out);
+    fprintf(d->page.out, "\nunset key\nunset label %d\n", LABEL_TITLE);
 }
 
-/* As many legend columns as the longest name allows; the picture grows with their rows. */
-static void lay_out(struct drawing *d)
+/* As many legend columns as the longest name allows; the page grows with their rows. */
+static void lay_out(struct drawing *d, int num_panels)
 {
+    const double letter = 0.56 * CML_PAGE_NORMAL, sample = 70;
+    const int panel = num_panels == 1 ? SINGLE : PANEL;
     size_t longest = 1;
-    for (int k = 0; k < d->plot->count; k++) {
-        char name[CML_PLOT_NAME];
-        cml_plot_name(d->plot->names, d->plot->count, k, LONGEST_NAME, name);
-        if (strlen(name) > longest) longest = strlen(name);
-        const struct cml_mco *mco = &d->plot->results[k];
-        d->r_max = fmax(d->r_max, lit_radius(mco));
-        if (mco->nr > d->capacity) d->capacity = mco->nr;
+    for (int k = 0; k < d->count; k++) {
+        const size_t letters = cml_plot_letters(d->plot->names[k]);
+        if (letters > longest) longest = letters < LONGEST_NAME ? letters : LONGEST_NAME;
     }
-    d->columns = (int)fmax(1, floor(90.0 / ((double)longest + 8)));
-    if (d->columns > d->plot->count) d->columns = d->plot->count;
-    d->rows = (d->plot->count + d->columns - 1) / d->columns;
-    d->foot = FOOT + cml_plot_caption(NULL, d->plot->caption, d->plot->picture, 0, 1);
-    d->height = HEAD + ROW * d->rows + GAP + PANEL + GAP + PANEL + d->foot;
+    d->columns = (int)fmax(1, floor((RIGHT - LEFT) / ((double)longest * letter + sample)));
+    if (d->columns > d->count) d->columns = d->count;
+    d->rows = (d->count + d->columns - 1) / d->columns;
+    d->foot = FOOT + cml_plot_caption(NULL, d->plot->style.caption, 0);
+    d->page.height = HEAD + ROW * d->rows + GAP * num_panels + panel * num_panels + d->foot;
+    for (int i = 0; i < num_panels; i++) {
+        d->panels[i].bottom = d->foot + (panel + GAP) * (num_panels - 1 - i);
+        d->panels[i].top = d->panels[i].bottom + panel;
+    }
 }
 
 /* The caption comes with the last panel: a label that is set earlier would be drawn twice. */
+static void write_panels(struct drawing *d, int num_panels)
+{
+    lay_out(d, num_panels);
+    find_axis(d, num_panels);
+    write_frame(d);
+    for (int i = 0; i < num_panels; i++) {
+        const bool last = i == num_panels - 1;
+        find_heights(d, &d->panels[i]);
+        find_range(d, &d->panels[i]);
+        if (last) (void)cml_plot_caption(&d->page, d->plot->style.caption, d->foot - FOOT);
+        write_panel(d, &d->panels[i], last);
+    }
+    fputs("unset multiplot\n", d->page.out);
+}
+
 cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
 {
     const struct cml_plot *plot = what;
-    struct drawing d = {
-        .out = out,
-        .plot = plot,
-        .capacity = MOST_HEIGHTS,
-        .panels = {
-            {.name = "R",
-             .title = "Reflectance",
-             .axis = "r·Rd(r)  [1/cm]",
-             .error_key = "se_Rd_r",
-             .top = true},
-            {.name = "T", .title = "Transmittance", .axis = "r·Tt(r)  [1/cm]", .error_key = "se_Tt_r"}}};
-    lay_out(&d);
-    d.values = malloc((size_t)d.capacity * sizeof *d.values);
-    if (!d.values) return cml_fail_memory(err, (double)d.capacity * sizeof *d.values, "the plot");
-    write_frame(&d);
-    for (int p = 0; p < 2; p++) {
-        find_heights(&d, &d.panels[p]);
-        find_range(&d, &d.panels[p]);
-        if (p == 1) (void)cml_plot_caption(out, plot->caption, plot->picture, d.foot - FOOT, d.height);
-        write_panel(&d, &d.panels[p]);
+    struct drawing d = {.page = {.out = out, .picture = plot->picture, .width = WIDTH},
+                        .plot = plot,
+                        .count = plot->num_results + plot->num_curves,
+                        .heights = malloc(MOST_HEIGHTS * sizeof(double))};
+    cml_status status = d.heights ? CML_OK : cml_fail_memory(err, MOST_HEIGHTS * sizeof(double), "the plot");
+    for (int i = 0; i < plot->shown->num_panels; i++) {
+        d.panels[i] = (struct panel){.shown = &plot->shown->panel[i], .place = i};
+        if (status == CML_OK) status = make_curves(&d, &d.panels[i], err);
     }
-    fputs("unset multiplot\n", out);
-    free(d.values);
-    return CML_OK;
+    if (status == CML_OK) write_panels(&d, plot->shown->num_panels);
+    for (int i = 0; i < plot->shown->num_panels; i++) free_curves(&d, &d.panels[i]);
+    free(d.heights);
+    return status;
 }

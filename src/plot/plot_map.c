@@ -12,33 +12,44 @@ static const char palette[] =
     "set palette defined (0 '#440154', 1 '#482878', 2 '#3E4989', 3 '#31688E', 4 '#26828E', 5 '#1F9E89', "
     "6 '#35B779', 7 '#6ECE58', 8 '#B5DE2B', 9 '#FDE725')\n";
 
-/* Lengths in points of the SVG; the PNG has twice as many pixels. */
+const struct cml_map_axes cml_map_xy = {{"x [cm]", "y [cm]"}, false, false};
+const struct cml_map_axes cml_map_rz = {{"radius r [cm]", "depth z [cm]"}, true, true};
+
+/* Lengths in points of the page. TITLE_* are middles of axis titles, from a panel's left and bottom; BAR_*
+ * are the colour bar's distance, width and its title's distance. */
 enum {
     WIDTH = 900,
     LEFT = 84,
-    RIGHT = 130,
-    GAP = 74,
+    RIGHT = 134,
+    GAP = 80,
     HEAD = 40,
-    FOOT = 66,
-    BAR = 18,
+    TITLE = 30,
+    FOOT = 78,
     TALLEST = 560,
-    LETTER = 8,
+    LETTER = 9,
     TICKS = 75,
+    TITLE_LEFT = 64,
+    TITLE_BELOW = 48,
     BAR_GAP = 22,
-    LABEL_GAP = 72
+    BAR = 18,
+    BAR_TITLE = 82
 };
+
+/* gnuplot's labels. */
+enum { LABEL_TITLE = 1, LABEL_NAME, LABEL_NOTE, LABEL_GREY, LABEL_COLOURS, LABEL_X, LABEL_Y };
 
 /* Numbers along a side of an image: more than the first are averaged, fewer than the second repeated, because
  * viewers blur what they magnify. */
 enum { MOST_CELLS = 1000, FEWEST_CELLS = 300 };
 
 struct drawing {
-    FILE *out;
+    struct cml_page page;
     const struct cml_map_plot *plot;
-    bool log, dark;        /* dark: some pixel has no light and no place on a log scale */
+    bool log, dark;        /* dark: some pixel has no light */
+    bool unknown;          /* some pixel has no value */
     double low, high;      /* range of the colours; high = 0: no light at all */
     double from[2], to[2]; /* cm, of all panels */
-    int columns, rows, width, panel_height, left, foot, height;
+    int columns, rows, width, panel_height, left, head, foot;
 };
 
 /* ---- cells ---- */
@@ -93,6 +104,7 @@ static cml_status lit_values(struct drawing *d, float **values, size_t *count, s
         for (size_t i = 0; i < axis[0].cells * axis[1].cells; i++) {
             const float value = (float)cell_value(map, axis, i % axis[0].cells, i / axis[0].cells);
             if (value > 0) (*values)[(*count)++] = value;
+            d->unknown = d->unknown || isnan(value);
         }
     }
     d->dark = *count < capacity;
@@ -100,32 +112,39 @@ static cml_status lit_values(struct drawing *d, float **values, size_t *count, s
     return CML_OK;
 }
 
-/* From the faintest hundredth of the lit cells, which single packets make, to the brightest. */
+/* Number of the value at this percentile of `count`. */
+static size_t rank_of(double percentile, size_t count)
+{
+    const double rank = ceil(percentile / 100 * (double)count);
+    return rank > 1 ? (size_t)rank - 1 : 0;
+}
+
+/* From the faintest hundredth of the lit cells, which single packets make, to the brightest, or to the
+ * percentile that leaves out hot pixels. */
 static cml_status find_colours(struct drawing *d, struct cml_error *err)
 {
+    const struct cml_plot_style *style = &d->plot->style;
     const double large = 100, decades = 1e8;
     float *values = NULL;
     size_t count = 0;
     CML_TRY(lit_values(d, &values, &count, err));
     if (count > 0) {
-        d->high = (double)values[count - 1];
+        d->high = (double)values[rank_of(style->percentile, count)];
         d->low = fmax((double)values[count / 100], d->high / decades);
     }
     free(values);
-    d->log =
-        d->plot->scale == CML_SCALE_LOG || (d->plot->scale == CML_SCALE_AUTO && d->high > large * d->low);
+    d->log = style->scale == CML_SCALE_LOG || (style->scale == CML_SCALE_AUTO && d->high > large * d->low);
     if (!d->log)
         d->low = 0;
     else if (d->low > 0.5 * d->high)
         d->low = 0.5 * d->high;
+    if (d->high > 0) cml_axis_range_apply(&style->colour, &d->low, &d->high);
     return CML_OK;
 }
 
-/* All panels show the same piece of the plane, so that a centimetre is as long in each. Very long ones get
- * more of it than there is map. */
+/* The least piece of the plane that has all maps. */
 static void find_extent(struct drawing *d)
 {
-    const double longest = 4;
     for (int axis = 0; axis < 2; axis++) {
         d->from[axis] = INFINITY;
         d->to[axis] = -INFINITY;
@@ -136,6 +155,14 @@ static void find_extent(struct drawing *d)
             d->to[axis] = fmax(d->to[axis], end);
         }
     }
+    cml_axis_range_apply(&d->plot->style.x, &d->from[0], &d->to[0]);
+    cml_axis_range_apply(&d->plot->style.y, &d->from[1], &d->to[1]);
+}
+
+/* Very long panels get more of the plane than there is map. */
+static void add_margins(struct drawing *d)
+{
+    const double longest = 4;
     const double size[2] = {d->to[0] - d->from[0], d->to[1] - d->from[1]};
     for (int axis = 0; axis < 2; axis++) {
         const double more = size[1 - axis] / longest - size[axis];
@@ -145,19 +172,23 @@ static void find_extent(struct drawing *d)
     }
 }
 
-/* Panels side by side as long as they are not too narrow: three in a row, two by two for four. */
+/* Panels side by side as long as they are not too narrow: three in a row, two by two for four. A centimetre
+ * is as long in each, and on both axes, where these are lengths in space. */
 static void lay_out(struct drawing *d)
 {
-    const double ratio = (d->to[1] - d->from[1]) / (d->to[0] - d->from[0]);
+    const double free_ratio = 0.7;
     const int count = d->plot->count;
+    if (!d->plot->axes->free) add_margins(d);
+    const double ratio = d->plot->axes->free ? free_ratio : (d->to[1] - d->from[1]) / (d->to[0] - d->from[0]);
     d->columns = count <= 3 ? count : count == 4 ? 2 : 3;
     d->rows = (count + d->columns - 1) / d->columns;
     const int room = (WIDTH - LEFT - RIGHT - GAP * (d->columns - 1)) / d->columns;
     d->panel_height = (int)fmin(TALLEST, room * ratio);
     d->width = (int)(d->panel_height / ratio);
     d->left = LEFT + (room - d->width) * d->columns / 2;
-    d->foot = FOOT + cml_plot_caption(NULL, d->plot->caption, d->plot->picture, 0, 1);
-    d->height = d->rows * (HEAD + d->panel_height) + (d->rows - 1) * GAP + d->foot;
+    d->head = d->plot->style.title ? TITLE : 0;
+    d->foot = FOOT + cml_plot_caption(NULL, d->plot->style.caption, 0);
+    d->page.height = d->head + d->rows * (HEAD + d->panel_height) + (d->rows - 1) * GAP + d->foot;
 }
 
 /* ---- data ---- */
@@ -169,10 +200,10 @@ static void write_row(const struct drawing *d, const struct cml_pixels *map, con
     for (size_t x = 0; x < axis[0].cells; x++) {
         const double value = cell_value(map, axis, x, y);
         char word[32] = "NaN";
-        if (value > 0 || !d->log) snprintf(word, sizeof word, "%.5g", value);
-        for (size_t i = 0; i < axis[0].repeat; i++) fprintf(d->out, "%s ", word);
+        if (value > 0 || (value == 0 && !d->log)) snprintf(word, sizeof word, "%.5g", value);
+        for (size_t i = 0; i < axis[0].repeat; i++) fprintf(d->page.out, "%s ", word);
     }
-    fputc('\n', d->out);
+    fputc('\n', d->page.out);
 }
 
 /* `with image` paints cells by their middles, which therefore begin half a step from the corner. */
@@ -180,10 +211,10 @@ static void write_map(const struct drawing *d, int k)
 {
     const struct cml_pixels *map = &d->plot->maps[k];
     const struct axis axis[2] = {axis_of(map, 0), axis_of(map, 1)};
-    fprintf(d->out, "$map%d << EOD\n", k);
+    fprintf(d->page.out, "$map%d << EOD\n", k);
     for (size_t y = 0; y < axis[1].cells; y++)
         for (size_t i = 0; i < axis[1].repeat; i++) write_row(d, map, axis, y);
-    fprintf(d->out,
+    fprintf(d->page.out,
             "EOD\nplot $map%d matrix using (%.9g + $1 * %.9g):(%.9g + $2 * %.9g):3 with image notitle\n", k,
             map->origin[0] + axis[0].step / 2, axis[0].step, map->origin[1] + axis[1].step / 2, axis[1].step);
 }
@@ -195,88 +226,114 @@ static void write_colour_ticks(const struct drawing *d)
 {
     if (!d->log || d->high > 1e3 * d->low) return;
     const char *comma = "";
-    fputs("set cbtics (", d->out);
+    fputs("set cbtics (", d->page.out);
     for (int power = (int)floor(log10(d->low)); power <= (int)ceil(log10(d->high)); power++)
         for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3) {
-            fprintf(d->out, "%s'%g' %g", comma, digit * pow(10, power), digit * pow(10, power));
+            fprintf(d->page.out, "%s'%g' %g", comma, digit * pow(10, power), digit * pow(10, power));
             comma = ", ";
         }
-    fputs(")\n", d->out);
+    fputs(")\n", d->page.out);
 }
 
 /* One bar for all panels, beside them, over their whole height. */
 static void write_colours(const struct drawing *d)
 {
-    const double bar_height = d->height - d->foot - HEAD,
+    const double bar_height = d->page.height - d->head - d->foot - HEAD,
                  left = d->left + d->columns * (d->width + GAP) - GAP + BAR_GAP;
-    fputs(palette, d->out);
+    char grey[64];
+    fputs(palette, d->page.out);
     if (d->high > 0)
-        fprintf(d->out, "%sset cbrange [%.6g:%.6g]\nset format cb '%%g'\n", d->log ? "set logscale cb\n" : "",
-                d->low, d->high);
+        fprintf(d->page.out, "%sset cbrange [%.6g:%.6g]\nset format cb '%%g'\n",
+                d->log ? "set logscale cb\n" : "", d->low, d->high);
     write_colour_ticks(d);
-    fprintf(d->out,
+    fprintf(d->page.out,
             "set colorbox vertical user origin screen %.6f, screen %.6f size screen %.6f, screen %.6f\n",
-            left / WIDTH, (double)d->foot / d->height, (double)BAR / WIDTH, bar_height / d->height);
-    fputs("set label 4 ", d->out);
-    cml_gnuplot_quote(d->out, d->plot->quantity);
-    fprintf(d->out, " at screen %.6f,%.6f center rotate", (left + BAR + LABEL_GAP) / WIDTH,
-            (d->foot + bar_height / 2) / d->height);
-    if (d->log && d->dark)
-        fprintf(d->out,
-                "\nset label 2 'grey: no light' at screen %.6f,%.6f left font ',%d' textcolor rgb '#404040'",
-                left / WIDTH, (d->foot - 24.0) / d->height, d->plot->picture == CML_PICTURE_SVG ? 13 : 10);
-    fputc('\n', d->out);
+            left / WIDTH, (double)d->foot / d->page.height, (double)BAR / WIDTH, bar_height / d->page.height);
+    cml_page_write(&d->page, LABEL_COLOURS,
+                   &(struct cml_page_text){left + BAR_TITLE, d->foot + bar_height / 2, CML_ALIGN_UPRIGHT,
+                                           CML_PAGE_NORMAL, d->plot->quantity});
+    snprintf(grey, sizeof grey, "grey: %s", d->plot->grey);
+    if ((d->log && d->dark) || d->unknown)
+        cml_page_write(&d->page, LABEL_GREY,
+                       &(struct cml_page_text){WIDTH - 12, d->foot - TITLE_BELOW, CML_ALIGN_RIGHT,
+                                               CML_PAGE_SMALL, grey});
 }
 
-/* x and y have the same ticks, some TICKS points apart. */
+/* Both axes have the same ticks where they have the same lengths, some TICKS points apart. */
+static void write_axes(const struct drawing *d)
+{
+    const bool down = d->plot->axes->down, free = d->plot->axes->free;
+    const double x_step = cml_plot_round_step((d->to[0] - d->from[0]) / d->width * TICKS);
+    const double y_step =
+        free ? cml_plot_round_step((d->to[1] - d->from[1]) / d->panel_height * TICKS) : x_step;
+    fprintf(d->page.out,
+            "unset grid\nset tics out nomirror scale 0.6\nset format x '%%g'\nset format y '%%g'\n"
+            "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset xtics %g\nset ytics %g\n",
+            d->from[0], d->to[0], down ? d->to[1] : d->from[1], down ? d->from[1] : d->to[1], x_step, y_step);
+}
+
+/* What all panels share. */
 static void write_frame(const struct drawing *d)
 {
-    const double step = cml_plot_round_step((d->to[0] - d->from[0]) / d->width * TICKS);
-    cml_gnuplot_begin(d->out, d->plot->picture, WIDTH, d->height);
-    fprintf(
-        d->out,
-        "set multiplot\nunset grid\nset tics out nomirror scale 0.6\nset format x '%%g'\nset format y '%%g'\n"
-        "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset xtics %g\nset ytics %g\nset xlabel 'x [cm]' "
-        "offset 0,0.4\n",
-        d->from[0], d->to[0], d->from[1], d->to[1], step, step);
+    cml_page_begin(&d->page);
+    fputs("set multiplot\n", d->page.out);
+    write_axes(d);
     write_colours(d);
-    (void)cml_plot_caption(d->out, d->plot->caption, d->plot->picture, d->foot - FOOT, d->height);
+    if (d->plot->style.title)
+        cml_page_write(&d->page, LABEL_TITLE,
+                       &(struct cml_page_text){WIDTH / 2.0, d->page.height - 24, CML_ALIGN_CENTER,
+                                               CML_PAGE_LARGE, d->plot->style.title});
+    (void)cml_plot_caption(&d->page, d->plot->style.caption, d->foot - FOOT);
 }
 
 /* Grey below the map: what has no colour shows it. */
+static void write_map_frame(const struct drawing *d, const struct cml_pixels *map)
+{
+    double end[2];
+    for (int axis = 0; axis < 2; axis++)
+        end[axis] = map->origin[axis] + (double)map->n[axis] * map->spacing[axis];
+    fprintf(d->page.out,
+            "set object 1 rectangle from %.9g,%.9g to %.9g,%.9g behind clip fc rgb '#D4D4D4' fs solid "
+            "noborder\n",
+            map->origin[0], map->origin[1], end[0], end[1]);
+}
+
+/* What stands once is forgotten behind the first panel. */
 static void write_panel(const struct drawing *d, int k)
 {
-    const struct cml_pixels *map = &d->plot->maps[k];
     const int column = k % d->columns, row = k / d->columns;
-    const double left = d->left + column * (d->width + GAP);
-    const double top = d->height - HEAD - row * (d->panel_height + HEAD + GAP);
+    const double left = d->left + column * (d->width + GAP), right = left + d->width;
+    const double top = d->page.height - d->head - HEAD - row * (d->panel_height + HEAD + GAP),
+                 bottom = top - d->panel_height;
     char name[CML_PLOT_NAME];
-    cml_plot_name(d->plot->names, d->plot->count, k, (size_t)fmin(100, fmax(8, (d->width + GAP) / LETTER)),
-                  name);
-    fprintf(d->out, "set lmargin at screen %.6f\nset rmargin at screen %.6f\n", left / WIDTH,
-            (left + d->width) / WIDTH);
-    fprintf(d->out, "set tmargin at screen %.6f\nset bmargin at screen %.6f\n", top / d->height,
-            (top - d->panel_height) / d->height);
-    fprintf(d->out,
-            "set object 1 rectangle from %.9g,%.9g to %.9g,%.9g behind fc rgb '#D4D4D4' fs solid noborder\n",
-            map->origin[0], map->origin[1], map->origin[0] + (double)map->n[0] * map->spacing[0],
-            map->origin[1] + (double)map->n[1] * map->spacing[1]);
-    fputs(column == 0 ? "set ylabel 'y [cm]' offset 1,0\n" : "unset ylabel\n", d->out);
-    fputs("set label 1 ", d->out);
-    cml_gnuplot_quote(d->out, name);
-    fputs(" at graph 0,1 left offset 0,0.7\n", d->out);
-    if (d->high > 0)
+    cml_plot_cut(d->plot->names[k], (size_t)fmin(100, fmax(8, (d->width + GAP) / LETTER)), name);
+    cml_page_panel(&d->page, left, right, bottom, top);
+    write_map_frame(d, &d->plot->maps[k]);
+    cml_page_write(&d->page, LABEL_NAME,
+                   &(struct cml_page_text){left, top + 14, CML_ALIGN_LEFT, CML_PAGE_NORMAL, name});
+    cml_page_write(&d->page, LABEL_X,
+                   &(struct cml_page_text){(left + right) / 2, bottom - TITLE_BELOW, CML_ALIGN_CENTER,
+                                           CML_PAGE_NORMAL, d->plot->axes->name[0]});
+    if (column == 0)
+        cml_page_write(&d->page, LABEL_Y,
+                       &(struct cml_page_text){left - TITLE_LEFT, (bottom + top) / 2, CML_ALIGN_UPRIGHT,
+                                               CML_PAGE_NORMAL, d->plot->axes->name[1]});
+    if (d->high > 0) {
         write_map(d, k);
-    else
-        fputs("set label 3 'no light' at graph 0.5,0.5 center\nplot NaN notitle\n", d->out);
-    /* once is enough */
-    fputs("unset colorbox\nunset label\n", d->out);
+    } else {
+        cml_page_write(&d->page, LABEL_NOTE,
+                       &(struct cml_page_text){(left + right) / 2, (bottom + top) / 2, CML_ALIGN_CENTER,
+                                               CML_PAGE_NORMAL, "no light"});
+        fputs("plot NaN notitle\n", d->page.out);
+    }
+    fputs("unset colorbox\nunset label\n", d->page.out);
 }
 
 /* Colours and extent first: they are common to all panels. */
 cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err)
 {
-    struct drawing d = {.out = out, .plot = plot};
+    const struct cml_map_plot *map = plot;
+    struct drawing d = {.page = {.out = out, .picture = map->picture, .width = WIDTH}, .plot = map};
     CML_TRY(find_colours(&d, err));
     find_extent(&d);
     lay_out(&d);

@@ -1,20 +1,31 @@
 /* Pictures of maps as scripts for gnuplot: R(x,y) or another array in viridis, maps side by side with the
- * same lengths and colours, so that they can be compared. x to the right, y up. SPDX-License-Identifier: MIT
+ * same lengths and colours, so that they can be compared. SPDX-License-Identifier: MIT
  */
 #ifndef CML_PLOT_MAP_H
 #define CML_PLOT_MAP_H
 
 #include "plot/plot_parts.h"
-#include "plot/vti.h"
+#include "plot/files/vti.h"
+
+#include <stdbool.h>
+
+/* Names of a map's axes, with their unit, and how it lies. */
+struct cml_map_axes {
+    const char *name[2];
+    bool down; /* the second axis points down */
+    bool free; /* a centimetre need not be as long on both axes */
+};
+extern const struct cml_map_axes cml_map_xy, cml_map_rz;
 
 struct cml_map_plot {
     int count;
     const struct cml_pixels *maps; /* [count], borrowed */
-    const char *const *names;      /* [count], borrowed: paths of the files */
-    const char *quantity;          /* text beside the colour bar */
-    const char *caption;           /* text below the picture; NULL: none */
+    const char *const *names;      /* [count], borrowed: above each map */
+    const char *quantity;          /* text beside the colour bar, with its unit */
+    const char *grey;              /* what a pixel without a colour is: "no light" */
+    const struct cml_map_axes *axes;
     enum cml_picture picture;
-    enum cml_scale scale; /* AUTO: log where the light spans more than two decades */
+    struct cml_plot_style style; /* AUTO: log where the light spans more than two decades */
 };
 
 /* For cml_gnuplot_draw: writes a script that holds its data and leaves the picture on gnuplot's standard

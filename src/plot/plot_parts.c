@@ -2,10 +2,19 @@
 #include "plot/plot_parts.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 /* Points, and what fits across a picture. */
-enum { LINE = 17, LINE_CHARACTERS = 118 };
+enum { LINE = 17, LINE_LETTERS = 112 };
+
+const struct cml_axis_range cml_axis_range_any = {NAN, NAN};
+
+void cml_axis_range_apply(const struct cml_axis_range *range, double *from, double *to)
+{
+    if (!isnan(range->from)) *from = range->from;
+    if (!isnan(range->to)) *to = range->to;
+}
 
 /* A path that ends in a slash keeps it, so that the name is never empty. */
 const char *cml_plot_base_name(const char *path)
@@ -14,46 +23,70 @@ const char *cml_plot_base_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* The middle goes, because names of one series differ at their ends. */
-void cml_plot_name(const char *const *paths, int count, int i, size_t most, char name[CML_PLOT_NAME])
+/* Folders tell files of one name apart. */
+const char *cml_plot_name(const char *const *paths, int count, int i)
 {
-    const char *text = cml_plot_base_name(paths[i]);
+    const char *name = cml_plot_base_name(paths[i]);
     for (int j = 0; j < count; j++)
-        if (j != i && strcmp(text, cml_plot_base_name(paths[j])) == 0) {
-            text = paths[i];
-            break;
-        }
-    const size_t length = strlen(text), half = (most - 3) / 2;
-    if (length <= most)
+        if (j != i && strcmp(name, cml_plot_base_name(paths[j])) == 0) return paths[i];
+    return name;
+}
+
+/* Whether a byte begins a letter: in UTF-8 all others of it begin with the bits 10. */
+static bool begins_letter(char byte)
+{
+    return ((unsigned char)byte & 0xC0) != 0x80;
+}
+
+size_t cml_plot_letters(const char *text)
+{
+    size_t letters = 0;
+    for (; *text; text++) letters += begins_letter(*text);
+    return letters;
+}
+
+/* Bytes of the first `letters` letters. */
+static size_t bytes_of(const char *text, size_t letters)
+{
+    size_t i = 0;
+    for (; text[i]; i++)
+        if (begins_letter(text[i]) && letters-- == 0) break;
+    return i;
+}
+
+/* The middle goes, because names of one series differ at their ends. */
+void cml_plot_cut(const char *text, size_t most, char name[CML_PLOT_NAME])
+{
+    const size_t letters = cml_plot_letters(text), half = (most - 3) / 2;
+    if (letters <= most)
         snprintf(name, CML_PLOT_NAME, "%s", text);
     else
-        snprintf(name, CML_PLOT_NAME, "%.*s...%s", (int)half, text, text + length - half);
+        snprintf(name, CML_PLOT_NAME, "%.*s...%s", (int)bytes_of(text, half), text,
+                 text + bytes_of(text, letters - half));
 }
 
 /* Bytes of the caption's first line. */
 static size_t line_length(const char *rest)
 {
-    const size_t length = strlen(rest);
-    if (length <= LINE_CHARACTERS) return length;
-    size_t end = LINE_CHARACTERS;
+    const size_t most = bytes_of(rest, LINE_LETTERS);
+    size_t end = most;
+    if (!rest[most]) return most;
     while (end > 1 && rest[end] != ' ') end--;
-    return end == 1 ? LINE_CHARACTERS : end;
+    return end == 1 ? most : end;
 }
 
-/* gnuplot breaks no lines, so each is a label of its own; labels 1 to 9 belong to the pictures. */
-int cml_plot_caption(FILE *out, const char *caption, enum cml_picture picture, int top, int height)
+/* gnuplot breaks no lines, so each is a label of its own; labels below 30 belong to the pictures. */
+int cml_plot_caption(const struct cml_page *page, const char *caption, int top)
 {
     int lines = 0;
     for (const char *rest = caption ? caption : ""; *rest; lines++) {
         const size_t length = line_length(rest);
-        char line[LINE_CHARACTERS + 1];
+        char line[4 * LINE_LETTERS + 1];
         snprintf(line, sizeof line, "%.*s", (int)length, rest);
-        if (out) {
-            fprintf(out, "set label %d ", 10 + lines);
-            cml_gnuplot_quote(out, line);
-            fprintf(out, " at screen 0.02,%.6f left font ',%d' textcolor rgb '#404040'\n",
-                    (double)(top - LINE * lines) / height, picture == CML_PICTURE_SVG ? 13 : 10);
-        }
+        if (page)
+            cml_page_write(
+                page, 30 + lines,
+                &(struct cml_page_text){18, top - LINE * lines, CML_ALIGN_LEFT, CML_PAGE_SMALL, line});
         rest += length + strspn(rest + length, " ");
     }
     return LINE * lines;

@@ -1,5 +1,5 @@
-/* What all pictures of results have around them: names of files, the caption, colours that can be told apart,
- * round ticks. SPDX-License-Identifier: MIT */
+/* What all pictures of results have around them: names of files, titles, captions, ranges, round ticks.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_PLOT_PARTS_H
 #define CML_PLOT_PARTS_H
 
@@ -9,18 +9,43 @@
 
 enum cml_scale { CML_SCALE_AUTO, CML_SCALE_LOG, CML_SCALE_LINEAR };
 
-enum { CML_PLOT_NAME = 128 };
+/* What the user wants of an axis or of colours; NAN: chosen from the data. Zeroed it is not NAN. */
+struct cml_axis_range {
+    double from, to;
+};
+extern const struct cml_axis_range cml_axis_range_any;
+
+/* Takes what is given in place of *from and *to. */
+void cml_axis_range_apply(const struct cml_axis_range *range, double *from, double *to);
+
+/* What every picture of results may be told. */
+struct cml_plot_style {
+    const char *title;            /* NULL: chosen */
+    const char *caption;          /* text below the picture; NULL: none */
+    enum cml_scale scale;         /* of values */
+    struct cml_axis_range x, y;   /* of the axes, in their units */
+    struct cml_axis_range colour; /* of a map's values, in their unit */
+    double percentile; /* of a map's lit pixels, at which the colours end, in per cent: 0 < p <= 100 */
+};
+
+enum { CML_PLOT_NAME = 256 };
 
 /* The name behind the last '/'; part of `path`. */
 const char *cml_plot_base_name(const char *path);
 
-/* The i-th file's name, with its folders only where another of the `count` files has the same; one of more
- * than `most` bytes (5 to 120) loses its middle. */
-void cml_plot_name(const char *const *paths, int count, int i, size_t most, char name[CML_PLOT_NAME]);
+/* The i-th file's name, with its folders only where another of the `count` files has the same; part of the
+ * path. */
+const char *cml_plot_name(const char *const *paths, int count, int i);
 
-/* Breaks a caption (NULL: none) at blanks into lines, the first `top` points above the bottom of a picture of
- * `height` points; returns the number of points that it takes. out NULL: only measures. */
-int cml_plot_caption(FILE *out, const char *caption, enum cml_picture picture, int top, int height);
+/* `text`, or, of more than `most` letters (5 to 120), without its middle. */
+void cml_plot_cut(const char *text, size_t most, char name[CML_PLOT_NAME]);
+
+/* Letters of UTF-8 in a text. */
+size_t cml_plot_letters(const char *text);
+
+/* Breaks a caption (NULL: none) at blanks into lines, the first `top` points above the bottom of the page;
+ * returns the number of points that it takes. page NULL: only measures. */
+int cml_plot_caption(const struct cml_page *page, const char *caption, int top);
 
 /* 1, 2 or 5 times a power of ten, about `length` (> 0). */
 double cml_plot_round_step(double length);

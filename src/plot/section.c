@@ -18,9 +18,10 @@ static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7"
 
 struct frame {
     const struct cml_section *section;
-    FILE *out;
-    int height, low; /* points: of the picture, of the frame's lower edge above the picture's */
-    double z0, z1;   /* depths at the frame's upper and lower edge */
+    struct cml_page page;
+    int low;       /* points: the frame's lower edge */
+    int num_texts; /* written */
+    double z0, z1; /* depths at the frame's upper and lower edge */
 };
 
 /* The depth at this share of the frame's height, from below. */
@@ -31,7 +32,7 @@ static double depth_at(const struct frame *f, double share)
 
 static double frame_points(const struct frame *f)
 {
-    return f->height - TOP - f->low;
+    return f->page.height - TOP - f->low;
 }
 
 /* How many times longer a length in z is drawn than the same in x. */
@@ -41,47 +42,46 @@ static double stretch_of(const struct frame *f)
     return frame_points(f) / (f->z1 - f->z0) * (s->x_high - s->x_low) / (RIGHT - LEFT);
 }
 
-static void write_frame(const struct frame *f)
+/* Labels have numbers in gnuplot: ours from 1 on, those of the caption above all of them. */
+static void write_text(struct frame *f, double x, double y, enum cml_align align, int size, const char *text)
 {
-    const struct cml_section *s = f->section;
-    FILE *out = f->out;
-    cml_gnuplot_begin(out, s->picture, WIDTH, f->height);
-    fprintf(out,
-            "unset key\nset lmargin at screen %.6f\nset rmargin at screen %.6f\nset tmargin at screen %.6f\n"
-            "set bmargin at screen %.6f\nset xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\n",
-            (double)LEFT / WIDTH, (double)RIGHT / WIDTH, 1 - (double)TOP / f->height,
-            (double)f->low / f->height, s->x_low, s->x_high, f->z1, f->z0);
-    fprintf(out,
-            "set xtics %.9g\nset ytics %.9g\nset xlabel 'x [cm]' offset 0,0.3\nset ylabel 'depth z "
-            "[cm]'\nset title ",
-            cml_plot_round_step((s->x_high - s->x_low) / 6), cml_plot_round_step((f->z1 - f->z0) / 7));
-    cml_gnuplot_quote(out, s->title);
-    fputc('\n', out);
+    const struct cml_page_text what = {x, y, align, size, text};
+    cml_page_write(&f->page, ++f->num_texts, &what);
 }
 
-static void write_text(const struct frame *f, const char *text, const char *place, const char *side)
+static void write_frame(struct frame *f)
 {
-    fputs("set label ", f->out);
-    cml_gnuplot_quote(f->out, text);
-    fprintf(f->out, " at %s %s font ',%d' textcolor rgb '#202020'\n", place, side,
-            f->section->picture == CML_PICTURE_SVG ? 13 : 10);
+    const struct cml_section *s = f->section;
+    const double top = f->page.height - TOP;
+    cml_page_begin(&f->page);
+    cml_page_panel(&f->page, LEFT, RIGHT, f->low, top);
+    fprintf(f->page.out,
+            "unset key\nset xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset xtics %.9g\nset ytics %.9g\n",
+            s->x_low, s->x_high, f->z1, f->z0, cml_plot_round_step((s->x_high - s->x_low) / 6),
+            cml_plot_round_step((f->z1 - f->z0) / 7));
+    write_text(f, (LEFT + RIGHT) / 2.0, top + 24, CML_ALIGN_CENTER, CML_PAGE_LARGE, s->title);
+    write_text(f, (LEFT + RIGHT) / 2.0, f->low - 46, CML_ALIGN_CENTER, CML_PAGE_NORMAL, "x [cm]");
+    write_text(f, 22, (f->low + top) / 2, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL, "depth z [cm]");
 }
 
 /* Centred at x, or beside the edge that it would pass. */
-static void write_text_over(const struct frame *f, const char *text, double x, double share)
+static void write_text_over(struct frame *f, const char *text, double x, double share)
 {
     const struct cml_section *s = f->section;
-    const double place = (x - s->x_low) / (s->x_high - s->x_low);
-    char at[80];
-    snprintf(at, sizeof at, "graph %.6f,%.6f", place < 0.25 ? 0.012 : place > 0.75 ? 0.988 : place, share);
-    write_text(f, text, at, place < 0.25 ? "left" : place > 0.75 ? "right" : "center");
+    const double place = (x - s->x_low) / (s->x_high - s->x_low), width = RIGHT - LEFT;
+    const double at = place < 0.25 ? LEFT + 8 : place > 0.75 ? RIGHT - 8 : LEFT + place * width;
+    write_text(f, at, f->low + share * frame_points(f),
+               place < 0.25   ? CML_ALIGN_LEFT
+               : place > 0.75 ? CML_ALIGN_RIGHT
+                              : CML_ALIGN_CENTER,
+               CML_PAGE_SMALL, text);
 }
 
-static void write_map(const struct frame *f)
+static void write_map(struct frame *f)
 {
     const struct cml_section *s = f->section;
     if (!(s->map_high > s->map_low)) return;
-    fprintf(f->out,
+    fprintf(f->page.out,
             "set arrow from first %.9g,graph %.6f to first %.9g,graph %.6f heads size graph 0.012,90 lw 1.6 "
             "lc rgb "
             "'#404040'\n",
@@ -91,7 +91,7 @@ static void write_map(const struct frame *f)
 
 /* From its tail down to z = 0, or a little below the frame's upper edge where that lies above. A slanted one
  * begins lower, so that it stays in the picture. */
-static void write_beam(const struct frame *f)
+static void write_beam(struct frame *f)
 {
     const struct cml_section *s = f->section;
     const struct cml_section_beam *beam = &s->beam;
@@ -104,7 +104,8 @@ static void write_beam(const struct frame *f)
     for (int side = -1; side <= 1; side++) {
         if (side != 0 && beam->half_width == 0) continue;
         const double x = beam->x + side * beam->half_width;
-        fprintf(f->out, "set arrow from first %.9g,first %.9g to first %.9g,first %.9g %s lc rgb '#C00000'\n",
+        fprintf(f->page.out,
+                "set arrow from first %.9g,first %.9g to first %.9g,first %.9g %s lc rgb '#C00000'\n",
                 x + beam->slope * tail, tail, x + beam->slope * end, end,
                 side == 0 ? "head filled size screen 0.012,18 lw 2" : "nohead lw 1 dt 2");
     }
@@ -127,11 +128,11 @@ static double middle_of(const struct frame *f, const struct cml_section_label *l
 static void spread(const struct frame *f, double *place, int count)
 {
     for (int i = 1; i < count; i++) place[i] = fmax(place[i], place[i - 1] + LINE);
-    double most = f->height - f->low - LINE / 2;
+    double most = f->page.height - f->low - LINE / 2;
     for (int i = count - 1; i >= 0; i--, most -= LINE) place[i] = fmin(place[i], most);
 }
 
-static void write_labels(const struct frame *f)
+static void write_labels(struct frame *f)
 {
     const struct cml_section *s = f->section;
     const int step = (s->num_labels + CML_SECTION_LABELS - 1) / CML_SECTION_LABELS;
@@ -146,13 +147,12 @@ static void write_labels(const struct frame *f)
     }
     spread(f, place, count);
     for (int i = 0; i < count; i++) {
-        char at[80];
-        fprintf(f->out,
+        const double y = f->page.height - place[i];
+        fprintf(f->page.out,
                 "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead lw 0.8 lc rgb '#A0A0A0'\n",
-                (RIGHT + 2.0) / WIDTH, 1 - middle[i] / f->height, (RIGHT + 16.0) / WIDTH,
-                1 - place[i] / f->height);
-        snprintf(at, sizeof at, "screen %.6f,%.6f", (RIGHT + 20.0) / WIDTH, 1 - place[i] / f->height);
-        write_text(f, s->labels[which[i]].text, at, "left");
+                (RIGHT + 2.0) / WIDTH, 1 - middle[i] / f->page.height, (RIGHT + 16.0) / WIDTH,
+                y / f->page.height);
+        write_text(f, RIGHT + 20, y, CML_ALIGN_LEFT, CML_PAGE_SMALL, s->labels[which[i]].text);
     }
 }
 
@@ -162,7 +162,7 @@ static void write_labels(const struct frame *f)
 static void write_lines(const struct frame *f)
 {
     const struct cml_section *s = f->section;
-    FILE *out = f->out;
+    FILE *out = f->page.out;
     for (int b = 0; b < s->num_lines; b++) {
         fprintf(out, "$b%d << EOD\n", b);
         for (size_t i = 0; i < s->lines[b].count; i++) {
@@ -181,7 +181,7 @@ cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err
 {
     (void)err;
     const struct cml_section *s = what;
-    struct frame f = {.section = s, .out = out, .height = HEIGHT};
+    struct frame f = {.section = s, .page = {out, s->picture, WIDTH, HEIGHT}};
     char caption[1024];
     const double span = (s->z_bottom - s->z_top) / (1 - room_above - room_below);
     f.z0 = s->z_top - room_above * span;
@@ -189,11 +189,11 @@ cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err
     f.low = BOTTOM;
     snprintf(caption, sizeof caption, "%s Depths are drawn %.3g times as long as widths.",
              s->caption ? s->caption : "", stretch_of(&f));
-    const int text = cml_plot_caption(NULL, caption, s->picture, 0, HEIGHT);
-    f.height += text;
-    f.low += text;
+    const int lines = cml_plot_caption(NULL, caption, 0);
+    f.page.height += lines;
+    f.low += lines;
     write_frame(&f);
-    cml_plot_caption(out, caption, s->picture, text, f.height);
+    cml_plot_caption(&f.page, caption, lines);
     write_map(&f);
     write_beam(&f);
     write_labels(&f);

@@ -48,7 +48,7 @@ expect_error 2 "usage: clustermcml compare a.mco b.mco $try" compare "$a"
 expect_error 2 "usage: clustermcml compare a.mco b.mco $try" compare "$a" "$b" "$c"
 expect_error 2 "--alpha 0 (expected a number above 0 and below 1)" compare "$a" "$b" --alpha 0
 expect_error 2 "--alpha x (expected a number above 0 and below 1)" compare "$a" "$b" --alpha x
-expect_error 2 "--output z.pdf (expected a name that ends in .svg or .png)" compare "$a" "$b" -o z.pdf
+expect_error 2 "--output z.jpg (expected a name that ends in .svg, .png, .pdf or .eps)" compare "$a" "$b" -o z.jpg
 expect_code 2 compare "$a" "$work/missing.mco"
 expect_code 2 compare "$a" samples/mcml_sample.mci
 
@@ -58,6 +58,10 @@ if command -v gnuplot >/dev/null; then
     for name in A_z Rd_r Rd_a Tt_r Tt_a; do
         grep -q "z of $name" "$work/z.svg" || complain "the picture lacks $name"
     done
+    grep -q 'They differ: among [0-9]* tests chance alone makes such a difference with p = ' "$work/z.svg" ||
+        complain "the picture has no verdict"
+    grep -q 'worst z' "$work/z.svg" || complain "the picture does not name what lies beyond its frame"
+    check_texts
     expect_code 5 compare "$a" "$c" -o "$work/missing/z.svg"
 fi
 finish

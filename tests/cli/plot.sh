@@ -31,8 +31,14 @@ if command -v xmllint >/dev/null; then
 fi
 grep -q 'd_{e}^f' "$work/odd'\$name.svg" || complain "the odd name is not in the legend"
 
-expect_error 2 "--output p.pdf (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o p.pdf
-expect_error 2 "--output a.svg/b (expected a name that ends in .svg or .png)" plot "$work/fig5.mco" -o a.svg/b
+for name in p.jpg a.svg/b svg; do
+    expect_error 2 "--output $name (expected a name that ends in .svg, .png, .pdf or .eps)" plot "$work/fig5.mco" -o $name
+done
+expect_code 0 plot "$work/fig5.mco" -o "$work/one.pdf"
+starts_with "$work/one.pdf" '%PDF-'
+tail -1 "$work/one.pdf" | grep -q '%%EOF' || complain "the PDF has no end"
+expect_code 0 plot "$work/fig5.mco" -o "$work/one.EPS"
+starts_with "$work/one.EPS" '%!PS-Adobe-.* EPSF'
 expect_code 2 plot "$work/missing.mco" -o "$work/none.svg"
 expect_code 2 plot samples/fig5.mci -o "$work/none.svg"
 expect_code 5 plot "$work/fig5.mco" -o "$work/missing/none.svg"
@@ -58,16 +64,19 @@ bad_curve() { # MESSAGE TEXT
     printf "$2" >"$work/bad.csv"
     expect_error 2 "$work/bad.csv$1" plot "$work/bad.csv" -o "$work/none.svg"
 }
-bad_curve ': bin is missing (expected a column of this name)' ''
-bad_curve ':1: r_mid_cm is missing (expected a column of this name)' 'bin,r,Rd_r_per_cm2\n'
-bad_curve ':1: Rd_r_per_cm2 is missing (expected a column of this name, or Tt_r_per_cm2)' 'bin,r_mid_cm\n'
-bad_curve ':3: Rd_r_per_cm2 = x (expected a number of 0 or more)' '# c\nbin,r_mid_cm,Rd_r_per_cm2\n0,0.5,x\n'
-bad_curve ':2: bin = 0.5 (expected a whole number of 0..999998)' 'bin,r_mid_cm,Rd_r_per_cm2\n0.5,0.5,1\n'
-bad_curve ':2: row is missing (expected a value in every column that the first line names)' \
-    'bin,r_mid_cm,Rd_r_per_cm2\n0,0.5\n'
-bad_curve ':3: bin = 1 (expected more than the one before)' 'bin,r_mid_cm,Rd_r_per_cm2\n1,1.5,1\n1,1.5,1\n'
-bad_curve ': r_mid_cm = 1 in bin 0 (expected 0.5, the middle of the bin)' 'bin,r_mid_cm,Tt_r_per_cm2\n0,1,1\n1,1.5,1\n'
-bad_curve ':2: rows is missing (expected 2 or more)' 'bin,r_mid_cm,Tt_r_per_cm2\n0,1,1\n'
+columns="two or three columns of numbers: place, value, standard error"
+bad_curve ": columns is missing (expected $columns)" ''
+bad_curve ":1: columns = a (expected $columns)" 'a,b,c,d\n'
+bad_curve ':1: rows is missing (expected 2 or more)' 'bin,r,Rd_r_per_cm2\n'
+bad_curve ': Rd_r is missing (expected a column of this name, or Tt_r)' 'bin,r_mid_cm\n'
+bad_curve ':3: Rd_r = x (expected a number of 0 or more)' '# c\nr_mid_cm,Rd_r_per_cm2\n0.5,x\n'
+bad_curve ':3: standard error = -1 (expected a number of 0 or more)' '# c\nr value error\n0.5 1 -1\n'
+bad_curve ':3: row is missing (expected as many columns as in the first line)' '1 2 3\n\n2 3\n'
+bad_curve ':2: r_mid_cm = 1 (expected more than in the row before)' '1,1\n1,1\n'
+bad_curve ':2: rows is missing (expected 2 or more)' 'r_mid_cm,Tt_r_per_cm2\n0,1\n'
+
+# No text of any picture runs through another.
+check_texts
 
 # Without gnuplot, and with one that fails: one line, no picture, the old picture stays.
 mkdir "$work/bin"

@@ -43,7 +43,7 @@ cmp -s "$work/first.svg" "$work/second.svg" && complain "--run 2 draws the first
 expect_code 2 check samples/two_runs.mci --run 3 -o "$work/third.svg"
 grep -qxF "clustermcml: --run 3 (expected 1 to 2, the runs of samples/two_runs.mci)" "$work/err" || complain "$(cat "$work/err")"
 test ! -e "$work/third.svg" || complain "a picture of no run"
-expect_error 2 "--output $work/a.txt (expected a name that ends in .svg or .png)" check samples/mixed.mci -o "$work/a.txt"
+expect_error 2 "--output $work/a.txt (expected a name that ends in .svg, .png, .pdf or .eps)" check samples/mixed.mci -o "$work/a.txt"
 expect_code 0 check samples/mixed.mci -o "$work/mixed.png" --quiet
 head -c 8 "$work/mixed.png" | grep -q PNG || complain "the PNG is none"
 expect_code 0 check samples/mixed.mci -o "$work/json.svg" --json

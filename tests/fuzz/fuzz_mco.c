@@ -4,6 +4,7 @@
 
 #include "plot/compare_report.h"
 #include "plot/plot.h"
+#include "plot/plot_map.h"
 
 static const char *const names[2] = {"a.mco", "b.mco"};
 
@@ -27,12 +28,34 @@ static void compare(const struct cml_mco mco[2])
     cml_comparison_clear(&comparison);
 }
 
+/* Everything that can be shown of it, as curves or as a map over (r, z). */
 static void draw(const struct cml_mco mco[2])
 {
+    static const char *const of[] = {NULL, "Rd_r", "Tt_a", "fluence", "A_rz", "fluence_rz"};
+    const struct cml_plot_style style = {
+        .x = cml_axis_range_any, .y = cml_axis_range_any, .colour = cml_axis_range_any, .percentile = 90};
+    const struct cml_shown *shown;
     struct cml_error err = {CML_OK, ""};
-    const struct cml_plot plot = {.count = 2, .num_results = 1, .results = mco, .names = names};
     if (mco->nr < 3) return;
-    if (cml_plot_script(fuzz_nowhere(), &plot, &err) != CML_OK) fuzz_refused(CML_E_INPUT, &err);
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        FUZZ_CHECK(cml_shown_find(of[i], &shown, &err) == CML_OK);
+        struct cml_pixels map = {0};
+        const struct cml_plot plot = {
+            .shown = shown, .num_results = 2, .results = mco, .paths = names, .names = names, .style = style};
+        const struct cml_map_plot picture = {.count = 1,
+                                             .maps = &map,
+                                             .names = names,
+                                             .quantity = "A",
+                                             .grey = "no light",
+                                             .axes = &cml_map_rz,
+                                             .style = style};
+        cml_status status = shown->map ? cml_shown_map(mco, names[0], shown, &map, &err)
+                                       : cml_plot_script(fuzz_nowhere(), &plot, &err);
+        if (status == CML_OK && map.value && map.n[0] * map.n[1] < 4096)
+            status = cml_map_script(fuzz_nowhere(), &picture, &err);
+        if (status != CML_OK) fuzz_refused(status, &err);
+        cml_pixels_clear(&map);
+    }
 }
 
 /* The bytes of the file that a result is written as; the caller's to free. */

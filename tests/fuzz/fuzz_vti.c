@@ -16,8 +16,14 @@ static void draw(const struct cml_pixels *map, const uint8_t *data, size_t size)
                                       .maps = map,
                                       .names = names,
                                       .quantity = "Rd",
-                                      .caption = "a b",
-                                      .scale = (enum cml_scale)(sum % 3)};
+                                      .grey = "no light",
+                                      .axes = &cml_map_xy,
+                                      .style = {.caption = "a b",
+                                                .scale = (enum cml_scale)(sum % 3),
+                                                .x = cml_axis_range_any,
+                                                .y = cml_axis_range_any,
+                                                .colour = cml_axis_range_any,
+                                                .percentile = 100}};
     if (sum >= 3) return;
     const cml_status status = cml_map_script(fuzz_nowhere(), &plot, &err);
     if (status != CML_OK) fuzz_refused(status, &err);

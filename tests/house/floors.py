@@ -28,10 +28,11 @@ ROOMS = {
     "src/exact": "src/scene src/base",
     "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/exact src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
-    "src/plot": "src/output src/base",
+    "src/plot/files": "src/output src/base",
+    "src/plot": "src/plot/files src/output src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
-    "src/cli": "src/cli/options src/plot src/output src/exact src/run src/engine src/engine/engines src/engine/cpu src/engine/opencl src/surface "
-               "src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/cli": "src/cli/options src/plot src/plot/files src/output src/exact src/run src/engine src/engine/engines "
+               "src/engine/cpu src/engine/opencl src/surface src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
 # Headers of libraries and of rarer parts of POSIX, and the only modules that may include them.
@@ -42,7 +43,7 @@ FOREIGN = {
     "jansson.h": "src/base/json_name src/output/report_json src/plot/compare_report src/cli/command_plan",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
-    "hdf5*.h": "src/output/hdf5_file",
+    "hdf5*.h": "src/output/hdf5_file src/plot/files/hdf5_result",
     "sys/resource.h": "src/cli/command_load",
     "sys/ioctl.h": "src/cli/progress",
     "spawn.h": "src/plot/gnuplot",

@@ -31,6 +31,14 @@ expect_error() { # CODE MESSAGE ARGUMENTS...
     test ! -s "$work/out" || complain "clustermcml $*: wrote to standard output"
 }
 
+# Pictures in $work that gnuplot itself drew must have no two texts at one place.
+check_texts() {
+    for picture in "$work"/*.svg; do
+        grep -q '<svg' "$picture" || continue
+        python3 tests/lib/svg_text.py "$picture" >"$work/texts" 2>&1 || complain "$(cat "$work/texts")"
+    done
+}
+
 finish() {
     test "$failures" -eq 0 || exit 1
 }

@@ -58,12 +58,15 @@ const struct cml_command_def cml_commands[] = {
                              "Prints z and a p-value that is corrected for the number of tests.",
                              "clustermcml compare a.mco b.mco -o z.svg\n"},
     [CML_COMMAND_PLOT] =
-        {"plot", "FILE ...", 1, 64, "draw results and curves (.mco, .csv) or maps (.map.vti)",
-         "Draws r*Rd(r) and r*Tt(r) of one or more results (.mco), with heightfields dotted and the curves "
-         "of others "
-         "(.csv) dashed; or Rd(x,y) of one or more maps (.map.vti) in colours, side by side. Needs gnuplot.",
-         "clustermcml plot a.mco b.mco report.csv -o curves.svg\n"
-         "clustermcml plot skinmap.map.vti --of Tt -o map.png\n"},
+        {"plot", "FILE ...", 1, 64, "draw results and curves (.mco, .h5, .csv) or maps (.map.vti, .h5)",
+         "Draws r*Rd(r) and r*Tt(r), or what --of names, of one or more results (.mco, .h5), with bands of "
+         "one "
+         "standard error, heightfields dotted and the curves of others (.csv: place, value, standard error) "
+         "dashed; "
+         "or Rd(x,y) of one or more maps (.map.vti; .h5 with --of) in colours, side by side. Needs gnuplot.",
+         "clustermcml plot a.mco b.mco report.csv -o curves.pdf\n"
+         "clustermcml plot a.h5 --of fluence --title 'Skin, 633 nm' -o fluence.svg\n"
+         "clustermcml plot skinmap.map.vti --of Tt --percentile 99.9 -o map.png\n"},
     [CML_COMMAND_DEVICES] = {"devices", "", 0, 0, "OpenCL devices and their numbers, cores, Embree",
                              "Lists what photons can be flown on: cores and their vector instructions, "
                              "OpenCL devices with the numbers that "

@@ -9,6 +9,8 @@
 /* Columns: of the text, and of what an item does. */
 enum { WIDTH = 80, INDENT = 26 };
 
+static const char usage[] = "usage: clustermcml [COMMAND] OPERANDS [OPTIONS]\n";
+
 static const struct {
     int code;
     const char *text;
@@ -51,13 +53,13 @@ static void print_item(FILE *stream, const char *typed, const char *text)
 
 static void print_option(FILE *stream, const struct cml_option *option, bool owners)
 {
-    char typed[80], commands[160] = "", text[640];
-    snprintf(typed, sizeof typed, "%s%c%s--%s%s%s", option->letter ? "-" : "",
-             option->letter ? option->letter : ' ', option->letter ? ", " : "", option->name,
-             option->argument ? " " : "", option->argument ? option->argument : "");
+    char letter[8] = "", typed[80], commands[160] = "", text[640];
+    if (option->letter) snprintf(letter, sizeof letter, "-%c, ", option->letter);
+    snprintf(typed, sizeof typed, "%s--%s%s%s", letter, option->name, option->argument ? " " : "",
+             option->argument ? option->argument : "");
     cml_option_commands(option, commands, sizeof commands);
     snprintf(text, sizeof text, owners ? "%s (%s)" : "%s", option->help, commands);
-    print_item(stream, typed + !option->letter, text);
+    print_item(stream, typed, text);
 }
 
 /* Those of one command, or of all with the names of their commands. */
@@ -91,7 +93,7 @@ static void print_topics(FILE *stream)
 
 static void print_list(FILE *stream)
 {
-    fprintf(stream, "usage: clustermcml [COMMAND] OPERANDS [OPTIONS]\n\ncommands\n");
+    fprintf(stream, "%s\ncommands\n", usage);
     for (int i = 0; i < CML_NUM_COMMANDS; i++) {
         const struct cml_command_def *command = &cml_commands[i];
         char typed[80];
@@ -141,6 +143,7 @@ cml_status cml_help_print(FILE *stream, const char *topic, struct cml_error *err
         return CML_OK;
     }
     if (strcmp(topic, "options") == 0) {
+        fputs(usage, stream);
         print_options(stream, CML_NUM_COMMANDS);
         return CML_OK;
     }

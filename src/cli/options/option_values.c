@@ -237,7 +237,7 @@ cml_status cml_read_log(const struct cml_option *option, const char *value, stru
                         struct cml_error *err)
 {
     (void)option, (void)value, (void)err;
-    options->scale = CML_SCALE_LOG;
+    options->style.scale = CML_SCALE_LOG;
     return CML_OK;
 }
 
@@ -245,6 +245,45 @@ cml_status cml_read_linear(const struct cml_option *option, const char *value, s
                            struct cml_error *err)
 {
     (void)option, (void)value, (void)err;
-    options->scale = CML_SCALE_LINEAR;
+    options->style.scale = CML_SCALE_LINEAR;
+    return CML_OK;
+}
+
+/* "A:B" with A below B; one of them may be left out. */
+static bool parse_range(const char *value, struct cml_axis_range *range)
+{
+    char first[32] = "";
+    const char *colon = strchr(value, ':');
+    const size_t length = colon ? (size_t)(colon - value) : sizeof first;
+    if (length >= sizeof first || value[1] == '\0') return false;
+    memcpy(first, value, length);
+    if (first[0] && !cml_parse_double(first, &range->from)) return false;
+    if (colon[1] && !cml_parse_double(colon + 1, &range->to)) return false;
+    return !(range->from >= range->to);
+}
+
+cml_status cml_read_range(const struct cml_option *option, const char *value, struct cml_options *options,
+                          struct cml_error *err)
+{
+    struct cml_axis_range *range = member_of(option, options);
+    *range = cml_axis_range_any;
+    if (parse_range(value, range)) return CML_OK;
+    return fail(err, option, value, "A:B with A below B; A: and :B leave the other end open");
+}
+
+cml_status cml_read_percentile(const struct cml_option *option, const char *value,
+                               struct cml_options *options, struct cml_error *err)
+{
+    double *number = &options->style.percentile;
+    if (cml_parse_double(value, number) && *number > 0 && *number <= 100) return CML_OK;
+    return fail(err, option, value, "a number above 0, up to 100");
+}
+
+/* Each is the next one. */
+cml_status cml_read_label(const struct cml_option *option, const char *value, struct cml_options *options,
+                          struct cml_error *err)
+{
+    if (options->num_labels == CML_MOST_LABELS) return fail(err, option, value, "at most 64 of them");
+    options->labels[options->num_labels++] = value;
     return CML_OK;
 }

@@ -7,6 +7,8 @@
 #include "plot/plot_parts.h"
 #include "surface/surface.h"
 
+enum { CML_MOST_LABELS = 64 };
+
 struct cml_options {
     enum cml_command which; /* run where none is named */
     const struct cml_engine *engine;
@@ -21,14 +23,15 @@ struct cml_options {
     bool resume;
     double timeout; /* s of a rank's silence */
     bool quiet, json, verbose;
-    double alpha;         /* level of `compare` */
-    const char *caption;  /* of `plot`, NULL: none */
-    const char *of;       /* array of a map for `plot`, NULL: not given */
-    enum cml_scale scale; /* of `plot` */
-    const char *output;   /* a directory, or the picture of `plot` and `compare`; NULL: not given */
-    const char *dump;     /* crosscheck: a file for the photons that differ; NULL: not wanted */
-    int num_operands;     /* without the command's name */
-    char **operands;      /* borrowed from argv */
+    double alpha;                /* level of `compare` */
+    struct cml_plot_style style; /* of `plot` */
+    const char *of;              /* what `plot` shows, NULL: not given */
+    int num_labels;
+    const char *labels[CML_MOST_LABELS]; /* of the curves and maps of `plot`, in the order of the operands */
+    const char *output; /* a directory, or the picture of `plot` and `compare`; NULL: not given */
+    const char *dump;   /* crosscheck: a file for the photons that differ; NULL: not wanted */
+    int num_operands;   /* without the command's name */
+    char **operands;    /* borrowed from argv */
     bool help, version;
     bool named;         /* the command was */
     char command[4096]; /* the command line as it was typed, words joined by blanks; cut when longer */

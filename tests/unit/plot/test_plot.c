@@ -12,8 +12,13 @@ static char *script_of(const char *heights)
 {
     static const char *const names[1] = {"a.mco"};
     struct cml_mco mco = {.dz = 1, .dr = 0.1, .nz = 1, .nr = 4, .na = 1, .num_layers = 1};
-    const struct cml_plot plot = {.count = 1, .num_results = 1, .results = &mco, .names = names};
     struct cml_error err = {CML_OK, ""};
+    struct cml_plot plot = {.num_results = 1,
+                            .results = &mco,
+                            .names = names,
+                            .paths = names,
+                            .style = {.x = cml_axis_range_any, .y = cml_axis_range_any}};
+    require_ok(cml_shown_find(NULL, &plot.shown, &err), &err);
     char *script = NULL;
     size_t size = 0;
     require_ok(cml_mco_allocate(&mco, &err), &err);

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-#include "plot/vti.h"
+#include "plot/files/vti.h"
 #include "output/vtk.h"
 
 #define IMAGE(kind, extent)                                                                                  \

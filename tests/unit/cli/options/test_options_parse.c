@@ -93,11 +93,11 @@ static void letters_take_the_rest_of_their_word_or_the_next(void **state)
 static void a_value_may_look_like_anything(void **state)
 {
     (void)state;
-    assert_string_equal(accepted("plot a.mco --caption --log").caption, "--log");
-    assert_string_equal(accepted("plot a.mco --caption=").caption, "");
-    assert_string_equal(accepted("plot a.mco --caption a=b").caption, "a=b");
-    assert_string_equal(accepted("plot a.mco --caption=a=b").caption, "a=b");
-    assert_string_equal(accepted("plot a.mco --caption ").caption, "");
+    assert_string_equal(accepted("plot a.mco --caption --log").style.caption, "--log");
+    assert_string_equal(accepted("plot a.mco --caption=").style.caption, "");
+    assert_string_equal(accepted("plot a.mco --caption a=b").style.caption, "a=b");
+    assert_string_equal(accepted("plot a.mco --caption=a=b").style.caption, "a=b");
+    assert_string_equal(accepted("plot a.mco --caption ").style.caption, "");
     refused("a.mci --seed -1", "--seed -1 (expected a whole number from 0 to 9007199254740992)");
     refused("a.mci --seed", "--seed is missing its value (try clustermcml --help)");
     refused("a.mci --quiet=1", "--quiet takes no value (try clustermcml --help)");

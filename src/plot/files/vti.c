@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "plot/vti.h"
+#include "plot/files/vti.h"
 
 #include "base/text.h"
 

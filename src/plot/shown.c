@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+#include "plot/shown.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The first is what is shown without being asked. */
+static const struct cml_shown all[] = {
+    {.name = "profiles",
+     .num_panels = 2,
+     .panel = {{CML_QUANTITY_Rd_r, CML_SHOWN_TIMES_R, "Reflectance", "r·Rd(r)  [1/cm]"},
+               {CML_QUANTITY_Tt_r, CML_SHOWN_TIMES_R, "Transmittance", "r·Tt(r)  [1/cm]"}}},
+    {"Rd_r", 1, {{CML_QUANTITY_Rd_r, CML_SHOWN_PLAIN, "Reflectance by radius", "Rd(r)  [1/cm²]"}}, NULL},
+    {"Tt_r", 1, {{CML_QUANTITY_Tt_r, CML_SHOWN_PLAIN, "Transmittance by radius", "Tt(r)  [1/cm²]"}}, NULL},
+    {"Rd_a", 1, {{CML_QUANTITY_Rd_a, CML_SHOWN_PLAIN, "Reflectance by angle", "Rd(α)  [1/sr]"}}, NULL},
+    {"Tt_a", 1, {{CML_QUANTITY_Tt_a, CML_SHOWN_PLAIN, "Transmittance by angle", "Tt(α)  [1/sr]"}}, NULL},
+    {"A_z", 1, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, "Absorption by depth", "A(z)  [1/cm]"}}, NULL},
+    {"fluence", 1, {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"}}, NULL},
+    {"A_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, NULL, NULL}}, "A(r,z)  [1/cm³]"},
+    {"fluence_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, NULL, NULL}}, "φ(r,z) = A(r,z)/μa  [1/cm²]"},
+};
+enum { NUM_SHOWN = sizeof all / sizeof *all };
+
+cml_status cml_shown_find(const char *name, const struct cml_shown **shown, struct cml_error *err)
+{
+    char names[256] = "";
+    *shown = &all[0];
+    if (!name) return CML_OK;
+    for (int i = 1; i < NUM_SHOWN; i++) {
+        const size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%s", i > 1 ? ", " : "", all[i].name);
+        *shown = &all[i];
+        if (strcmp(name, all[i].name) == 0) return CML_OK;
+    }
+    return cml_fail(err, CML_E_INPUT, "--of %s (expected one of %s; or an array of a map)", name, names);
+}
+
+static bool is_angle(const struct cml_shown_panel *panel)
+{
+    return panel->quantity == CML_QUANTITY_Rd_a || panel->quantity == CML_QUANTITY_Tt_a;
+}
+
+const char *cml_shown_axis(const struct cml_shown_panel *panel)
+{
+    if (panel->quantity == CML_QUANTITY_A_z) return "depth z [cm]";
+    return is_angle(panel) ? "angle α from the vertical [rad]" : "radius r [cm]";
+}
+
+struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel)
+{
+    const char *place = panel->quantity == CML_QUANTITY_A_z ? "z_mid_cm"
+                        : is_angle(panel)                   ? "alpha_mid_rad"
+                                                            : "r_mid_cm";
+    const bool fluence = panel->as == CML_SHOWN_OVER_MUA;
+    return (struct cml_curve_columns){fluence ? "fluence" : cml_quantities[panel->quantity].name, place};
+}
+
+/* mua of the layer at this depth, 1/cm; below all layers that of the last. */
+static double absorption_at(const struct cml_mco *mco, double z)
+{
+    double bottom = 0;
+    int l = 0;
+    for (; l < mco->num_layers - 1; l++) {
+        bottom += mco->layer[l][4];
+        if (z < bottom) break;
+    }
+    return mco->layer[l][1];
+}
+
+/* A fluence without absorption is nothing that was tallied. */
+static cml_status check_absorption(const struct cml_mco *mco, const char *path, enum cml_shown_as as,
+                                   struct cml_error *err)
+{
+    if (as != CML_SHOWN_OVER_MUA) return CML_OK;
+    for (int l = 0; l < mco->num_layers; l++)
+        if (mco->layer[l][1] > 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: mua = 0 in all layers (expected a layer that absorbs, for a fluence)", path);
+}
+
+/* What a value of `panel` at place x is multiplied by. */
+static double factor_at(const struct cml_mco *mco, enum cml_shown_as as, double x)
+{
+    if (as == CML_SHOWN_PLAIN) return 1;
+    if (as == CML_SHOWN_TIMES_R) return x;
+    const double mua = absorption_at(mco, x);
+    return mua > 0 ? 1 / mua : NAN;
+}
+
+/* The last lit bin and the next: what lies beyond is an empty frame. Angles are shown whole. */
+static double end_of(const struct cml_curve *curve, double width, bool whole)
+{
+    int last = whole ? curve->n - 1 : 0;
+    for (int i = last; i < curve->n; i++)
+        if (curve->y[i] > 0) last = i;
+    return fmin(last + 2, curve->n + !whole) * width;
+}
+
+cml_status cml_shown_curve(const struct cml_mco *mco, const char *path, const struct cml_shown_panel *panel,
+                           struct cml_curve *curve, struct cml_error *err)
+{
+    const double *values = cml_quantity_values(mco, panel->quantity);
+    const double width = cml_quantity_width(mco, panel->quantity);
+    const bool whole = is_angle(panel);
+    const int bins = cml_quantity_bins(mco, panel->quantity);
+    *curve = (struct cml_curve){0};
+    CML_TRY(check_absorption(mco, path, panel->as, err));
+    CML_TRY(cml_curve_create(bins, true, curve, err));
+    const bool errors = cml_quantity_errors(mco, panel->quantity, curve->error);
+    curve->n = whole ? bins : bins - 1;
+    for (int i = 0; i < curve->n; i++) {
+        const double x = (i + 0.5) * width, factor = factor_at(mco, panel->as, x);
+        curve->x[i] = x;
+        curve->y[i] = values[i] * factor;
+        curve->error[i] = errors ? curve->error[i] * factor : 0;
+    }
+    curve->end = end_of(curve, width, whole);
+    return CML_OK;
+}
+
+cml_status cml_shown_curve_of_others(const struct cml_curve *from, const struct cml_shown_panel *panel,
+                                     struct cml_curve *curve, struct cml_error *err)
+{
+    CML_TRY(cml_curve_create(from->n, from->error != NULL, curve, err));
+    curve->end = from->end;
+    for (int i = 0; i < from->n; i++) {
+        const double factor = panel->as == CML_SHOWN_TIMES_R ? from->x[i] : 1;
+        curve->x[i] = from->x[i];
+        curve->y[i] = from->y[i] * factor;
+        if (from->error) curve->error[i] = from->error[i] * factor;
+    }
+    return CML_OK;
+}
+
+cml_status cml_shown_map(const struct cml_mco *mco, const char *path, const struct cml_shown *shown,
+                         struct cml_pixels *map, struct cml_error *err)
+{
+    const double most = 1e30; /* only a damaged file has more */
+    *map = (struct cml_pixels){0};
+    CML_TRY(check_absorption(mco, path, shown->panel[0].as, err));
+    if (mco->nr < 2 || mco->nz < 2)
+        return cml_fail(err, CML_E_INPUT, "%s: nz, nr = %d %d (expected 2 or more of each for a map)", path,
+                        mco->nz, mco->nr);
+    const size_t nr = (size_t)mco->nr - 1, nz = (size_t)mco->nz - 1;
+    *map = (struct cml_pixels){.n = {nr, nz}, .spacing = {mco->dr, mco->dz}};
+    map->value = malloc(nr * nz * sizeof *map->value);
+    if (!map->value) return cml_fail_memory(err, (double)(nr * nz * sizeof *map->value), "a map");
+    for (size_t iz = 0; iz < nz; iz++) {
+        const double factor = factor_at(mco, shown->panel[0].as, ((double)iz + 0.5) * mco->dz);
+        for (size_t ir = 0; ir < nr; ir++)
+            map->value[iz * nr + ir] = (float)(factor * fmin(mco->A_rz[ir * (size_t)mco->nz + iz], most));
+    }
+    return CML_OK;
+}

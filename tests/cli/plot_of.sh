@@ -1,0 +1,172 @@
+#!/bin/sh
+# plot: what --of names is drawn with the numbers of the file, from .mco and .h5 alike; options of axes, names, colours.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+command -v gnuplot >/dev/null || { echo "gnuplot is missing"; exit 77; }
+
+# Three layers, of which the middle one absorbs nothing.
+cat >"$work/scene.mci" <<'END'
+1.0
+1
+scene.mco A
+20000
+0.01 0.02
+60 40 9
+map 8 4 0.1 0.1
+3
+1
+b 1 0.05 0.1 0 0
+1.4 2 30 0.8 0.1
+1.4 0 30 0.8 0.1
+1.4 4 30 0.8 0.4
+1
+END
+sed -i 's/^b .*/b 2 0.05 0.1 0 0.1/' "$work/scene.mci"
+expect_code 0 "$work/scene.mci" --quiet -o "$work"
+a=$work/scene.mco
+h5=0
+test -e "$work/scene.h5" && h5=1
+
+# Everything as gnuplot draws it.
+printf 'z A error\n0.1 0.5 0.1\n0.2 0.25 0.05\n' >"$work/others.csv"
+for of in Rd_r Tt_r Rd_a Tt_a A_z fluence; do
+    expect_code 0 plot "$a" "$work/others.csv" --of $of -o "$work/$of.svg" --label "a label" --label "Li et al." --title "A title"
+    for text in 'a label' 'Li et al.' 'A title'; do
+        grep -q ">$text<" "$work/$of.svg" || complain "--of $of: no $text"
+    done
+done
+for of in A_rz fluence_rz; do
+    expect_code 0 plot "$a" --of $of -o "$work/$of.svg" --title "A title"
+    grep -q 'depth z \[cm\]' "$work/$of.svg" && grep -q '/cm[²³]\]' "$work/$of.svg" || complain "--of $of: axes without units"
+done
+grep -q 'φ(z) = A(z)/μa  \[-\]' "$work/fluence.svg" || complain "a fluence without its unit"
+expect_code 0 plot "$a" "$a" --label one --label two --xrange 0.1:0.3 --yrange 1e-3: -o "$work/ranges.svg"
+expect_code 0 plot "$work/scene.map.vti" "$work/scene.map.vti" --label one --label two --percentile 90 --title "A title" \
+    -o "$work/maps.svg"
+for text in one two 'A title'; do
+    grep -q ">$text<" "$work/maps.svg" || complain "maps: no $text"
+done
+check_texts
+
+# What gnuplot is told: a stand-in keeps the script.
+mkdir "$work/bin"
+printf '#!/bin/sh\ncat >"%s"\necho picture\n' "$work/script" >"$work/bin/gnuplot"
+chmod +x "$work/bin/gnuplot"
+PATH=$work/bin:$PATH
+told() {
+    grep -qF -e "$1" "$work/script" || complain "$2: gnuplot is not told $1"
+}
+
+# Numbers: those of the file, times what the name says, at the middles of bins.
+numbers() { # NAME FILE
+    expect_code 0 plot "$2" --of "$1" -o "$work/numbers.svg"
+    python3 - "$1" "$a" "$work/script" >"$work/wrong" <<'END' || complain "--of $1 of $2: $(cat "$work/wrong")"
+import math
+import sys
+name, mco, script = sys.argv[1:]
+lines = [line.split("#")[0].split() for line in open(mco)]
+def section(key, count):
+    start = next(i for i, line in enumerate(open(mco)) if line.split()[:1] == [key])
+    words = [word for line in lines[start + 1:] for word in line]
+    return [float(word) for word in words[:count]]
+nz, nr, na, dz, dr = 60, 40, 9, 0.01, 0.02
+mua = lambda z: 2 if z < 0.1 else 0 if z < 0.2 else 4
+text = open(script).read()
+if name.endswith("_rz"):
+    grid = section("A_rz", nr * nz)
+    rows = text.split("$map0 << EOD\n")[1].split("EOD")[0].strip().split("\n")
+    repeat, stretch = len(rows) // (nz - 1), len(rows[0].split()) // (nr - 1)
+    want = [[grid[r * nz + z] / (1 if name == "A_rz" else mua((z + .5) * dz) or math.nan) for r in range(nr - 1)] for z in range(nz - 1)]
+    got = [[float(word) for word in row.split()[::stretch]] for row in rows[::repeat]]
+    pairs = [(g, w if w > 0 else math.nan) for gs, ws in zip(got, want) for g, w in zip(gs, ws)]
+    assert len(got) == nz - 1 and len(pairs) == (nz - 1) * (nr - 1), (len(got), len(pairs))
+    assert f"set yrange [{(nz - 1) * dz:.9g}:0]" in text, "z does not point down"
+else:
+    key, n, step, last = {"fluence": ("A_z", nz, dz, 1), "A_z": ("A_z", nz, dz, 1), "Rd_r": ("Rd_r", nr, dr, 1), "Tt_r": ("Tt_r", nr, dr, 1),
+                          "Rd_a": ("Rd_a", na, math.pi / 2 / na, 0), "Tt_a": ("Tt_a", na, math.pi / 2 / na, 0)}[name]
+    values, errors = section(key, n), section("se_" + key, n)
+    points = [[float(word) for word in line.split()] for line in text.split("$c0_0 << EOD\n")[1].split("EOD")[0].split("\n") if line]
+    want = []
+    for i in range(n - last):
+        x = (i + .5) * step
+        f = 1 if name != "fluence" else 1 / mua(x) if mua(x) else 0
+        if values[i] * f > 0:
+            want.append((x, values[i] * f, None, (values[i] + errors[i]) * f))
+    assert len(points) == len(want), (len(points), len(want))
+    pairs = [(g, w) for gs, ws in zip(points, want) for g, w in zip(gs, ws) if w is not None]
+worst = max(0 if math.isnan(g) and math.isnan(w) else abs(g - w) / abs(w) if w == w else 9 for g, w in pairs)
+print("off by", worst)
+sys.exit(worst > 2e-4)
+END
+}
+for of in Rd_r Tt_r Rd_a Tt_a A_z fluence A_rz fluence_rz; do
+    numbers $of "$a"
+    test $h5 = 0 || numbers $of "$work/scene.h5"
+done
+
+# A layer without absorption is a gap in the curve, not a line across it.
+expect_code 0 plot "$a" --of fluence -o "$work/gap.svg"
+gaps=$(sed -n '/^\$c0_0/,/^EOD/p' "$work/script" | grep -c '^$')
+test "$gaps" -ge 1 || complain "no gap where nothing absorbs"
+
+# Ranges, and error bars of curves of others.
+expect_code 0 plot "$a" "$work/others.csv" --of A_z --xrange 0.05:0.3 --yrange 0.1:10 -o "$work/told.svg"
+told 'set xrange [0.05:0.3]' --xrange
+told 'set yrange [0.1:10]' --yrange
+told 'with yerrorbars' "three columns"
+told '0.1 0.5 0.4 0.6' "three columns"
+expect_code 0 plot "$work/scene.map.vti" --crange 0.5:2 --xrange :0.2 -o "$work/told.svg"
+told 'set cbrange [0.5:2]' --crange
+told 'set xrange [-0.4:0.2]' --xrange
+python3 - "$work/hot.vti" <<'END'
+import struct
+import sys
+values = [i + 1 for i in range(99)] + [1e4]
+data = struct.pack("<Q100f", 400, *values)
+open(sys.argv[1], "wb").write(b"""<VTKFile type="ImageData" byte_order="LittleEndian" header_type="UInt64">
+<ImageData WholeExtent="0 10 0 10 0 0" Origin="0 0 0" Spacing="1 1 1"><Piece Extent="0 10 0 10 0 0">
+<CellData><DataArray type="Float32" Name="Rd_xy" format="appended" offset="0"/></CellData>
+</Piece></ImageData><AppendedData encoding="raw">_""" + data)
+END
+expect_code 0 plot "$work/hot.vti" --percentile 99 -o "$work/told.svg"
+told 'set cbrange [0:99]' "a hot pixel left out"
+expect_code 0 plot "$work/hot.vti" --linear -o "$work/told.svg"
+told 'set cbrange [0:10000]' "all pixels"
+
+range="A:B with A below B; A: and :B leave the other end open"
+for value in 1 1:1 2:1 : a:b ''; do
+    expect_error 2 "--xrange $value (expected $range)" plot "$a" --xrange "$value" -o "$work/none.svg"
+done
+expect_error 2 "--percentile 0 (expected a number above 0, up to 100)" plot "$a" --percentile 0 -o "$work/none.svg"
+expect_error 2 "--label given 1 times (expected once for each of 2 files)" plot "$a" "$a" --label x -o "$work/none.svg"
+expect_error 2 "--crange (expected with maps only)" plot "$a" --crange 1:2 -o "$work/none.svg"
+expect_error 2 "--percentile (expected with maps only)" plot "$a" --percentile 99 -o "$work/none.svg"
+expect_error 2 "--percentile (expected without --crange)" plot "$a" --of A_rz --percentile 9 --crange 1:2 -o "$work/none.svg"
+expect_error 2 "--yrange (expected numbers above 0 on a log scale, or --linear)" plot "$a" --yrange 0:1 -o "$work/none.svg"
+expect_error 2 "$work/others.csv (expected a result, for --of A_rz)" plot "$work/others.csv" --of A_rz -o "$work/none.svg"
+sed 's/^1.4 [24]/1.4 0/' "$work/scene.mci" >"$work/clear.mci"
+mkdir "$work/clear"
+expect_code 0 "$work/clear.mci" --quiet -o "$work/clear"
+expect_error 2 "$work/clear/scene.mco: mua = 0 in all layers (expected a layer that absorbs, for a fluence)" \
+    plot "$work/clear/scene.mco" --of fluence -o "$work/none.svg"
+
+# .h5: the same result as the .mco, to the digits that an .mco prints; what is no such file is refused.
+if test $h5 = 1; then
+    expect_code 0 compare "$a" "$work/scene.h5"
+    grep -q 'both runs have seed 1' "$work/out" && grep -q '^p = 1 ' "$work/out" || complain "$(cat "$work/out")"
+    expect_code 0 plot "$work/scene.h5" --of Tt_xy -o "$work/told.svg"
+    told 'Tt_xy  [1/cm²]' "a map from an .h5"
+    cp "$work/script" "$work/from_h5"
+    expect_code 0 plot "$work/scene.map.vti" --of Tt_xy -o "$work/told.svg"
+    map() { sed -n '/^\$map0/,/^plot/p' "$1"; }
+    test "$(map "$work/script")" = "$(map "$work/from_h5")" || complain "the map of the .h5 is not that of the .vti"
+    expect_error 2 "$work/scene.h5: no map Rd_z (expected a data set over y and x)" plot "$work/scene.h5" --of Rd_z -o "$work/none.svg"
+    cp "$a" "$work/false.h5"
+    expect_error 2 "$work/false.h5: cannot be read as an HDF5 file" plot "$work/false.h5" -o "$work/none.svg"
+    expect_error 2 "$work/false.h5: cannot be read as an HDF5 file" compare "$a" "$work/false.h5"
+else
+    touch "$work/any.h5"
+    expect_error 2 "$work/any.h5: this program was built without HDF5" plot "$work/any.h5" -o "$work/none.svg"
+fi
+ls "$work" | grep -q -e none -e '\.tmp$' && complain "a failed plot left a file"
+finish

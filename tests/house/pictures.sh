@@ -1,0 +1,5 @@
+#!/bin/sh
+# In the pictures of bench/results, which the texts show, no text runs through another or leaves the picture.
+# SPDX-License-Identifier: MIT
+set -eu
+exec python3 tests/lib/svg_text.py bench/results/*.svg

@@ -62,6 +62,15 @@ double cml_most_memory(const struct cml_options *options, const struct cml_scene
 void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
                       const struct cml_surface_set *surfaces);
 
+/* Lines about what was done to the mesh of boundary b that changes its surface: faces cut, border levelled,
+ * skirt added. None where nothing was. */
+void cml_print_mesh_repairs(const struct cml_scene *scene, int b);
+
+/* Draws the run of the file that --run names (1) as `check -o` is told; nothing without -o. */
+CML_NODISCARD cml_status cml_draw_section(const struct cml_options *options,
+                                          const struct cml_scene_list *list, enum cml_picture picture,
+                                          struct cml_error *err);
+
 /* Multiplications, some 0.15 s of them: what commands spend on totals by adding-doubling beside other work.
  */
 #define CML_EXACT_LITTLE_WORK 1e9
@@ -87,6 +96,34 @@ void cml_twin_clear(struct cml_twin *twin);
 CML_NODISCARD cml_status cml_twin_fly(const struct cml_twin *twin, const struct cml_run_setup *setup,
                                       const struct cml_result *result, struct cml_run_result *flight,
                                       struct cml_controlled *control, struct cml_error *err);
+
+/* A run of so many photons, and the relative standard errors that it had; INFINITY where it saw nothing. */
+struct cml_pilot_round {
+    uint64_t photons;
+    double error[CML_NUM_GOALS];
+};
+
+#define CML_PILOT_MOST_ROUNDS 48
+
+/* Zeroed: none was flown. */
+struct cml_pilot {
+    int num_rounds;
+    struct cml_pilot_round round[CML_PILOT_MOST_ROUNDS]; /* longer and longer */
+    double photons_per_s;                                /* of the last, on all ranks */
+    int threads;                                         /* of a rank */
+};
+
+/* Flies rounds of setup->engine from photon 0 on, each `growth` times as long as the one before, up to
+ * setup->photons, or, where that is 0, as long as they fit into about so many seconds together, opening of
+ * the engine included; two at least. Collective; rank 0's pilot counts. Fails as cml_run does. */
+CML_NODISCARD cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int growth,
+                                       struct cml_pilot *pilot, struct cml_error *err);
+
+/* Photons after which a goal (cml_goals) has a relative standard error, at least one for every batch: between
+ * the rounds from which on all reach it by interpolation; else as if errors fell with the root of the
+ * photons, which beyond the pilot is an upper estimate where draws are evenly spread. INFINITY where the last
+ * round saw nothing. The errors of rounds are known to 9 % (64 batches), so the photons to some 20 %. */
+double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error);
 
 /* The output file of a scene: its name below the output directory. *path is the caller's to free. */
 CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,

@@ -2,7 +2,9 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "cli/outputs.h"
 #include "exact/exact.h"
+#include "geometry/footprint.h"
 #include "output/report.h"
 
 #include <math.h>
@@ -42,6 +44,48 @@ static void print_heightmap(const struct cml_heightmap_notes *notes)
            notes->skirt[0], notes->skirt[1], notes->rim_mean, notes->rim_step);
 }
 
+void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    const struct cml_mesh_notes *notes = &boundary->mesh_notes;
+    if (boundary->form != CML_FORM_MESH) return;
+    if (notes->bent > 0)
+        printf("    boundary %d: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
+               "cm off "
+               "the face's mean plane\n",
+               b, notes->bent, notes->bend);
+    if (notes->levelled > 0)
+        printf("    boundary %d: the mesh's border was levelled, its heights differed by %.3g cm\n", b,
+               notes->levelled);
+    if (notes->skirt > 0)
+        printf("    boundary %d: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
+               "triangles, up "
+               "to %.3g cm\n",
+               b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
+}
+
+/* The straight axis, not refracted, at the depth of the mesh's border. What lies beyond a mesh meets the
+ * plane in which the boundary goes on, which may or may not be meant. */
+static cml_status print_reach(const struct cml_scene *scene, int b, struct cml_error *err)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    const struct cml_beam *beam = &scene->beam;
+    const struct cml_map_def *map = &scene->map;
+    const double way = (boundary->z + boundary->mesh.z_border) * tan(beam->angle);
+    const double x = beam->x + way * cos(beam->azimuth), y = beam->y + way * sin(beam->azimuth);
+    const double upper[2] = {map->nx * map->dx / 2, map->ny * map->dy / 2}, lower[2] = {-upper[0], -upper[1]};
+    struct cml_footprint *footprint;
+    CML_TRY(cml_footprint_create(&boundary->mesh, &footprint, err));
+    if (!cml_footprint_contains(footprint, x, y))
+        printf("    warning: the beam's axis passes boundary %d at x = %g, y = %g cm, beyond its mesh\n", b,
+               x, y);
+    if (map->nx > 0 && !cml_footprint_contains_box(footprint, lower, upper))
+        printf("    warning: the map, %g x %g cm, reaches beyond the mesh of boundary %d\n", 2 * upper[0],
+               2 * upper[1], b);
+    cml_footprint_free(footprint);
+    return CML_OK;
+}
+
 /* A mesh much wider or thinner than the layers was probably given in other units. */
 static void print_mesh(const struct cml_scene *scene, int b)
 {
@@ -49,6 +93,8 @@ static void print_mesh(const struct cml_scene *scene, int b)
     const struct cml_mesh *mesh = &boundary->mesh;
     struct cml_mesh_summary s;
     cml_mesh_summarise(mesh, &s);
+    printf("  mesh of boundary %d: x %g..%g, y %g..%g, z %g..%g cm\n", b, mesh->lower[0], mesh->upper[0],
+           mesh->lower[1], mesh->upper[1], boundary->z + mesh->lower[2], boundary->z + mesh->upper[2]);
     printf("    box %g x %g x %g cm, rms height %g cm, peak to valley %g cm, rms slope %g, steepest %g\n",
            mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1], mesh->upper[2] - mesh->lower[2],
            s.z_rms, s.peak_to_valley, s.slope_rms, s.slope_max);
@@ -60,6 +106,7 @@ static void print_mesh(const struct cml_scene *scene, int b)
         printf("    welded %zu bit-equal vertices, dropped %zu degenerate triangles and %zu unused vertices, "
                "turned %zu triangles\n",
                notes->welded, notes->degenerate, notes->unused, notes->flipped);
+    cml_print_mesh_repairs(scene, b);
     double thickness = 0;
     for (int l = 1; l <= scene->num_layers; l++) thickness += scene->media[l].d;
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
@@ -70,6 +117,16 @@ static void print_mesh(const struct cml_scene *scene, int b)
     if (ulp > 1e-4 * s.edge_min)
         printf("    warning: single precision resolves %g cm here, more than 1e-4 of the shortest edge\n",
                ulp);
+}
+
+static cml_status print_meshes(const struct cml_scene *scene, struct cml_error *err)
+{
+    for (int b = 0; b <= scene->num_layers; b++) {
+        if (scene->boundaries[b].form != CML_FORM_MESH) continue;
+        print_mesh(scene, b);
+        CML_TRY(print_reach(scene, b, err));
+    }
+    return CML_OK;
 }
 
 /* Only where it is asked for. */
@@ -84,8 +141,8 @@ static void print_map(const struct cml_scene *scene)
 }
 
 /* For people. */
-static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
-                        const struct cml_surface_set *surfaces)
+static cml_status print_scene(const struct cml_options *options, const struct cml_scene *scene,
+                              const struct cml_surface_set *surfaces, struct cml_error *err)
 {
     printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
     print_media(scene);
@@ -101,9 +158,9 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
                    b, def->expectation.bias, def->expectation.query_ns, def->build_seconds,
                    def->bytes / 1048576);
     }
-    for (int b = 0; b <= scene->num_layers; b++)
-        if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
+    CML_TRY(print_meshes(scene, err));
     cml_print_memory(options, scene, surfaces);
+    return CML_OK;
 }
 
 /* What a run is to be compared with before it is worth its time. *known false: *err says why they are not. */
@@ -123,7 +180,7 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
     const double bytes = cml_most_memory(options, scene, surfaces);
     struct cml_exact exact;
     bool known = false;
-    if (!options->json) print_scene(options, scene, surfaces);
+    if (!options->json) CML_TRY(print_scene(options, scene, surfaces, err));
     cml_status status = solve_flat_twin(scene, &exact, &known, err);
     if (status == CML_OK && options->json)
         status = cml_report_check_json(stdout, scene, surfaces, bytes, known ? &exact : NULL, err);
@@ -150,10 +207,16 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;
+    enum cml_picture picture = CML_PICTURE_SVG;
+    if (options->output) {
+        CML_TRY(cml_picture_of(options->output, &picture, err));
+        CML_TRY(cml_check_overwrite("check", options->output, options->operands, options->num_operands, err));
+    }
     CML_TRY(cml_load_scenes(options, &list, err));
     cml_status status = CML_OK;
     for (int i = 0; status == CML_OK && i < list.count; i++)
         status = check_scene(options, &list.scenes[i], err);
+    if (status == CML_OK) status = cml_draw_section(options, &list, picture, err);
     cml_scene_list_clear(&list);
     return status;
 }

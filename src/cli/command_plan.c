@@ -5,7 +5,6 @@
 #include "base/clock.h"
 #include "base/json_name.h"
 #include "base/version.h"
-#include "cli/plan.h"
 #include "engine/engines.h"
 #include "run/cluster.h"
 

@@ -77,6 +77,7 @@ static void announce(const struct cml_options *options, const struct cml_run_set
            scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
            (unsigned long long)setup->options.seed);
     cml_report_boundaries(stdout, "  ", scene, setup->surfaces, CML_NAMED_BY_PATH);
+    for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
     if (cml_report_wants_fields(scene) && !cml_hdf5_available())
         printf("  no .h5 file: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);

@@ -1,5 +1,5 @@
-/* SPDX-License-Identifier: MIT */
-#include "cli/plan.h"
+/* How many photons an error takes, from pilots of a scene. SPDX-License-Identifier: MIT */
+#include "cli/command.h"
 
 #include "base/clock.h"
 #include "run/cluster.h"

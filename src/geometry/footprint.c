@@ -77,6 +77,41 @@ bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double 
     return false;
 }
 
+/* The part of the edge within the bounds of one axis after the other; none is left where it passes the box
+ * [Y.-D. Liang, B. A. Barsky, ACM Trans. Graphics 3 (1984) 1]. */
+static bool edge_meets_box(const double p[2], const double q[2], const double box[2][2])
+{
+    double from = 0, to = 1;
+    for (int k = 0; k < 2; k++) {
+        const double d = q[k] - p[k];
+        if (d == 0 && (p[k] < box[0][k] || p[k] > box[1][k])) return false;
+        if (d == 0) continue;
+        const double a = (box[0][k] - p[k]) / d, b = (box[1][k] - p[k]) / d;
+        from = fmax(from, fmin(a, b));
+        to = fmin(to, fmax(a, b));
+    }
+    return from <= to;
+}
+
+/* No edge passes the box, so it lies on one side of the border, as its middle does. */
+bool cml_footprint_contains_box(const struct cml_footprint *footprint, const double lower[2],
+                                const double upper[2])
+{
+    const struct cml_polygon_rows *rows = &footprint->rows;
+    double middle[2], box[2][2];
+    for (int k = 0; k < 2; k++) {
+        const double half = 0.5 * (upper[k] - lower[k]) * (1 - 1e-9);
+        middle[k] = 0.5 * (lower[k] + upper[k]);
+        box[0][k] = middle[k] - half;
+        box[1][k] = middle[k] + half;
+    }
+    for (size_t i = 0; i < rows->num_points; i++) {
+        const size_t next = i + 1 < rows->num_points ? i + 1 : 0;
+        if (edge_meets_box(rows->point[i], rows->point[next], (const double(*)[2])box)) return false;
+    }
+    return cml_footprint_contains(footprint, middle[0], middle[1]);
+}
+
 void cml_footprint_free(struct cml_footprint *footprint)
 {
     if (!footprint) return;

@@ -19,6 +19,11 @@ bool cml_footprint_contains(const struct cml_footprint *footprint, double x, dou
 /* Whether the border passes (x, y) at distance d, in cm, or less. */
 bool cml_footprint_border_is_near(const struct cml_footprint *footprint, double x, double y, double d);
 
+/* Whether the rectangle lower..upper (x, y; cm) lies inside the border, which may run along its sides: it is
+ * made smaller by 1e-9 of itself. */
+bool cml_footprint_contains_box(const struct cml_footprint *footprint, const double lower[2],
+                                const double upper[2]);
+
 void cml_footprint_free(struct cml_footprint *footprint);
 
 #endif

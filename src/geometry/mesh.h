@@ -30,6 +30,8 @@ struct cml_mesh {
     double z_border;           /* depth of the border's plane in the boundary's frame, cm */
     double lower[3], upper[3]; /* bounding box, cm */
     enum cml_normals normals;
+    double skirt; /* cm: width of the skirt that cml_mesh_prepare adds to a border that is not level; 0: none,
+                   * such a border is refused */
     double (*vertex_normal)[3]; /* [num_vertices] unit, angle-weighted, pointing up; at the border the outer
                                  * plane counts with its own angle; always present after prepare */
     double *slope; /* [num_triangles] dz/dr of the cone, only with CML_NORMALS_ANALYTIC, else NULL */
@@ -54,12 +56,19 @@ struct cml_mesh_notes {
     size_t degenerate; /* triangles of zero area that were dropped */
     size_t unused;     /* vertices that no triangle uses, dropped */
     size_t flipped;    /* triangles whose winding was turned */
+    size_t bent;       /* polygons whose corners lie in no plane, cut into triangles by their reader */
+    double bend;       /* cm: largest distance of such a corner from its polygon's mean plane */
+    double levelled;   /* cm: span of the border's heights before it was levelled, where that is more than
+                        * rounding; else 0 */
+    size_t skirt;      /* triangles of the skirt, the last of the mesh */
+    double skirt_rise; /* cm: the largest height that it overcomes */
 };
 
 /* Makes a soup of vertices and triangles a boundary: welds bit-equal vertices, drops degenerate triangles and
  * unused vertices, checks that it is one connected orientable 2-manifold sheet with one border loop on one
- * horizontal plane (within 1e-9 of the box's largest extent; z_border becomes their mean and the border's
- * vertices are put exactly on it), orients all triangles so that "up" is the side of the medium above (the
+ * horizontal plane (within 1e-6 of the box's largest extent; z_border becomes their mean and the border's
+ * vertices are put exactly on it; beyond 1e-6, mesh->skirt > 0 leads from the border outwards to its mean
+ * height: mesh_skirt.c), orients all triangles so that "up" is the side of the medium above (the
  * border's outer plane decides), computes box, border, vertex normals. Vertices and triangles keep their
  * order, so that a prepared mesh comes through unchanged; a coordinate of -0.0 becomes 0.0. `source` and
  * `notes` may be NULL. Errors (CML_E_INPUT) name path, line and place: x, y and height (-z) in cm. Crossings

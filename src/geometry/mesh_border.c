@@ -5,6 +5,7 @@
 #include "geometry/vec3.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,22 +44,24 @@ static struct loop walk_loop(const struct cml_mesh *mesh, const uint32_t *leavin
 /* The middle of the hole says more than one of its edges: a hole of three edges is hard to find in 1e6
  * triangles. */
 static cml_status refuse_hole(const struct cml_mesh_work *work, const uint32_t *leaving, struct loop hole,
-                              size_t num_loops, struct cml_error *err)
+                              size_t num_holes, struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
     double center[3] = {0};
     uint32_t v = hole.start;
     for (size_t i = 0; i < hole.count; i++, v = cml_half_edge_to(mesh, leaving[v]))
         for (int k = 0; k < 3; k++) center[k] += mesh->vertex[v][k] / (double)hole.count;
-    char place[112];
+    char place[112], others[64] = "";
+    if (num_holes > 1)
+        snprintf(others, sizeof others, " and %zu other%s", num_holes - 1, num_holes > 2 ? "s" : "");
     return cml_mesh_fail(work, cml_mesh_triangle_line(work, leaving[hole.start] / 3), err,
-                         "the mesh has a hole of %zu border edges around %s (expected one border loop, found "
-                         "%zu)",
-                         hole.count, cml_mesh_place(center, place), num_loops);
+                         "the mesh has a hole of %zu edges around %s%s (expected none besides its border: "
+                         "fill holes in a mesh editor)",
+                         hole.count, cml_mesh_place(center, place), others);
 }
 
-/* Takes the loop of the largest area for the border; any other one is a hole, and which of several is named
- * does not matter. A sheet without any border edge encloses something: it has no side to be called above
+/* Takes the loop of the largest area for the border; any other one is a hole, and the largest is named. A
+ * sheet without any border edge encloses something: it has no side to be called above
  * everywhere. */
 static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving, uint8_t *seen,
                             struct loop *border, struct cml_error *err)
@@ -70,14 +73,14 @@ static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving,
         if (leaving[v] == CML_NO_OPPOSITE || seen[v]) continue;
         const struct loop loop = walk_loop(mesh, leaving, v, seen, NULL);
         const bool larger = num_loops++ == 0 || fabs(loop.area) > fabs(outer.area);
-        if (num_loops > 1) hole = larger ? outer : loop;
+        if (num_loops > 1 && (larger || fabs(loop.area) >= fabs(hole.area))) hole = larger ? outer : loop;
         if (larger) outer = loop;
     }
     if (num_loops == 0)
         return cml_mesh_fail(work, 0, err,
                              "the mesh is a closed body (expected an open sheet with its border on one "
                              "horizontal plane)");
-    if (num_loops > 1) return refuse_hole(work, leaving, hole, num_loops, err);
+    if (num_loops > 1) return refuse_hole(work, leaving, hole, num_loops - 1, err);
     mesh->border = malloc(outer.count * sizeof *mesh->border);
     if (!mesh->border) return no_memory(mesh, err);
     mesh->num_border = outer.count;
@@ -108,37 +111,58 @@ static double largest_extent(const struct cml_mesh *mesh)
     return extent;
 }
 
-/* Files have decimals: a border that is horizontal there may not be so in binary, or in other units. It is
- * put exactly onto one depth, since the outer plane goes on there without a gap. */
-static cml_status level_border(const struct cml_mesh_work *work, const uint32_t *leaving,
-                               struct cml_error *err)
+/* Shares of the mesh's extent. Up to the first, a border that is level in its file may span by rounding; up
+ * to the second it is levelled all the same, as scanners and modelling tools write single precision. */
+#define ROUNDING 1e-9
+#define NEARLY_LEVEL 1e-6
+
+/* The depths of the border. */
+struct depths {
+    uint32_t highest; /* vertex */
+    double span, mean;
+};
+
+static struct depths measure_border(const struct cml_mesh *mesh)
 {
-    struct cml_mesh *mesh = work->mesh;
     const double z0 = mesh->vertex[mesh->border[0]][2];
-    uint32_t highest = mesh->border[0];
+    struct depths depths = {.highest = mesh->border[0]};
     double low = z0, sum = 0;
     for (size_t i = 0; i < mesh->num_border; i++) {
         const double z = mesh->vertex[mesh->border[i]][2];
-        if (z < mesh->vertex[highest][2]) highest = mesh->border[i];
+        if (z < mesh->vertex[depths.highest][2]) depths.highest = mesh->border[i];
         low = fmax(low, z);
         sum += z - z0;
     }
-    char place[112];
-    const double *top = mesh->vertex[highest], top_z = top[2];
-    if (low - top[2] > 1e-9 * largest_extent(mesh))
-        return cml_mesh_fail(work, cml_mesh_triangle_line(work, leaving[highest] / 3), err,
-                             "the border is not horizontal: its height spans %.6g cm, the highest point is "
-                             "%s (expected a border on one horizontal plane)",
-                             low - top[2], cml_mesh_place(top, place));
-    mesh->z_border = z0 + sum / (double)mesh->num_border;
+    depths.span = low - mesh->vertex[depths.highest][2];
+    depths.mean = z0 + sum / (double)mesh->num_border;
+    return depths;
+}
+
+/* The outer plane goes on at exactly one depth, without a gap. */
+static cml_status level_border(struct cml_mesh_work *work, struct depths depths, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    if (depths.span > ROUNDING * largest_extent(mesh)) work->notes.levelled = depths.span;
+    mesh->z_border = depths.mean;
     for (size_t i = 0; i < mesh->num_border; i++) mesh->vertex[mesh->border[i]][2] = mesh->z_border;
     /* Only a mesh with faces smaller than that tolerance can lose one by it. */
-    for (size_t t = 0; t < mesh->num_triangles && low > top_z; t++)
+    for (size_t t = 0; t < mesh->num_triangles && depths.span > 0; t++)
         if (cml_mesh_is_degenerate(mesh, t))
             return cml_mesh_fail(work, cml_mesh_triangle_line(work, t), err,
                                  "a face has no area once the border is level (expected faces larger than "
-                                 "1e-9 of the mesh)");
+                                 "%g of the mesh)",
+                                 NEARLY_LEVEL);
     return CML_OK;
+}
+
+static cml_status refuse_slope(const struct cml_mesh_work *work, const uint32_t *leaving,
+                               struct depths depths, struct cml_error *err)
+{
+    char place[112];
+    return cml_mesh_fail(work, cml_mesh_triangle_line(work, leaving[depths.highest] / 3), err,
+                         "the border is not horizontal: its height spans %.6g cm, the highest point is %s "
+                         "(expected a border on one horizontal plane, or skirt=WIDTH)",
+                         depths.span, cml_mesh_place(work->mesh->vertex[depths.highest], place));
 }
 
 /* Names the edge's first vertex: an edge number would mean nothing to whoever made the mesh. */
@@ -147,6 +171,11 @@ static cml_status refuse_crossing(const struct cml_mesh_work *work, const uint32
 {
     const uint32_t vertex = work->mesh->border[edge];
     char place[112];
+    if (work->notes.skirt > 0)
+        return cml_mesh_fail(work, 0, err,
+                             "the skirt's edge meets itself at %s (expected another skirt= than %g cm, or a "
+                             "mesh with a smoother border)",
+                             cml_mesh_place(work->mesh->vertex[vertex], place), work->mesh->skirt);
     return cml_mesh_fail(work, cml_mesh_triangle_line(work, leaving[vertex] / 3), err,
                          "the border meets itself on the edge that begins at %s (expected a simple polygon "
                          "seen from above)",
@@ -190,14 +219,28 @@ static void flip_sheet(struct cml_mesh_work *work)
     work->notes.flipped = mesh->num_triangles - work->notes.flipped;
 }
 
+/* The border that the outer plane begins at, on one depth: the sheet's own, or that of a skirt. A skirt of a
+ * border that crosses itself would only hide the fault. */
+static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leaving, struct cml_error *err)
+{
+    const struct depths depths = measure_border(work->mesh);
+    if (depths.span <= NEARLY_LEVEL * largest_extent(work->mesh)) {
+        CML_TRY(level_border(work, depths, err));
+    } else {
+        if (work->mesh->skirt <= 0) return refuse_slope(work, leaving, depths, err);
+        CML_TRY(check_simple(work, leaving, err));
+        CML_TRY(cml_mesh_add_skirt(work, err));
+    }
+    return check_simple(work, leaving, err);
+}
+
 cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err)
 {
     uint32_t *leaving = malloc(work->mesh->num_vertices * sizeof *leaving);
     if (!leaving) return no_memory(work->mesh, err);
     struct loop border = {0};
     cml_status status = find_loop(work, leaving, &border, err);
-    if (status == CML_OK) status = level_border(work, leaving, err);
-    if (status == CML_OK) status = check_simple(work, leaving, err);
+    if (status == CML_OK) status = place_border(work, leaving, err);
     /* Beyond the border the sheet goes on as the outer plane, whose up is -z. So the sheet is right side up
      * when its loop runs around the footprint in the negative sense of (x, y), however the sheet leaves the
      * plane. */

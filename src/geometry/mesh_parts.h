@@ -31,9 +31,15 @@ CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_
 /* Refuses a vertex whose triangles are not one fan. */
 CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, struct cml_error *err);
 
-/* Finds the border loop, refuses holes, closed bodies, a border that is not horizontal or crosses itself;
- * turns the whole sheet when its border says that it is upside down. */
+/* Finds the border loop, refuses holes, closed bodies, a border that is not horizontal (unless mesh->skirt is
+ * given) or crosses itself; turns the whole sheet when its border says that it is upside down. */
 CML_NODISCARD cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err);
+
+/* Adds mesh->skirt around the simple loop mesh->border: two triangles per edge, wound like the sheet, and as
+ * many new vertices, in the order of the loop, which become the border, at the border's mean depth. That
+ * triangles cross is not looked for; one without area is refused. Of *work only the notes are kept up to
+ * date. */
+CML_NODISCARD cml_status cml_mesh_add_skirt(struct cml_mesh_work *work, struct cml_error *err);
 
 /* mesh->vertex_normal from triangles and border. */
 CML_NODISCARD cml_status cml_mesh_find_normals(struct cml_mesh *mesh, struct cml_error *err);

@@ -172,15 +172,16 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 /* --- m: a mesh or a heightmap -------------------------------------------------------------------------- */
 
 /* The order of the keys in read_mesh. */
-enum { MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_UP, MESH_NORMALS };
+enum { MESH_UP, MESH_ROTATE, MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_NORMALS, MESH_SKIRT };
 
-/* One case per key; a heightmap takes the same options as a mesh, but for up=y. */
+/* In the order of enum cml_up_axis. */
+static const char *const up_names[] = {"z", "-z", "y", "-y", "x", "-x"};
+
+/* One case per key. */
 static cml_status set_mesh_option(const struct cml_mci_line_options *options, struct cml_obj_options *obj)
 {
     static const char *const units[] = {"cm", "mm", "um", "m"};
     static const double cm[] = {1, 0.1, 1e-4, 100};
-    static const char *const ups[] = {"z", "y", "-z"};
-    static const enum cml_up_axis axes[] = {CML_UP_Z, CML_UP_Y, CML_UP_MINUS_Z};
     static const char *const normals[] = {"face", "vertex"};
     const char *value = options->value;
     int which = -1;
@@ -199,10 +200,18 @@ static cml_status set_mesh_option(const struct cml_mci_line_options *options, st
                    ? CML_OK
                    : cml_mci_fail_value(options, "x,y,z in cm without blanks");
     case MESH_UP:
-        which = cml_mci_choose(value, ups, 3);
-        if (which < 0) return cml_mci_fail_value(options, "z, y or -z");
-        obj->up = axes[which];
+        which = cml_mci_choose(value, up_names, 6);
+        if (which < 0) return cml_mci_fail_value(options, "x, -x, y, -y, z or -z");
+        obj->up = (enum cml_up_axis)which;
         return CML_OK;
+    case MESH_ROTATE:
+        return cml_mci_parse_list(value, 1, &obj->rotate) && fabs(obj->rotate) <= 360
+                   ? CML_OK
+                   : cml_mci_fail_value(options, "degrees of -360..360");
+    case MESH_SKIRT:
+        return cml_mci_parse_list(value, 1, &obj->skirt) && obj->skirt >= CML_MCI_TINY
+                   ? CML_OK
+                   : cml_mci_fail_value(options, "a width of 1e-30..1e30 cm");
     default:
         which = cml_mci_choose(value, normals, 2);
         if (which < 0) return cml_mci_fail_value(options, "face or vertex");
@@ -213,7 +222,7 @@ static cml_status set_mesh_option(const struct cml_mci_line_options *options, st
 
 enum mesh_file { FILE_OBJ, FILE_GSF, FILE_ASC };
 
-/* The ending decides how a file is read. */
+/* The ending decides how a file is read. Meshes for printers have no reader here. */
 static cml_status check_mesh_name(const struct cml_mci_line_options *options, const char *name,
                                   enum mesh_file *kind)
 {
@@ -225,7 +234,26 @@ static cml_status check_mesh_name(const struct cml_mci_line_options *options, co
         *kind = (enum mesh_file)i;
         if (strcasecmp(dot, endings[i]) == 0) return CML_OK;
     }
-    return cml_mci_fail_option(options, "file", name, "an .obj file, or a .gsf or .asc heightmap");
+    const bool other = dot && (strcasecmp(dot, ".stl") == 0 || strcasecmp(dot, ".ply") == 0);
+    return cml_mci_fail_option(options, "file", name,
+                               other ? "an .obj file: convert it, with MeshLab for instance"
+                                     : "an .obj file, or a .gsf or .asc heightmap");
+}
+
+/* A heightmap's grid runs along x and y, and has a skirt anyway. */
+static cml_status check_heightmap_options(const struct cml_mci_line_options *options,
+                                          const struct cml_obj_options *given)
+{
+    char value[32];
+    if (given->up != CML_UP_Z && given->up != CML_UP_MINUS_Z)
+        return cml_mci_fail_option(options, "up", up_names[given->up], "z or -z for a heightmap");
+    snprintf(value, sizeof value, "%g", options->seen[MESH_ROTATE] ? given->rotate : given->skirt);
+    if (options->seen[MESH_ROTATE])
+        return cml_mci_fail_option(options, "rotate", value, "no rotate= for a heightmap");
+    if (options->seen[MESH_SKIRT])
+        return cml_mci_fail_option(options, "skirt", value,
+                                   "no skirt= for a heightmap, which always has one");
+    return CML_OK;
 }
 
 /* The heights are needed no longer once the mesh is made. */
@@ -235,8 +263,8 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
     const struct cml_input_options *input = options->reader->options;
     struct cml_error *err = options->reader->err;
     const double unit = options->seen[MESH_UNITS] ? given->unit : 0;
-    if (given->up == CML_UP_Y) return cml_mci_fail_option(options, "up", "y", "z or -z for a heightmap");
     struct cml_heightmap map;
+    CML_TRY(check_heightmap_options(options, given));
     CML_TRY(
         (kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit, &map, err));
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
@@ -251,10 +279,11 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
 {
     char owner[32];
     snprintf(owner, sizeof owner, "boundary %d", index);
-    struct cml_mci_line_options options = {.reader = reader,
-                                           .owner = owner,
-                                           .keys = {"units", "scale", "shift", "up", "normals"},
-                                           .list = "units=, scale=, shift=, up= or normals="};
+    struct cml_mci_line_options options = {
+        .reader = reader,
+        .owner = owner,
+        .keys = {"up", "rotate", "units", "scale", "shift", "normals", "skirt"},
+        .list = "up=, rotate=, units=, scale=, shift=, normals= or skirt="};
     struct cml_obj_options obj = {.unit = 1, .scale = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
     enum mesh_file kind = FILE_OBJ;
     cml_mci_cut_comment(reader->cursor);

@@ -4,7 +4,7 @@
 
 #include "input/mci_lines.h"
 
-#define CML_MCI_MAX_KEYS 5
+#define CML_MCI_MAX_KEYS 7
 
 /* The options of one line, handed out one by one. The reader of the line fills the first four members. */
 struct cml_mci_line_options {

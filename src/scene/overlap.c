@@ -91,6 +91,15 @@ static cml_status fail_deep(const struct cml_scene *scene, const struct shape *u
                     scene->file, a, b, at[0], at[1], at[2], a, depth, b);
 }
 
+/* The skirt's triangles are the mesh's last. */
+static bool is_of_skirt(const struct cml_boundary *boundary, const struct cml_sheet_overlap *overlap)
+{
+    const size_t first = boundary->mesh.num_triangles - boundary->mesh_notes.skirt;
+    for (int i = 0; i < 2; i++)
+        if (overlap->triangle[i] != CML_SHEET_OUTER_PLANE && overlap->triangle[i] >= first) return true;
+    return false;
+}
+
 static cml_status fail_self(const struct cml_scene *scene, const struct shape *shape,
                             const struct cml_sheet_overlap *overlap, struct cml_error *err)
 {
@@ -103,9 +112,10 @@ static cml_status fail_self(const struct cml_scene *scene, const struct shape *s
     else
         snprintf(with, sizeof with, "triangles %u and %u", (unsigned)overlap->triangle[0],
                  (unsigned)overlap->triangle[1]);
-    return cml_fail(err, CML_E_INPUT, "%s%s: boundary %d %s itself at (%g %g %g) cm: %s", scene->file, where,
-                    shape->number, overlap->contact == CML_CROSS ? "crosses" : "touches", at[0], at[1], at[2],
-                    with);
+    return cml_fail(err, CML_E_INPUT, "%s%s: boundary %d %s itself at (%g %g %g) cm: %s%s", scene->file,
+                    where, shape->number, overlap->contact == CML_CROSS ? "crosses" : "touches", at[0], at[1],
+                    at[2], with,
+                    is_of_skirt(shape->boundary, overlap) ? ", of its skirt: try another skirt=" : "");
 }
 
 static cml_status compare_sheets(const struct cml_scene *scene, const struct shape *upper,

@@ -52,14 +52,14 @@ belongs() { # COMMAND OPTION OWNERS ARGUMENTS...
     shift 3
     expect_error 2 "$refused" "$@"
 }
-belongs run --run trace $sample --run 2
-belongs run --run trace --run 2 run $sample
+belongs run --run "check, trace" $sample --run 2
+belongs run --run "check, trace" --run 2 run $sample
 belongs run --alpha compare $sample --alpha 0.1 --photons 10 -o "$work"
 belongs check --resume run check $sample --resume
 belongs check --photons "run, plan, crosscheck" --photons 3 check $sample
 belongs plan -o "run, mesh" plan $sample -o "$work"
 belongs plan --output-dir "run, mesh" plan $sample --output-dir "$work"
-belongs run --output "compare, plot" $sample --output "$work"
+belongs run --output "check, compare, plot" $sample --output "$work"
 belongs exact --engine "run, check, trace" exact $sample --engine cpu
 belongs devices --json "run, plan, check, exact, compare" devices --json
 only="(it belongs to: opencl)"

@@ -4,6 +4,8 @@
 #include "input/mesh/obj.h"
 
 static const struct cml_obj_options as_written = {.unit = 1, .scale = 1, .up = CML_UP_Z};
+static const struct cml_obj_options with_skirt = {
+    .unit = 0.1, .scale = 3, .up = CML_UP_MINUS_X, .rotate = 30, .skirt = 0.1};
 
 /* A mesh is a sheet with one border: Euler's number of a disk, with handles less. */
 static void check_mesh(const struct cml_mesh *mesh)
@@ -32,20 +34,26 @@ static void check_written(const struct cml_mesh *mesh)
     cml_mesh_clear(&again);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+static void read_one(const uint8_t *data, size_t size, const struct cml_obj_options *options)
 {
     struct fuzz_files files = {data, size};
     const struct cml_text_source source = fuzz_source(&files);
     struct cml_mesh mesh;
     struct cml_mesh_notes notes;
     struct cml_error err = {CML_OK, ""};
-    const cml_status status = cml_obj_read(&source, "mesh.obj", &as_written, &mesh, &notes, &err);
+    const cml_status status = cml_obj_read(&source, "mesh.obj", options, &mesh, &notes, &err);
     if (status != CML_OK) {
         fuzz_refused(status, &err);
-        return 0;
+        return;
     }
     check_mesh(&mesh);
     check_written(&mesh);
     cml_mesh_clear(&mesh);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    read_one(data, size, &as_written);
+    read_one(data, size, &with_skirt);
     return 0;
 }

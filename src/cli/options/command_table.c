@@ -26,8 +26,9 @@ const struct cml_command_def cml_commands[] = {
                            "mean free paths, grids, how "
                            "every boundary is represented and why, mesh sizes, the memory that a run will "
                            "hold, and the totals of the "
-                           "scene without its shapes. Flies no photons but the trial ones of --tolerance.",
-                           "clustermcml check samples/mixed.mci\n"
+                           "scene without its shapes. With -o it draws a section through the scene along x. "
+                           "Flies no photons but the trial ones of --tolerance.",
+                           "clustermcml check samples/mixed.mci -o mixed.svg\n"
                            "clustermcml check samples/scan.mci --tolerance 0.01 --json\n"},
     [CML_COMMAND_EXACT] = {"exact", "scene.mci", 1, 1,
                            "totals of the flat scene without photons, by adding-doubling",

@@ -37,7 +37,8 @@ const struct cml_option cml_option_table[] = {
      COUNT(photons, 1, 0x1p48), .title = "simulation"},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
      COUNT(engine_options.seed, 0, 0x1p53)},
-    {"run", 0, "K", TRACE, NULL, "the file's run that the photon belongs to, from 1 (default)",
+    {"run", 0, "K", TRACE | CHECK, NULL,
+     "the file's run, from 1 (default), that the photon of trace belongs to, or that check -o draws",
      COUNT(run, 1, UINT32_MAX)},
     {"target-error", 0, "E", RUN | PLAN, NULL,
      "fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt is below E; of plan: the error "
@@ -107,8 +108,9 @@ const struct cml_option cml_option_table[] = {
 
     {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
      TEXT(output), .title = "output"},
-    {"output", 'o', "FILE", COMPARE | PLOT, NULL,
-     "the picture, .svg, .png, .pdf or .eps; of compare: none without it; of plot: default plot.svg",
+    {"output", 'o', "FILE", COMPARE | PLOT | CHECK, NULL,
+     "the picture, .svg, .png, .pdf or .eps; of compare and check: none without it; of plot: default "
+     "plot.svg",
      TEXT(output)},
     {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | COMPARE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},

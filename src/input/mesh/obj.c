@@ -2,11 +2,13 @@
 #include "input/mesh/obj.h"
 
 #include "base/atomic_file.h"
+#include "base/constants.h"
 #include "input/mesh/obj_polygon.h"
 #include "input/mesh/obj_scan.h"
 #include "input/mesh/obj_tiny.h"
 #include "base/text.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,9 +33,16 @@ static cml_status read_corners(const struct cml_text *text, const struct cml_obj
     return CML_OK;
 }
 
+/* Faces that lie in no plane. */
+struct bent_faces {
+    size_t count;
+    double most; /* units of the file: largest distance of a corner from its face's mean plane */
+};
+
 /* A triangle, the usual case, needs no look at its plane. */
 static cml_status split_face(const char *path, const struct cml_obj_scan *scan, size_t face,
-                             const uint32_t *corner, uint32_t (*triangle)[3], struct cml_error *err)
+                             const uint32_t *corner, uint32_t (*triangle)[3], struct bent_faces *bent,
+                             struct cml_error *err)
 {
     const uint32_t size = scan->face_size[face];
     if (size == 3) {
@@ -43,21 +52,25 @@ static cml_status split_face(const char *path, const struct cml_obj_scan *scan, 
     if (size > CML_OBJ_MAX_CORNERS)
         return cml_fail(err, CML_E_INPUT, "%s:%d: the face has %u corners (expected 3 to %d)", path,
                         scan->face_line[face], size, CML_OBJ_MAX_CORNERS);
-    const char *why = cml_obj_split((const double(*)[3])scan->vertex, corner, size, triangle);
+    double bend = 0;
+    const char *why = cml_obj_split((const double(*)[3])scan->vertex, corner, size, triangle, &bend);
+    bent->count += bend > 0;
+    bent->most = fmax(bent->most, bend);
     if (!why) return CML_OK;
-    return cml_fail(err, CML_E_INPUT,
-                    "%s:%d: the face %s (expected a triangle or a planar convex polygon; triangulate it when "
-                    "exporting)",
-                    path, scan->face_line[face], why);
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s:%d: the face %s (expected a triangle or a convex polygon; triangulate it when exporting)", path,
+        scan->face_line[face], why);
 }
 
 /* Triangles wound as in the frame with z down: the turn of the height's sign mirrors them. */
 static cml_status split_faces(const char *path, const struct cml_obj_scan *scan, const uint32_t *corner,
-                              struct cml_mesh *mesh, int *triangle_line, struct cml_error *err)
+                              struct cml_mesh *mesh, int *triangle_line, struct bent_faces *bent,
+                              struct cml_error *err)
 {
     for (size_t f = 0; f < scan->num_faces; corner += scan->face_size[f++]) {
         const size_t begin = mesh->num_triangles;
-        CML_TRY(split_face(path, scan, f, corner, mesh->triangle + begin, err));
+        CML_TRY(split_face(path, scan, f, corner, mesh->triangle + begin, bent, err));
         mesh->num_triangles += scan->face_size[f] - 2;
         for (size_t t = begin; t < mesh->num_triangles; t++) {
             const uint32_t second = mesh->triangle[t][1];
@@ -71,7 +84,8 @@ static cml_status split_faces(const char *path, const struct cml_obj_scan *scan,
 
 /* A polygon of n corners becomes n - 2 triangles: so many are there in all. */
 static cml_status build_triangles(const struct cml_text *text, const struct cml_obj_scan *scan,
-                                  struct cml_mesh *mesh, int **triangle_line, struct cml_error *err)
+                                  struct cml_mesh *mesh, int **triangle_line, struct bent_faces *bent,
+                                  struct cml_error *err)
 {
     const size_t count = scan->num_corners - 2 * scan->num_faces;
     uint32_t *corner = malloc(scan->num_corners * sizeof *corner);
@@ -80,7 +94,7 @@ static cml_status build_triangles(const struct cml_text *text, const struct cml_
     cml_status status = CML_OK;
     if (!corner || !mesh->triangle || !*triangle_line) status = no_memory(scan, err);
     if (status == CML_OK) status = read_corners(text, scan, corner, err);
-    if (status == CML_OK) status = split_faces(text->path, scan, corner, mesh, *triangle_line, err);
+    if (status == CML_OK) status = split_faces(text->path, scan, corner, mesh, *triangle_line, bent, err);
     free(corner);
     return status;
 }
@@ -88,21 +102,36 @@ static cml_status build_triangles(const struct cml_text *text, const struct cml_
 /* File axes to x, y, height: rotations, so that nothing is mirrored. */
 static void turn_axes(enum cml_up_axis up, const double file[3], double out[3])
 {
-    const double turned[3][3] = {
-        [CML_UP_Z] = {file[0], file[1], file[2]},
-        [CML_UP_Y] = {file[0], -file[2], file[1]},
-        [CML_UP_MINUS_Z] = {file[0], -file[1], -file[2]},
+    const double x = file[0], y = file[1], z = file[2];
+    const double turned[6][3] = {
+        [CML_UP_Z] = {x, y, z},        [CML_UP_MINUS_Z] = {x, -y, -z}, [CML_UP_Y] = {x, -z, y},
+        [CML_UP_MINUS_Y] = {x, z, -y}, [CML_UP_X] = {-z, y, x},        [CML_UP_MINUS_X] = {z, y, -x},
     };
     memcpy(out, turned[up], sizeof turned[up]);
 }
 
-/* Turned, scaled, shifted, and then depth instead of height. */
+/* Cosine and sine of an angle in degrees, exact for quarter turns. */
+static void find_turn(double degrees, double turn[2])
+{
+    const double quarters = round(degrees / 90), rest = (degrees - 90 * quarters) * (CML_PI / 180);
+    const double c = cos(rest), s = sin(rest);
+    const double turned[4][2] = {{c, s}, {-s, c}, {-c, -s}, {s, -c}};
+    const int quarter = (int)(quarters - 4 * floor(quarters / 4));
+    memcpy(turn, turned[quarter], sizeof turned[quarter]);
+}
+
+/* Axes, turn, scale, shift, and then depth instead of height. */
 static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *options)
 {
     const double factor = options->unit * options->scale;
+    double turn[2];
+    find_turn(options->rotate, turn);
     for (size_t i = 0; i < mesh->num_vertices; i++) {
         double turned[3];
         turn_axes(options->up, mesh->vertex[i], turned);
+        const double x = turned[0], y = turned[1];
+        turned[0] = turn[0] * x - turn[1] * y;
+        turned[1] = turn[1] * x + turn[0] * y;
         for (int k = 0; k < 3; k++) mesh->vertex[i][k] = turned[k] * factor + options->shift[k];
         mesh->vertex[i][2] = -mesh->vertex[i][2];
     }
@@ -114,19 +143,23 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
                              struct cml_mesh_notes *notes, struct cml_error *err)
 {
     int *triangle_line = NULL;
+    struct bent_faces bent = {0};
     CML_TRY(cml_mesh_budget_check(&options->budget, (double)cml_obj_count(text),
                                   "a coarser mesh or a larger --mesh-budget", err));
     CML_TRY(cml_obj_scan_text(text, scan, err));
-    cml_status status = build_triangles(text, scan, mesh, &triangle_line, err);
+    cml_status status = build_triangles(text, scan, mesh, &triangle_line, &bent, err);
     if (status == CML_OK) {
         mesh->vertex = scan->vertex;
         mesh->num_vertices = scan->num_vertices;
         mesh->normals = options->normals;
+        mesh->skirt = options->skirt;
         scan->vertex = NULL;
         place_vertices(mesh, options);
         const struct cml_mesh_source source = {
             .path = text->path, .vertex_line = scan->vertex_line, .triangle_line = triangle_line};
         status = cml_mesh_prepare(mesh, &source, notes, err);
+        if (notes) notes->bent = bent.count;
+        if (notes) notes->bend = bent.most * options->unit * options->scale;
     }
     free(triangle_line);
     return status;

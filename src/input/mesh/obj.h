@@ -8,13 +8,18 @@
 #include "geometry/mesh.h"
 #include "scene/mesh_budget.h"
 
-enum cml_up_axis { CML_UP_Z, CML_UP_Y, CML_UP_MINUS_Z };
+/* Which axis of the file points up. The shortest turn takes it there: about the file's x axis for y, -y and
+ * -z, about its y axis for x and -x. */
+enum cml_up_axis { CML_UP_Z, CML_UP_MINUS_Z, CML_UP_Y, CML_UP_MINUS_Y, CML_UP_X, CML_UP_MINUS_X };
 
+/* What is done to the file's coordinates, in this order; then what the mesh is to have. */
 struct cml_obj_options {
-    double unit;     /* cm per unit of the file; cm 1, mm 0.1, um 1e-4, m 100 */
-    double scale;    /* applied to the file's coordinates, > 0 */
-    double shift[3]; /* cm, added after the scale, in the file's axes turned to z up */
     enum cml_up_axis up;
+    double rotate;   /* degrees about the vertical through the file's origin, counter-clockwise from above */
+    double unit;     /* cm per unit of the file; cm 1, mm 0.1, um 1e-4, m 100 */
+    double scale;    /* > 0 */
+    double shift[3]; /* x, y, height; cm */
+    double skirt;    /* cm: the mesh's (geometry/mesh.h) */
     enum cml_normals normals;
     struct cml_mesh_budget budget;
 };

@@ -1,4 +1,4 @@
-/* Convex planar polygons cut into the fan whose smallest triangle is largest. SPDX-License-Identifier: MIT */
+/* Convex polygons cut into the fan whose smallest triangle is largest. SPDX-License-Identifier: MIT */
 #include "input/mesh/obj_polygon.h"
 
 #include "geometry/vec3.h"
@@ -12,6 +12,7 @@ struct polygon {
     size_t size;
     double normal[3]; /* unit */
     double extent;    /* largest side of the box */
+    double center[3]; /* mean of the corners */
 };
 
 static const double *point(const struct polygon *p, size_t i)
@@ -36,24 +37,30 @@ static bool find_plane(struct polygon *p)
         for (int k = 0; k < 3; k++) p->normal[k] += area[k];
     }
     for (size_t i = 0; i < p->size; i++)
-        for (int k = 0; k < 3; k++) p->extent = fmax(p->extent, fabs(point(p, i)[k] - point(p, 0)[k]));
+        for (int k = 0; k < 3; k++) {
+            p->extent = fmax(p->extent, fabs(point(p, i)[k] - point(p, 0)[k]));
+            p->center[k] += point(p, i)[k] / (double)p->size;
+        }
     const double length = hypot(hypot(p->normal[0], p->normal[1]), p->normal[2]);
     if (!(length > 0) || !isfinite(length)) return false;
     for (int k = 0; k < 3; k++) p->normal[k] /= length;
     return true;
 }
 
-static bool is_planar(const struct polygon *p)
+/* The largest distance of a corner from the mean plane; 0 where decimals alone may be to blame. */
+static double bend_of(const struct polygon *p)
 {
-    for (size_t i = 1; i < p->size; i++) {
+    double bend = 0;
+    for (size_t i = 0; i < p->size; i++) {
         double height = 0;
-        for (int k = 0; k < 3; k++) height += (point(p, i)[k] - point(p, 0)[k]) * p->normal[k];
-        if (fabs(height) > 1e-9 * p->extent) return false;
+        for (int k = 0; k < 3; k++) height += (point(p, i)[k] - p->center[k]) * p->normal[k];
+        bend = fmax(bend, fabs(height));
     }
-    return true;
+    return bend > 1e-9 * p->extent ? bend : 0;
 }
 
-/* Convex: no corner turns right, and all turns together go round once (a star goes round twice). */
+/* Convex, seen along the normal: no corner turns right, and all turns together go round once (a star goes
+ * round twice). */
 static bool is_convex(const struct polygon *p)
 {
     double turned = 0;
@@ -79,11 +86,10 @@ static double smallest_triangle(const struct polygon *p, size_t apex)
 
 /* All corners are tried: O(n^2) with at most CML_OBJ_MAX_CORNERS of them, and faces have few. */
 const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, size_t size,
-                          uint32_t (*triangle)[3])
+                          uint32_t (*triangle)[3], double *bend)
 {
     struct polygon p = {.vertex = vertex, .corner = corner, .size = size};
     if (!find_plane(&p)) return "has no area";
-    if (!is_planar(&p)) return "is not planar";
     if (!is_convex(&p)) return "is not convex";
     size_t apex = 0;
     double largest = 0;
@@ -94,6 +100,7 @@ const char *cml_obj_split(const double (*vertex)[3], const uint32_t *corner, siz
         apex = i;
     }
     if (!(largest > 0)) return "cannot be split into triangles that meet in one corner";
+    *bend = bend_of(&p);
     for (size_t i = 1; i + 1 < size; i++) {
         triangle[i - 1][0] = corner[apex];
         triangle[i - 1][1] = corner[(apex + i) % size];

@@ -239,12 +239,41 @@ static void finds_contacts(void **state)
     assert_true(crossing(line, 3) != CML_POLYGON_SIMPLE);
 }
 
+/* The border of an L: 3 x 3 without the corner from (1, 1) on. */
+static void a_box_lies_inside_or_not(void **state)
+{
+    (void)state;
+    const double vertex[][3] = {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0}, {1, 3, 0}, {0, 3, 0}};
+    const uint32_t triangle[][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
+    uint32_t border[] = {0, 5, 4, 3, 2, 1};
+    const struct cml_mesh mesh = {.num_vertices = 6,
+                                  .num_triangles = 4,
+                                  .vertex = (double(*)[3])vertex,
+                                  .triangle = (uint32_t(*)[3])triangle,
+                                  .border = border,
+                                  .num_border = 6};
+    const struct {
+        double lower[2], upper[2];
+        bool inside;
+    } boxes[] = {{{0, 0}, {3, 1}, true},      {{0, 0}, {1, 3}, true},      {{.2, .2}, {.8, 2.9}, true},
+                 {{0, 0}, {3, 3}, false},     {{0, 0}, {1.1, 1.1}, false}, {{-.1, .2}, {.5, .5}, false},
+                 {{1.5, 1.5}, {2, 2}, false}, {{-1, -1}, {4, 4}, false},   {{.5, -.1}, {.6, 3.1}, false},
+                 {{0, 0}, {3, 1.01}, false},  {{5, 5}, {6, 6}, false}};
+    struct cml_footprint *footprint = NULL;
+    struct cml_error err;
+    assert_int_equal(cml_footprint_create(&mesh, &footprint, &err), CML_OK);
+    for (size_t i = 0; i < sizeof boxes / sizeof boxes[0]; i++)
+        assert_int_equal(cml_footprint_contains_box(footprint, boxes[i].lower, boxes[i].upper),
+                         boxes[i].inside);
+    cml_footprint_free(footprint);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(agrees_with_brute_force), cmocka_unit_test(finds_the_border),
         cmocka_unit_test(vertices_count_once),     cmocka_unit_test(finds_crossings),
-        cmocka_unit_test(finds_contacts),
+        cmocka_unit_test(finds_contacts),          cmocka_unit_test(a_box_lies_inside_or_not),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

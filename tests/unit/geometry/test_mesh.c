@@ -265,8 +265,16 @@ static void flat_and_levelled(void **state)
     prepare(&mesh, NULL);
     assert_true(cml_mesh_is_flat(&mesh, &z) && z == mesh.z_border && fabs(z) < 1e-24);
     cml_mesh_clear(&mesh);
+    /* single precision: levelled with a note */
+    struct cml_mesh single = MAKE(nearly, faces);
+    struct cml_mesh_notes notes;
+    single.vertex[0][2] = 3e-8;
+    prepare(&single, &notes);
+    assert_true(cml_mesh_is_flat(&single, &z));
+    assert_true(fabs(notes.levelled - 3.03e-8) < 1e-20);
+    cml_mesh_clear(&single);
     struct cml_mesh tilted = MAKE(nearly, faces);
-    tilted.vertex[0][2] = 3e-9;
+    tilted.vertex[0][2] = 3e-6;
     struct cml_error err;
     assert_int_equal(cml_mesh_prepare(&tilted, NULL, NULL, &err), CML_E_INPUT);
     cml_mesh_clear(&tilted);
@@ -276,8 +284,155 @@ static void flat_and_levelled(void **state)
     struct cml_mesh lost = MAKE(tiny, upright);
     assert_int_equal(cml_mesh_prepare(&lost, NULL, NULL, &err), CML_E_INPUT);
     assert_string_equal(err.text, "a face has no area once the border is level (expected faces larger than "
-                                  "1e-9 of the mesh)");
+                                  "1e-06 of the mesh)");
     cml_mesh_clear(&lost);
+}
+
+/* A sheet over a polygon, its vertices joined to the first one, which lies inside; heights differ. */
+static struct cml_mesh fan(const double (*outline)[2], uint32_t n, bool clockwise)
+{
+    double(*vertex)[3] = calloc(n + 1, sizeof *vertex);
+    uint32_t(*triangle)[3] = calloc(n, sizeof *triangle);
+    assert_true(vertex && triangle);
+    for (uint32_t i = 0; i < n; i++) {
+        memcpy(vertex[i + 1], outline[i], sizeof outline[i]);
+        vertex[i + 1][2] = 0.1 * outline[i][0] + 1e-4 * (double)random_below(1000);
+        triangle[i][clockwise ? 1 : 2] = i + 1;
+        triangle[i][clockwise ? 2 : 1] = (i + 1) % n + 1;
+    }
+    return (struct cml_mesh){
+        .num_vertices = n + 1, .num_triangles = n, .vertex = vertex, .triangle = triangle};
+}
+
+/* Triangles that all face up and together have the area of their simple outline cover it without a fold. */
+static void expect_skirt(struct cml_mesh *mesh, uint32_t n, double width)
+{
+    struct cml_mesh_notes notes;
+    mesh->skirt = width;
+    prepare(mesh, &notes);
+    assert_int_equal(notes.skirt, 2 * n);
+    assert_int_equal(mesh->num_border, n);
+    double area = 0;
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        assert_true(cross_z(mesh, t) < 0);
+        area += 0.5 * cross_z(mesh, t);
+    }
+    assert_true(fabs(area / border_area(mesh) - 1) < 1e-12);
+    for (size_t i = 0; i < n; i++) {
+        const double *p = mesh->vertex[mesh->border[i]];
+        assert_true(p[2] == mesh->z_border);
+        double nearest = INFINITY;
+        for (uint32_t k = 1; k <= n; k++)
+            nearest = fmin(nearest, hypot(mesh->vertex[k][0] - p[0], mesh->vertex[k][1] - p[1]));
+        assert_true(nearest > 0.8 * width && nearest < 2.001 * width);
+    }
+}
+
+/* A rectangle of 2 x 1 with `side` edges to a side, counter-clockwise around (0, 0). */
+static uint32_t rectangle(uint32_t side, double (*outline)[2])
+{
+    for (uint32_t i = 0; i < 4 * side; i++) {
+        const double t = (double)(i % side) / side,
+                     corner[5][2] = {{-1, -.5}, {1, -.5}, {1, .5}, {-1, .5}, {-1, -.5}};
+        for (int k = 0; k < 2; k++)
+            outline[i][k] = corner[i / side][k] + t * (corner[i / side + 1][k] - corner[i / side][k]);
+    }
+    return 4 * side;
+}
+
+static void a_rectangle_gets_a_skirt_of_even_width(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 12; i++) {
+        const uint32_t side[] = {1, 2, 7, 100, 30, 30}, n = 4 * side[i % 6];
+        const double width = (const double[]){0.1, 0.3, 0.01}[i % 3];
+        double outline[400][2];
+        struct cml_mesh mesh =
+            (rectangle(side[i % 6], outline), fan((const double(*)[2])outline, n, i % 2 == 1));
+        expect_skirt(&mesh, n, width);
+        assert_true(fabs(border_area(&mesh) + (2 + 2 * width) * (1 + 2 * width)) < 1e-12);
+        assert_true(fabs(mesh.upper[0] - 1 - width) < 1e-14 && fabs(mesh.lower[1] + 0.5 + width) < 1e-14);
+        cml_mesh_clear(&mesh);
+    }
+}
+
+/* The level is the mean over the border's length, not over its vertices: one side of four is divided. */
+static void a_skirt_leads_to_the_mean_height(void **state)
+{
+    (void)state;
+    const double outline[][2] = {{-1, -1}, {1, -1}, {1, -.9}, {1, .5}, {1, 1}, {-1, 1}};
+    struct cml_mesh mesh = fan(outline, 6, false);
+    for (int i = 1; i <= 6; i++) mesh.vertex[i][2] = outline[i - 1][0] > 0 ? -4 : 0;
+    expect_skirt(&mesh, 6, 0.25);
+    assert_true(fabs(mesh.z_border + 2) < 1e-15);
+    cml_mesh_clear(&mesh);
+}
+
+/* Waves of the outline shorter and longer than the skirt, and random steps from vertex to vertex. */
+static void a_wavy_outline_gets_a_skirt(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 60; i++) {
+        const uint32_t n = 40 + 20 * (i % 10), waves = 3 + i;
+        double outline[240][2];
+        random_state = i;
+        for (uint32_t k = 0; k < n; k++) {
+            const double angle = 2 * acos(-1) * k / n, step = 0.1 / n * (double)random_below(1000) / 1000;
+            const double r = 1 + 0.2 / waves * sin(waves * angle) + step;
+            outline[k][0] = r * cos(angle);
+            outline[k][1] = r * sin(angle);
+        }
+        struct cml_mesh mesh = fan((const double(*)[2])outline, n, i % 2 == 1);
+        expect_skirt(&mesh, n, 0.1);
+        cml_mesh_clear(&mesh);
+    }
+}
+
+/* A notch that is too narrow for a wide skirt. */
+static void a_skirt_that_meets_itself_is_refused(void **state)
+{
+    (void)state;
+    double notch[25][2] = {{-1, 1}, {-1, -1}, {1, -1}, {1, 1}};
+    for (int i = 0; i <= 20; i++) {
+        notch[4 + i][0] = 0.1 - 0.01 * i;
+        notch[4 + i][1] = 0.2 + 0.08 * abs(10 - i);
+    }
+    struct cml_mesh mesh = fan((const double(*)[2])notch, 25, false);
+    struct cml_error err;
+    mesh.skirt = 0.15;
+    assert_int_equal(cml_mesh_prepare(&mesh, NULL, NULL, &err), CML_E_INPUT);
+    assert_non_null(strstr(err.text, "the skirt's edge meets itself at ("));
+    assert_non_null(
+        strstr(err.text, "expected another skirt= than 0.15 cm, or a mesh with a smoother border"));
+    cml_mesh_clear(&mesh);
+    struct cml_mesh narrow = fan((const double(*)[2])notch, 25, false);
+    expect_skirt(&narrow, 25, 0.01);
+    cml_mesh_clear(&narrow);
+}
+
+static void an_upright_border_gets_no_skirt(void **state)
+{
+    (void)state;
+    const double upright[][2] = {{-1, -1}, {1, -1}, {1, -1}, {1, 1}, {-1, 1}};
+    struct cml_mesh mesh = fan(upright, 5, false);
+    struct cml_error err;
+    mesh.skirt = 0.1;
+    mesh.vertex[3][2] = -5;
+    assert_int_equal(cml_mesh_prepare(&mesh, NULL, NULL, &err), CML_E_INPUT);
+    assert_non_null(strstr(err.text, "the border meets itself on the edge that begins at (1, -1, height"));
+    cml_mesh_clear(&mesh);
+}
+
+static void a_level_border_needs_no_skirt(void **state)
+{
+    (void)state;
+    struct cml_mesh mesh = bumpy_sheet();
+    struct cml_mesh_notes notes;
+    mesh.skirt = 0.15;
+    prepare(&mesh, &notes);
+    assert_int_equal(notes.skirt, 0);
+    check_sheet(&mesh);
+    cml_mesh_clear(&mesh);
 }
 
 static void messages_without_a_file(void **state)
@@ -329,6 +484,12 @@ int main(void)
         cmocka_unit_test(normals_are_weighted_by_angle),
         cmocka_unit_test(summarises),
         cmocka_unit_test(flat_and_levelled),
+        cmocka_unit_test(a_rectangle_gets_a_skirt_of_even_width),
+        cmocka_unit_test(a_skirt_leads_to_the_mean_height),
+        cmocka_unit_test(a_wavy_outline_gets_a_skirt),
+        cmocka_unit_test(a_skirt_that_meets_itself_is_refused),
+        cmocka_unit_test(an_upright_border_gets_no_skirt),
+        cmocka_unit_test(a_level_border_needs_no_skirt),
         cmocka_unit_test(messages_without_a_file),
         cmocka_unit_test(knows_no_absolute_length),
     };

@@ -114,6 +114,24 @@ static void mesh_options_are_applied(void **state)
     case_remove(state, "skin#1.obj");
 }
 
+/* The tip at (3, 0, 1) of the file, up x, turned by 180 degrees; the border spans 0.4 in height. */
+static void a_mesh_is_turned_and_gets_a_skirt(void **state)
+{
+    struct cml_scene_list list;
+    case_write(state, "skin.obj",
+               "v 0 -1 -1\nv 0 -1 1\nv 0.4 1 1\nv 0.4 1 -1\nv 3 0 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n");
+    case_read_ok(state, HEAD RUN "1\n1\n1.4 1 2 0.9 1\nm \"skin.obj\" skirt=0.5 rotate=180 up=x # skin\n1\n",
+                 &list);
+    const struct cml_mesh *mesh = &list.scenes[0].boundaries[1].mesh;
+    assert_int_equal(mesh->num_triangles, 12);
+    assert_int_equal(list.scenes[0].boundaries[1].mesh_notes.skirt, 8);
+    assert_true(mesh->vertex[4][0] == 1 && mesh->vertex[4][1] == 0 && mesh->vertex[4][2] == -3);
+    assert_true(fabs(mesh->lower[0] + 1.5) < 1e-15 && fabs(mesh->upper[1] - 1.5) < 1e-15);
+    assert_true(fabs(mesh->z_border + 0.2) < 1e-15);
+    cml_scene_list_clear(&list);
+    case_remove(state, "skin.obj");
+}
+
 static void flat_boundaries_keep_their_place_and_lose_their_shape(void **state)
 {
     static const char text[] = HEAD RUN "2\n1\nb 2 0.1 0.5 -0.2 1\n1.4 1 2 0.9 3\n1.4 1 2 0.9 8\n"
@@ -278,6 +296,7 @@ int main(void)
         cmocka_unit_test(radial_height_is_linear_between_samples),
         cmocka_unit_test(heights_come_from_a_file_beside),
         cmocka_unit_test(mesh_options_are_applied),
+        cmocka_unit_test(a_mesh_is_turned_and_gets_a_skirt),
         cmocka_unit_test(flat_boundaries_keep_their_place_and_lose_their_shape),
         cmocka_unit_test(heightmaps_are_meshed_at_the_tolerance),
         cmocka_unit_test(beams_are_read_anywhere_before_the_layers),

@@ -1,5 +1,6 @@
 /* The OBJ reader and writer: every way of writing a mesh, every refusal with its message, the round trip.
  * SPDX-License-Identifier: MIT */
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -96,12 +97,9 @@ static const struct refusal bad_texts[] = {
     {SQUARE "f\n", "m.obj:5: the face has 0 corners (expected 3 or more)"},
     {SQUARE "f 1 2 2\n", "m.obj: every face of the mesh has zero area"},
     {SQUARE "v 2 0 0\nf 1 2 5\n", "m.obj: every face of the mesh has zero area"},
-    {PYRAMID "f 1 2 5 4\n",
-     "m.obj:6: the face is not planar (expected a triangle or a planar convex polygon; "
-     "triangulate it when exporting)"},
-    {SQUARE "v .9 .5 0\nf 1 2 5 3 4\n", "m.obj:6: the face is not convex (expected a triangle or a planar "
+    {SQUARE "v .9 .5 0\nf 1 2 5 3 4\n", "m.obj:6: the face is not convex (expected a triangle or a "
                                         "convex polygon; triangulate it when exporting)"},
-    {SQUARE "f 1 3 2 4\n", "m.obj:5: the face has no area (expected a triangle or a planar convex polygon; "
+    {SQUARE "f 1 3 2 4\n", "m.obj:5: the face has no area (expected a triangle or a convex polygon; "
                            "triangulate it when exporting)"},
 };
 
@@ -111,7 +109,7 @@ static const struct refusal bad_sheets[] = {
      "its border on one horizontal plane)"},
     {PYRAMID "f 1 2 5\nf 2 3 5\nf 3 4 5\n", "m.obj:8: the border is not horizontal: its height spans 1 cm, "
                                             "the highest point is (0.5, 0.5, height 1) "
-                                            "cm (expected a border on one horizontal plane)"},
+                                            "cm (expected a border on one horizontal plane, or skirt=WIDTH)"},
     {SQUARE "v 0 2 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\nf 2 1 5\n",
      "m.obj:9: the edge from (0, 0, height 0) cm to (1, 0, height 0) cm belongs to 3 faces (expected 1 or 2: "
      "a "
@@ -124,9 +122,16 @@ static const struct refusal bad_sheets[] = {
      "connected sheet)"},
     /* a ring of four squares around a square hole */
     {SQUARE "v -1 -1 0\nv 2 -1 0\nv 2 2 0\nv -1 2 0\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n",
-     "m.obj:9: the mesh has a hole of 4 border edges around (0.5, 0.5, height 0) cm (expected one border "
-     "loop, "
-     "found 2)"},
+     "m.obj:9: the mesh has a hole of 4 edges around (0.5, 0.5, height 0) cm (expected none besides its "
+     "border: "
+     "fill holes in a mesh editor)"},
+    /* the same ring with a smaller hole in its lowest square: the largest is named */
+    {SQUARE "v -1 -1 0\nv 2 -1 0\nv 2 2 0\nv -1 2 0\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n"
+            "v .2 -.5 0\nv .8 -.5 0\nv .2 -.7 0\nv .8 -.7 0\nv .5 -.8 0\n"
+            "f 5 1 9\nf 1 10 9\nf 1 2 10\nf 2 6 12 10\nf 6 13 12\nf 6 5 13\nf 5 11 13\nf 5 9 11\nf 9 10 11\n",
+     "m.obj:19: the mesh has a hole of 4 edges around (0.5, 0.5, height 0) cm and 1 other (expected none "
+     "besides "
+     "its border: fill holes in a mesh editor)"},
     /* the sliver 1 3 5 of zero area held the two halves together */
     {SQUARE "v 0.5 0.5 0\nf 1 2 3\nf 1 3 5\nf 5 3 4\nf 5 4 1\n",
      "m.obj:8: the mesh falls into 2 separate parts, the second from (0.5, 0.5, height 0) cm on (expected "
@@ -245,31 +250,52 @@ static void refuses_odd_polygons(void **state)
     const double middles[6][3] = {{0, 0, 1}, {1, 0, 1}, {2, 0, 1}, {1, 1, 1}, {0, 2, 1}, {0, 1, 1}};
     const uint32_t corner[6] = {0, 1, 2, 3, 4, 5};
     uint32_t triangle[4][3];
-    assert_string_equal(cml_obj_split(star, corner, 5, triangle), "is not convex");
-    assert_string_equal(cml_obj_split(arrow, corner, 4, triangle), "is not convex");
-    assert_null(cml_obj_split(middles, corner, 6, triangle));
+    double bend = 1;
+    assert_string_equal(cml_obj_split(star, corner, 5, triangle, &bend), "is not convex");
+    assert_string_equal(cml_obj_split(arrow, corner, 4, triangle, &bend), "is not convex");
+    assert_null(cml_obj_split(middles, corner, 6, triangle, &bend));
     const uint32_t expected[4][3] = {{1, 2, 3}, {1, 3, 4}, {1, 4, 5}, {1, 5, 0}};
     assert_memory_equal(triangle, expected, sizeof expected);
+    assert_true(bend == 0);
 }
 
+/* A saddle over a square: every corner 0.5 from the mean plane. Two such faces and one that is flat. */
+static void bent_faces_are_cut_and_counted(void **state)
+{
+    struct cml_mesh mesh;
+    struct cml_mesh_notes notes;
+    struct cml_error err;
+    const struct cml_obj_options half = {.unit = 0.5, .scale = 1};
+    const char *text = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nv 1 0 0\nv 1 2 0\nv 0 1 0\nv 2 1 0\n"
+                       "f 1 6 5 8\nf 6 2 9 5\nf 5 9 3 7\nf 4 8 5\nf 4 5 7\n";
+    assert_int_equal(read_text(state, text, &half, &mesh, &notes, &err), CML_OK);
+    assert_int_equal(mesh.num_triangles, 8);
+    assert_int_equal(notes.bent, 3);
+    /* corners 0 0 0, 1 0 0, 1 1 1, 0 1 0: normal (-1, -1, 2) / sqrt 6 by Newell, mean (1, 1, 0.5) / 2 */
+    assert_true(fabs(notes.bend - 0.5 * 0.5 / sqrt(6)) < 1e-15);
+    cml_mesh_clear(&mesh);
+}
+
+/* A pyramid over the horizontal triangle 0, x, y whose tip is (1, 2, 3) in the file. */
 static void turns_and_scales(void **state)
 {
     const struct {
         enum cml_up_axis up;
-        double tip[3];
-    } cases[] = {{CML_UP_Z, {2, 4, -6}}, {CML_UP_Y, {2, -6, -4}}, {CML_UP_MINUS_Z, {2, -4, 6}}};
-    static const char *const texts[] = {
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
-        "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
-        "v 0 0 0\nv 1 0 0\nv 0 -1 0\nv 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n",
-    };
-    for (int i = 0; i < 3; i++) {
+        const char *x, *y;
+        double tip[3]; /* worked out by hand, twice the file's lengths, z down */
+    } cases[] = {{CML_UP_Z, "1 0 0", "0 1 0", {2, 4, -6}},   {CML_UP_MINUS_Z, "1 0 0", "0 -1 0", {2, -4, 6}},
+                 {CML_UP_Y, "1 0 0", "0 0 -1", {2, -6, -4}}, {CML_UP_MINUS_Y, "1 0 0", "0 0 1", {2, 6, 4}},
+                 {CML_UP_X, "0 0 -1", "0 1 0", {-6, 4, -2}}, {CML_UP_MINUS_X, "0 0 1", "0 1 0", {6, 4, 2}}};
+    for (int i = 0; i < 6; i++) {
         struct cml_obj_options options = {.unit = 0.5, .scale = 4, .shift = {10, 20, 30}, .up = cases[i].up};
         struct cml_mesh mesh;
         struct cml_mesh_notes notes;
         struct cml_error err;
+        char text[256];
+        snprintf(text, sizeof text, "v 0 0 0\nv %s\nv %s\nv 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", cases[i].x,
+                 cases[i].y);
         options.normals = CML_NORMALS_VERTEX;
-        assert_int_equal(read_text(state, texts[i], &options, &mesh, &notes, &err), CML_OK);
+        assert_int_equal(read_text(state, text, &options, &mesh, &notes, &err), CML_OK);
         assert_true(mesh.vertex[3][0] == cases[i].tip[0] + 10);
         assert_true(mesh.vertex[3][1] == cases[i].tip[1] + 20);
         assert_true(mesh.vertex[3][2] == cases[i].tip[2] - 30);
@@ -278,6 +304,33 @@ static void turns_and_scales(void **state)
         assert_int_equal(notes.flipped, 0); /* nothing is mirrored */
         cml_mesh_clear(&mesh);
     }
+}
+
+/* After the axes, before scale and shift; quarter turns without rounding. */
+static void rotates_about_the_vertical(void **state)
+{
+    static const struct {
+        double degrees, x, y; /* where (1, 2) goes */
+    } turns[] = {{0, 1, 2},   {90, -2, 1},  {-270, -2, 1}, {180, -1, -2},
+                 {360, 1, 2}, {-90, 2, -1}, {270, 2, -1}};
+    struct cml_obj_options options = {.unit = 0.5, .scale = 4, .shift = {10, 20, 30}, .up = CML_UP_Y};
+    const char *text = "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 1 3 -2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    struct cml_mesh mesh;
+    struct cml_mesh_notes notes;
+    struct cml_error err;
+    for (size_t i = 0; i < sizeof turns / sizeof turns[0]; i++) {
+        options.rotate = turns[i].degrees;
+        assert_int_equal(read_text(state, text, &options, &mesh, &notes, &err), CML_OK);
+        assert_true(mesh.vertex[3][0] == 2 * turns[i].x + 10);
+        assert_true(mesh.vertex[3][1] == 2 * turns[i].y + 20);
+        assert_true(mesh.vertex[3][2] == -36);
+        assert_int_equal(notes.flipped, 0);
+        cml_mesh_clear(&mesh);
+    }
+    options.rotate = 150; /* (1, 0) goes to (-sqrt(3) / 2, 1 / 2) */
+    assert_int_equal(read_text(state, text, &options, &mesh, &notes, &err), CML_OK);
+    assert_true(fabs(mesh.vertex[1][0] - (10 - sqrt(3))) < 1e-14 && fabs(mesh.vertex[1][1] - 21) < 1e-14);
+    cml_mesh_clear(&mesh);
 }
 
 static void same_mesh(const struct cml_mesh *a, const struct cml_mesh *b)
@@ -381,7 +434,9 @@ int main(void)
         cmocka_unit_test(reads_all_forms),
         cmocka_unit_test(splits_polygons),
         cmocka_unit_test(refuses_odd_polygons),
+        cmocka_unit_test(bent_faces_are_cut_and_counted),
         cmocka_unit_test(turns_and_scales),
+        cmocka_unit_test(rotates_about_the_vertical),
         cmocka_unit_test(round_trip),
         cmocka_unit_test(write_reports_failure),
         cmocka_unit_test(sample_meshes_load),

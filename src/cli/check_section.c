@@ -1,0 +1,199 @@
+/* The picture of `check`: a section through a scene along x, made of the scene's own numbers.
+ * SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "base/constants.h"
+#include "plot/section.h"
+#include "scene/section.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void take_in(double range[2], double low, double high)
+{
+    range[0] = fmin(range[0], low);
+    range[1] = fmax(range[1], high);
+}
+
+/* Across the beam, R; along x, more where the beam is slanted. */
+static double half_width(const struct cml_beam *beam)
+{
+    const double ux = sin(beam->angle) * cos(beam->azimuth);
+    return beam->kind == CML_BEAM_PENCIL ? 0 : beam->radius / sqrt(1 - ux * ux);
+}
+
+/* All that is not a plane, map and beam; the grid where there is nothing else. */
+static void find_width(const struct cml_scene *scene, double x[2])
+{
+    const double map = scene->map.nx * scene->map.dx / 2, beam = half_width(&scene->beam);
+    x[0] = INFINITY;
+    x[1] = -INFINITY;
+    for (int b = 0; b <= scene->num_layers; b++) {
+        const struct cml_boundary *boundary = &scene->boundaries[b];
+        const struct cml_radial *radial = &boundary->radial;
+        if (boundary->form == CML_FORM_MESH) take_in(x, boundary->mesh.lower[0], boundary->mesh.upper[0]);
+        if (boundary->form == CML_FORM_RADIAL && radial->n > 1)
+            take_in(x, -radial->r[radial->n - 1], radial->r[radial->n - 1]);
+    }
+    if (map > 0) take_in(x, -map, map);
+    if (!(x[1] > x[0])) take_in(x, -scene->nr * scene->dr, scene->nr * scene->dr);
+    take_in(x, scene->beam.x - beam, scene->beam.x + beam);
+    const double margin = 0.06 * (x[1] - x[0]);
+    take_in(x, x[0] - margin, x[1] + margin);
+}
+
+static void find_depths(const struct cml_boundary *boundary, double z[2])
+{
+    z[0] = z[1] = cml_outer_depth(boundary);
+    if (boundary->form == CML_FORM_MESH)
+        take_in(z, boundary->z + boundary->mesh.lower[2], boundary->z + boundary->mesh.upper[2]);
+    for (int i = 0; boundary->form == CML_FORM_RADIAL && i < boundary->radial.n; i++)
+        take_in(z, boundary->z - boundary->radial.h[i], boundary->z - boundary->radial.h[i]);
+}
+
+/* Down to the last boundary, or to the last that lies no deeper than twice the picture's width: layers are
+ * often given as thick as the sea. */
+static void find_depth(const struct cml_scene *scene, const double x[2], double z[2])
+{
+    const double width = x[1] - x[0];
+    bool all = true;
+    find_depths(&scene->boundaries[0], z);
+    for (int b = 1; b <= scene->num_layers; b++) {
+        double depths[2];
+        find_depths(&scene->boundaries[b], depths);
+        if (depths[1] - z[0] <= 2 * width)
+            take_in(z, depths[0], depths[1]);
+        else
+            all = false;
+    }
+    if (!all || !(z[1] > z[0])) z[1] += width / 2;
+}
+
+static void label_media(const struct cml_scene *scene, struct cml_section_label *labels)
+{
+    const int last = scene->num_layers + 1;
+    for (int m = 0; m <= last; m++) {
+        struct cml_section_label *label = &labels[m];
+        label->z_top = m > 0 ? cml_outer_depth(&scene->boundaries[m - 1]) : -INFINITY;
+        label->z_bottom = m < last ? cml_outer_depth(&scene->boundaries[m]) : INFINITY;
+        char name[24];
+        snprintf(name, sizeof name, "layer %d", m);
+        snprintf(label->text, sizeof label->text, "%s, n = %g",
+                 m == 0      ? "above"
+                 : m == last ? "below"
+                             : name,
+                 scene->media[m].n);
+    }
+}
+
+static void describe_beam(const struct cml_beam *beam, struct cml_section_beam *drawn)
+{
+    static const char *const kinds[] = {"pencil", "disk", "Gaussian"};
+    const double degrees = 180 / CML_PI;
+    char radius[40] = "", angle[60] = "", y[40] = "";
+    if (beam->kind != CML_BEAM_PENCIL) snprintf(radius, sizeof radius, ", R = %g cm", beam->radius);
+    if (beam->angle > 0)
+        snprintf(angle, sizeof angle, ", angle %g, azimuth %g", beam->angle * degrees,
+                 beam->azimuth * degrees);
+    if (beam->y != 0) snprintf(y, sizeof y, ", at y = %g cm", beam->y);
+    *drawn = (struct cml_section_beam){
+        .x = beam->x, .slope = tan(beam->angle) * cos(beam->azimuth), .half_width = half_width(beam)};
+    snprintf(drawn->text, sizeof drawn->text, "%.8s%s%s%s", kinds[beam->kind], radius, angle, y);
+}
+
+/* The shapes and where they come from, as many as a line or two hold. */
+static void describe_boundaries(const struct cml_scene *scene, char *text, size_t size)
+{
+    size_t used = (size_t)snprintf(text, size, "Plane y = 0.");
+    for (int b = 0, named = 0; b <= scene->num_layers && named <= 6; b++) {
+        const struct cml_boundary *boundary = &scene->boundaries[b];
+        const char *slash = boundary->file ? strrchr(boundary->file, '/') : NULL;
+        const char *name = slash ? slash + 1 : boundary->file ? boundary->file : "heightfield";
+        if (boundary->form == CML_FORM_PLANE) continue;
+        if (named++ < 6)
+            used += (size_t)snprintf(text + used, size - used, " Boundary %d: %.40s.", b, name);
+        else
+            used += (size_t)snprintf(text + used, size - used, " And others.");
+    }
+}
+
+/* Arrays of one element for each boundary and medium. */
+struct drawing {
+    struct cml_cut *cuts;
+    struct cml_section_line *lines;
+    struct cml_section_label *labels;
+};
+
+static cml_status cut_all(const struct cml_scene *scene, struct drawing *drawing, const double x[2],
+                          struct cml_error *err)
+{
+    for (int b = 0; b <= scene->num_layers; b++) {
+        CML_TRY(cml_section_cut(&scene->boundaries[b], x[0], x[1], &drawing->cuts[b], err));
+        drawing->lines[b].count = drawing->cuts[b].count;
+        drawing->lines[b].piece = (const double(*)[4])drawing->cuts[b].piece;
+    }
+    return CML_OK;
+}
+
+static cml_status draw_with(const struct cml_scene *scene, enum cml_picture picture, const char *path,
+                            struct drawing *drawing, struct cml_error *err)
+{
+    const struct cml_map_def *map = &scene->map;
+    double x[2], z[2];
+    char caption[512], title[160];
+    find_width(scene, x);
+    find_depth(scene, x, z);
+    CML_TRY(cut_all(scene, drawing, x, err));
+    label_media(scene, drawing->labels);
+    describe_boundaries(scene, caption, sizeof caption);
+    snprintf(title, sizeof title, "%.120s, seen along y", scene->output);
+    struct cml_section section = {.x_low = x[0],
+                                  .x_high = x[1],
+                                  .z_top = z[0],
+                                  .z_bottom = z[1],
+                                  .num_lines = scene->num_layers + 1,
+                                  .num_labels = scene->num_layers + 2,
+                                  .lines = drawing->lines,
+                                  .labels = drawing->labels,
+                                  .map_low = -map->nx * map->dx / 2,
+                                  .map_high = map->nx * map->dx / 2,
+                                  .title = title,
+                                  .caption = caption,
+                                  .picture = picture};
+    describe_beam(&scene->beam, &section.beam);
+    snprintf(section.map_text, sizeof section.map_text, "map, %d x %d pixels of %g x %g cm", map->nx, map->ny,
+             map->dx, map->dy);
+    return cml_gnuplot_draw(cml_section_script, &section, path, err);
+}
+
+static cml_status draw_scene(const struct cml_scene *scene, enum cml_picture picture, const char *path,
+                             struct cml_error *err)
+{
+    const size_t boundaries = (size_t)scene->num_layers + 1;
+    struct drawing drawing = {.cuts = calloc(boundaries, sizeof *drawing.cuts),
+                              .lines = calloc(boundaries, sizeof *drawing.lines),
+                              .labels = calloc(boundaries + 1, sizeof *drawing.labels)};
+    cml_status status = CML_OK;
+    if (drawing.cuts && drawing.lines && drawing.labels)
+        status = draw_with(scene, picture, path, &drawing, err);
+    else
+        status = cml_fail_memory(err, 100.0 * (double)boundaries, "a section");
+    for (size_t b = 0; b < boundaries && drawing.cuts; b++) cml_cut_clear(&drawing.cuts[b]);
+    free(drawing.cuts);
+    free(drawing.lines);
+    free(drawing.labels);
+    return status;
+}
+
+cml_status cml_draw_section(const struct cml_options *options, const struct cml_scene_list *list,
+                            enum cml_picture picture, struct cml_error *err)
+{
+    if (!options->output) return CML_OK;
+    if (options->run > (uint64_t)list->count)
+        return cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
+                        (unsigned long long)options->run, list->count, options->operands[0]);
+    CML_TRY(draw_scene(&list->scenes[options->run - 1], picture, options->output, err));
+    if (!options->quiet && !options->json) printf("  -> %s\n", options->output);
+    return CML_OK;
+}

@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: MIT */
+#include "plot/section.h"
+
+#include "plot/plot_parts.h"
+
+#include <math.h>
+
+/* Points of the SVG; letters are 13 high. */
+enum { WIDTH = 900, HEIGHT = 560, LEFT = 104, RIGHT = 710, TOP = 44, BOTTOM = 78, LINE = 18 };
+
+/* Shares of the frame's height: the room for beam and map above the highest surface, and that below the
+ * lowest; where in the upper room the map's bar, its text and the beam's tail are, and how far above it the
+ * beam's text. */
+static const double room_above = 0.30, room_below = 0.10;
+static const double map_bar = 0.965, map_text = 0.925, beam_tail = 0.835, beam_text_above = 0.03;
+
+static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"};
+
+struct frame {
+    const struct cml_section *section;
+    struct cml_page page;
+    int low;       /* points: the frame's lower edge */
+    int num_texts; /* written */
+    double z0, z1; /* depths at the frame's upper and lower edge */
+};
+
+/* The depth at this share of the frame's height, from below. */
+static double depth_at(const struct frame *f, double share)
+{
+    return f->z1 + share * (f->z0 - f->z1);
+}
+
+static double frame_points(const struct frame *f)
+{
+    return f->page.height - TOP - f->low;
+}
+
+/* How many times longer a length in z is drawn than the same in x. */
+static double stretch_of(const struct frame *f)
+{
+    const struct cml_section *s = f->section;
+    return frame_points(f) / (f->z1 - f->z0) * (s->x_high - s->x_low) / (RIGHT - LEFT);
+}
+
+/* Labels have numbers in gnuplot: ours from 1 on, those of the caption above all of them. */
+static void write_text(struct frame *f, double x, double y, enum cml_align align, int size, const char *text)
+{
+    const struct cml_page_text what = {x, y, align, size, text};
+    cml_page_write(&f->page, ++f->num_texts, &what);
+}
+
+static void write_frame(struct frame *f)
+{
+    const struct cml_section *s = f->section;
+    const double top = f->page.height - TOP;
+    cml_page_begin(&f->page);
+    cml_page_panel(&f->page, LEFT, RIGHT, f->low, top);
+    fprintf(f->page.out,
+            "unset key\nset xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset xtics %.9g\nset ytics %.9g\n",
+            s->x_low, s->x_high, f->z1, f->z0, cml_plot_round_step((s->x_high - s->x_low) / 6),
+            cml_plot_round_step((f->z1 - f->z0) / 7));
+    write_text(f, (LEFT + RIGHT) / 2.0, top + 24, CML_ALIGN_CENTER, CML_PAGE_LARGE, s->title);
+    write_text(f, (LEFT + RIGHT) / 2.0, f->low - 46, CML_ALIGN_CENTER, CML_PAGE_NORMAL, "x [cm]");
+    write_text(f, 22, (f->low + top) / 2, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL, "depth z [cm]");
+}
+
+/* Centred at x, or beside the edge that it would pass. */
+static void write_text_over(struct frame *f, const char *text, double x, double share)
+{
+    const struct cml_section *s = f->section;
+    const double place = (x - s->x_low) / (s->x_high - s->x_low), width = RIGHT - LEFT;
+    const double at = place < 0.25 ? LEFT + 8 : place > 0.75 ? RIGHT - 8 : LEFT + place * width;
+    write_text(f, at, f->low + share * frame_points(f),
+               place < 0.25   ? CML_ALIGN_LEFT
+               : place > 0.75 ? CML_ALIGN_RIGHT
+                              : CML_ALIGN_CENTER,
+               CML_PAGE_SMALL, text);
+}
+
+static void write_map(struct frame *f)
+{
+    const struct cml_section *s = f->section;
+    if (!(s->map_high > s->map_low)) return;
+    fprintf(f->page.out,
+            "set arrow from first %.9g,graph %.6f to first %.9g,graph %.6f heads size graph 0.012,90 lw 1.6 "
+            "lc rgb "
+            "'#404040'\n",
+            s->map_low, map_bar, s->map_high, map_bar);
+    write_text_over(f, s->map_text, 0.5 * (s->map_low + s->map_high), map_text);
+}
+
+/* From its tail down to z = 0, or a little below the frame's upper edge where that lies above. A slanted one
+ * begins lower, so that it stays in the picture. */
+static void write_beam(struct frame *f)
+{
+    const struct cml_section *s = f->section;
+    const struct cml_section_beam *beam = &s->beam;
+    const double end = fmax(0, depth_at(f, beam_tail - 0.06));
+    double tail = depth_at(f, beam_tail);
+    const double width = s->x_high - s->x_low;
+    const double room = beam->slope > 0 ? beam->x - s->x_low : s->x_high - beam->x;
+    const double most = fmax(0.02 * width, fmin(0.3 * width, room - beam->half_width));
+    if (fabs(beam->slope) * (end - tail) > most) tail = end - most / fabs(beam->slope);
+    for (int side = -1; side <= 1; side++) {
+        if (side != 0 && beam->half_width == 0) continue;
+        const double x = beam->x + side * beam->half_width;
+        fprintf(f->page.out,
+                "set arrow from first %.9g,first %.9g to first %.9g,first %.9g %s lc rgb '#C00000'\n",
+                x + beam->slope * tail, tail, x + beam->slope * end, end,
+                side == 0 ? "head filled size screen 0.012,18 lw 2" : "nohead lw 1 dt 2");
+    }
+    write_text_over(f, beam->text, beam->x + beam->slope * tail,
+                    (f->z1 - tail) / (f->z1 - f->z0) + beam_text_above);
+}
+
+/* ---- the labels at the right ---- */
+
+/* Points from the picture's upper edge to the middle of what is seen of it; negative where nothing is. */
+static double middle_of(const struct frame *f, const struct cml_section_label *label)
+{
+    const double top = fmax(label->z_top, f->z0), bottom = fmin(label->z_bottom, f->z1);
+    if (!(bottom >= top)) return -1;
+    return TOP + ((top + bottom) / 2 - f->z0) / (f->z1 - f->z0) * frame_points(f);
+}
+
+/* Puts labels at least a line apart, as near to their wanted places as that allows, within the frame: pushed
+ * down from above, and what then is too low pushed up again. */
+static void spread(const struct frame *f, double *place, int count)
+{
+    for (int i = 1; i < count; i++) place[i] = fmax(place[i], place[i - 1] + LINE);
+    double most = f->page.height - f->low - LINE / 2;
+    for (int i = count - 1; i >= 0; i--, most -= LINE) place[i] = fmin(place[i], most);
+}
+
+static void write_labels(struct frame *f)
+{
+    const struct cml_section *s = f->section;
+    const int step = (s->num_labels + CML_SECTION_LABELS - 1) / CML_SECTION_LABELS;
+    double middle[CML_SECTION_LABELS], place[CML_SECTION_LABELS];
+    int which[CML_SECTION_LABELS], count = 0;
+    for (int i = 0; i < s->num_labels; i += step) {
+        const double wanted = middle_of(f, &s->labels[i]);
+        if (wanted < 0) continue;
+        which[count] = i;
+        middle[count] = place[count] = wanted;
+        count++;
+    }
+    spread(f, place, count);
+    for (int i = 0; i < count; i++) {
+        const double y = f->page.height - place[i];
+        fprintf(f->page.out,
+                "set arrow from screen %.6f,%.6f to screen %.6f,%.6f nohead lw 0.8 lc rgb '#A0A0A0'\n",
+                (RIGHT + 2.0) / WIDTH, 1 - middle[i] / f->page.height, (RIGHT + 16.0) / WIDTH,
+                y / f->page.height);
+        write_text(f, RIGHT + 20, y, CML_ALIGN_LEFT, CML_PAGE_SMALL, s->labels[which[i]].text);
+    }
+}
+
+/* ---- the boundaries ---- */
+
+/* A name for each, and data that are read by it; an empty line behind every piece parts it from the next. */
+static void write_lines(const struct frame *f)
+{
+    const struct cml_section *s = f->section;
+    FILE *out = f->page.out;
+    for (int b = 0; b < s->num_lines; b++) {
+        fprintf(out, "$b%d << EOD\n", b);
+        for (size_t i = 0; i < s->lines[b].count; i++) {
+            const double *piece = s->lines[b].piece[i];
+            fprintf(out, "%.9g %.9g\n%.9g %.9g\n\n", piece[0], piece[1], piece[2], piece[3]);
+        }
+        fputs("EOD\n", out);
+    }
+    for (int b = 0; b < s->num_lines; b++)
+        fprintf(out, "%s$b%d with lines lw 2 lc rgb '%s'", b == 0 ? "plot " : ", ", b,
+                colours[(size_t)b % (sizeof colours / sizeof *colours)]);
+    fputc('\n', out);
+}
+
+cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err)
+{
+    (void)err;
+    const struct cml_section *s = what;
+    struct frame f = {.section = s, .page = {out, s->picture, WIDTH, HEIGHT}};
+    char caption[1024];
+    const double span = (s->z_bottom - s->z_top) / (1 - room_above - room_below);
+    f.z0 = s->z_top - room_above * span;
+    f.z1 = s->z_bottom + room_below * span;
+    f.low = BOTTOM;
+    snprintf(caption, sizeof caption, "%s Depths are drawn %.3g times as long as widths.",
+             s->caption ? s->caption : "", stretch_of(&f));
+    const int lines = cml_plot_caption(NULL, caption, 0);
+    f.page.height += lines;
+    f.low += lines;
+    write_frame(&f);
+    cml_plot_caption(&f.page, caption, lines);
+    write_map(&f);
+    write_beam(&f);
+    write_labels(&f);
+    write_lines(&f);
+    return CML_OK;
+}

@@ -1,0 +1,139 @@
+/* Sections through boundaries. A vertex on the plane counts as one of y > 0, so that every triangle has no
+ * edge or two edges that pass the plane. SPDX-License-Identifier: MIT */
+#include "scene/section.h"
+
+#include <stdlib.h>
+
+void cml_cut_clear(struct cml_cut *cut)
+{
+    free(cut->piece);
+    *cut = (struct cml_cut){0};
+}
+
+static cml_status add(struct cml_cut *cut, double x0, double z0, double x1, double z1, struct cml_error *err)
+{
+    if (cut->count == cut->capacity) {
+        const size_t larger = cut->capacity ? 2 * cut->capacity : 64;
+        void *pieces = realloc(cut->piece, larger * sizeof *cut->piece);
+        if (!pieces) return cml_fail_memory(err, (double)(larger * sizeof *cut->piece), "a section");
+        cut->piece = pieces;
+        cut->capacity = larger;
+    }
+    double *piece = cut->piece[cut->count++];
+    piece[0] = x0;
+    piece[1] = z0;
+    piece[2] = x1;
+    piece[3] = z1;
+    return CML_OK;
+}
+
+/* ---- a radial heightfield ---- */
+
+static cml_status cut_radial(const struct cml_boundary *boundary, double x_low, double x_high,
+                             struct cml_cut *cut, struct cml_error *err)
+{
+    const struct cml_radial *radial = &boundary->radial;
+    const int last = radial->n - 1;
+    const double z = boundary->z;
+    for (int side = -1; side <= 1; side += 2) {
+        const double end = side > 0 ? x_high : x_low;
+        for (int i = 0; i < last; i++)
+            CML_TRY(add(cut, side * radial->r[i], z - radial->h[i], side * radial->r[i + 1],
+                        z - radial->h[i + 1], err));
+        if (side * end > radial->r[last])
+            CML_TRY(add(cut, side * radial->r[last], z - radial->h[last], end, z - radial->h[last], err));
+    }
+    return CML_OK;
+}
+
+/* ---- a mesh ---- */
+
+/* Whether the edge passes the plane, and where: x, z. */
+static bool passes(const double *a, const double *b, double point[2])
+{
+    if ((a[1] < 0) == (b[1] < 0)) return false;
+    const double t = a[1] / (a[1] - b[1]);
+    point[0] = a[0] + t * (b[0] - a[0]);
+    point[1] = a[2] + t * (b[2] - a[2]);
+    return true;
+}
+
+static cml_status cut_triangles(const struct cml_boundary *boundary, struct cml_cut *cut,
+                                struct cml_error *err)
+{
+    const struct cml_mesh *mesh = &boundary->mesh;
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        double end[3][2];
+        int ends = 0;
+        for (int k = 0; k < 3; k++) {
+            const double *a = mesh->vertex[mesh->triangle[t][k]];
+            const double *b = mesh->vertex[mesh->triangle[t][(k + 1) % 3]];
+            if (passes(a, b, end[ends])) ends++;
+        }
+        if (ends == 2)
+            CML_TRY(add(cut, end[0][0], boundary->z + end[0][1], end[1][0], boundary->z + end[1][1], err));
+    }
+    return CML_OK;
+}
+
+static int compare_numbers(const void *left, const void *right)
+{
+    const double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+/* The outer plane ends where the border passes, begins at the next passage, and so on: from x_low, which lies
+ * outside, to x_high. x holds one number more than the border has edges. */
+static cml_status cut_outside(const struct cml_boundary *boundary, double x_low, double x_high, double *x,
+                              struct cml_cut *cut, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = &boundary->mesh;
+    const double z = cml_outer_depth(boundary);
+    size_t passages = 0;
+    for (size_t i = 0; i < mesh->num_border; i++) {
+        double point[2];
+        const double *a = mesh->vertex[mesh->border[i]];
+        if (passes(a, mesh->vertex[mesh->border[(i + 1) % mesh->num_border]], point))
+            x[passages++] = point[0];
+    }
+    qsort(x, passages, sizeof *x, compare_numbers);
+    x[passages] = x_high;
+    double from = x_low;
+    for (size_t i = 0; i <= passages; i += 2) {
+        if (x[i] > from) CML_TRY(add(cut, from, z, x[i], z, err));
+        if (i < passages) from = x[i + 1];
+    }
+    return CML_OK;
+}
+
+static cml_status cut_mesh(const struct cml_boundary *boundary, double x_low, double x_high,
+                           struct cml_cut *cut, struct cml_error *err)
+{
+    double *x = malloc((boundary->mesh.num_border + 1) * sizeof *x);
+    if (!x) return cml_fail_memory(err, 8.0 * (double)boundary->mesh.num_border, "a section");
+    cml_status status = cut_triangles(boundary, cut, err);
+    if (status == CML_OK) status = cut_outside(boundary, x_low, x_high, x, cut, err);
+    free(x);
+    return status;
+}
+
+double cml_outer_depth(const struct cml_boundary *boundary)
+{
+    if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];
+    return boundary->z + (boundary->form == CML_FORM_MESH ? boundary->mesh.z_border : 0);
+}
+
+cml_status cml_section_cut(const struct cml_boundary *boundary, double x_low, double x_high,
+                           struct cml_cut *cut, struct cml_error *err)
+{
+    *cut = (struct cml_cut){0};
+    cml_status status = CML_OK;
+    if (boundary->form == CML_FORM_MESH)
+        status = cut_mesh(boundary, x_low, x_high, cut, err);
+    else if (boundary->form == CML_FORM_RADIAL)
+        status = cut_radial(boundary, x_low, x_high, cut, err);
+    else
+        status = add(cut, x_low, boundary->z, x_high, boundary->z, err);
+    if (status != CML_OK) cml_cut_clear(cut);
+    return status;
+}

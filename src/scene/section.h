@@ -1,0 +1,24 @@
+/* The lines in which the plane y = 0 cuts the boundaries of a scene: what a picture of the scene shows.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_SECTION_H
+#define CML_SECTION_H
+
+#include "scene/scene.h"
+
+/* Straight pieces in no order. */
+struct cml_cut {
+    size_t count, capacity;
+    double (*piece)[4]; /* [count] x, z of one end, x, z of the other; cm, z down */
+};
+
+/* What the plane cuts of the boundary and of the plane in which it goes on, between x_low and x_high; pieces
+ * may reach beyond these. CML_E_INPUT only when memory runs out; *cut is then cleared. */
+CML_NODISCARD cml_status cml_section_cut(const struct cml_boundary *boundary, double x_low, double x_high,
+                                         struct cml_cut *cut, struct cml_error *err);
+
+void cml_cut_clear(struct cml_cut *cut);
+
+/* Depth of the plane in which the boundary goes on outside its shape, cm. */
+double cml_outer_depth(const struct cml_boundary *boundary);
+
+#endif

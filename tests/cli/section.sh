@@ -1,0 +1,51 @@
+#!/bin/sh
+# The picture of check: what must stand in it, that no two texts overlap, and which run of a file it shows.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+command -v gnuplot >/dev/null || { echo "gnuplot is missing"; exit 77; }
+
+draw() { # NAME SCENE TEXT...: draws NAME.svg; every TEXT stands in it
+    picture=$work/$1.svg
+    expect_code 0 check "$2" -o "$picture"
+    tail -1 "$work/out" | grep -qxF -- "  -> $picture" || complain "check does not name its picture: $(cat "$work/out")"
+    python3 tests/lib/svg_text.py "$picture" >"$work/texts" 2>&1 || complain "$(cat "$work/texts")"
+    name=$1
+    shift 2
+    for text; do grep -qF -- "$text" "$picture" || complain "$name: no \"$text\""; done
+}
+
+draw mixed samples/mixed.mci 'mixed.mco, seen along y' 'above, n = 1<' 'layer 1, n = 1.4<' 'layer 3, n = 1.45<' 'below, n = 1<' \
+    'pencil<' 'Boundary 1: heightfield. Boundary 2: pyramid.obj.' 'depth z [cm]' 'x [cm]'
+grep -q 'map,' "$work/mixed.svg" && complain "a map where there is none"
+draw skinmap samples/skinmap.mci 'map, ' ', angle ' 'Boundary 0: '
+draw scan samples/scan.mci 'Boundary 0: skin.gsf. Boundary 1: grooves.asc.'
+draw skin7 samples/skin7.mci 'layer 1, n = 1.53' 'layer 2, n = 1.34' 'layer 3, n = 1.4' 'layer 4, n = 1.39' 'layer 7, n = 1.44'
+
+# More layers than lines, beams at the edge, nearly level ones, layers as deep as the sea.
+{
+    printf '1.0\n1\nmany.mco A\n1000\nbeam gaussian 0.3 at=0.9,0.2 angle=80 azimuth=180\n0.01 0.02\n20 50 10\n60\n1.0\n'
+    for i in $(seq 60); do printf '1.%d 1 10 0.8 0.00%d\n' $((30 + i)) $((1 + i % 3)); done
+    printf '1.0\n'
+} >"$work/many.mci"
+draw many "$work/many.mci" 'layer 4, n = 1.34' 'layer 60, n = 1.9' 'at y = 0.2 cm'
+for beam in 'disk 0.02 at=-0.9,0 angle=60' 'disk 0.02 at=0.9,0 angle=89 azimuth=180' 'pencil angle=45 azimuth=90' 'pencil at=-5,0' \
+    'gaussian 3 angle=60 azimuth=180'; do
+    printf '1.0\n1\nsea.mco A\n1000\nbeam %s\nmap 10 10 0.2 0.2\n0.01 0.02\n20 50 10\n2\n1.0\n%s\n%s\n1.33 1 10 0.8 1e9\n1.0\n' \
+        "$beam" "m \"$PWD/meshes/spikes.obj\" scale=0.0001 shift=0.9,0,0" '1.4 1 10 0.8 0.0001' >"$work/sea.mci"
+    draw sea "$work/sea.mci" 'layer 1, n = 1.4' 'layer 2, n = 1.33' 'map, 10 x 10'
+    grep -q 'below, n' "$work/sea.svg" && complain "what lies below the sea is in the picture"
+done
+
+# One run of a file with several.
+draw first samples/two_runs.mci "$(awk 'NR > 3 && / A/ { print $1; exit }' samples/two_runs.mci), seen along y"
+expect_code 0 check samples/two_runs.mci --run 2 -o "$work/second.svg" --quiet
+cmp -s "$work/first.svg" "$work/second.svg" && complain "--run 2 draws the first run"
+expect_code 2 check samples/two_runs.mci --run 3 -o "$work/third.svg"
+grep -qxF "clustermcml: --run 3 (expected 1 to 2, the runs of samples/two_runs.mci)" "$work/err" || complain "$(cat "$work/err")"
+test ! -e "$work/third.svg" || complain "a picture of no run"
+expect_error 2 "--output $work/a.txt (expected a name that ends in .svg, .png, .pdf or .eps)" check samples/mixed.mci -o "$work/a.txt"
+expect_code 0 check samples/mixed.mci -o "$work/mixed.png" --quiet
+head -c 8 "$work/mixed.png" | grep -q PNG || complain "the PNG is none"
+expect_code 0 check samples/mixed.mci -o "$work/json.svg" --json
+test "$(wc -l <"$work/out")" -eq 1 && test -s "$work/json.svg" || complain "--json with a picture: $(cat "$work/out")"
+finish

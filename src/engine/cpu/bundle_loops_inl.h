@@ -437,6 +437,15 @@ cml_bundle_hop_drop_spin(const struct cml_setup *shared, struct cml_bundle *b, c
     return low;
 }
 
+/* Depth bins (P7) of all lanes, where they have been moved to: [CML_LANES]. */
+CML_LOOP void cml_bundle_find_depths(const struct cml_setup *shared, const struct cml_bundle *b, int *depths)
+{
+    const struct cml_setup setup = *shared;
+    const int lanes = b->lanes;
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) depths[i] = cml_depth_bin(&setup, b->z[i], CML_OF_MEDIUM(b, bins)[i]);
+}
+
 /* Where absorption is tallied. */
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {

@@ -92,6 +92,18 @@ static void cml_begin_batch(struct cml_flight *f, int batch)
     f->batch = batch;
 }
 
+/* The next photons into hand, and the shifts that they have in common. Returns 0 when there are none. */
+static int cml_take_photons(struct cml_flight *f)
+{
+    if (!f->source->next(f->source->context, &f->next, &f->left)) return 0;
+    const cml_u32 low = (cml_u32)f->next, high = (cml_u32)(f->next >> 32);
+    const int batch = (int)(low % CML_NUM_BATCHES);
+    if (batch != f->batch) cml_begin_batch(f, batch);
+    for (cml_u32 e = 0; e < CML_LATTICE_BLOCKS; e++)
+        f->queue.shifts[e] = cml_lattice_shifts(f->world->setup.stream, low, high, e);
+    return 1;
+}
+
 /* Fills the queue if it is empty, from the range in hand or the next one. Returns 0 when there are no more
  * packets. */
 static int cml_fill_queue(struct cml_flight *f)
@@ -99,12 +111,8 @@ static int cml_fill_queue(struct cml_flight *f)
     struct cml_launch_queue *queue = &f->queue;
     const struct cml_stream stream = f->world->setup.stream;
     while (queue->first >= queue->end) {
-        if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
-        const int batch = (int)(f->next % CML_NUM_BATCHES);
-        if (batch != f->batch) cml_begin_batch(f, batch);
+        if (f->left == 0 && !cml_take_photons(f)) return 0;
         const int count = f->left < CML_QUEUE ? (int)f->left : CML_QUEUE;
-        for (cml_u32 e = 0; e < CML_LATTICE_EVENTS; e++)
-            queue->shifts[e] = cml_lattice_shifts(stream, (cml_u32)f->next, (cml_u32)(f->next >> 32), e);
         if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
             cml_queue_draw_tails(stream, f->next, queue);
         f->next += CML_NUM_BATCHES * (uint64_t)count;

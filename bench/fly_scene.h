@@ -32,7 +32,7 @@ static cml_status bench_open(const char *path, enum cml_surface_kind force, stru
     const struct cml_engine_options options = {.seed = 1,
                                                .threads = 1,
                                                .lattice = true,
-                                               .roulette = {0.01, 0.03},
+                                               .roulette = {0.003, 0.01},
                                                .reentry = true,
                                                .absorption = true};
     *flight = (struct bench_flight){0};

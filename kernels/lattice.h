@@ -1,6 +1,6 @@
 /* Numbers that spread evenly over the photons of a batch, in place of random ones: a randomly shifted rank-1
- * lattice rule for the first scatterings of every packet, its first reflection, and where it starts. Point p
- * of a batch has the coordinate (reversed(p) z_d mod 2^32 + shift_d) mod 2^32 in dimension d, where
+ * lattice rule for the first scatterings of every packet, its first two reflections, and where it starts.
+ * Point p of a batch has the coordinate (reversed(p) z_d mod 2^32 + shift_d) mod 2^32 in dimension d, where
  * reversed(p) are its bits in reverse order. So any 2^m points are a lattice, whatever m is, and a batch may
  * grow [Hickernell, Hong, L'Ecuyer, Lemieux: Extensible lattice sequences for quasi-Monte Carlo quadrature,
  * SIAM J. Sci. Comput. 22 (2000) 1117]. Shifts are random words of the batch; with them every single point is
@@ -15,11 +15,17 @@
 /* Interactions whose depth, cosine and azimuth come from the lattice; those that follow draw at random. */
 #define CML_LATTICE_EVENTS 3u
 
-/* Dimension 4 e + k is word k of interaction e, k < 3. The fourth of each is something else. */
-#define CML_LATTICE_REFLECTION 3u    /* the first boundary event with unequal indices */
+/* Boundary events with unequal indices whose reflection does. Two, because above a curved boundary the first
+ * one is where a packet enters. */
+#define CML_LATTICE_REFLECTIONS 2u
+
+/* Dimension 4 e + k is word k of interaction e, k < 3. The others are something else. */
+#define CML_LATTICE_REFLECTION 3u    /* the first of those boundary events */
 #define CML_LATTICE_LAUNCH_RADIUS 7u /* the launch's words 0 and 1 */
 #define CML_LATTICE_LAUNCH_AZIMUTH 11u
-#define CML_LATTICE_DIMENSIONS 12u
+#define CML_LATTICE_SECOND_REFLECTION 12u
+#define CML_LATTICE_DIMENSIONS 13u
+#define CML_LATTICE_BLOCKS 4u /* of four dimensions, the last one not full */
 
 /* z_d: found by `bench/lattice.c`, which says by what criterion. Selects, because vector loops have no
  * tables. */
@@ -29,7 +35,7 @@ CML_FN cml_u32 cml_lattice_generator(cml_u32 dimension)
     const cml_u32 first = k == 0u ? 1u : (k == 1u ? 70295u : (k == 2u ? 715331u : 336347u));
     const cml_u32 second = k == 0u ? 321735u : (k == 1u ? 442827u : (k == 2u ? 663857u : 587937u));
     const cml_u32 third = k == 0u ? 641369u : (k == 1u ? 699997u : (k == 2u ? 1026691u : 344913u));
-    return e == 0u ? first : (e == 1u ? second : third);
+    return e == 0u ? first : (e == 1u ? second : (e == 2u ? third : 81287u));
 }
 
 /* Point of a photon in its batch, modulo 2^32, with its bits in reverse order. Every 2^32 points get new
@@ -98,12 +104,19 @@ CML_FN struct cml_block cml_draw_interaction(struct cml_stream stream, cml_u64 p
                              random);
 }
 
+/* The dimension of the reflection at boundary event `crossing` with unequal indices, one of
+ * CML_LATTICE_REFLECTIONS. */
+CML_FN cml_u32 cml_lattice_reflection(cml_u32 crossing)
+{
+    return crossing == 0u ? CML_LATTICE_REFLECTION : CML_LATTICE_SECOND_REFLECTION;
+}
+
 /* Word that decides the reflection at a photon's boundary event `crossing` with unequal indices. */
 CML_FN cml_u32 cml_draw_reflection(struct cml_stream stream, cml_u64 photon, cml_u32 crossing)
 {
     const cml_u32 random = cml_draw(stream, photon, CML_PURPOSE_BOUNDARY, crossing).w[0];
-    if (crossing > 0u || !stream.lattice) return random;
-    return cml_lattice_draw(stream, photon, CML_LATTICE_REFLECTION, random);
+    if (crossing >= CML_LATTICE_REFLECTIONS || !stream.lattice) return random;
+    return cml_lattice_draw(stream, photon, cml_lattice_reflection(crossing), random);
 }
 
 /* Words that place a photon in its beam: 0 and 1. */

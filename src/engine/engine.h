@@ -63,10 +63,11 @@ struct cml_work {
     /* The next piece, of at most `most` packets; where `takers` threads ask, less and less of them towards
      * the end. false: there are no more for this call of run; *piece is empty then. */
     bool (*next)(void *context, uint64_t most, int takers, struct cml_piece *piece);
-    /* All that has come to the tally since the last call, or since it was zero, is of this batch, and
-     * complete: no packet of it is under way in that tally. The cells stay. */
+    /* All that has come to the tally since the last call, or since it was zero, is of this batch, but for
+     * what its late packets have brought (tally.h). Packets may still be under way: what they bring is noted
+     * later. The cells stay. */
     void (*note)(void *context, int batch, struct cml_tally *tally);
-    /* Takes all cells of a tally that gets no more in this call of run, and that was noted; it is zero
+    /* Takes all cells of a tally that gets no more in this call of run, and that was noted whole; it is zero
      * afterwards. */
     void (*add)(void *context, struct cml_tally *tally);
     /* The system refused to start all threads of the engine: so many fly. NULL: not told. */

@@ -80,17 +80,27 @@ static void add_bins(cml_u128 *profile, size_t size, size_t before, const uint64
     }
 }
 
+/* Totals and profiles of a tally with the same profiles, to those of a batch. */
+static void add_to_batch(struct cml_result *result, int batch, const uint64_t *brought)
+{
+    const struct cml_profile_places at = cml_tally_profiles(&result->grid);
+    const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
+    const size_t b = (size_t)batch;
+    add_bins(result->totals + b * CML_NUM_TOTALS, CML_NUM_TOTALS, 0, brought, CML_NUM_TOTALS);
+    add_bins(result->Rd_r + b * nr, nr, 0, brought + at.Rd_r, nr + 1);
+    add_bins(result->Tt_r + b * nr, nr, 0, brought + at.Tt_r, nr + 1);
+    add_bins(result->Rd_a + b * na, na, 0, brought + at.Rd_a, na);
+    add_bins(result->Tt_a + b * na, na, 0, brought + at.Tt_a, na);
+    if (result->grid.absorption) add_bins(result->A_z + b * nz, nz, 1, brought + at.A_z, nz + 2);
+}
+
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)
 {
-    const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
-    const size_t b = (size_t)batch, r = nr + 1, a = 2 * r, z = a + 2 * na;
-    const uint64_t *totals = tally->brought, *brought = totals + CML_NUM_TOTALS;
-    add_bins(result->totals + b * CML_NUM_TOTALS, CML_NUM_TOTALS, 0, totals, CML_NUM_TOTALS);
-    add_bins(result->Rd_r + b * nr, nr, 0, brought, r);
-    add_bins(result->Tt_r + b * nr, nr, 0, brought + r, r);
-    add_bins(result->Rd_a + b * na, na, 0, brought + a, na);
-    add_bins(result->Tt_a + b * na, na, 0, brought + a + na, na);
-    if (result->grid.absorption) add_bins(result->A_z + b * nz, nz, 1, brought + z, nz + 2);
+    const struct cml_late *late = &tally->late;
+    const size_t bins = cml_tally_profile_bins(&tally->grid);
+    add_to_batch(result, batch, tally->brought);
+    for (int row = 0; row < late->count; row++)
+        add_to_batch(result, late->batch[row], late->rows + (size_t)row * bins);
 }
 
 /* Rd_ra or Tt_ra: what left beyond the last radius goes into the last radial bin. */

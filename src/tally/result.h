@@ -39,8 +39,9 @@ CML_NODISCARD cml_status cml_result_create(const struct cml_grid *grid, uint64_t
                                            struct cml_result *result, struct cml_error *err);
 void cml_result_free(struct cml_result *result);
 
-/* Adds what the last cml_tally_note found to the totals and profiles of a batch, 0..63: packets that all
- * belong to that. The tally has the grid of the result, or that of a thread. */
+/* Adds what the last cml_tally_note found to the totals and profiles of a batch, 0..63, which it belongs to,
+ * and what late packets have brought to those of theirs. The tally has the grid of the result, or that of a
+ * thread. */
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally);
 
 /* Adds all but the totals and profiles of a tally; what it borrowed is for its owner to add. */

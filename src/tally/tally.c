@@ -66,7 +66,8 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     tally->A_l = calloc(cml_tally_cells(grid), sizeof *tally->A_l);
     tally->summed = calloc(bins, sizeof *tally->summed);
     tally->brought = calloc(bins, sizeof *tally->brought);
-    if (!tally->A_l || !tally->summed || !tally->brought) {
+    tally->late.rows = calloc(CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
+    if (!tally->A_l || !tally->summed || !tally->brought || !tally->late.rows) {
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
@@ -98,6 +99,7 @@ void cml_tally_zero(struct cml_tally *tally)
     memset(tally->count, 0, sizeof tally->count);
     tally->lost.count = 0;
     memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
+    cml_tally_clear_late(tally);
 }
 
 void cml_tally_free(struct cml_tally *tally)
@@ -105,6 +107,7 @@ void cml_tally_free(struct cml_tally *tally)
     free(tally->A_l);
     free(tally->summed);
     free(tally->brought);
+    free(tally->late.rows);
     *tally = (struct cml_tally){0};
 }
 
@@ -135,11 +138,41 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
     cml_tally_zero(from);
 }
 
+struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
+{
+    const size_t r = (size_t)grid->nr + 1, a = (size_t)grid->na;
+    const size_t z = grid->absorption || grid->depths ? (size_t)grid->nz + 2 : 0;
+    struct cml_profile_places at = {.Rd_r = CML_NUM_TOTALS};
+    at.Tt_r = at.Rd_r + r;
+    at.Rd_a = at.Tt_r + r;
+    at.Tt_a = at.Rd_a + a;
+    at.A_z = at.Tt_a + a;
+    at.bins = at.A_z + z;
+    return at;
+}
+
 size_t cml_tally_profile_bins(const struct cml_grid *grid)
 {
-    const bool depths = grid->absorption || grid->depths;
-    return CML_NUM_TOTALS + 2 * ((size_t)grid->nr + 1 + (size_t)grid->na) +
-           (depths ? (size_t)grid->nz + 2 : 0);
+    return cml_tally_profiles(grid).bins;
+}
+
+uint64_t *cml_tally_late(struct cml_tally *tally, int batch)
+{
+    struct cml_late *late = &tally->late;
+    const int known = late->row_of[batch];
+    if (known >= late->count || late->batch[known] != batch) {
+        late->row_of[batch] = late->count;
+        late->batch[late->count++] = batch;
+    }
+    return late->rows + (size_t)late->row_of[batch] * cml_tally_profile_bins(&tally->grid);
+}
+
+/* Rows are taken from the first one on, so that memory of those that are never needed is never touched. */
+void cml_tally_clear_late(struct cml_tally *tally)
+{
+    const size_t cells = (size_t)tally->late.count * cml_tally_profile_bins(&tally->grid);
+    memset(tally->late.rows, 0, cells * sizeof *tally->late.rows);
+    tally->late.count = 0;
 }
 
 /* Adds to the sums of rows and columns; by_row may be NULL. */
@@ -156,27 +189,29 @@ static void sum_table(const uint64_t *cells, size_t rows, size_t columns, uint64
 /* The totals and profiles of all that a tally has scored itself. */
 static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
 {
+    const struct cml_profile_places at = cml_tally_profiles(&tally->grid);
     const size_t rows = (size_t)tally->grid.nr + 1, na = (size_t)tally->grid.na;
     const size_t columns = (size_t)tally->grid.nz + 2;
-    uint64_t *Rd_r = sums + CML_NUM_TOTALS, *Tt_r = Rd_r + rows;
-    uint64_t *Rd_a = Tt_r + rows, *Tt_a = Rd_a + na, *A_z = Tt_a + na;
-    memset(sums, 0, cml_tally_profile_bins(&tally->grid) * sizeof *sums);
+    memset(sums, 0, at.bins * sizeof *sums);
     for (int i = 0; i < CML_NUM_TOTALS; i++)
         sums[i] = tally->balance[cml_balance_term_of_total((enum cml_total)i)];
-    sum_table(tally->Rd_ra, rows, na, Rd_r, Rd_a);
-    sum_table(tally->Tt_ra, rows, na, Tt_r, Tt_a);
-    if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, A_z);
-    if (tally->grid.depths) memcpy(A_z, tally->A_z, columns * sizeof *A_z);
+    sum_table(tally->Rd_ra, rows, na, sums + at.Rd_r, sums + at.Rd_a);
+    sum_table(tally->Tt_ra, rows, na, sums + at.Tt_r, sums + at.Tt_a);
+    if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, sums + at.A_z);
+    if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, columns * sizeof *sums);
 }
 
 /* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter
  * than its grids: the difference to the last sums is what came since. */
 void cml_tally_note(struct cml_tally *tally)
 {
+    const size_t bins = cml_tally_profile_bins(&tally->grid);
     sum_profiles(tally, tally->brought);
-    for (size_t i = 0; i < cml_tally_profile_bins(&tally->grid); i++) {
+    for (size_t i = 0; i < bins; i++) {
         const uint64_t sum = tally->brought[i];
         tally->brought[i] = sum - tally->summed[i];
         tally->summed[i] = sum;
     }
+    for (int row = 0; row < tally->late.count; row++)
+        for (size_t i = 0; i < bins; i++) tally->brought[i] -= tally->late.rows[(size_t)row * bins + i];
 }

@@ -45,6 +45,16 @@ struct cml_lost_list {
     uint64_t index[CML_LOST_LISTED];
 };
 
+/* Late packets fly on while those of another batch are launched, into the same tally. What they bring to
+ * totals and profiles is kept here as well, in a row for each of their batches: so the rest, which is of the
+ * batch under way, can be told from it. */
+struct cml_late {
+    int count;                   /* of rows in use */
+    int batch[CML_NUM_BATCHES];  /* of a row */
+    int row_of[CML_NUM_BATCHES]; /* of a batch, where row_of < count and batch[row_of] is that batch */
+    uint64_t *rows;              /* [64][bins], those not in use zero */
+};
+
 /* Its grids have cells of their own for what lies beyond them (P7), which a result adds to the last and first
  * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
 struct cml_tally {
@@ -61,10 +71,10 @@ struct cml_tally {
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
-    /* Totals [CML_NUM_TOTALS] and profiles, one behind the other and with the bins beyond the grid: Rd_r and
-     * Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz. */
+    /* Totals and profiles (struct cml_profile_places) */
     uint64_t *summed;  /* of all that was there at the last cml_tally_note; private */
-    uint64_t *brought; /* of what had come since the one before */
+    uint64_t *brought; /* of what had come since the one before, but for late packets */
+    struct cml_late late;
 };
 
 /* The term of the balance that is this total. */
@@ -104,11 +114,25 @@ void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *f
  */
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 
+/* Where totals [CML_NUM_TOTALS] and profiles begin that lie one behind the other, with the bins beyond the
+ * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz. */
+struct cml_profile_places {
+    size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, bins; /* totals begin at 0; bins: of all */
+};
+struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid);
+
 /* Totals and bins of all profiles together. */
 size_t cml_tally_profile_bins(const struct cml_grid *grid);
 
+/* The row for the totals and profiles of late packets of a batch, 0..63: what is added to it must be in the
+ * tally's arrays, too. Good until cml_tally_clear_late. */
+uint64_t *cml_tally_late(struct cml_tally *tally, int batch);
+
+/* No packet is late any more, or all rows have been noted. */
+void cml_tally_clear_late(struct cml_tally *tally);
+
 /* Sets `brought` to the totals and profiles of all that the tally itself has got since the last call, or
- * since it was zero.
+ * since it was zero, without what is in rows of late packets.
  */
 void cml_tally_note(struct cml_tally *tally);
 

@@ -9,7 +9,12 @@ checked=0
 for sample in samples/*.mci samples/shapes/*.mci; do
     grep -q '^\(#@ \)\?m ' "$sample" && continue
     photons=1e4
-    case $sample in */skin7.mci | */thick.mci | */fig7text.mci) photons=2e3 ;; esac
+    # Planes take specular light off every packet alike, a mesh turns few packets back: batches must be large enough to have
+    # some of these, or their differences are too skewed for Student's t.
+    case $sample in
+        */skin7.mci | */thick.mci | */fig7text.mci) photons=2e3 ;;
+        */flat50.mci) photons=1e5 ;;
+    esac
     expect_code 0 crosscheck "$sample" --photons $photons
     grep -q '^opencl against .*: agree$' "$work/out" || complain "$sample: $(cat "$work/out")"
     grep -q 'residue [^0]' "$work/out" && complain "$sample: $(cat "$work/out")"

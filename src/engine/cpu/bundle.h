@@ -76,9 +76,10 @@ struct cml_bundle {
     cml_u32 draw0[CML_LANES], draw1[CML_LANES], draw2[CML_LANES]; /* words of the next interaction */
     cml_u32 index_low[CML_LANES], index_high[CML_LANES];          /* photon index */
     /* words of the lattice (lattice.h), but for their lowest bits: of the second and third interaction, and
-     * of the first reflection */
+     * of the first two reflections */
     cml_u32 second0[CML_LANES], second1[CML_LANES], second2[CML_LANES];
-    cml_u32 third0[CML_LANES], third1[CML_LANES], third2[CML_LANES], reflection[CML_LANES];
+    cml_u32 third0[CML_LANES], third1[CML_LANES], third2[CML_LANES];
+    cml_u32 reflection[CML_LANES], second_reflection[CML_LANES];
     cml_u32 interactions[CML_LANES], crossings[CML_LANES], boundary_events[CML_LANES]; /* as in cml_packet */
     /* Of the last boundary event: how many interactions came before it. While that is equal to interactions,
      * bounces and on_boundary hold; otherwise the packet has interacted since, stands on nothing and has not
@@ -98,7 +99,7 @@ struct cml_bundle {
  * group may be read from any of them. */
 struct cml_launch_queue {
     int first, end;
-    struct cml_block shifts[CML_LATTICE_EVENTS]; /* of the photons' batch */
+    struct cml_block shifts[CML_LATTICE_BLOCKS]; /* of the photons in hand */
     _Alignas(64) cml_u32 index_low[CML_QUEUE + CML_GROUP], index_high[CML_QUEUE + CML_GROUP];
     cml_u32 reversed[CML_QUEUE + CML_GROUP]; /* their points of the lattice */
     cml_u32 draw1[CML_QUEUE + CML_GROUP], draw2[CML_QUEUE + CML_GROUP];

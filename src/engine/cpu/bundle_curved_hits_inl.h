@@ -78,7 +78,8 @@ CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real sid
                                          struct cml_hits *h)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even = setup->stream.lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
+    const cml_u32 even =
+        setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u; /* crossings with the lattice */
     const int count = h->count, size = cml_whole_vectors(count);
     int overruled = 0;
 #pragma omp simd reduction(+ : overruled)
@@ -87,7 +88,7 @@ CML_LOOP int cml_hits_reflect_or_refract(const struct cml_setup *setup, real sid
         const struct cml_vec up = {h->normal_x[k], h->normal_y[k], h->normal_z[k]};
         const struct cml_block draw =
             cml_threefry(stream, h->index_low[k], h->index_high[k], h->crossings[k], CML_PURPOSE_BOUNDARY);
-        const cml_u32 word = cml_even_or_random(h->crossings[k] == even, h->reflection[k], draw.w[0]);
+        const cml_u32 word = cml_even_or_random(h->crossings[k] < even, h->reflection[k], draw.w[0]);
         int through;
         const struct cml_vec v = cml_boundary_direction(u, up, side, n1, n2, cml_uniform(word), &through);
         const real leaving = side * cml_dot(v, up);

@@ -46,7 +46,7 @@ static int cml_add_hit(const struct cml_bundle *b, int i, int primitive, struct 
     h->index_low[k] = b->index_low[i];
     h->index_high[k] = b->index_high[i];
     h->crossings[k] = b->crossings[i];
-    h->reflection[k] = b->reflection[i];
+    h->reflection[k] = b->crossings[i] == 0u ? b->reflection[i] : b->second_reflection[i];
     return k;
 }
 

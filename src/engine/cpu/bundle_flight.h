@@ -7,10 +7,12 @@
 #include "engine/cpu/bundle_hooks.h"
 #include "engine/terminated_packets_inl.h"
 
-/* Hands out the next photons *first, *first + 64, *first + 128 and so on, *count of them, all of the batch
- * under way (tally/places.h); 0 when there are none. */
+/* next hands out the next photons *first, *first + 64, *first + 128 and so on, *count of them, all of one
+ * batch (tally/places.h); 0 when there are no more. note is told when the tally has all that came since it
+ * was last called: of this batch, and of late packets. */
 struct cml_range_source {
     int (*next)(void *context, uint64_t *first, uint64_t *count);
+    void (*note)(void *context, int batch, struct cml_tally *tally);
     void *context;
 };
 
@@ -52,6 +54,11 @@ struct cml_flight {
     uint64_t absorbed[CML_LANES]; /* by the lane's packet, up to when its deposits were last booked */
     int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
     int wait_at_curved;           /* the same of lanes at curved boundaries */
+    /* batches */
+    struct cml_profile_places profiles; /* of the tally */
+    int batch;                          /* under way: packets of it are launched; -1 before the first */
+    uint64_t late;                      /* mask: lanes whose packets are of batches before it */
+    uint64_t *late_profiles[CML_LANES]; /* of such a lane: its batch's row (cml_tally_late) */
     /* photons on their way in and out */
     uint64_t next, left; /* photons in hand, beyond the queue: first index, and number */
     struct cml_launch_queue queue;

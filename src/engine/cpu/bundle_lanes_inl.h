@@ -135,6 +135,24 @@ static void cml_store_near_boundary(struct cml_bundle *b, int i, const struct cm
     b->on_primitive[i] = CML_NEAR_FACETS;
 }
 
+/* Totals and profiles of a late packet, lane i, that has ended: entry `at` of the collection (tally.h). */
+static void cml_end_late(const struct cml_flight *f, int i, int at)
+{
+    const struct cml_setup *setup = &f->world->setup;
+    const struct cml_terminated *terminated = &f->terminated;
+    const struct cml_profile_places places = f->profiles;
+    const int fate = terminated->fate[at], up = fate == CML_FATE_REFLECTED;
+    const cml_u32 w = terminated->w[at];
+    uint64_t *row = f->late_profiles[i];
+    row[CML_TOTAL_SPECULAR] += setup->specular + (fate == CML_FATE_SPECULAR ? w : 0u);
+    row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
+    if (!up && fate != CML_FATE_TRANSMITTED) return;
+    row[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += w;
+    row[(up ? places.Rd_r : places.Tt_r) +
+        (size_t)cml_radial_bin(setup, terminated->exit_x[at], terminated->exit_y[at])] += w;
+    row[(up ? places.Rd_a : places.Tt_a) + (size_t)cml_angle_bin(setup, terminated->uz[at])] += w;
+}
+
 /* The lane's packet has ended, as `end` says but for what it has absorbed. Inlined, so that `end` goes from
  * lane to collection in registers: built in memory, it would be stored in parts and loaded whole, which
  * stalls. */
@@ -143,7 +161,9 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
 {
     cml_flush_deposits(f, i);
     end.absorbed = f->absorbed[i];
+    const int at = f->terminated.count;
     cml_terminated_push(&f->world->setup, &f->terminated, &end, f->tally);
+    if (f->late & CML_LANE_BIT(i)) cml_end_late(f, i, at);
     CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* it held a packet, which ends once */
     f->b->task[i] = CML_LANE_ENDED;
     f->ended |= CML_LANE_BIT(i);

@@ -24,6 +24,7 @@ static void cml_park_lane(struct cml_flight *f, int i)
     CML_OF_MEDIUM(b, stop_above)[i] = CML_OF_MEDIUM(b, start_above)[i] = -CML_INFINITY;
     CML_OF_MEDIUM(b, stop_below)[i] = CML_OF_MEDIUM(b, start_below)[i] = CML_INFINITY;
     f->live &= ~CML_LANE_BIT(i);
+    f->late &= ~CML_LANE_BIT(i);
 }
 
 /* Draws the optical depths of the queue that cml_queue_draw has found in the tail and left infinite (P2).
@@ -36,7 +37,7 @@ static void cml_queue_draw_tails(struct cml_stream stream, uint64_t next, struct
 }
 
 /* Counts the ballistic packets among the first `count` of the queue and drops them: all of them end alike, so
- * one end times their number is booked when the flight is over (cml_flight_run). The others close up;
+ * one end times their number is booked with their batch (cml_note_batch). The others close up;
  * returns how many they are. */
 static int cml_count_ballistic(struct cml_flight *f, int count)
 {
@@ -61,6 +62,48 @@ static int cml_count_ballistic(struct cml_flight *f, int count)
     return at;
 }
 
+/* Into the tally, and noted: all that packets of the batch under way have brought so far, and those that were
+ * late. Ballistic packets have been counted only: their one end goes into the tally as often as they were. */
+static void cml_note_batch(struct cml_flight *f)
+{
+    const struct cml_setup *setup = &f->world->setup;
+    cml_terminated_flush(setup, &f->terminated, f->tally);
+    if (f->ballistic.count > 0) {
+        cml_terminated_push(setup, &f->terminated, &f->ballistic.end, f->tally);
+        cml_terminated_flush_times(setup, &f->terminated, f->ballistic.count, f->tally);
+        f->ballistic.count = 0;
+    }
+    if (f->batch >= 0) f->source->note(f->source->context, f->batch, f->tally);
+    cml_tally_clear_late(f->tally);
+}
+
+/* The photons that come next are of another batch. Those in flight are late from here on: the bundle stays
+ * full, which it would not if it waited for them. Lanes whose packets have ended are among them until they
+ * are refilled. */
+static void cml_begin_batch(struct cml_flight *f, int batch)
+{
+    const struct cml_bundle *b = f->b;
+    cml_note_batch(f);
+    f->late = f->batch >= 0 ? f->live : 0;
+    for (uint64_t rest = f->late; rest; rest &= rest - 1) {
+        const int i = __builtin_ctzll(rest);
+        f->late_profiles[i] = cml_tally_late(f->tally, (int)(b->index_low[i] % CML_NUM_BATCHES));
+    }
+    f->batch = batch;
+}
+
+/* The next photons into hand, and the shifts that they have in common. Returns 0 when there are none. */
+static int cml_take_photons(struct cml_flight *f)
+{
+    if (!f->source->next(f->source->context, &f->next, &f->left)) return 0;
+    const cml_u32 low = (cml_u32)f->next, high = (cml_u32)(f->next >> 32);
+    const int batch = (int)(low % CML_NUM_BATCHES);
+    if (batch != f->batch) cml_begin_batch(f, batch);
+    for (cml_u32 e = 0; e < CML_LATTICE_BLOCKS; e++)
+        f->queue.shifts[e] = cml_lattice_shifts(f->world->setup.stream, low, high, e);
+    return 1;
+}
+
 /* Fills the queue if it is empty, from the range in hand or the next one. Returns 0 when there are no more
  * packets. */
 static int cml_fill_queue(struct cml_flight *f)
@@ -68,10 +111,8 @@ static int cml_fill_queue(struct cml_flight *f)
     struct cml_launch_queue *queue = &f->queue;
     const struct cml_stream stream = f->world->setup.stream;
     while (queue->first >= queue->end) {
-        if (f->left == 0 && !f->source->next(f->source->context, &f->next, &f->left)) return 0;
+        if (f->left == 0 && !cml_take_photons(f)) return 0;
         const int count = f->left < CML_QUEUE ? (int)f->left : CML_QUEUE;
-        for (cml_u32 e = 0; e < CML_LATTICE_EVENTS; e++)
-            queue->shifts[e] = cml_lattice_shifts(stream, (cml_u32)f->next, (cml_u32)(f->next >> 32), e);
         if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
             cml_queue_draw_tails(stream, f->next, queue);
         f->next += CML_NUM_BATCHES * (uint64_t)count;
@@ -113,6 +154,8 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
         memcpy(lanes + sizeof(real) * (size_t)to, lanes + sizeof(real) * (size_t)from, sizeof(real));
     }
     f->absorbed[to] = f->absorbed[from];
+    f->late_profiles[to] = f->late_profiles[from];
+    f->late |= (f->late >> from & 1u) << to;
     f->live |= CML_LANE_BIT(to);
 }
 
@@ -178,6 +221,7 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     if (f->world->setup.stream.lattice) cml_launch_lattice(f, first, lanes);
     const cml_u32 inside = f->enters ? cml_lanes_transmitted_first(queue, lanes) : 0;
     queue->first += __builtin_popcount(lanes);
+    f->late &= ~((uint64_t)lanes << first);
     if (inside) cml_launch_like(f, &f->inside, first, inside);
     if (lanes & ~inside) cml_launch_like(f, &f->start, first, lanes & ~inside);
     if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);

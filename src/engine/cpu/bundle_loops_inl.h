@@ -43,15 +43,33 @@ static inline cml_u32 cml_even_or_random(int even, cml_u32 lattice, cml_u32 rand
  * the loops beside it, and a profile could not tell them apart. What it calls is inlined. */
 #define CML_LOOP static __attribute__((noinline))
 
+/* What the photons of the queue have in common when they draw for the reflection at a boundary event. */
+struct cml_queue_crossing {
+    cml_u32 crossing;         /* its number, as in cml_draw_reflection */
+    int even;                 /* draws from the lattice */
+    cml_u32 generator, shift; /* there */
+};
+
+static inline struct cml_queue_crossing
+cml_queue_crossing_of(const struct cml_setup *setup, const struct cml_launch_queue *queue, cml_u32 crossing)
+{
+    const cml_u32 dimension = cml_lattice_reflection(crossing);
+    const struct cml_queue_crossing at = {.crossing = crossing,
+                                          .even = (crossing < CML_LATTICE_REFLECTIONS) &
+                                                  (setup->stream.lattice > 0u),
+                                          .generator = cml_lattice_generator(dimension),
+                                          .shift = queue->shifts[dimension / 4u].w[dimension % 4u]};
+    return at;
+}
+
 /* cml_draw_reflection for photon i of the queue. */
-static inline cml_u32 cml_queue_reflection(const struct cml_setup *setup,
-                                           const struct cml_launch_queue *queue, int i, cml_u32 crossing)
+static inline cml_u32 cml_queue_reflection(struct cml_stream stream, const struct cml_launch_queue *queue,
+                                           int i, struct cml_queue_crossing at)
 {
     const cml_u32 random =
-        cml_threefry(setup->stream, queue->index_low[i], queue->index_high[i], crossing, CML_PURPOSE_BOUNDARY)
+        cml_threefry(stream, queue->index_low[i], queue->index_high[i], at.crossing, CML_PURPOSE_BOUNDARY)
             .w[0];
-    const cml_u32 lattice = cml_lattice_word(queue->reversed[i], CML_LATTICE_REFLECTION, queue->shifts[0], 0);
-    return cml_even_or_random((crossing == 0u) & (setup->stream.lattice > 0u), lattice, random);
+    return cml_even_or_random(at.even, queue->reversed[i] * at.generator + at.shift, random);
 }
 
 /* Fills the launch queue with CML_QUEUE photons of a batch from index `next` on: the block of their first
@@ -83,9 +101,10 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
         tail |= draw.w[0] == 0u;
     }
     if (!(reflectance > 0)) return tail;
+    const struct cml_queue_crossing entry = cml_queue_crossing_of(setup, queue, 0);
 #pragma omp simd
     for (int i = 0; i < CML_QUEUE; i++) {
-        const cml_u32 word = cml_queue_reflection(setup, queue, i, 0);
+        const cml_u32 word = cml_queue_reflection(stream, queue, i, entry);
         queue->through[i] = !(cml_uniform(word) <= reflectance);
     }
     return tail;
@@ -94,14 +113,15 @@ CML_LOOP int cml_queue_draw(const struct cml_setup *setup, uint64_t next, real r
 /* Which photons of the queue are not ballistic: they interact before they have flown `path` (cm) through a
  * medium of that mean free path (cm), or are reflected at the boundary before it or at the one behind it.
  * crossings: number of the random draw for the boundary behind, reflectance: of that boundary. */
-CML_LOOP void cml_queue_find_not_ballistic(const struct cml_setup *shared, real path, real mfp,
+CML_LOOP void cml_queue_find_not_ballistic(const struct cml_setup *setup, real path, real mfp,
                                            cml_u32 crossings, real reflectance,
                                            struct cml_launch_queue *queue)
 {
-    const struct cml_setup setup = *shared;
+    const struct cml_stream stream = setup->stream;
+    const struct cml_queue_crossing behind = cml_queue_crossing_of(setup, queue, crossings);
 #pragma omp simd
     for (int i = 0; i < CML_QUEUE; i++) {
-        const cml_u32 word = cml_queue_reflection(&setup, queue, i, crossings);
+        const cml_u32 word = cml_queue_reflection(stream, queue, i, behind);
         const int interacts = !(path < cml_path(queue->tau[i], mfp)), enters = queue->through[i];
         queue->not_ballistic[i] = interacts | !enters | (cml_uniform(word) <= reflectance);
     }
@@ -140,12 +160,12 @@ CML_LOOP void cml_bundle_launch(struct cml_bundle *b, const struct cml_packet *s
 }
 
 /* Words of the lattice for new packets in the lanes of a group, as in cml_bundle_launch: for the interactions
- * after the first, and for the first reflection. reversed: [CML_GROUP] of their photons; shifts:
- * [CML_LATTICE_EVENTS] of their batch. */
+ * after the first, and for the reflections. reversed: [CML_GROUP] of their photons; shifts:
+ * [CML_LATTICE_BLOCKS] of their batch. */
 CML_LOOP void cml_bundle_launch_lattice(struct cml_bundle *b, const cml_u32 *reversed,
                                         const struct cml_block *shifts, int first, cml_u32 lanes)
 {
-    const struct cml_block second = shifts[1], third = shifts[2], reflection = shifts[0];
+    const struct cml_block first_block = shifts[0], second = shifts[1], third = shifts[2], last = shifts[3];
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         const int i = first + k, active = (int)(lanes >> k & 1u);
@@ -156,8 +176,10 @@ CML_LOOP void cml_bundle_launch_lattice(struct cml_bundle *b, const cml_u32 *rev
         b->third0[i] = cml_pick_word(active, cml_lattice_word(x, 8, third, 0), b->third0[i]);
         b->third1[i] = cml_pick_word(active, cml_lattice_word(x, 9, third, 0), b->third1[i]);
         b->third2[i] = cml_pick_word(active, cml_lattice_word(x, 10, third, 0), b->third2[i]);
-        b->reflection[i] = cml_pick_word(active, cml_lattice_word(x, CML_LATTICE_REFLECTION, reflection, 0),
+        b->reflection[i] = cml_pick_word(active, cml_lattice_word(x, CML_LATTICE_REFLECTION, first_block, 0),
                                          b->reflection[i]);
+        b->second_reflection[i] = cml_pick_word(
+            active, cml_lattice_word(x, CML_LATTICE_SECOND_REFLECTION, last, 0), b->second_reflection[i]);
     }
 }
 
@@ -347,7 +369,8 @@ CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b)
 CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struct cml_bundle *b)
 {
     const struct cml_stream stream = setup->stream;
-    const cml_u32 even = setup->stream.lattice ? 0u : ~0u; /* the crossing that draws from the lattice */
+    const cml_u32 even =
+        setup->stream.lattice ? CML_LATTICE_REFLECTIONS : 0u; /* crossings with the lattice */
     const int lanes = b->lanes;
     const real *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
@@ -357,16 +380,18 @@ CML_LOOP void cml_bundle_reflect_or_refract(const struct cml_setup *setup, struc
         const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
         const int task = b->task[i], active = task == CML_LANE_AT_PLANE;
         const real na = n_above[i], nb = n_below[i];
+        const cml_u32 crossing = b->crossings[i];
         const struct cml_block draw =
-            cml_threefry(stream, b->index_low[i], b->index_high[i], b->crossings[i], CML_PURPOSE_BOUNDARY);
-        const cml_u32 word = cml_even_or_random(b->crossings[i] == even, b->reflection[i], draw.w[0]);
+            cml_threefry(stream, b->index_low[i], b->index_high[i], crossing, CML_PURPOSE_BOUNDARY);
+        const cml_u32 lattice = cml_pick_word(crossing == 0u, b->reflection[i], b->second_reflection[i]);
+        const cml_u32 word = cml_even_or_random(crossing < even, lattice, draw.w[0]);
         int through;
         const struct cml_vec v = cml_plane_direction(u, n[i], u.z < 0 ? na : nb, cml_uniform(word), &through);
         const int event = through ? CML_LANE_TRANSMITTED : CML_LANE_REFLECTED;
         b->ux[i] = cml_pick(active, v.x, u.x);
         b->uy[i] = cml_pick(active, v.y, u.y);
         b->uz[i] = cml_pick(active, v.z, u.z);
-        b->crossings[i] += (cml_u32)active;
+        b->crossings[i] = crossing + (cml_u32)active;
         b->task[i] = cml_pick_int(active, event, task);
     }
 }
@@ -435,6 +460,15 @@ cml_bundle_hop_drop_spin(const struct cml_setup *shared, struct cml_bundle *b, c
         b->uz[i] = cml_pick(active, v.z, u.z);
     }
     return low;
+}
+
+/* Depth bins (P7) of all lanes, where they have been moved to: [CML_LANES]. */
+CML_LOOP void cml_bundle_find_depths(const struct cml_setup *shared, const struct cml_bundle *b, int *depths)
+{
+    const struct cml_setup setup = *shared;
+    const int lanes = b->lanes;
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) depths[i] = cml_depth_bin(&setup, b->z[i], CML_OF_MEDIUM(b, bins)[i]);
 }
 
 /* Where absorption is tallied. */

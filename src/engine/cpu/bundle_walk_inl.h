@@ -55,6 +55,10 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     terminated->count = at + __builtin_popcount(exits);
     CML_ASSERT(((uint64_t)exits << first & (f->ended | ~f->live)) == 0);
     f->ended |= (uint64_t)exits << first;
+    for (cml_u32 late = exits & (cml_u32)(f->late >> first); late; late &= late - 1) {
+        const int k = __builtin_ctz(late);
+        cml_end_late(f, first + k, at + __builtin_popcount(exits & ((1u << k) - 1)));
+    }
     if (cml_tallies_places(f->tally))
         for (int i = at; i < terminated->count; i++) cml_tally_places(setup, terminated, i, 0, f->tally);
     cml_terminated_make_room(setup, terminated, f->tally);
@@ -205,6 +209,19 @@ static void cml_scatter_deposits(const struct cml_bundle *b, const struct cml_ta
         }
 }
 
+/* Those of late packets once more, into A_z of their batches. */
+static void cml_scatter_late(const struct cml_flight *f)
+{
+    const struct cml_bundle *b = f->b;
+    const size_t A_z = f->profiles.A_z;
+    _Alignas(64) int depths[CML_LANES];
+    cml_bundle_find_depths(&f->world->setup, b, depths);
+    for (uint64_t rest = f->late; rest; rest &= rest - 1) {
+        const int i = __builtin_ctzll(rest);
+        f->late_profiles[i][A_z + (size_t)depths[i]] += b->dw[i];
+    }
+}
+
 /* The same into the voxels of the volume, where one is asked for; threads share it. */
 static void cml_scatter_volume(const struct cml_flight *f)
 {
@@ -223,6 +240,7 @@ static void cml_flight_interact(struct cml_flight *f)
     if (f->tally->A_rz) {
         low = cml_bundle_interact(setup, f->b);
         cml_scatter_deposits(f->b, f->tally);
+        if (f->late) cml_scatter_late(f);
         if (f->to.A_xyz) cml_scatter_volume(f);
     } else {
         low = cml_bundle_scatter(setup, f->b);
@@ -276,6 +294,8 @@ static void cml_flight_begin(struct cml_flight *f)
     cml_find_first_hit(f);
     cml_find_ballistic(f);
     f->b->lanes = CML_LANES;
+    f->batch = -1;
+    f->profiles = cml_tally_profiles(&f->tally->grid);
     for (int i = 0; i < CML_LANES; i++) {
         f->b->medium[i] = -1; /* no columns yet */
         CML_OF_MEDIUM(f->b, start_above)[i] = -CML_INFINITY;
@@ -285,16 +305,11 @@ static void cml_flight_begin(struct cml_flight *f)
     cml_refill(f);
 }
 
-/* Passes until the last packet has ended. Ballistic packets have been counted only: their one end goes into
- * the tally as often as they were. */
+/* Passes until the last packet has ended. */
 static void cml_flight_run(struct cml_flight *f)
 {
-    const struct cml_setup *setup = &f->world->setup;
     while (f->live) cml_flight_pass(f);
-    cml_terminated_flush(setup, &f->terminated, f->tally);
-    if (f->ballistic.count == 0) return;
-    cml_terminated_push(setup, &f->terminated, &f->ballistic.end, f->tally);
-    cml_terminated_flush_times(setup, &f->terminated, f->ballistic.count, f->tally);
+    cml_note_batch(f);
 }
 
 /* Flies all packets that the source hands out. Everything goes into `tally`, which no other thread writes but

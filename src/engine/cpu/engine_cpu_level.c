@@ -94,42 +94,36 @@ struct supply {
     const struct cml_work *work;
     uint64_t chunk;
     int threads;
-    int batch;              /* of the packets that are under way */
-    struct cml_piece piece; /* to fly next; empty when the walk has it */
     bool ended;
 };
 
-static void take_piece(struct supply *supply)
-{
-    supply->ended =
-        !supply->work->next(supply->work->context, supply->chunk, supply->threads, &supply->piece);
-}
-
-/* For struct cml_range_source: the next photons of the batch under way. A piece of another batch waits, and
- * is the first of the next walk. Which thread flies which photons does not matter: a photon owns its random
- * numbers, and sums are of integers. */
+/* For struct cml_range_source. Which thread flies which photons does not matter: a photon owns its random
+ * numbers, and sums are of integers. Once there are no more, nobody is asked again. */
 static int next_photons(void *context, uint64_t *first, uint64_t *count)
 {
     struct supply *supply = context;
-    if (supply->piece.count == 0 && !supply->ended) take_piece(supply);
-    if (supply->piece.count == 0 || supply->piece.batch != supply->batch) return 0;
-    *first = supply->piece.first;
-    *count = supply->piece.count;
-    supply->piece.count = 0;
+    const struct cml_work *work = supply->work;
+    struct cml_piece piece;
+    if (supply->ended) return 0;
+    supply->ended = !work->next(work->context, supply->chunk, supply->threads, &piece);
+    if (supply->ended) return 0;
+    *first = piece.first;
+    *count = piece.count;
     return 1;
+}
+
+static void note_batch(void *context, int batch, struct cml_tally *tally)
+{
+    const struct cml_work *work = ((const struct supply *)context)->work;
+    work->note(work->context, batch, tally);
 }
 
 /* Batch after batch into the thread's tally. */
 static void fly_thread(const struct cpu_engine *cpu, const struct cml_work *work, struct cml_tally *tally)
 {
     struct supply supply = {.work = work, .chunk = cpu->chunk, .threads = cpu->threads};
-    const struct cml_range_source source = {next_photons, &supply};
-    take_piece(&supply);
-    while (supply.piece.count > 0) {
-        supply.batch = supply.piece.batch;
-        cml_bundle_walk(&cpu->owned.world, cpu->media, &source, tally);
-        work->note(work->context, supply.batch, tally);
-    }
+    const struct cml_range_source source = {next_photons, note_batch, &supply};
+    cml_bundle_walk(&cpu->owned.world, cpu->media, &source, tally);
 }
 
 /* What the threads of one call of cpu_run do. */

@@ -34,12 +34,11 @@ struct ledger {
     enum hold hold;
     bool held, in_vain;
     uint64_t by_held;
-    struct cml_tally tally;
+    struct cml_result result;
 };
 
-/* Of the thread: packets that it was given and has not noted, by batch; what its tally held when last noted.
- */
-static _Thread_local uint64_t pending[CML_NUM_BATCHES], seen;
+/* Of the thread: packets that it was given of a batch and that were not under way when that was noted. */
+static _Thread_local uint64_t pending[CML_NUM_BATCHES];
 static _Thread_local int calls;
 
 static uint64_t all_pending(void)
@@ -80,16 +79,16 @@ static bool next(void *context, uint64_t most, int takers, struct cml_piece *pie
     return count > 0;
 }
 
-/* What has come to the tally must be what the thread was given of that batch. */
+/* Of a batch that the thread was given. */
 static void note(void *context, int batch, struct cml_tally *tally)
 {
     struct ledger *ledger = context;
-    const uint64_t flown = tally->count[CML_COUNT_PHOTONS] - seen;
+    cml_tally_note(tally);
     pthread_mutex_lock(&ledger->lock);
-    ledger->wrong_notes += flown != pending[batch];
+    ledger->wrong_notes += pending[batch] == 0;
+    cml_result_note(&ledger->result, batch, tally);
     if (ledger->hold == IN_NOTE) hold(ledger);
-    ledger->noted += flown;
-    seen += flown;
+    ledger->noted += pending[batch];
     pending[batch] = 0;
     pthread_cond_broadcast(&ledger->changed);
     pthread_mutex_unlock(&ledger->lock);
@@ -100,19 +99,87 @@ static void add(void *context, struct cml_tally *tally)
     struct ledger *ledger = context;
     pthread_mutex_lock(&ledger->lock);
     ledger->wrong_notes += all_pending() != 0;
-    cml_tally_move(&ledger->tally, tally);
-    seen = 0;
+    cml_result_add(&ledger->result, tally);
+    cml_tally_zero(tally);
     calls = 0;
     pthread_mutex_unlock(&ledger->lock);
 }
 
+/* Every batch by itself. */
+struct single {
+    int batch; /* the next one, whose packets are one piece; -1: there is none */
+    struct cml_result *result;
+};
+
+static bool next_single(void *context, uint64_t most, int takers, struct cml_piece *piece)
+{
+    (void)most;
+    (void)takers;
+    struct single *single = context;
+    *piece = (struct cml_piece){0};
+    if (single->batch < 0) return false;
+    *piece = (struct cml_piece){(uint64_t)single->batch, PACKETS / CML_NUM_BATCHES, single->batch};
+    single->batch = -1;
+    return true;
+}
+
+static void note_single(void *context, int batch, struct cml_tally *tally)
+{
+    const struct single *single = context;
+    cml_tally_note(tally);
+    cml_result_note(single->result, batch, tally);
+}
+
+static void add_single(void *context, struct cml_tally *tally)
+{
+    const struct single *single = context;
+    cml_result_add(single->result, tally);
+    cml_tally_zero(tally);
+}
+
+static struct cml_result empty_result(const struct bench *bench)
+{
+    const struct cml_grid grid = cml_engine_grid(bench->list.scenes, &bench->surfaces, &bench->options);
+    struct cml_error err;
+    struct cml_result result;
+    require_ok(cml_result_create(&grid, PACKETS, &result, &err), &err);
+    return result;
+}
+
+/* One batch after the other, so that no packet of one can be taken for one of another. */
+static struct cml_result fly_by_batch(const struct bench *bench, const struct cml_engine *engine)
+{
+    struct cml_error err;
+    struct cml_result result = empty_result(bench);
+    void *self = open_engine(bench, engine);
+    for (int batch = 0; batch < CML_NUM_BATCHES; batch++) {
+        struct single single = {batch, &result};
+        const struct cml_work work = {&single, next_single, note_single, add_single, NULL};
+        require_ok(engine->run(self, &work, &err), &err);
+    }
+    engine->close(self);
+    return result;
+}
+
+/* To the last bit: the cells of all arrays, with totals and profiles of every batch, balance and counts. */
+static void expect_same_result(struct cml_result *a, struct cml_result *b)
+{
+    size_t count_a, count_b;
+    const cml_u128 *cells_a = cml_result_cells(a, &count_a), *cells_b = cml_result_cells(b, &count_b);
+    assert_int_equal(count_a, count_b);
+    for (size_t i = 0; i < count_a; i++)
+        if (cells_a[i] != cells_b[i]) fail_msg("cell %zu differs", i);
+    assert_memory_equal(a->summary.balance, b->summary.balance, sizeof a->summary.balance);
+    assert_memory_equal(a->summary.count, b->summary.count, sizeof a->summary.count);
+}
+
 /* All packets on an engine of `bench`, and what must hold of any. */
-static void fly(const struct bench *bench, const struct cml_engine *engine, const struct cml_tally *right,
+static void fly(const struct bench *bench, const struct cml_engine *engine, struct cml_result *right,
                 struct ledger *ledger)
 {
     struct cml_error err;
     const struct cml_work work = {ledger, next, note, add, NULL};
-    ledger->tally = empty_tally(bench);
+    ledger->result = empty_result(bench);
     pthread_mutex_init(&ledger->lock, NULL);
     pthread_cond_init(&ledger->changed, NULL);
     void *self = open_engine(bench, engine);
@@ -121,13 +188,13 @@ static void fly(const struct bench *bench, const struct cml_engine *engine, cons
     for (int i = 0; i < PACKETS; i++) assert_int_equal(ledger->times[i], 1);
     assert_int_equal(ledger->noted, PACKETS);
     assert_int_equal(ledger->wrong_notes, 0);
-    expect_same(right, &ledger->tally, "work in pieces");
-    cml_tally_free(&ledger->tally);
+    expect_same_result(right, &ledger->result);
+    cml_result_free(&ledger->result);
     pthread_mutex_destroy(&ledger->lock);
     pthread_cond_destroy(&ledger->changed);
 }
 
-static struct bench set_up(void **state, const char *text, struct cml_tally *right)
+static struct bench set_up(void **state, const char *text, struct cml_result *right)
 {
     struct bench bench = {.options = {.seed = 5,
                                       .threads = 1,
@@ -139,10 +206,7 @@ static struct bench set_up(void **state, const char *text, struct cml_tally *rig
     struct cml_error err;
     case_read_ok(state, text, &bench.list);
     require_ok(cml_surfaces_create(bench.list.scenes, &options, &bench.surfaces, &err), &err);
-    *right = empty_tally(&bench);
-    void *self = open_engine(&bench, cml_engine_cpu());
-    require_ok(cml_engine_run_range(cml_engine_cpu(), self, 0, PACKETS, right, &err), &err);
-    cml_engine_cpu()->close(self);
+    *right = fly_by_batch(&bench, cml_engine_cpu());
     return bench;
 }
 
@@ -150,7 +214,7 @@ static void every_packet_is_flown_once_in_its_batch(void **state)
 {
     static const int threads[] = {1, 2, 5, 16};
     static const uint64_t chunks[] = {0, 1, 7, 100, 100000}, most[] = {0, 3, 50};
-    struct cml_tally right;
+    struct cml_result right;
     struct bench bench = set_up(state, plane, &right);
     for (int t = 0; t < 4; t++)
         for (int c = 0; c < 5; c++)
@@ -160,22 +224,19 @@ static void every_packet_is_flown_once_in_its_batch(void **state)
                 bench.options.chunk = chunks[c];
                 fly(&bench, cml_engine_cpu(), &right, &ledger);
             }
-    cml_tally_free(&right);
+    cml_result_free(&right);
     tear_down(&bench);
 }
 
 static void the_reference_engine_takes_the_same_work(void **state)
 {
-    struct cml_tally right;
-    struct cml_error err;
-    struct bench bench = set_up(state, plane, &right);
-    cml_tally_zero(&right);
-    void *self = open_engine(&bench, &cml_engine_reference);
-    require_ok(cml_engine_run_range(&cml_engine_reference, self, 0, PACKETS, &right, &err), &err);
-    cml_engine_reference.close(self);
+    struct cml_result of_cpu;
+    struct bench bench = set_up(state, plane, &of_cpu);
+    struct cml_result right = fly_by_batch(&bench, &cml_engine_reference);
     struct ledger ledger = {.most = 50};
     fly(&bench, &cml_engine_reference, &right, &ledger);
-    cml_tally_free(&right);
+    cml_result_free(&of_cpu);
+    cml_result_free(&right);
     tear_down(&bench);
 }
 
@@ -185,7 +246,7 @@ static void a_thread_that_is_held_up_keeps_no_other_from_its_work(void **state)
     const char *const texts[] = {plane, fine};
     static const int threads[] = {2, 3, 8};
     for (int s = 0; s < 2; s++) {
-        struct cml_tally right;
+        struct cml_result right;
         struct bench bench = set_up(state, texts[s], &right);
         for (int t = 0; t < 3; t++)
             for (enum hold where = IN_NEXT; where <= IN_NOTE; where++) {
@@ -196,7 +257,7 @@ static void a_thread_that_is_held_up_keeps_no_other_from_its_work(void **state)
                 assert_false(ledger.in_vain);
                 assert_in_range(ledger.by_held, 1, PACKETS / 2);
             }
-        cml_tally_free(&right);
+        cml_result_free(&right);
         tear_down(&bench);
     }
 }

@@ -154,6 +154,39 @@ static void threads_that_share_absorption_have_batches_of_their_own(void **state
     cml_result_free(&result);
 }
 
+/* What is in a row of late packets is not of the batch under way, but of theirs; rows begin anew once they
+ * are cleared. */
+static void late_packets_are_noted_in_their_own_batches(void **state)
+{
+    (void)state;
+    const struct cml_profile_places at = cml_tally_profiles(&grid);
+    struct cml_tally tally = make_tally(&grid);
+    struct cml_result result = make_result(&grid, 1000);
+    static const int late[] = {3, 63, 3, 0};
+    for (int batch = 10; batch < 12; batch++) {
+        tally.Rd_ra[1 * grid.na] += 100; /* r bin 1, angle 0; half of it by late packets */
+        tally.A_rz[2] += 100;            /* z bin 1 */
+        for (int i = 0; i < 4; i++) {
+            uint64_t *row = cml_tally_late(&tally, late[i]);
+            row[at.Rd_r + 1] += (uint64_t)(20 - 5 * i);
+            row[at.A_z + 2] += (uint64_t)(20 - 5 * i);
+        }
+        assert_int_equal(tally.late.count, 3);
+        cml_tally_note(&tally);
+        cml_result_note(&result, batch, &tally);
+        cml_tally_clear_late(&tally);
+        assert_int_equal(tally.late.count, 0);
+    }
+    static const uint64_t noted[CML_NUM_BATCHES] = {[0] = 10, [3] = 60, [10] = 50, [11] = 50, [63] = 30};
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        assert_true(result.Rd_r[b * grid.nr + 1] == noted[b]);
+        assert_true(result.A_z[b * grid.nz + 1] == noted[b]);
+    }
+    for (size_t i = 0; i < CML_NUM_BATCHES * at.bins; i++) assert_int_equal(tally.late.rows[i], 0);
+    cml_tally_free(&tally);
+    cml_result_free(&result);
+}
+
 static void the_list_of_lost_packets_keeps_the_smallest_in_order(void **state)
 {
     (void)state;
@@ -177,6 +210,7 @@ int main(void)
         cmocka_unit_test(maps_have_cells_of_their_own),
         cmocka_unit_test(borrowed_maps_are_not_merged),
         cmocka_unit_test(threads_that_share_absorption_have_batches_of_their_own),
+        cmocka_unit_test(late_packets_are_noted_in_their_own_batches),
         cmocka_unit_test(the_list_of_lost_packets_keeps_the_smallest_in_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -49,7 +49,17 @@ CML_FN real cml_clearance_of_box(const CML_GLOBAL struct cml_clearance *grid, co
     return ab > ce ? ab : ce;
 }
 
-/* The same of the pyramid of rings. The way comes closest to the axis at an end or, where it turns outwards
+/* The horizon of the cell of a mesh's pyramid that holds the point: the slope from which on packets there, on
+ * their side of the mesh, that go away from it meet it never again (src/surface/cell_horizon.h). */
+CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *horizon,
+                             struct cml_vec p)
+{
+    const int x = cml_clearance_index(grid, p.x, grid->corner_x) >> grid->horizon_level;
+    const int y = cml_clearance_index(grid, p.y, grid->corner_y) >> grid->horizon_level;
+    return horizon[grid->first_horizon + y * (grid->size >> grid->horizon_level) + x];
+}
+
+/* cml_clearance_of_box of the pyramid of rings. The way comes closest to the axis at an end or, where it turns outwards
  * between them, abreast of it. */
 CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *bounds,
                                    struct cml_vec p, struct cml_vec d, real side)

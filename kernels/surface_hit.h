@@ -111,12 +111,15 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
 }
 #endif
 
-/* The slope from which on packets that leave a curved surface to their side of it meet it never again: that
- * of its steepest part, and of a packet that stands on a ring that of all it sees from there. */
+/* The slope from which on packets at p (boundary's frame) that leave a curved surface to their side of it meet
+ * it never again: on a ring that of all they see from there, over a mesh that of its cell. */
 CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
-                        real side, int on_primitive)
+                        struct cml_vec p, real side, int on_primitive)
 {
-    if (surface->kind != CML_SURFACE_CONE || on_primitive < 0) return surface->steepest;
+    if (surface->kind == CML_SURFACE_MESH)
+        return cml_cell_horizon(&surface->clearance, side > 0 ? world->horizon_below : world->horizon_above,
+                                cml_from_scene_axis(world, p));
+    if (on_primitive < 0) return surface->steepest;
     return (side > 0 ? world->ring_horizon_below
                      : world->ring_horizon_above)[surface->first_ring + on_primitive];
 }
@@ -133,7 +136,7 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
                                                const CML_GLOBAL struct cml_surface *surface, struct cml_vec p,
                                                struct cml_vec u, real side, int on_primitive, real t_max)
 {
-    const real horizon = cml_horizon(world, surface, side, on_primitive);
+    const real horizon = cml_horizon(world, surface, p, side, on_primitive);
     const CML_GLOBAL real *bounds = side > 0 ? world->deepest : world->highest;
     const real nearest = side > 0 ? surface->highest : surface->lowest; /* the part that faces the packet */
     const real inside = side * (nearest - p.z), away = side * u.z;

@@ -59,6 +59,7 @@ struct cml_clearance {
     int first; /* of level 0 in world.deepest and world.highest */
     int level_offset[CML_CLEARANCE_LEVELS];
     real corner_x, corner_y, per_cell; /* cm from the scene's axis, cells per cm */
+    int first_horizon, horizon_level;  /* of meshes: in world.horizon_below and above, and of whose cells */
 };
 
 /* The grid of maps and volume: its corner lies at x = -nx / 2 * dx, y = -ny / 2 * dy; the volume has the
@@ -147,6 +148,7 @@ struct cml_world {
     CML_GLOBAL const int *ring_start;
     CML_GLOBAL const real *deepest,
         *highest; /* pyramids of all surfaces: greatest and least z of each cell */
+    CML_GLOBAL const real *horizon_below, *horizon_above; /* of the cells of all meshes */
 #ifndef __OPENCL_VERSION__
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* [num_layers + 1], NULL where the surface is no mesh */

@@ -6,6 +6,7 @@
 #include "cone.h"
 #include "lattice.h"
 #include "scene/specular.h"
+#include "surface/cell_horizon.h"
 #include "surface/ring_horizon.h"
 #include "surface/surface_facets.h"
 
@@ -27,6 +28,13 @@ static size_t count_clearance_cells(const struct cml_surface_set *surfaces)
     return cells;
 }
 
+static size_t count_horizon_cells(const struct cml_surface_set *surfaces)
+{
+    size_t cells = 0;
+    for (int b = 0; b < surfaces->count; b++) cells += surfaces->item[b].clearance.horizon_cells;
+    return cells;
+}
+
 void cml_owned_world_free(struct cml_owned_world *to)
 {
     free(to->media);
@@ -34,6 +42,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->rings);
     free(to->ring_starts);
     free(to->clearance);
+    free(to->horizons);
     free(to->meshes);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
@@ -42,14 +51,17 @@ void cml_owned_world_free(struct cml_owned_world *to)
 static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                            struct cml_error *err)
 {
-    const size_t boundaries = (size_t)surfaces->count, rings = to->num_rings, cells = to->clearance_cells;
+    const size_t boundaries = (size_t)surfaces->count, rings = to->num_rings,
+                 cells = to->clearance_cells + to->horizon_cells;
     to->media = calloc(boundaries + 1, sizeof *to->media);
     to->surfaces = calloc(boundaries, sizeof *to->surfaces);
     to->rings = calloc(CML_RING_ROWS * rings + 1, sizeof *to->rings);
     to->ring_starts = calloc(rings + 1, sizeof *to->ring_starts);
     to->meshes = calloc(boundaries, sizeof *to->meshes);
-    to->clearance = calloc(2 * cells + 1, sizeof *to->clearance);
-    if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->clearance)
+    to->clearance = calloc(2 * to->clearance_cells + 1, sizeof *to->clearance);
+    to->horizons = calloc(2 * to->horizon_cells + 1, sizeof *to->horizons);
+    if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->clearance &&
+        to->horizons)
         return CML_OK;
     return cml_fail_memory(
         err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
@@ -171,6 +183,24 @@ static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_
     to->world.highest = to->clearance + total;
 }
 
+/* The horizons of the cells of all meshes. */
+static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_world *to)
+{
+    size_t first = 0;
+    for (int b = 0; b < from->count; b++) {
+        const struct cml_clearance_map *map = &from->item[b].clearance;
+        to->surfaces[b].clearance.first_horizon = (int)first;
+        to->surfaces[b].clearance.horizon_level = CML_HORIZON_LEVEL;
+        for (size_t i = 0; i < map->horizon_cells; i++) {
+            to->horizons[first + i] = map->horizon[0][i];
+            to->horizons[to->horizon_cells + first + i] = map->horizon[1][i];
+        }
+        first += map->horizon_cells;
+    }
+    to->world.horizon_below = to->horizons;
+    to->world.horizon_above = to->horizons + to->horizon_cells;
+}
+
 /* P1: where packets start, and the weights of what has happened before. */
 static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
                          struct cml_setup *setup)
@@ -253,7 +283,8 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
                                   struct cml_error *err)
 {
     *to = (struct cml_owned_world){.num_rings = count_rings(surfaces),
-                                   .clearance_cells = count_clearance_cells(surfaces)};
+                                   .clearance_cells = count_clearance_cells(surfaces),
+                                   .horizon_cells = count_horizon_cells(surfaces)};
     const cml_status status = allocate(surfaces, to, err);
     if (status != CML_OK) {
         cml_owned_world_free(to);
@@ -262,6 +293,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     copy_media(scene, surfaces, to->media);
     copy_surfaces(surfaces, to);
     copy_clearance(surfaces, to);
+    copy_horizons(surfaces, to);
     to->world.media = to->media;
     to->world.surfaces = to->surfaces;
     to->world.meshes = to->meshes;

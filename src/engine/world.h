@@ -22,8 +22,9 @@ struct cml_owned_world {
     real *rings;      /* [CML_RING_ROWS][num_rings]: ring_r, ring_z, ring_slope and both horizons */
     int *ring_starts; /* [num_rings] */
     real *clearance;  /* [2][clearance_cells]: deepest, highest (kernels/clearance.h) */
+    real *horizons;   /* [2][horizon_cells] of meshes: seen from below, from above */
     const struct cml_mesh_surface **meshes; /* [num_layers + 1], NULL where the boundary is no mesh */
-    size_t num_rings, clearance_cells;      /* of all boundaries together */
+    size_t num_rings, clearance_cells, horizon_cells; /* of all boundaries together */
 };
 
 /* Makes *to, which is the caller's to free; scene and surfaces must outlive it. Fails when memory runs out,

@@ -2,11 +2,15 @@
 #include "surface/clearance_map.h"
 
 #include "geometry/vec3.h"
+#include "surface/cell_horizon.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAST_LEVELS = 5, MOST_LEVELS = 10 }; /* of squares: 16 x 16 to 512 x 512 cells */
+enum {
+    LEAST_LEVELS = 5,
+    MOST_LEVELS = CML_CLEARANCE_MOST_LEVELS
+};                                /* of squares: 16 x 16 to 512 x 512 cells */
 enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_CLEARANCE_LEVELS of kernels/types.h */
 
 /* Share of a cell by which shapes are widened before their cells are found: floats of cell numbers up to 1024
@@ -40,6 +44,7 @@ static cml_status allocate(int levels, bool radial, struct cml_clearance_map *ma
 void cml_clearance_clear(struct cml_clearance_map *map)
 {
     free(map->deepest);
+    free(map->horizon[0]);
     *map = (struct cml_clearance_map){0};
 }
 
@@ -97,6 +102,7 @@ struct triangle_plane {
     double lower[3], upper[3]; /* box */
     double a, b, c;            /* z = a x + b y + c; steep is set when the triangle is (nearly) upright */
     bool steep;
+    float slope; /* infinite when it is upright or faces down */
 };
 
 static struct triangle_plane plane_of(const double p[3], const double q[3], const double r[3])
@@ -109,6 +115,7 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
     double n[3];
     cml_vec3_area(p, q, r, n);
     t.steep = fabs(n[2]) < 1e-3 * (fabs(n[0]) + fabs(n[1]));
+    t.slope = n[2] < 0 ? (float)(hypot(n[0], n[1]) / -n[2]) : INFINITY; /* z points down */
     if (t.steep) return t;
     t.a = -n[0] / n[2];
     t.b = -n[1] / n[2];
@@ -116,8 +123,9 @@ static struct triangle_plane plane_of(const double p[3], const double q[3], cons
     return t;
 }
 
-/* The triangle's depth over one cell: that of its plane there, within that of its box. */
-static void cover_cell(struct cml_clearance_map *map, const struct triangle_plane *t, int ix, int iy)
+/* The triangle's depth over one cell: that of its plane there, within that of its box. And its slope. */
+static void cover_cell(struct cml_clearance_map *map, const struct triangle_plane *t, int ix, int iy,
+                       float *steepest)
 {
     double least = t->lower[2], most = t->upper[2];
     if (!t->steep) {
@@ -128,6 +136,9 @@ static void cover_cell(struct cml_clearance_map *map, const struct triangle_plan
         most = fmin(most, fmax(z + rise, least));
     }
     widen_cell(map, ix, iy, least, most);
+    const size_t width = (size_t)(map->size >> CML_HORIZON_LEVEL);
+    float *slope = &steepest[(size_t)(iy >> CML_HORIZON_LEVEL) * width + (size_t)(ix >> CML_HORIZON_LEVEL)];
+    *slope = fmaxf(*slope, t->slope);
 }
 
 /* Widens *lower..*upper by the part of the edge from p to q that lies in from <= y <= to. */
@@ -146,7 +157,7 @@ static void clip_edge(const double *p, const double *q, double from, double to, 
 /* Row by row, only the cells that the triangle reaches: the box of a needle that lies aslant has a thousand
  * times as many as the needle. */
 static void cover_triangle(struct cml_clearance_map *map, const struct triangle_plane *t,
-                           const double *corner[3])
+                           const double *corner[3], float *steepest)
 {
     const double err = err_cell * map->cell;
     const int y0 = cell_index(map, t->lower[1] - err, 1), y1 = cell_index(map, t->upper[1] + err, 1);
@@ -155,7 +166,7 @@ static void cover_triangle(struct cml_clearance_map *map, const struct triangle_
         double lower = INFINITY, upper = -INFINITY;
         for (int k = 0; k < 3; k++) clip_edge(corner[k], corner[(k + 1) % 3], from, to, &lower, &upper);
         const int x1 = cell_index(map, upper + err, 0);
-        for (int ix = cell_index(map, lower - err, 0); ix <= x1; ix++) cover_cell(map, t, ix, iy);
+        for (int ix = cell_index(map, lower - err, 0); ix <= x1; ix++) cover_cell(map, t, ix, iy, steepest);
     }
 }
 
@@ -187,22 +198,46 @@ static bool fills_its_box(const struct cml_mesh *mesh)
     return fabs(fabs(area) - box) <= 1e-9 * box;
 }
 
-cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
-                                 struct cml_error *err)
+/* steepest [cells of the level of horizons]: zeros, becomes the slope of the steepest facet above each. */
+static void cover_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map, float *steepest)
 {
-    const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
-    CML_TRY(allocate_square((double)mesh->num_triangles, mesh->lower[0], mesh->lower[1], width, map, err));
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const uint32_t *v = mesh->triangle[i];
         const double *corner[3] = {mesh->vertex[v[0]], mesh->vertex[v[1]], mesh->vertex[v[2]]};
         const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);
-        cover_triangle(map, &t, corner);
+        cover_triangle(map, &t, corner, steepest);
     }
-    const bool filled = fills_its_box(mesh);
-    cover_outside(map, mesh->z_border, filled ? mesh->lower : NULL, mesh->upper);
-    finish(map, err_depth *
-                    (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] - mesh->lower[2]));
+    cover_outside(map, mesh->z_border, fills_its_box(mesh) ? mesh->lower : NULL, mesh->upper);
+}
+
+static cml_status allocate_horizons(struct cml_clearance_map *map, float **steepest, struct cml_error *err)
+{
+    const size_t cells = cml_clearance_level_cells(map, CML_HORIZON_LEVEL);
+    map->horizon[0] = malloc(2 * cells * sizeof **map->horizon);
+    *steepest = calloc(cells, sizeof **steepest);
+    if (!map->horizon[0] || !*steepest)
+        return cml_fail_memory(err, (double)(3 * cells * sizeof **steepest), "a clearance map");
+    map->horizon[1] = map->horizon[0] + cells;
+    map->horizon_cells = cells;
     return CML_OK;
+}
+
+cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
+                                 struct cml_error *err)
+{
+    const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
+    float *steepest = NULL;
+    CML_TRY(allocate_square((double)mesh->num_triangles, mesh->lower[0], mesh->lower[1], width, map, err));
+    cml_status status = allocate_horizons(map, &steepest, err);
+    if (status == CML_OK) {
+        cover_mesh(mesh, map, steepest);
+        finish(map, err_depth * (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] -
+                                 mesh->lower[2]));
+        status = cml_find_horizons(steepest, map, err);
+    }
+    if (status != CML_OK) cml_clearance_clear(map);
+    free(steepest);
+    return status;
 }
 
 static double profile_depth(const double *r, const double *z, int n, int i, double at)

@@ -7,6 +7,8 @@
 #include "geometry/mesh.h"
 #include "scene/scene.h"
 
+#define CML_CLEARANCE_MOST_LEVELS 10 /* of squares: 512 x 512 cells */
+
 /* One surface's pyramid: all levels one behind the other, level 0 first. */
 struct cml_clearance_map {
     int levels, size;
@@ -14,6 +16,8 @@ struct cml_clearance_map {
     double corner[2], cell;   /* cm; corner from the scene's z axis */
     size_t cells;             /* of all levels */
     float *deepest, *highest; /* [cells] greatest and least z, boundary's frame, cm */
+    float *horizon[2];        /* of a mesh (cell_horizon.h): seen from below and from above; NULL of rings */
+    size_t horizon_cells;
 };
 
 /* Of a mesh in its boundary's frame, x and y from the scene's axis; of a field of n rings (z = depth at r).

@@ -129,38 +129,87 @@ static void a_clear_step_crosses_nothing(void **state)
     expect_conservative(MESH("spikes.obj") " shift=0.3,0,0", CML_SURFACE_AUTO, 0.8);
 }
 
-/* Cones believe the side they are told, so it has to be true; triangles look at directions alone. */
+/* The place above or below p where the surface is met first, coming from far away on one side of it: also one
+ * under an overhang. */
+static struct cml_vec place_on_surface(const struct bench *bench, struct cml_vec p, real from)
+{
+    const double start[3] = {p.x, p.y, 10 * from}, down[3] = {0, 0, -from};
+    struct cml_mesh_crossing hit;
+    assert_true(cml_mesh_surface_hit(bench->scalar.world.meshes[0], start, down, from > 0, INFINITY, -1, 0, 1,
+                                     0, &hit));
+    return cml_vec_of(p.x, p.y, hit.point[2]);
+}
+
+/* Packets that head away from a surface above their horizon cannot meet it, from wherever they begin on their
+ * side of it; most horizons are lower than the steepest part of the surface. lowered: at least so large a
+ * share of the packets that are found to get away are flatter than that part. */
+static void expect_horizons(const char *line, double reach, double lowered)
+{
+    struct bench bench;
+    bench_open(line, CML_SURFACE_AUTO, &bench);
+    const struct cml_world *world = &bench.scalar.world;
+    const struct cml_surface *surface = &world->surfaces[0];
+    long away = 0, flat = 0, wrong = 0;
+    for (long i = 0; i < steps; i++) {
+        struct cml_vec p, u;
+        real length;
+        const real side = i & 1 ? (real)1 : (real)-1, from = i & 2 ? (real)1 : (real)-1;
+        random_step(&bench, reach, 0.1, &p, &u, &length);
+        const double little = i & 4 ? 1e-6 : 0.01 * fabs(dice(&bench));
+        const struct cml_vec onset = place_on_surface(&bench, p, from);
+        p = cml_vec_of(onset.x, onset.y, onset.z + side * little);
+        if (!cml_heads_away(cml_horizon(world, surface, p, side, -1), u, side)) continue;
+        if (crosses(&bench, onset, cml_vec_of(0, 0, side), side, (real)little))
+            continue; /* no longer on it */
+        away++;
+        flat += !cml_heads_away(surface->steepest, u, side);
+        wrong += crosses(&bench, p, u, side, CML_INFINITY);
+    }
+    print_message("%.60s: %ld of %ld get away, %ld of them flat, %ld wrongly\n", line, away, steps, flat,
+                  wrong);
+    assert_true(away > steps / 20);
+    assert_true((double)flat >= lowered * (double)away);
+    assert_int_equal(wrong, 0);
+    bench_close(&bench);
+}
+
+static void above_its_horizon_a_packet_crosses_nothing(void **state)
+{
+    (void)state;
+    expect_horizons(MESH("ridges.obj"), 0.7, 0.01);
+    expect_horizons(MESH("pyramid.obj"), 0.7, 0);
+    expect_horizons(MESH("wedge.obj"), 0.7, 0.05);
+    expect_horizons(MESH("overhang.obj"), 2, 0.5);
+    expect_horizons(MESH("prism.obj"), 3, 0.2);
+}
+
+/* Cones believe the side they are told, so it has to be true. */
 static bool is_on_side(const struct bench *bench, struct cml_vec p, real side)
 {
     const struct cml_boundary *boundary = &bench->list.scenes[0].boundaries[0];
-    if (boundary->form != CML_FORM_RADIAL) return true;
     return side * ((double)p.z + cml_radial_height(&boundary->radial, hypot((double)p.x, (double)p.y))) >
            1e-6;
 }
 
-/* Directions steeper than the surface cannot cross it. */
+/* Directions steeper than rings cannot cross them. */
 static void a_steep_direction_crosses_nothing(void **state)
 {
     (void)state;
-    static const char *const lines[] = {NOISE, MESH("ridges.obj"), MESH("pyramid.obj")};
-    for (int k = 0; k < 3; k++) {
-        struct bench bench;
-        long away = 0;
-        bench_open(lines[k], CML_SURFACE_AUTO, &bench);
-        for (int i = 0; i < 200000; i++) {
-            struct cml_vec p, u;
-            real length;
-            const real side = i & 1 ? (real)1 : (real)-1;
-            random_step(&bench, 0.6, 0.1, &p, &u, &length);
-            if (!cml_heads_away(bench.scalar.world.surfaces[0].steepest, u, side) ||
-                !is_on_side(&bench, p, side))
-                continue;
-            away++;
-            assert_false(crosses(&bench, p, u, side, CML_INFINITY));
-        }
-        assert_true(away > 1000);
-        bench_close(&bench);
+    struct bench bench;
+    long away = 0;
+    bench_open(NOISE, CML_SURFACE_AUTO, &bench);
+    for (int i = 0; i < 200000; i++) {
+        struct cml_vec p, u;
+        real length;
+        const real side = i & 1 ? (real)1 : (real)-1;
+        random_step(&bench, 0.6, 0.1, &p, &u, &length);
+        if (!cml_heads_away(bench.scalar.world.surfaces[0].steepest, u, side) || !is_on_side(&bench, p, side))
+            continue;
+        away++;
+        assert_false(crosses(&bench, p, u, side, CML_INFINITY));
     }
+    assert_true(away > 1000);
+    bench_close(&bench);
 }
 
 /* walked: the fast query walks the cells of a regular grid; else Embree's triangles find the hit. */
@@ -201,6 +250,7 @@ int main(int argc, char **argv)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_clear_step_crosses_nothing),
         cmocka_unit_test(a_steep_direction_crosses_nothing),
+        cmocka_unit_test(above_its_horizon_a_packet_crosses_nothing),
         cmocka_unit_test(the_fast_query_is_the_exact_one),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,14 +18,14 @@ static void cml_continue_lane_outside(struct cml_flight *f, int i, int to)
     cml_return_to_lane(f, i, &packet);
 }
 
-/* Whether a packet that has gone through a primitive of a boundary into outer medium `to`, in direction u,
- * cannot come back: packets outside are not followed (P6), or it rises above all that can be seen from there,
- * its horizon, in a clear medium. Most packets that leave do, and need no search. */
+/* Whether a packet that has gone through a primitive of a boundary at p into outer medium `to`, in direction
+ * u, cannot come back: packets outside are not followed (P6), or it rises above all that can be seen from
+ * there, its horizon, in a clear medium. Most packets that leave do, and need no search. */
 static int cml_never_returns(const struct cml_world *world, int boundary, int primitive, int to,
-                             struct cml_vec u)
+                             struct cml_vec p, struct cml_vec u)
 {
     const real side = to > boundary ? (real)1 : (real)-1;
-    const real horizon = cml_horizon(world, &world->surfaces[boundary], side, primitive);
+    const real horizon = cml_horizon(world, &world->surfaces[boundary], p, side, primitive);
     return !world->setup.reentry ||
            (!(world->media[to].mfp < CML_INFINITY) && cml_heads_away(horizon, u, side));
 }
@@ -66,7 +66,7 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
     const struct cml_vec p = {h->x[k], h->y[k], h->z[k] + (to == boundary ? world->media[to].span : (real)0)},
                          u = {h->ux[k], h->uy[k], h->uz[k]};
     const int outside = to == 0 || to > world->setup.num_layers;
-    if (outside && cml_never_returns(world, boundary, h->primitive[k], to, u)) {
+    if (outside && cml_never_returns(world, boundary, h->primitive[k], to, p, u)) {
         cml_end_lane_outside(f, i, to, h->primitive[k], p, u);
         return;
     }

@@ -74,13 +74,16 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
     const struct cml_surface surface = *shared;
     const struct cml_clearance *grid = &surface.clearance;
     const real *restrict const bounds = side > 0 ? world->deepest : world->highest;
+    const real *restrict const horizons = side > 0 ? world->horizon_below : world->horizon_above;
     const real nearest = side > 0 ? surface.highest : surface.lowest;
     const int size = c->size;
 #pragma omp simd
     for (int k = 0; k < size; k++) {
         const struct cml_vec p = {c->x[k], c->y[k], c->z[k] - depth}, u = {c->ux[k], c->uy[k], c->uz[k]};
         const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
-        const int passes = inside < away * s, leads_away = cml_heads_away(surface.steepest, u, side);
+        const real horizon =
+            rings ? surface.steepest : cml_cell_horizon(grid, horizons, cml_from_scene_axis(world, p));
+        const int passes = inside < away * s, leads_away = cml_heads_away(horizon, u, side);
         const int misses = ((away < 0) & passes) | ((away >= 0) & ((inside < 0) | leads_away));
         const struct cml_interval within = {!misses, inside < 0 ? there : (real)0,
                                             (away >= 0) & passes ? there : s};

@@ -153,12 +153,26 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
     CML_HOOK_END(CML_HOOK_HITS);
 }
 
+/* A lane that heads away from the curved boundary it is near, and can meet no other before it interacts:
+ * whether it rises above all that it sees there. Most do, and need not wait for others. */
+static void cml_check_horizon(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
+    const int boundary = b->medium[i] - (u.z > 0);
+    const real side = u.z > 0 ? (real)1 : (real)-1;
+    const real horizon =
+        cml_horizon(f->world, &f->world->surfaces[boundary], p, side, cml_lane_on_primitive(b, i, boundary));
+    b->task[i] = cml_heads_away(horizon, u, side) ? CML_LANE_INTERACT : CML_LANE_MAY_HIT_CURVED;
+}
+
 /* Lanes that may hit a curved boundary wait for others, as those at planes do (cml_process_planes): the
  * vector loops take as long for few. Then medium by medium, that of the lowest lane first. Lanes of a pencil
  * beam above a boundary whose hit is known need no search. */
 static void cml_process_curved(struct cml_flight *f)
 {
     const int limit = f->b->lanes == CML_LANES ? 32 : 1;
+    cml_for_lanes(f, cml_lanes_with(f->b, CML_LANE_MAY_RETURN), cml_check_horizon);
     uint64_t lanes = cml_lanes_with(f->b, CML_LANE_MAY_HIT_CURVED);
     f->wait_at_curved += __builtin_popcountll(lanes);
     if (f->wait_at_curved < limit) return;

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/cell_horizon.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* What a packet on one side of the mesh sees of a level of the pyramid: how far each cell reaches towards it,
+ * cm, and of the cells that do not touch a cell, but whose parents touch its parent, the furthest of those
+ * one cell away, and of those two cells away. With those of all coarser levels they are all that do not touch
+ * it [the interaction list of Greengard and Rokhlin, Journal of Computational Physics 73 (2), 1987]. */
+struct view {
+    int size;                 /* cells along an axis */
+    double cell;              /* cm */
+    const float *reach;       /* [size][size] */
+    float *far_one, *far_two; /* [size][size] */
+};
+
+/* [row][column] of a level. */
+static size_t cell_at(int size, int x, int y)
+{
+    return (size_t)y * (size_t)size + (size_t)x;
+}
+
+/* Of one cell. The cells at the rim reach outwards for ever, but that brings no two closer. */
+static void look_from(const struct view *view, int x, int y)
+{
+    const int size = view->size, x0 = (x / 2 - 1) * 2, y0 = (y / 2 - 1) * 2;
+    float far[3] = {-INFINITY, -INFINITY, -INFINITY};
+    for (int qy = y0 < 0 ? 0 : y0; qy < y0 + 6 && qy < size; qy++)
+        for (int qx = x0 < 0 ? 0 : x0; qx < x0 + 6 && qx < size; qx++) {
+            const int dx = abs(qx - x), dy = abs(qy - y), gap = (dx > dy ? dx : dy) - 1;
+            if (gap > 0) far[gap] = fmaxf(far[gap], view->reach[cell_at(size, qx, qy)]);
+        }
+    view->far_one[cell_at(size, x, y)] = far[1];
+    view->far_two[cell_at(size, x, y)] = far[2];
+}
+
+static void look_around(const struct view *view)
+{
+    for (int y = 0; y < view->size; y++)
+        for (int x = 0; x < view->size; x++) look_from(view, x, y);
+}
+
+/* The greatest slope at which any place of a cell of the finest view sees a cell that does not touch it.
+ * ground: what a packet in the cell is beyond. */
+static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
+{
+    float most = 0;
+    for (int l = 0; l < levels; l++) {
+        const size_t at = cell_at(view[l].size, x >> l, y >> l);
+        const float cell = (float)view[l].cell;
+        most = fmaxf(
+            most, fmaxf((view[l].far_one[at] - ground) / cell, (view[l].far_two[at] - ground) / (2 * cell)));
+    }
+    return most;
+}
+
+/* The slope of the steepest facet above a cell and those that touch it. What lies between two places of these
+ * cells lies above them, so that neither is seen more steeply from the other. */
+static float steepest_nearby(const float *steepest, int size, int x, int y)
+{
+    float most = 0;
+    for (int qy = y > 0 ? y - 1 : 0; qy <= y + 1 && qy < size; qy++)
+        for (int qx = x > 0 ? x - 1 : 0; qx <= x + 1 && qx < size; qx++)
+            most = fmaxf(most, steepest[cell_at(size, qx, qy)]);
+    return most;
+}
+
+/* From the level of the horizons on: reach is where the mesh is deepest, seen from below, or highest. scratch
+ * [3][map->cells]. Returns how many levels. */
+static int make_views(const struct cml_clearance_map *map, int side, float *scratch, struct view *view)
+{
+    size_t first = 0;
+    for (int l = 0; l < map->levels; l++) {
+        const size_t cells = cml_clearance_level_cells(map, l);
+        float *reach = scratch + first;
+        for (size_t i = 0; i < cells; i++)
+            reach[i] = side > 0 ? map->deepest[first + i] : -map->highest[first + i];
+        if (l >= CML_HORIZON_LEVEL) {
+            view[l - CML_HORIZON_LEVEL] = (struct view){map->size >> l, ldexp(map->cell, l), reach,
+                                                        reach + map->cells, reach + 2 * map->cells};
+            look_around(&view[l - CML_HORIZON_LEVEL]);
+        }
+        first += cells;
+    }
+    return map->levels - CML_HORIZON_LEVEL;
+}
+
+/* More by what rounding may turn, and by the share of a cell by which positions are off (clearance_map.c). */
+static void find_horizons(const float *steepest, int side, float *scratch, struct cml_clearance_map *map,
+                          float *horizon)
+{
+    struct view view[CML_CLEARANCE_MOST_LEVELS];
+    const int levels = make_views(map, side, scratch, view), size = view[0].size;
+    const float *ground = (side > 0 ? map->highest : map->deepest) + cml_clearance_level_cells(map, 0);
+    for (int y = 0; y < size; y++)
+        for (int x = 0; x < size; x++) {
+            const size_t at = cell_at(size, x, y);
+            const float far = steepest_view(view, levels, x, y, side > 0 ? ground[at] : -ground[at]);
+            horizon[at] = 1.005F * fmaxf(far, steepest_nearby(steepest, size, x, y)) + 0.001F;
+        }
+}
+
+cml_status cml_find_horizons(const float *steepest, struct cml_clearance_map *map, struct cml_error *err)
+{
+    float *scratch = malloc(3 * map->cells * sizeof *scratch);
+    if (!scratch) return cml_fail_memory(err, (double)(3 * map->cells * sizeof *scratch), "a clearance map");
+    find_horizons(steepest, 1, scratch, map, map->horizon[0]);
+    find_horizons(steepest, -1, scratch, map, map->horizon[1]);
+    free(scratch);
+    return CML_OK;
+}

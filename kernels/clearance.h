@@ -59,8 +59,8 @@ CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_clearance *grid, const 
     return horizon[grid->first_horizon + y * (grid->size >> grid->horizon_level) + x];
 }
 
-/* cml_clearance_of_box of the pyramid of rings. The way comes closest to the axis at an end or, where it turns outwards
- * between them, abreast of it. */
+/* cml_clearance_of_box of the pyramid of rings. The way comes closest to the axis at an end or, where it
+ * turns outwards between them, abreast of it. */
 CML_FN real cml_clearance_of_radii(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *bounds,
                                    struct cml_vec p, struct cml_vec d, real side)
 {

@@ -111,8 +111,8 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
 }
 #endif
 
-/* The slope from which on packets at p (boundary's frame) that leave a curved surface to their side of it meet
- * it never again: on a ring that of all they see from there, over a mesh that of its cell. */
+/* The slope from which on packets at p (boundary's frame) that leave a curved surface to their side of it
+ * meet it never again: on a ring that of all they see from there, over a mesh that of its cell. */
 CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
                         struct cml_vec p, real side, int on_primitive)
 {

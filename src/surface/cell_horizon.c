@@ -66,33 +66,44 @@ static float steepest_nearby(const float *steepest, int size, int x, int y)
     return most;
 }
 
-/* From the level of the horizons on: reach is where the mesh is deepest, seen from below, or highest. scratch
- * [3][map->cells]. Returns how many levels. */
-static int make_views(const struct cml_clearance_map *map, int side, float *scratch, struct view *view)
+static size_t level_cells(const struct cml_depth_pyramid *pyramid, int level)
 {
+    const size_t side = (size_t)(pyramid->size >> level);
+    return side * side;
+}
+
+static size_t all_cells(const struct cml_depth_pyramid *pyramid)
+{
+    size_t cells = 0;
+    for (int l = 0; l < pyramid->levels; l++) cells += level_cells(pyramid, l);
+    return cells;
+}
+
+/* From the level of the horizons on: reach is where the mesh is deepest, seen from below, or highest. scratch
+ * [3][all cells]. Returns how many levels. */
+static int make_views(const struct cml_depth_pyramid *pyramid, int side, float *scratch, struct view *view)
+{
+    const size_t all = all_cells(pyramid);
     size_t first = 0;
-    for (int l = 0; l < map->levels; l++) {
-        const size_t cells = cml_clearance_level_cells(map, l);
+    for (size_t i = 0; i < all; i++) scratch[i] = side > 0 ? pyramid->deepest[i] : -pyramid->highest[i];
+    for (int l = 0; l < pyramid->levels; l++) {
         float *reach = scratch + first;
-        for (size_t i = 0; i < cells; i++)
-            reach[i] = side > 0 ? map->deepest[first + i] : -map->highest[first + i];
-        if (l >= CML_HORIZON_LEVEL) {
-            view[l - CML_HORIZON_LEVEL] = (struct view){map->size >> l, ldexp(map->cell, l), reach,
-                                                        reach + map->cells, reach + 2 * map->cells};
-            look_around(&view[l - CML_HORIZON_LEVEL]);
-        }
-        first += cells;
+        first += level_cells(pyramid, l);
+        if (l < CML_HORIZON_LEVEL) continue;
+        view[l - CML_HORIZON_LEVEL] =
+            (struct view){pyramid->size >> l, ldexp(pyramid->cell, l), reach, reach + all, reach + 2 * all};
+        look_around(&view[l - CML_HORIZON_LEVEL]);
     }
-    return map->levels - CML_HORIZON_LEVEL;
+    return pyramid->levels - CML_HORIZON_LEVEL;
 }
 
 /* More by what rounding may turn, and by the share of a cell by which positions are off (clearance_map.c). */
-static void find_horizons(const float *steepest, int side, float *scratch, struct cml_clearance_map *map,
-                          float *horizon)
+static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, int side,
+                          float *scratch, float *horizon)
 {
-    struct view view[CML_CLEARANCE_MOST_LEVELS];
-    const int levels = make_views(map, side, scratch, view), size = view[0].size;
-    const float *ground = (side > 0 ? map->highest : map->deepest) + cml_clearance_level_cells(map, 0);
+    struct view view[CML_HORIZON_MOST_LEVELS];
+    const int levels = make_views(pyramid, side, scratch, view), size = view[0].size;
+    const float *ground = (side > 0 ? pyramid->highest : pyramid->deepest) + level_cells(pyramid, 0);
     for (int y = 0; y < size; y++)
         for (int x = 0; x < size; x++) {
             const size_t at = cell_at(size, x, y);
@@ -101,12 +112,14 @@ static void find_horizons(const float *steepest, int side, float *scratch, struc
         }
 }
 
-cml_status cml_find_horizons(const float *steepest, struct cml_clearance_map *map, struct cml_error *err)
+cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, float *below,
+                             float *above, struct cml_error *err)
 {
-    float *scratch = malloc(3 * map->cells * sizeof *scratch);
-    if (!scratch) return cml_fail_memory(err, (double)(3 * map->cells * sizeof *scratch), "a clearance map");
-    find_horizons(steepest, 1, scratch, map, map->horizon[0]);
-    find_horizons(steepest, -1, scratch, map, map->horizon[1]);
+    const size_t size = 3 * all_cells(pyramid) * sizeof(float);
+    float *scratch = malloc(size);
+    if (!scratch) return cml_fail_memory(err, (double)size, "a clearance map");
+    find_horizons(pyramid, steepest, 1, scratch, below);
+    find_horizons(pyramid, steepest, -1, scratch, above);
     free(scratch);
     return CML_OK;
 }

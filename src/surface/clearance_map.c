@@ -7,10 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum {
-    LEAST_LEVELS = 5,
-    MOST_LEVELS = CML_CLEARANCE_MOST_LEVELS
-};                                /* of squares: 16 x 16 to 512 x 512 cells */
+enum { LEAST_LEVELS = 5, MOST_LEVELS = CML_HORIZON_MOST_LEVELS }; /* of squares: 16 x 16 to 512 x 512 cells */
 enum { MOST_RADIAL_LEVELS = 11 }; /* of rows: 1024 cells; CML_CLEARANCE_LEVELS of kernels/types.h */
 
 /* Share of a cell by which shapes are widened before their cells are found: floats of cell numbers up to 1024
@@ -233,7 +230,9 @@ cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearan
         cover_mesh(mesh, map, steepest);
         finish(map, err_depth * (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] -
                                  mesh->lower[2]));
-        status = cml_find_horizons(steepest, map, err);
+        const struct cml_depth_pyramid pyramid = {map->levels, map->size, map->cell, map->deepest,
+                                                  map->highest};
+        status = cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
     }
     if (status != CML_OK) cml_clearance_clear(map);
     free(steepest);

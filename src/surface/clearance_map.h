@@ -7,8 +7,6 @@
 #include "geometry/mesh.h"
 #include "scene/scene.h"
 
-#define CML_CLEARANCE_MOST_LEVELS 10 /* of squares: 512 x 512 cells */
-
 /* One surface's pyramid: all levels one behind the other, level 0 first. */
 struct cml_clearance_map {
     int levels, size;

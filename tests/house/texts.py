@@ -26,7 +26,7 @@ SKIPPED = ("bench/results",)  # texts that scripts wrote once: what they name is
 
 TEST = re.compile(r"(?<![\w/.-])(%s)\.(\w+)" % "|".join(TESTS))
 QUOTED = re.compile(r"`([^`]+)`")
-LINK = re.compile(r"\]\(([^)#:\s]+)\)")
+LINK = re.compile(r"""(?:\]\(|src=")([^)"#:\s]+)[)"]""")
 REDIRECTED = re.compile(r">([\w.]+)")  # what the commands of a text write
 MERGE = re.compile(r"^(?:<<<<<<<|>>>>>>>) ", re.MULTILINE)
 PLACEHOLDER = re.compile(r"^scene\.mci$|[<>{}]|(?:^|[/_.])(?!README|CONTRIBUTING|LICENSE|CITATION)[A-Z]{2,}(?:[._/]|$)")
@@ -110,7 +110,7 @@ def check_the_check():
     assert check(sound) == [], check(sound)
     for text in ("`unit.b`", "cross.a", "stat.none", "`long.same`", "house.g", "stability.atlas", "cli.a", "unit.room",
                  "`src/room/b.c`", "`src/rooms/a.c`", "`src/none`", "`none/a.c`", "`b.c`", "    sh bench/none.sh",
-                 "[x](bench/no.svg)", "`bench/*.py`", "`tests/unit/a.c --quick`", "a\n<<<<<<< HEAD\nb"):
+                 "[x](bench/no.svg)", '<img src="bench/no.svg">', "`bench/*.py`", "`tests/unit/a.c --quick`", "a\n<<<<<<< HEAD\nb"):
         for path in ("README.md", "CONTRIBUTING.md", "bench/README.md"):
             assert len(check({**sound, path: text})) == 1, (path, text, check({**sound, path: text}))
     assert len(check({**sound, "meshes/README.md": "`i.obj` `none.obj` `CITATION.cff`"})) == 2

@@ -119,7 +119,9 @@ static bool has_kind(const struct cml_surface_set *surfaces, enum cml_surface_ki
     return false;
 }
 
-/* The mesh's side is left out where it would be planes again. */
+/* The mesh's side is left out where it would be planes again. Else all packets start above boundary 0, as
+ * those of a mesh do: a plane would take its specular part off every packet, a mesh turns some of them back,
+ * and few such differences look like many errors. */
 static cml_status check_surfaces(const struct cml_options *options, const struct cml_scene *scene, int index,
                                  const struct cml_surface_set *chosen, const struct cml_surface_set *meshes,
                                  struct cml_error *err)
@@ -132,8 +134,10 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
                                     .sides = {{"cpu (cones)", cpu, chosen, true}}};
     setup.options.run = (uint32_t)index;
     if (!has_kind(chosen, CML_SURFACE_CONE)) setup.sides[0].name = "cpu (planes)";
-    if (has_kind(meshes, CML_SURFACE_MESH))
+    if (has_kind(meshes, CML_SURFACE_MESH)) {
         setup.sides[setup.num_sides++] = (struct cml_check_side){"cpu (mesh)", cpu, meshes, false};
+        setup.options.start_as = meshes;
+    }
     setup.sides[setup.num_sides++] = (struct cml_check_side){"opencl", opencl, chosen, true};
     return check_and_dump(options, &setup, err);
 }

@@ -221,10 +221,11 @@ static void write_map(const struct drawing *d, int k)
 
 /* ---- the picture ---- */
 
-/* Ticks at 1, 2 and 5 times powers of ten where powers alone would be too few. */
+/* Ticks at 1, 2 and 5 times powers of ten where powers alone would be too few. Without light there is no
+ * range. */
 static void write_colour_ticks(const struct drawing *d)
 {
-    if (!d->log || d->high > 1e3 * d->low) return;
+    if (!d->log || !(d->low > 0) || d->high > 1e3 * d->low) return;
     const char *comma = "";
     fputs("set cbtics (", d->page.out);
     for (int power = (int)floor(log10(d->low)); power <= (int)ceil(log10(d->high)); power++)

@@ -42,6 +42,8 @@ expect_refusal "$work/none is no program" bench/frontier.sh --program "$program"
 for chart in accuracy frontier; do
     expect_refusal "none.csv: cannot be read" bench/$chart.sh --draw none.csv "$work/none.svg"
 done
+expect_refusal "--only ripples: no scene" bench/accuracy.sh --only lens,ripples --program "$program" --out "$work/none"
+test ! -e "$work/none" || complain "accuracy.sh --only ripples: wrote $(ls "$work/none")"
 
 # the chart of a result: three panels per scene, and small enough to keep
 if command -v gnuplot >/dev/null; then

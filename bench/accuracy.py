@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Measures what accuracy every representation buys for its time: accuracy.py PROGRAM DIRECTORY [--quick].
+"""Measures what accuracy every representation buys for its time: accuracy.py PROGRAM DIRECTORY [--quick] [--only NAMES].
 
 Every method flies the same photon streams (seed, run, index) as the reference, cones in double precision: the
 differences are paired, and what is left of their noise is estimated from independent streams, 16 as a rule. Time is processor
 time of the flight, so that other programs on the machine count little.
-Writes DIRECTORY/accuracy.csv; bench/README.md explains the columns, accuracy_table.py and accuracy.gp show it.
+Writes DIRECTORY/accuracy.csv and, as it prints it, accuracy.txt; bench/README.md explains the columns, accuracy_table.py
+and accuracy.gp show them.
 SPDX-License-Identifier: MIT
 """
 import argparse
@@ -98,12 +99,12 @@ def profile_bias(flight, reference):
     return {"profile_bias": max(square, 0.0) ** 0.5 / norm, "profile_se": noise ** 0.5 / norm}
 
 
-def speed(flight, row):
+def speed(flight, row, reference):
     """ns per step, and how long it takes to an error of 1 % and to the knee, of the total that is biased most."""
     seconds, packets = flight.sum("cpu_s"), flight.sum("photons")
     key = row["worst"] or "A"
-    mean = statistics.fmean(record[key] for record in flight.records)
-    variance = statistics.fmean((record[key + "_se"] / mean) ** 2 * record["photons"] for record in flight.records)
+    truth = statistics.fmean(record[key] for record in reference.records)  # a plane may give 0, without any noise
+    variance = statistics.fmean((record[key + "_se"] / truth) ** 2 * record["photons"] for record in flight.records)
     rate = packets / seconds
     left = 1e-4 - row["bias"] ** 2
     return {"ns_per_step": 1e9 * seconds / flight.sum("steps"), "packets_per_s": rate, "variance": variance,
@@ -119,7 +120,7 @@ def row_of(scene, method, flight, reference):
            "packets": flight.sum("photons")}
     row.update(biases(flight, reference))
     row.update(profile_bias(flight, reference))
-    row.update(speed(flight, row))
+    row.update(speed(flight, row, reference))
     crossings = flight.sum("crossings")
     row.update(lost=flight.sum("lost"), overruled=flight.sum("shading_overruled"), crossings=crossings,
                failures_per_1e9=1e9 * flight.sum("lost") / crossings, failures_limit=3e9 / crossings)
@@ -159,27 +160,45 @@ def measure(program, scene, budget, pool):
     return rows
 
 
+def makers_of(names, quick):
+    """Of the scenes between the commas, of all without any; a name that is no scene ends the program."""
+    makers = accuracy_scenes.makers(quick)
+    wanted = names.split(",") if names else list(makers)
+    for name in wanted:
+        if name not in makers:
+            print("accuracy.py: --only %s: no scene; there are %s" % (name, ", ".join(makers)), file=sys.stderr)
+            sys.exit(2)
+    return {name: makers[name] for name in makers if name in wanted}
+
+
 def main():
     parser = argparse.ArgumentParser(description="Measures accuracy against time.")
     parser.add_argument("program")
     parser.add_argument("directory")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", default="", metavar="NAMES", help="of scenes, with commas between them")
     arguments = parser.parse_args()
     program = os.path.abspath(arguments.program)
+    makers = makers_of(arguments.only, arguments.quick)
     budget = 0.35 if arguments.quick else 6.0
     os.makedirs(arguments.directory, exist_ok=True)
     begin, rows = time.time(), []
     with tempfile.TemporaryDirectory() as work, concurrent.futures.ThreadPoolExecutor(CORES) as pool:
-        for scene in accuracy_scenes.all_scenes(work, arguments.quick):
-            print("%4.0f s  %s" % (time.time() - begin, scene.name), file=sys.stderr, flush=True)
-            rows += measure(program, scene, budget, pool)
+        for name, make in makers.items():
+            print("%4.0f s  %s" % (time.time() - begin, name), file=sys.stderr, flush=True)
+            rows += measure(program, make(work), budget, pool)
         version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.split(" ", 1)
     header = results.machine(program, version[-1].strip(), accuracy_scenes.RUNS)
     header.append(("length", "quick" if arguments.quick else "full"))
     header.append(("seconds", "%.0f" % (time.time() - begin)))
+    if arguments.only:
+        header.append(("only", arguments.only))
     accuracy_table.mark_front(rows)
     results.write_csv(os.path.join(arguments.directory, "accuracy.csv"), header, rows)
-    print(accuracy_table.text(header, rows))
+    text = accuracy_table.text(header, rows)
+    with open(os.path.join(arguments.directory, "accuracy.txt"), "w") as stream:
+        stream.write(text)
+    print(text)
 
 
 if __name__ == "__main__":

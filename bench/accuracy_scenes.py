@@ -2,10 +2,15 @@
 
 SPDX-License-Identifier: MIT
 """
+import functools
 import math
 import os
+import sys
 
 import cases
+
+sys.path.insert(0, os.path.join(cases.ROOT, "tests", "lib"))
+import paired_planes  # noqa: E402
 
 RUNS = 16  # in every file; each has its own random streams
 SHAPES = ("flat50", "lohill", "hihill", "locrater", "hicrater", "lonoise", "hinoise")
@@ -18,6 +23,7 @@ FINE_RINGS = 12000  # of the stack's top
 COST_RINGS = (200, 1000, 10000)
 FEW_RUNS = 4  # where building a mesh takes seconds
 LOWER = 1000  # times, is the ripple than the low hill
+ASKED = ("1e-1", "5e-2", "2e-2", "1e-2", "1e-3", "1e-4")  # of the scenes where a plane is worse than it looks
 
 
 class Method:
@@ -177,7 +183,25 @@ def ripple_scene(work):
     return Scene("ripple", path, methods)
 
 
-def all_scenes(work, quick):
-    return ([shape_scene(shape, work, quick) for shape in SHAPES]
-            + [rings_scene("S2", work, quick), rings_scene("S6a", work, quick), rough_scene(work), ripple_scene(work)]
-            + [cost_scene(rings, work) for rings in COST_RINGS] + [stack_scene(work)])
+def deceptive_scene(paired, work):
+    """Little height and slope, and yet no plane: what `auto` must see at every tolerance."""
+    path = os.path.join(work, paired.name + ".mci")
+    with open(path, "w") as stream:
+        stream.write(paired.text(paired.surface, RUNS))
+    mua, mus = (float(word) for word in paired.layers[0].split()[1:3])
+    methods = forced_methods() + [Method("plane", "plane", ["--boundaries", "plane"])]
+    for tolerance in ASKED:
+        methods += [Method("auto-%s" % tolerance, "auto", ["--tolerance", tolerance], tolerance),
+                    Method("mesh-analytic-area-%s" % tolerance, "mesh-analytic-area",
+                           ["--boundaries", "mesh", "--tolerance", tolerance], tolerance)]
+    return Scene(paired.name, path, methods, mua + mus, profile_of(paired.surface.split()[1:]))
+
+
+def makers(quick):
+    """What makes the files of a scene in a folder, by the scene's name."""
+    of = functools.partial
+    shapes = {shape: of(shape_scene, shape, quick=quick) for shape in SHAPES}
+    rings = {medium + "-rings": of(rings_scene, medium, quick=quick) for medium in ("S2", "S6a")}
+    costs = {"S2-rings-%d" % count: of(cost_scene, count) for count in COST_RINGS}
+    deceptive = {paired.name: of(deceptive_scene, paired) for paired, _ in paired_planes.DECEPTIVE}
+    return {**shapes, **rings, "S2-rough": rough_scene, "ripple": ripple_scene, **costs, "stack": stack_scene, **deceptive}

@@ -166,8 +166,10 @@ def packets(rows):
 
 
 def reading(header, rows):
-    """What the charts say, in ten lines of Markdown."""
+    """What the charts say, in ten lines of Markdown; of some scenes only whether tolerances were kept."""
     about = dict(header)
+    if "only" in about:
+        return [kept(rows)]
     cones, planes = by_group(rows, "cone"), by_group(rows, "plane")
     ratios = [slower(rows, row, "mesh") for row in cones if of(rows, row["scene"], "mesh")]
     faster = [1 / slower(rows, row, "plane") for row in cones if of(rows, row["scene"], "plane")]
@@ -194,9 +196,9 @@ def biased(row):
 
 
 def curve(row):
-    """(seconds, error) of one method from 10 us to 1000 s; a bias that is not resolved counts as none."""
+    """(seconds, error) of one method, over all of CURVE; a bias that is not resolved counts as none."""
     bias, variance, rate = biased(row) * number(row, "bias"), number(row, "variance"), number(row, "packets_per_s")
-    points = [10 ** (i / 4) for i in range(-20, 13)] if bias else [1e-5, 1e3]
+    points = [10 ** (i / 4) for i in range(-20, 13)] if bias else CURVE
     return [(t, math.sqrt(bias ** 2 + variance / (rate * t))) for t in points]
 
 
@@ -207,7 +209,9 @@ def knee(row):
 GROUPS = ("cone", "opencl", "plane", "auto", "mesh-auto", "mesh-analytic-area", "mesh-analytic-inscribed",
           "mesh-vertex-area", "mesh-vertex-inscribed", "mesh-facet-area", "mesh-facet-inscribed")
 CURVES = ("plane", "cpu-cone", "mesh", "mesh-analytic-area-1e-1", "mesh-vertex-area-1e-1", "sampled-face-50")
+CURVE = (1e-5, 1e3)  # seconds that the chart of total errors shows
 LEAST = 1e-8  # the lower edge of the chart of biases
+MARGIN = 1.5  # times, by which its axis of times goes beyond them
 
 
 def write_series(path, points):
@@ -217,29 +221,45 @@ def write_series(path, points):
             stream.write(" ".join(format(float(value), ".4g") for value in point) + "\n")
 
 
+def points(rows):
+    """Time per step, bias, its two errors, the profile's bias, failures, and the bound on paper of each row, by time."""
+    return sorted((number(row, "ns_per_step"), max(shown(row), LEAST), 2 * number(row, "bias_se"),
+                   max(number(row, "profile_bias"), number(row, "profile_se"), LEAST),
+                   max(number(row, "failures_per_1e9"), number(row, "failures_limit")),
+                   row["optical_bound"] or "NaN") for row in rows)
+
+
+def series_of(rows):
+    """{name: points} of one scene: its groups, front, limits, curves and knees."""
+    found = {group: points(by_group(rows, group)) for group in GROUPS}
+    found["front"] = points([row for row in rows if int(row["front"])])
+    found["limits"] = [(number(row, "ns_per_step"), number(row, "failures_limit"))
+                       for row in rows if row["group"] in GROUPS and not int(row["lost"])]
+    drawn = [row for row in rows if row["method"] in CURVES]
+    found.update({"curve." + name: [point for row in drawn if row["method"] == name for point in curve(row)]
+                  for name in CURVES})
+    found["knees"] = [knee(row) for row in drawn if biased(row) and CURVE[0] <= number(row, "knee_s") <= CURVE[1]]
+    return found
+
+
 def series(rows, directory):
-    """What accuracy.gp draws: DIRECTORY/scenes and, for every scene, a file per group, its front, curves and knees."""
+    """What accuracy.gp draws: DIRECTORY/scenes and, for every scene, a file per series and `drawn`, the names of those that
+    have points, and `times`, from and to which its axis goes."""
     scenes = list(dict.fromkeys(row["scene"] for row in rows))
     with open(os.path.join(directory, "scenes"), "w") as stream:
         stream.write(" ".join(scenes) + "\n")
     for scene in scenes:
         mine = [row for row in rows if row["scene"] == scene]
-
-        def points(chosen):
-            return [(number(row, "ns_per_step"), max(shown(row), LEAST), 2 * number(row, "bias_se"),
-                     max(number(row, "profile_bias"), number(row, "profile_se"), LEAST),
-                     max(number(row, "failures_per_1e9"), number(row, "failures_limit")),
-                     row["optical_bound"] or "NaN") for row in chosen]
-        for group in GROUPS:
-            write_series(os.path.join(directory, "%s.%s" % (scene, group)), sorted(points(by_group(mine, group))))
-        write_series(os.path.join(directory, scene + ".front"), sorted(points([row for row in mine if int(row["front"])])))
-        limits = [row for row in mine if row["group"] in GROUPS and not int(row["lost"])]
-        write_series(os.path.join(directory, scene + ".limits"),
-                     [(number(row, "ns_per_step"), number(row, "failures_limit")) for row in limits])
-        drawn = {name: of(mine, scene, name) for name in CURVES}
-        for name, row in drawn.items():
-            write_series(os.path.join(directory, "%s.curve.%s" % (scene, name)), curve(row) if row else [])
-        write_series(os.path.join(directory, scene + ".knees"), [knee(row) for row in drawn.values() if row and biased(row)])
+        found = series_of(mine)
+        for name, values in found.items():
+            write_series(os.path.join(directory, "%s.%s" % (scene, name)), values)
+        names = [name for name, values in found.items() if values]
+        names += ["paper"] * any(float(row["optical_bound"] or 0) for row in by_group(mine, "mesh-analytic-area"))
+        with open(os.path.join(directory, scene + ".drawn"), "w") as stream:
+            stream.write(" ".join(names) + "\n")
+        times = [number(row, "ns_per_step") for row in mine if row["group"] in GROUPS]
+        with open(os.path.join(directory, scene + ".times"), "w") as stream:
+            stream.write("%.4g %.4g\n" % (min(times) / MARGIN, max(times) * MARGIN))
 
 
 def main(arguments):

@@ -9,7 +9,13 @@
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"
-draw_again frontier "$@"
+draw() { # CSV SVG
+    python3 -B "$here/frontier_table.py" "$1" --series "$work"
+    case $2 in *.png) kind=pngcairo ;; *) kind=svg ;; esac
+    gnuplot -e "work='$work'; out='$2'; kind='$kind'" "$here/frontier.gp"
+    [ $kind = pngcairo ] || python3 -B "$here/shrink_svg.py" "$2"
+}
+draw_again SVG "$@"
 quick= mcml=
 options quick "mcml program out" "$@"
 need_program
@@ -19,4 +25,4 @@ need python3
 mkdir -p "$out"
 python3 -B "$here/frontier.py" "$program" "$out" $quick ${mcml:+--mcml "$mcml"} >"$out/frontier.txt"
 cat "$out/frontier.txt"
-draw_result frontier
+draw_result "$out/frontier.csv" "$out/frontier.svg"

@@ -58,30 +58,27 @@ need_program() {
     case $program in /*) ;; *) program=$PWD/$program ;; esac
 }
 
-# NAME is that of a chart: NAME_table.py makes its series from a result, NAME.gp draws them.
-draw_chart() { # NAME CSV SVG
+# A script with a chart defines `draw CSV TARGET`, which may write into the folder $work, and calls draw_again and draw_result.
+draw_in_folder() { # CSV TARGET
     work=$(mktemp -d)
     trap 'rm -rf "$work"' EXIT
-    python3 -B "$here/$1_table.py" "$2" --series "$work"
-    case $3 in *.png) kind=pngcairo ;; *) kind=svg ;; esac
-    gnuplot -e "work='$work'; out='$3'; kind='$kind'" "$here/$1.gp"
-    [ $kind = pngcairo ] || python3 -B "$here/shrink_svg.py" "$3"
+    draw "$1" "$2"
 }
 
 # Where the first argument is --draw: draws a result again, and ends the script.
-draw_again() { # NAME ARGUMENTS...
+draw_again() { # "WHAT THE TARGET IS" ARGUMENTS...
     [ "${2-}" = --draw ] || return 0
-    [ $# -eq 4 ] || fail "--draw needs CSV and SVG"
+    [ $# -eq 4 ] || fail "--draw needs CSV and $1"
     need python3 gnuplot
     [ -r "$3" ] || fail "$3: cannot be read"
-    draw_chart "$1" "$3" "$4"
+    draw_in_folder "$3" "$4"
     exit
 }
 
 # Of a result in the folder of results, where gnuplot is installed.
-draw_result() { # NAME
+draw_result() { # CSV TARGET
     if command -v gnuplot >/dev/null; then
-        draw_chart "$1" "$out/$1.csv" "$out/$1.svg"
+        draw_in_folder "$1" "$2"
     else
         echo "no gnuplot, no figure" >&2
     fi

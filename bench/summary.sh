@@ -7,25 +7,16 @@
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"
-draw_summary() { # CSV SVG
-    work=$(mktemp -d)
-    trap 'rm -rf "$work"' EXIT
+draw() { # CSV SVG
     python3 -B "$here/summary.py" series "$1" "$work"
     gnuplot -e "work='$work'; out='$2'" "$here/summary.gp"
     python3 -B "$here/shrink_svg.py" "$2"
 }
-if [ "${1-}" = --draw ]; then
-    [ $# -eq 3 ] || fail "--draw needs CSV and SVG"
-    need python3 gnuplot
-    [ -r "$2" ] || fail "$2: cannot be read"
-    draw_summary "$2" "$3"
-    exit
-fi
+draw_again SVG "$@"
 quick=
 options quick "program out" "$@"
 need_program
 need python3
 mkdir -p "$out"
 python3 -B "$here/summary.py" measure "$program" "$out" $quick
-command -v gnuplot >/dev/null || { echo "no gnuplot, no figure" >&2; exit; }
-draw_summary "$out/summary.csv" "$out/summary.svg"
+draw_result "$out/summary.csv" "$out/summary.svg"

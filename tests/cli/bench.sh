@@ -39,22 +39,34 @@ expect_refusal "--mmc is missing" bench/mmc.sh --program "$program"
 expect_refusal "$work/none is no program" bench/mmc.sh --program "$program" --mmc "$work/none"
 expect_refusal "$work is no program" bench/speed.sh --program "$work"
 expect_refusal "$work/none is no program" bench/frontier.sh --program "$program" --mcml "$work/none"
-for chart in accuracy frontier; do
+for chart in accuracy frontier summary; do
     expect_refusal "none.csv: cannot be read" bench/$chart.sh --draw none.csv "$work/none.svg"
 done
+expect_refusal "--draw needs CSV and DIRECTORY" bench/accuracy.sh --draw none.csv
+expect_refusal "--only ripples: no scene" bench/accuracy.sh --only lens,ripples --program "$program" --out "$work/none"
+test ! -e "$work/none" || complain "accuracy.sh --only ripples: wrote $(ls "$work/none")"
 
-# the chart of a result: three panels per scene, and small enough to keep
+# the charts of a result: a page per scene with three panels, 18 cm wide, letters of 9 pt (exponents: 7) and small enough to keep
 if command -v gnuplot >/dev/null; then
     csv=bench/results/accuracy-amd-epyc-2core.csv
-    sh bench/accuracy.sh --draw $csv "$work/chart.svg" >"$work/out" 2>&1 || complain "accuracy.sh --draw: $(cat "$work/out")"
-    python3 - "$work/chart.svg" <<'END' || complain "accuracy.sh --draw: wrong chart"
+    sh bench/accuracy.sh --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.sh --draw: $(cat "$work/out")"
+    python3 - $csv "$work"/pages/*.svg <<'END' || complain "accuracy.sh --draw: wrong charts"
+import csv
+import os
 import sys
 import xml.etree.ElementTree as tree
-text = "".join(tree.parse(sys.argv[1]).getroot().itertext())
-panels = [text.count(words) for words in (": relative bias", ": total error", ": failures")]
-assert panels == [15, 15, 15], panels
+with open(sys.argv[1]) as file:
+    scenes = {row["scene"] for row in csv.DictReader(line for line in file if not line.startswith("#"))}
+assert {os.path.basename(path) for path in sys.argv[2:]} == {scene + ".svg" for scene in scenes} and len(scenes) == 15
+for path in sys.argv[2:]:
+    root = tree.parse(path).getroot()
+    texts = ["".join(text.itertext()) for text in root.iter("{http://www.w3.org/2000/svg}text")]
+    begins = os.path.basename(path)[:-4] + ":", "relative bias (", "total error: noise", "failures ("
+    assert [sum(text.startswith(words) for text in texts) for words in begins] == [1, 1, 1, 1], (path, texts)
+    assert "knee: noise equals bias" in texts or not path.endswith("hihill.svg"), texts  # the last line of the key
+    assert float(root.get("width")) <= 680 and os.path.getsize(path) < 40000, (path, root.get("width"))
+    assert all(float(element.get("font-size", 12)) >= (9 if element.tag.endswith("tspan") else 12) for element in root.iter()), path
 END
-    test "$(wc -c <"$work/chart.svg")" -lt 300000 || complain "accuracy.sh --draw: $(wc -c <"$work/chart.svg") bytes"
 
     # a panel per scene, and every mark of the key
     sh bench/frontier.sh --draw bench/results/frontier-intel-xeon-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||

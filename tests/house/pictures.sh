@@ -2,4 +2,4 @@
 # In the pictures of bench/results, which the texts show, no text runs through another or leaves the picture.
 # SPDX-License-Identifier: MIT
 set -eu
-exec python3 tests/lib/svg_text.py bench/results/*.svg
+exec python3 tests/lib/svg_text.py $(find bench/results -name "*.svg" | sort)

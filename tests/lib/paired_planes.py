@@ -38,6 +38,24 @@ class Scene:
         return "\n".join(lines) + "\n"
 
 
+def lens(n, radius, slope):
+    """A parabola of n samples, this steep at its rim."""
+    heights = [slope * radius / 2 * (1 - (i / (n - 1)) ** 2) for i in range(n)]
+    return f"b {n} " + " ".join(f"{height:.9g} {radius / (n - 1):.9g}" for height in heights)
+
+
+# Scenes of little height and slope, and tolerances that a plane in their place breaks all the same: grazing light on a slope,
+# light near the critical angle, a lens above a long clear layer.
+DECEPTIVE = [
+    (Scene("grazing", "b 2 0.002 0.05 0 0.05", ["1.4 0.5 0.5 0 1"],
+           beam="pencil at=-0.02,0 angle=88.9"), 0.05),
+    (Scene("critical", "b 2 0.0015 0.1 0 0.1", ["1.0 0.1 1 0 1"], beam="disk 0.05 angle=42.2",
+           n_above=1.5), 0.02),
+    (Scene("lens", lens(41, 1, 0.0045), ["1.59 0 0 0 100"], beam="disk 0.9", n_below=1.59,
+           grid="1 0.1"), 0.01),
+]
+
+
 def bins_of(scene, record, key):
     """What a profile holds in each bin, as shares of the light."""
     values = cml.read_sections(record["output"])[key]

@@ -60,7 +60,8 @@ AIMS = (("edges, ridges, vertices, tips; within 2 ulp", "edge vertex drop"),
         ("along an edge, in the surface", "along"),
         ("1e-2 to 1e-4 rad from a face", "1e-2 1e-3 1e-4"),
         ("1e-5 to 1e-7 rad from a face", "1e-5 1e-6 1e-7"))
-KINDS = (("ridges, tips, rough meshes", "ridges-and-tip cone-tip pit-tip pole-of-a-dome vertices-and-edges"),
+KINDS = (("ridges, tips, rough meshes", "ridges-and-tip cone-tip pit-tip pole-of-a-dome vertices-and-edges "
+                                       "irregular-mesh spiked-mesh"),
          ("grazing flights", "grazing-rings grazing-mesh smooth-rough"),
          ("walls, needles, grooves", "walls-1e3 mesh-walls-1e3 needles-1e4 grooves-1e3 groove-1deg"),
          ("1e-6 to 1e-4 cm fine; 1e2 cm off", "rings-1e-6cm rings-1e-6cm-far features-1e-4cm-at-1e2cm "

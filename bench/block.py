@@ -18,3 +18,11 @@ def replace(readme, script, fresh):
     last = lines.index(END, first)
     with open(readme, "w", encoding="utf-8") as stream:
         stream.write("\n".join(lines[:first + 1] + list(fresh) + lines[last:]))
+
+
+def table(titles, rows):
+    """The lines of a table."""
+    yield "| " + " | ".join(titles) + " |"
+    yield "|---" * len(titles) + "|"
+    for row in rows:
+        yield "| " + " | ".join(row) + " |"

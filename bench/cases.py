@@ -24,23 +24,27 @@ SCENES = {
 AMPLITUDE = "0.018"  # of rough tops and rings [cm]
 AMPLITUDE_A = "0.03"
 SEARCHED = "3e5"  # triangles of the rough top that is flown with Embree as well
+IRREGULAR = {"moved": ("1e4", "1e5", "1e6"), "kept": ("1e4", "1e5", "1e6"), "spiked": ("1e5",)}  # kinds of rough.py
+QUICK = "1e5"  # triangles of the irregular tops of --quick, and of those of A
 RINGS = (1, 10, 50, 200, 1000)
-TWO_THREADS = ("S6a", "S6a-rough-1e5", "S6a-rings-50-cone")
+TWO_THREADS = ("S6a", "S6a-rough-1e5", "S6a-moved-1e5", "S6a-kept-1e5", "S6a-rings-50-cone")
 ABOVE = 7  # the index above, of the lines that are neither comment nor blank; the first layer follows
 
 
 class Case:
     """One row of the result: a scene file, options for the program, and what was measured."""
 
-    def __init__(self, name, medium, surface, path, options=(), threads=1):
+    def __init__(self, name, medium, surface, path, options=(), threads=1, mesh=None, grid=None):
         self.name, self.medium, self.surface, self.path = name, medium, surface, path
         self.options, self.threads = list(options), threads
+        self.mesh = mesh  # path of a rough top
+        self.grid = grid  # name of the case with a regular grid, which an irregular top is compared with
         self.photons = self.mcml_photons = self.mcml_start = 0
         self.runs, self.mcml_runs = [], []
 
     def two(self):
         """The same on two threads."""
-        return Case(self.name, self.medium, self.surface, self.path, self.options, 2)
+        return Case(self.name, self.medium, self.surface, self.path, self.options, 2, self.mesh, self.grid)
 
 
 def data_lines(medium):
@@ -65,19 +69,31 @@ def make_surface(kind, number, amplitude, path):
     subprocess.run([sys.executable, os.path.join(HERE, "rough.py"), kind, str(number), amplitude, path], check=True)
 
 
+def top_case(medium, kind, number, amplitude, work):
+    """Below a rough mesh of rough.py; the regular grid is called rough."""
+    top = "rough" if kind == "mesh" else kind
+    mesh = os.path.join(work, "%s-%s-%s.obj" % (top, number, amplitude))
+    if not os.path.exists(mesh):
+        make_surface(kind, number, amplitude, mesh)
+    name = "%s-%s-%s" % (medium, top, number)
+    path = os.path.join(work, name + ".mci")
+    write_scene(medium, path, surface='m "%s"' % os.path.basename(mesh))
+    return Case(name, medium, top, path, mesh=mesh, grid=None if kind == "mesh" else "%s-rough-%s" % (medium, number))
+
+
 def rough_cases(medium, numbers, amplitude, work):
     cases = []
     for number in numbers:
-        obj = "rough-%s-%s.obj" % (number, amplitude)
-        if not os.path.exists(os.path.join(work, obj)):
-            make_surface("mesh", number, amplitude, os.path.join(work, obj))
-        name = "%s-rough-%s" % (medium, number)
-        path = os.path.join(work, name + ".mci")
-        write_scene(medium, path, surface='m "%s"' % obj)
-        cases.append(Case(name, medium, "rough", path))
+        case = top_case(medium, "mesh", number, amplitude, work)
+        cases.append(case)
         if number == SEARCHED:
-            cases.append(Case(name + "-embree", medium, "searched", path, ["--mesh-search", "embree"]))
+            cases.append(Case(case.name + "-embree", medium, "searched", case.path, ["--mesh-search", "embree"]))
     return cases
+
+
+def irregular_cases(medium, amplitude, work, quick):
+    return [top_case(medium, kind, number, amplitude, work) for kind, numbers in IRREGULAR.items()
+            for number in numbers if number == QUICK or not quick]
 
 
 def level_case(medium, work):
@@ -112,9 +128,10 @@ def all_cases(work, quick):
         cases.append(Case(medium, medium, "flat", flat))
         if medium in ("S2", "S6a"):
             cases.append(level_case(medium, work))
-            cases += rough_cases(medium, numbers, AMPLITUDE, work) + ring_cases(medium, work)
+            cases += rough_cases(medium, numbers, AMPLITUDE, work)
+            cases += irregular_cases(medium, AMPLITUDE, work, quick) + ring_cases(medium, work)
         if medium == "A":
-            cases += rough_cases(medium, ["1e5"], AMPLITUDE_A, work)
+            cases += rough_cases(medium, [QUICK], AMPLITUDE_A, work) + irregular_cases(medium, AMPLITUDE_A, work, True)
     with_two = []
     for case in cases:
         with_two += [case, case.two()] if case.name in TWO_THREADS else [case]

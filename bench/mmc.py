@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Times clustermcml against MMC on one core: mmc.py PROGRAM MMC DIRECTORY [--rounds N].
 
-A slab with ten scatterings per cm below rough tops of 1e3, 1e4 and 1e5 triangles. Both tally the absorbed light, with the
-same roulette, and only flights count: reading, building and writing are left out. They take turns, and ratios are taken
-within a round. Beside the speed stands the absorbed share of the light that entered, which must be the same.
+A slab with ten scatterings per cm below rough tops: regular grids of 1e3, 1e4 and 1e5 triangles, and 1e5 irregular and
+steeper ones. Both tally the absorbed light, with the same roulette, and only flights count: reading, building and
+writing are left out. They take turns, and ratios are taken within a round. Beside the speed stands the absorbed share of
+the light that entered, which must be the same.
 Writes DIRECTORY/mmc.md. As `mmc.py --readme MMC.md README.md` it puts that into README.
 
 SPDX-License-Identifier: MIT
@@ -24,19 +25,20 @@ import results
 import speed
 import tetrahedra
 
-TRIANGLES = ("1e3", "1e4", "1e5")
+TOPS = (("mesh", "1e3"), ("mesh", "1e4"), ("mesh", "1e5"), ("kept", "1e5"))  # kinds of rough.py, and triangles
 SECONDS = 0.7  # of a run
 ROULETTE = "1e-4"  # the weight below which it is played, as in MCML
-TITLES = ("triangles", "tetrahedra", "photons/s", "MMC's photons/s", "ratio", "absorbed of what entered", "by MMC", "lost")
+TITLES = ("top", "triangles", "tetrahedra", "photons/s", "MMC's photons/s", "ratio", "absorbed of what entered", "by MMC",
+          "lost")
 
 
 class Pair:
     """The same slab for both programs, and what they did with it."""
 
-    def __init__(self, triangles, work):
-        self.case = cases.rough_cases("A", [triangles], cases.AMPLITUDE_A, work)[0]
-        self.obj = os.path.join(work, "rough-%s-%s.obj" % (triangles, cases.AMPLITUDE_A))
-        self.stem = os.path.join(work, "slab-" + triangles)
+    def __init__(self, kind, triangles, work):
+        self.top = "regular" if kind == "mesh" else kind
+        self.case = cases.top_case("A", kind, triangles, cases.AMPLITUDE_A, work)
+        self.stem = os.path.join(work, "slab-%s-%s" % (kind, triangles))
         self.tetrahedra = 0
         self.mmc_photons = 10000
         self.mmc_runs = []  # (photons per second, absorbed share)
@@ -52,7 +54,7 @@ def entry(program, scene):
 
 def prepare(program, pair):
     layer = [float(word) for word in cases.data_lines("A")[cases.ABOVE + 1].split()]
-    mesh = tetrahedra.fill(pair.obj, layer[-1], pair.stem)
+    mesh = tetrahedra.fill(pair.case.mesh, layer[-1], pair.stem)
     pair.tetrahedra = len(mesh[1])
     tetrahedra.write_mmc(mesh, layer, *entry(program, pair.case.path), pair.stem + ".json")
 
@@ -103,7 +105,7 @@ def absorbed(pair):
 def row(pair):
     ours, theirs = [run["photons_per_s"] for run in pair.case.runs], [rate for rate, _ in pair.mmc_runs]
     ratios = [a / b for a, b in zip(ours, theirs)]
-    return [str(pair.case.runs[0]["boundaries"][0]["primitives"]), str(pair.tetrahedra),
+    return [pair.top, str(pair.case.runs[0]["boundaries"][0]["primitives"]), str(pair.tetrahedra),
             "%.3g" % statistics.median(ours), "%.3g" % statistics.median(theirs),
             "%.1f (%.1f-%.1f)" % (statistics.median(ratios), min(ratios), max(ratios)),
             *("%.5f ± %.5f" % share for share in absorbed(pair)), str(sum(run["lost"] for run in pair.case.runs))]
@@ -114,17 +116,14 @@ def report(program, mmc, pairs, rounds):
     yield "Measured: %s; MMC %s; %s; median (least-most) of %d rounds, one thread." % (
         about["program"], version(mmc), about["machine"], rounds)
     yield ""
-    yield "| " + " | ".join(TITLES) + " |"
-    yield "|---" * len(TITLES) + "|"
-    for pair in pairs:
-        yield "| " + " | ".join(row(pair)) + " |"
+    yield from block.table(TITLES, [row(pair) for pair in pairs])
 
 
 def bench(arguments):
     with tempfile.TemporaryDirectory() as work:
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
         mmc = os.path.abspath(arguments.mmc)
-        pairs = [Pair(triangles, work) for triangles in TRIANGLES]
+        pairs = [Pair(kind, triangles, work) for kind, triangles in TOPS]
         for pair in pairs:
             prepare(program, pair)
             calibrate(program, mmc, pair)

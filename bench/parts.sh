@@ -1,9 +1,10 @@
 #!/bin/sh
 # What the parts of the cpu engine cost on this machine:
 #     parts.sh [--build DIR] [--out DIR]
-# Builds bench_stages, bench_busy, bench_curved and bench_queries in build/, runs them and leaves parts.txt in bench/out: the vector
-# loops alone and left out, where the time of the flat scenes goes, then, below rough tops and rings where light is
-# scattered often (S6a) and seldom (S2), where it goes there, and what a step near the boundary costs by itself.
+# Builds the benches in build/, runs bench_stages, bench_busy, bench_curved, bench_asked and bench_queries and leaves
+# parts.txt in bench/out: the vector loops alone and left out, where the time of the flat scenes goes, then, below rough
+# tops and rings where light is scattered often (S6a) and seldom (S2), where it goes there, how often regular, irregular
+# and spiked tops are asked and met, and what a step near the boundary costs by itself.
 # SPDX-License-Identifier: MIT
 set -eu
 . "$(dirname "$0")/lib.sh"
@@ -23,7 +24,10 @@ import sys, cases
 for medium in ("S6a", "S2"):
     cases.write_scene(medium, sys.argv[1] + "/" + medium + "-rough.mci", surface="m \"rough.obj\"")
     for rings in ("rings", "rings-1000"):
-        cases.write_scene(medium, f"{sys.argv[1]}/{medium}-{rings}.mci", surface=f"b \"{rings}.txt\"")' "$work"
+        cases.write_scene(medium, f"{sys.argv[1]}/{medium}-{rings}.mci", surface=f"b \"{rings}.txt\"")
+for medium, amplitude in (("S2", cases.AMPLITUDE), ("A", cases.AMPLITUDE_A), ("S6a", cases.AMPLITUDE)):
+    for kind in ("mesh", *cases.IRREGULAR):
+        print(cases.top_case(medium, kind, cases.QUICK, amplitude, sys.argv[1]).path)' "$work" >"$work/tops"
 
 {
     echo "# $(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1); load $(cut -d' ' -f1-3 /proc/loadavg)"
@@ -33,6 +37,8 @@ for medium in ("S6a", "S2"):
     PYTHONPATH=$here python3 -B "$here/bounds.py" "$build/bench_busy" "$work/stages.csv"
     echo "# curved tops: per photon, where the time goes"
     PYTHONPATH=$here python3 -B "$here/curved.py" "$build/bench_curved" "$work"
+    echo "# regular and irregular tops: steps of a photon, rays asked of the boundary per step, and those that met it"
+    xargs "$build/bench_asked" <"$work/tops" | sed "s|$work/||; s|[.]mci||"
     for scene in S6a-rough S6a-rings S6a-rings-1000 S2-rough S2-rings; do
         echo "# $scene"
         "$build/bench_queries" "$work/$scene.mci"

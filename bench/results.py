@@ -87,8 +87,9 @@ def accuracy(case):
     return row
 
 
-def row_of(case, flat, single):
-    """One row; flat is the plane of the same medium and threads, single the same case on one thread."""
+def row_of(case, flat, grid, single):
+    """One row; flat is the plane of the same medium and threads, grid the regular grid that an irregular top stands
+    beside, or None, single the same case on one thread."""
     runs = case.runs
     kind, primitives = surface_of(runs[0])
     row = {"case": case.name, "medium": case.medium, "surface": case.surface, "kind": kind,
@@ -96,6 +97,7 @@ def row_of(case, flat, single):
     row.update(spread("ns_per_step", nanoseconds(case)))
     row["photons_per_s"] = statistics.median(run["photons_per_s"] for run in runs)
     row.update(spread("to_flat", ratios(nanoseconds(case), nanoseconds(flat)) if flat is not case else []))
+    row.update(spread("to_grid", ratios(nanoseconds(case), nanoseconds(grid)) if grid else []))
     per_photon = [1 / run["photons_per_s"] for run in runs]
     row.update(spread("mcml_to_ours", ratios([seconds for seconds, _ in case.mcml_runs], per_photon)))
     row.update(spread("one_to_threads", ratios(nanoseconds(single), nanoseconds(case)) if single is not case else []))
@@ -111,7 +113,7 @@ def row_of(case, flat, single):
 def rows(done):
     by_name = {(case.name, case.threads): case for case in done}
     return [row_of(case, by_name.get((case.medium, case.threads), by_name[case.medium, 1]),
-                   by_name[case.name, 1]) for case in done]
+                   by_name.get((case.grid, case.threads)), by_name[case.name, 1]) for case in done]
 
 
 def write_csv(path, header, table):
@@ -151,13 +153,31 @@ def cells(row):
 
 TITLES = ["case", "boundary", "primitives", "threads", "ns/step", "x flat", "MCML / ours", "queries %", "build s",
           "MiB", "Rd (exact)", "lost"]
+GRID_TITLES = ["irregular top", "threads", "ns/step", "x regular grid", "queries %", "of the grid"]
+
+
+def irregular(table):
+    """The cells of a table of the irregular tops beside the regular grids of as many triangles; results from before
+    they were measured have none."""
+    by_name = {(row["case"], row["threads"]): row for row in table}
+    found = []
+    for row in table:
+        if row.get("to_grid", "") == "":
+            continue
+        grid = by_name[row["case"].replace("-%s-" % row["surface"], "-rough-"), row["threads"]]
+        found.append([row["case"], str(row["threads"]), ranged(row, "ns_per_step", 1), ranged(row, "to_grid", 2),
+                      *("%.1f" % (100 * float(one["query_share"])) for one in (row, grid))])
+    return found
+
+
+def aligned(grid):
+    widths = [max(map(len, column)) for column in zip(*grid)]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in grid]
 
 
 def text(header, table):
-    lines = ["%s: %s" % pair for pair in header] + [""]
-    grid = [TITLES] + [cells(row) for row in table]
-    widths = [max(len(line[i]) for line in grid) for i in range(len(TITLES))]
-    lines += ["  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip() for line in grid]
+    lines = ["%s: %s" % pair for pair in header] + [""] + aligned([TITLES] + [cells(row) for row in table])
+    lines += [""] + aligned([GRID_TITLES] + irregular(table)) + [""]
     for row in table:
         if row["one_to_threads"] != "":
             lines.append("%s: %s threads %s times one thread" % (row["case"], row["threads"],
@@ -172,11 +192,13 @@ def readme_lines(header, table):
     yield "Measured: %s; %s; %s; median (least-most) of %s rounds. Two threads over one: %s." % (
         about["program"], about["machine"], about["compiler"], about["rounds"], ", ".join(gains))
     yield ""
-    titles = TITLES[:drop] + TITLES[drop + 1:]
-    yield "| " + " | ".join(titles) + " |"
-    yield "|---" * len(titles) + "|"
-    for line in (cells(row) for row in table if row["case"] in README_ROWS and row["threads"] == "1"):
-        yield "| " + " | ".join(line[:drop] + line[drop + 1:]) + " |"
+    chosen = [cells(row) for row in table if row["case"] in README_ROWS and row["threads"] == "1"]
+    titles, *lines = [line[:drop] + line[drop + 1:] for line in [TITLES] + chosen]
+    yield from block.table(titles, lines)
+    found = irregular(table)
+    if found:
+        yield ""
+        yield from block.table(GRID_TITLES, found)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
-"""Rough tops for the bench: rough.py mesh TRIANGLES AMPLITUDE FILE.obj, or rough.py rings N AMPLITUDE FILE.txt.
+"""Rough tops for the bench: rough.py mesh|moved|kept|spiked TRIANGLES AMPLITUDE FILE.obj, or
+rough.py rings N AMPLITUDE FILE.txt.
 
 mesh: a regular grid over 4 x 4 cm with about TRIANGLES triangles; its heights are a sum of sines of random direction
 and phase (wavelengths 0.2 to 1 cm), scaled to a maximum of AMPLITUDE cm and faded to exactly 0 at the border.
+moved: the same surface, but inner vertices are moved by up to 0.22 of a cell in x and y, and have its height there.
+kept: they are moved by up to 0.3 of a cell and keep their heights: steeper facets, as scans have them.
+spiked: the regular grid, with the vertex at x = y = 1 cm raised by 0.1 cm.
 rings: N rings over 0.5 cm, a sum of sines of random phase in r (wavelengths 0.04 to 0.4 cm), 0 at the last ring.
 
 The surface is one fixed function of x and y, or of r; the number of primitives only says how finely it is sampled.
@@ -15,9 +19,13 @@ import math
 import random
 import sys
 
+MESHES = ("mesh", "moved", "kept", "spiked")
 SIDE, FADE = 4.0, 0.4  # of the mesh [cm]
 RADIUS = 0.5  # of the rings [cm]
 WAVES = 24
+MOVED, KEPT = 0.22, 0.3  # how far vertices are moved in x and y [cells]
+ACROSS = 0.48  # most of dx - dy: three vertices moved by more, across the diagonal of a cell, could turn a triangle over
+SPIKE_AT, SPIKE = 1.0, 0.1  # x = y of the raised vertex, and by how much [cm]
 
 
 def wavelengths(longest, shortest):
@@ -41,8 +49,8 @@ def fade(x):
     return t * t * (3 - 2 * t)
 
 
-def heights(cells, amplitude):
-    """The heights of (cells + 1)^2 grid points, row by row."""
+def raw_heights(cells):
+    """Coordinates and heights of (cells + 1)^2 grid points, row by row, before they are scaled."""
     xs = [SIDE * (i / cells - 0.5) for i in range(cells + 1)]
     waves, fades = plane_waves(), [fade(x) for x in xs]
     # sin(a + b) = sin a cos b + cos a sin b: sines per row and per column instead of per point
@@ -54,18 +62,63 @@ def heights(cells, amplitude):
         q = [math.sin(ky * y + phase) for _, ky, phase in waves]
         grid.append([fade_x * fade_y * sum(s * a + c * b for s, c, a, b in zip(sine, cosine, p, q))
                      for fade_x, sine, cosine in zip(fades, sines, cosines)])
-    scale = amplitude / max(abs(h) for row in grid for h in row)
+    return xs, grid
+
+
+def scale_of(grid, amplitude):
+    return amplitude / max(abs(h) for row in grid for h in row)
+
+
+def heights(cells, amplitude):
+    """Coordinates and heights [cm] of (cells + 1)^2 grid points, row by row."""
+    xs, grid = raw_heights(cells)
+    scale = scale_of(grid, amplitude)
     return xs, [[scale * h for h in row] for row in grid]
 
 
-def write_mesh(triangles, amplitude, name):
+def move_inner(rows, reach, height=None):
+    """Moves the inner vertices (x, y, h) by up to reach cells in x and y, to height(x, y) or at the height they have."""
+    draw, cells = random.Random(3), len(rows) - 1
+    for row in rows[1:-1]:
+        for i in range(1, cells):
+            dx, dy = draw.uniform(-reach, reach), draw.uniform(-reach, reach)
+            while abs(dx - dy) > ACROSS:
+                dx, dy = draw.uniform(-reach, reach), draw.uniform(-reach, reach)
+            x, y, h = row[i]
+            x, y = x + dx * SIDE / cells, y + dy * SIDE / cells
+            row[i] = x, y, height(x, y) if height else h
+
+
+def raise_spike(rows):
+    cells = len(rows) - 1
+    i = min(round((SPIKE_AT / SIDE + 0.5) * cells), cells - 1)
+    x, y, h = rows[i][i]
+    rows[i][i] = x, y, h + SPIKE
+
+
+def mesh_vertices(kind, cells, amplitude):
+    """Rows of vertices (x, y, h) [cm]; those of the border are the same for all kinds."""
+    xs, raw = raw_heights(cells)
+    scale, waves = scale_of(raw, amplitude), plane_waves()
+    rows = [[(x, y, scale * h) for x, h in zip(xs, row)] for y, row in zip(xs, raw)]
+    if kind == "moved":
+        move_inner(rows, MOVED, lambda x, y: scale * fade(x) * fade(y) * sum(
+            math.sin(kx * x + ky * y + phase) for kx, ky, phase in waves))
+    elif kind == "kept":
+        move_inner(rows, KEPT)
+    elif kind == "spiked":
+        raise_spike(rows)
+    return rows
+
+
+def write_mesh(kind, triangles, amplitude, name):
     cells = max(2, round(math.sqrt(triangles / 2)))
-    xs, grid = heights(cells, amplitude)
+    top = "rough top" if kind == "mesh" else "rough top, " + kind
     with open(name, "w", newline="\n") as stream:
-        stream.write("# rough top, %d triangles, +-%g cm; written by bench/rough.py\n" % (2 * cells * cells, amplitude))
-        for y, row in zip(xs, grid):
+        stream.write("# %s, %d triangles, +-%g cm; written by bench/rough.py\n" % (top, 2 * cells * cells, amplitude))
+        for row in mesh_vertices(kind, cells, amplitude):
             # + 0.0 turns -0.0 into 0.0
-            stream.write("".join("v %.6f %.6f %.6f\n" % (x, y, round(h, 6) + 0.0) for x, h in zip(xs, row)))
+            stream.write("".join("v %.6f %.6f %.6f\n" % (x, y, round(h, 6) + 0.0) for x, y, h in row))
         for j in range(cells):
             lines = []
             for i in range(cells):
@@ -87,10 +140,13 @@ def write_rings(rings, amplitude, name):
 
 
 def main(arguments):
-    if len(arguments) != 4 or arguments[0] not in ("mesh", "rings"):
-        sys.exit("usage: rough.py mesh|rings NUMBER AMPLITUDE FILE")
-    write = write_mesh if arguments[0] == "mesh" else write_rings
-    write(int(float(arguments[1])), float(arguments[2]), arguments[3])
+    if len(arguments) != 4 or arguments[0] not in MESHES + ("rings",):
+        sys.exit("usage: rough.py %s|rings NUMBER AMPLITUDE FILE" % "|".join(MESHES))
+    kind, number, amplitude, name = arguments[0], int(float(arguments[1])), float(arguments[2]), arguments[3]
+    if kind == "rings":
+        write_rings(number, amplitude, name)
+    else:
+        write_mesh(kind, number, amplitude, name)
 
 
 if __name__ == "__main__":

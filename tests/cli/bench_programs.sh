@@ -30,6 +30,7 @@ expect_table $busy 2 7 bench_busy samples/mcml_sample.mci samples/wedge.mci
 for kind in cone mesh; do
     expect_table scene,queries,ns,around,ahead,seek,turn,cross 1 3 bench_curved samples/shapes/hihill.mci $kind
 done
+expect_table scene,steps,asked,met 2 4 bench_asked samples/shapes/hihill.mci samples/shapes/hinoise.mci
 expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci
 expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci --mesh
 expect_table stage,ns_alone,ns_saved_when_left_out 11 2 bench_stages
@@ -38,7 +39,7 @@ sed 's/^40 50 1 /1 1 1 /' samples/mcml_sample.mci >"$work/one-bin.mci"
 means=quantity,first,last,mean,mean_error,reference,reference_error,deviation,packets,independent,reported,within_1,within_2
 expect_table $means 9 4 bench_unbiased "$work/one-bin.mci" 20 1000 1
 
-for bench in "bench_busy" "bench_queries" "bench_curved"; do
+for bench in "bench_busy" "bench_queries" "bench_curved" "bench_asked"; do
     code=0
     "$build/$bench" "$work/none.mci" mesh >"$work/out" 2>"$work/err" || code=$?
     test $code -eq 2 || complain "$bench none.mci: exit $code, not 2"

@@ -2,6 +2,7 @@
  * the same place when only the part of a step that it leaves is looked at. And the fast mesh query gives what
  * the exact one gives. SPDX-License-Identifier: MIT */
 #include "flight.h"
+#include "lib/mesh_shapes.h"
 
 #include "engine/world.h"
 #include "walk.h"
@@ -117,6 +118,37 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
 #define NOISE "b 9 0.02 0.05 -0.03 0.05 0.04 0.05 -0.05 0.05 0.01 0.05 0.06 0.05 -0.02 0.05 0.03 0.05 0 0"
 #define MESH(name) "m \"" CML_SOURCE_DIR "/meshes/" name "\""
 
+/* Meshes that are no regular grid, or steep in one place only, in a folder for as long as the tests run. */
+static char folder[] = "/tmp/cml_clearance_XXXXXX";
+static char irregular_path[64], spiked_path[64], irregular[80],
+    spiked[80]; /* files, and lines of .mci files */
+
+static int write_meshes(void **state)
+{
+    (void)state;
+    static struct patch patch;
+    assert_non_null(mkdtemp(folder));
+    snprintf(irregular_path, sizeof irregular_path, "%s/irregular.obj", folder);
+    snprintf(spiked_path, sizeof spiked_path, "%s/spiked.obj", folder);
+    snprintf(irregular, sizeof irregular, "m \"%s\"", irregular_path);
+    snprintf(spiked, sizeof spiked, "m \"%s\"", spiked_path);
+    patch_make(&patch, 1, 0.01, 0, 0, 0);
+    patch_spike(&patch, GRID / 4, GRID / 4, 0.1);
+    patch_write(&patch, spiked_path);
+    patch_make(&patch, 1, 0.01, 0, 0, 0);
+    patch_move(&patch, 2, 0.25);
+    patch_write(&patch, irregular_path);
+    return 0;
+}
+
+static int remove_meshes(void **state)
+{
+    (void)state;
+    remove(irregular_path);
+    remove(spiked_path);
+    return rmdir(folder);
+}
+
 static void a_clear_step_crosses_nothing(void **state)
 {
     (void)state;
@@ -127,6 +159,8 @@ static void a_clear_step_crosses_nothing(void **state)
     expect_conservative(MESH("overhang.obj"), CML_SURFACE_AUTO, 0.8);
     expect_conservative(MESH("wedge.obj"), CML_SURFACE_AUTO, 0.8);
     expect_conservative(MESH("spikes.obj") " shift=0.3,0,0", CML_SURFACE_AUTO, 0.8);
+    expect_conservative(irregular, CML_SURFACE_AUTO, 1.2);
+    expect_conservative(spiked, CML_SURFACE_AUTO, 1.2);
 }
 
 /* The place above or below p where the surface is met first, coming from far away on one side of it: also one
@@ -181,6 +215,8 @@ static void above_its_horizon_a_packet_crosses_nothing(void **state)
     expect_horizons(MESH("wedge.obj"), 0.7, 0.05);
     expect_horizons(MESH("overhang.obj"), 2, 0.5);
     expect_horizons(MESH("prism.obj"), 3, 0.2);
+    expect_horizons(irregular, 1.2, 0.1);
+    expect_horizons(spiked, 1.2, 0.5);
 }
 
 /* Cones believe the side they are told, so it has to be true. */
@@ -242,6 +278,8 @@ static void the_fast_query_is_the_exact_one(void **state)
     (void)state;
     expect_exact(MESH("ridges.obj"), true);
     expect_exact(MESH("overhang.obj"), false);
+    expect_exact(irregular, false);
+    expect_exact(spiked, true);
 }
 
 int main(int argc, char **argv)
@@ -253,5 +291,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(above_its_horizon_a_packet_crosses_nothing),
         cmocka_unit_test(the_fast_query_is_the_exact_one),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, write_meshes, remove_meshes);
 }

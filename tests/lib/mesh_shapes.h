@@ -46,6 +46,43 @@ static inline void patch_make(struct patch *patch, uint32_t seed, double height,
         }
 }
 
+/* The patch with its inner vertices moved by up to `reach` cells in x and y, at the heights that they have:
+ * no regular grid any more. With 0.25 or less no triangle turns over. */
+static inline void patch_move(struct patch *patch, uint32_t seed, double reach)
+{
+    struct dice dice = dice_new(seed);
+    const double most = reach * 2 / GRID;
+    for (int i = 1; i < GRID; i++)
+        for (int j = 1; j < GRID; j++) {
+            double *v = patch->vertex[i * (GRID + 1) + j];
+            v[0] += dice_between(&dice, -most, most);
+            v[1] += dice_between(&dice, -most, most);
+        }
+}
+
+/* Raises one inner vertex of the patch. z points down. */
+static inline void patch_spike(struct patch *patch, int i, int j, double height)
+{
+    patch->z[i][j] -= height;
+    patch->vertex[i * (GRID + 1) + j][2] -= height;
+}
+
+/* Writes the patch as an OBJ file. */
+static inline void patch_write(const struct patch *patch, const char *path)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    for (int i = 0; i < COUNT(patch->vertex); i++) {
+        const double *v = patch->vertex[i];
+        fprintf(file, "v %.17g %.17g %.17g\n", v[0], v[1], -v[2]);
+    }
+    for (int i = 0; i < COUNT(patch->triangle); i++) {
+        const uint32_t *t = patch->triangle[i];
+        fprintf(file, "f %u %u %u\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
 /* A prepared mesh of the patch, owned by the caller. */
 static inline struct cml_mesh patch_mesh(const struct patch *patch)
 {

@@ -81,6 +81,21 @@ def write_large_grid(path, cells, width, height, seed=1):
                                 for k in range(cells)]))
 
 
+def moved(mesh, reach, seed=1):
+    """The sheet with its inner vertices moved by up to reach in x and y: no regular grid any more."""
+    dice = random.Random(seed)
+    vertices, triangles = mesh
+    ends = [max(abs(v[axis]) for v in vertices) for axis in (0, 1)]
+    return [(x + dice.uniform(-reach, reach), y + dice.uniform(-reach, reach), z)
+            if abs(x) < ends[0] and abs(y) < ends[1] else (x, y, z) for x, y, z in vertices], triangles
+
+
+def spiked(mesh, i, height):
+    """The sheet with vertex i raised."""
+    x, y, z = mesh[0][i]
+    return mesh[0][:i] + [(x, y, z + height)] + mesh[0][i + 1:], mesh[1]
+
+
 def corner_cube(size):
     """Three faces at right angles to one another, deepest in the middle: light from above comes back the way it came."""
     corners = [(size * math.cos(a), size * math.sin(a), 0.0) for a in (0.0, 2 * math.pi / 3, 4 * math.pi / 3)]
@@ -169,6 +184,8 @@ def mesh_lines(directory):
     wedge = grid_mesh(24, 24, 2.0, 2.0, 0.05)
     meshes = {
         "rough": wedge,
+        "irregular": moved(wedge, 0.25 * 2.0 / 24),
+        "spiked": spiked(grid_mesh(24, 24, 2.0, 2.0, 0.01), 6 * 25 + 6, 0.3),
         "needles": grid_mesh(2, 400, 200.0, 4.0, 1e-3, 5),
         "grooves": grid_mesh(4, 400, 100.0, 4.0, 4e-3, 6),
         "corner": corner_cube(0.5),
@@ -196,6 +213,8 @@ def sheets(line):
     """Triangle meshes; line: name -> its line in the .mci."""
     yield Situation("grazing-mesh", slab(line["rough"]), GRAZING)
     yield Situation("vertices-and-edges", slab(line["rough"]), AIMED)
+    yield Situation("irregular-mesh", slab(line["irregular"]), AIMED + GRAZING[::2])
+    yield Situation("spiked-mesh", slab(line["spiked"]), AIMED + GRAZING[::2])
     yield Situation("needles-1e4", slab(line["needles"]), AIMED)
     yield Situation("grooves-1e3", slab(line["grooves"]), AIMED)
     yield Situation("mesh-walls-1e3", slab(line["walls"]), AIMED)

@@ -110,6 +110,7 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
             cml_process_lane(f, h->lane[k]);
         } else {
             counts[CML_COUNT_QUERIES]++;
+            CML_HOOK_MET(1);
             cml_lane_boundary_event(f, h, k, boundary, other, n1 == n2);
         }
     }

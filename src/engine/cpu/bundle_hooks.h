@@ -1,6 +1,6 @@
 /* Where a bench may look into the CPU engine. Without a bench the hooks compile to nothing. A bench defines
  * those it needs before it includes engine_cpu_level.c: bench/busy.c counts lanes, bench/curved.c takes
- * times. SPDX-License-Identifier: MIT */
+ * times, bench/asked.c counts hits. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_HOOKS_H
 #define CML_BUNDLE_HOOKS_H
 
@@ -29,6 +29,11 @@ enum cml_hook_loop { CML_HOOK_LAUNCH, CML_HOOK_PASS, CML_HOOK_PLANES, CML_HOOK_L
 /* So many lanes go through a loop. */
 #ifndef CML_HOOK_LANES
 #define CML_HOOK_LANES(loop, lanes) ((void)(loop))
+#endif
+
+/* A query of a curved boundary, which counts in CML_COUNT_QUERIES, has met it, if `met`. */
+#ifndef CML_HOOK_MET
+#define CML_HOOK_MET(met) ((void)(met))
 #endif
 
 #endif

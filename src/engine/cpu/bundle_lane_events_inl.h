@@ -24,10 +24,13 @@ static int cml_first_hit_is_known(const struct cml_flight *f, int medium, cml_u3
 static int cml_find_hit(const struct cml_flight *f, struct cml_packet *packet,
                         struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
-    if (!cml_first_hit_is_known(f, packet->medium, packet->boundary_events))
-        return cml_nearest_hit(f->world, packet, intervals, hit);
-    *hit = f->first_hit;
-    return 1;
+    if (cml_first_hit_is_known(f, packet->medium, packet->boundary_events)) {
+        *hit = f->first_hit;
+        return 1;
+    }
+    const int found = cml_nearest_hit(f->world, packet, intervals, hit);
+    CML_HOOK_MET(found && !cml_is_plane(f->world, hit->boundary));
+    return found;
 }
 
 /* Boundary events of one packet by kernels/walk.h: one, and as many more as it takes until it is back in the
@@ -85,6 +88,7 @@ static void cml_process_found_hit(struct cml_flight *f, int i, const struct cml_
     cml_lane_packet(f->b, i, &packet);
     f->b->task[i] = CML_LANE_TO_FLY;
     packet.queries = 1;
+    CML_HOOK_MET(1);
     cml_score_boundary_event(world, &f->to, &packet, hit);
     const int outside = packet.medium == 0 || packet.medium > world->setup.num_layers;
     if (packet.fate == CML_FATE_ALIVE && outside) cml_fly_outside(f, &packet);

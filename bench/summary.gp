@@ -43,6 +43,11 @@ do for [i = 1:words(scenes)] {
         set format x ''
     }
     set object 1 rectangle from 0.03, 1e-10 to 30, known(scene) behind fc rgb '#f0f0f0' fs solid noborder
+    old = system('cat ' . work . '/' . scene . '.2019') + 0.
+    if (old > 0) {
+        set arrow 1 from 0.03, old to 30, old nohead dt 2 lw 1.3 lc rgb '#D55E00'
+        set label 7 'printed in 2019' at 29, old right offset 0, 0.55 font ',13'
+    }
     file = work . '/' . scene
     plot file using ($4 == 0 ? $1 : NaN):2 with points pt 7 ps 0.9 lc rgb '#0072B2', \
         file using ($4 == 1 ? $1 : NaN):2 with points pt 5 ps 0.9 lc rgb '#D55E00', \
@@ -50,6 +55,7 @@ do for [i = 1:words(scenes)] {
         file using ($7 > 0 ? $1 : NaN):($2 * $6):5 with labels left offset 0.9, 0 font ',13', \
         file using ($7 < 0 ? $1 : NaN):($2 * $6):5 with labels right offset -0.9, 0 font ',13'
     unset label
+    unset arrow
     unset object 1
 }
 unset multiplot

@@ -4,7 +4,8 @@
 Three scenes, each flown by at most six methods. x: core seconds to a standard error of 0.1 % of Rd; y: the bias of Rd against
 the `reference` engine (double precision, exact cones, or the whole mesh), from the same packets in 16 streams. How far that
 engine itself can be trusted, an independent program says: tests/reference/profiles for the shapes, MMC for the scan.
-What others take comes from results that were kept (bench/results): original MCML and MMC, per photon.
+What others take comes from results that were kept (bench/results): original MCML and MMC, per photon. Of the program of 2019 its
+printed curves are known, and no times.
 SPDX-License-Identifier: MIT
 """
 import argparse
@@ -78,6 +79,19 @@ def independent(shape):
     width = 2 * float(rows[0]["r_mid_cm"])
     Rd = sum(2 * math.pi * (int(row["bin"]) + 0.5) * width ** 2 * float(row["Rd_r_per_cm2"]) for row in rows)
     return Rd, math.sqrt(Rd * (1 - Rd) / PROFILE_PACKETS)
+
+
+def printed_in_2019(shape):
+    """|bias| of the Rd that the report of 2019 printed, over the bins of its curve, against the same independent program."""
+    curve = os.path.join(cases.HERE, "figures", shape + "-2019.csv")
+    profile = os.path.join(cases.ROOT, "tests", "reference", "profiles", shape + ".reentry.csv")
+    tables = []
+    for path in (curve, profile):
+        with open(path) as stream:
+            tables.append({int(row["bin"]): float(row["r_mid_cm"]) * float(row["Rd_r_per_cm2"])
+                           for row in csv.DictReader(line for line in stream if not line.startswith("#"))})
+    both = tables[0].keys() & tables[1].keys()
+    return abs(sum(tables[0][i] for i in both) / sum(tables[1][i] for i in both) - 1)
 
 
 def mmc_row():
@@ -226,6 +240,8 @@ def main_series(arguments):
             stream.write(title)
         with open(os.path.join(arguments.folder, scene + ".known"), "w") as stream:
             stream.write("%.4g" % (abs(float(check["bias"])) + 2 * float(check["bias_se"])))
+        with open(os.path.join(arguments.folder, scene + ".2019"), "w") as stream:
+            stream.write("%.4g" % (0 if scene == "scan" else printed_in_2019(scene)))
 
 
 def main():

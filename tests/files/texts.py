@@ -1,6 +1,7 @@
 """What the texts for users promise: README's scene gives the summary that stands below it, every command of
 samples/tutorial.md runs, one after the other, and the readers of samples/output.md read what a run leaves. The Octave
 reader is tried where there is an octave-cli."""
+import json
 import os
 import re
 import shutil
@@ -10,6 +11,7 @@ import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
+from fields import h5py  # noqa: E402
 
 TOP = os.path.dirname(cml.TESTS)
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -72,6 +74,7 @@ def check_tutorial(verdict, folder):
 def check_readers(verdict, folder):
     status, output = run([cml.PROGRAM, os.path.join(TOP, "samples/skinmap.mci"), "--photons", "2e4", "--json"], folder)
     verdict.check("skinmap", status == 0, output)
+    check_names(verdict, folder, json.loads(output))
     for language, code in blocks("samples/output.md"):
         if language == "python":
             status, output = run([sys.executable, "-c", code], folder)
@@ -80,6 +83,18 @@ def check_readers(verdict, folder):
             check_octave(verdict, folder, code)
         else:
             print("the Octave reader was not tried: octave-cli is missing")
+
+
+def check_names(verdict, folder, record):
+    """Every key of the JSON line, every path of the .h5 and every section of the .mco stands in output.md."""
+    names = set(record) | {key for boundary in record["boundaries"] for key in boundary}
+    with h5py.File(os.path.join(folder, "skinmap.h5")) as file:
+        names |= {re.sub(r"^boundary\d+_(outer_)?", "boundary0_", name) for name in file} | set(file.attrs)
+    names |= {name for name in cml.read_sections(os.path.join(folder, "skinmap.mco")) if name.isidentifier()}
+    known = set(re.findall(r"\w+", read("samples/output.md").replace("_above`, `_below", "_above` `boundary0_irradiance_below`"
+                                                                    " `boundary0_exitance_below")))
+    missing = {name for name in names if name not in known and re.sub("(_control)?(_se)?$", "", name) not in known}
+    verdict.check("output.md", not missing, f"does not name {sorted(missing)}")
 
 
 def check_octave(verdict, folder, code):

@@ -56,19 +56,18 @@ struct verdict {
     const char *what;       /* of this total or profile */
 };
 
-/* In the order of what a tally has brought (tally.h). */
 static void list_series(const struct cml_grid *grid, struct series *series)
 {
     static const char *const totals[CML_NUM_TOTALS] = {"Rsp", "Rd", "Tt", "A"};
+    const struct cml_profile_places at = cml_tally_profiles(grid);
     const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
-    const struct series profiles[] = {
-        {"Rd_r", 0, nr}, {"Tt_r", 0, nr}, {"Rd_a", 0, na}, {"Tt_a", 0, na}, {"A_z", 0, nz}};
-    size_t first = 0;
-    for (int i = 0; i < NUM_SERIES; i++) {
-        series[i] = i < CML_NUM_TOTALS ? (struct series){totals[i], 0, 1} : profiles[i - CML_NUM_TOTALS];
-        series[i].first = first;
-        first += series[i].count;
-    }
+    const struct series profiles[] = {{"Rd_r", at.Rd_r, nr},
+                                      {"Tt_r", at.Tt_r, nr},
+                                      {"Rd_a", at.Rd_a, na},
+                                      {"Tt_a", at.Tt_a, na},
+                                      {"A_z", at.A_z, nz}};
+    for (int i = 0; i < CML_NUM_TOTALS; i++) series[i] = (struct series){totals[i], (size_t)i, 1};
+    memcpy(series + CML_NUM_TOTALS, profiles, sizeof profiles);
 }
 
 /* ---- flying ---- */
@@ -76,8 +75,10 @@ static void list_series(const struct cml_grid *grid, struct series *series)
 /* As in the output: what lies beyond the grid counts in its first and last bins. */
 static void fold_profiles(struct cml_tally *tally)
 {
-    const size_t nr = (size_t)tally->grid.nr, na = (size_t)tally->grid.na, nz = (size_t)tally->grid.nz;
-    uint64_t *Rd_r = tally->brought + CML_NUM_TOTALS, *Tt_r = Rd_r + nr + 1, *A_z = Tt_r + nr + 1 + 2 * na;
+    const struct cml_profile_places at = cml_tally_profiles(&tally->grid);
+    const size_t nr = (size_t)tally->grid.nr, nz = (size_t)tally->grid.nz;
+    uint64_t *Rd_r = tally->brought + at.Rd_r, *Tt_r = tally->brought + at.Tt_r,
+             *A_z = tally->brought + at.A_z;
     uint64_t *const ends[][2] = {
         {Rd_r + nr, Rd_r + nr - 1}, {Tt_r + nr, Tt_r + nr - 1}, {A_z, A_z + 1}, {A_z + nz + 1, A_z + nz}};
     for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {

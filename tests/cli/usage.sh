@@ -18,6 +18,8 @@ expect_error 2 "run takes one scene, not a.mci and b.mci $one" run a.mci b.mci
 expect_error 2 "check takes one scene, not a.mci and b.mci $one" check a.mci b.mci
 expect_error 2 "unknown command chek (did you mean check?)" chek a.mci
 expect_error 2 "unknown command cross (did you mean crosscheck?)" cross a.mci
+expect_error 2 "unknown command devcies (did you mean devices?)" devcies
+expect_error 2 "plann.mci: cannot be read (No such file or directory)" plann.mci
 
 # Names are written out; what was probably meant is said.
 expect_error 2 "unknown option --fotons (did you mean --photons?)" $sample --fotons 3

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- words ---- */
 
@@ -116,13 +117,21 @@ static cml_status check_option(const struct words *words, const struct cml_optio
     return CML_OK;
 }
 
-/* Two scenes are the usual mistake, or a command that is misspelt. */
+/* The command that the first operand was perhaps meant to be; NULL: none. Alone it is a scene if there is one
+ * of that name. */
+static const char *misspelt_command(const struct cml_options *options)
+{
+    if (options->named || options->num_operands == 0) return NULL;
+    const char *word = options->operands[0];
+    const bool is_scene = options->num_operands == 1 && (strpbrk(word, "./") || access(word, F_OK) == 0);
+    return is_scene ? NULL : cml_command_guess(word);
+}
+
+/* Two scenes are the usual mistake. */
 static cml_status refuse_operands(const struct cml_options *options, struct cml_error *err)
 {
     const struct cml_command_def *command = &cml_commands[options->which];
     char *const *operands = options->operands;
-    const char *meant = options->named || options->num_operands < 2 ? NULL : cml_command_guess(operands[0]);
-    if (meant) return cml_fail(err, CML_E_INPUT, "unknown command %s (did you mean %s?)", operands[0], meant);
     if (options->num_operands > 1 && strcmp(command->operands, "scene.mci") == 0)
         return cml_fail(
             err, CML_E_INPUT,
@@ -206,7 +215,12 @@ cml_status cml_options_parse(int argc, char **argv, struct cml_options *options,
     }
     options->operands = argv + 1 + options->named;
     options->num_operands = operands - options->named;
+    if (options->help || options->version) return CML_OK;
+    const char *meant = misspelt_command(options);
+    if (meant)
+        return cml_fail(err, CML_E_INPUT, "unknown command %s (did you mean %s?)", options->operands[0],
+                        meant);
     const struct cml_command_def *command = &cml_commands[options->which];
     const bool fits = options->num_operands >= command->least && options->num_operands <= command->most;
-    return fits || options->help || options->version ? CML_OK : refuse_operands(options, err);
+    return fits ? CML_OK : refuse_operands(options, err);
 }

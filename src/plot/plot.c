@@ -329,8 +329,9 @@ static void write_axes(const struct drawing *d, const struct panel *panel, bool 
         cml_page_write(&d->page, LABEL_X,
                        &(struct cml_page_text){across, panel->bottom - TITLE_BELOW, CML_ALIGN_CENTER,
                                                CML_PAGE_NORMAL, cml_shown_axis(panel->shown)});
-    fprintf(out, "set yrange [%.6g:%.6g]\n", panel->high > 0 ? bottom_of(d, panel) : 0.1,
-            panel->high > 0 ? panel->high : 1);
+    const double low = panel->high > 0 ? bottom_of(d, panel) : 0.1, high = panel->high > 0 ? panel->high : 1;
+    fprintf(out, "set yrange [%.6g:%.6g]\nset ytics autofreq\n", low, high);
+    if (!linear(d)) cml_plot_log_ticks(out, "ytics", low, high);
     write_note(d, panel);
     write_height_axis(d, panel);
     if (linear(d) && panel->high > 0) /* none below 0, where the heights are */

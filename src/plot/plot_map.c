@@ -221,21 +221,6 @@ static void write_map(const struct drawing *d, int k)
 
 /* ---- the picture ---- */
 
-/* Ticks at 1, 2 and 5 times powers of ten where powers alone would be too few. Without light there is no
- * range. */
-static void write_colour_ticks(const struct drawing *d)
-{
-    if (!d->log || !(d->low > 0) || d->high > 1e3 * d->low) return;
-    const char *comma = "";
-    fputs("set cbtics (", d->page.out);
-    for (int power = (int)floor(log10(d->low)); power <= (int)ceil(log10(d->high)); power++)
-        for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3) {
-            fprintf(d->page.out, "%s'%g' %g", comma, digit * pow(10, power), digit * pow(10, power));
-            comma = ", ";
-        }
-    fputs(")\n", d->page.out);
-}
-
 /* One bar for all panels, beside them, over their whole height. */
 static void write_colours(const struct drawing *d)
 {
@@ -246,7 +231,7 @@ static void write_colours(const struct drawing *d)
     if (d->high > 0)
         fprintf(d->page.out, "%sset cbrange [%.6g:%.6g]\nset format cb '%%g'\n",
                 d->log ? "set logscale cb\n" : "", d->low, d->high);
-    write_colour_ticks(d);
+    if (d->log) cml_plot_log_ticks(d->page.out, "cbtics", d->low, d->high);
     fprintf(d->page.out,
             "set colorbox vertical user origin screen %.6f, screen %.6f size screen %.6f, screen %.6f\n",
             left / WIDTH, (double)d->foot / d->page.height, (double)BAR / WIDTH, bar_height / d->page.height);

@@ -98,3 +98,16 @@ double cml_plot_round_step(double length)
     const double power = pow(10, floor(log10(length))), digit = length / power;
     return power * (digit < 1.5 ? 1 : digit < 3.5 ? 2 : digit < 7.5 ? 5 : 10);
 }
+
+void cml_plot_log_ticks(FILE *out, const char *axis, double low, double high)
+{
+    if (!(low > 0) || high > 1e3 * low) return;
+    const char *comma = "";
+    fprintf(out, "set %s (", axis);
+    for (int power = (int)floor(log10(low)); power <= (int)ceil(log10(high)); power++)
+        for (int digit = 1; digit <= 5; digit += digit == 1 ? 1 : 3) {
+            fprintf(out, "%s'%g' %g", comma, digit * pow(10, power), digit * pow(10, power));
+            comma = ", ";
+        }
+    fputs(")\n", out);
+}

@@ -6,6 +6,7 @@
 #include "plot/gnuplot.h"
 
 #include <stddef.h>
+#include <stdio.h>
 
 enum cml_scale { CML_SCALE_AUTO, CML_SCALE_LOG, CML_SCALE_LINEAR };
 
@@ -49,5 +50,10 @@ int cml_plot_caption(const struct cml_page *page, const char *caption, int top);
 
 /* 1, 2 or 5 times a power of ten, about `length` (> 0). */
 double cml_plot_round_step(double length);
+
+/* Sets ticks at 1, 2 and 5 times powers of ten on a log axis ("ytics", "cbtics") that spans low (> 0) to
+ * high, up to three decades; beyond, gnuplot's own do. Without light (low 0) none. Exists because gnuplot 6
+ * writes out all nine of a decade below two of them, gnuplot 5 only powers. */
+void cml_plot_log_ticks(FILE *out, const char *axis, double low, double high);
 
 #endif

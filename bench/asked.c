@@ -26,24 +26,8 @@ static void report(const char *path, const struct bench_flight *flight)
            (double)count[CML_COUNT_QUERIES] / steps, (double)rays_met / steps);
 }
 
-static cml_status measure(const char *path, struct cml_error *err)
-{
-    struct bench_flight flight;
-    CML_TRY(bench_open(path, CML_SURFACE_AUTO, &flight, err));
-    CML_TRY(bench_fly(&flight, reset, err));
-    report(path, &flight);
-    bench_close(&flight);
-    return CML_OK;
-}
-
 int main(int argc, char **argv)
 {
-    struct cml_error err;
-    printf("scene,steps,asked,met\n");
-    for (int i = 1; i < argc; i++) {
-        if (measure(argv[i], &err) == CML_OK) continue;
-        fprintf(stderr, "bench_asked: %s\n", err.text);
-        return 2;
-    }
-    return 0;
+    const struct bench_count bench = {"bench_asked", "scene,steps,asked,met", reset, report};
+    return bench_scenes(&bench, argc, argv);
 }

@@ -27,24 +27,10 @@ static void report(const char *path, const struct bench_flight *flight)
            counted[CML_HOOK_PASS] / n, counted[CML_HOOK_PLANES] / n, 1e9 * flight->seconds / n);
 }
 
-static cml_status measure(const char *path, struct cml_error *err)
-{
-    struct bench_flight flight;
-    CML_TRY(bench_open(path, CML_SURFACE_AUTO, &flight, err));
-    CML_TRY(bench_fly(&flight, reset, err));
-    report(path, &flight);
-    bench_close(&flight);
-    return CML_OK;
-}
-
 int main(int argc, char **argv)
 {
-    struct cml_error err;
-    printf("scene,launched,interactions,boundary_events,lanes_in_passes,lanes_at_planes,ns\n");
-    for (int i = 1; i < argc; i++) {
-        if (measure(argv[i], &err) == CML_OK) continue;
-        fprintf(stderr, "bench_busy: %s\n", err.text);
-        return 2;
-    }
-    return 0;
+    const struct bench_count bench = {
+        "bench_busy", "scene,launched,interactions,boundary_events,lanes_in_passes,lanes_at_planes,ns", reset,
+        report};
+    return bench_scenes(&bench, argc, argv);
 }

@@ -66,4 +66,35 @@ static cml_status bench_fly(struct bench_flight *flight, void (*reset)(void), st
     }
 }
 
+/* What a bench counts in flight: `reset` before, `report` behind. */
+struct bench_count {
+    const char *name, *head; /* of the program, of the table */
+    void (*reset)(void);
+    void (*report)(const char *path, const struct bench_flight *flight);
+};
+
+static inline cml_status bench_measure(const struct bench_count *bench, const char *path,
+                                       struct cml_error *err)
+{
+    struct bench_flight flight;
+    CML_TRY(bench_open(path, CML_SURFACE_AUTO, &flight, err));
+    CML_TRY(bench_fly(&flight, bench->reset, err));
+    bench->report(path, &flight);
+    bench_close(&flight);
+    return CML_OK;
+}
+
+/* The whole program: a line of the table for every scene that its arguments name. Returns its exit code. */
+static inline int bench_scenes(const struct bench_count *bench, int argc, char **argv)
+{
+    struct cml_error err;
+    printf("%s\n", bench->head);
+    for (int i = 1; i < argc; i++) {
+        if (bench_measure(bench, argv[i], &err) == CML_OK) continue;
+        fprintf(stderr, "%s: %s\n", bench->name, err.text);
+        return 2;
+    }
+    return 0;
+}
+
 #endif

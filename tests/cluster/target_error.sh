@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 
-value() { # KEY FILE: the first of that name, since s_to_1pc has totals of its own
+value() { # KEY FILE: the first of that name
     grep -o "\"$1\":[^,}]*" "$2" | sed 's/.*://;q'
 }
 

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "cli/outputs.h"
+#include "cli/run/outputs.h"
 #include "exact/exact.h"
 #include "geometry/footprint.h"
 #include "output/report.h"
@@ -42,26 +42,6 @@ static void print_heightmap(const struct cml_heightmap_notes *notes)
            notes->triangles, 2 * notes->cells, notes->height_error, notes->tolerance, notes->slope_error);
     printf("    skirt of %g x %g cm around it to the rim's mean height %g cm: up to %.3g cm\n",
            notes->skirt[0], notes->skirt[1], notes->rim_mean, notes->rim_step);
-}
-
-void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
-{
-    const struct cml_boundary *boundary = &scene->boundaries[b];
-    const struct cml_mesh_notes *notes = &boundary->mesh_notes;
-    if (boundary->form != CML_FORM_MESH) return;
-    if (notes->bent > 0)
-        printf("    boundary %d: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
-               "cm off "
-               "the face's mean plane\n",
-               b, notes->bent, notes->bend);
-    if (notes->levelled > 0)
-        printf("    boundary %d: the mesh's border was levelled, its heights differed by %.3g cm\n", b,
-               notes->levelled);
-    if (notes->skirt > 0)
-        printf("    boundary %d: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
-               "triangles, up "
-               "to %.3g cm\n",
-               b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
 }
 
 /* The straight axis, not refracted, at the depth of the mesh's border. What lies beyond a mesh meets the

@@ -1,7 +1,7 @@
 /* clustermcml compare: do two results agree within their noise?
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
-#include "cli/outputs.h"
+#include "cli/run/outputs.h"
 
 #include "plot/compare_report.h"
 #include "plot/files/result_file.h"

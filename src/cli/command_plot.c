@@ -1,7 +1,7 @@
 /* clustermcml plot: reads results, curves of others or maps and lets gnuplot draw them.
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
-#include "cli/outputs.h"
+#include "cli/run/outputs.h"
 
 #include "plot/files/hdf5_result.h"
 #include "plot/files/result_file.h"

@@ -31,7 +31,9 @@ ROOMS = {
     "src/plot/files": "src/output src/base",
     "src/plot": "src/plot/files src/output src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
-    "src/cli": "src/cli/options src/plot src/plot/files src/output src/exact src/run src/engine src/engine/engines "
+    "src/cli/load": "src/cli/options src/output src/exact src/run src/engine src/engine/engines src/surface src/input src/scene src/tally src/geometry src/base kernels",
+    "src/cli/run": "src/cli/load src/cli/options src/output src/exact src/run src/engine src/surface src/scene src/tally src/geometry src/base kernels",
+    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/exact src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -44,8 +46,8 @@ FOREIGN = {
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/hdf5_file src/plot/files/hdf5_result",
-    "sys/resource.h": "src/cli/command_load",
-    "sys/ioctl.h": "src/cli/progress",
+    "sys/resource.h": "src/cli/load/scenes",
+    "sys/ioctl.h": "src/cli/run/progress",
     "spawn.h": "src/plot/gnuplot",
     "signal.h": "src/plot/gnuplot src/run/stop",
     "mpi.h": "src/run/cluster_parts",
@@ -53,7 +55,7 @@ FOREIGN = {
     "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",
     "zlib.h": "src/run/checkpoint src/run/identity",
     "sys/wait.h": "src/plot/gnuplot",
-    "dirent.h": "src/cli/outputs",
+    "dirent.h": "src/cli/run/outputs",
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())

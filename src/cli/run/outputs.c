@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/outputs.h"
+#include "cli/run/outputs.h"
 
 #include "base/atomic_file.h"
 #include "base/text.h"
-#include "cli/command.h"
+#include "cli/load/scenes.h"
 #include "output/hdf5_file.h"
 #include "output/report.h"
 #include "run/checkpoint.h"

@@ -1,10 +1,12 @@
 /* clustermcml run: every run of a file, one result each.
  * SPDX-License-Identifier: MIT */
-#include "cli/command.h"
+#include "cli/run/command_run.h"
 
 #include "base/atomic_file.h"
-#include "cli/outputs.h"
-#include "cli/progress.h"
+#include "cli/load/scenes.h"
+#include "cli/run/outputs.h"
+#include "cli/run/progress.h"
+#include "cli/run/twin.h"
 #include "run/checkpoint.h"
 #include "run/cluster.h"
 #include "run/launcher.h"

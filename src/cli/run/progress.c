@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/progress.h"
+#include "cli/run/progress.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,8 @@
 /* clustermcml run --control flat: the flat twin of a scene, whose totals adding-doubling knows. Twin and
  * scene fly the same photons with the same draws, so their totals err alike. SPDX-License-Identifier: MIT */
-#include "cli/command.h"
+#include "cli/run/twin.h"
+
+#include "cli/load/scenes.h"
 
 #include "run/checkpoint.h"
 #include "run/cluster.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "cli/command.h"
+#include "cli/load/scenes.h"
 
 #include "engine/engines.h"
 #include "engine/plane_trial.h"
@@ -176,4 +176,24 @@ void cml_print_memory(const struct cml_options *options, const struct cml_scene 
     const double mib = 1048576;
     printf("  memory: at most %.0f MiB (tallies %.3g MiB, writing %.3g MiB)\n",
            (memory.held + memory.tallies + memory.output) / mib, memory.tallies / mib, memory.output / mib);
+}
+
+void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    const struct cml_mesh_notes *notes = &boundary->mesh_notes;
+    if (boundary->form != CML_FORM_MESH) return;
+    if (notes->bent > 0)
+        printf("    boundary %d: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
+               "cm off "
+               "the face's mean plane\n",
+               b, notes->bent, notes->bend);
+    if (notes->levelled > 0)
+        printf("    boundary %d: the mesh's border was levelled, its heights differed by %.3g cm\n", b,
+               notes->levelled);
+    if (notes->skirt > 0)
+        printf("    boundary %d: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
+               "triangles, up "
+               "to %.3g cm\n",
+               b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
 }

@@ -1,0 +1,64 @@
+/* What commands begin with: scenes, as the options want them, their surfaces, and the memory that they take.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_SCENES_H
+#define CML_SCENES_H
+
+#include "base/input_files.h"
+#include "cli/options/options.h"
+#include "exact/exact.h"
+#include "run/run.h"
+
+/* Lets the options announce meshes that take longer than a second to make, on standard error, unless they are
+ * quiet. They must stay where they are. */
+void cml_announce_meshes(struct cml_options *options);
+
+/* A cml_note_function: one line on standard error, from any rank. context is not looked at. */
+void cml_show_note(void *context, const char *text);
+
+/* What run, check, mesh and trace begin with: the one operand as a list of scenes, flattened when asked,
+ * checked for overlap. CML_E_INPUT when there is not exactly one operand. */
+CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
+                                         struct cml_error *err);
+
+/* The same on all ranks: rank 0 reads the files and sends their bytes to the others. *inputs are the bytes,
+ * the caller's to clear. Collective. */
+CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *options,
+                                                struct cml_scene_list *list, struct cml_inputs *inputs,
+                                                struct cml_error *err);
+
+/* Threads of this rank, as asked for; 0 leaves it to OpenMP, that is OMP_NUM_THREADS or the affinity mask,
+ * but ranks that share the cores of a machine share them evenly. More threads than cores get a note. */
+int cml_choose_threads(const struct cml_options *options);
+
+/* The surfaces that a scene is flown with: those of cml_surfaces_create, less those that --tolerance, where
+ * it was given, lets be planes. All commands that fly or show surfaces take these. *surfaces is the caller's
+ * to free; empty on failure. */
+CML_NODISCARD cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,
+                                             struct cml_surface_set *surfaces, struct cml_error *err);
+
+/* CML_E_INPUT with the figure when the run would take more memory than the machine has. surfaces NULL: they
+ * are not made yet, and facets do not count. */
+CML_NODISCARD cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
+                                          const struct cml_surface_set *surfaces, struct cml_error *err);
+
+/* Bytes: the most memory that the run will hold. */
+double cml_most_memory(const struct cml_options *options, const struct cml_scene *scene,
+                       const struct cml_surface_set *surfaces);
+
+/* The same in one line. */
+void cml_print_memory(const struct cml_options *options, const struct cml_scene *scene,
+                      const struct cml_surface_set *surfaces);
+
+/* Lines about what was done to the mesh of boundary b that changes its surface: faces cut, border levelled,
+ * skirt added. None where nothing was. */
+void cml_print_mesh_repairs(const struct cml_scene *scene, int b);
+
+/* Multiplications, some 0.15 s of them: what commands spend on totals by adding-doubling beside other work.
+ */
+#define CML_EXACT_LITTLE_WORK 1e9
+
+/* The output file of a scene: its name below the output directory. *path is the caller's to free. */
+CML_NODISCARD cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
+                                         struct cml_error *err);
+
+#endif

@@ -6,9 +6,11 @@
 #include "input/mci_boundary.h"
 #include "input/mci_lines.h"
 #include "input/mci_map.h"
+#include "input/mci_settings.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #define MAX_RUNS 32767
 #define MAX_LAYERS 100000
@@ -77,20 +79,27 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
     }
 }
 
-/* Names are refused now that could only fail when the result is written, hours later; and a second run of
- * that name, which would overwrite the first. */
-static cml_status check_output(const struct cml_mci_reader *reader, const struct cml_scene_list *list,
-                               const char *name)
+/* What a name was expected to be that is none; NULL: it is one. */
+static const char *why_no_name(const char *name)
 {
     const char *slash = strrchr(name, '/');
     const char *last = slash ? slash + 1 : name;
     /* 250 bytes leave room for the endings of other outputs in a directory entry. */
     if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0 || strlen(last) > 250 ||
         *name == '"')
-        return cml_mci_fail(reader, "output name", name, "a file name of 1..250 bytes");
+        return "a file name of 1..250 bytes";
     for (const char *c = name; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f)
-            return cml_mci_fail(reader, "output name", name, "a file name without control characters");
+        if ((unsigned char)*c < 0x20 || *c == 0x7f) return "a file name without control characters";
+    return NULL;
+}
+
+/* Names are refused now that could only fail when the result is written, hours later; and a second run of
+ * that name, which would overwrite the first. */
+static cml_status check_output(const struct cml_mci_reader *reader, const struct cml_scene_list *list,
+                               const char *name)
+{
+    const char *wrong = why_no_name(name);
+    if (wrong) return cml_mci_fail(reader, "output name", name, wrong);
     for (int i = 0; i < list->count - 1; i++) {
         if (strcmp(list->scenes[i].output, name) != 0) continue;
         char expected[80];
@@ -99,6 +108,25 @@ static cml_status check_output(const struct cml_mci_reader *reader, const struct
         return cml_mci_fail(reader, "output name", name, expected);
     }
     return CML_OK;
+}
+
+/* Whether the name ends so, in small letters or capitals. */
+static bool ends_in(const char *name, const char *ending)
+{
+    const size_t length = strlen(name), size = strlen(ending);
+    return length > size && strcasecmp(name + length - size, ending) == 0;
+}
+
+/* A name from outside, which also says which format it is meant to have. */
+static cml_status rename_output(const struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    const char *name = reader->options->output, *expected = why_no_name(name);
+    if (expected) return cml_fail(reader->err, CML_E_INPUT, "--output %.80s (expected %s)", name, expected);
+    free(scene->output);
+    scene->output = NULL;
+    if (ends_in(name, ".h5")) scene->format = 'B';
+    if (ends_in(name, ".mco")) scene->format = 'A';
+    return cml_text_copy(name, &scene->output, reader->err);
 }
 
 /* The file's first word of a run may be anything, also a keyword: see STAGE_NAME. */
@@ -116,7 +144,7 @@ static cml_status read_name(struct cml_mci_reader *reader, const struct cml_scen
     if (!format || !strchr("AaBb", format[0]) || format[1])
         return cml_mci_fail(reader, "format", format, "A or B");
     scene->format = strchr("Aa", format[0]) ? 'A' : 'B';
-    return CML_OK;
+    return reader->options->output ? rename_output(reader, scene) : CML_OK;
 }
 
 /* The memory is judged before anything asks for it. */
@@ -145,6 +173,7 @@ static cml_status read_head(struct cml_mci_reader *reader, struct cml_scene *sce
     double values[3];
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "photons"));
     CML_TRY(cml_mci_numbers(reader, NULL, &photons, 1, values));
+    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "photons"), &photons, values));
     scene->photons = (uint64_t)values[0];
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, "dz dr"));
     CML_TRY(cml_mci_numbers(reader, NULL, steps, 2, values));
@@ -187,7 +216,20 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
                                         index_range};
     struct cml_medium_def *medium = &scene->media[above ? 0 : scene->num_layers + 1];
     CML_TRY(next_data_line(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
-    return cml_mci_numbers(reader, NULL, &field, 1, &medium->n);
+    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &medium->n));
+    return cml_mci_set(reader, cml_mci_setting(reader, above ? "above.n" : "below.n"), &field, &medium->n);
+}
+
+/* Where both come from the file, its line is named, else the setting that is to blame. */
+static cml_status fail_little_absorption(struct cml_mci_reader *reader, int layer, double mua)
+{
+    static const char expected[] = "0, or at least 1e-11 of mua + mus";
+    char field[48], value[32];
+    snprintf(field, sizeof field, "layer %d: mua", layer);
+    snprintf(value, sizeof value, "%g", mua);
+    const struct cml_setting *setting = cml_mci_setting(reader, "layer%d.mua", layer);
+    if (setting) return cml_setting_fail(setting, expected, reader->err);
+    return cml_mci_fail(reader, field, value, expected);
 }
 
 /* The boundary above the layer, number layer - 1, may have its line before this one. */
@@ -206,12 +248,11 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     snprintf(owner, sizeof owner, "layer %d", layer);
     CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
-    if (values[1] > 0 && values[1] < CML_LEAST_ABSORPTION * (values[1] + values[2])) {
-        char field[48], value[32];
-        snprintf(field, sizeof field, "%s: mua", owner);
-        snprintf(value, sizeof value, "%g", values[1]);
-        return cml_mci_fail(reader, field, value, "0, or at least 1e-11 of mua + mus");
-    }
+    for (int i = 0; i < 5; i++)
+        CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "layer%d.%s", layer, fields[i].name), &fields[i],
+                            &values[i]));
+    if (values[1] > 0 && values[1] < CML_LEAST_ABSORPTION * (values[1] + values[2]))
+        return fail_little_absorption(reader, layer, values[1]);
     if (values[4] > 50 && values[4] < SEMI_INFINITE)
         cml_mci_note(reader, "%s: d = %g cm (lengths are in cm: was it meant in mm?)", owner, values[4]);
     scene->media[layer] = (struct cml_medium_def){
@@ -242,10 +283,16 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     struct cml_scene *scene = &list->scenes[list->count++];
     *scene = (struct cml_scene){0};
     cml_mci_forget(reader);
+    reader->run = list->count - 1;
+    memset(reader->taken, 0, sizeof reader->taken);
     CML_TRY(read_name(reader, list, scene));
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
+    CML_TRY(cml_mci_beam_settings(reader, &scene->beam));
+    CML_TRY(cml_mci_check_settings(reader, scene));
+    if (reader->options->settings)
+        CML_TRY(cml_settings_text(reader->options->settings, &scene->settings, reader->err));
     scene->text = cml_mci_take_kept(reader);
     return CML_OK;
 }
@@ -289,6 +336,10 @@ static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list
     CML_TRY(read_version(reader));
     CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, field.name));
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &runs));
+    if (reader->options->output && runs > 1)
+        return cml_fail(reader->err, CML_E_INPUT,
+                        "--output %.80s (expected a file with one run; %.400s has %g)",
+                        reader->options->output, reader->text.path, runs);
     while (list->count < (int)runs) CML_TRY(read_run(reader, list));
     return check_rest(reader, list);
 }

@@ -9,4 +9,7 @@
  * behind the keyword; angles become rad. CML_E_INPUT, also for a second beam line of a run. */
 CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_beam *beam);
 
+/* Takes the settings of the beam, after its line if there is one. */
+CML_NODISCARD cml_status cml_mci_beam_settings(struct cml_mci_reader *reader, struct cml_beam *beam);
+
 #endif

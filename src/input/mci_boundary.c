@@ -5,11 +5,30 @@
 #include "input/mesh/gsf.h"
 #include "input/mesh/obj.h"
 #include "input/mci_options.h"
+#include "input/mci_settings.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+/* --- settings: a shape larger, or higher -------------------------------------------------------------- */
+
+/* Factors on all coordinates, and on heights besides. */
+struct stretch {
+    double scale, height;
+};
+
+static const char scale_range[] = "a number of 1e-30..1e30";
+
+static cml_status set_stretch(struct cml_mci_reader *reader, int index, struct stretch *stretch)
+{
+    static const struct cml_mci_field scale = {"scale", CML_MCI_TINY, CML_MCI_HUGE, false, scale_range},
+                                      height = {"height", 0, CML_MCI_HUGE, false, "a factor of 0..1e30"};
+    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "boundary%d.scale", index), &scale, &stretch->scale));
+    return cml_mci_set(reader, cml_mci_setting(reader, "boundary%d.height", index), &height,
+                       &stretch->height);
+}
 
 /* --- b: a radial heightfield ---------------------------------------------------------------------------- */
 
@@ -118,7 +137,8 @@ static cml_status read_samples(struct samples *samples, int *n)
 }
 
 /* Files give spacings; all else needs radii. */
-static cml_status sum_radii(const struct samples *samples, struct cml_radial *radial)
+static cml_status sum_radii(const struct samples *samples, const struct stretch *stretch,
+                            struct cml_radial *radial)
 {
     const size_t n = samples->num_values / 2;
     radial->r = malloc(n * sizeof *radial->r);
@@ -128,8 +148,8 @@ static cml_status sum_radii(const struct samples *samples, struct cml_radial *ra
     radial->n = (int)n;
     double r = 0;
     for (size_t i = 0; i < n; i++) {
-        radial->r[i] = r;
-        radial->h[i] = samples->values[2 * i];
+        radial->r[i] = r * stretch->scale;
+        radial->h[i] = samples->values[2 * i] * stretch->scale * stretch->height;
         r += samples->values[2 * i + 1];
     }
     return CML_OK;
@@ -158,12 +178,14 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
 static cml_status read_radial(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     struct samples samples = {.reader = reader};
+    struct stretch stretch = {1, 1};
+    CML_TRY(set_stretch(reader, index, &stretch));
     snprintf(samples.owner, sizeof samples.owner, "boundary %d", index);
     boundary->form = CML_FORM_RADIAL;
     int n = 0;
     cml_status status = open_samples(&samples, boundary);
     if (status == CML_OK) status = read_samples(&samples, &n);
-    if (status == CML_OK) status = sum_radii(&samples, &boundary->radial);
+    if (status == CML_OK) status = sum_radii(&samples, &stretch, &boundary->radial);
     free(samples.values);
     cml_text_clear(&samples.file);
     return status;
@@ -193,7 +215,7 @@ static cml_status set_mesh_option(const struct cml_mci_line_options *options, st
         return CML_OK;
     case MESH_SCALE:
         if (!cml_mci_parse_list(value, 1, &obj->scale) || obj->scale < CML_MCI_TINY)
-            return cml_mci_fail_value(options, "a number of 1e-30..1e30");
+            return cml_mci_fail_value(options, scale_range);
         return CML_OK;
     case MESH_SHIFT:
         return cml_mci_parse_list(value, 3, obj->shift)
@@ -267,6 +289,7 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
     CML_TRY(check_heightmap_options(options, given));
     CML_TRY(
         (kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit, &map, err));
+    for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= given->height;
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
     const cml_status status = cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
                                                  &boundary->mesh, &boundary->map_notes, err);
@@ -284,7 +307,8 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         .owner = owner,
         .keys = {"up", "rotate", "units", "scale", "shift", "normals", "skirt"},
         .list = "up=, rotate=, units=, scale=, shift=, normals= or skirt="};
-    struct cml_obj_options obj = {.unit = 1, .scale = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
+    struct cml_obj_options obj = {
+        .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
     enum mesh_file kind = FILE_OBJ;
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
@@ -293,6 +317,10 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         CML_TRY(cml_mci_next_option(&options, &more));
         if (more) CML_TRY(set_mesh_option(&options, &obj));
     }
+    struct stretch stretch = {obj.scale, 1};
+    CML_TRY(set_stretch(reader, index, &stretch));
+    obj.scale = stretch.scale;
+    obj.height = stretch.height;
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     obj.budget = reader->options->budget;
     obj.budget.file = boundary->file;
@@ -345,6 +373,40 @@ static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind
     return status;
 }
 
+/* --- shapes that are known -------------------------------------------------------------------------------
+ */
+
+static bool same_value(const struct cml_setting *one, const struct cml_setting *other)
+{
+    return one && other ? strcmp(one->value, other->value) == 0 : one == other;
+}
+
+/* The shape in the same file, read before, where nothing else is set of it than was then. */
+static const struct cml_boundary *known_shape(struct cml_mci_reader *reader, int index)
+{
+    static const char *const of[] = {"scale", "height"};
+    static const struct cml_settings none;
+    const struct cml_input_options *options = reader->options;
+    char name[CML_SETTING_NAME];
+    if (!options->known) return NULL;
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+        snprintf(name, sizeof name, "boundary%d.%s", index, of[i]);
+        const struct cml_setting *then =
+            cml_settings_find(options->known_settings ? options->known_settings : &none, name);
+        if (!same_value(cml_mci_setting(reader, "%s", name), then)) return NULL;
+    }
+    return &options->known->scenes[reader->run].boundaries[index];
+}
+
+/* All but its depth, which the layers of this scene give. */
+static void borrow_shape(const struct cml_boundary *from, struct cml_boundary *boundary)
+{
+    const double z = boundary->z;
+    *boundary = *from;
+    boundary->z = z;
+    boundary->borrowed = true;
+}
+
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                             struct cml_boundary *boundary)
 {
@@ -353,6 +415,11 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
         snprintf(expected, sizeof expected, "one line for boundary %d, which already has line %d", index,
                  boundary->line);
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+    }
+    const struct cml_boundary *known = known_shape(reader, index);
+    if (known) {
+        borrow_shape(known, boundary);
+        return CML_OK;
     }
     boundary->line = reader->text.line;
     CML_TRY(read_boundary(reader, kind, index, boundary));

@@ -20,7 +20,9 @@ struct cml_mci_reader {
     char *cursor; /* what is left of the current line */
     char *kept;   /* the lines handed out since cml_mci_forget, joined with line feeds */
     size_t kept_size, kept_capacity;
-    size_t kept_last; /* where in `kept` the current line begins */
+    size_t kept_last;              /* where in `kept` the current line begins */
+    int run;                       /* of the file, from 0 */
+    bool taken[CML_MOST_SETTINGS]; /* settings that have been asked for */
 };
 
 /* What a line is. */

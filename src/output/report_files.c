@@ -63,12 +63,12 @@ static const char *last_file(const struct cml_report *report)
     return report->files[report->num_files - 1];
 }
 
-#define ATTRIBUTES 13
+#define ATTRIBUTES 14
 
 /* Where the numbers come from. No times, and nothing of how the program was called: the same run gives the
  * same bytes. */
-static void fill_attributes(const struct cml_report *report, const char *boundaries,
-                            struct cml_attribute attributes[ATTRIBUTES])
+static int fill_attributes(const struct cml_report *report, const char *boundaries,
+                           struct cml_attribute attributes[ATTRIBUTES])
 {
     const struct cml_scene *scene = report->scene;
     const struct cml_attribute all[ATTRIBUTES] = {
@@ -85,8 +85,10 @@ static void fill_attributes(const struct cml_report *report, const char *boundar
         {"run", NULL, report->options->run + 1},
         {"reentry", NULL, report->options->reentry},
         {"photons", NULL, (double)report->run->result.photons},
+        {"settings", scene->settings, 0}, /* the last, because most runs have none */
     };
     memcpy(attributes, all, sizeof all);
+    return scene->settings ? ATTRIBUTES : ATTRIBUTES - 1;
 }
 
 /* The lines of the .mco file as one attribute, with files as the scene names them. */
@@ -133,8 +135,8 @@ static cml_status write_h5(const struct cml_report *report, const struct cml_mco
     cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
         fill_list(&list, mco);
-        fill_attributes(report, boundaries, attributes);
-        status = cml_hdf5_write(path, attributes, ATTRIBUTES, &call, list.fields, list.num_fields, err);
+        const int num_attributes = fill_attributes(report, boundaries, attributes);
+        status = cml_hdf5_write(path, attributes, num_attributes, &call, list.fields, list.num_fields, err);
         cml_field_list_free(&list);
     }
     free(boundaries);

@@ -3,11 +3,13 @@
 #include "output/report.h"
 
 #include "base/json_name.h"
+#include "base/settings.h"
 #include "base/version.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* An unknown bias is infinite, which JSON cannot say: null. */
 static json_t *boundaries_json(const struct cml_surface_set *surfaces)
@@ -228,6 +230,20 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     return print_object(stream, object, err);
 }
 
+/* What was set from outside the file: all of it are numbers. */
+static json_t *settings_json(const char *text)
+{
+    json_t *object = json_object();
+    while (text && *text) {
+        char name[CML_SETTING_NAME];
+        double value = 0;
+        if (sscanf(text, "%63[^ ] = %lf", name, &value) == 2) set_real(object, name, value);
+        text += strcspn(text, "\n");
+        text += *text == '\n';
+    }
+    return object;
+}
+
 /* One object on one line. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
@@ -236,6 +252,7 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
     set_integer(object, "photons", report->run->result.photons);
     set_integer(object, "seed", report->options->seed);
+    json_object_set_new(object, "set", settings_json(report->scene->settings));
     json_object_set_new(object, "sampling", json_string(cml_sampling_name(report->options)));
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
     json_object_set_new(object, "files", files_json(report));

@@ -4,6 +4,7 @@
 
 #include "output/report_parts.h"
 #include "output/scaling.h"
+#include "base/settings.h"
 #include "base/version.h"
 
 #include <stdlib.h>
@@ -153,6 +154,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
             report->engine->name, (unsigned long long)options->seed, options->run + 1,
             options->reentry ? "packets that leave may re-enter" : "packets are scored at their first exit");
     write_sampling(out, options);
+    cml_settings_print(out, "# set ", scene->settings);
     cml_report_boundaries(out, "# ", scene, report->surfaces, CML_NAMED_BY_PATH);
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
             options->lattice);

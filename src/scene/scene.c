@@ -16,6 +16,7 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
 
 static void clear_boundary(struct cml_boundary *boundary)
 {
+    if (boundary->borrowed) return;
     cml_boundary_flatten(boundary);
     free(boundary->file);
 }
@@ -29,6 +30,7 @@ void cml_scene_clear(struct cml_scene *scene)
     free(scene->file);
     free(scene->output);
     free(scene->text);
+    free(scene->settings);
     *scene = (struct cml_scene){0};
 }
 

@@ -40,8 +40,9 @@ struct cml_boundary {
     struct cml_mesh mesh;        /* CML_FORM_MESH, prepared, in the boundary's frame */
     struct cml_mesh_notes mesh_notes;
     struct cml_heightmap_notes map_notes; /* of the heightmap that the mesh was made of; zero: of none */
-    char *file; /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
-    int line;   /* line of the .mci, 0 when the boundary is implicit */
+    char *file;    /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
+    int line;      /* line of the .mci, 0 when the boundary is implicit */
+    bool borrowed; /* the shape and `file` belong to another scene, which lives longer */
 };
 
 enum cml_beam_kind { CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN };
@@ -77,8 +78,9 @@ struct cml_scene {
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_beam beam;
     struct cml_map_def map;
-    bool facets; /* irradiance and exitance of every facet of every boundary are wanted */
-    char *text;  /* the data lines of the run as written, joined with line feeds: provenance */
+    bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
+    char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
+    char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */
 };
 
 struct cml_scene_list {

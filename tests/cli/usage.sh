@@ -61,7 +61,7 @@ belongs check --resume run check $sample --resume
 belongs check --photons "run, plan, crosscheck" --photons 3 check $sample
 belongs plan -o "run, mesh" plan $sample -o "$work"
 belongs plan --output-dir "run, mesh" plan $sample --output-dir "$work"
-belongs run --output "check, compare, plot" $sample --output "$work"
+belongs plan --output "run, check, compare, plot" plan $sample --output "$work"
 belongs exact --engine "run, check, trace" exact $sample --engine cpu
 belongs devices --json "run, plan, check, exact, compare" devices --json
 only="(it belongs to: opencl)"

@@ -3,9 +3,9 @@
 
 #include "input/mesh/obj.h"
 
-static const struct cml_obj_options as_written = {.unit = 1, .scale = 1, .up = CML_UP_Z};
+static const struct cml_obj_options as_written = {.unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z};
 static const struct cml_obj_options with_skirt = {
-    .unit = 0.1, .scale = 3, .up = CML_UP_MINUS_X, .rotate = 30, .skirt = 0.1};
+    .unit = 0.1, .scale = 3, .height = 1, .up = CML_UP_MINUS_X, .rotate = 30, .skirt = 0.1};
 
 /* A mesh is a sheet with one border: Euler's number of a disk, with handles less. */
 static void check_mesh(const struct cml_mesh *mesh)

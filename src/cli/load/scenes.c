@@ -38,12 +38,17 @@ static void note_input(void *context, const char *text)
 static cml_status load(const struct cml_options *options, const struct cml_text_source *source,
                        struct cml_scene_list *list, struct cml_error *err)
 {
-    const struct cml_input_options how = {.source = source,
-                                          .tolerance = options->surface.tolerance,
-                                          .budget = options->surface.budget,
-                                          .on_note = note_input,
-                                          .flat = options->ignore_heightfields ||
-                                                  options->surface.force == CML_SURFACE_PLANE};
+    const struct cml_input_options how = {
+        .source = source,
+        .tolerance = options->surface.tolerance,
+        .budget = options->surface.budget,
+        .settings = &options->settings,
+        .output = options->which == CML_COMMAND_RUN ? options->output : NULL,
+        .on_note = note_input,
+        .flat = options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE};
+    const struct cml_setting *photons = cml_settings_find(&options->settings, "photons");
+    if (photons && options->photons)
+        return cml_setting_fail(photons, "no value beside that of --photons", err);
     CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
     const cml_status status = check_all(list, err);
     if (status != CML_OK) cml_scene_list_clear(list);
@@ -123,11 +128,11 @@ cml_status cml_choose_surfaces(const struct cml_options *options, const struct c
 cml_status cml_output_path(const struct cml_options *options, const char *name, char **path,
                            struct cml_error *err)
 {
-    if (!options->output || name[0] == '/') return cml_text_copy(name, path, err);
-    const size_t size = strlen(options->output) + strlen(name) + 2;
+    if (!options->directory || name[0] == '/') return cml_text_copy(name, path, err);
+    const size_t size = strlen(options->directory) + strlen(name) + 2;
     *path = malloc(size);
     if (!*path) return cml_fail_memory(err, (double)size, "a path");
-    strcpy(*path, options->output);
+    strcpy(*path, options->directory);
     strcat(*path, "/");
     strcat(*path, name);
     return CML_OK;

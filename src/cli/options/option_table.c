@@ -35,6 +35,11 @@ const struct cml_option cml_option_table[] = {
     {"photons", 0, "N", RUN | PLAN | CROSSCHECK, NULL,
      "instead of the file's number; 1e7 reads as ten million; of plan: of the longest pilot",
      COUNT(photons, 1, 0x1p48), .title = "simulation"},
+    {"set", 0, "NAME=VALUE", SURFACES | EXACT, NULL,
+     "a value in place of the file's, any number of times: layer2.mua=0.3 (n mua mus g d), above.n, below.n, "
+     "boundary0.scale, "
+     "boundary0.height, beam.angle, photons",
+     .read = cml_read_set},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
      COUNT(engine_options.seed, 0, 0x1p53)},
     {"run", 0, "K", TRACE | CHECK, NULL,
@@ -107,10 +112,11 @@ const struct cml_option cml_option_table[] = {
      .member = MEMBER(timeout)},
 
     {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
-     TEXT(output), .title = "output"},
-    {"output", 'o', "FILE", COMPARE | PLOT | CHECK, NULL,
-     "the picture, .svg, .png, .pdf or .eps; of compare and check: none without it; of plot: default "
-     "plot.svg",
+     TEXT(directory), .title = "output"},
+    {"output", 'o', "FILE", RUN | COMPARE | PLOT | CHECK, NULL,
+     "of run (--output only): the result's name in place of the file's, .mco or .h5. Else the picture, .svg, "
+     ".png, .pdf or "
+     ".eps; of compare and check: none without it; of plot: default plot.svg",
      TEXT(output)},
     {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | COMPARE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},

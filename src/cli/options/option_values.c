@@ -101,6 +101,13 @@ static cml_status choose(const struct cml_option *option, const char *value, int
 
 /* ---- what is flown, and until when ---- */
 
+cml_status cml_read_set(const struct cml_option *option, const char *value, struct cml_options *options,
+                        struct cml_error *err)
+{
+    (void)option;
+    return cml_settings_add(&options->settings, value, err);
+}
+
 cml_status cml_read_engine(const struct cml_option *option, const char *value, struct cml_options *options,
                            struct cml_error *err)
 {

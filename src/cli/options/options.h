@@ -2,6 +2,7 @@
 #ifndef CML_OPTIONS_H
 #define CML_OPTIONS_H
 
+#include "base/settings.h"
 #include "cli/options/command_table.h"
 #include "engine/engine.h"
 #include "plot/plot_parts.h"
@@ -28,10 +29,12 @@ struct cml_options {
     const char *of;              /* what `plot` shows, NULL: not given */
     int num_labels;
     const char *labels[CML_MOST_LABELS]; /* of the curves and maps of `plot`, in the order of the operands */
-    const char *output; /* a directory, or the picture of `plot` and `compare`; NULL: not given */
-    const char *dump;   /* crosscheck: a file for the photons that differ; NULL: not wanted */
-    int num_operands;   /* without the command's name */
-    char **operands;    /* borrowed from argv */
+    const char *directory;               /* of the results; NULL: not given */
+    const char *output;           /* the name of `run`'s result, or the picture of others; NULL: not given */
+    struct cml_settings settings; /* values in place of what the scene's file says */
+    const char *dump;             /* crosscheck: a file for the photons that differ; NULL: not wanted */
+    int num_operands;             /* without the command's name */
+    char **operands;              /* borrowed from argv */
     bool help, version;
     bool named;         /* the command was */
     char command[4096]; /* the command line as it was typed, words joined by blanks; cut when longer */

@@ -243,14 +243,14 @@ static cml_status check_inputs(const struct cml_outputs *outputs, const struct c
 static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs,
                            void (*note)(void *context, const char *text))
 {
-    char *folder = options->output ? realpath(options->output, NULL) : NULL;
+    char *folder = options->directory ? realpath(options->directory, NULL) : NULL;
     for (size_t i = 0; folder && i < outputs->count; i++) {
         const char *name = outputs->file[i].name;
         const size_t length = strlen(folder);
         char text[512];
         if (!outputs->file[i].is_main || (strncmp(name, folder, length) == 0 && name[length] == '/'))
             continue;
-        snprintf(text, sizeof text, "%.300s is not below -o %.100s", name, options->output);
+        snprintf(text, sizeof text, "%.300s is not below -o %.100s", name, options->directory);
         note(NULL, text);
     }
     free(folder);

@@ -123,7 +123,8 @@ static void find_turn(double degrees, double turn[2])
 /* Axes, turn, scale, shift, and then depth instead of height. */
 static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *options)
 {
-    const double factor = options->unit * options->scale;
+    const double along = options->unit * options->scale;
+    const double factor[3] = {along, along, along * options->height};
     double turn[2];
     find_turn(options->rotate, turn);
     for (size_t i = 0; i < mesh->num_vertices; i++) {
@@ -132,7 +133,7 @@ static void place_vertices(struct cml_mesh *mesh, const struct cml_obj_options *
         const double x = turned[0], y = turned[1];
         turned[0] = turn[0] * x - turn[1] * y;
         turned[1] = turn[1] * x + turn[0] * y;
-        for (int k = 0; k < 3; k++) mesh->vertex[i][k] = turned[k] * factor + options->shift[k];
+        for (int k = 0; k < 3; k++) mesh->vertex[i][k] = turned[k] * factor[k] + options->shift[k];
         mesh->vertex[i][2] = -mesh->vertex[i][2];
     }
 }

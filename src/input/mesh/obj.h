@@ -18,6 +18,7 @@ struct cml_obj_options {
     double rotate;   /* degrees about the vertical through the file's origin, counter-clockwise from above */
     double unit;     /* cm per unit of the file; cm 1, mm 0.1, um 1e-4, m 100 */
     double scale;    /* > 0 */
+    double height;   /* >= 0: heights are multiplied by this, too */
     double shift[3]; /* x, y, height; cm */
     double skirt;    /* cm: the mesh's (geometry/mesh.h) */
     enum cml_normals normals;
@@ -25,7 +26,8 @@ struct cml_obj_options {
 };
 
 /* A prepared mesh in the boundary's frame, of the file `path` of `source` (NULL: of the file system): z =
- * -(Z_obj * unit * scale + shift_z) for up = z. On failure (CML_E_INPUT, file and line) *mesh is cleared. */
+ * -(Z_obj * unit * scale * height + shift_z) for up = z. On failure (CML_E_INPUT, file and line) *mesh is
+ * cleared. */
 CML_NODISCARD cml_status cml_obj_read(const struct cml_text_source *source, const char *path,
                                       const struct cml_obj_options *options, struct cml_mesh *mesh,
                                       struct cml_mesh_notes *notes, struct cml_error *err);

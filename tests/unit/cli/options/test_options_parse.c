@@ -79,13 +79,13 @@ static void a_word_that_is_no_command_is_a_scene(void **state)
 static void letters_take_the_rest_of_their_word_or_the_next(void **state)
 {
     (void)state;
-    assert_string_equal(accepted("a.mci -o out").output, "out");
-    assert_string_equal(accepted("a.mci -oout").output, "out");
-    assert_string_equal(accepted("a.mci -o -h").output, "-h");
+    assert_string_equal(accepted("a.mci -o out").directory, "out");
+    assert_string_equal(accepted("a.mci -oout").directory, "out");
+    assert_string_equal(accepted("a.mci -o -h").directory, "-h");
     assert_string_equal(accepted("plot a.mco -o f.svg").output, "f.svg");
     assert_string_equal(accepted("-o f.svg plot a.mco").output, "f.svg");
     assert_true(accepted("-h").help);
-    assert_string_equal(accepted("a.mci -ho out").output, "out");
+    assert_string_equal(accepted("a.mci -ho out").directory, "out");
     refused("a.mci -o", "-o is missing its value (try clustermcml --help)");
     refused("a.mci -hx", "unknown option -x (try clustermcml --help)");
 }

@@ -17,7 +17,7 @@
 #include "input/mesh/obj_polygon.h"
 #include "base/text.h"
 
-static const struct cml_obj_options centimetres = {.unit = 1, .scale = 1};
+static const struct cml_obj_options centimetres = {.unit = 1, .scale = 1, .height = 1};
 
 static int setup(void **state)
 {
@@ -160,7 +160,7 @@ static const struct refusal bad_sheets[] = {
 
 static void refuse(void **state, const struct refusal *cases, size_t count, double unit)
 {
-    const struct cml_obj_options options = {.unit = unit, .scale = 1};
+    const struct cml_obj_options options = {.unit = unit, .scale = 1, .height = 1};
     for (size_t i = 0; i < count; i++) {
         struct cml_mesh mesh;
         struct cml_error err;
@@ -265,7 +265,7 @@ static void bent_faces_are_cut_and_counted(void **state)
     struct cml_mesh mesh;
     struct cml_mesh_notes notes;
     struct cml_error err;
-    const struct cml_obj_options half = {.unit = 0.5, .scale = 1};
+    const struct cml_obj_options half = {.unit = 0.5, .scale = 1, .height = 1};
     const char *text = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nv 1 0 0\nv 1 2 0\nv 0 1 0\nv 2 1 0\n"
                        "f 1 6 5 8\nf 6 2 9 5\nf 5 9 3 7\nf 4 8 5\nf 4 5 7\n";
     assert_int_equal(read_text(state, text, &half, &mesh, &notes, &err), CML_OK);
@@ -287,7 +287,8 @@ static void turns_and_scales(void **state)
                  {CML_UP_Y, "1 0 0", "0 0 -1", {2, -6, -4}}, {CML_UP_MINUS_Y, "1 0 0", "0 0 1", {2, 6, 4}},
                  {CML_UP_X, "0 0 -1", "0 1 0", {-6, 4, -2}}, {CML_UP_MINUS_X, "0 0 1", "0 1 0", {6, 4, 2}}};
     for (int i = 0; i < 6; i++) {
-        struct cml_obj_options options = {.unit = 0.5, .scale = 4, .shift = {10, 20, 30}, .up = cases[i].up};
+        struct cml_obj_options options = {
+            .unit = 0.5, .scale = 4, .height = 1, .shift = {10, 20, 30}, .up = cases[i].up};
         struct cml_mesh mesh;
         struct cml_mesh_notes notes;
         struct cml_error err;
@@ -313,7 +314,8 @@ static void rotates_about_the_vertical(void **state)
         double degrees, x, y; /* where (1, 2) goes */
     } turns[] = {{0, 1, 2},   {90, -2, 1},  {-270, -2, 1}, {180, -1, -2},
                  {360, 1, 2}, {-90, 2, -1}, {270, 2, -1}};
-    struct cml_obj_options options = {.unit = 0.5, .scale = 4, .shift = {10, 20, 30}, .up = CML_UP_Y};
+    struct cml_obj_options options = {
+        .unit = 0.5, .scale = 4, .height = 1, .shift = {10, 20, 30}, .up = CML_UP_Y};
     const char *text = "v 0 0 0\nv 1 0 0\nv 0 0 -1\nv 1 3 -2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     struct cml_mesh mesh;
     struct cml_mesh_notes notes;
@@ -349,7 +351,8 @@ static void round_trip(void **state)
 {
     struct cml_mesh mesh, again;
     struct cml_error err;
-    const struct cml_obj_options odd = {.unit = 0.1, .scale = 1.0 / 3, .shift = {1e-3, 1.0 / 7, 0.2}};
+    const struct cml_obj_options odd = {
+        .unit = 0.1, .scale = 1.0 / 3, .height = 1, .shift = {1e-3, 1.0 / 7, 0.2}};
     char path[128];
     snprintf(path, sizeof path, "%s/w.obj", (const char *)*state);
     assert_int_equal(cml_obj_read(NULL, "../meshes/ridges.obj", &odd, &mesh, NULL, &err), CML_OK);

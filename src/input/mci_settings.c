@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/mci_settings.h"
+
+#include <stdarg.h>
+#include <string.h>
+
+const struct cml_setting *cml_mci_setting(struct cml_mci_reader *reader, const char *format, ...)
+{
+    const struct cml_settings *settings = reader->options->settings;
+    char name[CML_SETTING_NAME];
+    if (!settings) return NULL;
+    va_list values;
+    va_start(values, format);
+    vsnprintf(name, sizeof name, format, values);
+    va_end(values);
+    const struct cml_setting *setting = cml_settings_find(settings, name);
+    if (setting) reader->taken[setting - settings->item] = true;
+    return setting;
+}
+
+cml_status cml_mci_set(const struct cml_mci_reader *reader, const struct cml_setting *setting,
+                       const struct cml_mci_field *field, double *value)
+{
+    if (!setting || cml_mci_parse(field, setting->value, value)) return CML_OK;
+    return cml_setting_fail(setting, field->expected, reader->err);
+}
+
+/* "layer1", or "layer1..3". */
+static void write_owners(FILE *out, const char *owner, int first, int last)
+{
+    fprintf(out, ", %s%d", owner, first);
+    if (last > first) fprintf(out, "..%d", last);
+}
+
+/* Of planes nothing can be set, so they are left out. */
+static void write_shapes(FILE *out, const struct cml_scene *scene)
+{
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].line > 0) fprintf(out, ", boundary%d.scale and .height", b);
+}
+
+static void write_names(FILE *out, const struct cml_scene *scene)
+{
+    fputs("photons, above.n, below.n", out);
+    write_owners(out, "layer", 1, scene->num_layers);
+    fputs(" with .n .mua .mus .g .d", out);
+    write_shapes(out, scene);
+    fprintf(out, ", beam.angle, beam.azimuth%s", scene->beam.kind == CML_BEAM_PENCIL ? "" : ", beam.radius");
+}
+
+static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct cml_setting *setting,
+                               const struct cml_scene *scene)
+{
+    char names[600] = "", expected[700];
+    FILE *out = fmemopen(names, sizeof names, "w");
+    if (out) {
+        write_names(out, scene);
+        fclose(out);
+    }
+    snprintf(expected, sizeof expected, "a name that %.60s knows: %s", scene->output, names);
+    return cml_setting_fail(setting, expected, reader->err);
+}
+
+cml_status cml_mci_check_settings(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    const struct cml_settings *settings = reader->options->settings;
+    for (int i = 0; settings && i < settings->count; i++)
+        if (!reader->taken[i]) return fail_unknown(reader, &settings->item[i], scene);
+    return CML_OK;
+}

@@ -1,0 +1,105 @@
+#!/bin/sh
+# --set and --output. Every name: the result has the bytes of a file in which that number was changed by hand, but for the
+# line that says so. Wrong names and values are refused in the words of the file's own reader.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+cp meshes/ridges.obj "$work/mesh.obj"
+
+# The scene; each name=value in the arguments takes the place of its number.
+scene() { # FILE NAME=VALUE...
+    file=$1
+    shift
+    python3 - "$@" >"$file" <<'END'
+import sys
+value = {"photons": "3000", "above.n": "1", "below.n": "1.2", "beam.angle": "20", "beam.azimuth": "0", "beam.radius": "0.1",
+         "layer1.n": "1.4", "layer1.mua": "1", "layer1.mus": "20", "layer1.g": "0.8", "layer1.d": "0.5", "layer2.n": "1.3",
+         "layer2.mua": "0.5", "layer2.mus": "10", "layer2.g": "0", "layer2.d": "0.3", "boundary0.scale": "1",
+         "boundary1.scale": "1", "boundary1.height": "1"}
+value.update(word.split("=") for word in sys.argv[1:])
+s, h = float(value["boundary1.scale"]), float(value["boundary1.height"]) * float(value["boundary1.scale"])
+value["b"] = f"b 3 {0.0625 * h} {0.125 * s} {0.03125 * h} {0.25 * s} 0 1"
+print("""1.0
+1
+result.mco A
+{photons}
+0.02 0.02
+20 20 5
+beam disk {beam.radius} angle={beam.angle} azimuth={beam.azimuth}
+2
+{above.n}
+m "mesh.obj" scale={boundary0.scale}
+{layer1.n} {layer1.mua} {layer1.mus} {layer1.g} {layer1.d}
+{b}
+{layer2.n} {layer2.mua} {layer2.mus} {layer2.g} {layer2.d}
+{below.n}""".replace("{", "{v[").replace("}", "]}").format(v=value))
+END
+}
+
+bare() { grep -v '^# User time\|^# set ' "$1"; }
+
+scene "$work/plain.mci"
+for setting in photons=2000 above.n=1.1 below.n=1.5 layer1.n=1.5 layer1.mua=2 layer1.mus=30 layer1.g=0.5 layer1.d=0.7 \
+    layer2.n=1.35 layer2.mua=0 layer2.mus=12.5 layer2.g=-0.25 layer2.d=0.75 beam.angle=45 beam.azimuth=30 beam.radius=0.2 \
+    boundary0.scale=2 boundary1.scale=0.5 boundary1.height=0.5; do
+    scene "$work/edited.mci" $setting
+    mkdir "$work/a" "$work/b"
+    expect_code 0 "$work/edited.mci" --quiet -o "$work/a"
+    expect_code 0 "$work/plain.mci" --quiet -o "$work/b" --set $setting
+    bare "$work/a/result.mco" >"$work/a.txt"
+    bare "$work/b/result.mco" >"$work/b.txt"
+    cmp -s "$work/a.txt" "$work/b.txt" || complain "$setting: not the bytes of the edited file"
+    grep -qx "# set ${setting%=*} = ${setting#*=}" "$work/b/result.mco" || complain "$setting is not in the result"
+    rm -r "$work/a" "$work/b"
+done
+
+# Heights of a mesh alone: the mesh that is written is half as high, and as wide.
+expect_code 0 mesh "$work/plain.mci" -o "$work" --set boundary0.height=0.5 --quiet
+awk 'NR == FNR { if ($1 == "v") plain[++n] = $2 " " $3 " " $4; next }
+     $1 == "v" { split(plain[++k], p); if (p[1] != $2 || p[2] != $3 || p[3] / 2 - $4 > 1e-12 || $4 - p[3] / 2 > 1e-12) exit 1 }' \
+    "$work/mesh.obj" "$work/result.mco.boundary0.obj" || complain "boundary0.height: not half as high"
+
+# All commands that read a scene take it; several at once.
+expect_code 0 check "$work/plain.mci" --set layer1.mua=7 --set layer2.d=0.9 --json
+grep -q '"mua":7.0' "$work/out" && grep -q '"d":0.9' "$work/out" || complain "check --set: $(cat "$work/out")"
+expect_code 0 exact samples/skin7.mci --set layer1.mua=0 --json
+expect_code 0 trace "$work/plain.mci" 3 --set layer1.mua=7
+expect_code 0 "$work/plain.mci" --set photons=1e3 --set layer1.mua=7 --json -o "$work"
+grep -q '"set":{"photons":1000.0,"layer1.mua":7.0}' "$work/out" || complain "--json: $(cat "$work/out")"
+
+names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0.scale and .height, boundary1.scale and .height, beam.angle, beam.azimuth, beam.radius'
+expect_error 2 "--set: layer3.n = 1.4 (expected a name that result.mco knows: $names)" "$work/plain.mci" --set layer3.n=1.4
+expect_error 2 "--set: boundary2.scale = 2 (expected a name that result.mco knows: $names)" "$work/plain.mci" --set boundary2.scale=2
+expect_error 2 "--set: layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/plain.mci" --set layer1.mua=-1
+expect_error 2 "--set: layer1.mua = 1e-13 (expected 0, or at least 1e-11 of mua + mus)" "$work/plain.mci" --set layer1.mua=1e-13
+expect_error 2 "--set: layer1.n = x (expected a refractive index of 0.01..100)" "$work/plain.mci" --set layer1.n=x
+expect_error 2 "--set: layer1.g = 1.5 (expected an anisotropy of -1..1)" "$work/plain.mci" --set layer1.g=1.5
+expect_error 2 "--set: photons = 0.5 (expected a whole number of 1..2^48)" "$work/plain.mci" --set photons=0.5
+expect_error 2 "--set: beam.angle = 90 (expected degrees, 0 <= angle < 90)" "$work/plain.mci" --set beam.angle=90
+expect_error 2 "--set: boundary0.scale = 0 (expected a number of 1e-30..1e30)" "$work/plain.mci" --set boundary0.scale=0
+expect_error 2 "--set: layer1.n = 2 (expected one value, but --set has set it to 1)" "$work/plain.mci" --set layer1.n=1 --set layer1.n=2
+expect_error 2 "--set: photons = 9 (expected no value beside that of --photons)" "$work/plain.mci" --set photons=9 --photons 8
+expect_error 2 "--set layer1.n (expected NAME=VALUE, like layer1.mua=0.3)" "$work/plain.mci" --set layer1.n
+expect_error 2 "--set layer1.n= (expected NAME=VALUE, like layer1.mua=0.3)" "$work/plain.mci" --set layer1.n=
+
+# --output names the result, and its ending says the format.
+expect_code 0 "$work/plain.mci" --quiet --output other.mco -o "$work"
+grep -q '^other.mco' "$work/other.mco" || complain "--output other.mco"
+if "$program" "$work/plain.mci" --quiet --output other.h5 -o "$work" --set layer1.mua=3 2>"$work/err"; then
+    grep -aq 'layer1.mua = 3' "$work/other.h5" || complain "other.h5 does not say what was set"
+else
+    grep -q 'built without HDF5' "$work/err" || complain "--output other.h5: $(cat "$work/err")"
+fi
+expect_error 2 "--output a.mco (expected a file with one run; samples/two_runs.mci has 2)" samples/two_runs.mci --output a.mco
+expect_error 2 "--output ../ (expected a file name of 1..250 bytes)" "$work/plain.mci" --output ../
+
+# A stopped run is not continued with other values.
+code=0
+"$program" "$work/plain.mci" --set photons=1e9 --quiet -o "$work" --output long.mco --checkpoint 0.05 2>"$work/err" &
+run=$!
+until test -e "$work/long.mco.checkpoint"; do sleep 0.05; done
+kill -TERM $run
+wait $run || code=$?
+test $code -eq 75 || complain "stopped: exit $code, $(cat "$work/err")"
+expect_error 2 "$work/long.mco.checkpoint: the checkpoint is of another run: 'set photons = 1e9' there, 'set photons = 1000000000' here" \
+    "$work/plain.mci" --set photons=1000000000 --quiet -o "$work" --output long.mco --resume
+finish

@@ -15,6 +15,7 @@ struct cml_report {
     const struct cml_engine *engine;
     const struct cml_engine_options *options;
     const char *command;                  /* line, for provenance */
+    int row;                              /* of a sweep, from 1; 0: of none */
     const struct cml_controlled *control; /* [CML_NUM_TOTALS] with the flat twin; NULL: none */
     double control_processor;             /* s that the twin's flight took */
     const struct cml_exact *exact;        /* totals by adding-doubling for summary and JSON; NULL: none */

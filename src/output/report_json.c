@@ -252,6 +252,7 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
     set_integer(object, "photons", report->run->result.photons);
     set_integer(object, "seed", report->options->seed);
+    json_object_set_new(object, "row", report->row > 0 ? json_integer(report->row) : json_null());
     json_object_set_new(object, "set", settings_json(report->scene->settings));
     json_object_set_new(object, "sampling", json_string(cml_sampling_name(report->options)));
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));

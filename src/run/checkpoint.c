@@ -13,18 +13,20 @@
 #include <unistd.h>
 #include <zlib.h>
 
-/* A checkpoint is this head, the identity, the ranges not flown, the summary of the result, its cells, and
- * the CRC-32 of all of that in 64 bits. Members of fixed sizes and no padding. */
+/* A checkpoint is this head, the identity, the record, the ranges not flown, the summary of the result, its
+ * cells, and the CRC-32 of all of that in 64 bits. Members of fixed sizes and no padding. */
 struct head {
     char magic[24];
     uint64_t order, version, finished;
-    uint64_t identity_size, num_ranges, num_cells;
+    uint64_t identity_size, json_size, num_ranges, num_cells; /* no cells: no tallies */
     uint64_t begin, end;
     double seconds;
+    uint64_t photons, lost; /* from here on those of the record */
+    double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS];
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 2u                /* of this layout; a program refuses what it does not know */
+#define VERSION 3u                /* of this layout; a program refuses what it does not know */
 
 /* *name is the path with the suffix, the caller's to free. */
 static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
@@ -51,31 +53,39 @@ struct sink {
 
 static void put(struct sink *sink, const void *data, size_t size)
 {
-    if (size == 0) return;               /* crc32_z takes a null pointer for a wish to begin anew */
+    if (!data || size == 0) return;      /* crc32_z takes a null pointer for a wish to begin anew */
     fwrite(data, 1, size, sink->stream); /* an error stays with the stream, and the commit sees it */
     sink->sum = crc32_z(sink->sum, data, size);
 }
 
-/* Without a result the run is finished: a later --resume skips it, and nothing needs to be stored. */
+/* record NULL: the run is not finished. */
 static void write_all(FILE *stream, const char *identity, const struct cml_run_state *state,
-                      struct cml_result *result)
+                      const struct cml_record *record, struct cml_result *result)
 {
+    static const struct cml_record unknown;
     struct sink sink = {stream, crc32(0, NULL, 0)};
     struct head head = {.order = ORDER,
                         .version = VERSION,
-                        .finished = result == NULL,
+                        .finished = record != NULL,
                         .identity_size = strlen(identity),
                         .begin = state->begin,
                         .end = state->end,
                         .seconds = state->seconds};
+    if (!record) record = &unknown;
     static const struct cml_summary none;
     size_t cells = 0;
     const cml_u128 *cell = result ? cml_result_cells(result, &cells) : NULL;
     memcpy(head.magic, magic, sizeof magic);
     head.num_ranges = state->open.count;
     head.num_cells = cells;
+    head.json_size = record->json ? strlen(record->json) : 0;
+    head.photons = record->photons;
+    head.lost = record->lost;
+    memcpy(head.value, record->value, sizeof head.value);
+    memcpy(head.error, record->error, sizeof head.error);
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
+    put(&sink, record->json, head.json_size);
     put(&sink, state->open.item, state->open.count * sizeof *state->open.item);
     put(&sink, result ? &result->summary : &none, sizeof none);
     put(&sink, cell, cells * sizeof *cell);
@@ -83,32 +93,57 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     fwrite(&sum, sizeof sum, 1, stream);
 }
 
-/* The file that stood there before is kept as ".old": at any moment a whole checkpoint is on the disk, and
- * another one where the newest turns out to be damaged. */
+/* keep: the name under which the file that stood there before is kept; NULL: it is not. */
+static cml_status write_file(const char *path, const char *keep, const char *identity,
+                             const struct cml_run_state *state, const struct cml_record *record,
+                             struct cml_result *result, struct cml_error *err)
+{
+    struct cml_file file;
+    CML_TRY(cml_file_create(path, &file, err));
+    file.keep = keep;
+    write_all(file.stream, identity, state, record, result);
+    return cml_file_commit(&file, err);
+}
+
+/* At any moment a whole checkpoint is on the disk, and another one where the newest turns out to be damaged.
+ */
 cml_status cml_checkpoint_write(const char *path, const char *identity, const struct cml_run_state *state,
                                 struct cml_result *result, struct cml_error *err)
 {
-    struct cml_file file;
     char *old = NULL;
     CML_TRY(joined(path, ".old", &old, err));
-    cml_status status = cml_file_create(path, &file, err);
-    if (status == CML_OK) {
-        file.keep = old;
-        write_all(file.stream, identity, state, result);
-        status = cml_file_commit(&file, err);
-    }
+    const cml_status status = write_file(path, old, identity, state, NULL, result, err);
     free(old);
     return status;
+}
+
+void cml_checkpoint_remove_older(const char *path)
+{
+    struct cml_error ignored;
+    char *old = NULL;
+    if (joined(path, ".old", &old, &ignored) == CML_OK) remove(old);
+    free(old);
+}
+
+cml_status cml_checkpoint_finish(const char *path, const char *identity, const struct cml_run_state *state,
+                                 const struct cml_record *record, struct cml_result *result,
+                                 struct cml_error *err)
+{
+    cml_checkpoint_remove_older(path);
+    return write_file(path, NULL, identity, state, record, result, err);
+}
+
+void cml_record_clear(struct cml_record *record)
+{
+    free(record->json);
+    *record = (struct cml_record){0};
 }
 
 /* Errors are of no interest: what is not there needs no removing, and what cannot be removed does no harm. */
 void cml_checkpoint_remove(const char *path)
 {
-    struct cml_error ignored;
-    char *old = NULL;
     remove(path);
-    if (joined(path, ".old", &old, &ignored) == CML_OK) remove(old);
-    free(old);
+    cml_checkpoint_remove_older(path);
 }
 
 /* ---- reading ---- */
@@ -189,10 +224,10 @@ static cml_status check_identity(const struct source *source, const char *mine, 
                     source->path, (int)strcspn(theirs, "\n"), theirs, (int)strcspn(mine, "\n"), mine);
 }
 
-/* A round is the first one or as long as all before it (struct cml_run_setup, target_error). */
+/* Which rounds a run has, the run knows. */
 static bool is_round(uint64_t begin, uint64_t end)
 {
-    return end > 0 && end <= (uint64_t)1 << 48 && (begin == 0 || (end % 2 == 0 && begin == end / 2));
+    return begin < end && end <= (uint64_t)1 << 48;
 }
 
 static int compare_ranges(const void *a, const void *b)
@@ -271,16 +306,46 @@ static cml_status read_tallies(struct source *source, struct cml_run_state *stat
     return check_ranges(source, &state->open, &result->summary, err);
 }
 
+/* What is asked of a checkpoint, and where it goes. */
+struct wanted {
+    const char *identity;
+    enum cml_checkpoint_kind *kind;
+    struct cml_run_state *state;
+    struct cml_result *result;
+    bool tallies; /* of a finished run, too */
+    struct cml_record *record;
+};
+
+/* Also of a run that is not finished, where it is empty. */
+static cml_status read_record(struct source *source, struct cml_record *record, struct cml_error *err)
+{
+    const struct head *head = &source->head;
+    cml_record_clear(record);
+    if (head->json_size > source->left) return fail_damaged(source, "its record", err);
+    record->json = calloc(head->json_size + 1, 1);
+    if (!record->json) return cml_fail_memory(err, (double)head->json_size, "a checkpoint");
+    record->photons = head->photons;
+    record->lost = head->lost;
+    memcpy(record->value, head->value, sizeof head->value);
+    memcpy(record->error, head->error, sizeof head->error);
+    return get(source, record->json, head->json_size, 1) ? CML_OK : fail_damaged(source, "cut short", err);
+}
+
 /* In this order, because an identity is worth reading only where the checksum is right, and tallies only
  * where the identity is that of this run. */
-static cml_status read_source(struct source *source, const char *identity, enum cml_checkpoint_kind *kind,
-                              struct cml_run_state *state, struct cml_result *result, struct cml_error *err)
+static cml_status read_source(struct source *source, const struct wanted *wanted, struct cml_error *err)
 {
+    const struct head *head = &source->head;
     CML_TRY(check_sum(source, err));
     CML_TRY(read_head(source, err));
-    CML_TRY(check_identity(source, identity, err));
-    *kind = source->head.finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL;
-    return source->head.finished ? CML_OK : read_tallies(source, state, result, err);
+    CML_TRY(check_identity(source, wanted->identity, err));
+    CML_TRY(read_record(source, wanted->record, err));
+    *wanted->kind = head->finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL;
+    if (head->finished && !wanted->tallies) return CML_OK;
+    if (head->finished && head->num_cells == 0)
+        return cml_fail(err, CML_E_INPUT, "%s: has no tallies (expected those of a run with --keep)",
+                        source->path);
+    return read_tallies(source, wanted->state, wanted->result, err);
 }
 
 /* A checkpoint is a regular file: of a pipe or a device nobody knows where it ends. Opening a pipe must not
@@ -304,14 +369,13 @@ static cml_status open_source(struct source *source, struct cml_error *err)
 }
 
 /* CML_E_IO where the older one may help. */
-static cml_status read_one(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
-                           struct cml_run_state *state, struct cml_result *result, struct cml_error *err)
+static cml_status read_one(const char *path, const struct wanted *wanted, struct cml_error *err)
 {
     struct source source = {.path = path};
-    *kind = CML_CHECKPOINT_NONE;
+    *wanted->kind = CML_CHECKPOINT_NONE;
     if (access(path, F_OK) != 0 && errno == ENOENT) return CML_OK;
     CML_TRY(open_source(&source, err));
-    const cml_status status = read_source(&source, identity, kind, state, result, err);
+    const cml_status status = read_source(&source, wanted, err);
     fclose(source.stream);
     free(source.identity);
     return status;
@@ -319,34 +383,51 @@ static cml_status read_one(const char *path, const char *identity, enum cml_chec
 
 /* `note` holds why the newer file was not taken, if there was one. It becomes the text that tells the user
  * what is continued, or the error when there is nothing to continue from. */
-static cml_status read_older(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
-                             struct cml_run_state *state, struct cml_result *result, struct cml_error *note,
+static cml_status read_older(const char *path, const struct wanted *wanted, struct cml_error *note,
                              struct cml_error *err)
 {
     struct cml_error why = *note;
     const bool damaged = why.text[0] != '\0';
-    cml_ranges_clear(&state->open); /* what the damaged one may have left there */
-    CML_TRY(read_one(path, identity, kind, state, result, err));
-    if (*kind != CML_CHECKPOINT_NONE)
+    cml_ranges_clear(&wanted->state->open); /* what the damaged one may have left there */
+    CML_TRY(read_one(path, wanted, err));
+    if (*wanted->kind != CML_CHECKPOINT_NONE)
         note->status = cml_fail(note, CML_OK, "%s%scontinuing from %s", why.text, damaged ? "; " : "", path);
-    if (*kind == CML_CHECKPOINT_NONE && damaged)
+    if (*wanted->kind == CML_CHECKPOINT_NONE && damaged)
         return cml_fail(err, CML_E_INPUT, "%s, and there is no older one", why.text);
     return CML_OK;
 }
 
 cml_status cml_checkpoint_read(const char *path, const char *identity, enum cml_checkpoint_kind *kind,
-                               struct cml_run_state *state, struct cml_result *result, struct cml_error *note,
-                               struct cml_error *err)
+                               struct cml_run_state *state, struct cml_result *result, bool tallies,
+                               struct cml_record *record, struct cml_error *note, struct cml_error *err)
 {
+    const struct wanted wanted = {identity, kind, state, result, tallies, record};
     *note = (struct cml_error){CML_OK, ""};
-    cml_status status = read_one(path, identity, kind, state, result, err);
+    cml_status status = read_one(path, &wanted, err);
     if (status == CML_E_IO)
         *note = *err;
     else if (status != CML_OK || *kind != CML_CHECKPOINT_NONE)
         return status;
     char *old = NULL;
     CML_TRY(joined(path, ".old", &old, err));
-    status = read_older(old, identity, kind, state, result, note, err);
+    status = read_older(old, &wanted, note, err);
     free(old);
     return status == CML_E_IO ? CML_E_INPUT : status;
+}
+
+struct cml_checkpoint_about cml_checkpoint_look(const char *path)
+{
+    struct cml_checkpoint_about about = {.kind = CML_CHECKPOINT_NONE};
+    struct source source = {.path = path};
+    struct cml_error ignored;
+    if (open_source(&source, &ignored) != CML_OK) return about;
+    if (read_head(&source, &ignored) == CML_OK) {
+        const struct head *head = &source.head;
+        about =
+            (struct cml_checkpoint_about){head->finished ? CML_CHECKPOINT_FINISHED : CML_CHECKPOINT_PARTIAL,
+                                          head->num_cells > 0, head->begin, head->end};
+    }
+    fclose(source.stream);
+    free(source.identity);
+    return about;
 }

@@ -1,4 +1,5 @@
-/* Checkpoints: what a run has tallied and which photons it has not flown, in one file.
+/* Checkpoints: what a run has tallied and which photons it has not flown, in one file; and, when it is
+ * finished, what came of it.
  * The file is written beside its name, synced and renamed, and the one before it is kept as "PATH.old", so
  * that at any moment a whole one exists. It holds the run's identity (identity.h) and a checksum: what is
  * damaged or belongs to another run is refused. Numbers are in this machine's byte order.
@@ -15,25 +16,55 @@ struct cml_run_state {
     double seconds;         /* flown so far */
 };
 
+/* What is left to be said of a finished run. Zeroed: nothing. */
+struct cml_record {
+    uint64_t photons, lost;
+    double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS]; /* totals, shares of the launched weight */
+    char *json; /* its object, as --json prints it, with the line feed; owned */
+};
+
+void cml_record_clear(struct cml_record *record);
+
 enum cml_checkpoint_kind { CML_CHECKPOINT_NONE, CML_CHECKPOINT_PARTIAL, CML_CHECKPOINT_FINISHED };
 
 /* "PATH.checkpoint"; the caller's to free. */
 CML_NODISCARD cml_status cml_checkpoint_path(const char *output, char **path, struct cml_error *err);
 
-/* result NULL: the run is finished and its output written. CML_E_IO: what stood there before still does,
- * or stands under "PATH.old". */
+/* CML_E_IO: what stood there before still does, or stands under "PATH.old". */
 CML_NODISCARD cml_status cml_checkpoint_write(const char *path, const char *identity,
                                               const struct cml_run_state *state, struct cml_result *result,
                                               struct cml_error *err);
 
+/* The run of photons 0 to state->end - 1 is finished and its output written; state->open is empty. With its
+ * tallies, result, more photons can be added to it later; NULL: they are not kept. No older checkpoint stays.
+ */
+CML_NODISCARD cml_status cml_checkpoint_finish(const char *path, const char *identity,
+                                               const struct cml_run_state *state,
+                                               const struct cml_record *record, struct cml_result *result,
+                                               struct cml_error *err);
+
+/* What a checkpoint is of, without looking whether it is sound. */
+struct cml_checkpoint_about {
+    enum cml_checkpoint_kind kind; /* CML_CHECKPOINT_NONE: there is no such file, or it is none of ours */
+    bool tallies;                  /* the file has them */
+    uint64_t begin, end;           /* its last round: photons begin to end - 1 */
+};
+struct cml_checkpoint_about cml_checkpoint_look(const char *path);
+
 /* Looks for a checkpoint under `path`, and under "PATH.old" where there is none or a damaged one; `note` (one
  * line, "" when there is nothing to say) tells of the latter. CML_CHECKPOINT_PARTIAL fills *state and the
- * result, which has been created for the run; state->open is the caller's to clear. CML_E_INPUT: damaged and
- * no older one, or of another run; then *state and the result are not to be used. */
+ * result, which has been created for the run; state->open is the caller's to clear. CML_CHECKPOINT_FINISHED
+ * fills *record, the caller's to clear, and where `tallies` asks for them *state and the result, too.
+ * CML_E_INPUT: damaged and no older one, of another run, or without the tallies that were asked for; then
+ * *state and the result are not to be used. */
 CML_NODISCARD cml_status cml_checkpoint_read(const char *path, const char *identity,
                                              enum cml_checkpoint_kind *kind, struct cml_run_state *state,
-                                             struct cml_result *result, struct cml_error *note,
+                                             struct cml_result *result, bool tallies,
+                                             struct cml_record *record, struct cml_error *note,
                                              struct cml_error *err);
+
+/* Deletes "PATH.old", if it is there. */
+void cml_checkpoint_remove_older(const char *path);
 
 /* Deletes both files, if they are there. */
 void cml_checkpoint_remove(const char *path);

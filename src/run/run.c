@@ -326,7 +326,7 @@ static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *
     struct cml_error note = {CML_OK, ""};
     if (setup->resume)
         CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &kind, &flight->state,
-                                    &flight->out->result, &note, err));
+                                    &flight->out->result, false, &flight->out->record, &note, err));
     if (kind == CML_CHECKPOINT_PARTIAL && !ends_round(setup, flight->state.end))
         return cml_fail(err, CML_E_INPUT, "%s: the checkpoint is damaged (%llu photons in a run of %llu)",
                         setup->checkpoint, (unsigned long long)flight->state.end,
@@ -338,11 +338,35 @@ static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *
     return CML_OK;
 }
 
+/* On rank 0: the finished run as the first round, and what is to follow as the next. Which photon is which
+ * point of which batch does not depend on their number (kernels/balance.h), so nothing is left to be
+ * repaired. The checkpoint follows at once: --resume then knows that this was begun. */
+static cml_status begin_after_base(struct flight *flight, struct cml_error *err)
+{
+    const struct cml_run_setup *setup = flight->setup;
+    struct cml_run_state *state = &flight->state;
+    struct cml_result *result = &flight->out->result;
+    enum cml_checkpoint_kind kind = CML_CHECKPOINT_NONE;
+    struct cml_record before = {0};
+    struct cml_error note;
+    const cml_status status = cml_checkpoint_read(setup->checkpoint, setup->base_identity, &kind, state,
+                                                  result, true, &before, &note, err);
+    cml_record_clear(&before);
+    CML_TRY(status);
+    if (kind == CML_CHECKPOINT_NONE || state->end != setup->base || state->open.total > 0)
+        return cml_fail(err, CML_E_INPUT, "%s: is not of the run to be extended", setup->checkpoint);
+    state->begin = setup->base;
+    state->end = result->photons = setup->photons;
+    CML_TRY(cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err));
+    return cml_checkpoint_write(setup->checkpoint, setup->identity, state, result, err);
+}
+
 /* On rank 0: where the flight begins. */
 static cml_status begin_state(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
     bool fresh = true;
+    if (setup->base > 0) return begin_after_base(flight, err);
     CML_TRY(restore(flight, &fresh, err));
     if (!fresh) return CML_OK;
     flight->state.end = flight->out->result.photons = first_round(setup);
@@ -373,6 +397,8 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
     flight->mine.elapsed = cml_now() - flight->begin;
     flight->mine.processor = processor_seconds() - flight->mine.processor;
     out->seconds = flight->state.seconds + flight->mine.elapsed;
+    out->state = (struct cml_run_state){
+        .begin = flight->state.begin, .end = flight->state.end, .seconds = out->seconds};
     return cml_cluster_gather(&flight->mine, sizeof flight->mine, out->rank, err);
 }
 
@@ -417,6 +443,7 @@ cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out
 void cml_run_result_free(struct cml_run_result *out)
 {
     cml_result_free(&out->result);
+    cml_record_clear(&out->record);
     free(out->rank);
     *out = (struct cml_run_result){0};
 }

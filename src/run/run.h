@@ -7,6 +7,7 @@
 #define CML_RUN_H
 
 #include "engine/engine.h"
+#include "run/checkpoint.h"
 #include "tally/result.h"
 
 struct cml_progress {
@@ -31,6 +32,9 @@ struct cml_run_setup {
     const char *identity; /* of the run, see identity.h; with a checkpoint */
     bool keep;   /* the complete result goes into the checkpoint, too: more is done before it is published */
     bool resume; /* continue from the checkpoint, if there is one */
+    uint64_t base; /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from
+                    * there to `photons` are flown, and the result is that of one run of all; 0: none */
+    const char *base_identity;          /* of that run */
     cml_progress_function *on_progress; /* after every range of rank 0, some twice a second, from whichever
                                            thread ends it; NULL: silent */
     cml_note_function *on_note;         /* NULL: silent */
@@ -53,6 +57,8 @@ struct cml_run_result {
     double seconds; /* wall time of the photons' flight, that before a resume included */
     int threads;
     bool finished; /* the run was found finished by --resume: nothing was flown, the result is empty */
+    struct cml_record record;   /* rank 0's, of a run that was found finished */
+    struct cml_run_state state; /* rank 0's at the end: nothing is open */
     int ranks;
     struct cml_rank_report *rank; /* [ranks] on rank 0 */
 };

@@ -172,6 +172,23 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
     return CML_OK;
 }
 
+/* A shape that was represented before. Planes are made anew, as their depth depends on heights. */
+static const struct cml_surface_def *known_surface(const struct cml_boundary *boundary, size_t b,
+                                                   const struct cml_surface_options *options)
+{
+    if (!options->known || !boundary->borrowed) return NULL;
+    const struct cml_surface_def *known = &options->known->item[b];
+    return known->kind == CML_SURFACE_PLANE ? NULL : known;
+}
+
+static void borrow(const struct cml_surface_def *known, double depth, struct cml_surface_def *def)
+{
+    *def = *known;
+    def->depth = depth;
+    def->borrowed = true;
+    def->build_seconds = 0;
+}
+
 static cml_status represent_timed(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                   const struct cml_surface_options *options, struct cml_surface_def *def,
                                   struct cml_error *err)
@@ -192,7 +209,13 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     *set = (struct cml_surface_set){.count = (int)count, .item = calloc(count, sizeof *set->item)};
     if (!set->item) return cml_fail_memory(err, (double)(count * sizeof *set->item), "the boundaries");
     for (size_t b = 0; b < count; b++) {
-        const cml_status status = represent_timed(scene, &scene->boundaries[b], options, &set->item[b], err);
+        const struct cml_boundary *boundary = &scene->boundaries[b];
+        const struct cml_surface_def *known = known_surface(boundary, b, options);
+        if (known) {
+            borrow(known, boundary->z, &set->item[b]);
+            continue;
+        }
+        const cml_status status = represent_timed(scene, boundary, options, &set->item[b], err);
         if (status == CML_OK) continue;
         cml_surfaces_free(set);
         return status;
@@ -227,9 +250,11 @@ cml_status cml_surface_make_level_rings(const struct cml_boundary *boundary, str
 
 void cml_surface_clear(struct cml_surface_def *def)
 {
-    free(def->r);
-    cml_mesh_surface_free(def->mesh);
-    cml_clearance_clear(&def->clearance);
+    if (!def->borrowed) {
+        free(def->r);
+        cml_mesh_surface_free(def->mesh);
+        cml_clearance_clear(&def->clearance);
+    }
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
 }
 

@@ -24,6 +24,7 @@ struct cml_surface_def {
     struct cml_mesh_surface *mesh;      /* CML_SURFACE_MESH */
     struct cml_clearance_map clearance; /* of cones and meshes */
     struct cml_expectation expectation;
+    bool borrowed;               /* what it points to belongs to another */
     double build_seconds, bytes; /* what representing it took: tree, rings, clearance map */
 };
 

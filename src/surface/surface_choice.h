@@ -9,6 +9,8 @@
 #include "surface/mesh/mesh_surface.h"
 #include "surface/tessellate.h"
 
+struct cml_surface_set;
+
 struct cml_surface_options {
     enum cml_surface_kind
         force; /* CML_SURFACE_AUTO: choose; CML_SURFACE_CONE leaves meshes meshes and planes planes */
@@ -16,7 +18,9 @@ struct cml_surface_options {
     double tolerance; /* relative bias asked of totals and profiles; tessellation.tolerance follows from it.
                        * 0: tessellation.tolerance counts as it stands */
     enum cml_mesh_search search;
-    struct cml_mesh_budget budget; /* of each tessellation; its file, line and boundary are not read */
+    struct cml_mesh_budget budget;       /* of each tessellation; its file, line and boundary are not read */
+    const struct cml_surface_set *known; /* surfaces of shapes that the scene has borrowed (cml_boundary),
+                                          * made with these options; they are borrowed, too. NULL: none */
     bool may_flatten; /* cml_make_harmless_planes may make planes; cml_surfaces_create never does */
 };
 

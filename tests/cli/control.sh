@@ -88,7 +88,7 @@ expect_code 2 $hill --photons $photons --ignore-absorption --resume -o "$work" -
 grep -q 'of another run' "$work/err" || complain "resumed without --control: $(cat "$work/err")"
 expect_code 0 $hill --photons $photons --control flat --ignore-absorption --resume --threads 2 --quiet -o "$work"
 mv "$work/hihill.mco" "$work/resumed"
-test "$(echo "$work"/hihill*)" = "$work/hihill*" || complain "left after the resume: $(ls "$work")"
+test "$(echo "$work"/hihill*)" = "$work/hihill.mco.checkpoint" || complain "left after the resume: $(ls "$work")"
 expect_code 0 $hill --photons $photons --control flat --ignore-absorption --checkpoint off --quiet -o "$work"
 same "resumed while the twin flew" "$work/resumed" "$work/hihill.mco"
 finish

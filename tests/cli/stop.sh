@@ -62,7 +62,8 @@ expect_error 2 "--checkpoint 0 (expected seconds above 0, up to 1e9)" $scene --c
 expect_error 2 "--target-error 1 (expected a relative error between 0 and 1)" $scene --target-error 1
 expect_error 2 "--patience x (expected seconds above 0, up to 1e9)" $scene --patience x
 
-# Several runs: the first stays finished while the second is stopped twice, and all checkpoints go at the end.
+# Several runs: the first stays finished while the second is stopped twice. At the end small checkpoints say that all are
+# finished, because --resume was given; with it once more nothing flies, and --json lists all runs.
 sed -e 's/^1  *# number of runs/2/' -e 's/^thick.mco/first.mco/' -e 's/^200000 /1000 /' $scene >"$work/two.mci"
 sed -e '1,/# number of runs/d' -e 's/^200000 /400000 /' $scene >>"$work/two.mci"
 expect_code 0 "$work/two.mci" --checkpoint off --quiet -o "$work"
@@ -84,5 +85,14 @@ for file in first.mco thick.mco; do
     sed '/^# User time/d' "$work/expected/$file" >"$work/b"
     cmp -s "$work/a" "$work/b" || complain "$file: other bits after stops"
 done
-test "$(ls "$work" | grep -c checkpoint)" -eq 0 || complain "checkpoints are left: $(ls "$work")"
+test "$(cd "$work" && echo *.checkpoint*)" = "first.mco.checkpoint thick.mco.checkpoint" || complain "checkpoints: $(ls "$work")"
+test "$(cat "$work"/*.checkpoint | wc -c)" -le 16384 || complain "large checkpoints: $(ls -l "$work")"
+touch -d 2001-01-01 "$work/thick.mco"
+expect_code 0 "$work/two.mci" --resume --json -o "$work"
+test "$(grep -c '^{"scene":.*"photons":1000,.*}$' "$work/out")" -eq 1 || complain "--json, the first run: $(cat "$work/out")"
+test "$(grep -c '^{"scene":.*"photons":400000,.*}$' "$work/out")" -eq 1 || complain "--json, the second run: $(cat "$work/out")"
+test "$(wc -l <"$work/out")" -eq 2 || complain "--json: $(cat "$work/out")"
+test "$(date -r "$work/thick.mco" +%Y)" = 2001 || complain "a finished file flew again"
+expect_error 2 "$work/first.mco.checkpoint: the checkpoint is of another run: 'seed 1' there, 'seed 2' here" \
+    "$work/two.mci" --resume --seed 2 --json -o "$work"
 finish

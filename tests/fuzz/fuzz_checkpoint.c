@@ -8,8 +8,13 @@
 #include <stddef.h>
 #include <zlib.h>
 
-enum { MOST = 1 << 16, HEAD = 96 };                     /* bytes: of a file, of its head */
-enum { IDENTITY_SIZE = 48, NUM_RANGES = 56, END = 80 }; /* where in the head these numbers are */
+enum { MOST = 1 << 16, HEAD = 184 }; /* bytes: of a file, of its head */
+enum {
+    IDENTITY_SIZE = 48,
+    JSON_SIZE = 56,
+    NUM_RANGES = 64,
+    END = 88
+}; /* where in the head these numbers are */
 
 /* That of the checkpoints which tests/fuzz/corpus.sh makes. */
 static const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1, .absorption = true};
@@ -44,8 +49,9 @@ static void repair(struct file *file, size_t cells)
     const size_t size = file->size;
     if (size < HEAD) return;
     const uint64_t identity = number_at(file, IDENTITY_SIZE), ranges = number_at(file, NUM_RANGES);
-    if (identity > MOST || ranges > MOST / sizeof(struct cml_range)) return;
-    const size_t place = HEAD + identity + ranges * sizeof(struct cml_range),
+    const uint64_t json = number_at(file, JSON_SIZE);
+    if (identity > MOST || json > MOST || ranges > MOST / sizeof(struct cml_range)) return;
+    const size_t place = HEAD + identity + json + ranges * sizeof(struct cml_range),
                  whole = place + sizeof(struct cml_summary) + cells * sizeof(cml_u128);
     if (whole > MOST || size > whole) return;
     memset(file->data + size, 0, whole - size);
@@ -53,7 +59,7 @@ static void repair(struct file *file, size_t cells)
     if (crc32_z(0, file->data, size) % 2 == 0) return;
     cml_u128 flown = number_at(file, END);
     for (size_t i = 0; i < ranges; i++)
-        flown -= number_at(file, HEAD + identity + i * sizeof(struct cml_range) + sizeof(uint64_t));
+        flown -= number_at(file, HEAD + identity + json + i * sizeof(struct cml_range) + sizeof(uint64_t));
     memcpy(file->data + place + offsetof(struct cml_summary, count[CML_COUNT_PHOTONS]), &flown, sizeof flown);
 }
 
@@ -86,6 +92,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct cml_error err = {CML_OK, ""}, note;
     struct cml_result result;
     struct cml_run_state state = {.begin = 0};
+    struct cml_record record = {0};
     enum cml_checkpoint_kind kind;
     size_t cells = 0;
     if (size == 0 || size > MOST) return 0;
@@ -97,10 +104,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     claimed(&file, identity);
     const uint64_t sum = crc32_z(crc32(0, NULL, 0), file.data, file.size);
     memcpy(file.data + file.size, &sum, sizeof sum);
-    const cml_status status = cml_checkpoint_read(fuzz_file(file.data, file.size + sizeof sum), identity,
-                                                  &kind, &state, &result, &note, &err);
+    const cml_status status =
+        cml_checkpoint_read(fuzz_file(file.data, file.size + sizeof sum), identity, &kind, &state, &result,
+                            size % 2 == 0, &record, &note, &err);
     if (status != CML_OK) fuzz_refused(status, &err);
-    if (status == CML_OK && kind == CML_CHECKPOINT_PARTIAL) check(&state, &result);
+    if (status == CML_OK &&
+        (kind == CML_CHECKPOINT_PARTIAL || (kind == CML_CHECKPOINT_FINISHED && size % 2 == 0)))
+        check(&state, &result);
+    cml_record_clear(&record);
     cml_ranges_clear(&state.open);
     cml_result_free(&result);
     return 0;

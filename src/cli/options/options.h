@@ -22,6 +22,8 @@ struct cml_options {
     double target_error;        /* 0: none */
     double checkpoint_interval; /* s; 0: no checkpoints */
     bool resume;
+    bool keep;      /* checkpoints of finished runs stay, with all tallies */
+    uint64_t more;  /* photons to be added to finished runs; 0: none */
     double timeout; /* s of a rank's silence */
     bool quiet, json, verbose;
     double alpha;                /* level of `compare` */

@@ -56,7 +56,10 @@ static cml_status read_as(const char *who, enum cml_checkpoint_kind *kind, uint3
 {
     struct cml_result result = new_result(0), expected = new_result(expected_seed);
     struct cml_run_state state = {.begin = 0};
-    const cml_status status = cml_checkpoint_read(path, who, kind, &state, &result, &note, &err);
+    struct cml_record record = {0};
+    const cml_status status =
+        cml_checkpoint_read(path, who, kind, &state, &result, false, &record, &note, &err);
+    cml_record_clear(&record);
     if (status == CML_OK && *kind == CML_CHECKPOINT_PARTIAL) {
         assert_same(&result, &expected);
         assert_int_equal(state.begin, BEGIN);
@@ -167,12 +170,13 @@ enum {
     AT_ORDER = 24,
     AT_VERSION = 32,
     AT_IDENTITY_SIZE = 48,
-    AT_NUM_RANGES = 56,
-    AT_NUM_CELLS = 64,
-    AT_BEGIN = 72,
-    AT_END = 80,
-    AT_SECONDS = 88,
-    AT_RANGES = 96 + sizeof identity - 1,
+    AT_JSON_SIZE = 56,
+    AT_NUM_RANGES = 64,
+    AT_NUM_CELLS = 72,
+    AT_BEGIN = 80,
+    AT_END = 88,
+    AT_SECONDS = 96,
+    AT_RANGES = 184 + sizeof identity - 1,
     AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
     AT_PHOTONS = AT_SUMMARY + offsetof(struct cml_summary, count) + 16 * CML_COUNT_PHOTONS,
     AT_LOST_COUNT = AT_SUMMARY + offsetof(struct cml_summary, lost.count),
@@ -216,13 +220,14 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_IDENTITY_SIZE, UINT64_MAX, 8}, /* wraps to a buffer of no bytes */
         {AT_IDENTITY_SIZE, UINT64_MAX - 1, 8},
         {AT_IDENTITY_SIZE, 1u << 20, 8}, /* longer than the file */
-        {AT_NUM_RANGES, 1, 8},           /* an open range is missing */
+        {AT_JSON_SIZE, UINT64_MAX, 8},
+        {AT_JSON_SIZE, 1u << 20, 8},
+        {AT_NUM_RANGES, 1, 8}, /* an open range is missing */
         {AT_NUM_RANGES, UINT64_MAX, 8},
         {AT_NUM_CELLS, 0, 8},
         {AT_NUM_CELLS, UINT64_MAX, 8},
         {AT_BEGIN, END, 8}, /* a round without photons */
         {AT_BEGIN, END + 1, 8},
-        {AT_BEGIN, 1, 8}, /* not where a round begins */
         {AT_END, 0, 8},
         {AT_END, UINT64_MAX, 8},
         {AT_SECONDS, 0x7ff0000000000000u, 8}, /* infinite */
@@ -253,8 +258,8 @@ static void what_cannot_be_understood_is_refused(void **state)
     } cases[] = {
         {0, 0x6c63207265746f6eu, ": is no checkpoint"},
         {AT_ORDER, 0x0807060504030201u,
-         ": the checkpoint has another format or byte order (expected format 2)"},
-        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 2)"},
+         ": the checkpoint has another format or byte order (expected format 3)"},
+        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 3)"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         enum cml_checkpoint_kind kind;
@@ -286,10 +291,48 @@ static void a_finished_run_says_so(void **state)
 {
     (void)state;
     const struct cml_run_state nothing = {.begin = 0};
+    const struct cml_record record = {.json = NULL};
     enum cml_checkpoint_kind kind;
-    assert_int_equal(cml_checkpoint_write(path, identity, &nothing, NULL, &err), CML_OK);
+    assert_int_equal(cml_checkpoint_finish(path, identity, &nothing, &record, NULL, &err), CML_OK);
     assert_int_equal(read_as(identity, &kind, 0), CML_OK);
     assert_int_equal(kind, CML_CHECKPOINT_FINISHED);
+    assert_false(cml_checkpoint_look(path).tallies);
+}
+
+/* With its record, and its tallies where they were kept and are asked for. */
+static void a_finished_run_can_be_gone_on_with(void **state)
+{
+    (void)state;
+    struct cml_result result = new_result(7), again = new_result(0);
+    struct cml_run_state done = {.begin = BEGIN, .end = END, .seconds = 3}, read = {.begin = 0};
+    struct cml_record record = {.photons = END, .lost = 2, .value = {0.25}, .error = {0.5}, .json = "{}\n"},
+                      back = {0};
+    enum cml_checkpoint_kind kind;
+    result.summary.count[CML_COUNT_PHOTONS] = END;
+    assert_int_equal(cml_checkpoint_finish(path, identity, &done, &record, NULL, &err), CML_OK);
+    assert_int_equal(cml_checkpoint_read(path, identity, &kind, &read, &again, true, &back, &note, &err),
+                     CML_E_INPUT);
+    assert_non_null(strstr(err.text, "has no tallies (expected those of a run with --keep)"));
+    cml_record_clear(&back);
+    save(5);
+    assert_int_equal(cml_checkpoint_finish(path, identity, &done, &record, &result, &err), CML_OK);
+    char old[80];
+    name_of(".old", old);
+    assert_int_equal(access(old, F_OK), -1);
+    assert_int_equal(cml_checkpoint_read(path, identity, &kind, &read, &again, true, &back, &note, &err),
+                     CML_OK);
+    assert_int_equal(kind, CML_CHECKPOINT_FINISHED);
+    assert_same(&result, &again);
+    assert_int_equal(read.open.total, 0);
+    assert_int_equal(read.end, END);
+    assert_true(back.value[0] == 0.25 && back.error[0] == 0.5 && back.lost == 2 && back.photons == END);
+    assert_string_equal(back.json, "{}\n");
+    const struct cml_checkpoint_about about = cml_checkpoint_look(path);
+    assert_true(about.kind == CML_CHECKPOINT_FINISHED && about.tallies && about.begin == BEGIN &&
+                about.end == END);
+    cml_record_clear(&back);
+    cml_result_free(&result);
+    cml_result_free(&again);
 }
 
 /* A file may not grow beyond this many bytes: what a full disk does. */
@@ -306,9 +349,10 @@ static void a_failed_write_leaves_the_old_one(void **state)
     (void)state;
     save(5);
     const struct cml_run_state nothing = {.begin = 0};
+    const struct cml_record record = {.json = NULL};
     signal(SIGXFSZ, SIG_IGN);
     limit_files(50);
-    const cml_status status = cml_checkpoint_write(path, identity, &nothing, NULL, &err);
+    const cml_status status = cml_checkpoint_finish(path, identity, &nothing, &record, NULL, &err);
     limit_files(RLIM_INFINITY);
     assert_int_equal(status, CML_E_IO);
     assert_reads(5);
@@ -350,6 +394,7 @@ int main(void)
         cmocka_unit_test_teardown(what_cannot_be_understood_is_refused, clean),
         cmocka_unit_test_teardown(what_is_no_regular_file_is_refused, clean),
         cmocka_unit_test_teardown(a_finished_run_says_so, clean),
+        cmocka_unit_test_teardown(a_finished_run_can_be_gone_on_with, clean),
         cmocka_unit_test_teardown(a_failed_write_leaves_the_old_one, clean),
     };
     return cmocka_run_group_tests(tests, choose_path, leave);

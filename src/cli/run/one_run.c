@@ -1,0 +1,372 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/run/one_run.h"
+
+#include "base/atomic_file.h"
+#include "base/text.h"
+#include "cli/load/scenes.h"
+#include "cli/run/progress.h"
+#include "cli/run/twin.h"
+#include "output/hdf5_file.h"
+#include "output/report.h"
+#include "run/cluster.h"
+#include "run/identity.h"
+#include "run/launcher.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static bool all_planes(const struct cml_surface_set *surfaces)
+{
+    for (int b = 0; b < surfaces->count; b++)
+        if (surfaces->item[b].kind != CML_SURFACE_PLANE) return false;
+    return true;
+}
+
+/* Where all boundaries are flown as planes, what would come out without noise: a little finer than the run's
+ * own errors, and none where that takes longer than it is worth. It is in no file. */
+static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
+{
+    const struct cml_surface_set *surfaces = report->surfaces;
+    const struct cml_result *result = &report->run->result;
+    struct cml_exact_options options = {.tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK};
+    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
+    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++)
+        options.tolerance = fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(result, totals[i])));
+    if (!all_planes(surfaces)) return CML_OK;
+    double *depth = malloc((size_t)surfaces->count * sizeof *depth);
+    if (!depth) return cml_fail_memory(err, surfaces->count * (double)sizeof *depth, "depths");
+    for (int b = 0; b < surfaces->count; b++) depth[b] = surfaces->item[b].depth;
+    const cml_status status = cml_exact_scene(report->scene, depth, &options, exact, err);
+    free(depth);
+    if (status == CML_OK) report->exact = exact;
+    return status == CML_E_NUMERIC ? CML_OK : status;
+}
+
+/* What the run leaves behind when its tallies are gone. */
+static cml_status fill_record(const struct cml_report *report, struct cml_record *record,
+                              struct cml_error *err)
+{
+    const struct cml_result *result = &report->run->result;
+    size_t size = 0;
+    record->photons = result->photons;
+    record->lost = cml_result_lost(result);
+    for (int t = 0; t < CML_NUM_TOTALS; t++) {
+        record->value[t] = cml_result_total(result, (enum cml_total)t);
+        record->error[t] = cml_result_error(result, (enum cml_total)t);
+    }
+    FILE *out = open_memstream(&record->json, &size);
+    if (!out) return cml_fail_memory(err, 1, "the JSON record");
+    const cml_status status = cml_report_json(out, report, err);
+    const int failed = ferror(out);
+    if (fclose(out) == 0 && !failed) return status;
+    return cml_fail_memory(err, (double)size, "the JSON record");
+}
+
+static void print_summary(const struct cml_options *options, const struct cml_report *report)
+{
+    cml_report_summary(stdout, report);
+    if (options->verbose) cml_report_ranks(stdout, report->run);
+    for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
+}
+
+/* Files first: what is printed is then true. A run with lost packets or an imbalance is written all the
+ * same, and its status comes last. */
+static cml_status publish(const struct cml_run_call *call, struct cml_report *report,
+                          struct cml_record *record, struct cml_error *err)
+{
+    const struct cml_options *options = call->options;
+    struct cml_exact exact = {0};
+    char *path = NULL;
+    CML_TRY(cml_output_path(options, report->scene->output, &path, err));
+    cml_status status = cml_report_write(report, path, err);
+    free(path);
+    if (status == CML_OK && call->row == 0 && (options->json || !options->quiet))
+        status = solve_flat(report, &exact, err);
+    if (status == CML_OK) status = fill_record(report, record, err);
+    if (status == CML_OK && call->row == 0 && !options->quiet && !options->json)
+        print_summary(options, report);
+    cml_exact_clear(&exact);
+    cml_report_clear(report);
+    return status == CML_OK ? cml_run_verdict(report->scene, &report->run->result, err) : status;
+}
+
+/* Before the run, so that a wrong input shows in its first second and not after hours. */
+static void announce(const struct cml_options *options, const struct cml_run_setup *setup)
+{
+    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
+    const struct cml_scene *scene = setup->scene;
+    printf("%s: %g photons, %d layer%s, %s engine, seed %llu\n", scene->output, (double)setup->photons,
+           scene->num_layers, scene->num_layers == 1 ? "" : "s", setup->engine->name,
+           (unsigned long long)setup->options.seed);
+    cml_report_boundaries(stdout, "  ", scene, setup->surfaces, CML_NAMED_BY_PATH);
+    for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
+    if (cml_report_wants_fields(scene) && !cml_hdf5_available())
+        printf("  no .h5 file: this program was built without HDF5\n");
+    cml_print_memory(options, scene, setup->surfaces);
+    fflush(stdout);
+}
+
+/* Options that differ between ranks would mix two runs in one result. */
+static cml_status check_same(const char *identity, struct cml_error *err)
+{
+    char *first = (char *)identity;
+    size_t size = strlen(identity) + 1;
+    CML_TRY(cml_cluster_share_block(&first, &size, err));
+    cml_status status = CML_OK;
+    if (strcmp(first, identity) != 0)
+        status = cml_fail(err, CML_E_INPUT,
+                          "rank %d has another program or other options than rank 0 (expected the same)",
+                          cml_cluster_rank());
+    if (first != identity) free(first);
+    return cml_cluster_agree(status, err);
+}
+
+/* It will be overwritten, which may not be what the user wants. */
+static void note_old_checkpoint(const struct cml_options *options, const char *path)
+{
+    const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
+    char text[512];
+    if (options->resume || kind == CML_CHECKPOINT_NONE) return;
+    if (kind == CML_CHECKPOINT_FINISHED)
+        snprintf(text, sizeof text, "%.400s is of a finished run; without --more or --resume it begins anew",
+                 path);
+    else
+        snprintf(text, sizeof text, "%.400s is of a run that was stopped; without --resume it begins anew",
+                 path);
+    cml_show_note(NULL, text);
+}
+
+/* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
+ * --keep it has the tallies, too, and must be written. */
+static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                              struct cml_run_result *run, const struct cml_run_result *twin,
+                              const struct cml_controlled *control, struct cml_record *record,
+                              struct cml_error *err)
+{
+    const struct cml_options *options = call->options;
+    if (cml_cluster_rank() != 0) return CML_OK;
+    if (run->finished) {
+        *record = run->record;
+        run->record = (struct cml_record){0};
+        cml_checkpoint_remove_older(setup->checkpoint); /* of a process that was killed before it had */
+        if (!options->quiet && !options->json && call->row == 0) printf("  finished before\n");
+        return CML_OK;
+    }
+    struct cml_report report = {.scene = setup->scene,
+                                .surfaces = setup->surfaces,
+                                .run = run,
+                                .engine = setup->engine,
+                                .options = &setup->options,
+                                .row = call->row,
+                                .control = control,
+                                .control_processor = twin ? cml_run_processor(twin) : 0,
+                                .command = options->command};
+    CML_TRY(publish(call, &report, record, err));
+    if (!setup->checkpoint || !call->stays) return CML_OK;
+    const cml_status status = cml_checkpoint_finish(setup->checkpoint, setup->identity, &run->state, record,
+                                                    options->keep ? &run->result : NULL, err);
+    if (status == CML_OK || options->keep) return status;
+    cml_show_note(NULL, err->text);
+    cml_checkpoint_remove(setup->checkpoint); /* the result is there, so it must not look stopped */
+    return CML_OK;
+}
+
+/* The flat twin's flight lies between the run's and its publication. That the twin's books balance is looked
+ * at last, as the run's own results are good without it. */
+static cml_status control_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                              struct cml_run_result *run, const struct cml_twin *twin,
+                              struct cml_record *record, struct cml_error *err)
+{
+    struct cml_run_result flight;
+    struct cml_controlled control[CML_NUM_TOTALS];
+    CML_TRY(cml_twin_fly(twin, setup, &run->result, &flight, control, err));
+    cml_status status = publish_run(call, setup, run, &flight, control, record, err);
+    if (status == CML_OK && cml_cluster_rank() == 0)
+        status = cml_run_verdict(&twin->scene, &flight.result, err);
+    cml_run_result_free(&flight);
+    return status;
+}
+
+/* On all ranks. */
+static cml_status fly(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                      const struct cml_twin *twin, struct cml_record *record, struct cml_error *err)
+{
+    struct cml_run_result run;
+    if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0)
+        note_old_checkpoint(call->options, setup->checkpoint);
+    if (call->row == 0) announce(call->options, setup);
+    CML_TRY(check_same(setup->identity, err));
+    CML_TRY(cml_run(setup, &run, err));
+    cml_status status = setup->keep && !run.finished
+                            ? control_run(call, setup, &run, twin, record, err)
+                            : publish_run(call, setup, &run, NULL, NULL, record, err);
+    if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
+        cml_checkpoint_remove(twin->checkpoint);
+    cml_run_result_free(&run);
+    return cml_cluster_agree(status, err);
+}
+
+/* Of what is written to a device there is nothing to continue. */
+static bool uses_checkpoints(const struct cml_options *options, const struct cml_scene *scene)
+{
+    return (options->checkpoint_interval > 0 || options->resume || options->keep) &&
+           !cml_file_is_device(scene->output);
+}
+
+cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
+                              struct cml_error *err)
+{
+    char *output = NULL;
+    CML_TRY(cml_output_path(options, scene->output, &output, err));
+    const cml_status status = cml_checkpoint_path(output, path, err);
+    free(output);
+    return status;
+}
+
+/* What cml_run reads of a run, and what of it is owned here. */
+struct prepared {
+    struct cml_run_setup setup;
+    struct cml_surface_set surfaces;
+    struct cml_twin twin;
+    char *checkpoint, *identity, *base_identity;
+};
+
+/* ---- --more ---- */
+
+static cml_status fail_more(const char *path, const char *what, struct cml_error *err)
+{
+    return cml_fail(err, CML_E_INPUT, "--more: %s %s", path, what);
+}
+
+/* On rank 0: from what stands in the checkpoint to how many photons there are to be. A run that was extended
+ * by as many, and is called again with --resume, is the same run. */
+static cml_status plan_more(const struct cml_options *options, struct cml_run_setup *setup, const char *path,
+                            struct cml_error *err)
+{
+    const struct cml_checkpoint_about about = cml_checkpoint_look(path);
+    const bool same = options->resume && about.begin > 0 && about.end - about.begin == options->more;
+    setup->photons = about.end;
+    if (about.kind == CML_CHECKPOINT_NONE)
+        return fail_more(path, "is not there (expected the checkpoint of a run that was flown with --keep)",
+                         err);
+    if (about.kind == CML_CHECKPOINT_PARTIAL && !same)
+        return fail_more(path, "is of a run that was stopped: --resume continues it", err);
+    if (same) return CML_OK;
+    if (!about.tallies)
+        return fail_more(path, "has no tallies (expected the checkpoint of a run that was flown with --keep)",
+                         err);
+    setup->base = about.end;
+    setup->photons = about.end + options->more;
+    setup->resume = false;
+    if (setup->photons > (uint64_t)1 << 48)
+        return cml_fail(err, CML_E_INPUT,
+                        "--more %" PRIu64 " (expected at most 2^48 photons together with the %" PRIu64
+                        " of %s)",
+                        options->more, about.end, path);
+    return CML_OK;
+}
+
+/* On all ranks, before anything that may fail on one alone. */
+static cml_status plan_photons(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
+{
+    const struct cml_options *options = call->options;
+    struct cml_run_setup *setup = &run->setup;
+    cml_status status = CML_OK;
+    if (uses_checkpoints(options, call->scene))
+        status = cml_run_checkpoint(options, call->scene, &run->checkpoint, err);
+    CML_TRY(cml_cluster_agree(status, err));
+    setup->checkpoint = run->checkpoint;
+    if (options->more == 0) return CML_OK;
+    if (!run->checkpoint) status = fail_more(call->scene->output, "is no file that could be extended", err);
+    CML_TRY(cml_cluster_agree(status, err));
+    if (cml_cluster_rank() == 0) status = plan_more(options, setup, run->checkpoint, err);
+    CML_TRY(cml_cluster_agree(status, err));
+    uint64_t words[] = {setup->photons, setup->base, setup->resume};
+    CML_TRY(cml_cluster_share(words, sizeof words, err));
+    setup->photons = words[0];
+    setup->base = words[1];
+    setup->resume = words[2] != 0;
+    return CML_OK;
+}
+
+/* ---- all of it ---- */
+
+static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
+{
+    const struct cml_options *options = call->options;
+    struct cml_run_setup before = run->setup;
+    CML_TRY(cml_identity_of(&run->setup, &options->surface, options->ignore_heightfields, call->inputs,
+                            &run->identity, err));
+    run->setup.identity = run->identity;
+    before.photons = before.base;
+    if (before.base == 0) return CML_OK;
+    CML_TRY(cml_identity_of(&before, &options->surface, options->ignore_heightfields, call->inputs,
+                            &run->base_identity, err));
+    run->setup.base_identity = run->base_identity;
+    return CML_OK;
+}
+
+/* Everything that may fail on one rank alone happens before the ranks agree. */
+static cml_status prepare(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
+{
+    struct cml_options options = *call->options;
+    struct cml_run_setup *setup = &run->setup;
+    options.surface.known = call->known;
+    CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
+    CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
+    setup->surfaces = &run->surfaces;
+    setup->keep = options.control && !all_planes(&run->surfaces);
+    CML_TRY(identify(call, run, err));
+    return setup->keep ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
+}
+
+/* The run flies all the same, for other runs of the file may have shapes. */
+static void note_nothing_to_control(const struct cml_scene *scene)
+{
+    char text[512];
+    snprintf(text, sizeof text, "%.400s: --control flat has nothing to do where all boundaries are planes",
+             scene->output);
+    if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
+}
+
+static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
+{
+    const struct cml_options *options = call->options;
+    struct cml_run_setup setup = {.scene = call->scene,
+                                  .engine = options->engine,
+                                  .options = options->engine_options,
+                                  .photons = options->photons ? options->photons : call->scene->photons,
+                                  .target_error = options->target_error,
+                                  .interval = options->checkpoint_interval,
+                                  .resume = options->resume,
+                                  .on_progress = cml_progress_show,
+                                  .on_note = cml_show_note,
+                                  .context = display};
+    setup.options.seed = call->seed;
+    setup.options.run = call->run;
+    return setup;
+}
+
+/* What prepare made is freed whether it was complete or not; nothing here may return before all ranks
+ * agree. */
+cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
+{
+    const struct cml_options *options = call->options;
+    struct cml_display display = {.quiet = options->quiet || options->json,
+                                  .terminal = isatty(STDERR_FILENO)};
+    struct prepared run = {.setup = setup_of(call, &display)};
+    *record = (struct cml_record){0};
+    cml_status status = plan_photons(call, &run, err);
+    if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
+    if (status == CML_OK && options->control && !run.setup.keep) note_nothing_to_control(call->scene);
+    if (status == CML_OK) status = fly(call, &run.setup, &run.twin, record, err);
+    cml_twin_clear(&run.twin);
+    cml_surfaces_free(&run.surfaces);
+    free(run.checkpoint);
+    free(run.identity);
+    free(run.base_identity);
+    return status;
+}

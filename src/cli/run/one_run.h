@@ -1,0 +1,30 @@
+/* One run, from its surfaces to its files: what a run of a file and a row of a sweep have in common.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_ONE_RUN_H
+#define CML_ONE_RUN_H
+
+#include "cli/options/options.h"
+#include "run/run.h"
+
+struct cml_run_call {
+    const struct cml_options *options;
+    const struct cml_scene *scene;
+    const char *inputs;                  /* lines of the identity (run/identity.h) */
+    const struct cml_surface_set *known; /* of shapes that the scene has borrowed; NULL: none */
+    uint64_t seed;
+    uint32_t run; /* of the file, from 0 */
+    int row;      /* of a sweep, from 1: no summary; 0: of none */
+    bool stays;   /* a checkpoint stays that says that the run is finished */
+};
+
+/* Flies the run on all ranks, writes its files and prints a summary for people. *record is rank 0's, the
+ * caller's to clear: filled unless the flight or a file failed, also by a run that was finished before.
+ * Collective. CML_E_NUMERIC: the result is written, and not to be trusted. */
+CML_NODISCARD cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record,
+                                     struct cml_error *err);
+
+/* The checkpoint of a scene's run, beside its output; *path is the caller's to free. */
+CML_NODISCARD cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene,
+                                            char **path, struct cml_error *err);
+
+#endif

@@ -1,0 +1,63 @@
+#!/bin/sh
+# --keep and --more: a result that is extended, twice, by numbers of photons that are no multiple of anything, has the bytes
+# of one run of all photons, maps and facets included; so has one whose extension was stopped in the middle. What cannot be
+# extended is refused.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+mkdir "$work/one" "$work/more"
+
+# Results of the folders one and more: same files, same bytes, but for times and how the program was called (.h5).
+compare() { # TEXT
+    (cd "$work/one" && ls) >"$work/names"
+    (cd "$work/more" && ls | grep -v checkpoint) | cmp -s - "$work/names" || complain "$1: $(ls "$work/more")"
+    while read -r name; do
+        case $name in *.h5) continue ;; esac
+        sed '/^# User time/d' "$work/one/$name" >"$work/a"
+        sed '/^# User time/d' "$work/more/$name" >"$work/b"
+        cmp -s "$work/a" "$work/b" || complain "$1: $name has other bytes"
+    done <"$work/names"
+}
+
+for scene in samples/skinmap.mci samples/two_runs.mci; do
+    rm -f "$work"/one/* "$work"/more/*
+    expect_code 0 $scene --photons 20001 --keep --threads 1 --quiet -o "$work/more"
+    expect_code 0 $scene --more 7003 --threads 3 --quiet -o "$work/more"
+    expect_code 0 $scene --more 1 --engine cpu --quiet -o "$work/more"
+    expect_code 0 $scene --photons 27005 --quiet -o "$work/one"
+    compare "$scene"
+    expect_code 0 $scene --more 1 --resume --quiet -o "$work/more" # finished before
+    compare "$scene, once more with --resume"
+done
+
+# Stopped in the middle, and continued; a second extension instead is refused.
+rm -f "$work"/one/* "$work"/more/*
+more=$((${MORE:-3000000}))
+expect_code 0 samples/thick.mci --photons 1e4 --keep --quiet -o "$work/more"
+"$program" samples/thick.mci --more $more --quiet -o "$work/more" --chunk 64 2>"$work/err" &
+run=$!
+# The extension begins with a checkpoint that is not finished (byte 40).
+until test "$(od -An -tu1 -j40 -N1 "$work/more/thick.mco.checkpoint")" -eq 0 || ! kill -0 $run 2>/dev/null; do sleep 0.02; done
+kill -TERM $run
+code=0
+wait $run || code=$?
+test $code -eq 75 || complain "the extension was not stopped: exit $code, $(cat "$work/err")"
+checkpoint=$work/more/thick.mco.checkpoint
+expect_error 2 "--more: $checkpoint is of a run that was stopped: --resume continues it" samples/thick.mci --more 5 --quiet -o "$work/more"
+expect_code 0 samples/thick.mci --more $more --resume --quiet -o "$work/more"
+expect_code 0 samples/thick.mci --photons $((more + 10000)) --quiet -o "$work/one"
+compare "stopped"
+
+expect_error 2 "$checkpoint: the checkpoint is of another run: 'seed 1' there, 'seed 2' here" \
+    samples/thick.mci --more 5 --seed 2 --quiet -o "$work/more"
+missing="(expected the checkpoint of a run that was flown with --keep)"
+expect_error 2 "--more: $work/thick.mco.checkpoint is not there $missing" samples/thick.mci --more 5 --quiet -o "$work"
+expect_code 0 samples/thick.mci --photons 100 --resume --quiet -o "$work"
+expect_error 2 "--more: $work/thick.mco.checkpoint has no tallies $missing" samples/thick.mci --more 5 --quiet -o "$work"
+expect_error 2 "--more (expected no --photons beside it)" samples/thick.mci --more 5 --photons 10 -o "$work"
+expect_error 2 "--more (expected no --target-error beside it)" samples/thick.mci --more 5 --target-error 0.1 -o "$work"
+expect_error 2 "--keep (expected no --target-error beside it)" samples/thick.mci --keep --target-error 0.1 -o "$work"
+expect_error 2 "--more 0 (expected a whole number from 1 to 281474976710656)" samples/thick.mci --more 0 -o "$work"
+expect_code 0 samples/thick.mci --photons 200 --quiet -o "$work"
+grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew" "$work/err" ||
+    complain "no word of the finished run: $(cat "$work/err")"
+finish

@@ -126,7 +126,8 @@ static void write_values(struct writer *w, hid_t dataset, const struct cml_field
 static void axis_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_axis *axis = context;
-    for (size_t i = 0; i < count; i++) out[i] = axis->first + (double)(begin + i) * axis->step;
+    for (size_t i = begin; i < begin + count; i++)
+        *out++ = axis->places ? axis->places[i] : axis->first + (double)i * axis->step;
 }
 
 /* Names of attributes as in the CF conventions, which xarray shows and plots with. */
@@ -147,7 +148,7 @@ static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field
 /* After a failure the data set is returned all the same: the caller closes it. */
 static hid_t write_dataset(struct writer *w, const struct cml_field *field)
 {
-    hsize_t chunk[CML_FIELD_AXES] = {1, 1, 1};
+    hsize_t chunk[CML_FIELD_AXES] = {1};
     choose_chunk(field, chunk);
     const hid_t dataset = create_dataset(w, field, chunk);
     if (w->failed) return dataset;

@@ -127,37 +127,37 @@ static void facet_errors(const void *context, size_t begin, size_t count, double
 
 /* ---- the list ---- */
 
+static struct cml_axis bins(const char *name, const char *what, const char *units, int n, double first,
+                            double step)
+{
+    return (struct cml_axis){name, what, units, (size_t)n, first, step, NULL};
+}
+
 /* Middles of bins. x and y are centred on the axis of the beam, as the map is; r and alpha count from 0. */
 static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
     const struct cml_map_def *map = &scene->map;
-    const double da = cml_angle_width(scene->na);
-    c->layer = (struct cml_axis){"layer", "layer, from 1", "1", (size_t)scene->num_layers, 1, 1};
-    c->r = (struct cml_axis){"r",           "distance from the z axis, middle of the bin",
-                             "cm",          (size_t)scene->nr,
-                             scene->dr / 2, scene->dr};
-    c->z =
-        (struct cml_axis){"z", "depth, middle of the bin", "cm", (size_t)scene->nz, scene->dz / 2, scene->dz};
-    c->alpha = (struct cml_axis){
-        "alpha", "angle from the outward vertical, middle of the bin", "rad", (size_t)scene->na, da / 2, da};
-    c->x = (struct cml_axis){
-        "x", "x, middle of the pixel", "cm", (size_t)map->nx, (0.5 - 0.5 * map->nx) * map->dx, map->dx};
-    c->y = (struct cml_axis){
-        "y", "y, middle of the pixel", "cm", (size_t)map->ny, (0.5 - 0.5 * map->ny) * map->dy, map->dy};
-    c->z_volume = (struct cml_axis){"z_volume",        "depth, middle of the voxel", "cm",
-                                    (size_t)scene->nz, map->top + scene->dz / 2,     scene->dz};
+    const int na = scene->na;
+    const double da = cml_angle_width(na), dr = scene->dr, dz = scene->dz;
+    c->layer = bins("layer", "layer, from 1", "1", scene->num_layers, 1, 1);
+    c->r = bins("r", "distance from the z axis, middle of the bin", "cm", scene->nr, dr / 2, dr);
+    c->z = bins("z", "depth, middle of the bin", "cm", scene->nz, dz / 2, dz);
+    c->alpha = bins("alpha", "angle from the outward vertical, middle of the bin", "rad", na, da / 2, da);
+    c->x = bins("x", "x, middle of the pixel", "cm", map->nx, (0.5 - 0.5 * map->nx) * map->dx, map->dx);
+    c->y = bins("y", "y, middle of the pixel", "cm", map->ny, (0.5 - 0.5 * map->ny) * map->dy, map->dy);
+    c->z_volume = bins("z_volume", "depth, middle of the voxel", "cm", scene->nz, map->top + dz / 2, dz);
 }
 
 /* One for each boundary, because numbers of facets differ; without the last facet, the plane around it. */
 static void set_facet_axes(struct cml_field_list *c)
 {
-    const struct cml_surface_set *surfaces = c->report->surfaces;
-    for (int b = 0; b < surfaces->count; b++) {
-        const size_t facets = cml_surface_facets(&surfaces->item[b], &c->report->scene->map);
+    for (int b = 0; b < c->report->surfaces->count; b++) {
+        const struct cml_surface_def *def = &c->report->surfaces->item[b];
+        const int facets = (int)cml_surface_facets(def, &c->report->scene->map);
         snprintf(c->facet_names[b], sizeof *c->facet_names, "boundary%d_facet", b);
-        c->facet[b] = (struct cml_axis){
-            c->facet_names[b], "triangle, or ring, from 0", "1", facets ? facets - 1 : 0, 0, 1};
+        const int n = facets > 0 ? facets - 1 : 0;
+        c->facet[b] = bins(c->facet_names[b], "triangle, or ring, from 0", "1", n, 0, 1);
     }
 }
 

@@ -72,6 +72,14 @@ bool cml_cluster_sync_requested(void);
 /* Waits until all ranks have come. */
 CML_NODISCARD cml_status cml_cluster_synchronise(struct cml_error *err);
 
+/* From cml_cluster_alone(true) to (false) a rank works by itself: every function here behaves as if it were
+ * the only one, and rank 0, but for cml_cluster_local_rank, cml_cluster_local_size, cml_cluster_request and
+ * what follows. All ranks call it at the same place; none waits. Local. cml_cluster_recall asks all ranks to
+ * come to an end soon; cml_cluster_recalled is true of those that are alone from then on. */
+void cml_cluster_alone(bool alone);
+void cml_cluster_recall(void);
+bool cml_cluster_recalled(void);
+
 /* A rank's request to rank 0 for photon indices, and the reply (work_ranges.h). */
 struct cml_work_request {
     uint64_t want, flown; /* indices wanted; flown since the last request */

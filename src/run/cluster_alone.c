@@ -128,3 +128,17 @@ cml_status cml_cluster_request(const struct cml_work_request *request, struct cm
     *reply = (struct cml_work_reply){0};
     return CML_OK;
 }
+
+void cml_cluster_alone(bool alone)
+{
+    (void)alone;
+}
+
+void cml_cluster_recall(void)
+{
+}
+
+bool cml_cluster_recalled(void)
+{
+    return false;
+}

@@ -19,9 +19,14 @@ struct cml_ranks {
     char (*host)[CML_HOST_SIZE]; /* [size] names, for messages */
     pthread_mutex_t lock;        /* around every call of MPI once the service thread runs */
     _Atomic double timeout;      /* s */
+    atomic_bool alone;           /* this rank works by itself */
+    atomic_bool alone_sync;      /* and wants to synchronise with itself */
     atomic_int lost_rank;        /* that contact was lost with; -1: none */
 };
 extern struct cml_ranks cml_ranks;
+
+/* Whether there is nobody to talk to. */
+bool cml_cluster_is_single(void);
 
 /* CML_E_IO: nothing was heard of cml_ranks.lost_rank for too long. */
 CML_NODISCARD cml_status cml_cluster_fail_contact_lost(struct cml_error *err);

@@ -234,12 +234,36 @@ void cml_service_stop(void)
 /* One more than were held. Other ranks learn it by the next heartbeat, which goes out at once. */
 void cml_cluster_request_sync(void)
 {
+    if (atomic_load(&cml_ranks.alone))
+        atomic_store(&cml_ranks.alone_sync, true);
+    else
+        cml_cluster_recall();
+}
+
+void cml_cluster_recall(void)
+{
     raise_requested(atomic_load(&service.syncs_done) + 1);
+}
+
+static bool all_requested(void)
+{
+    return atomic_load(&service.syncs_requested) > atomic_load(&service.syncs_done);
+}
+
+void cml_cluster_alone(bool alone)
+{
+    atomic_store(&cml_ranks.alone, alone);
+    atomic_store(&cml_ranks.alone_sync, false);
+}
+
+bool cml_cluster_recalled(void)
+{
+    return atomic_load(&cml_ranks.alone) && all_requested();
 }
 
 bool cml_cluster_sync_requested(void)
 {
-    return atomic_load(&service.syncs_requested) > atomic_load(&service.syncs_done);
+    return atomic_load(&cml_ranks.alone) ? atomic_load(&cml_ranks.alone_sync) : all_requested();
 }
 
 /* It counts as requested here as well, since another rank may have asked without this one having heard.
@@ -247,6 +271,10 @@ bool cml_cluster_sync_requested(void)
 cml_status cml_cluster_synchronise(struct cml_error *err)
 {
     MPI_Request call;
+    if (atomic_load(&cml_ranks.alone)) {
+        atomic_store(&cml_ranks.alone_sync, false);
+        return CML_OK;
+    }
     cml_cluster_request_sync();
     if (cml_ranks.size > 1) CML_TRY(CML_COMPLETE(MPI_Ibarrier(MPI_COMM_WORLD, &call), &call, err));
     atomic_fetch_add(&service.syncs_done, 1);
@@ -256,6 +284,7 @@ cml_status cml_cluster_synchronise(struct cml_error *err)
 /* Waits for a request that is being handled, so that what the handler uses may be freed afterwards. */
 void cml_cluster_set_handler(cml_cluster_handler *handler, void *context)
 {
+    if (atomic_load(&cml_ranks.alone)) return; /* nobody asks a rank that is alone, and rank 0's stays */
     pthread_mutex_lock(&service.handler_lock);
     service.handler = handler;
     service.handler_context = context;

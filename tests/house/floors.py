@@ -28,11 +28,12 @@ ROOMS = {
     "src/exact": "src/scene src/base",
     "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
     "src/output": "src/exact src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
+    "src/output/study": "src/output src/run src/tally src/base",
     "src/plot/files": "src/output src/base",
     "src/plot": "src/plot/files src/output src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/cli/options src/output src/exact src/run src/engine src/engine/engines src/surface src/input src/scene src/tally src/geometry src/base kernels",
-    "src/cli/run": "src/cli/load src/cli/options src/output src/exact src/run src/engine src/surface src/scene src/tally src/geometry src/base kernels",
+    "src/cli/run": "src/cli/load src/cli/options src/output src/output/study src/exact src/run src/engine src/surface src/input src/scene src/tally src/geometry src/base kernels",
     "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/exact src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }

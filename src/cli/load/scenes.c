@@ -5,6 +5,8 @@
 #include "engine/plane_trial.h"
 #include "run/cluster.h"
 #include "input/mci.h"
+#include "input/sweep_table.h"
+#include "run/launcher.h"
 #include "output/report.h"
 #include "base/text.h"
 
@@ -35,6 +37,22 @@ static void note_input(void *context, const char *text)
     if (cml_cluster_rank() == 0) cml_show_note(context, text);
 }
 
+static bool is_flat(const struct cml_options *options)
+{
+    return options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE;
+}
+
+/* The table of --sweep is an input like others: it is checked now, and read again by all ranks. */
+static cml_status read_sweep(const struct cml_options *options, const struct cml_text_source *source,
+                             struct cml_error *err)
+{
+    struct cml_sweep_table table = {.num_rows = 0};
+    if (!options->sweep) return CML_OK;
+    CML_TRY(cml_sweep_table_read(source, options->sweep, &table, err));
+    cml_sweep_table_clear(&table);
+    return CML_OK;
+}
+
 static cml_status load(const struct cml_options *options, const struct cml_text_source *source,
                        struct cml_scene_list *list, struct cml_error *err)
 {
@@ -50,7 +68,38 @@ static cml_status load(const struct cml_options *options, const struct cml_text_
     if (photons && options->photons)
         return cml_setting_fail(photons, "no value beside that of --photons", err);
     CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
-    const cml_status status = check_all(list, err);
+    cml_status status = check_all(list, err);
+    if (status == CML_OK) status = read_sweep(options, source, err);
+    if (status != CML_OK) cml_scene_list_clear(list);
+    return status;
+}
+
+/* What was found to lie apart does so still. */
+static bool lies_as_known(const struct cml_scene *scene, const struct cml_scene *known)
+{
+    for (int b = 0; b <= scene->num_layers; b++) {
+        const struct cml_boundary *one = &scene->boundaries[b], *other = &known->boundaries[b];
+        if (one->z != other->z || (one->form != CML_FORM_PLANE && !one->borrowed)) return false;
+    }
+    return true;
+}
+
+cml_status cml_reload_scene(const struct cml_options *options, const struct cml_settings *settings,
+                            const char *output, struct cml_inputs *inputs, const struct cml_scene_list *known,
+                            struct cml_scene_list *list, struct cml_error *err)
+{
+    const struct cml_text_source replay = cml_inputs_replayer(inputs);
+    const struct cml_input_options how = {.source = &replay,
+                                          .tolerance = options->surface.tolerance,
+                                          .budget = options->surface.budget,
+                                          .settings = settings,
+                                          .output = output,
+                                          .known = known,
+                                          .known_settings = &options->settings,
+                                          .flat = is_flat(options)};
+    CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
+    if (lies_as_known(&list->scenes[0], &known->scenes[0])) return CML_OK;
+    const cml_status status = cml_scene_check_overlap(&list->scenes[0], err);
     if (status != CML_OK) cml_scene_list_clear(list);
     return status;
 }
@@ -201,4 +250,28 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
                "triangles, up "
                "to %.3g cm\n",
                b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
+}
+
+/* More threads than cores take turns and are slow; under mpiexec it is the usual mistake,
+ * and rank 0 speaks for all. */
+static void warn_of_binding(int threads)
+{
+    struct cml_cores cores;
+    char text[160];
+    cml_cores_mine(&cores);
+    const int count = cml_cores_count(&cores);
+    if (threads <= count || cml_cluster_rank() != 0) return;
+    snprintf(text, sizeof text,
+             "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
+             count, count == 1 ? "" : "s");
+    cml_show_note(NULL, text);
+}
+
+int cml_choose_threads(const struct cml_options *options)
+{
+    const char *environment = getenv("OMP_NUM_THREADS");
+    int threads = options->engine_options.threads;
+    if (threads == 0 && environment && !cml_parse_int(environment, &threads)) return 0;
+    warn_of_binding(threads);
+    return threads > 0 ? threads : cml_cluster_fair_cores();
 }

@@ -40,6 +40,11 @@ const struct cml_option cml_option_table[] = {
      "boundary0.scale, "
      "boundary0.height, beam.angle, photons",
      .read = cml_read_set},
+    {"sweep", 0, "TABLE.csv", RUN, NULL,
+     "one run for each row of the table, whose first line has names as --set has, and seed; results are "
+     "NAME-0001.mco ..., "
+     "NAME.sweep.csv and NAME.sweep.h5",
+     TEXT(sweep)},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
      COUNT(engine_options.seed, 0, 0x1p53)},
     {"run", 0, "K", TRACE | CHECK, NULL,

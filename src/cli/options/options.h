@@ -31,6 +31,7 @@ struct cml_options {
     const char *of;              /* what `plot` shows, NULL: not given */
     int num_labels;
     const char *labels[CML_MOST_LABELS]; /* of the curves and maps of `plot`, in the order of the operands */
+    const char *sweep;                   /* a table, one run a row; NULL: not given */
     const char *directory;               /* of the results; NULL: not given */
     const char *output;           /* the name of `run`'s result, or the picture of others; NULL: not given */
     struct cml_settings settings; /* values in place of what the scene's file says */

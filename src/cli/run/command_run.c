@@ -7,6 +7,8 @@
 #include "cli/load/scenes.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
+#include "cli/run/sweep.h"
+#include "cli/run/sweep.h"
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"
@@ -30,32 +32,9 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
     for (int i = 0; status == CML_OK && i < list->count; i++)
         status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
-        status = cml_outputs_claim(session->options, list, inputs, cml_show_note, &session->outputs, err);
+        status = cml_outputs_claim(session->options, list, list->count, inputs, cml_show_note,
+                                   &session->outputs, err);
     return cml_cluster_agree(status, err);
-}
-
-/* More threads than cores take turns and are slow; under mpiexec it is the usual mistake,
- * and rank 0 speaks for all. */
-static void warn_of_binding(int threads)
-{
-    struct cml_cores cores;
-    char text[160];
-    cml_cores_mine(&cores);
-    const int count = cml_cores_count(&cores);
-    if (threads <= count || cml_cluster_rank() != 0) return;
-    snprintf(text, sizeof text,
-             "%d threads on %d core%s (affinity of this process; under mpiexec try --bind-to none)", threads,
-             count, count == 1 ? "" : "s");
-    cml_show_note(NULL, text);
-}
-
-int cml_choose_threads(const struct cml_options *options)
-{
-    const char *environment = getenv("OMP_NUM_THREADS");
-    int threads = options->engine_options.threads;
-    if (threads == 0 && environment && !cml_parse_int(environment, &threads)) return 0;
-    warn_of_binding(threads);
-    return threads > 0 ? threads : cml_cluster_fair_cores();
 }
 
 /* A finished run needs no checkpoint. */
@@ -123,6 +102,17 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
 }
 
 /* The bytes of the input are needed for the identity only, and freed before the run. */
+static cml_status run_file(struct session *session, struct cml_inputs *inputs, struct cml_error *err)
+{
+    cml_status status = cml_cluster_agree(cml_identity_inputs(inputs, &session->inputs, err), err);
+    if (status == CML_OK) status = check_runs(session, inputs, err);
+    cml_inputs_clear(inputs);
+    if (status == CML_OK) status = run_all(session, err);
+    cml_outputs_release(&session->outputs);
+    free(session->inputs);
+    return status;
+}
+
 cml_status cml_command_run(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_options mine = *options;
@@ -132,12 +122,9 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
-    cml_status status = cml_cluster_agree(cml_identity_inputs(&inputs, &session.inputs, err), err);
-    if (status == CML_OK) status = check_runs(&session, &inputs, err);
+    const cml_status status =
+        options->sweep ? cml_sweep(&mine, &session.list, &inputs, err) : run_file(&session, &inputs, err);
     cml_inputs_clear(&inputs);
-    if (status == CML_OK) status = run_all(&session, err);
-    cml_outputs_release(&session.outputs);
-    free(session.inputs);
     cml_scene_list_clear(&session.list);
     return status;
 }

@@ -323,24 +323,25 @@ static cml_status claim_run(const struct cml_options *options, const struct cml_
 }
 
 static cml_status claim_all(const struct cml_options *options, const struct cml_scene_list *list,
-                            const struct cml_inputs *inputs, struct cml_outputs *outputs,
+                            int num_locks, const struct cml_inputs *inputs, struct cml_outputs *outputs,
                             struct cml_error *err)
 {
     for (int i = 0; i < list->count; i++) CML_TRY(claim_run(options, &list->scenes[i], i, outputs, err));
     qsort(outputs->file, outputs->count, sizeof *outputs->file, compare_files);
     CML_TRY(check_distinct(outputs, list, err));
     CML_TRY(check_inputs(outputs, list, inputs, err));
-    for (int i = 0; i < list->count; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
+    for (int i = 0; i < num_locks; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
     remove_leftovers(outputs);
     return CML_OK;
 }
 
 cml_status cml_outputs_claim(const struct cml_options *options, const struct cml_scene_list *list,
-                             const struct cml_inputs *inputs, void (*note)(void *context, const char *text),
-                             struct cml_outputs *outputs, struct cml_error *err)
+                             int num_locks, const struct cml_inputs *inputs,
+                             void (*note)(void *context, const char *text), struct cml_outputs *outputs,
+                             struct cml_error *err)
 {
     *outputs = (struct cml_outputs){0};
-    const cml_status status = claim_all(options, list, inputs, outputs, err);
+    const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
         note_elsewhere(options, outputs, note);
     else

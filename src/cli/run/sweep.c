@@ -1,0 +1,335 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/run/sweep.h"
+
+#include "base/text.h"
+#include "base/version.h"
+#include "cli/load/scenes.h"
+#include "cli/run/one_run.h"
+#include "cli/run/outputs.h"
+#include "cli/run/sweep_rows.h"
+#include "input/sweep_table.h"
+#include "output/hdf5_file.h"
+#include "output/report.h"
+#include "output/study/sweep_files.h"
+#include "run/cluster.h"
+#include "run/identity.h"
+#include "run/stop.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What all rows share. */
+struct sweep {
+    const struct cml_options *options;
+    const struct cml_scene_list *base;
+    struct cml_inputs *inputs;
+    struct cml_sweep_table table;
+    int seed_column;                 /* -1: the rows have the seed of the options */
+    char *identity;                  /* lines of the identity: the files but for the table */
+    struct cml_surface_set surfaces; /* of the scene without rows: their trees are built once */
+    struct cml_outputs outputs;      /* rank 0's */
+    struct cml_sweep_rows rows;
+    int digits; /* of a row's number in names */
+};
+
+/* ---- names ---- */
+
+/* "NAME-0001.mco" of row 0. */
+static cml_status row_output(const struct sweep *sweep, int row, char **name, struct cml_error *err)
+{
+    const char *output = sweep->base->scenes[0].output;
+    char suffix[32];
+    char *stem = NULL;
+    CML_TRY(cml_report_path(output, "", &stem, err));
+    const size_t length = strlen(stem), size = strlen(output) + sizeof suffix;
+    snprintf(suffix, sizeof suffix, "-%0*d", sweep->digits, row + 1);
+    *name = malloc(size);
+    if (*name) snprintf(*name, size, "%s%s%s", stem, suffix, output + length);
+    free(stem);
+    return *name ? CML_OK : cml_fail_memory(err, (double)size, "a name");
+}
+
+/* "NAME.sweep.csv" and the like, in the directory of results. */
+static cml_status table_path(const struct sweep *sweep, const char *suffix, char **path,
+                             struct cml_error *err)
+{
+    char *name = NULL;
+    CML_TRY(cml_report_path(sweep->base->scenes[0].output, suffix, &name, err));
+    const cml_status status = cml_output_path(sweep->options, name, path, err);
+    free(name);
+    return status;
+}
+
+/* ---- rows ---- */
+
+/* All but the seed is for the reader of the scene. */
+static cml_status row_settings(const struct sweep *sweep, int row, struct cml_settings *settings,
+                               struct cml_error *err)
+{
+    *settings = sweep->options->settings;
+    for (int c = 0; c < sweep->table.num_columns; c++) {
+        const struct cml_setting setting = cml_sweep_cell(&sweep->table, row, c);
+        if (c != sweep->seed_column) CML_TRY(cml_settings_copy(settings, &setting, err));
+    }
+    return CML_OK;
+}
+
+static cml_status row_seed(const struct sweep *sweep, int row, uint64_t *seed, struct cml_error *err)
+{
+    *seed = sweep->options->engine_options.seed;
+    if (sweep->seed_column < 0) return CML_OK;
+    const struct cml_setting setting = cml_sweep_cell(&sweep->table, row, sweep->seed_column);
+    if (cml_parse_count(setting.value, seed)) return CML_OK;
+    return cml_setting_fail(&setting, "a whole number from 0 to 9007199254740992", err);
+}
+
+/* Says of which row it is what the reader says of boundaries. */
+static cml_status name_row(const struct sweep *sweep, int row, cml_status status, struct cml_error *err)
+{
+    const struct cml_error why = *err;
+    const char *path = sweep->table.text.path;
+    if (status == CML_OK || strncmp(why.text, path, strlen(path)) == 0) return status;
+    return cml_fail(err, status, "%s:%d: %.900s", path, sweep->table.line[row], why.text);
+}
+
+/* The scene of a row, the caller's to clear. */
+static cml_status read_row(const struct sweep *sweep, int row, struct cml_scene_list *list,
+                           struct cml_error *err)
+{
+    struct cml_settings settings;
+    char *output = NULL;
+    CML_TRY(row_settings(sweep, row, &settings, err));
+    CML_TRY(row_output(sweep, row, &output, err));
+    const cml_status status =
+        cml_reload_scene(sweep->options, &settings, output, sweep->inputs, sweep->base, list, err);
+    free(output);
+    return name_row(sweep, row, status, err);
+}
+
+/* ---- before the first row flies ---- */
+
+static cml_status check_row(const struct sweep *sweep, int row, struct cml_error *err)
+{
+    struct cml_scene_list list;
+    uint64_t seed;
+    CML_TRY(row_seed(sweep, row, &seed, err));
+    CML_TRY(read_row(sweep, row, &list, err));
+    const cml_status status =
+        name_row(sweep, row, cml_check_memory(sweep->options, &list.scenes[0], NULL, err), err);
+    cml_scene_list_clear(&list);
+    return status;
+}
+
+/* Outputs are claimed as those of a file whose runs are the tables and the rows, without their shapes. */
+static cml_status claim(struct sweep *sweep, struct cml_scene *scenes, struct cml_error *err)
+{
+    static const char *const suffixes[] = {".sweep.csv", ".sweep.h5"};
+    const int rows = sweep->table.num_rows, tables = cml_hdf5_available() ? 2 : 1;
+    const struct cml_scene_list list = {rows + tables, scenes};
+    cml_status status = CML_OK;
+    for (int i = 0; i < list.count; i++) {
+        scenes[i] = sweep->base->scenes[0];
+        scenes[i].output = NULL;
+    }
+    for (int i = 0; i < tables; i++) {
+        scenes[i].format = i == 0 ? 'A' : 'B';
+        scenes[i].map = (struct cml_map_def){0};
+        scenes[i].facets = false;
+    }
+    for (int i = 0; status == CML_OK && i < list.count; i++)
+        status = i < tables
+                     ? cml_report_path(sweep->base->scenes[0].output, suffixes[i], &scenes[i].output, err)
+                     : row_output(sweep, i - tables, &scenes[i].output, err);
+    if (status == CML_OK)
+        status =
+            cml_outputs_claim(sweep->options, &list, 1, sweep->inputs, cml_show_note, &sweep->outputs, err);
+    for (int i = 0; i < list.count; i++) free(scenes[i].output);
+    return status;
+}
+
+/* On rank 0. */
+static cml_status check_rows(struct sweep *sweep, struct cml_error *err)
+{
+    for (int row = 0; row < sweep->table.num_rows; row++) CML_TRY(check_row(sweep, row, err));
+    const size_t count = (size_t)sweep->table.num_rows + 2;
+    struct cml_scene *scenes = calloc(count, sizeof *scenes);
+    if (!scenes) return cml_fail_memory(err, (double)(count * sizeof *scenes), "the rows");
+    const cml_status status = claim(sweep, scenes, err);
+    free(scenes);
+    return status;
+}
+
+/* The table is no part of what a row's result depends on: its cells are. */
+static cml_status identify(struct sweep *sweep, struct cml_error *err)
+{
+    struct cml_inputs files = *sweep->inputs;
+    files.count--;
+    return cml_identity_inputs(&files, &sweep->identity, err);
+}
+
+static cml_status open_sweep(struct sweep *sweep, struct cml_error *err)
+{
+    const struct cml_text_source replay = cml_inputs_replayer(sweep->inputs);
+    const struct cml_options *options = sweep->options;
+    CML_TRY(cml_sweep_table_read(&replay, options->sweep, &sweep->table, err));
+    sweep->seed_column = -1;
+    for (int c = 0; c < sweep->table.num_columns; c++)
+        if (strcmp(sweep->table.name[c], "seed") == 0) sweep->seed_column = c;
+    sweep->digits = snprintf(NULL, 0, "%d", sweep->table.num_rows);
+    if (sweep->digits < 4) sweep->digits = 4;
+    CML_TRY(identify(sweep, err));
+    if (cml_cluster_rank() == 0) CML_TRY(check_rows(sweep, err));
+    CML_TRY(cml_surfaces_create(&sweep->base->scenes[0], &options->surface, &sweep->surfaces, err));
+    return cml_sweep_rows_create(sweep->table.num_rows, &sweep->rows, err);
+}
+
+/* ---- flying ---- */
+
+/* One line for people. */
+static void print_row(const struct sweep *sweep, int row, const struct cml_record *record)
+{
+    const struct cml_sweep_table *table = &sweep->table;
+    const struct cml_options *options = sweep->options;
+    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
+    printf("  row %d of %d:", row + 1, table->num_rows);
+    for (int c = 0; c < table->num_columns; c++)
+        printf(" %s=%s", table->name[c], table->cell[(size_t)row * (size_t)table->num_columns + (size_t)c]);
+    printf("  Rd %.6f +- %.6f, A %.6f +- %.6f, Tt %.6f +- %.6f\n", record->value[CML_TOTAL_REFLECTED],
+           record->error[CML_TOTAL_REFLECTED], record->value[CML_TOTAL_ABSORBED],
+           record->error[CML_TOTAL_ABSORBED], record->value[CML_TOTAL_TRANSMITTED],
+           record->error[CML_TOTAL_TRANSMITTED]);
+    fflush(stdout);
+}
+
+/* A cml_sweep_fly_function. */
+static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
+{
+    const struct sweep *sweep = context;
+    struct cml_scene_list list;
+    uint64_t seed = 0;
+    cml_status status = row_seed(sweep, row, &seed, err);
+    if (status == CML_OK) status = read_row(sweep, row, &list, err);
+    CML_TRY(cml_cluster_agree(status, err));
+    const struct cml_run_call call = {.options = sweep->options,
+                                      .scene = &list.scenes[0],
+                                      .inputs = sweep->identity,
+                                      .known = &sweep->surfaces,
+                                      .seed = seed,
+                                      .row = row + 1,
+                                      .stays = true};
+    status = cml_run_one(&call, record, err);
+    if (status == CML_OK || status == CML_E_NUMERIC) print_row(sweep, row, record);
+    cml_scene_list_clear(&list);
+    return status;
+}
+
+/* ---- what comes of it ---- */
+
+static cml_status write_tables(const struct sweep *sweep, const struct cml_sweep_results *results,
+                               struct cml_error *err)
+{
+    char *csv = NULL, *h5 = NULL;
+    cml_status status = table_path(sweep, ".sweep.csv", &csv, err);
+    if (status == CML_OK) status = cml_sweep_write_csv(csv, results, err);
+    if (status == CML_OK) status = table_path(sweep, ".sweep.h5", &h5, err);
+    if (status == CML_OK && cml_hdf5_available()) status = cml_sweep_write_h5(h5, results, err);
+    if (status == CML_OK && !sweep->options->quiet && !sweep->options->json) {
+        printf("  -> %s\n", csv);
+        if (cml_hdf5_available()) printf("  -> %s\n", h5);
+    }
+    free(csv);
+    free(h5);
+    return status;
+}
+
+/* On rank 0. */
+static cml_status publish(const struct sweep *sweep, struct cml_error *err)
+{
+    const struct cml_scene *base = &sweep->base->scenes[0];
+    const size_t rows = (size_t)sweep->table.num_rows, columns = (size_t)sweep->table.num_columns;
+    char **files = calloc(rows, sizeof *files);
+    const char **names = calloc(columns, sizeof *names);
+    uint64_t *seeds = calloc(rows, sizeof *seeds);
+    cml_status status =
+        files && names && seeds ? CML_OK : cml_fail_memory(err, 16.0 * (double)rows, "the rows");
+    for (size_t c = 0; status == CML_OK && c < columns; c++) names[c] = sweep->table.name[c];
+    for (size_t i = 0; status == CML_OK && i < rows; i++) {
+        status = row_output(sweep, (int)i, &files[i], err);
+        if (status == CML_OK) status = row_seed(sweep, (int)i, &seeds[i], err);
+    }
+    const struct cml_sweep_results results = {.title = base->output,
+                                              .input = base->text,
+                                              .settings = base->settings,
+                                              .call = {sweep->options->command, base->file},
+                                              .num_columns = (int)columns,
+                                              .num_rows = (int)rows,
+                                              .name = names,
+                                              .cell = sweep->table.cell,
+                                              .seed = seeds,
+                                              .file = files,
+                                              .record = sweep->rows.record};
+    if (status == CML_OK) status = write_tables(sweep, &results, err);
+    for (size_t i = 0; files && i < rows; i++) free(files[i]);
+    free(files);
+    free(names);
+    free(seeds);
+    return status;
+}
+
+/* On rank 0, of all rows, unless they are to stay. */
+static void remove_checkpoints(const struct sweep *sweep)
+{
+    const struct cml_options *options = sweep->options;
+    struct cml_error ignored;
+    for (int row = 0; !options->resume && !options->keep && row < sweep->table.num_rows; row++) {
+        struct cml_scene scene = sweep->base->scenes[0];
+        char *path = NULL;
+        if (row_output(sweep, row, &scene.output, &ignored) != CML_OK) continue;
+        if (cml_run_checkpoint(options, &scene, &path, &ignored) == CML_OK) cml_checkpoint_remove(path);
+        free(scene.output);
+        free(path);
+    }
+}
+
+static cml_status finish(const struct sweep *sweep, cml_status flown, struct cml_error *err)
+{
+    if (flown == CML_E_STOPPED)
+        return cml_fail(err, CML_E_STOPPED, "%s: stopped with %d of %d rows to fly; --resume continues",
+                        sweep->base->scenes[0].output, sweep->table.num_rows - sweep->rows.num_done,
+                        sweep->table.num_rows);
+    if (flown != CML_OK && flown != CML_E_NUMERIC) return flown;
+    CML_TRY(publish(sweep, err));
+    if (sweep->options->checkpoint_interval > 0) remove_checkpoints(sweep);
+    return flown;
+}
+
+static cml_status fly(struct sweep *sweep, struct cml_error *err)
+{
+    const struct cml_options *options = sweep->options;
+    if (options->checkpoint_interval > 0) cml_stop_watch();
+    if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
+        printf("clustermcml %s, %d rank%s: %d rows of %s\n", cml_version(), cml_cluster_size(),
+               cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, options->sweep);
+    cml_status status = cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
+    if (cml_cluster_rank() == 0) status = finish(sweep, status, err);
+    return cml_cluster_agree(status, err);
+}
+
+cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
+                     struct cml_inputs *inputs, struct cml_error *err)
+{
+    struct sweep sweep = {.options = options, .base = list, .inputs = inputs};
+    cml_status status = CML_OK;
+    if (list->count != 1)
+        status = cml_fail(err, CML_E_INPUT, "--sweep %.80s (expected a file with one run; %.400s has %d)",
+                          options->sweep, options->operands[0], list->count);
+    if (status == CML_OK) status = open_sweep(&sweep, err);
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = fly(&sweep, err);
+    cml_sweep_rows_clear(&sweep.rows);
+    cml_outputs_release(&sweep.outputs);
+    cml_surfaces_free(&sweep.surfaces);
+    cml_sweep_table_clear(&sweep.table);
+    free(sweep.identity);
+    return status;
+}

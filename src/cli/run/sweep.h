@@ -1,0 +1,17 @@
+/* clustermcml run --sweep: one run for each row of a table. SPDX-License-Identifier: MIT */
+#ifndef CML_SWEEP_H
+#define CML_SWEEP_H
+
+#include "base/input_files.h"
+#include "cli/options/options.h"
+#include "scene/scene.h"
+
+/* Validates all rows of options->sweep before the first one flies, flies them and writes the tables of their
+ * totals. list: the scene without them, of one run; inputs: the files that it was read from, the table last.
+ * A row's result has the bytes of a run with --set of its cells. Several ranks fly a row together where there
+ * are no more rows than ranks; else each flies rows by itself, the next when it has done one. Collective.
+ * CML_E_NUMERIC: all is written, and the result of a row is not to be trusted. */
+CML_NODISCARD cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
+                                   struct cml_inputs *inputs, struct cml_error *err);
+
+#endif

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/run/sweep_rows.h"
+
+#include "run/cluster.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+cml_status cml_sweep_rows_create(int count, struct cml_sweep_rows *rows, struct cml_error *err)
+{
+    *rows = (struct cml_sweep_rows){.count = count};
+    rows->done = calloc((size_t)count, sizeof *rows->done);
+    rows->record = calloc((size_t)count, sizeof *rows->record);
+    if (rows->done && rows->record) return CML_OK;
+    cml_sweep_rows_clear(rows);
+    return cml_fail_memory(err, count * (double)sizeof *rows->record, "the rows");
+}
+
+void cml_sweep_rows_clear(struct cml_sweep_rows *rows)
+{
+    for (int i = 0; rows->record && i < rows->count; i++) cml_record_clear(&rows->record[i]);
+    free(rows->done);
+    free(rows->record);
+    *rows = (struct cml_sweep_rows){0};
+}
+
+/* A row whose weight does not balance is written, and the others are flown all the same. */
+static cml_status fly_one(struct cml_sweep_rows *rows, int row, cml_sweep_fly_function *fly, void *context,
+                          cml_status *worst, struct cml_error *err)
+{
+    struct cml_error why;
+    const cml_status status = fly(context, row, &rows->record[row], &why);
+    rows->done[row] = status == CML_OK || status == CML_E_NUMERIC;
+    if (status != CML_OK) *err = why;
+    if (status == CML_E_NUMERIC) *worst = status;
+    return rows->done[row] ? CML_OK : status;
+}
+
+static void print_json(struct cml_record *record, bool json)
+{
+    if (json && record->json && cml_cluster_rank() == 0) fputs(record->json, stdout);
+    fflush(stdout);
+    free(record->json);
+    record->json = NULL;
+}
+
+/* Row after row, on all ranks. */
+static cml_status fly_together(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
+                               void *context, struct cml_error *err)
+{
+    cml_status worst = CML_OK;
+    for (int row = 0; row < rows->count; row++) {
+        CML_TRY(fly_one(rows, row, fly, context, &worst, err));
+        print_json(&rows->record[row], json);
+        rows->num_done++;
+    }
+    return worst;
+}
+
+/* ---- shared ---- */
+
+/* On rank 0, in its service thread for other ranks. */
+struct desk {
+    atomic_int next;
+    atomic_bool closed;
+    int count;
+};
+
+static int hand_out(struct desk *desk)
+{
+    if (atomic_load(&desk->closed) || cml_cluster_recalled()) return -1;
+    const int row = atomic_fetch_add(&desk->next, 1);
+    return row < desk->count ? row : -1;
+}
+
+static void reply_to(void *context, int rank, const struct cml_work_request *request,
+                     struct cml_work_reply *reply)
+{
+    (void)rank, (void)request;
+    const int row = hand_out(context);
+    reply->first = row >= 0 ? (uint64_t)row : 0;
+    reply->count = row >= 0;
+}
+
+/* *row: -1 when there are no more. */
+static cml_status take_row(struct desk *desk, int rank, int *row, struct cml_error *err)
+{
+    const struct cml_work_request request = {1, 0};
+    struct cml_work_reply reply = {0};
+    *row = -1;
+    if (rank == 0) {
+        *row = hand_out(desk);
+        return CML_OK;
+    }
+    CML_TRY(cml_cluster_request(&request, &reply, err));
+    if (reply.count > 0) *row = (int)reply.first;
+    return CML_OK;
+}
+
+/* Until there are no more; what goes wrong here, or a signal, brings the other ranks to an end, too. */
+static cml_status fly_alone(struct cml_sweep_rows *rows, struct desk *desk, int rank,
+                            cml_sweep_fly_function *fly, void *context, struct cml_error *err)
+{
+    cml_status status = CML_OK, worst = CML_OK;
+    cml_cluster_alone(true);
+    for (int row = 0; status == CML_OK;) {
+        status = take_row(desk, rank, &row, err);
+        if (status != CML_OK || row < 0) break;
+        status = fly_one(rows, row, fly, context, &worst, err);
+    }
+    if (rank == 0) atomic_store(&desk->closed, true);
+    if (status != CML_OK) cml_cluster_recall();
+    cml_cluster_alone(false);
+    return status != CML_OK ? status : worst;
+}
+
+/* What rank 0 hears of a row, without pointers. */
+struct heard {
+    uint64_t done, json_size;
+    struct cml_record record;
+};
+
+static void tell(const struct cml_sweep_rows *rows, struct heard *mine)
+{
+    for (int i = 0; i < rows->count; i++) {
+        mine[i] = (struct heard){.done = rows->done[i], .record = rows->record[i]};
+        mine[i].json_size = rows->record[i].json ? strlen(rows->record[i].json) : 0;
+        mine[i].record.json = NULL;
+    }
+}
+
+/* The objects of one rank's rows in their order, each at most once. */
+static size_t json_total(const struct heard *heard, int count)
+{
+    size_t total = 0;
+    for (int i = 0; i < count; i++) total += heard[i].json_size;
+    return total;
+}
+
+static void join_json(const struct cml_sweep_rows *rows, char *text)
+{
+    for (int i = 0; i < rows->count; i++) {
+        const char *json = rows->record[i].json;
+        if (!json) continue;
+        memcpy(text, json, strlen(json));
+        text += strlen(json);
+    }
+}
+
+/* On rank 0: text is what each rank has joined, `size` bytes apart. */
+static void print_all(const struct cml_sweep_rows *rows, const struct heard *all, const char *text,
+                      size_t size)
+{
+    const int ranks = cml_cluster_size();
+    for (int i = 0; i < rows->count; i++)
+        for (int r = 0; r < ranks; r++) {
+            const struct heard *of_rank = all + (size_t)r * (size_t)rows->count;
+            if (of_rank[i].json_size == 0) continue;
+            const char *begin = text + (size_t)r * size + json_total(of_rank, i);
+            fwrite(begin, 1, of_rank[i].json_size, stdout);
+        }
+    fflush(stdout);
+}
+
+static cml_status gather_json(const struct cml_sweep_rows *rows, const struct heard *all,
+                              struct cml_error *err)
+{
+    const bool first = cml_cluster_rank() == 0;
+    uint64_t size = 1;
+    for (int r = 0; first && r < cml_cluster_size(); r++) {
+        const size_t total = json_total(all + (size_t)r * (size_t)rows->count, rows->count);
+        if (total > size) size = total;
+    }
+    CML_TRY(cml_cluster_share(&size, sizeof size, err));
+    char *text = calloc(size, 1), *texts = calloc(first ? size * (size_t)cml_cluster_size() : 1, 1);
+    cml_status status = text && texts ? CML_OK : cml_fail_memory(err, (double)size, "the JSON records");
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) {
+        join_json(rows, text);
+        status = cml_cluster_gather(text, size, texts, err);
+    }
+    if (status == CML_OK && first) print_all(rows, all, texts, size);
+    free(text);
+    free(texts);
+    return status;
+}
+
+/* Rank 0 takes over what others have flown. */
+static void take_over(struct cml_sweep_rows *rows, const struct heard *all)
+{
+    for (int i = 0; i < rows->count; i++) {
+        for (int r = 0; r < cml_cluster_size(); r++) {
+            const struct heard *heard = &all[(size_t)r * (size_t)rows->count + (size_t)i];
+            if (!heard->done || rows->done[i]) continue;
+            rows->done[i] = true;
+            rows->record[i] = heard->record;
+        }
+        rows->num_done += rows->done[i];
+    }
+}
+
+/* The gather is the first at which ranks wait for each other. */
+static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_error *err)
+{
+    const size_t count = (size_t)rows->count;
+    const size_t ranks = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
+    struct heard *mine = calloc(count, sizeof *mine), *all = calloc(ranks * count, sizeof *all);
+    cml_status status =
+        mine && all ? CML_OK : cml_fail_memory(err, (double)(ranks * count * sizeof *all), "the rows");
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) {
+        tell(rows, mine);
+        status = cml_cluster_gather(mine, count * sizeof *mine, all, err);
+    }
+    if (status == CML_OK && json) status = gather_json(rows, all, err);
+    if (status == CML_OK && cml_cluster_rank() == 0) take_over(rows, all);
+    free(mine);
+    free(all);
+    return status;
+}
+
+static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
+                             void *context, struct cml_error *err)
+{
+    struct desk desk = {.count = rows->count};
+    struct cml_error why = {CML_OK, ""};
+    const int rank = cml_cluster_rank();
+    if (rank == 0) cml_cluster_set_handler(reply_to, &desk);
+    const cml_status flown = fly_alone(rows, &desk, rank, fly, context, &why);
+    const cml_status status = gather(rows, json, err);
+    if (rank == 0) cml_cluster_set_handler(NULL, NULL);
+    CML_TRY(status);
+    *err = why;
+    return cml_cluster_agree(flown, err);
+}
+
+cml_status cml_sweep_rows_fly(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
+                              void *context, struct cml_error *err)
+{
+    return rows->count > cml_cluster_size() && cml_cluster_size() > 1
+               ? fly_shared(rows, json, fly, context, err)
+               : fly_together(rows, json, fly, context, err);
+}

@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/sweep_table.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_ROWS = 1000000 };
+static const char blanks[] = " \t\r";
+
+/* Without the blanks around it. */
+static char *trim(char *text)
+{
+    text += strspn(text, blanks);
+    size_t length = strlen(text);
+    while (length > 0 && strchr(blanks, text[length - 1])) text[--length] = '\0';
+    return text;
+}
+
+/* The next line with anything in it; NULL: none. */
+static char *next_line(struct cml_text *text)
+{
+    for (char *line; (line = cml_text_next(text));) {
+        line[strcspn(line, "#")] = '\0';
+        line = trim(line);
+        if (*line) return line;
+    }
+    return NULL;
+}
+
+/* Cuts the next cell off; NULL behind the last one. */
+static char *next_cell(char **line)
+{
+    char *cell = *line;
+    if (!cell) return NULL;
+    char *comma = strchr(cell, ',');
+    *line = comma ? comma + 1 : NULL;
+    if (comma) *comma = '\0';
+    return trim(cell);
+}
+
+static cml_status fail_at(const struct cml_text *text, const char *field, const char *value,
+                          const char *expected, struct cml_error *err)
+{
+    return cml_fail_field(err, text->path, text->line, field, value, expected);
+}
+
+static cml_status read_name(struct cml_sweep_table *table, const char *name, struct cml_error *err)
+{
+    char field[32];
+    const int column = table->num_columns;
+    snprintf(field, sizeof field, "column %d", column + 1);
+    if (*name == '\0' || strlen(name) >= sizeof *table->name)
+        return fail_at(&table->text, field, name, "a name like layer1.mua", err);
+    for (int i = 0; i < column; i++)
+        if (strcmp(table->name[i], name) == 0)
+            return fail_at(&table->text, field, name, "a name that no other column has", err);
+    strcpy(table->name[table->num_columns++], name);
+    return CML_OK;
+}
+
+static cml_status read_header(struct cml_sweep_table *table, struct cml_error *err)
+{
+    char *line = next_line(&table->text);
+    if (!line) return fail_at(&table->text, "the line of names", NULL, "layer1.mua, photons or others", err);
+    table->name = calloc(CML_MOST_SETTINGS, sizeof *table->name);
+    if (!table->name) return cml_fail_memory(err, CML_MOST_SETTINGS * sizeof *table->name, "a table");
+    for (char *cell; (cell = next_cell(&line));) {
+        if (table->num_columns == CML_MOST_SETTINGS)
+            return fail_at(&table->text, "columns", cell, "at most 256", err);
+        CML_TRY(read_name(table, cell, err));
+    }
+    return CML_OK;
+}
+
+static cml_status grow(struct cml_sweep_table *table, struct cml_error *err)
+{
+    const size_t rows = (size_t)table->num_rows, columns = (size_t)table->num_columns;
+    if ((rows & (rows - 1)) != 0) return CML_OK; /* only a power of two is full */
+    const size_t capacity = rows ? 2 * rows : 1;
+    char **cell = realloc(table->cell, capacity * columns * sizeof *cell);
+    if (cell) table->cell = cell;
+    int *line = realloc(table->line, capacity * sizeof *line);
+    if (line) table->line = line;
+    return cell && line ? CML_OK
+                        : cml_fail_memory(err, (double)(capacity * columns * sizeof *cell), "a table");
+}
+
+static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml_error *err)
+{
+    char value[16], expected[64];
+    int cells = 0;
+    if (table->num_rows == MOST_ROWS) return fail_at(&table->text, "rows", "more", "at most 1000000", err);
+    CML_TRY(grow(table, err));
+    const int row = table->num_rows++;
+    table->line[row] = table->text.line;
+    for (char *cell; (cell = next_cell(&line)); cells++) {
+        if (cells >= table->num_columns) continue;
+        table->cell[(size_t)row * (size_t)table->num_columns + (size_t)cells] = cell;
+        if (*cell) continue;
+        char field[CML_SETTING_NAME + 32];
+        snprintf(field, sizeof field, "column %d, %s", cells + 1, table->name[cells]);
+        return fail_at(&table->text, field, NULL, "a value", err);
+    }
+    if (cells == table->num_columns) return CML_OK;
+    snprintf(value, sizeof value, "%d", cells);
+    snprintf(expected, sizeof expected, "%d, as many as names", table->num_columns);
+    return fail_at(&table->text, "number of cells", value, expected, err);
+}
+
+static cml_status read_table(struct cml_sweep_table *table, struct cml_error *err)
+{
+    if (strncmp(table->text.data, "\xEF\xBB\xBF", 3) == 0) table->text.cursor = 3; /* of editors on Windows */
+    CML_TRY(read_header(table, err));
+    for (char *line; (line = next_line(&table->text));) CML_TRY(read_row(table, line, err));
+    if (table->num_rows > 0) return CML_OK;
+    return fail_at(&table->text, "the first row", NULL, "a value for every name", err);
+}
+
+cml_status cml_sweep_table_read(const struct cml_text_source *source, const char *path,
+                                struct cml_sweep_table *table, struct cml_error *err)
+{
+    *table = (struct cml_sweep_table){0};
+    CML_TRY(cml_text_read(source, path, &table->text, err));
+    const cml_status status = read_table(table, err);
+    if (status != CML_OK) cml_sweep_table_clear(table);
+    return status;
+}
+
+void cml_sweep_table_clear(struct cml_sweep_table *table)
+{
+    cml_text_clear(&table->text);
+    free(table->name);
+    free(table->cell);
+    free(table->line);
+    *table = (struct cml_sweep_table){0};
+}
+
+struct cml_setting cml_sweep_cell(const struct cml_sweep_table *table, int row, int column)
+{
+    struct cml_setting setting = {
+        .value = table->cell[(size_t)row * (size_t)table->num_columns + (size_t)column],
+        .source = table->text.path,
+        .line = table->line[row],
+        .column = column + 1,
+    };
+    strcpy(setting.name, table->name[column]);
+    return setting;
+}

@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: MIT */
+#include "output/study/sweep_files.h"
+
+#include "base/atomic_file.h"
+#include "base/version.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* In the order of the columns. */
+static const struct {
+    const char *name, *long_name;
+    enum cml_total total;
+} totals[] = {{"Rsp", "specular reflectance", CML_TOTAL_SPECULAR},
+              {"Rd", "diffuse reflectance", CML_TOTAL_REFLECTED},
+              {"A", "absorbed fraction", CML_TOTAL_ABSORBED},
+              {"Tt", "transmittance", CML_TOTAL_TRANSMITTED}};
+enum { TOTALS = sizeof totals / sizeof *totals };
+
+/* Of every row anyway. */
+static bool is_of_every_row(const char *name)
+{
+    return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
+}
+
+/* ---- .csv ---- */
+
+static void write_names(FILE *out, const struct cml_sweep_results *r)
+{
+    fputs("row", out);
+    for (int c = 0; c < r->num_columns; c++)
+        if (!is_of_every_row(r->name[c])) fprintf(out, ",%s", r->name[c]);
+    fputs(",photons,seed", out);
+    for (int t = 0; t < TOTALS; t++) fprintf(out, ",%s,%s_se", totals[t].name, totals[t].name);
+    fputs(",lost,file\n", out);
+}
+
+/* Names with a comma or a quotation mark, after RFC 4180. */
+static void write_file_name(FILE *out, const char *name)
+{
+    const bool quoted = strpbrk(name, ",\"") != NULL;
+    if (quoted) fputc('"', out);
+    for (; *name; name++) {
+        if (*name == '"') fputc('"', out);
+        fputc(*name, out);
+    }
+    if (quoted) fputc('"', out);
+}
+
+static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
+{
+    const struct cml_record *record = &r->record[row];
+    fprintf(out, "%d", row + 1);
+    for (int c = 0; c < r->num_columns; c++)
+        if (!is_of_every_row(r->name[c]))
+            fprintf(out, ",%s", r->cell[(size_t)row * (size_t)r->num_columns + (size_t)c]);
+    fprintf(out, ",%" PRIu64 ",%" PRIu64, record->photons, r->seed[row]);
+    for (int t = 0; t < TOTALS; t++)
+        fprintf(out, ",%.17g,%.17g", record->value[totals[t].total], record->error[totals[t].total]);
+    fprintf(out, ",%" PRIu64 ",", record->lost);
+    write_file_name(out, r->file[row]);
+    fputc('\n', out);
+}
+
+cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
+                               struct cml_error *err)
+{
+    struct cml_file file;
+    CML_TRY(cml_file_create(path, &file, err));
+    write_names(file.stream, results);
+    for (int row = 0; row < results->num_rows; row++) write_row(file.stream, results, row);
+    return cml_file_commit(&file, err);
+}
+
+/* ---- .h5 ---- */
+
+/* The rows as an array of axes. */
+struct grid {
+    const struct cml_sweep_results *results;
+    double *value;                        /* [num_rows][num_columns] of the cells */
+    int num_axes, column[CML_FIELD_AXES]; /* of an axis; -1: the row's number */
+    struct cml_axis axis[CML_FIELD_AXES];
+    double *places; /* [num_columns][num_rows] of axes */
+    int *row;       /* [num_rows] the row at each place of the array */
+};
+
+/* What a field has of a row. */
+struct source {
+    const struct grid *grid;
+    enum { OF_VALUE, OF_ERROR, OF_COLUMN, OF_PHOTONS, OF_SEED, OF_LOST, OF_ROW } kind;
+    int which; /* total or column */
+};
+
+static double value_of(const struct source *source, int row)
+{
+    const struct cml_sweep_results *r = source->grid->results;
+    const struct cml_record *record = &r->record[row];
+    switch (source->kind) {
+    case OF_VALUE:
+        return record->value[source->which];
+    case OF_ERROR:
+        return record->error[source->which];
+    case OF_COLUMN:
+        return source->grid->value[(size_t)row * (size_t)r->num_columns + (size_t)source->which];
+    case OF_PHOTONS:
+        return (double)record->photons;
+    case OF_SEED:
+        return (double)r->seed[row];
+    case OF_LOST:
+        return (double)record->lost;
+    default:
+        return row + 1;
+    }
+}
+
+static void row_values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct source *source = context;
+    for (size_t i = begin; i < begin + count; i++) *out++ = value_of(source, source->grid->row[i]);
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const double one = *(const double *)a, other = *(const double *)b;
+    return (one > other) - (one < other);
+}
+
+/* The different values of a column, rising. Returns how many. */
+static size_t find_places(const struct grid *grid, int column, double *places)
+{
+    const size_t rows = (size_t)grid->results->num_rows, columns = (size_t)grid->results->num_columns;
+    size_t n = 0;
+    for (size_t i = 0; i < rows; i++) places[i] = grid->value[i * columns + (size_t)column];
+    qsort(places, rows, sizeof *places, compare_numbers);
+    for (size_t i = 0; i < rows; i++)
+        if (n == 0 || places[i] != places[n - 1]) places[n++] = places[i];
+    return n;
+}
+
+static const char *unit_of(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    const char *last = dot ? dot + 1 : name;
+    if (strcmp(last, "mua") == 0 || strcmp(last, "mus") == 0) return "1/cm";
+    if (strcmp(last, "d") == 0 || strcmp(last, "radius") == 0) return "cm";
+    return strcmp(last, "angle") == 0 || strcmp(last, "azimuth") == 0 ? "degree" : "1";
+}
+
+/* Columns with more than one value. false: too many. */
+static bool find_axes(struct grid *grid)
+{
+    const struct cml_sweep_results *r = grid->results;
+    for (int c = 0; c < r->num_columns; c++) {
+        double *places = grid->places + (size_t)c * (size_t)r->num_rows;
+        const size_t n = find_places(grid, c, places);
+        if (n == 1) continue;
+        if (grid->num_axes == CML_FIELD_AXES) return false;
+        grid->column[grid->num_axes] = c;
+        grid->axis[grid->num_axes++] =
+            (struct cml_axis){r->name[c], "what was swept", unit_of(r->name[c]), n, 0, 0, places};
+    }
+    return grid->num_axes > 0;
+}
+
+/* Which row lies where; false where a place has none, or two. */
+static bool place_rows(struct grid *grid)
+{
+    const struct cml_sweep_results *r = grid->results;
+    size_t size = 1;
+    for (int a = 0; a < grid->num_axes; a++) size *= grid->axis[a].n;
+    if (size != (size_t)r->num_rows) return false;
+    for (size_t i = 0; i < size; i++) grid->row[i] = -1;
+    for (int row = 0; row < r->num_rows; row++) {
+        size_t place = 0;
+        for (int a = 0; a < grid->num_axes; a++) {
+            const struct cml_axis *axis = &grid->axis[a];
+            const double *cell = &grid->value[(size_t)row * (size_t)r->num_columns + (size_t)grid->column[a]];
+            const double *at = bsearch(cell, axis->places, axis->n, sizeof *cell, compare_numbers);
+            place = place * axis->n + (size_t)(at - axis->places);
+        }
+        if (grid->row[place] >= 0) return false;
+        grid->row[place] = row;
+    }
+    return true;
+}
+
+/* All combinations, or one row after the other. */
+static void arrange(struct grid *grid)
+{
+    if (find_axes(grid) && place_rows(grid)) return;
+    const size_t rows = (size_t)grid->results->num_rows;
+    grid->num_axes = 1;
+    grid->column[0] = -1;
+    grid->axis[0] = (struct cml_axis){"row", "row of the table, from 1", "1", rows, 1, 1, NULL};
+    for (size_t i = 0; i < rows; i++) grid->row[i] = (int)i;
+}
+
+/* The list of fields, and where the next one goes. */
+struct fields {
+    struct cml_field *field;
+    struct source *source;
+    int count;
+};
+
+static struct cml_field *add(struct fields *list, const struct grid *grid, const char *name,
+                             const char *long_name, const struct source *source)
+{
+    struct cml_field *field = &list->field[list->count];
+    list->source[list->count] = *source;
+    snprintf(field->name, sizeof field->name, "%s", name);
+    field->long_name = long_name;
+    field->units = "1";
+    field->num_axes = grid->num_axes;
+    for (int a = 0; a < grid->num_axes; a++) field->axis[a] = &grid->axis[a];
+    field->values = row_values;
+    field->context = &list->source[list->count++];
+    return field;
+}
+
+static bool is_axis(const struct grid *grid, int column)
+{
+    for (int a = 0; a < grid->num_axes; a++)
+        if (grid->column[a] == column) return true;
+    return false;
+}
+
+/* Axes are data sets of their own, by their names. */
+static bool has_axis(const struct grid *grid, const char *name)
+{
+    for (int a = 0; a < grid->num_axes; a++)
+        if (strcmp(grid->axis[a].name, name) == 0) return true;
+    return false;
+}
+
+static void fill(struct fields *list, const struct grid *grid)
+{
+    const struct cml_sweep_results *r = grid->results;
+    for (int t = 0; t < TOTALS; t++) {
+        char name[16];
+        struct cml_field *value = add(list, grid, totals[t].name, totals[t].long_name,
+                                      &(struct source){grid, OF_VALUE, (int)totals[t].total});
+        snprintf(name, sizeof name, "%s_se", totals[t].name);
+        value->errors =
+            add(list, grid, name, "standard error", &(struct source){grid, OF_ERROR, (int)totals[t].total})
+                ->name;
+    }
+    for (int c = 0; c < r->num_columns; c++)
+        if (!is_axis(grid, c) && !is_of_every_row(r->name[c]))
+            add(list, grid, r->name[c], "what was swept", &(struct source){grid, OF_COLUMN, c})->units =
+                unit_of(r->name[c]);
+    if (!has_axis(grid, "photons"))
+        add(list, grid, "photons", "packets", &(struct source){grid, OF_PHOTONS, 0});
+    if (!has_axis(grid, "seed"))
+        add(list, grid, "seed", "of the random numbers", &(struct source){grid, OF_SEED, 0});
+    add(list, grid, "lost", "packets lost to numerical failure", &(struct source){grid, OF_LOST, 0});
+    if (!has_axis(grid, "row"))
+        add(list, grid, "row", "of the table, from 1", &(struct source){grid, OF_ROW, 0});
+}
+
+static cml_status write_h5(const char *path, const struct grid *grid, struct fields *list,
+                           struct cml_error *err)
+{
+    const struct cml_sweep_results *r = grid->results;
+    const struct cml_attribute attributes[] = {
+        {"title", r->title, 0},
+        {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
+        {"version", cml_version(), 0},
+        {"input", r->input, 0},
+        {"settings", r->settings, 0},
+    };
+    const int count = (int)(sizeof attributes / sizeof *attributes) - (r->settings ? 0 : 1);
+    fill(list, grid);
+    return cml_hdf5_write(path, attributes, count, &r->call, list->field, list->count, err);
+}
+
+cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
+                              struct cml_error *err)
+{
+    const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
+    const size_t most = 2 * TOTALS + columns + 4;
+    struct grid grid = {.results = results};
+    struct fields list = {calloc(most, sizeof *list.field), calloc(most, sizeof *list.source), 0};
+    grid.value = calloc(rows * columns, sizeof *grid.value);
+    grid.places = calloc(rows * columns, sizeof *grid.places);
+    grid.row = calloc(rows, sizeof *grid.row);
+    cml_status status = cml_fail_memory(err, 16.0 * (double)(rows * columns), "the results of a sweep");
+    if (list.field && list.source && grid.value && grid.places && grid.row) {
+        for (size_t i = 0; i < rows * columns; i++) grid.value[i] = strtod(results->cell[i], NULL);
+        arrange(&grid);
+        status = write_h5(path, &grid, &list, err);
+    }
+    free(list.field);
+    free(list.source);
+    free(grid.value);
+    free(grid.places);
+    free(grid.row);
+    return status;
+}

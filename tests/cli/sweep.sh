@@ -1,0 +1,86 @@
+#!/bin/sh
+# --sweep: a row's result has the bytes of a run with --set of its cells, but for its name; the tables of all rows say what the
+# rows' files say; shapes are loaded once unless they change; all rows are validated before the first one flies, and a wrong
+# cell is named. The .h5 has the parameters as axes where the table is a full grid.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+bare() { sed -e '/^# User time/d' -e 's/^[^ ]* \tA\t/NAME /' "$1"; }
+mkdir "$work/rows" "$work/meshes"
+cp meshes/ridges.obj "$work/meshes/"
+sed 's,"../meshes/,"meshes/,' samples/ridges.mci >"$work/ridges.mci"
+
+# Media, a shape that changes, the beam, photons and seeds, in one table.
+cat >"$work/table.csv" <<'END'
+# a comment
+layer1.mua, boundary0.height , beam.angle,photons,seed
+
+0.5,1,0,2000,1
+2,1,30,2000,1   # of this row
+0.5,0.5,0,1500,7
+0.5,1,0,2000,2
+END
+expect_code 0 "$work/ridges.mci" --sweep "$work/table.csv" -o "$work/rows" --quiet --set layer1.g=0.7
+test "$(wc -l <"$work/rows/ridges.sweep.csv")" -eq 5 || complain "the table: $(cat "$work/rows/ridges.sweep.csv")"
+row=0
+for set in "0.5 1 0 2000 1" "2 1 30 2000 1" "0.5 0.5 0 1500 7" "0.5 1 0 2000 2"; do
+    row=$((row + 1))
+    set -- $set
+    mkdir "$work/single"
+    expect_code 0 "$work/ridges.mci" --set layer1.g=0.7 --set layer1.mua=$1 --set boundary0.height=$2 --set beam.angle=$3 --set photons=$4 \
+        --seed $5 -o "$work/single" --quiet
+    bare "$work/single/ridges.mco" >"$work/a"
+    bare "$work/rows/ridges-000$row.mco" >"$work/b"
+    cmp -s "$work/a" "$work/b" || complain "row $row: not the bytes of a run with --set: $(diff "$work/a" "$work/b" | head -5)"
+    # the table has the totals of the file, with more digits
+    wanted=$(awk '/^RAT/ { getline; a = $1; getline; b = $1; getline; c = $1; getline; print a, b, c, $1; exit }' "$work/rows/ridges-000$row.mco")
+    found=$(awk -F, -v row=$row 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $1 == row {
+        printf "%.6G %.6G %.6G %.6G\n", $at["Rsp"], $at["Rd"], $at["A"], $at["Tt"] }' "$work/rows/ridges.sweep.csv")
+    test "$found" = "$wanted" || complain "row $row: $found in the table, $wanted in the file"
+    test "$(awk -F, -v row=$row '$1 == row { print $NF }' "$work/rows/ridges.sweep.csv")" = ridges-000$row.mco || complain "the file of row $row"
+    rm -r "$work/single"
+done
+test "$(head -1 "$work/rows/ridges.sweep.csv")" = \
+    "row,layer1.mua,boundary0.height,beam.angle,photons,seed,Rsp,Rsp_se,Rd,Rd_se,A,A_se,Tt,Tt_se,lost,file" ||
+    complain "the header: $(head -1 "$work/rows/ridges.sweep.csv")"
+
+# --json: one object a row, with its number.
+mkdir "$work/out.d"
+expect_code 0 "$work/ridges.mci" --sweep "$work/table.csv" -o "$work/out.d" --json
+test "$(grep -c '"row":[1-4],' "$work/out")" -eq 4 && test "$(wc -l <"$work/out")" -eq 4 || complain "--json: $(cat "$work/out")"
+test "$(ls "$work/out.d" | grep -c -v -e 'ridges-000[1-4].mco$' -e '^ridges.sweep')" -eq 0 || complain "left: $(ls "$work/out.d")"
+
+# Nothing flies when a row is wrong.
+wrong() { # MESSAGE TABLE
+    printf "$2" >"$work/wrong.csv"
+    rm -rf "$work/none"
+    mkdir "$work/none"
+    expect_error 2 "$work/wrong.csv$1" "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work/none"
+    test -z "$(ls "$work/none")" || complain "$1: wrote $(ls "$work/none")"
+}
+wrong ":3: column 2, layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" 'layer1.g,layer1.mua\n0.5,1\n0.5,-1\n'
+wrong ":2: column 1, layer1.mua = x (expected a coefficient of 0..1e30 1/cm)" 'layer1.mua\nx\n'
+wrong ":3: number of cells = 1 (expected 2, as many as names)" 'layer1.mua,layer1.g\n1,0\n1\n'
+wrong ":2: number of cells = 3 (expected 2, as many as names)" 'layer1.mua,layer1.g\n1,0,1\n'
+wrong ":2: column 2, layer1.g is missing (expected a value)" 'layer1.mua,layer1.g\n1,\n'
+wrong ":1: column 2 = layer1.mua (expected a name that no other column has)" 'layer1.mua,layer1.mua\n1,1\n'
+wrong ":1: column 2 is missing (expected a name like layer1.mua)" 'layer1.mua,\n1,1\n'
+wrong ":1: the first row is missing (expected a value for every name)" 'layer1.mua\n'
+wrong ":2: the line of names is missing (expected layer1.mua, photons or others)" '# nothing\n\n'
+wrong ":2: column 1, seed = -3 (expected a whole number from 0 to 9007199254740992)" 'seed\n-3\n'
+wrong ":3: column 1, boundary0.scale = 0 (expected a number of 1e-30..1e30)" 'boundary0.scale\n1\n0\n'
+printf 'layer1.x\n1\n' >"$work/wrong.csv"
+expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"
+grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a name that ridges-0001.mco knows: photons, " "$work/err" ||
+    complain "an unknown name: $(cat "$work/err")"
+printf 'layer1.d\n1\n0.0001\n' >"$work/wrong.csv"
+expect_code 2 samples/mixed.mci --sweep "$work/wrong.csv" -o "$work"
+grep -q "^clustermcml: $work/wrong.csv:3: .*boundaries 0 and 1 cross at" "$work/err" || complain "boundaries that cross: $(cat "$work/err")"
+printf 'layer1.mua\n1\n' >"$work/one.csv"
+expect_error 2 "$work/one.csv:2: column 1, layer1.mua = 1 (expected one value, but --set has set it to 2)" \
+    "$work/ridges.mci" --sweep "$work/one.csv" --set layer1.mua=2 -o "$work"
+expect_error 2 "--sweep $work/one.csv (expected a file with one run; samples/two_runs.mci has 2)" samples/two_runs.mci --sweep "$work/one.csv"
+expect_error 2 "$work/missing.csv: cannot be read (No such file or directory)" "$work/ridges.mci" --sweep "$work/missing.csv"
+cp "$work/one.csv" "$work/ridges.sweep.csv"
+expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"
+grep -q "it would overwrite the input $work/ridges.sweep.csv" "$work/err" || complain "the table would be overwritten: $(cat "$work/err")"
+finish

@@ -1,0 +1,109 @@
+"""Sweeps that are killed or stopped in the middle and resumed, on 1 to 3 ranks, lose no row and double none: at the end the
+files of all rows and the table have the bytes of the sweep that nobody disturbed. On several ranks each flies rows of its
+own; a signal to one of them stops all. KILLS says how often (4). Same bytes for any number of ranks."""
+import os
+import random
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+PROGRAM = os.environ["CLUSTERMCML"]
+KILLS = int(os.environ.get("KILLS", "4"))
+ROWS = 24
+MPI = ["mpiexec", "--oversubscribe", "--bind-to", "none"] + ["--allow-run-as-root"] * (os.geteuid() == 0)
+
+
+def start(folder, table, ranks, resume):
+    launcher = [*MPI, "-n", str(ranks)] if ranks > 1 else []
+    command = [*launcher, PROGRAM, "samples/thick.mci", "--sweep", table, "--photons", "20000", "--threads", "1", "--quiet", "-o",
+               folder, "--checkpoint", "0.1"] + ["--resume"] * resume
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
+
+
+def read(folder):
+    """{name: bytes but for the time} of results; checkpoints are left out."""
+    files = {}
+    for name in os.listdir(folder):
+        if "checkpoint" in name or name.endswith(".h5"):
+            continue
+        with open(os.path.join(folder, name), "rb") as file:
+            files[name] = re.sub(rb"# User time.*\n", b"", file.read())
+    return files
+
+
+def rows_there(folder):
+    return len([name for name in os.listdir(folder) if re.fullmatch(r"thick-\d{4}\.mco", name)])
+
+
+def disturb(process, folder, dice):
+    """A signal when some more rows are there. Whether it was sent before the end."""
+    goal = rows_there(folder) + dice.randrange(1, 6)
+    while process.poll() is None and rows_there(folder) < min(goal, ROWS):
+        time.sleep(0.002)
+    if process.poll() is not None:
+        return False
+    if dice.random() < 0.7:
+        os.killpg(process.pid, signal.SIGKILL)
+    else:
+        os.kill(process.pid, signal.SIGUSR2)
+    return True
+
+
+def check_few(root):
+    """Two rows on three ranks, which fly each row together."""
+    table = os.path.join(root, "two.csv")
+    with open(table, "w", encoding="ascii") as file:
+        file.write("layer1.g\n0.5\n0.9\n")
+    found = []
+    for ranks in (1, 3):
+        folder = os.path.join(root, f"two{ranks}")
+        os.mkdir(folder)
+        start(folder, table, ranks, False).wait()
+        found.append(read(folder))
+    return [] if len(found[0]) == 3 and found[0] == found[1] else [f"two rows: {sorted(found[0])}, {sorted(found[1])}"]
+
+
+def main():
+    dice, complaints, kills, lives = random.Random(1), [], 0, 0
+    with tempfile.TemporaryDirectory() as root:
+        table = os.path.join(root, "table.csv")
+        with open(table, "w", encoding="ascii") as file:
+            file.write("layer1.mua,seed\n" + "".join(f"{0.1 + 0.05 * i:.2f},{i % 3}\n" for i in range(ROWS)))
+        plain = os.path.join(root, "plain")
+        os.mkdir(plain)
+        if start(plain, table, 1, False).wait():
+            complaints.append("the sweep that nobody disturbs fails")
+        expected = read(plain)
+        if len(expected) != ROWS + 1 or any("checkpoint" in name for name in os.listdir(plain)):
+            complaints.append(f"left {sorted(os.listdir(plain))}")
+        shared = os.path.join(root, "shared")
+        os.mkdir(shared)
+        process = start(shared, table, 3, False)
+        if process.wait() or read(shared) != expected:
+            complaints.append(f"3 ranks: other bytes, {process.stderr.read()}")
+        complaints += check_few(root)
+        while kills < KILLS and not complaints:
+            folder = os.path.join(root, f"killed{kills}")
+            os.mkdir(folder)
+            resume = False
+            while True:
+                process = start(folder, table, dice.choice((1, 1, 3)), resume)
+                disturbed = kills < KILLS and disturb(process, folder, dice)
+                error, code, lives, resume = process.stderr.read(), process.wait(), lives + 1, True
+                kills += disturbed
+                if code == 0:
+                    break
+                if not disturbed or (code not in (75, -signal.SIGKILL, 1) and "stopped with" not in error):
+                    complaints.append(f"exit {code}: {error}")
+                    break
+            if not complaints and read(folder) != expected:
+                complaints.append(f"other bytes after kills: {sorted(read(folder))}")
+    print(f"{kills} kills in {lives} lives")
+    print("\n".join("FAILED " + complaint for complaint in complaints))
+    sys.exit(1 if complaints else 0)
+
+
+main()

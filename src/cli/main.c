@@ -31,6 +31,7 @@ static const struct {
     [CML_COMMAND_TRACE] = {false, cml_command_trace},
     [CML_COMMAND_CROSSCHECK] = {false, cml_command_crosscheck},
     [CML_COMMAND_COMPARE] = {false, cml_command_compare},
+    [CML_COMMAND_MERGE] = {false, cml_command_merge},
     [CML_COMMAND_PLOT] = {false, cml_command_plot},
     [CML_COMMAND_DEVICES] = {false, cml_command_devices},
     [CML_COMMAND_HELP] = {false, help},

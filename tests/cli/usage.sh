@@ -61,9 +61,9 @@ belongs check --resume run check $sample --resume
 belongs check --photons "run, plan, crosscheck" --photons 3 check $sample
 belongs plan -o "run, mesh" plan $sample -o "$work"
 belongs plan --output-dir "run, mesh" plan $sample --output-dir "$work"
-belongs plan --output "run, check, compare, plot" plan $sample --output "$work"
+belongs plan --output "run, check, compare, merge, plot" plan $sample --output "$work"
 belongs exact --engine "run, check, trace" exact $sample --engine cpu
-belongs devices --json "run, plan, check, exact, compare" devices --json
+belongs devices --json "run, plan, check, exact, compare, merge" devices --json
 only="(it belongs to: opencl)"
 expect_error 2 "run: --device does not apply to engine cpu $only" $sample --device 7 --photons 10 -o "$work"
 expect_error 2 "run: --group does not apply to engine reference $only" $sample --group 64 --engine reference

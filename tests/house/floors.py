@@ -34,7 +34,7 @@ ROOMS = {
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/cli/options src/output src/exact src/run src/engine src/engine/engines src/surface src/input src/scene src/tally src/geometry src/base kernels",
     "src/cli/run": "src/cli/load src/cli/options src/output src/output/study src/exact src/run src/engine src/surface src/input src/scene src/tally src/geometry src/base kernels",
-    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/exact src/run src/engine src/engine/engines "
+    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/output/study src/exact src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -43,7 +43,7 @@ FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/engine/cpu/bundle_masks",
-    "jansson.h": "src/base/json_name src/output/report_json src/plot/compare_report src/cli/command_plan",
+    "jansson.h": "src/base/json_name src/output/study/merge src/output/report_json src/plot/compare_report src/cli/command_plan",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/hdf5_file src/plot/files/hdf5_result",

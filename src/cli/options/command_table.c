@@ -57,6 +57,12 @@ const struct cml_command_def cml_commands[] = {
                              "grid, ours or original MCML's. "
                              "Prints z and a p-value that is corrected for the number of tests.",
                              "clustermcml compare a.mco b.mco -o z.svg\n"},
+    [CML_COMMAND_MERGE] = {"merge", "FILE FILE ...", 2, 4096,
+                           "results of one scene, flown with different seeds, as one",
+                           "Joins results of one scene (.mco, .h5) that were flown with different seeds: "
+                           "means weighted by photons, "
+                           "and their standard errors. Equal seeds and different scenes are refused.",
+                           "clustermcml merge part-1/skin.mco part-2/skin.mco -o skin.mco\n"},
     [CML_COMMAND_PLOT] =
         {"plot", "FILE ...", 1, 64, "draw results and curves (.mco, .h5, .csv) or maps (.map.vti, .h5)",
          "Draws r*Rd(r) and r*Tt(r), or what --of names, of one or more results (.mco, .h5), with bands of "

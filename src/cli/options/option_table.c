@@ -17,6 +17,7 @@ enum {
     TRACE = 1 << CML_COMMAND_TRACE,
     CROSSCHECK = 1 << CML_COMMAND_CROSSCHECK,
     COMPARE = 1 << CML_COMMAND_COMPARE,
+    MERGE = 1 << CML_COMMAND_MERGE,
     PLOT = 1 << CML_COMMAND_PLOT,
     ALL = (1 << CML_NUM_COMMANDS) - 1,
     FLYING = RUN | PLAN | TRACE | CROSSCHECK,
@@ -123,12 +124,13 @@ const struct cml_option cml_option_table[] = {
 
     {"output-dir", 'o', "DIR", RUN | MESH, NULL, "where results go, default the current directory",
      TEXT(directory), .title = "output"},
-    {"output", 'o', "FILE", RUN | COMPARE | PLOT | CHECK, NULL,
-     "of run (--output only): the result's name in place of the file's, .mco or .h5. Else the picture, .svg, "
+    {"output", 'o', "FILE", RUN | MERGE | COMPARE | PLOT | CHECK, NULL,
+     "of run (--output only): the result's name in place of the file's, .mco or .h5; of merge: the result. "
+     "Else the picture, .svg, "
      ".png, .pdf or "
      ".eps; of compare and check: none without it; of plot: default plot.svg",
      TEXT(output)},
-    {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | COMPARE, NULL,
+    {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},
     {"alpha", 0, "A", COMPARE, NULL, "p below it is a difference, default 0.01", .read = cml_read_alpha},
     {"dump", 0, "FILE", CROSSCHECK, NULL, "the photons that differ, for trace", TEXT(dump)},
@@ -157,7 +159,7 @@ const struct cml_option cml_option_table[] = {
     {"log", 0, NULL, PLOT, NULL, "logarithmic scale; default: curves are, maps as their range asks for",
      .read = cml_read_log},
     {"linear", 0, NULL, PLOT, NULL, "linear scale", .read = cml_read_linear},
-    {"quiet", 0, NULL, SURFACES | EXACT | COMPARE | PLOT, NULL, "no banner, progress or summary",
+    {"quiet", 0, NULL, SURFACES | EXACT | MERGE | COMPARE | PLOT, NULL, "no banner, progress or summary",
      FLAG(quiet)},
     {"help", 'h', NULL, ALL, NULL, "of the command, or the list of commands", FLAG(help)},
     {"version", 0, NULL, ALL, NULL, "of the program", FLAG(version)},

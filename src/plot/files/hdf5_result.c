@@ -101,24 +101,36 @@ static double read_attribute(const struct reader *r, const char *name)
     return number;
 }
 
-/* A text of fixed length, as our writer has them, cut at `size`; "" where there is none. */
-static void read_text(hid_t object, const char *name, char *text, size_t size)
+/* A text of fixed length, as our writer has them, the caller's to free; NULL where there is none. */
+static char *read_whole_text(hid_t object, const char *name)
 {
     const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
-    text[0] = '\0';
-    if (attribute < 0) return;
+    if (attribute < 0) return NULL;
     const hid_t type = H5Aget_type(attribute), wanted = H5Tcopy(H5T_C_S1);
     const size_t length = H5Tget_size(type);
-    char *whole = calloc(length + 1, 1);
-    if (whole && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0) {
+    bool good = H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0;
+    char *whole = good ? calloc(length + 1, 1) : NULL;
+    if (whole) {
         (void)H5Tset_size(wanted, length + 1);
         (void)H5Tset_cset(wanted, H5Tget_cset(type));
-        if (H5Aread(attribute, wanted, whole) >= 0) snprintf(text, size, "%s", whole);
+        good = H5Aread(attribute, wanted, whole) >= 0;
     }
-    free(whole);
+    if (!good) {
+        free(whole);
+        whole = NULL;
+    }
     H5Tclose(wanted);
     H5Tclose(type);
     H5Aclose(attribute);
+    return whole;
+}
+
+/* The same, cut at `size`; "" where there is none. */
+static void read_text(hid_t object, const char *name, char *text, size_t size)
+{
+    char *whole = read_whole_text(object, name);
+    snprintf(text, size, "%s", whole ? whole : "");
+    free(whole);
 }
 
 /* ---- a result ---- */
@@ -224,6 +236,54 @@ static cml_status write_errors(const struct reader *r, const char *name, FILE *o
     return CML_OK;
 }
 
+/* Every line of a text attribute behind the prefix; those from number `first` on. */
+static void write_lines(const struct reader *r, const char *name, const char *prefix, int first, FILE *out)
+{
+    char *text = read_whole_text(r->file, name);
+    int number = 0;
+    for (const char *line = text; line && *line; number++) {
+        const size_t length = strcspn(line, "\n");
+        if (number >= first && length > 0) fprintf(out, "%s%.*s\n", prefix, (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    free(text);
+}
+
+/* Whose random numbers it has, and what the scene is: of a run by its input, whose first two lines are its
+ * name and most often its photons; of a merged result by what that says itself. */
+static void write_origin(const struct reader *r, FILE *out)
+{
+    char merged[2];
+    read_text(r->file, "merged", merged, sizeof merged);
+    if (merged[0])
+        write_lines(r, "merged", "# ", 0, out);
+    else
+        fprintf(out, "# engine -, seed %.0f, run %.0f\n", read_attribute(r, "seed"),
+                read_attribute(r, "run"));
+    write_lines(r, "boundaries", "# ", 0, out);
+    write_lines(r, "settings", "# set ", 0, out);
+    write_lines(r, "input", "# scene ", 2, out);
+    write_lines(r, "scene", "# scene ", 0, out);
+}
+
+/* Sections books, residue and lost. */
+static cml_status write_books(const struct reader *r, FILE *out)
+{
+    static const char *const names[] = {"book_launched",   "book_gained",      "book_specular",
+                                        "book_reflected",  "book_transmitted", "book_absorbed",
+                                        "book_roulette",   "book_trapped",     "book_lost",
+                                        "book_overflow_r", "book_overflow_z",  "book_above"};
+    enum { BOOKS = sizeof names / sizeof *names };
+    double books[BOOKS] = {0}, residue = 0, lost = 0;
+    for (int i = 0; i < BOOKS; i++) CML_TRY(read_numbers(r, names[i], &books[i], 1, true));
+    CML_TRY(read_numbers(r, "residue", &residue, 1, true));
+    CML_TRY(read_numbers(r, "lost", &lost, 1, true));
+    fputs("\nbooks #\n", out);
+    for (int i = 0; i < BOOKS; i++) fprintf(out, "%.17g\n", books[i]);
+    fprintf(out, "\nresidue #\n%.17g\n\nlost #\n%.17g\n", residue, lost);
+    return CML_OK;
+}
+
 /* What an .mco file has behind MCML's sections, as far as pictures and comparisons read it. */
 static cml_status write_extra(const struct reader *r, FILE *out)
 {
@@ -232,8 +292,8 @@ static cml_status write_extra(const struct reader *r, FILE *out)
     char sampling[16];
     double error[4];
     read_text(r->file, "sampling", sampling, sizeof sampling);
-    fprintf(out, "# engine -, seed %.0f, run %.0f\n\nlattice #\n%d\n", read_attribute(r, "seed"),
-            read_attribute(r, "run"), strcmp(sampling, "lattice") == 0);
+    write_origin(r, out);
+    fprintf(out, "\nlattice #\n%d\n", strcmp(sampling, "lattice") == 0);
     fputs("\nse_RAT #\n", out);
     for (int i = 0; i < 4; i++) {
         CML_TRY(read_numbers(r, totals[i], &error[i], 1, false));
@@ -241,7 +301,7 @@ static cml_status write_extra(const struct reader *r, FILE *out)
     }
     for (size_t i = 0; i < sizeof profiles / sizeof *profiles; i++)
         CML_TRY(write_errors(r, profiles[i], out));
-    return CML_OK;
+    return write_books(r, out);
 }
 
 static cml_status read_extra(const struct reader *r, struct cml_mco *mco)

@@ -1,0 +1,83 @@
+/* clustermcml merge: results of one scene, flown with different seeds, as one.
+ * SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "cli/run/outputs.h"
+#include "output/study/merge.h"
+#include "plot/files/result_file.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void print_summary(const struct cml_mco *merged, const char *path, int count)
+{
+    static const char *const names[] = {"Rsp", "Rd", "A", "Tt"};
+    const double values[] = {merged->Rsp, merged->Rd, merged->A, merged->Tt};
+    double errors[4] = {0};
+    (void)cml_mco_extra(merged, "se_RAT", errors, 4);
+    printf("%d results, %llu photons\n", count, (unsigned long long)merged->photons);
+    for (int i = 0; i < 4; i++) printf("  %-4s %.6f +- %.6f\n", names[i], values[i], errors[i]);
+    printf("  -> %s\n", path);
+}
+
+static cml_status write_merged(const struct cml_options *options, const struct cml_merge_input *inputs,
+                               int count, const struct cml_mco *merged, struct cml_error *err)
+{
+    const struct cml_hdf5_call call = {options->command, options->operands[0]};
+    const char *path = options->output;
+    if (cml_file_ends_in(path, ".mco") && !(merged->n_above > 0))
+        return cml_fail(err, CML_E_INPUT,
+                        "merge: -o %.200s (expected an .h5: none of the results says n of the media outside)",
+                        path);
+    CML_TRY(cml_file_ends_in(path, ".h5") ? cml_merge_write_h5(path, merged, &call, err)
+                                          : cml_mco_write(path, merged, err));
+    if (options->json) return cml_merge_json(stdout, path, inputs, count, merged, err);
+    if (!options->quiet) print_summary(merged, path, count);
+    return CML_OK;
+}
+
+static cml_status merge(const struct cml_options *options, const struct cml_merge_input *inputs, int count,
+                        struct cml_error *err)
+{
+    struct cml_mco merged;
+    CML_TRY(cml_merge(inputs, count, name_of(options->output), &merged, err));
+    const cml_status status = write_merged(options, inputs, count, &merged, err);
+    cml_mco_clear(&merged);
+    return status;
+}
+
+static cml_status check_output(const struct cml_options *options, struct cml_error *err)
+{
+    if (!options->output)
+        return cml_fail(err, CML_E_INPUT,
+                        "merge: -o is missing (expected the name of the result, .mco or .h5)");
+    if (!cml_file_ends_in(options->output, ".mco") && !cml_file_ends_in(options->output, ".h5"))
+        return cml_fail(err, CML_E_INPUT, "merge: -o %.200s (expected a name that ends in .mco or .h5)",
+                        options->output);
+    return cml_check_overwrite("merge", options->output, options->operands, options->num_operands, err);
+}
+
+/* All are in memory at a time. */
+cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
+{
+    const int count = options->num_operands;
+    CML_TRY(check_output(options, err));
+    struct cml_mco *mco = calloc((size_t)count, sizeof *mco);
+    struct cml_merge_input *inputs = calloc((size_t)count, sizeof *inputs);
+    cml_status status = mco && inputs ? CML_OK : cml_fail_memory(err, count * (double)sizeof *mco, "results");
+    for (int i = 0; status == CML_OK && i < count; i++) {
+        inputs[i] = (struct cml_merge_input){options->operands[i], &mco[i]};
+        status = cml_result_file_read(options->operands[i], &mco[i], err);
+    }
+    if (status == CML_OK) status = merge(options, inputs, count, err);
+    for (int i = 0; mco && i < count; i++) cml_mco_clear(&mco[i]);
+    free(mco);
+    free(inputs);
+    return status;
+}

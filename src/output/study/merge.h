@@ -1,0 +1,33 @@
+/* Several results of one scene, flown with different seeds, as one: the mean over all their packets.
+ * A value is the mean of the values, weighted by packets; its error, as runs with different seeds are
+ * independent, the root of the sum of squares of the weighted errors. SPDX-License-Identifier: MIT */
+#ifndef CML_MERGE_H
+#define CML_MERGE_H
+
+#include "output/hdf5_file.h"
+#include "output/mco.h"
+
+#include <stdio.h>
+
+/* A result that is there, and the name of its file for messages. Borrowed. */
+struct cml_merge_input {
+    const char *name;
+    const struct cml_mco *mco;
+};
+
+/* Merges count >= 2 results into *merged, which has their errors, books and seeds in `extra`. CML_E_INPUT: a
+ * result of another scene or grid, with the first difference; one without standard errors; a seed and run
+ * that two of them share. The caller clears *merged, which is empty after a failure. */
+CML_NODISCARD cml_status cml_merge(const struct cml_merge_input *inputs, int count, const char *title,
+                                   struct cml_mco *merged, struct cml_error *err);
+
+/* Writes a merged result as .h5: what an .mco file holds, under the names of a run's .h5. Atomic; CML_E_IO.
+ */
+CML_NODISCARD cml_status cml_merge_write_h5(const char *path, const struct cml_mco *merged,
+                                            const struct cml_hdf5_call *call, struct cml_error *err);
+
+/* One object on one line: output, inputs, photons, totals and their errors. */
+CML_NODISCARD cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge_input *inputs,
+                                        int count, const struct cml_mco *merged, struct cml_error *err);
+
+#endif

@@ -1,0 +1,208 @@
+/* A merged result as .h5: the fields that a run's .h5 has of what an .mco file holds.
+ * SPDX-License-Identifier: MIT */
+#include "output/study/merge.h"
+
+#include "base/version.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_FIELDS = 48, BOOKS = 12 };
+
+/* Numbers of a field, and how far they are apart. */
+struct source {
+    const double *value;
+    size_t stride;
+};
+
+/* The fields of one result, what they point into, and errors and books from its sections. */
+struct list {
+    const struct cml_mco *mco;
+    struct cml_axis layer, r, z, alpha;
+    struct cml_field field[MOST_FIELDS];
+    struct source source[MOST_FIELDS];
+    int count;
+    double *room; /* [room_size] numbers of sections, of which `used` are taken */
+    size_t used;
+};
+
+static void values(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct source *source = context;
+    for (size_t i = 0; i < count; i++) out[i] = source->value[(begin + i) * source->stride];
+}
+
+static struct cml_field *add(struct list *l, const char *name, const char *long_name, const char *units,
+                             const double *value, const struct cml_axis *slow, const struct cml_axis *fast)
+{
+    struct cml_field *field = &l->field[l->count];
+    l->source[l->count] = (struct source){value, 1};
+    snprintf(field->name, sizeof field->name, "%s", name);
+    field->long_name = long_name;
+    field->units = units;
+    if (slow) field->axis[field->num_axes++] = slow;
+    if (fast) field->axis[field->num_axes++] = fast;
+    field->values = values;
+    field->context = &l->source[l->count++];
+    return field;
+}
+
+/* The numbers of a section; NULL where the result has none. */
+static const double *section(struct list *l, const char *key, int count)
+{
+    double *numbers = l->room + l->used;
+    if (cml_mco_extra(l->mco, key, numbers, count) < count) return NULL;
+    l->used += (size_t)count;
+    return numbers;
+}
+
+/* A value and, where they are known, its errors. */
+static void add_with_errors(struct list *l, const char *name, const char *long_name, const char *units,
+                            const double *value, const double *errors, const struct cml_axis *axis)
+{
+    char key[32];
+    struct cml_field *field = add(l, name, long_name, units, value, axis, NULL);
+    if (!errors) return;
+    snprintf(key, sizeof key, "%s_se", name);
+    field->errors = add(l, key, "standard error", units, errors, axis, NULL)->name;
+}
+
+static void add_totals(struct list *l)
+{
+    const struct cml_mco *m = l->mco;
+    const double *errors = section(l, "se_RAT", 4);
+    add_with_errors(l, "Rsp", "specular reflectance", "1", &m->Rsp, errors, NULL);
+    add_with_errors(l, "Rd", "diffuse reflectance", "1", &m->Rd, errors ? errors + 1 : NULL, NULL);
+    add_with_errors(l, "A", "absorbed fraction", "1", &m->A, errors ? errors + 2 : NULL, NULL);
+    add_with_errors(l, "Tt", "transmittance", "1", &m->Tt, errors ? errors + 3 : NULL, NULL);
+}
+
+static void add_books(struct list *l)
+{
+    static const char *const names[BOOKS] = {"book_launched",   "book_gained",      "book_specular",
+                                             "book_reflected",  "book_transmitted", "book_absorbed",
+                                             "book_roulette",   "book_trapped",     "book_lost",
+                                             "book_overflow_r", "book_overflow_z",  "book_above"};
+    const double *books = section(l, "books", BOOKS), *residue = section(l, "residue", 1),
+                 *lost = section(l, "lost", 1);
+    for (int i = 0; books && i < BOOKS; i++)
+        add(l, names[i], "weight per launched packet", "1", books + i, NULL, NULL);
+    if (residue) add(l, "residue", "of the books, in 2^-31 packets", "1", residue, NULL, NULL);
+    if (lost) add(l, "lost", "packets lost to numerical failure", "1", lost, NULL, NULL);
+}
+
+static void add_layers(struct list *l)
+{
+    static const char *const names[5][2] = {
+        {"layer_n", "1"}, {"layer_mua", "1/cm"}, {"layer_mus", "1/cm"}, {"layer_g", "1"}, {"layer_d", "cm"}};
+    for (int i = 0; i < 5; i++) {
+        add(l, names[i][0], "of the input", names[i][1], &l->mco->layer[0][i], &l->layer, NULL);
+        l->source[l->count - 1].stride = 5;
+    }
+    add(l, "A_l", "absorption by layer", "1", l->mco->A_l, &l->layer, NULL);
+}
+
+/* Where no errors of A_z are known, absorption was not tallied by place. */
+static void add_arrays(struct list *l)
+{
+    const struct cml_mco *m = l->mco;
+    const double *errors = section(l, "se_A_z", m->nz);
+    if (errors) {
+        add_with_errors(l, "A_z", "absorption by depth", "1/cm", m->A_z, errors, &l->z);
+        add(l, "A_rz", "absorption by radius and depth", "1/cm3", m->A_rz, &l->r, &l->z);
+    }
+    add_with_errors(l, "Rd_r", "diffuse reflectance by radius", "1/cm2", m->Rd_r,
+                    section(l, "se_Rd_r", m->nr), &l->r);
+    add_with_errors(l, "Rd_a", "diffuse reflectance by angle", "sr-1", m->Rd_a, section(l, "se_Rd_a", m->na),
+                    &l->alpha);
+    add_with_errors(l, "Tt_r", "transmittance by radius", "1/cm2", m->Tt_r, section(l, "se_Tt_r", m->nr),
+                    &l->r);
+    add_with_errors(l, "Tt_a", "transmittance by angle", "sr-1", m->Tt_a, section(l, "se_Tt_a", m->na),
+                    &l->alpha);
+    add(l, "Rd_ra", "diffuse reflectance by radius and angle", "1/(cm2 sr)", m->Rd_ra, &l->r, &l->alpha);
+    add(l, "Tt_ra", "transmittance by radius and angle", "1/(cm2 sr)", m->Tt_ra, &l->r, &l->alpha);
+}
+
+static void set_axes(struct list *l)
+{
+    const struct cml_mco *m = l->mco;
+    const double da = acos(-1.0) / (2.0 * m->na);
+    l->layer = (struct cml_axis){"layer", "layer, from 1", "1", (size_t)m->num_layers, 1, 1, NULL};
+    l->r = (struct cml_axis){
+        "r", "distance from the z axis, middle of the bin", "cm", (size_t)m->nr, m->dr / 2, m->dr, NULL};
+    l->z = (struct cml_axis){"z", "depth, middle of the bin", "cm", (size_t)m->nz, m->dz / 2, m->dz, NULL};
+    l->alpha = (struct cml_axis){
+        "alpha", "angle from the outward vertical, middle of the bin", "rad", (size_t)m->na, da / 2, da,
+        NULL};
+}
+
+/* The lines of `extra` that begin so, without it; "" where there are none. The caller's to free. */
+static char *lines(const char *extra, const char *begin, bool keep)
+{
+    const size_t length = strlen(begin);
+    char *text = calloc(strlen(extra) + 1, 1), *end = text;
+    for (const char *line = extra; text && *line;) {
+        const size_t size = strcspn(line, "\n") + (strchr(line, '\n') != NULL);
+        const size_t skip = keep ? 2 : length;
+        if (strncmp(line, begin, length) == 0) {
+            memcpy(end, line + skip, size - skip);
+            end += size - skip;
+        }
+        line += size;
+    }
+    return text;
+}
+
+static cml_status write(const char *path, struct list *l, const struct cml_hdf5_call *call,
+                        struct cml_error *err)
+{
+    double lattice = 0;
+    (void)cml_mco_extra(l->mco, "lattice", &lattice, 1);
+    char *merged = lines(l->mco->extra, "# merged ", true),
+         *boundaries = lines(l->mco->extra, "# boundary", true),
+         *settings = lines(l->mco->extra, "# set ", false), *scene = lines(l->mco->extra, "# scene ", false);
+    cml_status status = cml_fail_memory(err, 1, "a merged result");
+    if (merged && boundaries && settings && scene) {
+        const struct cml_attribute attributes[] = {
+            {"title", l->mco->output, 0},
+            {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
+            {"version", cml_version(), 0},
+            {"merged", merged, 0},
+            {"boundaries", boundaries, 0},
+            {"settings", settings, 0},
+            {"scene", scene, 0},
+            {"sampling", lattice > 0 ? "lattice" : "random", 0},
+            {"photons", NULL, (double)l->mco->photons},
+        };
+        status = cml_hdf5_write(path, attributes, sizeof attributes / sizeof *attributes, call, l->field,
+                                l->count, err);
+    }
+    free(merged);
+    free(boundaries);
+    free(settings);
+    free(scene);
+    return status;
+}
+
+cml_status cml_merge_write_h5(const char *path, const struct cml_mco *merged,
+                              const struct cml_hdf5_call *call, struct cml_error *err)
+{
+    const size_t size = (size_t)(merged->nz + 2 * (merged->nr + merged->na)) + 4 + BOOKS + 2;
+    struct list *l = calloc(1, sizeof *l);
+    double *room = calloc(size, sizeof *room);
+    cml_status status = cml_fail_memory(err, 8.0 * (double)size, "a merged result");
+    if (l && room) {
+        l->mco = merged;
+        l->room = room;
+        set_axes(l);
+        add_totals(l);
+        add_books(l);
+        add_layers(l);
+        add_arrays(l);
+        status = write(path, l, call, err);
+    }
+    free(room);
+    free(l);
+    return status;
+}

@@ -1,7 +1,7 @@
 #!/bin/bash
 # A run on a cluster with Slurm, without job arrays: it checkpoints, stops when its time is over or it is preempted,
 # and is requeued until it is done.  sbatch samples/slurm.sh scene.mci [options of clustermcml]
-# CLUSTERMCML names the program, CLUSTERMCML_OUTPUT the directory of -o, if there is one.
+# CLUSTERMCML names the program.
 #SBATCH --job-name=clustermcml
 #SBATCH --nodes=2
 #SBATCH --ntasks-per-node=2
@@ -33,8 +33,14 @@ done
 
 # 75: stopped, resumable. A launcher may return something else when it was itself told to stop, and a preempted job
 # may be killed before it says anything: then a checkpoint that is newer than this attempt says the same.
+directory=. before=
+for word; do # the value of -o among the arguments
+    case $before in -o | --output-dir) directory=$word ;; esac
+    case $word in --output-dir=*) directory=${word#*=} ;; -o?*) directory=${word#-o} ;; esac
+    before=$word
+done
 fresh() {
-    find "${CLUSTERMCML_OUTPUT:-.}" -maxdepth 1 -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .
+    find "$directory" -maxdepth 1 -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .
 }
 if test $code -eq 75 || { test $code -ge 128 && fresh; }; then
     echo "stopped with $code, requeued: scontrol requeue ${SLURM_JOB_ID:-?}"

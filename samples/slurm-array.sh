@@ -1,0 +1,56 @@
+#!/bin/bash
+# A study as a job array: every task flies the same scene or sweep with a seed of its own, the task's number, into DIR/part-SEED,
+# with checkpoints, and is requeued until it is done. Then the parts become one.
+#     sbatch --array=1-8 samples/slurm-array.sh DIR scene.mci --sweep table.csv [options of clustermcml]
+#     sh samples/slurm-array.sh DIR                   in a job of its own, when all tasks are done: all parts to DIR/*.mco
+# DIR/merged.json gets an object a result, with totals and their errors. CLUSTERMCML names the program.
+#SBATCH --job-name=clustermcml
+#SBATCH --array=1-8
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task=16
+#SBATCH --time=04:00:00
+#SBATCH --requeue
+#SBATCH --open-mode=append
+#SBATCH --signal=USR2@120
+# SPDX-License-Identifier: MIT
+set -u
+program=${CLUSTERMCML:-clustermcml}
+directory=$1
+shift
+
+# No scene: the parts become one, result by result. Parts of other scenes, and seeds that are there twice, are refused.
+if test $# -eq 0; then
+    : >"$directory/merged.json"
+    for first in "$directory"/part-*/*.mco; do
+        name=${first##*/}
+        test -e "$directory/$name" && continue
+        "$program" merge "$directory"/part-*/"$name" -o "$directory/$name" --json >>"$directory/merged.json" || exit
+    done
+    exit 0
+fi
+
+export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}
+part=$directory/part-$SLURM_ARRAY_TASK_ID
+mkdir -p "$part"
+trap : TERM USR2
+started=$(mktemp)
+trap 'rm -f "$started"' EXIT
+srun --mpi=pmix --cpus-per-task="$OMP_NUM_THREADS" --kill-on-bad-exit=1 "$program" "$@" --seed "$SLURM_ARRAY_TASK_ID" \
+    -o "$part" --resume &
+step=$!
+code=0
+wait $step || code=$?
+while kill -0 $step 2>/dev/null; do # a trapped signal ends wait, not the step
+    wait $step
+    code=$?
+done
+
+# As in slurm.sh: 75, or a kill after which there is a new checkpoint.
+fresh() {
+    find "$part" -maxdepth 1 -name '*.checkpoint' -newer "$started" 2>/dev/null | grep -q .
+}
+if test $code -eq 75 || { test $code -ge 128 && fresh; }; then
+    scontrol requeue "$SLURM_JOB_ID"
+    exit 75
+fi
+exit $code

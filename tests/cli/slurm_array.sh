@@ -1,0 +1,47 @@
+#!/bin/sh
+# samples/slurm-array.sh without Slurm: stand-ins for srun and scontrol. A task that is stopped asks to be requeued, and goes on
+# when it is; the joined parts are what `merge` makes of runs of the same seeds.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+case $program in /*) ;; *) program=$PWD/$program ;; esac
+mkdir "$work/bin" "$work/study" "$work/plain"
+cat >"$work/bin/srun" <<'END'
+#!/bin/sh
+while case $1 in --*) true ;; *) false ;; esac do shift; done
+if test -n "${STOP:-}"; then
+    "$@" &
+    until ls "$STOP"/*-0002.mco >/dev/null 2>&1; do sleep 0.01; done
+    kill -TERM $!
+    wait $!
+    exit
+fi
+exec "$@"
+END
+printf '#!/bin/sh\necho "$*" >>"%s/asked"\n' "$work" >"$work/bin/scontrol"
+chmod +x "$work/bin/srun" "$work/bin/scontrol"
+printf 'layer1.mua\n0.5\n1\n' >"$work/two.csv"
+{ echo layer1.mua; seq 1 200; } >"$work/long.csv"
+task() { # SEED TABLE
+    PATH=$work/bin:$PATH CLUSTERMCML=$program SLURM_ARRAY_TASK_ID=$1 SLURM_JOB_ID=9$1 SLURM_CPUS_PER_TASK=2 \
+        bash samples/slurm-array.sh "$work/study" samples/thick.mci --sweep "$2" --photons 3000 --quiet
+}
+for seed in 1 2; do
+    task $seed "$work/two.csv" || complain "task $seed: exit $?"
+    expect_code 0 samples/thick.mci --photons 3000 --seed $seed --set layer1.mua=1 --output plain$seed.mco --quiet -o "$work/plain"
+done
+sh -c 'CLUSTERMCML=$0 bash samples/slurm-array.sh "$1"' "$program" "$work/study" || complain "joining: exit $?"
+expect_code 0 merge "$work/plain/plain1.mco" "$work/plain/plain2.mco" -o "$work/both.mco" --quiet
+for file in "$work/both.mco" "$work/study/thick-0002.mco"; do
+    sed -e '/^# User time/d' -e '/^# merged/d' -e 's/^[^ ]* \tA\t/NAME /' "$file" >"$file.bare"
+done
+cmp -s "$work/both.mco.bare" "$work/study/thick-0002.mco.bare" || complain "the joined row is not what merge makes"
+test "$(wc -l <"$work/study/merged.json")" -eq 2 || complain "merged.json: $(cat "$work/study/merged.json")"
+test ! -e "$work/asked" || complain "a finished task was requeued"
+
+# stopped in the middle
+code=0
+STOP=$work/study/part-3 task 3 "$work/long.csv" 2>"$work/err" || code=$?
+test $code -eq 75 && test "$(cat "$work/asked")" = "requeue 93" || complain "stopped: exit $code, $(cat "$work/asked" "$work/err")"
+task 3 "$work/long.csv" || complain "requeued: exit $?"
+test "$(ls "$work/study/part-3" | grep -c 'mco$')" -eq 200 || complain "requeued: $(ls "$work/study/part-3" | wc -l) files"
+finish

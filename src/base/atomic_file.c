@@ -109,14 +109,27 @@ static int reason_of_error(FILE *stream)
     return fputc('\n', stream) == EOF || fflush(stream) != 0 ? errno : EIO;
 }
 
+static bool sync_deferred; /* set and read by the thread that writes files */
+
+void cml_file_defer_sync(bool deferred)
+{
+    sync_deferred = deferred;
+}
+
+/* Of all file systems, as nobody has noted on which of them the files are. */
+void cml_file_sync_deferred(void)
+{
+    if (sync_deferred) sync();
+}
+
 /* All of it on the disk, or the reason why not; a device need not know what that means. 0: done. */
 static int finish_stream(struct cml_file *file)
 {
     FILE *stream = file->stream;
     file->stream = NULL;
     errno = EIO;
-    const bool synced =
-        fflush(stream) == 0 && !ferror(stream) && (!file->temporary || fsync(fileno(stream)) == 0);
+    const bool synced = fflush(stream) == 0 && !ferror(stream) &&
+                        (!file->temporary || sync_deferred || fsync(fileno(stream)) == 0);
     const int reason = synced ? 0 : (ferror(stream) ? reason_of_error(stream) : errno);
     return fclose(stream) != 0 && reason == 0 ? errno : reason;
 }

@@ -30,6 +30,11 @@ CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file
  * still does, or stands under `keep`. */
 CML_NODISCARD cml_status cml_file_commit(struct cml_file *file, struct cml_error *err);
 
+/* While it is deferred, cml_file_commit does not sync: a file is complete for everyone at once, but it is
+ * safe from a crash of the machine only after cml_file_sync_deferred. For many small files. */
+void cml_file_defer_sync(bool deferred);
+void cml_file_sync_deferred(void);
+
 /* Drops the temporary file. Does nothing after a commit. */
 void cml_file_abort(struct cml_file *file);
 

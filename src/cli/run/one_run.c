@@ -166,6 +166,8 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
                                 .command = options->command};
     CML_TRY(publish(call, &report, record, err));
     if (!setup->checkpoint || !call->stays) return CML_OK;
+    if (call->pending && !options->keep)
+        return cml_pending_add(call->pending, setup->checkpoint, setup->identity, &run->state, record, err);
     const cml_status status = cml_checkpoint_finish(setup->checkpoint, setup->identity, &run->state, record,
                                                     options->keep ? &run->result : NULL, err);
     if (status == CML_OK || options->keep) return status;

@@ -4,6 +4,7 @@
 #define CML_ONE_RUN_H
 
 #include "cli/options/options.h"
+#include "cli/run/pending.h"
 #include "run/run.h"
 
 struct cml_run_call {
@@ -12,9 +13,10 @@ struct cml_run_call {
     const char *inputs;                  /* lines of the identity (run/identity.h) */
     const struct cml_surface_set *known; /* of shapes that the scene has borrowed; NULL: none */
     uint64_t seed;
-    uint32_t run; /* of the file, from 0 */
-    int row;      /* of a sweep, from 1: no summary; 0: of none */
-    bool stays;   /* a checkpoint stays that says that the run is finished */
+    uint32_t run;                /* of the file, from 0 */
+    int row;                     /* of a sweep, from 1: no summary; 0: of none */
+    struct cml_pending *pending; /* takes the checkpoints of finished runs without tallies; NULL: none */
+    bool stays;                  /* a checkpoint stays that says that the run is finished */
 };
 
 /* Flies the run on all ranks, writes its files and prints a summary for people. *record is rank 0's, the

@@ -29,7 +29,8 @@ struct sweep {
     struct cml_surface_set surfaces; /* of the scene without rows: their trees are built once */
     struct cml_outputs outputs;      /* rank 0's */
     struct cml_sweep_rows rows;
-    int digits; /* of a row's number in names */
+    struct cml_pending pending; /* of this rank */
+    int digits;                 /* of a row's number in names */
 };
 
 /* ---- names ---- */
@@ -204,7 +205,7 @@ static void print_row(const struct sweep *sweep, int row, const struct cml_recor
 /* A cml_sweep_fly_function. */
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
-    const struct sweep *sweep = context;
+    struct sweep *sweep = context;
     struct cml_scene_list list;
     uint64_t seed = 0;
     cml_status status = row_seed(sweep, row, &seed, err);
@@ -216,8 +217,10 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
                                       .known = &sweep->surfaces,
                                       .seed = seed,
                                       .row = row + 1,
+                                      .pending = &sweep->pending,
                                       .stays = true};
     status = cml_run_one(&call, record, err);
+    cml_pending_flush(&sweep->pending, false);
     if (status == CML_OK || status == CML_E_NUMERIC) print_row(sweep, row, record);
     cml_scene_list_clear(&list);
     return status;
@@ -276,12 +279,18 @@ static cml_status publish(const struct sweep *sweep, struct cml_error *err)
     return status;
 }
 
+/* Whoever asks for it will find that the rows are finished. */
+static bool leaves_checkpoints(const struct cml_options *options)
+{
+    return options->resume || options->keep;
+}
+
 /* On rank 0, of all rows, unless they are to stay. */
 static void remove_checkpoints(const struct sweep *sweep)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error ignored;
-    for (int row = 0; !options->resume && !options->keep && row < sweep->table.num_rows; row++) {
+    for (int row = 0; !leaves_checkpoints(options) && row < sweep->table.num_rows; row++) {
         struct cml_scene scene = sweep->base->scenes[0];
         char *path = NULL;
         if (row_output(sweep, row, &scene.output, &ignored) != CML_OK) continue;
@@ -310,7 +319,10 @@ static cml_status fly(struct sweep *sweep, struct cml_error *err)
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
         printf("clustermcml %s, %d rank%s: %d rows of %s\n", cml_version(), cml_cluster_size(),
                cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, options->sweep);
+    cml_pending_begin(&sweep->pending);
     cml_status status = cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
+    cml_pending_flush(&sweep->pending, status != CML_OK || leaves_checkpoints(options));
+    cml_pending_end(&sweep->pending);
     if (cml_cluster_rank() == 0) status = finish(sweep, status, err);
     return cml_cluster_agree(status, err);
 }

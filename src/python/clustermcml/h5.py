@@ -28,7 +28,8 @@ def _attributes(item: Any) -> dict[str, Any]:
 
 def _variable(item: h5py.Dataset, name: str) -> xr.DataArray:
     """An array with its axes, which are the dimension scales; a scale is its own axis."""
-    dims = [name] if item.is_scale else [scales.keys()[0] for scales in item.dims]
+    is_scale = item.attrs.get("CLASS") == b"DIMENSION_SCALE"
+    dims = [name] if is_scale else [scales.keys()[0] for scales in item.dims]
     return xr.DataArray(item[()], dims=dims, attrs=_attributes(item))
 
 

@@ -15,7 +15,7 @@ def _notebook_bar() -> Any:
     kernel = shell.get_ipython() if shell else None
     if kernel is None or not hasattr(kernel, "kernel"):
         return None
-    from IPython.display import ProgressBar  # type: ignore[import-not-found]
+    from IPython.display import ProgressBar
 
     bar = ProgressBar(100)
     bar.display()

@@ -6,7 +6,7 @@
 #ifndef CML_SCENE_H
 #define CML_SCENE_H
 
-#include "scene/heightmap.h"
+#include "scene/heightmap/heightmap.h"
 #include "geometry/mesh.h"
 #include "base/status.h"
 

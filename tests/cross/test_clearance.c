@@ -99,8 +99,9 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
         random_step(&bench, reach, height, &p, &u, &length);
         const real side = i & 1 ? (real)1 : (real)-1;
         const struct cml_interval all = {1, 0, length};
-        const struct cml_interval left = cml_clip_interval(
-            &surface->clearance, side > 0 ? world->deepest : world->highest, p, u, side, all, rings);
+        const struct cml_interval left =
+            cml_clip_interval(&surface->clearance, side > 0 ? world->deepest : world->highest, p, u, side,
+                              all, surface->clearance.form);
         clear += !left.meets;
         if (!left.meets) wrong += crosses(&bench, p, u, side, length);
         if (!left.meets || !rings) continue;
@@ -159,6 +160,9 @@ static void a_clear_step_crosses_nothing(void **state)
     expect_conservative(MESH("overhang.obj"), CML_SURFACE_AUTO, 0.8);
     expect_conservative(MESH("wedge.obj"), CML_SURFACE_AUTO, 0.8);
     expect_conservative(MESH("spikes.obj") " shift=0.3,0,0", CML_SURFACE_AUTO, 0.8);
+    expect_conservative(MESH("grooves.asc") " units=mm tile scale=3", CML_SURFACE_AUTO, 4);
+    expect_conservative(MESH("skin.gsf") " tile=mirror scale=10", CML_SURFACE_AUTO, 30);
+    expect_conservative(MESH("skin.gsf") " tile=mirror", CML_SURFACE_AUTO, 1000);
     expect_conservative(irregular, CML_SURFACE_AUTO, 1.2);
     expect_conservative(spiked, CML_SURFACE_AUTO, 1.2);
 }
@@ -215,6 +219,8 @@ static void above_its_horizon_a_packet_crosses_nothing(void **state)
     expect_horizons(MESH("wedge.obj"), 0.7, 0.05);
     expect_horizons(MESH("overhang.obj"), 2, 0.5);
     expect_horizons(MESH("prism.obj"), 3, 0.2);
+    expect_horizons(MESH("grooves.asc") " units=mm tile", 3, 0.1);
+    expect_horizons(MESH("skin.gsf") " tile=mirror", 3, 0.1);
     expect_horizons(irregular, 1.2, 0.1);
     expect_horizons(spiked, 1.2, 0.5);
 }
@@ -278,6 +284,8 @@ static void the_fast_query_is_the_exact_one(void **state)
     (void)state;
     expect_exact(MESH("ridges.obj"), true);
     expect_exact(MESH("overhang.obj"), false);
+    expect_exact(MESH("grooves.asc") " units=mm tile", true);
+    expect_exact(MESH("skin.gsf") " tile=mirror", true);
     expect_exact(irregular, false);
     expect_exact(spiked, true);
 }

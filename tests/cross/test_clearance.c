@@ -121,8 +121,20 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
 
 /* Meshes that are no regular grid, or steep in one place only, in a folder for as long as the tests run. */
 static char folder[] = "/tmp/cml_clearance_XXXXXX";
-static char irregular_path[64], spiked_path[64], irregular[80],
-    spiked[80]; /* files, and lines of .mci files */
+static char irregular_path[64], spiked_path[64], corner_path[64]; /* files */
+static char irregular[80], spiked[80], corner[96];                /* lines of .mci files */
+
+/* A tile, level but for one spike beside its first corner: from most of it the spike's copies across the
+ * seams are the nearest. */
+static void write_corner(void)
+{
+    FILE *file = fopen(corner_path, "w");
+    assert_non_null(file);
+    fprintf(file, "ncols 32 nrows 32 cellsize 0.03125\n");
+    for (int i = 0; i < 32 * 32; i++) fprintf(file, "%s\n", i == 30 * 32 + 1 ? "0.1" : "0");
+    fclose(file);
+    snprintf(corner, sizeof corner, "m \"%s\" units=cm tile", corner_path);
+}
 
 static int write_meshes(void **state)
 {
@@ -131,6 +143,8 @@ static int write_meshes(void **state)
     assert_non_null(mkdtemp(folder));
     snprintf(irregular_path, sizeof irregular_path, "%s/irregular.obj", folder);
     snprintf(spiked_path, sizeof spiked_path, "%s/spiked.obj", folder);
+    snprintf(corner_path, sizeof corner_path, "%s/corner.asc", folder);
+    write_corner();
     snprintf(irregular, sizeof irregular, "m \"%s\"", irregular_path);
     snprintf(spiked, sizeof spiked, "m \"%s\"", spiked_path);
     patch_make(&patch, 1, 0.01, 0, 0, 0);
@@ -147,6 +161,7 @@ static int remove_meshes(void **state)
     (void)state;
     remove(irregular_path);
     remove(spiked_path);
+    remove(corner_path);
     return rmdir(folder);
 }
 
@@ -163,6 +178,7 @@ static void a_clear_step_crosses_nothing(void **state)
     expect_conservative(MESH("grooves.asc") " units=mm tile scale=3", CML_SURFACE_AUTO, 4);
     expect_conservative(MESH("skin.gsf") " tile=mirror scale=10", CML_SURFACE_AUTO, 30);
     expect_conservative(MESH("skin.gsf") " tile=mirror", CML_SURFACE_AUTO, 1000);
+    expect_conservative(corner, CML_SURFACE_AUTO, 1.5);
     expect_conservative(irregular, CML_SURFACE_AUTO, 1.2);
     expect_conservative(spiked, CML_SURFACE_AUTO, 1.2);
 }
@@ -221,6 +237,7 @@ static void above_its_horizon_a_packet_crosses_nothing(void **state)
     expect_horizons(MESH("prism.obj"), 3, 0.2);
     expect_horizons(MESH("grooves.asc") " units=mm tile", 3, 0.1);
     expect_horizons(MESH("skin.gsf") " tile=mirror", 3, 0.1);
+    expect_horizons(corner, 1.5, 0.3);
     expect_horizons(irregular, 1.2, 0.1);
     expect_horizons(spiked, 1.2, 0.5);
 }

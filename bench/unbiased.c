@@ -8,7 +8,7 @@
 #include "engine/engines.h"
 #include "input/mci.h"
 #include "run/run.h"
-#include "scene/mesh_budget.h"
+#include "scene/heightmap/mesh_budget.h"
 
 #include <math.h>
 #include <stdio.h>

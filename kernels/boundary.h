@@ -10,6 +10,13 @@ enum cml_surface_kind {
     CML_SURFACE_AUTO, /* the kind of no surface: asks the host to choose one */
 };
 
+/* What the bounds of a curved boundary's depth lie over, see clearance.h. */
+enum cml_clearance_form {
+    CML_CLEARANCE_SQUARE, /* a square of the x-y plane and what is around it: a mesh */
+    CML_CLEARANCE_RADII,  /* the radius: rings */
+    CML_CLEARANCE_PERIOD, /* a rectangle that is repeated over the whole plane: a mesh that is */
+};
+
 /* Facets are the triangles of a mesh or the rings of cones, in order, and behind them the outer plane; the
  * pixels of the map on a plane, and behind them what lies outside. Above and below are the sides of the
  * boundary. What arrives at a facet leaves it again, so irradiances and exitances have the same sum, exactly.

@@ -3,7 +3,9 @@
  * the greatest depth that the surface has above it; every further level joins 2 x 2 cells. The cells at the
  * rim also stand for everything outside. A step looks at the at most four cells that cover its box on the
  * level where four are enough. Below rings, over the radius: size cells, the last one for everything outside;
- * every further level joins two, and a step looks at the at most two cells that cover its radii. Bounds are
+ * every further level joins two, and a step looks at the at most two cells that cover its radii. Of a mesh
+ * that is repeated over the whole plane, level 0 divides one period, or as many as make about a square; cells
+ * are counted on through all periods, and only their numbers are brought back into the one. Bounds are
  * widened by rounding's share when they are built (src/surface/clearance_map.c), so a step found clear cannot
  * cross. SPDX-License-Identifier: MIT */
 #ifndef CML_CLEARANCE_H
@@ -49,11 +51,69 @@ CML_FN real cml_clearance_of_box(const CML_GLOBAL struct cml_clearance *grid, co
     return ab > ce ? ab : ce;
 }
 
+/* A range of cells along an axis of a period, counted on through all periods: the first, and how many lie
+ * behind it, at most as many as a period has. */
+struct cml_cell_range {
+    int first, more;
+};
+
+/* The cells from x to x + d. Positions count in cells here, and the further they are from the corner the
+ * larger is their rounding: 16 times that, at least. Beyond 2^30 cells that is more than a period. NaN gives
+ * any range. */
+CML_FN struct cml_cell_range cml_cells_of_period(real x, real d, real corner, real per_cell, int size)
+{
+    const real from = (x - corner) * per_cell, to = (x + d - corner) * per_cell, most = 1073741824;
+    const real low = from < to ? from : to, high = from < to ? to : from;
+    const real err = (real)9.5367431640625e-7 * (CML_FABS(from) + CML_FABS(to) + CML_FABS(corner * per_cell));
+    const real first = CML_FLOOR(low - err), more = CML_FLOOR(high + err) - first, whole = (real)size;
+    const struct cml_cell_range range = {(int)(first > -most ? (first < most ? first : most) : -most),
+                                         (int)(more < whole ? more : whole)};
+    return range;
+}
+
+/* cml_clearance_of_box of a period. On the level whose cells are longer than the range, cells that follow one
+ * another cover it, the last and the first of a period too. */
+CML_FN real cml_clearance_of_period(const CML_GLOBAL struct cml_clearance *grid,
+                                    const CML_GLOBAL real *bounds, struct cml_vec p, struct cml_vec d,
+                                    real side)
+{
+    const int size = grid->size;
+    const struct cml_cell_range x = cml_cells_of_period(p.x, d.x, grid->corner_x, grid->per_cell, size),
+                                y = cml_cells_of_period(p.y, d.y, grid->corner_y, grid->per_cell_y, size);
+    const int wanted = cml_clearance_level(x.more | y.more), last = cml_clearance_level(size) - 1;
+    const int level = wanted < last ? wanted : last, cells = size >> level, mask = cells - 1;
+    const int offset = grid->first + grid->level_offset[level];
+    const int x0 = (x.first >> level) & mask, x1 = ((x.first + x.more) >> level) & mask;
+    const int row0 = offset + ((y.first >> level) & mask) * cells,
+              row1 = offset + (((y.first + y.more) >> level) & mask) * cells;
+    const real a = side * bounds[row0 + x0], b = side * bounds[row0 + x1];
+    const real c = side * bounds[row1 + x0], e = side * bounds[row1 + x1];
+    const real ab = a > b ? a : b, ce = c > e ? c : e;
+    return ab > ce ? ab : ce;
+}
+
+/* cml_cell_horizon of a period: the highest of the cells in which rounding may have put the point; infinite
+ * where they are too many. */
+CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *horizon,
+                                  struct cml_vec p)
+{
+    const struct cml_cell_range x = cml_cells_of_period(p.x, 0, grid->corner_x, grid->per_cell, grid->size),
+                                y = cml_cells_of_period(p.y, 0, grid->corner_y, grid->per_cell_y, grid->size);
+    const int level = grid->horizon_level, cells = grid->size >> level, mask = cells - 1;
+    const int x0 = (x.first >> level) & mask, x1 = ((x.first + x.more) >> level) & mask;
+    const int row0 = grid->first_horizon + ((y.first >> level) & mask) * cells,
+              row1 = grid->first_horizon + (((y.first + y.more) >> level) & mask) * cells;
+    const real a = horizon[row0 + x0], b = horizon[row0 + x1], c = horizon[row1 + x0], e = horizon[row1 + x1];
+    const real ab = a > b ? a : b, ce = c > e ? c : e, most = ab > ce ? ab : ce;
+    return (x.more | y.more) > 1 ? CML_INFINITY : most;
+}
+
 /* The horizon of the cell of a mesh's pyramid that holds the point: the slope from which on packets there, on
  * their side of the mesh, that go away from it meet it never again (src/surface/cell_horizon.h). */
 CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *horizon,
-                             struct cml_vec p)
+                             struct cml_vec p, const int form)
 {
+    if (form == CML_CLEARANCE_PERIOD) return cml_horizon_in_period(grid, horizon, p);
     const int x = cml_clearance_index(grid, p.x, grid->corner_x) >> grid->horizon_level;
     const int y = cml_clearance_index(grid, p.y, grid->corner_y) >> grid->horizon_level;
     return horizon[grid->first_horizon + y * (grid->size >> grid->horizon_level) + x];
@@ -91,12 +151,14 @@ struct cml_interval {
 CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_clearance *grid,
                                              const CML_GLOBAL real *bounds, struct cml_vec p,
                                              struct cml_vec u, real side, struct cml_interval s,
-                                             const int rings)
+                                             const int form)
 {
+    const int rings = form == CML_CLEARANCE_RADII;
     const real length = s.to - s.from;
     const struct cml_vec d = {length * u.x, length * u.y, length * u.z};
-    const real keep = rings ? cml_clearance_of_radii(grid, bounds, p, d, side)
-                            : cml_clearance_of_box(grid, bounds, p, d, side);
+    const real keep = rings                          ? cml_clearance_of_radii(grid, bounds, p, d, side)
+                      : form == CML_CLEARANCE_PERIOD ? cml_clearance_of_period(grid, bounds, p, d, side)
+                                                     : cml_clearance_of_box(grid, bounds, p, d, side);
     const real here = side * p.z - keep, end = side * (p.z + d.z) - keep;
     const int finite = d.x * d.x + d.y * d.y + d.z * d.z < CML_INFINITY;
     const int begins_clear = finite & (here > 0), ends_clear = finite & (end > 0);

@@ -26,6 +26,9 @@ CML_FN int cml_is_on_side(const struct cml_world *world, int boundary, struct cm
     if (grid->size == 0) return 1;
     const real margin = (surface->highest - surface->lowest) * (real)0.0009765625 + err;
     const struct cml_vec q = cml_from_scene_axis(world, p);
+    const struct cml_vec still = {0, 0, 0};
+    if (grid->form == CML_CLEARANCE_PERIOD)
+        return !(side * p.z < -cml_clearance_of_period(grid, bounds - grid->first, q, still, -side) - margin);
     int cell = cml_clearance_index(grid, CML_SQRT(q.x * q.x + q.y * q.y), 0);
     if (surface->kind != CML_SURFACE_CONE)
         cell = cml_clearance_index(grid, q.y, grid->corner_y) * grid->size +

@@ -21,9 +21,13 @@ struct cml_mesh_crossing {
     double normal[3];    /* unit, up: what Fresnel and Snell see */
     double facet[3];     /* unit, up: the facet's own */
     int primitive;       /* triangle, or CML_OUTER_PLANE */
-    int ends_near_facet; /* without a crossing: the path was looked at as a whole line, and ends within
-                          * rounding of  a facet */
+    int ends_near_facet; /* without a crossing: 1 where the path was looked at as a whole line, and ends
+                          * within rounding of a facet; CML_PATH_TOO_LONG where it was not followed to its end
+                          */
 };
+
+/* A path over too many periods of a repeated mesh. */
+#define CML_PATH_TOO_LONG 2
 
 /* The closest crossing of a ray with a mesh and its outer plane: p in the boundary's frame and from the
  * beam's axis, cm; u unit; below: the packet is below the boundary; t_max: length of the path, cm. exclude:

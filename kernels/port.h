@@ -14,6 +14,7 @@ typedef ulong cml_u64;
 #define CML_SQRT sqrt
 #define CML_FMA fma
 #define CML_FABS fabs
+#define CML_FLOOR floor
 #define CML_COPYSIGN copysign
 #define CML_CLZ(n) clz((uint)(n))
 #else
@@ -43,6 +44,7 @@ typedef double real;
 #define CML_SQRT sqrt
 #define CML_FMA fma
 #define CML_FABS fabs
+#define CML_FLOOR floor
 #define CML_COPYSIGN copysign
 #else
 typedef float real;
@@ -50,6 +52,7 @@ typedef float real;
 #define CML_SQRT sqrtf
 #define CML_FMA fmaf
 #define CML_FABS fabsf
+#define CML_FLOOR floorf
 #define CML_COPYSIGN copysignf
 #endif
 #endif

@@ -118,7 +118,7 @@ CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct c
 {
     if (surface->kind == CML_SURFACE_MESH)
         return cml_cell_horizon(&surface->clearance, side > 0 ? world->horizon_below : world->horizon_above,
-                                cml_from_scene_axis(world, p));
+                                cml_from_scene_axis(world, p), surface->clearance.form);
     if (on_primitive < 0) return surface->steepest;
     return (side > 0 ? world->ring_horizon_below
                      : world->ring_horizon_above)[surface->first_ring + on_primitive];
@@ -148,8 +148,7 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     if (inside < 0) s.from = there;
     if ((away >= 0) & passes) s.to = there;
     const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, s.from, u));
-    return cml_clip_interval(&surface->clearance, bounds, start, u, side, s,
-                             surface->kind == CML_SURFACE_CONE);
+    return cml_clip_interval(&surface->clearance, bounds, start, u, side, s, surface->clearance.form);
 }
 
 /* The same for any kind of surface. */
@@ -194,6 +193,12 @@ CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *
     return intervals;
 }
 
+CML_FN void cml_lose_packet(struct cml_packet *packet, enum cml_lost_cause cause)
+{
+    packet->fate = CML_FATE_LOST;
+    packet->cause = (int)cause;
+}
+
 /* Crossing of one boundary that the packet can meet; p in that boundary's frame. Without one *hit stays as it
  * is. */
 CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packet *packet, int boundary,
@@ -214,7 +219,10 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packe
             int near_facet;
             found = cml_intersect_mesh(world, boundary, p, packet->u, side, s.to, on_primitive,
                                        packet->undeflected, hit, &near_facet);
-            if (near_facet) packet->near_boundary = boundary + 1;
+            if (near_facet == CML_PATH_TOO_LONG)
+                cml_lose_packet(packet, CML_LOST_TOO_FAR);
+            else if (near_facet)
+                packet->near_boundary = boundary + 1;
         }
 #endif
     }
@@ -222,7 +230,8 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packe
     return found;
 }
 
-/* The first boundary of the packet's medium that it crosses within reach. */
+/* The first boundary of the packet's medium that it crosses within reach. A packet that is lost on the search
+ * (P9) has ended. */
 CML_FN int cml_nearest_hit(const struct cml_world *world, struct cml_packet *packet,
                            struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {

@@ -35,6 +35,7 @@ enum cml_lost_cause {
     CML_LOST_NAN,        /* position or direction is not a number */
     CML_LOST_STUCK,      /* CML_STUCK_LIMIT boundary events without an interaction */
     CML_LOST_LEAKED,     /* found beyond the envelope of a boundary it never crossed */
+    CML_LOST_TOO_FAR,    /* flew over too many periods of a repeated mesh (mesh_crossing.h) */
     CML_NUM_LOST_CAUSES
 };
 
@@ -55,10 +56,12 @@ struct cml_medium {
 
 /* Of a curved surface, see clearance.h. */
 struct cml_clearance {
+    int form;  /* enum cml_clearance_form */
     int size;  /* cells along an axis on level 0, a power of two */
     int first; /* of level 0 in world.deepest and world.highest */
     int level_offset[CML_CLEARANCE_LEVELS];
     real corner_x, corner_y, per_cell; /* cm from the scene's axis, cells per cm */
+    real per_cell_y;                   /* the same along y: another one where the form is a period */
     int first_horizon, horizon_level;  /* of meshes: in world.horizon_below and above, and of whose cells */
 };
 

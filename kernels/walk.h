@@ -53,12 +53,6 @@ CML_FN void cml_end_packet(struct cml_packet *packet, enum cml_fate fate)
     packet->fate = (int)fate;
 }
 
-CML_FN void cml_lose_packet(struct cml_packet *packet, enum cml_lost_cause cause)
-{
-    packet->fate = CML_FATE_LOST;
-    packet->cause = (int)cause;
-}
-
 /* Length of an optical depth; infinite where the mean free path is. */
 CML_FN real cml_path(real tau, real mfp)
 {
@@ -452,7 +446,9 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
     const real t_max = cml_free_path(world, packet);
     struct cml_hit hit = {0}; /* filled where it is used, which not every compiler sees */
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, packet, t_max);
-    if (cml_nearest_hit(world, packet, intervals, &hit))
+    const int found = cml_nearest_hit(world, packet, intervals, &hit);
+    if (packet->fate != CML_FATE_ALIVE) return;
+    if (found)
         cml_score_boundary_event(world, to, packet, &hit);
     else if (t_max < CML_INFINITY)
         cml_interact(world, to, packet, t_max);

@@ -107,6 +107,15 @@ def spikes():
     return vertices, faces
 
 
+def gsf(nx, ny, step, height):
+    """A Gwyddion Simple Field of heights that are `step` m apart."""
+    head = "Gwyddion Simple Field 1.0\nXRes = %d\nYRes = %d\nXReal = %.9g\nYReal = %.9g\n" % (
+        nx, ny, nx * step, ny * step)
+    head += "XYUnits = m\nZUnits = m\nTitle = made by meshes/generate.py, not measured\n"
+    heights = [round(height(i, j), 9) for j in range(ny) for i in range(nx)]
+    return head.encode() + b"\0" * (4 - len(head) % 4) + struct.pack("<%df" % (nx * ny), *heights)
+
+
 def skin():
     """A scan of skin: fine isotropic roughness over a shallow furrow, 96 x 64 heights 25 um apart."""
     nx, ny, step = 96, 64, 25e-6  # m
@@ -117,11 +126,21 @@ def skin():
         rough = sum(math.sin(2 * math.pi * f * (x * math.cos(a) + y * math.sin(a)) + p) / f for f, a, p in waves)
         return 6e-6 * rough - 12e-6 * math.exp(-((y - 0.25 - 0.1 * x) / 0.06) ** 2)
 
-    head = "Gwyddion Simple Field 1.0\nXRes = %d\nYRes = %d\nXReal = %.9g\nYReal = %.9g\n" % (
-        nx, ny, nx * step, ny * step)
-    head += "XYUnits = m\nZUnits = m\nTitle = made by meshes/generate.py, not measured\n"
-    heights = [round(height(i, j), 9) for j in range(ny) for i in range(nx)]
-    return head.encode() + b"\0" * (4 - len(head) % 4) + struct.pack("<%df" % (nx * ny), *heights)
+    return gsf(nx, ny, step, height)
+
+
+def furrows():
+    """Skin whose furrows meet in triangles, and whose ends fit: 64 x 64 heights 25 um apart, 60 um deep."""
+    n = 64
+    sets = ((2, 1, 0.3), (-1, 2, 1.1), (-1, -3, 2.0))  # waves along x and y in a period, phase
+
+    def height(i, j):
+        x, y = 2 * math.pi * i / n, 2 * math.pi * j / n
+        deep = sum(math.exp((math.cos(k * x + l * y + p) - 1) / 0.12) for k, l, p in sets)
+        rough = sum(math.sin(k * x + (11 - k) * y + k * k) for k in range(3, 9))
+        return -4e-5 * min(deep, 1.5) + 4e-7 * rough
+
+    return gsf(n, n, 25e-6, height)
 
 
 def grooves():
@@ -137,7 +156,7 @@ def main():
     directory = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
     for family in (wedge, ridges, prism, pyramid, overhang, spikes):
         write(directory, family.__name__ + ".obj", family.__doc__.rstrip("."), *family())
-    for heightmap, ending in ((skin, ".gsf"), (grooves, ".asc")):
+    for heightmap, ending in ((skin, ".gsf"), (furrows, ".gsf"), (grooves, ".asc")):
         with open(os.path.join(directory, heightmap.__name__ + ending), "wb") as stream:
             stream.write(heightmap())
 

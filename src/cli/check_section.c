@@ -23,7 +23,7 @@ static double half_width(const struct cml_beam *beam)
     return beam->kind == CML_BEAM_PENCIL ? 0 : beam->radius / sqrt(1 - ux * ux);
 }
 
-/* All that is not a plane, map and beam; the grid where there is nothing else. */
+/* All that is not a plane, of a tile one period, map and beam; the grid where there is nothing else. */
 static void find_width(const struct cml_scene *scene, double x[2])
 {
     const double map = scene->map.nx * scene->map.dx / 2, beam = half_width(&scene->beam);
@@ -33,6 +33,8 @@ static void find_width(const struct cml_scene *scene, double x[2])
         const struct cml_boundary *boundary = &scene->boundaries[b];
         const struct cml_radial *radial = &boundary->radial;
         if (boundary->form == CML_FORM_MESH) take_in(x, boundary->mesh.lower[0], boundary->mesh.upper[0]);
+        if (boundary->form == CML_FORM_TILE)
+            take_in(x, boundary->tile.x0, boundary->tile.x0 + cml_tile_period(&boundary->tile, 0));
         if (boundary->form == CML_FORM_RADIAL && radial->n > 1)
             take_in(x, -radial->r[radial->n - 1], radial->r[radial->n - 1]);
     }
@@ -48,6 +50,9 @@ static void find_depths(const struct cml_boundary *boundary, double z[2])
     z[0] = z[1] = cml_outer_depth(boundary);
     if (boundary->form == CML_FORM_MESH)
         take_in(z, boundary->z + boundary->mesh.lower[2], boundary->z + boundary->mesh.upper[2]);
+    if (boundary->form == CML_FORM_TILE)
+        take_in(z, boundary->z - boundary->tile_notes.relief.highest,
+                boundary->z - boundary->tile_notes.relief.lowest);
     for (int i = 0; boundary->form == CML_FORM_RADIAL && i < boundary->radial.n; i++)
         take_in(z, boundary->z - boundary->radial.h[i], boundary->z - boundary->radial.h[i]);
 }

@@ -99,9 +99,29 @@ static void print_mesh(const struct cml_scene *scene, int b)
                ulp);
 }
 
+/* Sizes are those of the samples; what the layers are compared with is the height. */
+static void print_tile(const struct cml_scene *scene, int b)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    const struct cml_heightmap *tile = &boundary->tile;
+    const struct cml_tile_notes *notes = &boundary->tile_notes;
+    const struct cml_relief *relief = &notes->relief;
+    printf("  tile of boundary %d: %d x %d heights, %g x %g cm apart, %severy %g x %g cm over the whole "
+           "plane\n",
+           b, notes->nx, notes->ny, tile->dx, tile->dy,
+           notes->mirrored ? "mirrored and repeated " : "repeated ", cml_tile_period(tile, 0),
+           cml_tile_period(tile, 1));
+    printf("    z %g..%g cm, rms height %g cm, rms slope %g, mean %g cm\n", boundary->z - relief->highest,
+           boundary->z - relief->lowest, relief->rms, relief->slope_rms, relief->mean);
+    printf("    largest step across the seam %.3g cm along x, %.3g cm along y; inside %.3g and %.3g cm\n",
+           notes->seam[0], notes->seam[1], notes->inside[0], notes->inside[1]);
+    printf("    the beam does not repeat\n");
+}
+
 static cml_status print_meshes(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
+        if (scene->boundaries[b].form == CML_FORM_TILE) print_tile(scene, b);
         if (scene->boundaries[b].form != CML_FORM_MESH) continue;
         print_mesh(scene, b);
         CML_TRY(print_reach(scene, b, err));

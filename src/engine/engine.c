@@ -102,7 +102,8 @@ const char *cml_fate_name(int fate)
 
 const char *cml_lost_cause_name(int cause)
 {
-    static const char *const names[CML_NUM_LOST_CAUSES] = {"not lost", "no surface found", "not a number",
-                                                           "stuck", "leaked through a boundary"};
+    static const char *const names[CML_NUM_LOST_CAUSES] = {
+        "not lost", "no surface found",          "not a number",
+        "stuck",    "leaked through a boundary", "flew too far over a tile"};
     return names[cause];
 }

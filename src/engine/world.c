@@ -164,11 +164,13 @@ static void copy_clearance(const struct cml_surface_set *from, struct cml_owned_
         const struct cml_clearance_map *map = &from->item[b].clearance;
         struct cml_clearance *grid = &to->surfaces[b].clearance;
         int offset = 0;
+        grid->form = (int)map->form;
         grid->size = map->size;
         grid->first = (int)first;
         grid->corner_x = (real)map->corner[0];
         grid->corner_y = (real)map->corner[1];
-        grid->per_cell = (real)(map->cell > 0 ? 1 / map->cell : 0);
+        grid->per_cell = (real)(map->cell[0] > 0 ? 1 / map->cell[0] : 0);
+        grid->per_cell_y = (real)(map->cell[1] > 0 ? 1 / map->cell[1] : 0);
         for (int l = 0; l < map->levels; l++) {
             grid->level_offset[l] = offset;
             offset += (int)cml_clearance_level_cells(map, l);

@@ -5,13 +5,14 @@
 #include "base/settings.h"
 #include "base/text.h"
 #include "scene/scene.h"
+#include "scene/heightmap/mesh_budget.h"
 
 #include <stdbool.h>
 
 struct cml_input_options {
     const struct cml_text_source *source; /* of all files; NULL: the file system */
-    double tolerance; /* [-] of the meshes of heightmaps (scene/heightmap.h); 0: merge only what lies in one
-                       * plane */
+    double tolerance; /* [-] of the meshes of heightmaps (scene/heightmap/heightmap.h); 0: merge only what
+                       * lies in one plane */
     struct cml_mesh_budget budget; /* of every file's mesh; its file, line and boundary are not read */
     void (*on_note)(void *context, const char *text); /* one line on what reads well and was perhaps not
                                                        * meant; NULL: silent */

@@ -194,7 +194,10 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 /* --- m: a mesh or a heightmap -------------------------------------------------------------------------- */
 
 /* The order of the keys in read_mesh. */
-enum { MESH_UP, MESH_ROTATE, MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_NORMALS, MESH_SKIRT };
+enum { MESH_UP, MESH_ROTATE, MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_NORMALS, MESH_SKIRT, MESH_TILE };
+
+/* Whether a heightmap is repeated, and how. */
+enum tiling { TILE_NONE, TILE_PERIODIC, TILE_MIRRORED };
 
 /* In the order of enum cml_up_axis. */
 static const char *const up_names[] = {"z", "-z", "y", "-y", "x", "-x"};
@@ -242,6 +245,13 @@ static cml_status set_mesh_option(const struct cml_mci_line_options *options, st
     }
 }
 
+static cml_status set_tiling(const struct cml_mci_line_options *options, enum tiling *tiling)
+{
+    *tiling = options->alone ? TILE_PERIODIC : TILE_MIRRORED;
+    if (options->alone || strcmp(options->value, "mirror") == 0) return CML_OK;
+    return cml_mci_fail_value(options, "mirror, or the word tile alone");
+}
+
 enum mesh_file { FILE_OBJ, FILE_GSF, FILE_ASC };
 
 /* The ending decides how a file is read. Meshes for printers have no reader here. */
@@ -262,6 +272,42 @@ static cml_status check_mesh_name(const struct cml_mci_line_options *options, co
                                      : "an .obj file, or a .gsf or .asc heightmap");
 }
 
+/* A map whose ends do not fit would be a grating of cliffs. Heights are single precision in many files: a
+ * millionth of the relief is none. */
+static cml_status check_seam(const struct cml_mci_line_options *options, const struct cml_boundary *boundary)
+{
+    const struct cml_tile_notes *notes = &boundary->tile_notes;
+    const double rounding = 1e-6 * (notes->relief.highest - notes->relief.lowest);
+    for (int k = 0; k < 2; k++) {
+        char value[80], expected[200];
+        if (notes->seam[k] <= notes->inside[k] + rounding) continue;
+        snprintf(value, sizeof value, "a step of %g cm across the seam along %c", notes->seam[k], "xy"[k]);
+        snprintf(expected, sizeof expected,
+                 "at most the %g cm between neighbours inside the map; tile=mirror repeats any map",
+                 notes->inside[k]);
+        return cml_mci_fail_option(options, "tile", value, expected);
+    }
+    return CML_OK;
+}
+
+/* The heights become the boundary's; triangles are made of them when it is represented. */
+static cml_status make_tile(const struct cml_mci_line_options *options, bool mirrored,
+                            const struct cml_obj_options *given, struct cml_heightmap *map,
+                            struct cml_boundary *boundary)
+{
+    struct cml_error *err = options->reader->err;
+    boundary->form = CML_FORM_TILE;
+    boundary->tile_normals = given->normals;
+    const cml_status status = cml_tile_make(boundary->file, mirrored, map, &boundary->tile_notes, err);
+    boundary->tile = *map;
+    *map = (struct cml_heightmap){0};
+    CML_TRY(status);
+    CML_TRY(check_seam(options, boundary));
+    const struct cml_tile_cells cells = cml_tile_patch_cells(&boundary->tile);
+    return cml_mesh_budget_check(&given->budget, 2.0 * cells.count[0] * cells.count[1],
+                                 "a coarser map or a larger --mesh-budget", err);
+}
+
 /* A heightmap's grid runs along x and y, and has a skirt anyway. */
 static cml_status check_heightmap_options(const struct cml_mci_line_options *options,
                                           const struct cml_obj_options *given)
@@ -274,13 +320,14 @@ static cml_status check_heightmap_options(const struct cml_mci_line_options *opt
         return cml_mci_fail_option(options, "rotate", value, "no rotate= for a heightmap");
     if (options->seen[MESH_SKIRT])
         return cml_mci_fail_option(options, "skirt", value,
-                                   "no skirt= for a heightmap, which always has one");
+                                   "no skirt= for a heightmap, which has one, or needs none");
     return CML_OK;
 }
 
 /* The heights are needed no longer once the mesh is made. */
 static cml_status read_heightmap(const struct cml_mci_line_options *options, enum mesh_file kind,
-                                 const struct cml_obj_options *given, struct cml_boundary *boundary)
+                                 enum tiling tiling, const struct cml_obj_options *given,
+                                 struct cml_boundary *boundary)
 {
     const struct cml_input_options *input = options->reader->options;
     struct cml_error *err = options->reader->err;
@@ -291,8 +338,10 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
         (kind == FILE_GSF ? cml_gsf_read : cml_esri_read)(input->source, boundary->file, unit, &map, err));
     for (size_t i = 0; i < (size_t)map.nx * (size_t)map.ny; i++) map.h[i] *= given->height;
     cml_heightmap_place(&map, given->scale, given->shift, given->up == CML_UP_MINUS_Z);
-    const cml_status status = cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
-                                                 &boundary->mesh, &boundary->map_notes, err);
+    const cml_status status = tiling == TILE_NONE
+                                  ? cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
+                                                       &boundary->mesh, &boundary->map_notes, err)
+                                  : make_tile(options, tiling == TILE_MIRRORED, given, &map, boundary);
     cml_heightmap_clear(&map);
     return status;
 }
@@ -305,22 +354,27 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     struct cml_mci_line_options options = {
         .reader = reader,
         .owner = owner,
-        .keys = {"up", "rotate", "units", "scale", "shift", "normals", "skirt"},
-        .list = "up=, rotate=, units=, scale=, shift=, normals= or skirt="};
+        .keys = {"up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile"},
+        .flag = "tile",
+        .list = "up=, rotate=, units=, scale=, shift=, normals=, skirt=, tile or tile=mirror"};
     struct cml_obj_options obj = {
         .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
     enum mesh_file kind = FILE_OBJ;
+    enum tiling tiling = TILE_NONE;
     cml_mci_cut_comment(reader->cursor);
     const char *name = cml_text_word(&reader->cursor);
     CML_TRY(check_mesh_name(&options, name, &kind));
     for (bool more = true; more;) {
         CML_TRY(cml_mci_next_option(&options, &more));
-        if (more) CML_TRY(set_mesh_option(&options, &obj));
+        if (!more) break;
+        CML_TRY(options.key == MESH_TILE ? set_tiling(&options, &tiling) : set_mesh_option(&options, &obj));
     }
     struct stretch stretch = {obj.scale, 1};
     CML_TRY(set_stretch(reader, index, &stretch));
     obj.scale = stretch.scale;
     obj.height = stretch.height;
+    if (tiling != TILE_NONE && kind == FILE_OBJ)
+        return cml_mci_fail_option(&options, "tile", "an .obj file", "a .gsf or .asc heightmap");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     obj.budget = reader->options->budget;
     obj.budget.file = boundary->file;
@@ -329,8 +383,8 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
                              &boundary->mesh_notes, reader->err));
     else
-        CML_TRY(read_heightmap(&options, kind, &obj, boundary));
-    boundary->form = CML_FORM_MESH;
+        CML_TRY(read_heightmap(&options, kind, tiling, &obj, boundary));
+    if (tiling == TILE_NONE) boundary->form = CML_FORM_MESH;
     return CML_OK;
 }
 

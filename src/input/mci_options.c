@@ -23,11 +23,13 @@ cml_status cml_mci_next_option(struct cml_mci_line_options *options, bool *more)
     *more = word != NULL;
     if (!word) return CML_OK;
     char *equals = strchr(word, '=');
-    for (int k = 0; equals && k < CML_MCI_MAX_KEYS && options->keys[k]; k++) {
+    const size_t end = equals ? (size_t)(equals - word) : strlen(word);
+    options->alone = !equals && options->flag && strcmp(word, options->flag) == 0;
+    for (int k = 0; (equals || options->alone) && k < CML_MCI_MAX_KEYS && options->keys[k]; k++) {
         const size_t length = strlen(options->keys[k]);
-        if (length != (size_t)(equals - word) || memcmp(word, options->keys[k], length) != 0) continue;
+        if (length != end || memcmp(word, options->keys[k], length) != 0) continue;
         options->key = k;
-        options->value = equals + 1;
+        options->value = equals ? equals + 1 : word;
         if (options->seen[k]) return cml_mci_fail_value(options, "this option only once");
         options->seen[k] = true;
         return CML_OK;

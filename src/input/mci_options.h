@@ -4,17 +4,19 @@
 
 #include "input/mci_lines.h"
 
-#define CML_MCI_MAX_KEYS 7
+#define CML_MCI_MAX_KEYS 8
 
-/* The options of one line, handed out one by one. The reader of the line fills the first four members. */
+/* The options of one line, handed out one by one. The reader of the line fills the first five members. */
 struct cml_mci_line_options {
     struct cml_mci_reader *reader;
     const char *owner;                  /* what the line describes, for messages: "boundary 2", "beam" */
     const char *keys[CML_MCI_MAX_KEYS]; /* NULL behind the last one */
+    const char *flag;                   /* the key that may stand alone, without '='; NULL: none */
     const char *list;                   /* the keys in words, for messages */
     bool seen[CML_MCI_MAX_KEYS];
     int key;     /* index of the key read last */
-    char *value; /* what stands behind its '=' */
+    char *value; /* what stands behind its '=', or the key itself where it stands alone */
+    bool alone;
 };
 
 /* Goes to the next option of the current line: options->key and options->value, or *more false at the end of

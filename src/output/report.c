@@ -92,6 +92,7 @@ static void print_rarities(FILE *stream, const struct cml_result *result, uint32
         {CML_COUNT_LOST_NAN, "packets lost: not a number"},
         {CML_COUNT_LOST_STUCK, "packets lost: stuck"},
         {CML_COUNT_LOST_LEAKED, "packets lost: leaked through a boundary"},
+        {CML_COUNT_LOST_TOO_FAR, "packets lost: flew too far over a tile"},
         {CML_COUNT_SHADING_OVERRULED, "boundary events where the facet overruled the shading normal"},
     };
     for (size_t i = 0; i < sizeof rarities / sizeof *rarities; i++)

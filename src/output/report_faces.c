@@ -19,19 +19,21 @@ static cml_status allocate_faces(struct cml_faces *faces, struct cml_error *err)
 }
 
 /* The mesh in memory lies about its own middle, heights relative to the boundary's depth; a picture wants
- * the scene's coordinates. */
+ * the scene's coordinates. Of a tile one period is shown. */
 static cml_status mesh_faces(const struct cml_surface_def *def, struct cml_faces *faces,
                              struct cml_error *err)
 {
     double middle[3];
     const struct cml_mesh *mesh = cml_mesh_surface_mesh(def->mesh, middle);
-    *faces =
-        (struct cml_faces){.num_points = mesh->num_vertices, .num_faces = mesh->num_triangles, .corners = 3};
+    *faces = (struct cml_faces){
+        .num_points = mesh->num_vertices, .num_faces = (size_t)def->primitives, .corners = 3};
     CML_TRY(allocate_faces(faces, err));
     for (size_t i = 0; i < mesh->num_vertices; i++)
         for (int k = 0; k < 3; k++)
             faces->point[i][k] = mesh->vertex[i][k] + middle[k] + (k == 2 ? def->depth : 0);
-    memcpy(faces->corner, mesh->triangle, mesh->num_triangles * sizeof *mesh->triangle);
+    for (size_t i = 0; i < faces->num_faces; i++)
+        memcpy(faces->corner + 3 * i, mesh->triangle[cml_mesh_surface_triangle(def->mesh, i)],
+               sizeof *mesh->triangle);
     return CML_OK;
 }
 

@@ -6,16 +6,17 @@
 #include "scene/radial.h"
 #include "scene/scene.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A boundary as the comparison sees it: flat heightfields and meshes count as planes. */
+/* A boundary as the comparison sees it: flat heightfields, meshes and tiles count as planes. */
 struct shape {
     int number;
     const struct cml_boundary *boundary;
-    bool is_mesh, is_plane;
-    struct cml_radial_surface field; /* unless is_mesh */
+    bool is_mesh, is_plane, is_tile;
+    struct cml_radial_surface field; /* unless is_mesh or is_tile */
     struct cml_sheet sheet;          /* of every mesh, for its own sake even when flat */
     double top, bottom;              /* least and greatest z */
 };
@@ -43,6 +44,21 @@ static void make_field(struct shape *shape, const struct cml_radial *radial, dou
     }
 }
 
+static void make_tile(struct shape *shape, const struct cml_heightmap *tile, double z)
+{
+    if (cml_tile_is_flat(tile)) {
+        make_plane(shape, z - tile->h[0]);
+        return;
+    }
+    shape->is_tile = true;
+    shape->top = INFINITY;
+    shape->bottom = -INFINITY;
+    for (size_t i = 0; i < (size_t)tile->nx * (size_t)tile->ny; i++) {
+        shape->top = fmin(shape->top, z - tile->h[i]);
+        shape->bottom = fmax(shape->bottom, z - tile->h[i]);
+    }
+}
+
 static cml_status make_shape(const struct cml_boundary *boundary, int number, struct shape *shape,
                              struct cml_error *err)
 {
@@ -55,6 +71,8 @@ static cml_status make_shape(const struct cml_boundary *boundary, int number, st
             make_plane(shape, boundary->z - boundary->radial.h[0]);
         else
             make_field(shape, &boundary->radial, boundary->z);
+    } else if (boundary->form == CML_FORM_TILE) {
+        make_tile(shape, &boundary->tile, boundary->z);
     } else {
         CML_TRY(cml_sheet_create(&boundary->mesh, boundary->z, &shape->sheet, err));
         shape->is_mesh = !cml_mesh_is_flat(&boundary->mesh, &z);
@@ -152,11 +170,54 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
                     upper->number, lower->number, at[0], at[1], at[2]);
 }
 
+/* A sample of the tile that lies deepest, or highest; the first one. */
+static void find_sample(const struct cml_boundary *boundary, double z, double at[3])
+{
+    const struct cml_heightmap *tile = &boundary->tile;
+    const size_t nx = (size_t)tile->nx;
+    size_t i = 0;
+    while (boundary->z - tile->h[i] != z) i++;
+    at[0] = tile->x0 + (double)(i % nx) * tile->dx;
+    at[1] = tile->y0 + (double)(i / nx) * tile->dy;
+}
+
+/* Of a tile and a plane, or of two tiles; false where only their depths are known. */
+static bool find_closest(const struct shape *upper, const struct shape *lower, double *gap, double at[3])
+{
+    if (upper->is_tile && lower->is_tile)
+        return cml_tile_closest(&upper->boundary->tile, upper->boundary->z, &lower->boundary->tile,
+                                lower->boundary->z, gap, at);
+    if (!upper->is_plane && !lower->is_plane) return false;
+    *gap = lower->top - upper->bottom;
+    at[2] = upper->bottom;
+    find_sample((upper->is_tile ? upper : lower)->boundary, upper->is_tile ? upper->bottom : lower->top, at);
+    return true;
+}
+
+/* Exact or refused: what else a tile may be compared with has no period, or another one. */
+static cml_status compare_tiles(const struct cml_scene *scene, const struct shape *upper,
+                                const struct shape *lower, struct cml_error *err)
+{
+    double gap, at[3];
+    if (!find_closest(upper, lower, &gap, at))
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%s: boundaries %d and %d, of which one is a tile, lie at depths of %g..%g and %g..%g "
+            "cm (expected depths that do not overlap, or two tiles of the same cells)",
+            scene->file, upper->number, lower->number, upper->top, upper->bottom, lower->top, lower->bottom);
+    const double rounding = 8.0 * DBL_EPSILON * (fabs(upper->bottom) + fabs(lower->top));
+    if (gap < -rounding) return fail_deep(scene, upper, lower, at, -gap, err);
+    if (gap > rounding) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d touch at (%g %g %g) cm", scene->file,
+                    upper->number, lower->number, at[0], at[1], at[2]);
+}
+
 /* Most pairs lie at different depths altogether, and cost nothing. */
 static cml_status compare(const struct cml_scene *scene, const struct shape *upper, const struct shape *lower,
                           struct cml_error *err)
 {
     if (upper->bottom < lower->top) return CML_OK;
+    if (upper->is_tile || lower->is_tile) return compare_tiles(scene, upper, lower, err);
     if (upper->is_mesh && lower->is_mesh) return compare_sheets(scene, upper, lower, err);
     return compare_fields(scene, upper, lower, err);
 }

@@ -11,6 +11,8 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
     if (boundary->form == CML_FORM_MESH) cml_mesh_clear(&boundary->mesh);
     boundary->mesh_notes = (struct cml_mesh_notes){0};
     boundary->map_notes = (struct cml_heightmap_notes){0};
+    cml_heightmap_clear(&boundary->tile);
+    boundary->tile_notes = (struct cml_tile_notes){0};
     boundary->form = CML_FORM_PLANE;
 }
 

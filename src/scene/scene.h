@@ -6,7 +6,7 @@
 #ifndef CML_SCENE_H
 #define CML_SCENE_H
 
-#include "scene/heightmap.h"
+#include "scene/heightmap/tile.h"
 #include "geometry/mesh.h"
 #include "base/status.h"
 
@@ -31,7 +31,7 @@ struct cml_radial {
     double *r, *h; /* [n] cm */
 };
 
-enum cml_boundary_form { CML_FORM_PLANE, CML_FORM_RADIAL, CML_FORM_MESH };
+enum cml_boundary_form { CML_FORM_PLANE, CML_FORM_RADIAL, CML_FORM_MESH, CML_FORM_TILE };
 
 struct cml_boundary {
     enum cml_boundary_form form; /* as the user gave it; a representation is chosen later (surface.h) */
@@ -40,6 +40,9 @@ struct cml_boundary {
     struct cml_mesh mesh;        /* CML_FORM_MESH, prepared, in the boundary's frame */
     struct cml_mesh_notes mesh_notes;
     struct cml_heightmap_notes map_notes; /* of the heightmap that the mesh was made of; zero: of none */
+    struct cml_heightmap tile;            /* CML_FORM_TILE: one period; heights count up from z */
+    enum cml_normals tile_normals;
+    struct cml_tile_notes tile_notes;
     char *file;    /* the .obj, .gsf, .asc or height file, NULL when the numbers stand in the .mci */
     int line;      /* line of the .mci, 0 when the boundary is implicit */
     bool borrowed; /* the shape and `file` belong to another scene, which lives longer */
@@ -102,7 +105,9 @@ double cml_radial_height(const struct cml_radial *radial, double r);
  * (flat fields and meshes too) may touch: layers of no thickness. All pairs are looked at, whatever lies
  * between. Exact for the coordinates as given (overlap.c). CML_E_INPUT:
  * "FILE: boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1", "FILE: boundaries
- * 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm: triangles i and j". */
+ * 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm: triangles i and j". A
+ * tile is compared with planes and with tiles of the same cells; where its depths overlap those of anything
+ * else it is refused. */
 CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err);
 
 #endif

@@ -2,7 +2,11 @@
  * edge or two edges that pass the plane. SPDX-License-Identifier: MIT */
 #include "scene/section.h"
 
+#include <math.h>
 #include <stdlib.h>
+
+/* Across a picture; more are not seen. */
+enum { MOST_TILE_CELLS = 4096 };
 
 void cml_cut_clear(struct cml_cut *cut)
 {
@@ -117,9 +121,47 @@ static cml_status cut_mesh(const struct cml_boundary *boundary, double x_low, do
     return status;
 }
 
+/* ---- a tile ---- */
+
+/* Depth of the surface at a place in cells from the tile's first sample. */
+static double tile_depth(const struct cml_boundary *boundary, double x, double y)
+{
+    const struct cml_heightmap *tile = &boundary->tile;
+    const int64_t i = (int64_t)floor(x), j = (int64_t)floor(y);
+    const double u = x - floor(x), v = y - floor(y);
+    const double a = cml_tile_height(tile, i, j), b = cml_tile_height(tile, i + 1, j),
+                 c = cml_tile_height(tile, i + 1, j + 1), d = cml_tile_height(tile, i, j + 1);
+    double height;
+    if (cml_tile_rises(tile, i, j))
+        height = v < u ? a + u * (b - a) + v * (c - b) : a + v * (d - a) + u * (c - d);
+    else
+        height = u + v < 1 ? a + u * (b - a) + v * (d - a) : c + (1 - u) * (d - c) + (1 - v) * (b - c);
+    return boundary->z - height;
+}
+
+/* Two pieces a cell, which meet on its diagonal; of very many cells some, each from end to end. */
+static cml_status cut_tile(const struct cml_boundary *boundary, double x_low, double x_high,
+                           struct cml_cut *cut, struct cml_error *err)
+{
+    const struct cml_heightmap *tile = &boundary->tile;
+    const double y = -tile->y0 / tile->dy, v = y - floor(y);
+    const int64_t j = (int64_t)floor(y), first = (int64_t)floor((x_low - tile->x0) / tile->dx),
+                  last = (int64_t)floor((x_high - tile->x0) / tile->dx);
+    const int64_t step = (last - first) / MOST_TILE_CELLS + 1;
+    for (int64_t i = first; i <= last; i += step) {
+        const double bend = step > 1 ? 0.5 * (double)step : cml_tile_rises(tile, i, j) ? v : 1 - v;
+        const double cells[3] = {(double)i, (double)i + bend, (double)(i + step)};
+        for (int k = 0; k < 2; k++)
+            CML_TRY(add(cut, tile->x0 + cells[k] * tile->dx, tile_depth(boundary, cells[k], y),
+                        tile->x0 + cells[k + 1] * tile->dx, tile_depth(boundary, cells[k + 1], y), err));
+    }
+    return CML_OK;
+}
+
 double cml_outer_depth(const struct cml_boundary *boundary)
 {
     if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];
+    if (boundary->form == CML_FORM_TILE) return boundary->z - boundary->tile_notes.relief.mean;
     return boundary->z + (boundary->form == CML_FORM_MESH ? boundary->mesh.z_border : 0);
 }
 
@@ -130,6 +172,8 @@ cml_status cml_section_cut(const struct cml_boundary *boundary, double x_low, do
     cml_status status = CML_OK;
     if (boundary->form == CML_FORM_MESH)
         status = cut_mesh(boundary, x_low, x_high, cut, err);
+    else if (boundary->form == CML_FORM_TILE)
+        status = cut_tile(boundary, x_low, x_high, cut, err);
     else if (boundary->form == CML_FORM_RADIAL)
         status = cut_radial(boundary, x_low, x_high, cut, err);
     else

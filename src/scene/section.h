@@ -18,7 +18,7 @@ CML_NODISCARD cml_status cml_section_cut(const struct cml_boundary *boundary, do
 
 void cml_cut_clear(struct cml_cut *cut);
 
-/* Depth of the plane in which the boundary goes on outside its shape, cm. */
+/* Depth of the plane in which the boundary goes on outside its shape; mean depth of a tile; cm. */
 double cml_outer_depth(const struct cml_boundary *boundary);
 
 #endif

@@ -9,8 +9,9 @@
  * one cell away, and of those two cells away. With those of all coarser levels they are all that do not touch
  * it [the interaction list of Greengard and Rokhlin, Journal of Computational Physics 73 (2), 1987]. */
 struct view {
-    int size;                 /* cells along an axis */
-    double cell;              /* cm */
+    int size;    /* cells along an axis */
+    double cell; /* cm */
+    bool repeats;
     const float *reach;       /* [size][size] */
     float *far_one, *far_two; /* [size][size] */
 };
@@ -21,15 +22,25 @@ static size_t cell_at(int size, int x, int y)
     return (size_t)y * (size_t)size + (size_t)x;
 }
 
-/* Of one cell. The cells at the rim reach outwards for ever, but that brings no two closer. */
+/* The place of a cell along an axis, -1 where there is none. size is a power of two. */
+static int place_of(int x, int size, bool repeats)
+{
+    if (repeats) return x & (size - 1);
+    return x >= 0 && x < size ? x : -1;
+}
+
+/* Of one cell. The cells at the rim reach outwards for ever, but that brings no two closer. Of what repeats,
+ * the coarsest level has one cell, and its copies one cell away stand for all that are further. */
 static void look_from(const struct view *view, int x, int y)
 {
     const int size = view->size, x0 = (x / 2 - 1) * 2, y0 = (y / 2 - 1) * 2;
     float far[3] = {-INFINITY, -INFINITY, -INFINITY};
-    for (int qy = y0 < 0 ? 0 : y0; qy < y0 + 6 && qy < size; qy++)
-        for (int qx = x0 < 0 ? 0 : x0; qx < x0 + 6 && qx < size; qx++) {
+    for (int qy = y0; qy < y0 + 6; qy++)
+        for (int qx = x0; qx < x0 + 6; qx++) {
             const int dx = abs(qx - x), dy = abs(qy - y), gap = (dx > dy ? dx : dy) - 1;
-            if (gap > 0) far[gap] = fmaxf(far[gap], view->reach[cell_at(size, qx, qy)]);
+            const int at_x = place_of(qx, size, view->repeats), at_y = place_of(qy, size, view->repeats);
+            if (gap > 0 && at_x >= 0 && at_y >= 0)
+                far[gap] = fmaxf(far[gap], view->reach[cell_at(size, at_x, at_y)]);
         }
     view->far_one[cell_at(size, x, y)] = far[1];
     view->far_two[cell_at(size, x, y)] = far[2];
@@ -57,12 +68,15 @@ static float steepest_view(const struct view *view, int levels, int x, int y, fl
 
 /* The slope of the steepest facet above a cell and those that touch it. What lies between two places of these
  * cells lies above them, so that neither is seen more steeply from the other. */
-static float steepest_nearby(const float *steepest, int size, int x, int y)
+static float steepest_nearby(const float *steepest, const struct view *view, int x, int y)
 {
+    const int size = view->size;
     float most = 0;
-    for (int qy = y > 0 ? y - 1 : 0; qy <= y + 1 && qy < size; qy++)
-        for (int qx = x > 0 ? x - 1 : 0; qx <= x + 1 && qx < size; qx++)
-            most = fmaxf(most, steepest[cell_at(size, qx, qy)]);
+    for (int qy = y - 1; qy <= y + 1; qy++)
+        for (int qx = x - 1; qx <= x + 1; qx++) {
+            const int at_x = place_of(qx, size, view->repeats), at_y = place_of(qy, size, view->repeats);
+            if (at_x >= 0 && at_y >= 0) most = fmaxf(most, steepest[cell_at(size, at_x, at_y)]);
+        }
     return most;
 }
 
@@ -91,7 +105,8 @@ static int make_views(const struct cml_depth_pyramid *pyramid, int side, float *
         first += level_cells(pyramid, l);
         if (l < CML_HORIZON_LEVEL) continue;
         view[l - CML_HORIZON_LEVEL] =
-            (struct view){pyramid->size >> l, ldexp(pyramid->cell, l), reach, reach + all, reach + 2 * all};
+            (struct view){pyramid->size >> l, ldexp(pyramid->cell, l), pyramid->repeats, reach,
+                          reach + all,        reach + 2 * all};
         look_around(&view[l - CML_HORIZON_LEVEL]);
     }
     return pyramid->levels - CML_HORIZON_LEVEL;
@@ -108,7 +123,7 @@ static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *
         for (int x = 0; x < size; x++) {
             const size_t at = cell_at(size, x, y);
             const float far = steepest_view(view, levels, x, y, side > 0 ? ground[at] : -ground[at]);
-            horizon[at] = 1.005F * fmaxf(far, steepest_nearby(steepest, size, x, y)) + 0.001F;
+            horizon[at] = 1.005F * fmaxf(far, steepest_nearby(steepest, view, x, y)) + 0.001F;
         }
 }
 

@@ -6,6 +6,8 @@
 
 #include "base/status.h"
 
+#include <stdbool.h>
+
 /* Level of the pyramid whose cells have a horizon. */
 #define CML_HORIZON_LEVEL 1
 #define CML_HORIZON_MOST_LEVELS 10 /* of a pyramid */
@@ -14,7 +16,8 @@
  * axis as the one before. */
 struct cml_depth_pyramid {
     int levels, size;               /* of level 0: cells along an axis */
-    double cell;                    /* of level 0, cm */
+    double cell;                    /* of level 0, cm; the shorter side */
+    bool repeats;                   /* what lies beyond one end begins again at the other */
     const float *deepest, *highest; /* [cells of all levels] greatest and least z, cm */
 };
 

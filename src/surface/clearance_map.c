@@ -20,12 +20,13 @@ static const double err_depth = 1e-5;
 size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level)
 {
     const size_t side = (size_t)(map->size >> level);
-    return map->radial ? side : side * side;
+    return map->form == CML_CLEARANCE_RADII ? side : side * side;
 }
 
-static cml_status allocate(int levels, bool radial, struct cml_clearance_map *map, struct cml_error *err)
+static cml_status allocate(int levels, enum cml_clearance_form form, struct cml_clearance_map *map,
+                           struct cml_error *err)
 {
-    *map = (struct cml_clearance_map){.levels = levels, .size = 1 << (levels - 1), .radial = radial};
+    *map = (struct cml_clearance_map){.levels = levels, .size = 1 << (levels - 1), .form = form};
     for (int l = 0; l < levels; l++) map->cells += cml_clearance_level_cells(map, l);
     map->deepest = malloc(2 * map->cells * sizeof *map->deepest);
     if (!map->deepest)
@@ -54,7 +55,7 @@ static void widen_cell(struct cml_clearance_map *map, int ix, int iy, double lea
 
 static int cell_index(const struct cml_clearance_map *map, double x, int axis)
 {
-    const double cell = floor((x - map->corner[axis]) / map->cell);
+    const double cell = floor((x - map->corner[axis]) / map->cell[axis]);
     return (int)fmin(fmax(cell, 0), map->size - 1);
 }
 
@@ -88,10 +89,10 @@ static cml_status allocate_square(double triangles, double x, double y, double w
 {
     int levels = LEAST_LEVELS;
     while (levels < MOST_LEVELS && pow(4, levels - 1) < 0.5 * triangles) levels++;
-    CML_TRY(allocate(levels, false, map, err));
-    map->cell = width / (map->size - 2);
-    map->corner[0] = x - map->cell;
-    map->corner[1] = y - map->cell;
+    CML_TRY(allocate(levels, CML_CLEARANCE_SQUARE, map, err));
+    map->cell[0] = map->cell[1] = width / (map->size - 2);
+    map->corner[0] = x - map->cell[0];
+    map->corner[1] = y - map->cell[1];
     return CML_OK;
 }
 
@@ -126,9 +127,10 @@ static void cover_cell(struct cml_clearance_map *map, const struct triangle_plan
 {
     double least = t->lower[2], most = t->upper[2];
     if (!t->steep) {
-        const double x = map->corner[0] + (ix + 0.5) * map->cell, y = map->corner[1] + (iy + 0.5) * map->cell;
+        const double *cell = map->cell;
+        const double x = map->corner[0] + (ix + 0.5) * cell[0], y = map->corner[1] + (iy + 0.5) * cell[1];
         const double z = t->a * x + t->b * y + t->c;
-        const double rise = (0.5 + 2 * err_cell) * map->cell * (fabs(t->a) + fabs(t->b));
+        const double rise = (0.5 + 2 * err_cell) * (cell[0] * fabs(t->a) + cell[1] * fabs(t->b));
         least = fmax(least, fmin(z - rise, most));
         most = fmin(most, fmax(z + rise, least));
     }
@@ -156,14 +158,14 @@ static void clip_edge(const double *p, const double *q, double from, double to, 
 static void cover_triangle(struct cml_clearance_map *map, const struct triangle_plane *t,
                            const double *corner[3], float *steepest)
 {
-    const double err = err_cell * map->cell;
-    const int y0 = cell_index(map, t->lower[1] - err, 1), y1 = cell_index(map, t->upper[1] + err, 1);
+    const double err_x = err_cell * map->cell[0], err_y = err_cell * map->cell[1];
+    const int y0 = cell_index(map, t->lower[1] - err_y, 1), y1 = cell_index(map, t->upper[1] + err_y, 1);
     for (int iy = y0; iy <= y1; iy++) {
-        const double from = map->corner[1] + iy * map->cell - err, to = from + map->cell + 2 * err;
+        const double from = map->corner[1] + iy * map->cell[1] - err_y, to = from + map->cell[1] + 2 * err_y;
         double lower = INFINITY, upper = -INFINITY;
         for (int k = 0; k < 3; k++) clip_edge(corner[k], corner[(k + 1) % 3], from, to, &lower, &upper);
-        const int x1 = cell_index(map, upper + err, 0);
-        for (int ix = cell_index(map, lower - err, 0); ix <= x1; ix++) cover_cell(map, t, ix, iy, steepest);
+        const int x1 = cell_index(map, upper + err_x, 0);
+        for (int ix = cell_index(map, lower - err_x, 0); ix <= x1; ix++) cover_cell(map, t, ix, iy, steepest);
     }
 }
 
@@ -173,8 +175,8 @@ static void cover_outside(struct cml_clearance_map *map, double z, const double 
 {
     for (int iy = 0; iy < map->size; iy++)
         for (int ix = 0; ix < map->size; ix++) {
-            const double x = map->corner[0] + ix * map->cell, y = map->corner[1] + iy * map->cell;
-            const double err = err_cell * map->cell, end = map->cell + err;
+            const double x = map->corner[0] + ix * map->cell[0], y = map->corner[1] + iy * map->cell[1];
+            const double err = err_cell * map->cell[0], end = map->cell[0] + err;
             const bool inside = lower && x - err >= lower[0] && y - err >= lower[1] && x + end <= upper[0] &&
                                 y + end <= upper[1];
             if (!inside) widen_cell(map, ix, iy, z, z);
@@ -219,6 +221,17 @@ static cml_status allocate_horizons(struct cml_clearance_map *map, float **steep
     return CML_OK;
 }
 
+static cml_status find_horizons(struct cml_clearance_map *map, const float *steepest, struct cml_error *err)
+{
+    const struct cml_depth_pyramid pyramid = {.levels = map->levels,
+                                              .size = map->size,
+                                              .cell = fmin(map->cell[0], map->cell[1]),
+                                              .repeats = map->form == CML_CLEARANCE_PERIOD,
+                                              .deepest = map->deepest,
+                                              .highest = map->highest};
+    return cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
+}
+
 cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearance_map *map,
                                  struct cml_error *err)
 {
@@ -230,14 +243,88 @@ cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, struct cml_clearan
         cover_mesh(mesh, map, steepest);
         finish(map, err_depth * (width + fabs(mesh->lower[0]) + fabs(mesh->lower[1]) + mesh->upper[2] -
                                  mesh->lower[2]));
-        const struct cml_depth_pyramid pyramid = {map->levels, map->size, map->cell, map->deepest,
-                                                  map->highest};
-        status = cml_find_horizons(&pyramid, steepest, map->horizon[0], map->horizon[1], err);
+        status = find_horizons(map, steepest, err);
     }
     if (status != CML_OK) cml_clearance_clear(map);
     free(steepest);
     return status;
 }
+
+/* ---- of a tile ---- */
+
+/* How many periods along the axis make it about as long as the other one; fewer where that would be very many
+ * cells of the tile. */
+static int periods_along(const struct cml_heightmap *tile, int axis)
+{
+    const double most_cells = 4194304, ratio = cml_tile_period(tile, 1 - axis) / cml_tile_period(tile, axis);
+    const double most = fmax(1, most_cells / ((double)tile->nx * (double)tile->ny));
+    return (int)fmax(1, fmin(rint(ratio), most));
+}
+
+/* Levels as of a square, but no cells around it. */
+static cml_status allocate_period(const struct cml_heightmap *tile, const int periods[2],
+                                  struct cml_clearance_map *map, struct cml_error *err)
+{
+    const double triangles = 2.0 * tile->nx * tile->ny * periods[0] * periods[1];
+    CML_TRY(allocate_square(triangles, 0, 0, 1, map, err));
+    map->form = CML_CLEARANCE_PERIOD;
+    map->corner[0] = tile->x0;
+    map->corner[1] = tile->y0;
+    for (int k = 0; k < 2; k++) map->cell[k] = periods[k] * cml_tile_period(tile, k) / map->size;
+    return CML_OK;
+}
+
+/* Those that lie beside the map have nothing to say, but within rounding of its ends. */
+static void cover_if_inside(struct cml_clearance_map *map, const double *corner[3], float *steepest)
+{
+    const struct triangle_plane t = plane_of(corner[0], corner[1], corner[2]);
+    for (int k = 0; k < 2; k++) {
+        const double err = err_cell * map->cell[k], end = map->corner[k] + map->size * map->cell[k];
+        if (t.upper[k] + err < map->corner[k] || t.lower[k] - err > end) return;
+    }
+    cover_triangle(map, &t, corner, steepest);
+}
+
+/* All cells of the tile in the map, and one more on each side: row by row, so that no more than a row has
+ * triangles at a time. */
+static cml_status cover_tile(const struct cml_heightmap *tile, const int periods[2],
+                             struct cml_clearance_map *map, float *steepest, struct cml_error *err)
+{
+    for (int j = -1; j <= periods[1] * tile->ny; j++) {
+        const struct cml_tile_cells row = {{-1, j}, {periods[0] * tile->nx + 2, 1}};
+        struct cml_mesh mesh;
+        CML_TRY(cml_tile_sheet(tile, &row, CML_NORMALS_FACET, &mesh, err));
+        for (size_t i = 0; i < mesh.num_triangles; i++) {
+            const uint32_t *v = mesh.triangle[i];
+            const double *corner[3] = {mesh.vertex[v[0]], mesh.vertex[v[1]], mesh.vertex[v[2]]};
+            cover_if_inside(map, corner, steepest);
+        }
+        cml_mesh_clear(&mesh);
+    }
+    return CML_OK;
+}
+
+cml_status cml_clearance_of_tile(const struct cml_heightmap *tile, struct cml_clearance_map *map,
+                                 struct cml_error *err)
+{
+    const int periods[2] = {periods_along(tile, 0), periods_along(tile, 1)};
+    struct cml_relief relief;
+    float *steepest = NULL;
+    cml_heightmap_measure(tile, tile->h, &relief);
+    CML_TRY(allocate_period(tile, periods, map, err));
+    cml_status status = allocate_horizons(map, &steepest, err);
+    if (status == CML_OK) status = cover_tile(tile, periods, map, steepest, err);
+    if (status == CML_OK) {
+        const double width = map->size * fmax(map->cell[0], map->cell[1]);
+        finish(map, err_depth * (width + relief.highest - relief.lowest));
+        status = find_horizons(map, steepest, err);
+    }
+    if (status != CML_OK) cml_clearance_clear(map);
+    free(steepest);
+    return status;
+}
+
+/* ---- of rings ---- */
 
 static double profile_depth(const double *r, const double *z, int n, int i, double at)
 {
@@ -275,10 +362,10 @@ cml_status cml_clearance_of_rings(const double *r, const double *z, int n, struc
         most = fmax(most, z[i]);
     }
     while (levels < MOST_RADIAL_LEVELS && 1 << (levels - 1) < 4 * n) levels++; /* about four cells per ring */
-    CML_TRY(allocate(levels, true, map, err));
-    map->cell = last / (map->size - 1);
+    CML_TRY(allocate(levels, CML_CLEARANCE_RADII, map, err));
+    map->cell[0] = map->cell[1] = last / (map->size - 1);
     for (int i = 0; i < map->size; i++) {
-        const double from = (i - err_cell) * map->cell, to = (i + 1 + err_cell) * map->cell;
+        const double from = (i - err_cell) * map->cell[0], to = (i + 1 + err_cell) * map->cell[0];
         cover_radii(map, r, z, n, fmax(from, 0), i + 1 < map->size ? to : INFINITY, i);
     }
     finish(map, err_depth * (last + most - least));

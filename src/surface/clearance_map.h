@@ -4,17 +4,19 @@
 #ifndef CML_CLEARANCE_MAP_H
 #define CML_CLEARANCE_MAP_H
 
+#include "boundary.h"
 #include "geometry/mesh.h"
 #include "scene/scene.h"
 
 /* One surface's pyramid: all levels one behind the other, level 0 first. */
 struct cml_clearance_map {
     int levels, size;
-    bool radial;              /* of rings: cells in a row from the axis outwards; else in a square */
-    double corner[2], cell;   /* cm; corner from the scene's z axis */
-    size_t cells;             /* of all levels */
-    float *deepest, *highest; /* [cells] greatest and least z, boundary's frame, cm */
-    float *horizon[2];        /* of a mesh (cell_horizon.h): seen from below and from above; NULL of rings */
+    enum cml_clearance_form
+        form; /* CML_CLEARANCE_RADII: cells in a row from the axis outwards, else in a square */
+    double corner[2], cell[2]; /* cm; corner from the scene's z axis; cells are squares but those of a tile */
+    size_t cells;              /* of all levels */
+    float *deepest, *highest;  /* [cells] greatest and least z, boundary's frame, cm */
+    float *horizon[2];         /* of a mesh (cell_horizon.h): seen from below and from above; NULL of rings */
     size_t horizon_cells;
 };
 
@@ -25,6 +27,11 @@ CML_NODISCARD cml_status cml_clearance_of_mesh(const struct cml_mesh *mesh, stru
                                                struct cml_error *err);
 CML_NODISCARD cml_status cml_clearance_of_rings(const double *r, const double *z, int n,
                                                 struct cml_clearance_map *map, struct cml_error *err);
+
+/* Of a tile, whose heights count up from z = 0: over one period, or over as many along the shorter axis as
+ * make the cells about square. */
+CML_NODISCARD cml_status cml_clearance_of_tile(const struct cml_heightmap *tile,
+                                               struct cml_clearance_map *map, struct cml_error *err);
 
 /* Cells of one level. */
 size_t cml_clearance_level_cells(const struct cml_clearance_map *map, int level);

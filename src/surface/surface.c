@@ -81,7 +81,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     def->highest = fmax(mesh->upper[2], mesh->z_border);
     CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
     CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, search, &def->mesh, err));
-    def->primitives = cml_mesh_surface_triangles(def->mesh);
+    def->primitives = cml_mesh_surface_primitives(def->mesh);
     snprintf(def->reason, sizeof def->reason, "%s%s", reason,
              cml_mesh_surface_is_walked(def->mesh) ? ", a regular grid" : "");
     return CML_OK;
@@ -131,15 +131,20 @@ static cml_status represent_field(const struct cml_scene *scene, const struct cm
     return status;
 }
 
+static cml_status refuse_cones(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                               struct cml_error *err)
+{
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: --boundaries cone cannot represent a mesh (expected auto or mesh)", scene->file,
+                    boundary->line);
+}
+
 static cml_status represent_mesh(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                  const struct cml_surface_options *options, struct cml_surface_def *def,
                                  struct cml_error *err)
 {
     double z;
-    if (options->force == CML_SURFACE_CONE)
-        return cml_fail(err, CML_E_INPUT,
-                        "%s:%d: --boundaries cone cannot represent a mesh (expected auto or mesh)",
-                        scene->file, boundary->line);
+    if (options->force == CML_SURFACE_CONE) return refuse_cones(scene, boundary, err);
     if (options->force == CML_SURFACE_AUTO && cml_mesh_is_flat(&boundary->mesh, &z)) {
         make_plane(boundary->z + z, "flat mesh", def);
         return CML_OK;
@@ -157,6 +162,50 @@ static cml_status represent_mesh(const struct cml_scene *scene, const struct cml
     return status;
 }
 
+/* One period and a margin, as the mesh that is asked for crossings. */
+static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cml_mesh *mesh,
+                                     const struct cml_scene *scene, enum cml_mesh_search search,
+                                     struct cml_surface_def *def, struct cml_error *err)
+{
+    const struct cml_tile_cells cells = cml_tile_patch_cells(tile);
+    const struct cml_mesh_period period = {.n = {tile->nx, tile->ny},
+                                           .margin = {-cells.first[0], -cells.first[1]},
+                                           .corner = {tile->x0, tile->y0},
+                                           .cell = {tile->dx, tile->dy}};
+    CML_TRY(cml_clearance_of_tile(tile, &def->clearance, err));
+    CML_TRY(
+        cml_mesh_surface_create_tile(mesh, scene->beam.x, scene->beam.y, search, &period, &def->mesh, err));
+    def->primitives = cml_mesh_surface_primitives(def->mesh);
+    snprintf(def->reason, sizeof def->reason, "heightmap repeated every %g x %g cm%s",
+             cml_tile_period(tile, 0), cml_tile_period(tile, 1),
+             cml_mesh_surface_is_walked(def->mesh) ? ", a regular grid" : "");
+    return CML_OK;
+}
+
+static cml_status represent_tile(const struct cml_scene *scene, const struct cml_boundary *boundary,
+                                 const struct cml_surface_options *options, struct cml_surface_def *def,
+                                 struct cml_error *err)
+{
+    const struct cml_heightmap *tile = &boundary->tile;
+    if (options->force == CML_SURFACE_CONE) return refuse_cones(scene, boundary, err);
+    if (options->force == CML_SURFACE_AUTO && cml_tile_is_flat(tile)) {
+        make_plane(boundary->z - tile->h[0], "flat heightmap", def);
+        return CML_OK;
+    }
+    struct cml_mesh mesh;
+    const struct cml_tile_cells cells = cml_tile_patch_cells(tile);
+    CML_TRY(cml_tile_patch(tile, &cells, boundary->tile_normals, &mesh, err));
+    def->kind = CML_SURFACE_MESH;
+    def->depth = boundary->z;
+    def->steepest = steepest_facet(&mesh);
+    def->lowest = mesh.lower[2];
+    def->highest = mesh.upper[2];
+    def->expectation = cml_choice_expect_mesh();
+    const cml_status status = make_repeated_mesh(tile, &mesh, scene, options->search, def, err);
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
 static cml_status represent(const struct cml_scene *scene, const struct cml_boundary *boundary,
                             const struct cml_surface_options *options, struct cml_surface_def *def,
                             struct cml_error *err)
@@ -167,6 +216,8 @@ static cml_status represent(const struct cml_scene *scene, const struct cml_boun
         make_plane(boundary->z, "surface ignored as asked", def);
     else if (boundary->form == CML_FORM_RADIAL)
         return represent_field(scene, boundary, options, def, err);
+    else if (boundary->form == CML_FORM_TILE)
+        return represent_tile(scene, boundary, options, def, err);
     else
         return represent_mesh(scene, boundary, options, def, err);
     return CML_OK;
@@ -227,6 +278,7 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
 static double outer_height(const struct cml_boundary *boundary)
 {
     if (boundary->form == CML_FORM_MESH) return -boundary->mesh.z_border;
+    if (boundary->form == CML_FORM_TILE) return boundary->tile_notes.relief.mean;
     return boundary->radial.h[boundary->radial.n - 1];
 }
 
@@ -234,7 +286,10 @@ void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cm
 {
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
     make_plane(boundary->z - outer_height(boundary),
-               boundary->form == CML_FORM_MESH ? "mesh" : "radial heightfield", def);
+               boundary->form == CML_FORM_MESH   ? "mesh"
+               : boundary->form == CML_FORM_TILE ? "heightmap repeated"
+                                                 : "radial heightfield",
+               def);
 }
 
 /* The radius of the level part has no effect. */
@@ -265,12 +320,20 @@ void cml_surfaces_free(struct cml_surface_set *set)
     *set = (struct cml_surface_set){0};
 }
 
+/* One period, up to the first samples of the next. */
+static cml_status one_period(const struct cml_heightmap *tile, struct cml_mesh *mesh, struct cml_error *err)
+{
+    const struct cml_tile_cells cells = {{0, 0}, {tile->nx, tile->ny}};
+    return cml_tile_sheet(tile, &cells, CML_NORMALS_FACET, mesh, err);
+}
+
 /* A field of one sample or equal heights still has a mesh; a plane without any has none to show. */
 cml_status cml_boundary_mesh(const struct cml_scene *scene, int b, const struct cml_surface_options *options,
                              struct cml_mesh *mesh, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
     if (boundary->form == CML_FORM_MESH) return cml_mesh_copy(&boundary->mesh, mesh, err);
+    if (boundary->form == CML_FORM_TILE) return one_period(&boundary->tile, mesh, err);
     if (boundary->form == CML_FORM_RADIAL && boundary->radial.n > 1)
         return tessellate(scene, boundary, options, mesh, err);
     *mesh = (struct cml_mesh){0};

@@ -41,7 +41,8 @@ CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
 
 void cml_surfaces_free(struct cml_surface_set *set);
 
-/* The plane in which a curved boundary goes on outside; owns nothing. What *def was is overwritten. */
+/* The plane in which a curved boundary goes on outside, of a tile that of its mean height; owns nothing. What
+ * *def was is overwritten. */
 void cml_surface_make_outer_plane(const struct cml_boundary *boundary, struct cml_surface_def *def);
 
 /* The same plane as rings without a slope: packets take the events that they take on curved boundaries, with
@@ -55,8 +56,8 @@ void cml_surface_clear(struct cml_surface_def *def);
 
 const char *cml_surface_kind_name(enum cml_surface_kind kind);
 
-/* The mesh of boundary b as cml_surfaces_create would give it to Embree, tessellated or loaded; empty (no
- * triangles) for a plane. For `clustermcml mesh`. */
+/* The mesh of boundary b as cml_surfaces_create would give it to Embree, tessellated or loaded; one period of
+ * a tile, unprepared; empty (no triangles) for a plane. For `clustermcml mesh`. */
 CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_scene *scene, int b,
                                            const struct cml_surface_options *options, struct cml_mesh *mesh,
                                            struct cml_error *err);

@@ -12,7 +12,7 @@
 #define CML_TESSELLATE_H
 
 #include "geometry/mesh.h"
-#include "scene/mesh_budget.h"
+#include "scene/heightmap/mesh_budget.h"
 #include "scene/scene.h"
 
 struct cml_tessellation {

@@ -99,8 +99,9 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
         random_step(&bench, reach, height, &p, &u, &length);
         const real side = i & 1 ? (real)1 : (real)-1;
         const struct cml_interval all = {1, 0, length};
-        const struct cml_interval left = cml_clip_interval(
-            &surface->clearance, side > 0 ? world->deepest : world->highest, p, u, side, all, rings);
+        const struct cml_interval left =
+            cml_clip_interval(&surface->clearance, side > 0 ? world->deepest : world->highest, p, u, side,
+                              all, surface->clearance.form);
         clear += !left.meets;
         if (!left.meets) wrong += crosses(&bench, p, u, side, length);
         if (!left.meets || !rings) continue;
@@ -120,8 +121,20 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
 
 /* Meshes that are no regular grid, or steep in one place only, in a folder for as long as the tests run. */
 static char folder[] = "/tmp/cml_clearance_XXXXXX";
-static char irregular_path[64], spiked_path[64], irregular[80],
-    spiked[80]; /* files, and lines of .mci files */
+static char irregular_path[64], spiked_path[64], corner_path[64]; /* files */
+static char irregular[80], spiked[80], corner[96];                /* lines of .mci files */
+
+/* A tile, level but for one spike beside its first corner: from most of it the spike's copies across the
+ * seams are the nearest. */
+static void write_corner(void)
+{
+    FILE *file = fopen(corner_path, "w");
+    assert_non_null(file);
+    fprintf(file, "ncols 32 nrows 32 cellsize 0.03125\n");
+    for (int i = 0; i < 32 * 32; i++) fprintf(file, "%s\n", i == 30 * 32 + 1 ? "0.1" : "0");
+    fclose(file);
+    snprintf(corner, sizeof corner, "m \"%s\" units=cm tile", corner_path);
+}
 
 static int write_meshes(void **state)
 {
@@ -130,6 +143,8 @@ static int write_meshes(void **state)
     assert_non_null(mkdtemp(folder));
     snprintf(irregular_path, sizeof irregular_path, "%s/irregular.obj", folder);
     snprintf(spiked_path, sizeof spiked_path, "%s/spiked.obj", folder);
+    snprintf(corner_path, sizeof corner_path, "%s/corner.asc", folder);
+    write_corner();
     snprintf(irregular, sizeof irregular, "m \"%s\"", irregular_path);
     snprintf(spiked, sizeof spiked, "m \"%s\"", spiked_path);
     patch_make(&patch, 1, 0.01, 0, 0, 0);
@@ -146,6 +161,7 @@ static int remove_meshes(void **state)
     (void)state;
     remove(irregular_path);
     remove(spiked_path);
+    remove(corner_path);
     return rmdir(folder);
 }
 
@@ -159,6 +175,10 @@ static void a_clear_step_crosses_nothing(void **state)
     expect_conservative(MESH("overhang.obj"), CML_SURFACE_AUTO, 0.8);
     expect_conservative(MESH("wedge.obj"), CML_SURFACE_AUTO, 0.8);
     expect_conservative(MESH("spikes.obj") " shift=0.3,0,0", CML_SURFACE_AUTO, 0.8);
+    expect_conservative(MESH("grooves.asc") " units=mm tile scale=3", CML_SURFACE_AUTO, 4);
+    expect_conservative(MESH("skin.gsf") " tile=mirror scale=10", CML_SURFACE_AUTO, 30);
+    expect_conservative(MESH("skin.gsf") " tile=mirror", CML_SURFACE_AUTO, 1000);
+    expect_conservative(corner, CML_SURFACE_AUTO, 1.5);
     expect_conservative(irregular, CML_SURFACE_AUTO, 1.2);
     expect_conservative(spiked, CML_SURFACE_AUTO, 1.2);
 }
@@ -215,6 +235,9 @@ static void above_its_horizon_a_packet_crosses_nothing(void **state)
     expect_horizons(MESH("wedge.obj"), 0.7, 0.05);
     expect_horizons(MESH("overhang.obj"), 2, 0.5);
     expect_horizons(MESH("prism.obj"), 3, 0.2);
+    expect_horizons(MESH("grooves.asc") " units=mm tile", 3, 0.1);
+    expect_horizons(MESH("skin.gsf") " tile=mirror", 3, 0.1);
+    expect_horizons(corner, 1.5, 0.3);
     expect_horizons(irregular, 1.2, 0.1);
     expect_horizons(spiked, 1.2, 0.5);
 }
@@ -278,6 +301,8 @@ static void the_fast_query_is_the_exact_one(void **state)
     (void)state;
     expect_exact(MESH("ridges.obj"), true);
     expect_exact(MESH("overhang.obj"), false);
+    expect_exact(MESH("grooves.asc") " units=mm tile", true);
+    expect_exact(MESH("skin.gsf") " tile=mirror", true);
     expect_exact(irregular, false);
     expect_exact(spiked, true);
 }

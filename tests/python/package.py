@@ -142,6 +142,12 @@ class Scenes(unittest.TestCase):
         peak = max(self.vertices(), key=lambda vertex: vertex[2])
         np.testing.assert_allclose(peak, [-0.2, 0.2, 0.02], atol=1e-7)
 
+    def test_heightmap_is_repeated(self):
+        heights = np.array([[0, 0.02, 0.01], [0, 0.01, 0.02]])
+        for tile, period in ((True, "0.3 x 0.2"), ("mirror", "0.4 x 0.2")):
+            scene = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Heightmap(heights, 0.1, tile=tile))])
+            self.assertIn(f"repeated every {period} cm", self.checked(scene)["boundaries"][0]["reason"])
+
     def test_mesh_from_arrays(self):
         vertices = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0.1, 0.2, 0.05]]
         faces = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
@@ -163,6 +169,7 @@ class Scenes(unittest.TestCase):
                  (lambda: mc.Heightfield([1, 2], [0, 0]), r"Heightfield\.r = \[1, 2\]"),
                  (lambda: mc.Heightmap([1.0, 2.0], 1), r"Heightmap\.heights = \[1\.0, 2\.0\]"),
                  (lambda: mc.Mesh("none.obj"), r"Mesh\.path = 'none\.obj' \(expected"), (lambda: mc.Mesh(), r"Mesh\.path = None"),
+                 (lambda: mc.Heightmap([[0, 0], [0, 0]], 1, tile="twice"), r"Heightmap\.tile = 'twice' \(expected"),
                  (lambda: mc.Mesh(vertices=[[0, 0, 0]], faces=[[0, 1, 2]]), r"Mesh\.faces = .* \(expected indices from 0 to 0"),
                  (lambda: mc.Scene([]), r"Scene\.layers = \[\] \(expected"), (lambda: mc.Scene([SLAB], photons=0.5), r"Scene\.photons = 0\.5"),
                  (lambda: mc.Scene([SLAB], nr=2.5), r"Scene\.nr = 2\.5"), (lambda: mc.Scene([SLAB], beam=None), r"Scene\.beam = None")]

@@ -6,6 +6,7 @@
 #include <math.h>
 
 #define MOST_IN_CELL 32
+#define FARTHEST_PERIOD 20 /* from the middle of a tile that packets are aimed at */
 
 static void reach_to(struct oracle *oracle, double z)
 {
@@ -21,6 +22,8 @@ void oracle_create(const struct cml_surface_def *def, struct oracle *oracle)
     if (def->kind != CML_SURFACE_MESH) return;
     const struct cml_mesh *mesh = cml_mesh_surface_mesh(def->mesh, oracle->middle);
     for (size_t i = 0; i < mesh->num_vertices; i++) reach_to(oracle, mesh->vertex[i][2] + oracle->middle[2]);
+    const struct cml_mesh_period *period = cml_mesh_surface_period(def->mesh);
+    for (int axis = 0; axis < 2; axis++) oracle->period[axis] = period->n[axis] * period->cell[axis];
     oracle_grid_create(mesh, MOST_IN_CELL, &oracle->grid);
 }
 
@@ -30,6 +33,16 @@ void oracle_free(struct oracle *oracle)
 }
 
 /* --- the side of a mesh --- */
+
+/* q from the mesh's middle; of a tile, the copy of it that lies over the middle period. */
+static void seen_from_middle(const struct oracle *oracle, const double q[3], double local[3])
+{
+    cml_vec3_subtract(q, oracle->middle, local);
+    for (int axis = 0; axis < 2; axis++) {
+        const double period = oracle->period[axis];
+        if (period > 0) local[axis] -= period * rint(local[axis] / period);
+    }
+}
 
 static const double *corner_of(const struct oracle *oracle, uint32_t triangle, int k)
 {
@@ -84,7 +97,8 @@ static int sheets_above(const struct oracle *oracle, const double q[3], int *tot
 
 static bool below_mesh(const struct oracle *oracle, const double q[3])
 {
-    const double local[3] = {q[0] - oracle->middle[0], q[1] - oracle->middle[1], q[2] - oracle->middle[2]};
+    double local[3];
+    seen_from_middle(oracle, q, local);
     int total, above = sheets_above(oracle, local, &total);
     if (total == 0 && q[2] > oracle->grid.mesh->z_border + oracle->middle[2]) above++;
     return above != 0;
@@ -151,7 +165,8 @@ static bool near_cell(const struct oracle *oracle, struct oracle_search search, 
 
 static bool near_mesh(const struct oracle *oracle, const double q[3], double distance)
 {
-    const double local[3] = {q[0] - oracle->middle[0], q[1] - oracle->middle[1], q[2] - oracle->middle[2]};
+    double local[3];
+    seen_from_middle(oracle, q, local);
     const struct oracle_grid *grid = &oracle->grid;
     const struct oracle_box around = {{local[0] - distance, local[1] - distance},
                                       {local[0] + distance, local[1] + distance}};
@@ -228,9 +243,23 @@ static void unit(double v[3])
     for (int axis = 0; axis < 3; axis++) v[axis] = size > 0 ? v[axis] / size : axis == 2;
 }
 
+/* Any; of a tile one of its period, every second time one at the seam. */
+static uint32_t triangle_to_aim_at(const struct oracle *oracle, struct dice *dice)
+{
+    const struct cml_mesh_period *period = cml_mesh_surface_period(oracle->def->mesh);
+    const int *n = period->n;
+    if (n[0] == 0) return (uint32_t)dice_below(dice, (int)oracle->grid.mesh->num_triangles);
+    int cell[2] = {dice_below(dice, n[0]), dice_below(dice, n[1])};
+    const int seam = dice_below(dice, 8); /* along one axis, or the other, or both: a corner of the tile */
+    for (int axis = 0; axis < 2; axis++)
+        if (seam == axis || seam == 2 + axis || seam == 4) cell[axis] = dice_below(dice, 2) * (n[axis] - 1);
+    const int primitive = 2 * (cell[1] * n[0] + cell[0]) + dice_below(dice, 2);
+    return (uint32_t)cml_mesh_surface_triangle(oracle->def->mesh, (size_t)primitive);
+}
+
 static struct place place_on_mesh(const struct oracle *oracle, enum place_kind kind, struct dice *dice)
 {
-    const uint32_t triangle = (uint32_t)dice_below(dice, (int)oracle->grid.mesh->num_triangles);
+    const uint32_t triangle = triangle_to_aim_at(oracle, dice);
     const int k = dice_below(dice, 3);
     const double *a = corner_of(oracle, triangle, k), *b = corner_of(oracle, triangle, (k + 1) % 3),
                  *c = corner_of(oracle, triangle, (k + 2) % 3);
@@ -244,6 +273,9 @@ static struct place place_on_mesh(const struct oracle *oracle, enum place_kind k
     for (int axis = 0; axis < 3; axis++)
         place.point[axis] = a[axis] + s * place.tangent[axis] + t * ac[axis] + oracle->middle[axis];
     place.size = sqrt(cml_vec3_dot(place.tangent, place.tangent));
+    for (int axis = 0; axis < 2; axis++)
+        place.point[axis] +=
+            (dice_below(dice, 2 * FARTHEST_PERIOD + 1) - FARTHEST_PERIOD) * oracle->period[axis];
     unit(place.tangent);
     unit(place.normal);
     return place;

@@ -13,6 +13,7 @@ struct oracle {
     const struct cml_surface_def *def;
     struct oracle_grid grid; /* CML_SURFACE_MESH */
     double middle[3];        /* of the mesh's coordinates */
+    double period[2];        /* of a tile, about that middle, cm; 0: nothing is repeated */
     double highest, lowest;  /* z of its topmost and its deepest point; above and below nothing is asked */
 };
 

@@ -245,6 +245,57 @@ def sheets(line):
                     refused="cross")
 
 
+def tile_lines(directory):
+    """Writes heightmaps that are repeated; their names without .asc."""
+    def rough(nx, ny, height, seed=1):
+        """Lower at one end, so that no step is higher than across the seam."""
+        dice = random.Random(seed)
+        return [[dice.uniform(-height, height) * (0.5 if (i == 0 or j == 0) and nx > 2 else 1) for i in range(nx)]
+                for j in range(ny)]
+    waves = [[0.02 * math.sin(2 * math.pi * i / 32) for i in range(32)]] * 2
+    maps = {
+        "tile": (rough(24, 24, 0.05), 2.0 / 24),
+        "tile-fine": (rough(20, 30, 2e-4), 1e-3),
+        "tile-2x2": (rough(2, 2, 0.02), 0.05),
+        "tile-odd": (rough(7, 5, 0.02), 0.05),
+        "tile-waves": (waves, 0.01),
+        "tile-walls": (rough(16, 16, 5e-3), 1e-4),
+        "tile-far": (rough(40, 40, 3e-5), 1e-4),
+    }
+    for name, (rows, cell) in maps.items():
+        with open(os.path.join(directory, name + ".asc"), "w", encoding="ascii") as file:
+            file.write(f"ncols {len(rows[0])}\nnrows {len(rows)}\ncellsize {cell!r}\n")
+            file.writelines(" ".join(map(repr, row)) + "\n" for row in rows)
+    return {name: f'm "{name}.asc" units=cm tile' for name in maps}
+
+
+def tiles(line):
+    """Heightmaps repeated over the whole plane: packets are aimed at copies up to 20 periods from the middle, half of
+    them at the seams, and those that graze fly over many. Along the straight waves, which no packet leaves that flies
+    exactly along them, none is aimed."""
+    yield Situation("tile", slab(line["tile"]), AIMED + GRAZING)
+    yield Situation("tile-below", scene([TURBID], {1: line["tile"]}), AIMED)
+    yield Situation("tile-many-periods", slab(line["tile-fine"], (1.4, 0.01, 0.2, 0.9, 1.0)), AIMED + GRAZING[::2])
+    yield Situation("tile-2x2", slab(line["tile-2x2"]), AIMED + GRAZING[::2])
+    yield Situation("tile-odd", slab(line["tile-odd"]), AIMED)
+    yield Situation("tile-mirror", slab(line["tile-odd"] + "=mirror"), AIMED)
+    yield Situation("tile-waves", slab(line["tile-waves"]), AIMED[:-1] + ("1e-4",))
+    yield Situation("tile-walls-1e2", slab(line["tile-walls"]), AIMED)
+    yield Situation("tile-smooth", slab(line["tile"] + " normals=vertex"), AIMED)
+    yield Situation("tile-n=1", scene([(1.0, 0.1, 10.0, 0.5, 1.0)], {0: line["tile"]}), AIMED)
+    yield Situation("tile-clear", scene([(1.5, 0.0, 0.0, 0.0, 0.2), TURBID], {0: line["tile"], 1: line["tile"]}), AIMED)
+    yield Situation("tile-layer-1e-5cm", scene([(1.4, 0.1, 10.0, 0.5, 1e-5), (1.5, 0.1, 10.0, 0.5, 1.0)],
+                                               {0: line["tile"], 1: line["tile"]}), AIMED)
+    yield Situation("tile-features-1e-4cm-at-1e2cm", slab(line["tile-far"], (1.4, 30.0, 1e3, 0.5, 1.0),
+                                                          beam="beam pencil at=100,0"), AIMED)
+    yield Situation("tile-over-mesh", scene([(1.4, 0.1, 10.0, 0.5, 0.02), TURBID],
+                                            {0: line["tile"], 1: 'm "rough.obj"'}), refused="of which one is a tile")
+    yield Situation("tiles-touching", scene([(1.4, 0.1, 10.0, 0.5, 0.0), TURBID],
+                                            {0: line["tile"], 1: line["tile"]}), refused="touch")
+    yield Situation("tiles-crossing", scene([(1.4, 0.1, 10.0, 0.5, 0.01), TURBID],
+                                            {0: line["tile"], 1: line["tile"] + "=mirror"}), refused="tile")
+
+
 def large(directory, sizes):
     for size in sizes:
         cells = math.isqrt(size // 2)
@@ -254,7 +305,7 @@ def large(directory, sizes):
 
 
 def build(directory, full=False):
-    situations = list(fields()) + list(sheets(mesh_lines(directory)))
+    situations = list(fields()) + list(sheets(mesh_lines(directory))) + list(tiles(tile_lines(directory)))
     if full:
         situations += large(directory, [10**6, 10**7])
     for situation in situations:

@@ -64,12 +64,12 @@ CML_LOOP void cml_gathered_plane(const struct cml_gathered *c, real depth, real 
 }
 
 /* cml_curved_interval for gathered lanes, without its branches: both ways of every branch are computed and
- * selected, with the same results. depth, side as above. rings is constant, so that each caller has a loop
+ * selected, with the same results. depth, side as above. form is constant, so that each caller has a loop
  * for its kind of pyramid. */
 __attribute__((always_inline)) static inline void
 cml_gathered_curved(const struct cml_world *world, const struct cml_surface *shared,
                     const struct cml_gathered *c, real depth, real side, struct cml_intervals *ahead,
-                    const int rings)
+                    const int form)
 {
     const struct cml_surface surface = *shared;
     const struct cml_clearance *grid = &surface.clearance;
@@ -81,14 +81,15 @@ cml_gathered_curved(const struct cml_world *world, const struct cml_surface *sha
     for (int k = 0; k < size; k++) {
         const struct cml_vec p = {c->x[k], c->y[k], c->z[k] - depth}, u = {c->ux[k], c->uy[k], c->uz[k]};
         const real s = c->s[k], inside = side * (nearest - p.z), away = side * u.z, there = inside / away;
-        const real horizon =
-            rings ? surface.steepest : cml_cell_horizon(grid, horizons, cml_from_scene_axis(world, p));
+        const real horizon = form == CML_CLEARANCE_RADII
+                                 ? surface.steepest
+                                 : cml_cell_horizon(grid, horizons, cml_from_scene_axis(world, p), form);
         const int passes = inside < away * s, leads_away = cml_heads_away(horizon, u, side);
         const int misses = ((away < 0) & passes) | ((away >= 0) & ((inside < 0) | leads_away));
         const struct cml_interval within = {!misses, inside < 0 ? there : (real)0,
                                             (away >= 0) & passes ? there : s};
         const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, within.from, u));
-        const struct cml_interval left = cml_clip_interval(grid, bounds, start, u, side, within, rings);
+        const struct cml_interval left = cml_clip_interval(grid, bounds, start, u, side, within, form);
         ahead->meets[k] = left.meets;
         ahead->from[k] = left.from;
         ahead->to[k] = left.to;
@@ -100,7 +101,7 @@ CML_LOOP void cml_gathered_rings(const struct cml_world *world, const struct cml
                                  const struct cml_gathered *c, real depth, real side,
                                  struct cml_intervals *ahead)
 {
-    cml_gathered_curved(world, surface, c, depth, side, ahead, 1);
+    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_CLEARANCE_RADII);
 }
 
 /* Below a mesh: clearance by cells of the x-y plane. */
@@ -108,7 +109,15 @@ CML_LOOP void cml_gathered_mesh(const struct cml_world *world, const struct cml_
                                 const struct cml_gathered *c, real depth, real side,
                                 struct cml_intervals *ahead)
 {
-    cml_gathered_curved(world, surface, c, depth, side, ahead, 0);
+    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_CLEARANCE_SQUARE);
+}
+
+/* Below a mesh that is repeated: by cells of its period. */
+CML_LOOP void cml_gathered_tile(const struct cml_world *world, const struct cml_surface *surface,
+                                const struct cml_gathered *c, real depth, real side,
+                                struct cml_intervals *ahead)
+{
+    cml_gathered_curved(world, surface, c, depth, side, ahead, CML_CLEARANCE_PERIOD);
 }
 
 /* Intervals of gathered lanes with one boundary of their medium, seen from `side`. The outer media have only
@@ -126,6 +135,8 @@ static void cml_gathered_boundary(const struct cml_flight *f, int boundary, real
         cml_gathered_plane(f->gathered, depth, side, ahead);
     else if (surface->kind == CML_SURFACE_CONE)
         cml_gathered_rings(world, surface, f->gathered, depth, side, ahead);
+    else if (surface->clearance.form == CML_CLEARANCE_PERIOD)
+        cml_gathered_tile(world, surface, f->gathered, depth, side, ahead);
     else
         cml_gathered_mesh(world, surface, f->gathered, depth, side, ahead);
 }

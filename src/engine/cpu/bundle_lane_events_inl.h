@@ -45,7 +45,9 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
     for (;;) {
         struct cml_hit hit;
         const real t_max = cml_free_path(world, packet);
-        if (cml_find_hit(f, packet, intervals, &hit)) {
+        const int found = cml_find_hit(f, packet, intervals, &hit);
+        if (packet->fate != CML_FATE_ALIVE) return 1;
+        if (found) {
             cml_score_boundary_event(world, &f->to, packet, &hit);
         } else if (t_max < CML_INFINITY) {
             *t = t_max;

@@ -5,7 +5,7 @@
 #define CML_ESRI_H
 
 #include "base/text.h"
-#include "scene/heightmap.h"
+#include "scene/heightmap/heightmap.h"
 
 /* Reads `path` from `source`, NULL: from the file system. unit: cm per unit of all lengths; 0 (none given) is
  * refused, the file has none. The corner is not used: the map's middle lies at x = y = 0. Cells of

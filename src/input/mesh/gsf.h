@@ -6,7 +6,7 @@
 #define CML_GSF_H
 
 #include "base/text.h"
-#include "scene/heightmap.h"
+#include "scene/heightmap/heightmap.h"
 
 /* Reads `path` from `source`, NULL: from the file system. Lengths come in the file's units; `unit` (cm per
  * unit, 0: none given) is for files without any, and refused with others. Offsets are not used: the map's

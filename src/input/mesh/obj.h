@@ -6,7 +6,7 @@
 
 #include "base/text.h"
 #include "geometry/mesh.h"
-#include "scene/mesh_budget.h"
+#include "scene/heightmap/mesh_budget.h"
 
 /* Which axis of the file points up. The shortest turn takes it there: about the file's x axis for y, -y and
  * -z, about its y axis for x and -x. */

@@ -71,6 +71,7 @@ class Heightmap:
 
     heights: array [ny, nx] in cm above the boundary's depth; y rises with the first index, x with the second. dx, dy: distance of grid points
     in x and y [cm], dy None: as dx. shift: x, y and up [cm] of the map's middle. The file keeps heights in single precision.
+    tile: True, the map is repeated over the whole plane; "mirror", with its mirror image.
 
     >>> Heightmap(np.zeros((2, 3)), dx=0.01).dy is None
     True
@@ -81,8 +82,10 @@ class Heightmap:
     dy: Optional[float] = None
     shift: Sequence[float] = (0.0, 0.0, 0.0)
     scale: float = 1.0
+    tile: Union[bool, str] = False
 
     def __post_init__(self) -> None:
+        _check_tile("Heightmap.tile", self.tile)
         heights = np.asarray(self.heights)
         if heights.ndim != 2 or min(heights.shape) < 2 or heights.dtype.kind not in "iuf":
             raise errors.refuse("Heightmap.heights", self.heights, "an array of heights [ny, nx], at least 2 x 2")
@@ -97,17 +100,24 @@ class Heightmap:
     def line(self, directory: str, stem: str) -> str:
         """Writes DIRECTORY/STEM.gsf; the line of the `.mci` in that directory."""
         write_gsf(os.path.join(directory, stem + ".gsf"), np.asarray(self.heights), self.dx, self.dx if self.dy is None else self.dy)
-        return _mesh_line(stem + ".gsf", {"scale": self.scale, "shift": tuple(self.shift)})
+        return _mesh_line(stem + ".gsf", {"scale": self.scale, "shift": tuple(self.shift), "tile": self.tile})
+
+
+def _check_tile(name: str, value: object) -> None:
+    if value not in (False, True, "mirror"):
+        raise errors.refuse(name, value, 'True, False or "mirror"')
 
 
 def _mesh_line(path: str, options: dict[str, Any]) -> str:
     """The line `m` of a file, with the options that are no defaults."""
-    usual = {"up": "z", "rotate": 0.0, "units": "cm", "scale": 1.0, "shift": (0.0, 0.0, 0.0), "normals": "face", "skirt": None}
+    usual = {"up": "z", "rotate": 0.0, "units": "cm", "scale": 1.0, "shift": (0.0, 0.0, 0.0), "normals": "face", "skirt": None, "tile": False}
     words = [f'm "{path}"']
     for key, value in options.items():
         if value == usual[key]:
             continue
-        if isinstance(value, tuple):
+        if value is True:
+            words.append(key)
+        elif isinstance(value, tuple):
             words.append(f"{key}={','.join(_shortest(number) for number in value)}")
         else:
             words.append(f"{key}={value if isinstance(value, str) else _shortest(value)}")
@@ -121,6 +131,7 @@ class Mesh:
     vertices: array [n, 3]; x, y and up. faces: array [m, 3] of indices into the vertices, from 0. units: of the file's or the
     array's numbers (cm mm um m). up: the axis of the file that points up (z, -z, y, -y, x, -x). rotate: degrees about the vertical.
     scale: factor on all coordinates. shift: cm; x, y and up. normals: "face" or "vertex". skirt: cm, None for none.
+    tile: of a `.gsf` or `.asc`: True: the map is repeated over the whole plane; "mirror": with its mirror image.
     """
 
     path: Optional[Union[str, os.PathLike[str]]] = None
@@ -133,6 +144,7 @@ class Mesh:
     shift: Sequence[float] = (0.0, 0.0, 0.0)
     normals: str = "face"
     skirt: Optional[float] = None
+    tile: Union[bool, str] = False
 
     def __post_init__(self) -> None:
         if (self.path is None) == (self.vertices is None):
@@ -144,6 +156,7 @@ class Mesh:
         for name, known in (("units", "cm mm um m"), ("up", "z -z y -y x -x"), ("normals", "face vertex")):
             if getattr(self, name) not in known.split():
                 raise errors.refuse("Mesh." + name, getattr(self, name), "one of " + known)
+        _check_tile("Mesh.tile", self.tile)
         errors.finite("Mesh.rotate", self.rotate)
         errors.above_zero("Mesh.scale", self.scale)
         _vector("Mesh.shift", self.shift, 3)
@@ -166,7 +179,7 @@ class Mesh:
             write_obj(os.path.join(directory, path), np.asarray(self.vertices), np.asarray(self.faces))
         else:
             path = errors.existing_file("Mesh.path", self.path)
-        names = ("up", "rotate", "units", "scale", "shift", "normals", "skirt")
+        names = ("up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile")
         options = {name: getattr(self, name) for name in names}
         options["shift"] = tuple(self.shift)
         return _mesh_line(path, options)

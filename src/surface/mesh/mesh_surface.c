@@ -21,10 +21,11 @@ typedef struct RTCIntersectContext query_context;
 struct cml_mesh_surface {
     struct cml_mesh_body body;
     RTCDevice device;
-    _Atomic ssize_t embree_bytes; /* kept by Embree's threads */
-    RTCScene exact;               /* boxes around triangles that are tested in double */
-    RTCScene fast;                /* Embree's own single-precision triangles; NULL where there is a grid */
-    struct cml_grid_mesh grid;    /* traversed in Embree's stead; without cells when the mesh is no grid */
+    _Atomic ssize_t embree_bytes;  /* kept by Embree's threads */
+    RTCScene exact;                /* boxes around triangles that are tested in double */
+    RTCScene fast;                 /* Embree's own single-precision triangles; NULL where there is a grid */
+    struct cml_grid_mesh grid;     /* traversed in Embree's stead; without cells when the mesh is no grid */
+    struct cml_mesh_period period; /* n 0: the mesh is not repeated */
 };
 
 /* Embree hands the context through to the callbacks, so the double-precision query rides behind it. */
@@ -251,9 +252,9 @@ static void query_grid(const struct cml_mesh_surface *surface, struct query *que
 
 /* Packets that stand near an edge go the exact way at once: the fast ones would only send them there. The
  * outer plane is left out where the traversal has shown that the ray stays over the grid. */
-int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
-                         int below, double t_max, int exclude, int undeflected, int exact,
-                         double err_position, struct cml_mesh_crossing *crossing)
+static inline int hit_mesh(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
+                           int below, double t_max, int exclude, int undeflected, int exact,
+                           double err_position, struct cml_mesh_crossing *crossing)
 {
     struct query query;
     query.line = NULL;
@@ -269,6 +270,53 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
         cml_query_intersect_outer_plane(&query.ray);
     crossing->ends_near_facet = cml_query_is_doubtful(&query.ray) && query_line(surface, &query, t_max);
     return cml_query_finish(&query.ray, p, u, crossing);
+}
+
+/* Where the mesh is, and more than rounding: from the boundary's depth, cm. */
+static void find_depths(const struct cml_mesh_surface *surface, double err_position, double *low,
+                        double *high)
+{
+    const struct cml_mesh_body *body = &surface->body;
+    const double more = 2 * err_line_factor * err_position + body->err_float;
+    *low = body->lower[2] + body->centre[2] - more;
+    *high = body->upper[2] + body->centre[2] + more;
+}
+
+/* What a segment has found, as a crossing of the whole path. */
+static int finish_tile(const struct cml_mesh_surface *surface, const struct cml_tile_path *path,
+                       struct cml_mesh_crossing *crossing)
+{
+    crossing->t += path->from;
+    for (int k = 0; k < 2; k++) crossing->point[k] = path->p[k] + crossing->t * path->u[k];
+    crossing->primitive = cml_tile_primitive(&surface->period, crossing->primitive);
+    return crossing->primitive >= 0;
+}
+
+/* Segment by segment. One that begins on the way has the rounding of how far it is, too. */
+static int hit_tile(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
+                    double t_max, int exclude, int undeflected, int exact, double err_position,
+                    struct cml_mesh_crossing *crossing)
+{
+    struct cml_tile_path path;
+    double low, high;
+    find_depths(surface, err_position, &low, &high);
+    crossing->ends_near_facet = 0;
+    for (bool more = cml_tile_begin(&surface->period, p, u, t_max, exclude, low, high, &path); more;
+         more = cml_tile_next(&path))
+        if (hit_mesh(surface, path.origin, u, below, path.to - path.from, path.exclude, undeflected, exact,
+                     err_position + 4 * DBL_EPSILON * path.from, crossing))
+            return finish_tile(surface, &path, crossing);
+    if (path.to < t_max) crossing->ends_near_facet = 0;
+    if (cml_tile_is_too_long(&path)) crossing->ends_near_facet = CML_PATH_TOO_LONG;
+    return 0;
+}
+
+int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
+                         int below, double t_max, int exclude, int undeflected, int exact,
+                         double err_position, struct cml_mesh_crossing *crossing)
+{
+    return (surface->period.n[0] ? hit_tile : hit_mesh)(surface, p, u, below, t_max, exclude, undeflected,
+                                                        exact, err_position, crossing);
 }
 
 static bool count_memory(void *context, ssize_t bytes, bool post)
@@ -372,6 +420,17 @@ cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, 
     return status;
 }
 
+cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double y0,
+                                        enum cml_mesh_search search, const struct cml_mesh_period *period,
+                                        struct cml_mesh_surface **surface, struct cml_error *err)
+{
+    CML_TRY(cml_mesh_surface_create(mesh, x0, y0, search, surface, err));
+    (*surface)->period = *period;
+    (*surface)->period.corner[0] -= x0;
+    (*surface)->period.corner[1] -= y0;
+    return CML_OK;
+}
+
 void cml_mesh_surface_free(struct cml_mesh_surface *surface)
 {
     if (!surface) return;
@@ -391,9 +450,21 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
     return &surface->body.mesh;
 }
 
-uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface)
+uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface)
 {
-    return surface->body.mesh.num_triangles;
+    const struct cml_mesh_period *period = &surface->period;
+    return period->n[0] ? 2 * (uint64_t)period->n[0] * (uint64_t)period->n[1]
+                        : surface->body.mesh.num_triangles;
+}
+
+size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive)
+{
+    return surface->period.n[0] ? (size_t)cml_tile_triangle(&surface->period, (int)primitive) : primitive;
+}
+
+const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surface *surface)
+{
+    return &surface->period;
 }
 
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)

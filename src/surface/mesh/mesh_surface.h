@@ -15,6 +15,7 @@
 
 #include "geometry/mesh.h"
 #include "mesh_crossing.h"
+#include "surface/mesh/tile_path.h"
 
 enum cml_mesh_search {
     CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid, Embree's triangles elsewhere */
@@ -29,15 +30,31 @@ CML_NODISCARD cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x
                                                  enum cml_mesh_search search,
                                                  struct cml_mesh_surface **surface, struct cml_error *err);
 
+/* The same of a mesh that is repeated over the whole plane. corner of *period counts in the boundary's frame
+ * from the scene's axis. Primitives of queries are those of the period. */
+CML_NODISCARD cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double y0,
+                                                      enum cml_mesh_search search,
+                                                      const struct cml_mesh_period *period,
+                                                      struct cml_mesh_surface **surface,
+                                                      struct cml_error *err);
+
 void cml_mesh_surface_free(struct cml_mesh_surface *surface);
 
 /* Whether the mesh is a regular grid that the fast query walks. */
 bool cml_mesh_surface_is_walked(const struct cml_mesh_surface *surface);
 
-uint64_t cml_mesh_surface_triangles(const struct cml_mesh_surface *surface);
-
 /* Bytes that Embree and the mesh itself hold. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
+
+/* Primitives that queries may give, without the outer plane: the triangles, or of a tile those of a period.
+ */
+uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface);
+
+/* The triangle of the mesh that is a primitive. */
+size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive);
+
+/* What is repeated; n is 0 where nothing is. */
+const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surface *surface);
 
 /* The mesh, borrowed. Its vertices are relative to *middle in the boundary's frame (x and y of the scene). */
 const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surface, double middle[3]);

@@ -155,6 +155,36 @@ static void flat_boundaries_keep_their_place_and_lose_their_shape(void **state)
                      CML_E_INPUT); /* it is read all the same */
 }
 
+/* Repeated after its 3 columns and 2 rows; mirrored after twice as many less one. */
+static void heightmaps_are_repeated(void **state)
+{
+    static const char text[] = HEAD RUN "1\n1\nm \"map.asc\" units=cm shift=1,0,2 tile\n1.4 1 2 0.9 9\n1\n";
+    static const char mirrored[] = HEAD RUN "1\n1\nm \"map.asc\" tile=mirror units=cm\n1.4 1 2 0.9 9\n1\n";
+    struct cml_scene_list list;
+    struct cml_error err;
+    case_write(state, "map.asc", "ncols 3 nrows 2 cellsize 1\n0 2 1\n0 1 2\n");
+    case_read_ok(state, text, &list);
+    const struct cml_boundary *b = list.scenes[0].boundaries;
+    assert_int_equal(b->form, CML_FORM_TILE);
+    assert_true(cml_tile_period(&b->tile, 0) == 3 && cml_tile_period(&b->tile, 1) == 2);
+    assert_true(b->tile.x0 == 0 && b->tile.y0 == -0.5);
+    assert_true(cml_tile_height(&b->tile, 4, 0) == 3 && cml_tile_height(&b->tile, -1, -1) == 3);
+    assert_true(b->tile_notes.seam[0] == 2 && b->tile_notes.inside[0] == 2);
+    cml_scene_list_clear(&list);
+    case_read_ok(state, mirrored, &list);
+    b = list.scenes[0].boundaries;
+    assert_true(cml_tile_period(&b->tile, 0) == 4 && cml_tile_period(&b->tile, 1) == 2);
+    cml_scene_list_clear(&list);
+    case_write(state, "map.asc", "ncols 3 nrows 2 cellsize 1\n0 2 3\n0 1 2\n");
+    assert_int_equal(case_read(state, text, &list, &err), CML_E_INPUT);
+    assert_string_equal(err.text,
+                        "x.mci:9: boundary 0: tile = a step of 3 cm across the seam along x (expected at "
+                        "most the 2 cm between neighbours inside the map; tile=mirror repeats any map)");
+    case_read_ok(state, mirrored, &list);
+    cml_scene_list_clear(&list);
+    case_remove(state, "map.asc");
+}
+
 /* A shallow bump of 0.05 on a ramp of 0 to 4: flat within a tenth of the ramp, not exactly. */
 static void heightmaps_are_meshed_at_the_tolerance(void **state)
 {
@@ -298,6 +328,7 @@ int main(void)
         cmocka_unit_test(mesh_options_are_applied),
         cmocka_unit_test(a_mesh_is_turned_and_gets_a_skirt),
         cmocka_unit_test(flat_boundaries_keep_their_place_and_lose_their_shape),
+        cmocka_unit_test(heightmaps_are_repeated),
         cmocka_unit_test(heightmaps_are_meshed_at_the_tolerance),
         cmocka_unit_test(beams_are_read_anywhere_before_the_layers),
         cmocka_unit_test(maps_are_read_anywhere_before_the_layers),

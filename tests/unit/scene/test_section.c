@@ -122,12 +122,42 @@ static void an_overhanging_wall_is_cut(void **state)
     cml_mesh_clear(&mesh);
 }
 
+/* Pieces side by side, whose ends lie on the surface: at samples on its rows, between them on the diagonals.
+ */
+static void a_tile_is_cut_from_end_to_end(void **state)
+{
+    (void)state;
+    double h[] = {0, 1, 0, 0, 0, 0, 0, 2};
+    struct cml_boundary boundary = {.form = CML_FORM_TILE, .z = 5, .tile = {4, 2, 0.25, 0, 0.5, 1, h}};
+    struct cml_cut cut = cut_of(&boundary, -3.9, 4.1);
+    double low = INFINITY, high = -INFINITY;
+    for (size_t i = 0; i < cut.count; i++) {
+        low = fmin(low, fmin(cut.piece[i][0], cut.piece[i][2]));
+        high = fmax(high, fmax(cut.piece[i][0], cut.piece[i][2]));
+        for (int end = 0; end < 4; end += 2) {
+            const double x = (cut.piece[i][end] - 0.25) / 0.5, in_period = x - 4 * floor(x / 4);
+            assert_true(fabs(cut.piece[i][end + 1] - (5 - fmax(0, 1 - fabs(in_period - 1)))) < 1e-12);
+        }
+    }
+    assert_true(low <= -3.9 && high >= 4.1 && fabs(covered(&cut, low, high) - (high - low)) < 1e-12);
+    cml_cut_clear(&cut);
+    boundary.tile.y0 = 0.5; /* half way between the rows: cells 1 and 3 fall, from height 1 to 0 and 0 to 2 */
+    cut = cut_of(&boundary, 0.25, 2.2);
+    for (size_t i = 0; i < cut.count; i++) {
+        const double x = (cut.piece[i][0] - 0.25) / 0.5, z = cut.piece[i][1];
+        if (x == 1) assert_true(z == 5 - 0.5);
+        if (x == 0.5) assert_true(z == 5);
+        if (x == 3) assert_true(z == 5 - 1);
+        if (x == 3.5) assert_true(z == 5 - 1);
+    }
+    cml_cut_clear(&cut);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_mesh_is_cut_where_it_is),
-        cmocka_unit_test(a_heightfield_is_cut_on_both_sides),
-        cmocka_unit_test(a_plane_is_one_piece),
+        cmocka_unit_test(a_tile_is_cut_from_end_to_end),      cmocka_unit_test(a_mesh_is_cut_where_it_is),
+        cmocka_unit_test(a_heightfield_is_cut_on_both_sides), cmocka_unit_test(a_plane_is_one_piece),
         cmocka_unit_test(an_overhanging_wall_is_cut),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,6 @@
 /* The walk over a regular grid against the exact query of the same mesh. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
-#include "scene/heightmap.h"
+#include "scene/heightmap/heightmap.h"
 #include "lib/mesh_shapes.h"
 #include "scene/scene.h"
 #include "surface/mesh/mesh_surface.h"

@@ -1,7 +1,7 @@
 /* From a heightmap to a prepared mesh: the merged triangles and the skirt around them.
  * SPDX-License-Identifier: MIT */
-#include "scene/heightmap.h"
-#include "scene/heightmap_split.h"
+#include "scene/heightmap/heightmap.h"
+#include "scene/heightmap/heightmap_split.h"
 
 #include <math.h>
 #include <stdlib.h>

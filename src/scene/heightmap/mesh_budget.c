@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "scene/mesh_budget.h"
+#include "scene/heightmap/mesh_budget.h"
 
 #include <math.h>
 #include <stdio.h>

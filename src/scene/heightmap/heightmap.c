@@ -1,5 +1,5 @@
 /* Heightmaps as they are measured: memory, missing heights, place, moments. SPDX-License-Identifier: MIT */
-#include "scene/heightmap.h"
+#include "scene/heightmap/heightmap.h"
 
 #include <math.h>
 #include <stdlib.h>

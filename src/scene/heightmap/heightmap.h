@@ -13,7 +13,7 @@
 #define CML_HEIGHTMAP_H
 
 #include "geometry/mesh.h"
-#include "scene/mesh_budget.h"
+#include "scene/heightmap/mesh_budget.h"
 
 #define CML_RIM_CELLS 4
 

@@ -1,6 +1,6 @@
 /* Heightmaps as meshes: every claim of heightmap.h, against brute force. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
-#include "scene/heightmap.h"
+#include "scene/heightmap/heightmap.h"
 
 #include <math.h>
 

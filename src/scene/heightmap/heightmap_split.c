@@ -1,5 +1,5 @@
 /* Errors from the finest triangles up, then triangles from the squares down. SPDX-License-Identifier: MIT */
-#include "scene/heightmap_split.h"
+#include "scene/heightmap/heightmap_split.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 #ifndef CML_HEIGHTMAP_SPLIT_H
 #define CML_HEIGHTMAP_SPLIT_H
 
-#include "scene/heightmap.h"
+#include "scene/heightmap/heightmap.h"
 
 struct cml_split {
     const struct cml_heightmap *map; /* borrowed */

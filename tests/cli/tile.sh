@@ -1,0 +1,58 @@
+#!/bin/sh
+# Heightmaps repeated over the whole plane: what check, mesh, plot and crosscheck say of them, a level one is the plane to
+# the byte, Embree and the walk agree, facets are those of one period, and what is refused.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+scene() { # NAME LINE [BEFORE]
+    printf '1.0\n1\n%s.mco A\n20000\n0.01 0.01\n20 20 5\nbeam disk 0.1 angle=30\n%s\n1\n1\n%s\n1.4 1 50 0.8 0.3\n1\n' \
+        "$1" "${3:-# no map}" "$2" >"$work/$1.mci"
+}
+plain() { sed -e '/^# User time/d' -e '/^# boundary/d' -e '/output file name/d' "$1"; }
+
+expect_code 0 check samples/furrows.mci
+grep -q 'heightmap repeated every 0.16 x 0.16 cm, a regular grid' "$work/out" || complain "check does not name the period"
+grep -q 'tile of boundary 0: 64 x 64 heights, 0.0025 x 0.0025 cm apart, repeated every 0.16 x 0.16 cm over the whole plane' \
+    "$work/out" || complain "check does not describe the tile"
+grep -q 'the beam does not repeat' "$work/out" || complain "check does not say that the beam does not repeat"
+grep -q 'skirt' "$work/out" && complain "check names a skirt"
+
+# Half of mm heights go into a mirrored map's period: 2 (60 - 1) x 2 (40 - 1) cells of 0.05 mm.
+scene mirror "m \"$PWD/meshes/grooves.asc\" units=mm tile=mirror"
+expect_code 0 check "$work/mirror.mci"
+grep -q '60 x 40 heights, 0.005 x 0.005 cm apart, mirrored and repeated every 0.59 x 0.39 cm' "$work/out" ||
+    complain "a mirrored tile: $(grep tile "$work/out")"
+
+# A level tile is a plane.
+printf 'ncols 3 nrows 2 cellsize 1\n0 0 0\n0 0 0\n' >"$work/level.asc"
+scene level 'm "level.asc" units=cm tile'
+scene plane ''
+expect_code 0 "$work/level.mci" --quiet -o "$work"
+expect_code 0 "$work/plane.mci" --quiet -o "$work"
+plain "$work/level.mco" >"$work/a"
+plain "$work/plane.mco" >"$work/b"
+cmp -s "$work/a" "$work/b" || complain "a level tile is not the plane: $(diff "$work/a" "$work/b" | head -5)"
+
+# Found by Embree's triangles instead of the walk over cells; statistics must not tell.
+expect_code 0 "$work/mirror.mci" --quiet --photons 1e5 --seed 4 -o "$work"
+mv "$work/mirror.mco" "$work/walked.mco"
+expect_code 0 "$work/mirror.mci" --quiet --photons 1e5 --seed 5 --mesh-search embree -o "$work"
+expect_code 0 compare "$work/walked.mco" "$work/mirror.mco" --quiet
+
+# One period as OBJ; its facets are those that are scored, in any copy.
+expect_code 0 mesh samples/furrows.mci -o "$work"
+grep -q 'boundary 0: 8192 triangles' "$work/out" || complain "mesh writes another sheet: $(cat "$work/out")"
+expect_code 0 samples/furrows.mci --quiet --photons 5e3 -o "$work"
+scene facets "m \"$PWD/meshes/furrows.gsf\" tile" facets
+expect_code 0 "$work/facets.mci" --quiet --photons 5e3 -o "$work"
+grep -q 'NumberOfPolys="8192"' "$work/facets.boundary0.vtp" || complain "facets are not those of one period"
+
+expect_code 0 trace samples/furrows.mci 7
+grep -q 'boundary\|reflect\|transmit' "$work/out" || complain "trace shows no boundary event"
+expect_code 0 check samples/furrows.mci -o "$work/section.svg"
+check_texts
+expect_code 2 "$work/mirror.mci" --engine opencl -o "$work"
+grep -q 'boundary 0 is a mesh' "$work/err" || complain "opencl: $(cat "$work/err")"
+expect_code 2 "$work/mirror.mci" --boundaries cone -o "$work"
+grep -q ':11: --boundaries cone cannot represent a mesh' "$work/err" || complain "cones: $(cat "$work/err")"
+
+exit "$failures"

@@ -233,6 +233,33 @@ class Runs(unittest.TestCase):
         self.assertEqual(resumed.photons, 4000000)
         xr.testing.assert_equal(resumed, mc.run(os.path.join(TOP, "samples", "thick.mci"), photons=4e6))
 
+    def test_sweep(self):
+        """Every combination is the run with these values."""
+        scene = mc.Scene([SLAB, mc.Layer(1.5, 0.2, 10, 0, 0.1)], photons=500, nr=4, nz=3, na=2)
+        swept = mc.sweep(scene, {"layer2.mua": [0.5, 0.1], "layer1.d": [0.1, 0.2, 0.3]})
+        self.assertEqual(swept.Rd_ra.dims, ("layer2.mua", "layer1.d", "r", "alpha"))
+        for mua in (0.5, 0.1):
+            for d in (0.1, 0.2, 0.3):
+                alone = mc.run(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, d), mc.Layer(1.5, mua, 10, 0, 0.1)], photons=500, nr=4, nz=3, na=2))
+                one = swept.sel({"layer2.mua": mua, "layer1.d": d}).drop_vars(["layer2.mua", "layer1.d"])
+                xr.testing.assert_equal(one, alone)
+        self.assertNotIn("seconds", swept.attrs)
+        self.assertEqual(swept.attrs["photons"], 500)
+
+    def test_sweep_keeps_what_is_asked_for(self):
+        scene = mc.Scene([SLAB], photons=100)
+        swept = mc.sweep(scene, {"seed": [1, 2, 3]}, variables=["Rd", "Rd_se"], output_dir=self.folder)
+        self.assertEqual(sorted(swept.data_vars), ["Rd", "Rd_se"])
+        self.assertEqual(swept.Rd.shape, (3,))
+        self.assertTrue(os.path.exists(os.path.join(self.folder, "scene-0003.h5")))
+        for parameters, text in (({"layer1.mua": [1, 1]}, r"parameters\['layer1.mua'\] = \[1, 1\] \(expected values that differ"),
+                                 ({"layer1.mua": 1}, "a list of at least one number"), ({}, "a dict of names"),
+                                 ({"layer9.mua": [1]}, "layer9.mua"), ({"layer1.g": [2.0]}, "layer1.g")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                mc.sweep(scene, parameters)
+        with self.assertRaisesRegex(mc.InputError, "variables = 'Rx' .expected one of"):
+            mc.sweep(scene, {"seed": [1]}, variables=["Rx"])
+
     def test_progress(self):
         said, shown = [], io.StringIO()
         real, sys.stderr = sys.stderr, shown

@@ -18,5 +18,7 @@ from .errors import ClustermcmlError, InputError
 from .program import run
 from .results import read
 from .scene import Beam, Heightfield, Heightmap, Layer, Map, Mesh, Scene
+from .sweep import sweep
 
-__all__ = ["Beam", "ClustermcmlError", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Scene", "read", "run"]
+__all__ = ["Beam", "ClustermcmlError", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Scene", "read", "run",
+           "sweep"]

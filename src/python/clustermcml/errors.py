@@ -75,3 +75,10 @@ def existing_file(name: str, value: Any) -> str:
     if not os.path.isfile(value):
         raise refuse(name, os.fspath(value), "the path of a file that is there")
     return os.path.abspath(os.fspath(value))
+
+
+def folder(name: str, value: Any) -> str:
+    """The path of a folder that is there, absolute."""
+    if not isinstance(value, (str, os.PathLike)) or not os.path.isdir(value):
+        raise refuse(name, value, "a folder that is there")
+    return os.path.abspath(os.fspath(value))

@@ -95,12 +95,22 @@ def _finish(process: subprocess.Popen[str]) -> str:
         raise
 
 
-def _fly(words: Sequence[str], show: Optional[bool]) -> list[dict[str, Any]]:
+def scene_file(scene: Union[Scene, str, os.PathLike[str]], folder: str) -> str:
+    """The path of the scene's file: of one in the folder where it is an object."""
+    if not isinstance(scene, Scene):
+        return errors.existing_file("scene", scene)
+    path = os.path.join(folder, "scene.mci")
+    scene.write(path)
+    return path
+
+
+def fly(scene: str, folder: str, options: dict[str, Any], show: Optional[bool]) -> list[dict[str, Any]]:
     """What the program says of every run, as --json does. In a session of its own, so that an interrupt reaches it from here alone."""
     said: list[str] = []
-    with Progress(show) as progress, subprocess.Popen(
-            [find_program(), *words], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-            encoding="utf-8", errors="replace", start_new_session=True) as process:
+    words = [find_program(), scene, "--json", "-o", folder, *option_words(options)]
+    with Progress(show) as progress, subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                                      text=True, encoding="utf-8", errors="replace",
+                                                      start_new_session=True) as process:
         assert process.stderr is not None
         listener = threading.Thread(target=_listen, args=(iter(process.stderr), progress, said))
         listener.start()
@@ -109,13 +119,13 @@ def _fly(words: Sequence[str], show: Optional[bool]) -> list[dict[str, Any]]:
         finally:
             listener.join()
     for note in (line for line in said if line.startswith(PREFIX + "note: ")):
-        warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=4)
+        warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=3)
     if process.returncode != 0:
         _raise_failure(process.returncode, said)
     return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
 
 
-def _result(told: dict[str, Any]) -> xr.Dataset:
+def result_of(told: dict[str, Any]) -> xr.Dataset:
     """The Dataset of a run: of its .h5, which has more, else of its .mco."""
     files = [path for path in told["files"] if path.endswith((".h5", ".mco"))]
     data = read(next((path for path in files if path.endswith(".h5")), files[0]))
@@ -136,15 +146,9 @@ def run(scene: Union[Scene, str, os.PathLike[str]], *, output_dir: Union[None, s
     warnings. A KeyboardInterrupt stops the program cleanly: with output_dir its checkpoint stays, and resume=True continues.
     """
     with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch:
-        folder = scratch if output_dir is None else os.path.abspath(os.fspath(output_dir))
-        if not os.path.isdir(folder):
-            raise errors.refuse("output_dir", output_dir, "a folder that is there, or None")
-        path = os.path.join(folder, "scene.mci")
-        if isinstance(scene, Scene):
-            scene.write(path)
-        else:
-            path = errors.existing_file("scene", scene)
-        told = _fly([path, "--json", "-o", folder, *option_words(options)], progress)
+        folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
+        path = scene_file(scene, folder)
+        told = fly(path, folder, options, progress)
         if len(told) != 1:
             raise errors.refuse("scene", path, f"a file with one run, this one has {len(told)}")
-        return _result(told[0])
+        return result_of(told[0])

@@ -49,6 +49,13 @@ expect_code 0 "$work/ridges.mci" --sweep "$work/table.csv" -o "$work/out.d" --js
 test "$(grep -c '"row":[1-4],' "$work/out")" -eq 4 && test "$(wc -l <"$work/out")" -eq 4 || complain "--json: $(cat "$work/out")"
 test "$(ls "$work/out.d" | grep -c -v -e 'ridges-000[1-4].mco$' -e '^ridges.sweep')" -eq 0 || complain "left: $(ls "$work/out.d")"
 
+# The format is the file's.
+sed 's/^ridges.mco A/ridges.mco B/' "$work/ridges.mci" >"$work/binary.mci"
+mkdir "$work/binary"
+expect_code 0 "$work/binary.mci" --sweep "$work/table.csv" -o "$work/binary" --quiet
+test "$(ls "$work/binary" | grep -c 'ridges-000[1-4].h5$')" -eq 4 && test ! -e "$work/binary/ridges-0001.mco" ||
+    complain "format B: $(ls "$work/binary")"
+
 # Nothing flies when a row is wrong.
 wrong() { # MESSAGE TABLE
     printf "$2" >"$work/wrong.csv"

@@ -8,7 +8,6 @@
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep.h"
-#include "cli/run/sweep.h"
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"

@@ -35,17 +35,18 @@ struct sweep {
 
 /* ---- names ---- */
 
-/* "NAME-0001.mco" of row 0. */
+/* "NAME-0001.mco" of row 0; of format B "NAME-0001.h5", since the ending of a name from outside is a format. */
 static cml_status row_output(const struct sweep *sweep, int row, char **name, struct cml_error *err)
 {
-    const char *output = sweep->base->scenes[0].output;
+    const struct cml_scene *scene = &sweep->base->scenes[0];
     char suffix[32];
     char *stem = NULL;
-    CML_TRY(cml_report_path(output, "", &stem, err));
-    const size_t length = strlen(stem), size = strlen(output) + sizeof suffix;
+    CML_TRY(cml_report_path(scene->output, "", &stem, err));
+    const char *ending = scene->format == 'B' ? ".h5" : scene->output + strlen(stem);
+    const size_t size = strlen(scene->output) + sizeof suffix;
     snprintf(suffix, sizeof suffix, "-%0*d", sweep->digits, row + 1);
     *name = malloc(size);
-    if (*name) snprintf(*name, size, "%s%s%s", stem, suffix, output + length);
+    if (*name) snprintf(*name, size, "%s%s%s", stem, suffix, ending);
     free(stem);
     return *name ? CML_OK : cml_fail_memory(err, (double)size, "a name");
 }

@@ -96,6 +96,9 @@ def main():
                 kills += disturbed
                 if code == 0:
                     break
+                if "locked by another process" in error:  # ranks outlive a killed mpiexec for a moment
+                    time.sleep(0.05)
+                    continue
                 if not disturbed or (code not in (75, -signal.SIGKILL, 1) and "stopped with" not in error):
                     complaints.append(f"exit {code}: {error}")
                     break

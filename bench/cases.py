@@ -155,6 +155,13 @@ def all_cases(work, quick):
     return with_two
 
 
+def beside_grids(all_of_them):
+    """Of these cases the tops that are compared with a regular grid, those grids, and the flat scenes below them."""
+    tops = [case for case in all_of_them if case.grid or case.surface == "overhang"]
+    wanted = {case.grid for case in tops} | {case.medium for case in tops} | {case.name for case in tops}
+    return [case for case in all_of_them if case.name in wanted]
+
+
 def rows_of(name):
     """The rows of a CSV file of tests/reference, without the comments above its header; {} of column to text."""
     path = os.path.join(REFERENCE, name)

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Measures how long every way to fly a scene takes to an error, and its bias: frontier.py PROGRAM DIRECTORY [--quick]
-[--mcml PATH].
+[--mcml PATH] [--only SCENE,...] [--rounds N].
 
 `before` is MCML's own sampling and roulette, `after` the program's defaults. Every round flies both, one after the other, on one
 thread; times are processor time of the flight, ratios are formed within a round. Writes DIRECTORY/frontier.csv; bench/README.md
@@ -272,9 +272,8 @@ def rows_of(series):
     return rows
 
 
-def measure(program, mcml, scenes, quick):
-    """All series, measured."""
-    target, rounds = (0.1, 5) if quick else (0.25, 7)
+def measure(program, mcml, scenes, target, rounds):
+    """All series, measured, in runs of some `target` seconds."""
     begin = time.time()
     everything = [Series(scene, method) for scene in scenes for method in scene.methods]
     say = lambda text: print("%4.0f s  %s" % (time.time() - begin, text), file=sys.stderr, flush=True)  # noqa: E731
@@ -298,7 +297,17 @@ def measure(program, mcml, scenes, quick):
                 paired(program, scene, mine, 10 * target, pool)
             else:
                 mine[0].bias = against_exact(mine[0])
-    return everything, rounds
+    return everything
+
+
+def chosen(scenes, names):
+    """The scenes of these names, separated by commas; all where names is empty."""
+    known = [scene.name for scene in scenes]
+    wanted = names.split(",") if names else known
+    for name in wanted:
+        if name not in known:
+            sys.exit("frontier.py: --only %s (expected names of %s)" % (name, ", ".join(known)))
+    return [scene for scene in scenes if scene.name in wanted]
 
 
 def main():
@@ -307,13 +316,18 @@ def main():
     parser.add_argument("directory")
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--mcml")
+    parser.add_argument("--only", default="")
+    parser.add_argument("--rounds", type=int)
     arguments = parser.parse_args()
     begin = time.time()
     mcml = os.path.abspath(arguments.mcml) if arguments.mcml else None
+    target, rounds = (0.1, 5) if arguments.quick else (0.25, 7)
+    rounds = arguments.rounds or rounds
     busy = speed.busy_seconds()
     with tempfile.TemporaryDirectory() as work:
         program = shutil.copy(arguments.program, work)  # nobody rebuilds it between two rounds
-        everything, rounds = measure(program, mcml, frontier_scenes.all_scenes(work), arguments.quick)
+        scenes = chosen(frontier_scenes.all_scenes(work), arguments.only)
+        everything = measure(program, mcml, scenes, target, rounds)
     header = results.machine(arguments.program, everything[0].runs["after"][0]["version"], rounds)
     header += [("length", "quick" if arguments.quick else "full"), ("original MCML", "timed" if mcml else "not timed"),
                ("seconds", "%.0f" % (time.time() - begin))]

@@ -129,6 +129,9 @@ def kinds_reading(rows):
 
 
 def reading(rows):
+    """Lines that compare scenes; none where only some were flown."""
+    if len({row["scene"] for row in rows}) < len(frontier_scenes.FLAT + frontier_scenes.SHAPES + frontier_scenes.ROUGH):
+        return []
     return (list(gains_reading(rows)) + list(mcml_reading(rows)) + list(bias_reading(rows)) + list(kinds_reading(rows)))
 
 

@@ -39,9 +39,11 @@ fly='for scene in samples/*.mci samples/shapes/*.mci; do
     $EMULATOR build/clustermcml "$scene" --photons 2000 --threads ${THREADS:-2} --quiet -o "$flown"
 done'
 
-# Runs commands in a root, as root; mounts and processes that they leave go with their namespaces.
+# Runs commands in a root, as root; mounts and processes that they leave go with their namespaces. The root is mounted on
+# itself, because those who mount within it want "/" to be a mount.
 in_root() { # ROOT COMMANDS
     unshare --mount --pid --fork --kill-child sh -euc '
+        mount --bind "$1" "$1"
         mount -t proc proc "$1/proc"
         mount -t sysfs -o ro sysfs "$1/sys"
         mount -t devpts devpts "$1/dev/pts"

@@ -48,7 +48,11 @@ until test -e "$work/thick.mco.checkpoint" || ! kill -0 $run; do sleep 0.05; don
 ip -n $b link set cml0 down
 code=0
 wait $run || code=$?
-test $code -ne 0 && test $code -ne 124 || complain "link cut: exit $code"
+# mpiexec has an exit code of its own for a lost host, and that of Open MPI 5 is 0
+case $code,$(mpiexec --version) in
+0,*"Open MPI) 5"*) ;;
+0,* | 124,*) complain "link cut: exit $code" ;;
+esac
 grep -q '^clustermcml: contact lost: nothing heard from rank 1 on host-b for 3 s ' "$work/err" ||
     complain "link cut: $(cat "$work/err")"
 for try in $(seq 100); do

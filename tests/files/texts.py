@@ -1,10 +1,8 @@
 """What the texts for users promise: README's scene gives the summary that stands below it, every command of
-samples/tutorial.md runs, one after the other, and the readers of samples/output.md read what a run leaves. The Octave
-reader is tried where there is an octave-cli."""
+samples/tutorial.md runs, one after the other, and the readers of samples/output.md read what a run leaves."""
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -79,10 +77,6 @@ def check_readers(verdict, folder):
         if language == "python":
             status, output = run([sys.executable, "-c", code], folder)
             verdict.check("output.md, Python", status == 0 and "Rd = " in output, output)
-        elif shutil.which("octave-cli"):
-            check_octave(verdict, folder, code)
-        else:
-            print("the Octave reader was not tried: octave-cli is missing")
 
 
 def check_names(verdict, folder, record):
@@ -95,14 +89,6 @@ def check_names(verdict, folder, record):
                                                                     " `boundary0_exitance_below")))
     missing = {name for name in names if name not in known and re.sub("(_control)?(_se)?$", "", name) not in known}
     verdict.check("output.md", not missing, f"does not name {sorted(missing)}")
-
-
-def check_octave(verdict, folder, code):
-    """Octave of Debian 12 may fail after its last command, when it ends."""
-    with open(os.path.join(folder, "read_mco.m"), "w", encoding="utf-8") as file:
-        file.write(code)
-    read_all = "d = read_mco('skinmap.mco'); printf('%d %d %d\\n', numel(d.A_rz), numel(d.se_Rd_r), d.residue)"
-    verdict.check("output.md, Octave", "3000 100 0" in run(["octave-cli", "--eval", read_all], folder)[1])
 
 
 def main():

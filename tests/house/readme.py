@@ -12,6 +12,7 @@ COMMANDS = (["bench/results.py", RESULTS + "amd-epyc-2core.csv"],
             ["bench/mmc.py", "--readme", RESULTS + "mmc-amd-epyc-2core.md"],
             ["bench/frontier_table.py", RESULTS + "frontier-intel-xeon-2core.csv"],
             ["bench/limits.py", RESULTS + "amd-epyc-2core.csv", RESULTS + "parts-amd-epyc-2core.txt"],
+            ["bench/gpu_static.py", "--readme", RESULTS + "gpu-static.csv"],
             ["bench/atlas_table.py", "--readme"])
 
 failed = False

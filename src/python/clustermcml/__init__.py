@@ -1,0 +1,22 @@
+"""Monte Carlo light transport in layered turbid media whose boundaries need not be flat.
+
+Five lines from a scene to a picture (with matplotlib):
+
+    import clustermcml as mc
+    skin = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=mc.Heightfield(r=[0, 0.1], h=[0.02, 0]))
+    result = mc.run(mc.Scene([skin], photons=1e5))
+    print(float(result.Rd), "+-", float(result.Rd_se))
+    result.Rd_r.plot()
+
+Results are xarray.Dataset, with units, axes and standard errors (NAME_se of NAME). Lengths are in cm, coefficients in 1/cm.
+`clustermcml help output` says what every quantity is.
+
+SPDX-License-Identifier: MIT
+"""
+
+from .errors import ClustermcmlError, InputError
+from .program import run
+from .results import read
+from .scene import Beam, Heightfield, Heightmap, Layer, Map, Mesh, Scene
+
+__all__ = ["Beam", "ClustermcmlError", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Scene", "read", "run"]

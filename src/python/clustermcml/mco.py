@@ -1,0 +1,145 @@
+"""Reads `.mco` files, this program's and those of original MCML.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, Iterator
+
+import numpy as np
+import xarray as xr
+
+from . import errors
+
+TOTALS = ("Rsp", "Rd", "A", "Tt")
+LAYER = ("n", "mua", "mus", "g", "d")
+BOOKS = ("launched", "gained", "specular", "reflected", "transmitted", "absorbed", "roulette", "trapped", "lost", "overflow_r",
+         "overflow_z", "above")
+
+# name: axes, unit, what it is; as the .h5 files say it
+QUANTITIES = {
+    "Rsp": ((), "1", "specular reflectance"),
+    "Rd": ((), "1", "diffuse reflectance"),
+    "A": ((), "1", "absorbed fraction"),
+    "Tt": ((), "1", "transmittance"),
+    "A_l": (("layer",), "1", "absorption by layer"),
+    "A_z": (("z",), "1/cm", "absorption by depth; what lies outside is in the outermost bins"),
+    "Rd_r": (("r",), "1/cm2", "diffuse reflectance by radius; the last bin holds what lies beyond"),
+    "Rd_a": (("alpha",), "sr-1", "diffuse reflectance by angle"),
+    "Tt_r": (("r",), "1/cm2", "transmittance by radius; the last bin holds what lies beyond"),
+    "Tt_a": (("alpha",), "sr-1", "transmittance by angle"),
+    "A_rz": (("r", "z"), "1/cm3", "absorption by radius and depth"),
+    "Rd_ra": (("r", "alpha"), "1/(cm2 sr)", "diffuse reflectance by radius and angle"),
+    "Tt_ra": (("r", "alpha"), "1/(cm2 sr)", "transmittance by radius and angle"),
+}
+LAYER_QUANTITIES = {
+    "n": ("1", "refractive index"),
+    "mua": ("1/cm", "absorption coefficient"),
+    "mus": ("1/cm", "scattering coefficient"),
+    "g": ("1", "anisotropy of scattering"),
+    "d": ("cm", "thickness"),
+}
+AXES = {
+    "r": ("cm", "distance from the z axis, middle of the bin"),
+    "z": ("cm", "depth, middle of the bin"),
+    "alpha": ("rad", "angle from the outward vertical, middle of the bin"),
+    "layer": ("1", "layer, from 1"),
+}
+
+
+def _sections(text: str) -> dict[str, list[str]]:
+    """{key: the words of its lines}; comments are left out."""
+    sections: dict[str, list[str]] = {}
+    key = ""
+    for line in text.splitlines():
+        words = line.split("#")[0].split()
+        if words and re.fullmatch(r"[A-Za-z]\w*", words[0]) and (words[0] != "A" or key):
+            key = words.pop(0)
+            sections[key] = []
+        if key:
+            sections[key] += words
+    return sections
+
+
+def _middles(bins: int, width: float) -> Any:
+    return (np.arange(bins) + 0.5) * width
+
+
+def _grid(words: Iterator[str]) -> tuple[dict[str, Any], list[list[float]], float, float]:
+    """Axes, layers and the indices beyond them from the words of InParm, which original MCML writes: name, format, photons, dz,
+    dr, nz, nr, na, number of layers, n above, five numbers for each layer, n below."""
+    dz, dr = float(next(words)), float(next(words))
+    nz, nr, na, layers = (int(next(words)) for _ in range(4))
+    above = float(next(words))
+    media = [[float(next(words)) for _ in LAYER] for _ in range(layers)]
+    below = float(next(words))
+    axes = {"r": _middles(nr, dr), "z": _middles(nz, dz), "alpha": _middles(na, np.pi / 2 / na), "layer": np.arange(1.0, layers + 1)}
+    return axes, media, above, below
+
+
+def _provenance(text: str) -> dict[str, Any]:
+    """What the lines of comment behind the arrays say; empty for a file of original MCML."""
+    found = re.search(r"^# clustermcml (.*)\n# engine (\w+), seed (\d+), run (\d+)", text, re.MULTILINE)
+    if not found:
+        return {}
+    known: dict[str, Any] = {"version": found[1], "engine": found[2], "seed": int(found[3]), "run": int(found[4])}
+    known["boundaries"] = "\n".join(re.findall(r"^# (boundary \d+: .*)$", text, re.MULTILINE))
+    sampling = re.search(r"^# sampling (\w+)", text, re.MULTILINE)
+    if sampling:
+        known["sampling"] = sampling[1]
+    return known
+
+
+def _variable(name: str, axes: dict[str, Any], words: list[str]) -> xr.DataArray:
+    """A quantity or, as NAME_se, its standard error."""
+    dims, unit, meaning = QUANTITIES[name.removesuffix("_se")]
+    values = np.array(words, dtype=float).reshape([axes[dim].size for dim in dims])
+    long_name = "standard error" if name.endswith("_se") else meaning
+    return xr.DataArray(values, dims=dims, attrs={"units": unit, "long_name": long_name})
+
+
+def _numbers(sections: dict[str, list[str]], axes: dict[str, Any]) -> dict[str, xr.DataArray]:
+    """All quantities that the file has, and their errors."""
+    words = {name: sections[name] for name in QUANTITIES if name in sections and name not in TOTALS}
+    words.update({name: [word] for name, word in zip(TOTALS, sections["RAT"])})
+    words.update({key[3:] + "_se": values for key, values in sections.items() if key[3:] in QUANTITIES and key.startswith("se_")})
+    words.update({name + "_se": [word] for name, word in zip(TOTALS, sections.get("se_RAT", []))})
+    words.update({"book_" + name: [word] for name, word in zip(BOOKS, sections.get("books", []))})
+    variables = {}
+    for name, values in words.items():
+        if name.startswith("book_"):
+            variables[name] = xr.DataArray(float(values[0]), attrs={"units": "1"})
+        else:
+            variables[name] = _variable(name, axes, values)
+    for name, variable in variables.items():
+        if name + "_se" in variables:
+            variable.attrs["ancillary_variables"] = name + "_se"
+    return variables
+
+
+def read_mco(path: str) -> xr.Dataset:
+    """The Dataset of an `.mco` file, with the names, axes and units of an `.h5` file."""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        text = file.read()
+    if not text.startswith("A1"):
+        raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
+    try:
+        return _dataset(text, _sections(text))
+    except (KeyError, ValueError, StopIteration, IndexError) as error:
+        raise errors.InputError(f"{path}: not a whole .mco file ({type(error).__name__}: {error})") from error
+
+
+def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
+    words = iter(sections["InParm"])
+    title, _, photons = next(words), next(words), float(next(words))
+    axes, media, above, below = _grid(words)
+    data = xr.Dataset(_numbers(sections, axes))
+    for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
+        column = [layer[index] for layer in media]
+        data["layer_" + name] = xr.DataArray(column, dims="layer", attrs={"units": unit, "long_name": meaning})
+    for name, (unit, meaning) in AXES.items():
+        data[name] = xr.DataArray(axes[name], dims=name, attrs={"units": unit, "long_name": meaning})
+    data.attrs.update({"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})
+    return data

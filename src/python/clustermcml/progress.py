@@ -1,0 +1,51 @@
+"""How far a run is, where somebody looks: a bar in a notebook, a line in a terminal.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import sys
+from typing import Any, Optional
+
+
+def _notebook_bar() -> Any:
+    """A bar of 100 parts, shown; None outside of notebooks."""
+    shell = sys.modules.get("IPython")
+    kernel = shell.get_ipython() if shell else None
+    if kernel is None or not hasattr(kernel, "kernel"):
+        return None
+    from IPython.display import ProgressBar
+
+    bar = ProgressBar(100)
+    bar.display()
+    return bar
+
+
+class Progress:
+    """Shows percent. As a context: a line that is half written ends with it.
+
+    show: None decides by whether standard error is a terminal, or Python runs in a notebook.
+    """
+
+    def __init__(self, show: Optional[bool]) -> None:
+        self.bar = None if show is False else _notebook_bar()
+        self.lines = self.bar is None and (sys.stderr.isatty() if show is None else show)
+        self.begun = False
+
+    def __enter__(self) -> "Progress":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.bar is not None:
+            self.bar.progress = 100
+        if self.begun:
+            print(file=sys.stderr)
+
+    def show(self, percent: int, text: str) -> None:
+        """percent: 0 to 100. text: what else is known."""
+        if self.bar is not None:
+            self.bar.progress = percent
+        elif self.lines:
+            self.begun = True
+            print(f"\r{percent} %, {text}\033[K", end="", file=sys.stderr, flush=True)

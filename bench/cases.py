@@ -25,6 +25,7 @@ AMPLITUDE = "0.018"  # of rough tops and rings [cm]
 AMPLITUDE_A = "0.03"
 SEARCHED = "3e5"  # triangles of the rough top that is flown with Embree as well
 IRREGULAR = {"moved": ("1e4", "1e5", "1e6"), "kept": ("1e4", "1e5", "1e6"), "spiked": ("1e5",)}  # kinds of rough.py
+OVERHANGING = ("cave", "mushrooms")  # kinds of rough.py
 QUICK = "1e5"  # triangles of the irregular tops of --quick, and of those of A
 RINGS = (1, 10, 50, 200, 1000)
 TWO_THREADS = ("S6a", "S6a-rough-1e5", "S6a-moved-1e5", "S6a-kept-1e5", "S6a-rings-50-cone")
@@ -87,13 +88,28 @@ def rough_cases(medium, numbers, amplitude, work):
         case = top_case(medium, "mesh", number, amplitude, work)
         cases.append(case)
         if number == SEARCHED:
-            cases.append(Case(case.name + "-embree", medium, "searched", case.path, ["--mesh-search", "embree"]))
+            cases.append(searched(case))
     return cases
 
 
+def searched(case):
+    """The same with Embree, where the program would walk."""
+    return Case(case.name + "-embree", case.medium, "searched", case.path, ["--mesh-search", "embree"], grid=case.grid)
+
+
 def irregular_cases(medium, amplitude, work, quick):
-    return [top_case(medium, kind, number, amplitude, work) for kind, numbers in IRREGULAR.items()
+    made = [top_case(medium, kind, number, amplitude, work) for kind, numbers in IRREGULAR.items()
             for number in numbers if number == QUICK or not quick]
+    return made + [searched(case) for case in made if case.name.endswith("-moved-" + QUICK)]
+
+
+def overhanging_cases(medium, work):
+    """What only Embree can search, on a rough top; and a mesh of meshes/ that is mostly flat."""
+    name = medium + "-overhang"
+    path = os.path.join(work, name + ".mci")
+    write_scene(medium, path, surface='m "%s"' % os.path.join(ROOT, "meshes", "overhang.obj"))
+    return [top_case(medium, kind, QUICK, AMPLITUDE, work) for kind in OVERHANGING] + [
+        Case(name, medium, "overhang", path)]
 
 
 def level_case(medium, work):
@@ -129,13 +145,21 @@ def all_cases(work, quick):
         if medium in ("S2", "S6a"):
             cases.append(level_case(medium, work))
             cases += rough_cases(medium, numbers, AMPLITUDE, work)
-            cases += irregular_cases(medium, AMPLITUDE, work, quick) + ring_cases(medium, work)
+            cases += irregular_cases(medium, AMPLITUDE, work, quick) + overhanging_cases(medium, work)
+            cases += ring_cases(medium, work)
         if medium == "A":
             cases += rough_cases(medium, [QUICK], AMPLITUDE_A, work) + irregular_cases(medium, AMPLITUDE_A, work, True)
     with_two = []
     for case in cases:
         with_two += [case, case.two()] if case.name in TWO_THREADS else [case]
     return with_two
+
+
+def beside_grids(all_of_them):
+    """Of these cases the tops that are compared with a regular grid, those grids, and the flat scenes below them."""
+    tops = [case for case in all_of_them if case.grid or case.surface == "overhang"]
+    wanted = {case.grid for case in tops} | {case.medium for case in tops} | {case.name for case in tops}
+    return [case for case in all_of_them if case.name in wanted]
 
 
 def rows_of(name):

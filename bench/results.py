@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Medians, ratios, CSV and tables of the bench. As a program: results.py CSV README.md rewrites the table there.
+"""Medians, ratios, CSV and tables of the bench. As a program: results.py [--irregular] CSV README.md rewrites the table
+there, or that of the irregular tops.
 
 SPDX-License-Identifier: MIT
 """
@@ -153,7 +154,8 @@ def cells(row):
 
 TITLES = ["case", "boundary", "primitives", "threads", "ns/step", "x flat", "MCML / ours", "queries %", "build s",
           "MiB", "Rd (exact)", "lost"]
-GRID_TITLES = ["irregular top", "threads", "ns/step", "x regular grid", "queries %", "of the grid"]
+GRID_TITLES = ["irregular top", "threads", "ns/step", "x flat", "x regular grid", "queries %", "of the grid", "build s",
+               "MiB", "lost"]
 
 
 def irregular(table):
@@ -164,9 +166,11 @@ def irregular(table):
     for row in table:
         if row.get("to_grid", "") == "":
             continue
-        grid = by_name[row["case"].replace("-%s-" % row["surface"], "-rough-"), row["threads"]]
-        found.append([row["case"], str(row["threads"]), ranged(row, "ns_per_step", 1), ranged(row, "to_grid", 2),
-                      *("%.1f" % (100 * float(one["query_share"])) for one in (row, grid))])
+        medium, _, number = row["case"].split("-")[:3]
+        grid = by_name["%s-rough-%s" % (medium, number), row["threads"]]
+        found.append([row["case"], str(row["threads"]), ranged(row, "ns_per_step", 1), ranged(row, "to_flat", 2),
+                      ranged(row, "to_grid", 2), *("%.1f" % (100 * float(one["query_share"])) for one in (row, grid)),
+                      "%.2g" % float(row["build_s"]), "%.3g" % float(row["MiB"]), str(row["lost"])])
     return found
 
 
@@ -195,13 +199,21 @@ def readme_lines(header, table):
     chosen = [cells(row) for row in table if row["case"] in README_ROWS and row["threads"] == "1"]
     titles, *lines = [line[:drop] + line[drop + 1:] for line in [TITLES] + chosen]
     yield from block.table(titles, lines)
-    found = irregular(table)
-    if found:
-        yield ""
-        yield from block.table(GRID_TITLES, found)
+
+
+def irregular_lines(header, table):
+    """What was measured, and the table of tops beside regular grids."""
+    about = dict(header)
+    yield "Measured: %s; %s; median (least-most) of %s rounds." % (about["program"], about["machine"], about["rounds"])
+    yield ""
+    yield from block.table(GRID_TITLES, irregular(table))
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 3:
-        sys.exit("usage: results.py CSV README.md")
-    block.replace(sys.argv[2], "results.py", readme_lines(*read_csv(sys.argv[1])))
+    *flags, csv_path, readme = sys.argv[1:] if len(sys.argv) > 2 else [None] * 4
+    if flags == []:
+        block.replace(readme, "results.py", readme_lines(*read_csv(csv_path)))
+    elif flags == ["--irregular"]:
+        block.replace(readme, "results.py --irregular", irregular_lines(*read_csv(csv_path)))
+    else:
+        sys.exit("usage: results.py [--irregular] CSV README.md")

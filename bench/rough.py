@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rough tops for the bench: rough.py mesh|moved|kept|spiked TRIANGLES AMPLITUDE FILE.obj, or
+"""Rough tops for the bench: rough.py mesh|moved|kept|spiked|cave|mushrooms TRIANGLES AMPLITUDE FILE.obj, or
 rough.py rings N AMPLITUDE FILE.txt.
 
 mesh: a regular grid over 4 x 4 cm with about TRIANGLES triangles; its heights are a sum of sines of random direction
@@ -7,6 +7,8 @@ and phase (wavelengths 0.2 to 1 cm), scaled to a maximum of AMPLITUDE cm and fad
 moved: the same surface, but inner vertices are moved by up to 0.22 of a cell in x and y, and have its height there.
 kept: they are moved by up to 0.3 of a cell and keep their heights: steeper facets, as scans have them.
 spiked: the regular grid, with the vertex at x = y = 1 cm raised by 0.1 cm.
+cave: the regular grid, wrapped around one bottle of 0.4 cm below x = y = 0: overhanging walls under a narrow neck.
+mushrooms: likewise around 16 x 16 mushrooms of 0.1 cm, whose caps overhang their stems.
 rings: N rings over 0.5 cm, a sum of sines of random phase in r (wavelengths 0.04 to 0.4 cm), 0 at the last ring.
 
 The surface is one fixed function of x and y, or of r; the number of primitives only says how finely it is sampled.
@@ -19,12 +21,16 @@ import math
 import random
 import sys
 
-MESHES = ("mesh", "moved", "kept", "spiked")
+MESHES = ("mesh", "moved", "kept", "spiked", "cave", "mushrooms")
 SIDE, FADE = 4.0, 0.4  # of the mesh [cm]
 RADIUS = 0.5  # of the rings [cm]
 WAVES = 24
 MOVED, KEPT = 0.22, 0.3  # how far vertices are moved in x and y [cells]
 ACROSS = 0.48  # most of dx - dy: three vertices moved by more, across the diagonal of a cell, could turn a triangle over
+# (share of the radius on the grid, share of the radius, share of the height) along the profile of a mushroom, from
+# outside to its top; the same upside down is a bottle
+PROFILE = ((1.0, 1.0, 0.0), (0.8, 0.4, 0.0), (0.6, 0.4, 0.5), (0.45, 0.8, 0.6), (0.25, 0.7, 0.9), (0.0, 0.0, 1.0))
+CAVE, MUSHROOM, MUSHROOMS = 0.4, 0.1, 16  # radius and depth, radius and height [cm], along an axis
 SPIKE_AT, SPIKE = 1.0, 0.1  # x = y of the raised vertex, and by how much [cm]
 
 
@@ -96,6 +102,27 @@ def raise_spike(rows):
     rows[i][i] = x, y, h + SPIKE
 
 
+def on_profile(share):
+    """(share of the radius, share of the height) where a vertex of the regular grid is put."""
+    for (a, r0, h0), (b, r1, h1) in zip(PROFILE, PROFILE[1:]):
+        if share >= b:
+            t = (a - share) / (a - b)
+            return r0 + t * (r1 - r0), h0 + t * (h1 - h0)
+
+
+def wrap(rows, count, radius, height):
+    """Wraps the grid around count x count mushrooms, or bottles where height is negative."""
+    pitch = SIDE / count
+    for row in rows:
+        for i, (x, y, h) in enumerate(row):
+            x0, y0 = ((min(int((at + SIDE / 2) / pitch), count - 1) + 0.5) * pitch - SIDE / 2 for at in (x, y))
+            share = math.hypot(x - x0, y - y0) / radius
+            if share < 1:
+                r, rise = on_profile(share)
+                k = r / share if share else 0.0
+                row[i] = x0 + k * (x - x0), y0 + k * (y - y0), h + rise * height
+
+
 def mesh_vertices(kind, cells, amplitude):
     """Rows of vertices (x, y, h) [cm]; those of the border are the same for all kinds."""
     xs, raw = raw_heights(cells)
@@ -108,6 +135,10 @@ def mesh_vertices(kind, cells, amplitude):
         move_inner(rows, KEPT)
     elif kind == "spiked":
         raise_spike(rows)
+    elif kind == "cave":
+        wrap(rows, 1, CAVE, -CAVE)
+    elif kind == "mushrooms":
+        wrap(rows, MUSHROOMS, MUSHROOM, MUSHROOM)
     return rows
 
 

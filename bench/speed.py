@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures the speed of clustermcml: speed.py PROGRAM DIRECTORY [--quick] [--rounds N] [--mcml PATH].
+"""Measures the speed of clustermcml: speed.py PROGRAM DIRECTORY [--quick] [--irregular] [--rounds N] [--mcml PATH].
 
 Every round runs every case once, and every second round runs them backwards, so that a machine that slows down or is
 shared hits all of them alike. Ratios are taken within a round; reported are medians, with minimum and maximum.
@@ -133,6 +133,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("directory")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--irregular", action="store_true")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--mcml")
     arguments = parser.parse_args()
@@ -146,6 +147,8 @@ def main():
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))
         mcml = os.path.abspath(arguments.mcml) if arguments.mcml else None
         todo = cases.all_cases(work, arguments.quick)
+        if arguments.irregular:
+            todo = cases.beside_grids(todo)
         for case in todo:
             print("\rcalibrating: %-24s" % case.name, end="", file=sys.stderr)
             calibrate(program, mcml, case, target * (THREADS_TARGET if case.threads > 1 else 1))

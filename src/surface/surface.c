@@ -82,8 +82,8 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
     CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, search, &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
-    snprintf(def->reason, sizeof def->reason, "%s%s", reason,
-             cml_mesh_surface_is_walked(def->mesh) ? ", a regular grid" : "");
+    const char *walk = cml_mesh_surface_walk(def->mesh);
+    snprintf(def->reason, sizeof def->reason, "%s%s%s", reason, walk ? ", " : "", walk ? walk : "");
     return CML_OK;
 }
 

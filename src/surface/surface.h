@@ -1,7 +1,7 @@
 /* How each boundary of a scene is represented: plane, cones or mesh, and why.
  * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
- * marched as exact cones, meshes that are regular grids are walked, other ones go to Embree. A representation
- * can be forced, which is how methods judge each other. SPDX-License-Identifier: MIT */
+ * marched as exact cones, meshes that are regular grids or sheets are walked, other ones go to Embree. A
+ * representation can be forced, which is how methods judge each other. SPDX-License-Identifier: MIT */
 #ifndef CML_SURFACE_H
 #define CML_SURFACE_H
 

@@ -91,7 +91,7 @@ const struct cml_option cml_option_table[] = {
      "of a tessellated heightfield: area (area-preserving, default) or inscribed", .read = cml_read_rings,
      .words = "area inscribed"},
     {"mesh-search", 0, "KIND", FLYING | CHECK, "cpu",
-     "of engine cpu: auto (default; regular grids are walked, Embree elsewhere) or embree",
+     "of engine cpu: auto (default; regular grids and sheets are walked, Embree elsewhere) or embree",
      .read = cml_read_mesh_search, .words = "auto embree"},
 
     {"engine", 0, "NAME", RUN | CHECK | TRACE, NULL, "cpu (default), reference or opencl",

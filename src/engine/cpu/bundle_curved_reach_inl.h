@@ -18,10 +18,10 @@ struct cml_intervals {
 #define CML_GATHERED (CML_LANES + CML_GROUP) /* packing writes whole groups */
 
 /* Lanes of one medium, gathered side by side, so that all of them look at the same two boundaries and vectors
- * are full. size: their number, rounded up to whole vectors; what lies behind the lanes there may be
+ * are full. size: their number, count, rounded up to whole vectors; what lies behind the lanes there may be
  * anything. Positions in the frame of the medium, lengths in cm. */
 struct cml_gathered {
-    int size;
+    int count, size;
     _Alignas(64) real x[CML_GATHERED], y[CML_GATHERED], z[CML_GATHERED], ux[CML_GATHERED], uy[CML_GATHERED],
         uz[CML_GATHERED];
     real s[CML_GATHERED];
@@ -45,6 +45,7 @@ static void cml_gather_lanes(const struct cml_bundle *b, uint64_t lanes, struct 
         cml_group_pack(b->s + first, mask, gathered->s + at);
         at += __builtin_popcount(mask);
     }
+    gathered->count = at;
     gathered->size = cml_whole_vectors(at);
 }
 

@@ -7,6 +7,7 @@
 
 #include "engine/cpu/bundle_curved_cross_inl.h"
 #include "engine/cpu/bundle_curved_reach_inl.h"
+#include "surface/mesh/mesh_surface.h"
 
 /* Whether lane i can go the fast way of cml_intersect_lane: it is in the material, can meet this boundary
  * only, and it is curved; facets are not scored; it has had boundary events, so it is not the beam itself
@@ -126,6 +127,23 @@ static void cml_intersect_lane(struct cml_flight *f, int i, int boundary, real s
         cml_query_lane(f, i, boundary, p, side, s.to, h);
 }
 
+/* Gathered lanes are about to ask for their crossing with a boundary of their medium. depth: of it in the
+ * frame of the medium, cm. */
+static void cml_prefetch_mesh(const struct cml_flight *f, int boundary, real depth,
+                              const struct cml_intervals *ahead)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_gathered *c = f->gathered;
+    if (boundary < 0 || boundary > world->setup.num_layers ||
+        world->surfaces[boundary].kind != CML_SURFACE_MESH)
+        return;
+    struct cml_mesh_rays rays = {c->x, c->y, c->z, c->ux, c->uy, c->uz, ahead->from, ahead->to, depth, 0};
+    for (int first = 0; first < c->size; first += CML_GROUP)
+        rays.asked |= (uint64_t)cml_group_equal(ahead->meets + first, 1) << first;
+    if (c->count < CML_MESH_RAYS) rays.asked &= (UINT64_C(1) << c->count) - 1;
+    cml_mesh_surface_prefetch(world->meshes[boundary], &rays);
+}
+
 /* All steps for lanes of one medium: intervals, then search lane by lane, then the hits of either boundary.
  */
 static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t lanes)
@@ -135,6 +153,8 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
     CML_HOOK_BEGIN(CML_HOOK_INTERVALS);
     cml_gather_intervals(f, medium, lanes);
     CML_HOOK_END(CML_HOOK_INTERVALS);
+    cml_prefetch_mesh(f, medium - 1, 0, &gathered->above);
+    cml_prefetch_mesh(f, medium, f->world->media[medium].span, &gathered->below);
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
         const struct cml_boundary_intervals intervals = {cml_interval_of(&gathered->above, k),

@@ -125,8 +125,8 @@ static int quarters(const struct facet *f, int64_t i, int64_t j)
 }
 
 /* Depths in steps, rounded outwards. The mesh itself lies within the range of 16 bits. */
-static void widen_depths(const struct cml_grid_mesh *grid, double least, double most,
-                         struct cml_grid_mesh_depths *depths)
+void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
+                                struct cml_grid_mesh_depths *depths)
 {
     const double low = fmax(floor((least - grid->z) * grid->steps_per_cm), 0),
                  high = fmin(ceil((most - grid->z) * grid->steps_per_cm), UINT16_MAX);
@@ -146,7 +146,7 @@ static void widen_cell(const struct cml_mesh_body *body, const struct cml_grid_m
     for (int k = 0; k < 4; k++) {
         const double x = grid->corner[0] + (i + k % 2) * dx, y = grid->corner[1] + (j + k / 2) * dy;
         const double z = (plane[3] - plane[0] * x - plane[1] * y) / plane[2];
-        if (part & at[k]) widen_depths(grid, z - pad, z + pad, depths);
+        if (part & at[k]) cml_grid_mesh_widen_depths(grid, z - pad, z + pad, depths);
     }
 }
 
@@ -224,28 +224,15 @@ static bool put_facets(const struct cml_mesh_body *body, const struct rectangle 
     return true;
 }
 
-/* Whole tiles: those at the end are padded. */
-static size_t places_of(const struct cml_grid_mesh_level *level)
-{
-    return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
-}
-
-static size_t places_of_all(const struct cml_grid_mesh *grid)
+size_t cml_grid_mesh_all_places(const struct cml_grid_mesh *grid)
 {
     size_t places = 0;
-    for (int l = 0; l < grid->levels; l++) places += places_of(&grid->level[l]);
+    for (int l = 0; l < grid->levels; l++) places += cml_grid_mesh_places(&grid->level[l]);
     return places;
 }
 
-static double bytes_of(const struct cml_grid_mesh *grid)
-{
-    return (double)places_of(&grid->level[0]) * (sizeof *grid->cell + sizeof *grid->planes) +
-           (double)places_of_all(grid) * sizeof(struct cml_grid_mesh_depths);
-}
-
-/* Lays out all levels, and fills them with nothing. */
-static cml_status allocate(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
-                           struct cml_error *err)
+cml_status cml_grid_mesh_lay_out(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+                                 struct cml_error *err)
 {
     int n[2] = {grid->n[0], grid->n[1]};
     grid->z = body->lower[2];
@@ -255,21 +242,32 @@ static cml_status allocate(const struct cml_mesh_body *body, struct cml_grid_mes
         is_last = n[0] <= 4 && n[1] <= 4;
         for (int k = 0; k < 2; k++) n[k] = (n[k] + 3) / 4;
     }
-    const size_t cells = places_of(&grid->level[0]), places = places_of_all(grid);
-    struct cml_grid_mesh_depths *depths = aligned_alloc(64, places * sizeof *depths);
-    grid->level[0].depths = depths;
+    const size_t places = cml_grid_mesh_all_places(grid), bytes = places * sizeof *grid->level[0].depths;
+    grid->level[0].depths = aligned_alloc(64, bytes);
+    if (!grid->level[0].depths) {
+        cml_grid_mesh_clear(grid);
+        return cml_fail_memory(err, (double)bytes, "the depths of a grid");
+    }
+    for (size_t i = 0; i < places; i++)
+        grid->level[0].depths[i] = (struct cml_grid_mesh_depths){UINT16_MAX, 0};
+    for (int l = 1; l < grid->levels; l++)
+        grid->level[l].depths = grid->level[l - 1].depths + cml_grid_mesh_places(&grid->level[l - 1]);
+    return CML_OK;
+}
+
+/* Cells without facets. */
+static cml_status allocate(struct cml_grid_mesh *grid, struct cml_error *err)
+{
+    const size_t cells = cml_grid_mesh_places(&grid->level[0]);
     grid->cell = aligned_alloc(64, cells * sizeof *grid->cell);
     grid->planes = aligned_alloc(64, cells * sizeof *grid->planes);
-    if (!depths || !grid->cell || !grid->planes) {
-        const double bytes = bytes_of(grid);
+    if (!grid->cell || !grid->planes) {
         cml_grid_mesh_clear(grid);
-        return cml_fail_memory(err, bytes, "the cells of a grid");
+        return cml_fail_memory(err, (double)cells * (sizeof *grid->cell + sizeof *grid->planes),
+                               "the cells of a grid");
     }
-    for (size_t i = 0; i < places; i++) depths[i] = (struct cml_grid_mesh_depths){UINT16_MAX, 0};
     for (size_t i = 0; i < cells; i++)
         grid->cell[i] = (struct cml_grid_mesh_cell){CML_GRID_MESH_NO_FACET, CML_GRID_MESH_NO_FACET};
-    for (int l = 1; l < grid->levels; l++)
-        grid->level[l].depths = grid->level[l - 1].depths + places_of(&grid->level[l - 1]);
     return CML_OK;
 }
 
@@ -283,6 +281,11 @@ static void build_level(const struct cml_grid_mesh_level *below, struct cml_grid
             if (part.least < all->least) all->least = part.least;
             if (part.most > all->most) all->most = part.most;
         }
+}
+
+void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid)
+{
+    for (int l = 1; l < grid->levels; l++) build_level(&grid->level[l - 1], &grid->level[l]);
 }
 
 /* Where a ray is over cells that all have facets, by more than rounding. */
@@ -309,12 +312,13 @@ static cml_status try_rectangle(const struct cml_mesh_body *body, const struct r
     const double deviation = find_deviation(&body->mesh, r, grid);
     if (deviation > most_deviation) return CML_OK;
     grid->err_cell = 2 * deviation + err_cell_least;
-    CML_TRY(allocate(body, grid, err));
+    CML_TRY(cml_grid_mesh_lay_out(body, grid, err));
+    CML_TRY(allocate(grid, err));
     if (!put_facets(body, r, grid)) {
         cml_grid_mesh_clear(grid);
         return CML_OK;
     }
-    for (int l = 1; l < grid->levels; l++) build_level(&grid->level[l - 1], &grid->level[l]);
+    cml_grid_mesh_build_levels(grid);
     find_inner(grid);
     return CML_OK;
 }
@@ -341,10 +345,20 @@ void cml_grid_mesh_clear(struct cml_grid_mesh *grid)
     free(grid->level[0].depths);
     free(grid->cell);
     free(grid->planes);
+    free(grid->first);
+    free(grid->listed);
+    free(grid->facet);
+    free(grid->level[1].slope);
     *grid = (struct cml_grid_mesh){.cell = NULL};
 }
 
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid)
 {
-    return grid->cell ? bytes_of(grid) : 0;
+    if (grid->levels == 0) return 0;
+    const size_t cells = cml_grid_mesh_places(&grid->level[0]), places = cml_grid_mesh_all_places(grid);
+    const double depths = (double)places * sizeof(struct cml_grid_mesh_depths);
+    if (grid->cell) return depths + (double)cells * (sizeof *grid->cell + sizeof *grid->planes);
+    return depths + (double)(places - cells) * sizeof *grid->level[1].slope +
+           (double)(cells + 1) * sizeof *grid->first + (double)grid->first[cells] * sizeof *grid->listed +
+           (double)grid->facets * sizeof *grid->facet;
 }

@@ -6,7 +6,8 @@
  * Above the cells stands a min/max pyramid, as quadtree displacement mapping and maximum mipmaps have it
  * [Tevs, Ihrke and Seidel, I3D 2008], with 4 x 4 children to a block instead of 2 x 2: cells and blocks lie
  * in memory by tiles of 4 x 4, a cache line of depths each, and a block's children are one tile. Depths are
- * rounded outwards to 16 bits: those of a mesh of 1e6 facets fit into a processor's second cache.
+ * rounded outwards to 16 bits: those of a mesh of 1e6 facets fit into a processor's second cache. A mesh that
+ * is no regular grid may get cells and a pyramid as well, but lists of facets in its cells: sheet_mesh.h.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_GRID_MESH_H
 #define CML_GRID_MESH_H
@@ -30,6 +31,14 @@ struct cml_grid_mesh_planes {
     double south[4], north[4];
 };
 
+/* A facet of a sheet, all that a walk asks of it in one cache line. */
+struct cml_sheet_facet {
+    _Alignas(64) double plane[4]; /* a copy, as above */
+    double corner[2];             /* x and y of corner 0, body frame, cm */
+    float weight[2][2]; /* how the barycentric weights of corners 1 and 2 rise along x and y, 1/cm; NaN where
+                         * the facet is too thin for float */
+};
+
 /* Depths in steps above cml_grid_mesh.z: of the facets, widened by err_float and by what err_cell makes on
  * their slope; least > most where there are none. */
 struct cml_grid_mesh_depths {
@@ -39,8 +48,9 @@ struct cml_grid_mesh_depths {
 /* Cells (level 0), or blocks of 4 x 4 of the level below. */
 struct cml_grid_mesh_level {
     struct cml_grid_mesh_depths *depths; /* by cml_grid_mesh_index; a slice of those of all levels */
-    int n[2];                            /* cells or blocks along x and y */
-    int tiles;                           /* along x */
+    float *slope; /* likewise, of sheets, from level 1 on: the steepest facet's, no less than it is */
+    int n[2];     /* cells or blocks along x and y */
+    int tiles;    /* along x */
 };
 
 struct cml_grid_mesh {
@@ -52,9 +62,15 @@ struct cml_grid_mesh {
                          * a cell lacks a facet */
     int n[2];           /* cells along x and y */
     bool is_whole;      /* the mesh has no facets outside the grid */
-    struct cml_grid_mesh_cell *cell;     /* owned; by cml_grid_mesh_index of level 0 */
+    struct cml_grid_mesh_cell *cell;     /* owned; by cml_grid_mesh_index of level 0; NULL in a sheet */
     struct cml_grid_mesh_planes *planes; /* likewise */
-    int levels;                          /* the last one is a single tile */
+    uint32_t *first;  /* owned; of a sheet: where in `listed` the facets of a cell begin, and those of the
+                       * next;  NULL in a regular grid */
+    uint32_t *listed; /* owned; numbers of facets */
+    struct cml_sheet_facet *facet; /* owned; [facets] */
+    size_t facets;
+    double mean; /* of a sheet's cells, depth steps */
+    int levels;  /* the last one is a single tile; 0: the mesh has no cells */
     struct cml_grid_mesh_level level[CML_GRID_MESH_LEVELS];
 };
 
@@ -65,12 +81,32 @@ static inline size_t cml_grid_mesh_index(const struct cml_grid_mesh_level *level
     return 16 * tile + (size_t)(4 * (j & 3) + (i & 3));
 }
 
-/* *grid owns its cells; none (cell NULL) when the mesh is no regular grid. CML_E_INPUT for memory. */
+/* Places of a level in memory: whole tiles, those at the end are padded. */
+static inline size_t cml_grid_mesh_places(const struct cml_grid_mesh_level *level)
+{
+    return 16 * (size_t)level->tiles * (size_t)((level->n[1] + 3) / 4);
+}
+
+/* Of all levels together. */
+size_t cml_grid_mesh_all_places(const struct cml_grid_mesh *grid);
+
+/* Lays out all levels above n[0] x n[1] cells, none of which has a depth yet. CML_E_INPUT for memory. */
+CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+                                               struct cml_error *err);
+
+/* Widens a cell's depths by those from least to most, cm in the body frame, rounded outwards. */
+void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
+                                struct cml_grid_mesh_depths *depths);
+
+/* Fills the depths of all blocks from those of the cells. */
+void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid);
+
+/* *grid owns its cells; none (levels 0) when the mesh is no regular grid. CML_E_INPUT for memory. */
 CML_NODISCARD cml_status cml_grid_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
                                             struct cml_error *err);
 void cml_grid_mesh_clear(struct cml_grid_mesh *grid);
 
-/* Of cells, planes and pyramid; 0 when the mesh is no regular grid. */
+/* Of all that *grid owns; 0 without cells. */
 double cml_grid_mesh_bytes(const struct cml_grid_mesh *grid);
 
 #endif

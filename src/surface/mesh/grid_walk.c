@@ -175,6 +175,49 @@ static enum verdict intersect_cell(const struct traversal *w, const int node[2],
     return HIT;
 }
 
+/* The least weight of a place of the ray in a facet of a sheet; negative outside. */
+static double least_weight(const struct cml_mesh_query *q, const struct cml_sheet_facet *f, double t)
+{
+    const double x = q->origin[0] + t * q->direction[0] - f->corner[0],
+                 y = q->origin[1] + t * q->direction[1] - f->corner[1];
+    const double b = f->weight[0][0] * x + f->weight[0][1] * y, c = f->weight[1][0] * x + f->weight[1][1] * y;
+    const double least = b < c ? b : c, a = 1 - b - c;
+    return a < least ? a : least;
+}
+
+/* intersect_cell of a sheet: all facets of the cell's list. Without branches, which would mostly be guessed
+ * wrong. */
+static enum verdict intersect_list(const struct traversal *w, size_t index, struct interval part)
+{
+    struct cml_mesh_query *q = w->q;
+    const struct cml_grid_mesh *grid = w->grid;
+    const double sign = q->below ? 1 : -1, err = err_weight_sheet;
+    const double surely_ahead = q->t_min + err_start * q->body->upper[0];
+    const struct cml_sheet_facet *hit = NULL;
+    double t_hit = INFINITY;
+    int undecided = 0, touches = 0;
+    for (uint32_t i = grid->first[index]; i < grid->first[index + 1]; i++) {
+        const struct cml_sheet_facet *f = &grid->facet[grid->listed[i]];
+        const double along = cml_vec3_dot(q->direction, f->plane), leading_away = sign * along;
+        const double height = f->plane[3] - cml_vec3_dot(q->origin, f->plane), t = height / along;
+        const double least = least_weight(q, f, t);
+        const int counts = (int)grid->listed[i] != q->exclude, grazes = fabs(along) < err_sine_grid;
+        const int meets =
+            (leading_away >= err_sine_grid) & (t >= part.t_min) & (t <= part.t_max) & !(least < -err);
+        const int surely = (least > err) & (t >= surely_ahead),
+                  is_first = counts & meets & surely & (t < t_hit);
+        touches |= fabs(height) <= q->contact_distance;
+        undecided |= counts & (grazes | (meets & !surely));
+        t_hit = is_first ? t : t_hit;
+        hit = is_first ? f : hit;
+    }
+    if (touches) q->in_doubt = true;
+    if (undecided) return UNDECIDED;
+    if (!hit) return MISS;
+    add_hit(q, (uint32_t)(hit - grid->facet), hit->plane, t_hit);
+    return HIT;
+}
+
 /* The part in which the ray is between the depths of a node; empty (t_min > t_max) where there is none.
  * Depths are widened by more than rounding already. A node without facets has the least above the most, which
  * sorting makes all depths: it is entered, and its cells are undecided. */
@@ -230,13 +273,14 @@ static enum verdict visit_node(const struct traversal *w, int level, const int n
 {
     const struct cml_grid_mesh_level *nodes = &w->grid->level[level];
     const size_t index = cml_grid_mesh_index(nodes, node[0], node[1]);
-    if (level == 0) { /* fetched while the depths are */
+    if (level == 0 && w->grid->cell) { /* fetched while the depths are */
         __builtin_prefetch(&w->grid->cell[index]);
         __builtin_prefetch(&w->grid->planes[index]);
     }
     const struct interval clipped = clip_to_depths(w, nodes->depths[index], part);
     if (clipped.t_min > clipped.t_max) return MISS;
-    if (level == 0) return intersect_cell(w, node, index, part);
+    if (level == 0)
+        return w->grid->cell ? intersect_cell(w, node, index, part) : intersect_list(w, index, part);
     const struct range range = children_of(w, level, node);
     int first[2];
     if (clipped.t_min > enter && find_node(w, level - 1, &range, clipped.t_min, first))
@@ -318,6 +362,91 @@ static enum verdict traverse_grid(const struct traversal *w, struct interval ray
     return verdict == MISS && !(ends_inside ? ends_in_cell : grid->is_whole) ? UNDECIDED : verdict;
 }
 
+static void cell_at(const struct traversal *w, double t, int cell[2])
+{
+    for (int k = 0; k < 2; k++) cell[k] = clamp_to_cell(position_at(&w->axis[k], t), w->grid->n[k]);
+}
+
+static float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+/* No less than the steepest facet of a sheet within a cell of the box that two cells span: of the at most
+ * four blocks that cover it on the level where four are enough. */
+static float steepest_around(const struct cml_grid_mesh *grid, const int a[2], const int b[2])
+{
+    int low[2], high[2], level = 1;
+    for (int k = 0; k < 2; k++) {
+        low[k] = a[k] < b[k] ? a[k] : b[k];
+        high[k] = a[k] < b[k] ? b[k] : a[k];
+        low[k] -= low[k] > 0;
+        high[k] += high[k] + 1 < grid->n[k];
+    }
+    while (((high[0] - low[0]) | (high[1] - low[1])) >> 2 * level) level++;
+    if (level >= grid->levels) return INFINITY;
+    const struct cml_grid_mesh_level *blocks = &grid->level[level];
+    const int x0 = low[0] >> 2 * level, x1 = high[0] >> 2 * level, y0 = low[1] >> 2 * level,
+              y1 = high[1] >> 2 * level;
+    return larger(larger(blocks->slope[cml_grid_mesh_index(blocks, x0, y0)],
+                         blocks->slope[cml_grid_mesh_index(blocks, x1, y0)]),
+                  larger(blocks->slope[cml_grid_mesh_index(blocks, x0, y1)],
+                         blocks->slope[cml_grid_mesh_index(blocks, x1, y1)]));
+}
+
+/* The cell of a sheet in which the ray probably meets it, or ends: where it has the depth of the cell that it
+ * was in before, beginning at the mean depth. */
+static void guess_cell(const struct traversal *w, struct interval ray, int cell[2])
+{
+    const struct cml_grid_mesh_level *cells = &w->grid->level[0];
+    double depth = w->grid->mean;
+    for (int n = 0;; n++) {
+        const double t = (depth - w->depth.origin) * w->depth.inverse;
+        cell_at(w, t < ray.t_min ? ray.t_min : t > ray.t_max ? ray.t_max : t, cell);
+        if (n == 2) return;
+        const struct cml_grid_mesh_depths depths =
+            cells->depths[cml_grid_mesh_index(cells, cell[0], cell[1])];
+        depth = 0.5 * (depths.least + depths.most);
+    }
+}
+
+/* Whether a place of the ray is no further from a cell than its neighbours. */
+static bool is_around(const struct traversal *w, const int cell[2], double t)
+{
+    return is_well_within(position_at(&w->axis[0], t), cell[0] - 1, 3, 0) &&
+           is_well_within(position_at(&w->axis[1], t), cell[1] - 1, 3, 0);
+}
+
+/* A ray steeper than a sheet crosses it at most once. If it is steeper than every facet between where it
+ * comes within the mesh's depths and a facet that it surely meets, it has met no other one; and none at all
+ * if a facet surely lies ahead where it ends. Most rays are that steep, and need no traversal. Only for
+ * packets that stand on nothing: one on a facet has its crossing there. */
+static enum verdict cross_once(const struct traversal *w, struct interval ray)
+{
+    struct cml_mesh_query *q = w->q;
+    const struct cml_grid_mesh *grid = w->grid;
+    const double *u = q->direction, surely_ahead = q->t_min + err_start * q->body->upper[0];
+    int start[2], cell[2];
+    cell_at(w, ray.t_min, start);
+    guess_cell(w, ray, cell);
+    const double slope = steepest_around(grid, start, cell);
+    if (!(u[2] * u[2] > slope * slope * (u[0] * u[0] + u[1] * u[1]))) return UNDECIDED;
+    const size_t index = cml_grid_mesh_index(&grid->level[0], cell[0], cell[1]);
+    for (uint32_t i = grid->first[index]; i < grid->first[index + 1]; i++) {
+        const struct cml_sheet_facet *f = &grid->facet[grid->listed[i]];
+        const double along = cml_vec3_dot(u, f->plane),
+                     height = f->plane[3] - cml_vec3_dot(q->origin, f->plane);
+        const double t = height / along, t_place = t < ray.t_max ? t : ray.t_max;
+        if (fabs(height) <= q->contact_distance) q->in_doubt = true;
+        if ((q->below ? along : -along) < err_sine_grid || !(t >= surely_ahead)) continue;
+        if (!(least_weight(q, f, t_place) > err_weight_sheet) || !is_around(w, cell, t_place)) continue;
+        if (t > ray.t_max) return MISS;
+        add_hit(q, grid->listed[i], f->plane, t);
+        return HIT;
+    }
+    return UNDECIDED;
+}
+
 bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
 {
     const double size = q->body->upper[0];
@@ -333,6 +462,7 @@ bool cml_grid_walk(const struct cml_grid_mesh *grid, struct cml_mesh_query *q)
     for (int k = 0; k < 2; k++)
         if (!is_within(position_at(&w.axis[k], ray.t_min), grid->n[k]))
             return misses_grid(&w, 0, ray) || misses_grid(&w, 1, ray);
+    if (grid->first && q->exclude < 0 && cross_once(&w, ray) != UNDECIDED) return true;
     return traverse_grid(&w, ray) != UNDECIDED;
 }
 

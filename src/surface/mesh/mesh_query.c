@@ -162,6 +162,9 @@ bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 
 enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, double x, double y, double d)
 {
+    const double *lower = q->body->lower, *upper = q->body->upper;
+    if (x < lower[0] - d || x > upper[0] + d || y < lower[1] - d || y > upper[1] + d)
+        return CML_OUTSIDE_BORDER;
     if (cml_footprint_border_is_near(q->body->footprint, x, y, d)) return CML_AT_BORDER;
     return cml_footprint_contains(q->body->footprint, x, y) ? CML_INSIDE_BORDER : CML_OUTSIDE_BORDER;
 }

@@ -4,6 +4,7 @@
 #include "surface/mesh/grid_walk.h"
 #include "surface/mesh/mesh_line.h"
 #include "surface/mesh/rounding.h"
+#include "surface/mesh/sheet_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -23,8 +24,8 @@ struct cml_mesh_surface {
     RTCDevice device;
     _Atomic ssize_t embree_bytes;  /* kept by Embree's threads */
     RTCScene exact;                /* boxes around triangles that are tested in double */
-    RTCScene fast;                 /* Embree's own single-precision triangles; NULL where there is a grid */
-    struct cml_grid_mesh grid;     /* traversed in Embree's stead; without cells when the mesh is no grid */
+    RTCScene fast;                 /* Embree's own single-precision triangles; NULL where there are cells */
+    struct cml_grid_mesh grid;     /* traversed in Embree's stead; regular or of a sheet */
     struct cml_mesh_period period; /* n 0: the mesh is not repeated */
 };
 
@@ -262,11 +263,11 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
     cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, undeflected, err_position);
     if (exact || query.ray.starts_on_edge)
         query_exact(surface, &query);
-    else if (surface->grid.cell)
+    else if (surface->grid.levels)
         query_grid(surface, &query);
     else
         query_embree(surface, &query);
-    if (exact || !surface->grid.cell || !cml_grid_walk_covers(&surface->grid, &query.ray))
+    if (exact || !surface->grid.levels || !cml_grid_walk_covers(&surface->grid, &query.ray))
         cml_query_intersect_outer_plane(&query.ray);
     crossing->ends_near_facet = cml_query_is_doubtful(&query.ray) && query_line(surface, &query, t_max);
     return cml_query_finish(&query.ray, p, u, crossing);
@@ -317,6 +318,12 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
 {
     return (surface->period.n[0] ? hit_tile : hit_mesh)(surface, p, u, below, t_max, exclude, undeflected,
                                                         exact, err_position, crossing);
+}
+
+/* A tile is a regular grid, for which nothing is fetched ahead. */
+void cml_mesh_surface_prefetch(const struct cml_mesh_surface *surface, const struct cml_mesh_rays *rays)
+{
+    if (surface->grid.first) cml_sheet_prefetch(&surface->grid, &surface->body, rays);
 }
 
 static bool count_memory(void *context, ssize_t bytes, bool post)
@@ -395,7 +402,7 @@ static cml_status build_trees(struct cml_mesh_surface *surface, struct cml_error
     if (!surface->device)
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
     rtcSetDeviceMemoryMonitorFunction(surface->device, count_memory, surface);
-    if (surface->grid.cell || build_fast(surface)) build_exact(surface);
+    if (surface->grid.levels || build_fast(surface)) build_exact(surface);
     const enum RTCError error = rtcGetDeviceError(surface->device);
     if (error == RTC_ERROR_NONE) return CML_OK;
     return cml_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? CML_E_INPUT : CML_E_DEVICE,
@@ -412,6 +419,8 @@ cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, 
     cml_status status = cml_mesh_body_create(mesh, x0, y0, &made->body, err);
     if (status == CML_OK && search == CML_SEARCH_AUTO)
         status = cml_grid_mesh_find(&made->body, &made->grid, err);
+    if (status == CML_OK && search == CML_SEARCH_AUTO && made->grid.levels == 0)
+        status = cml_sheet_mesh_find(&made->body, &made->grid, err);
     if (status == CML_OK) status = build_trees(made, err);
     if (status != CML_OK)
         cml_mesh_surface_free(made);
@@ -480,7 +489,7 @@ const char *cml_mesh_library(void)
     return "Embree " RTC_VERSION_STRING;
 }
 
-bool cml_mesh_surface_is_walked(const struct cml_mesh_surface *surface)
+const char *cml_mesh_surface_walk(const struct cml_mesh_surface *surface)
 {
-    return surface->grid.cell != NULL;
+    return surface->grid.cell ? "a regular grid" : surface->grid.levels ? "a sheet" : NULL;
 }

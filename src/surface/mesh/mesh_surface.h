@@ -6,19 +6,21 @@
  * single-precision triangles find the hit; a filter in double decides whether it is an exit (mesh_query.h),
  * and its distance and normal are computed in double. Where the hit is not well inside its triangle the exact
  * way decides. Grid: where the mesh is a regular grid (grid_mesh.h) a traversal of the cells below the ray
- * takes the place of Embree's triangles (grid_walk.h); where it leaves the answer open the exact way decides.
- * Whatever the way, a crossing in which rounding had a say is decided by the whole line (mesh_line.h). The
- * outer plane with the footprint as its hole belongs to the surface. The only place that includes Embree's
- * headers; versions 3 and 4 differ here and nowhere else. SPDX-License-Identifier: MIT */
+ * takes the place of Embree's triangles (grid_walk.h), as where it is a sheet (sheet_mesh.h); where it leaves
+ * the answer open the exact way decides. Whatever the way, a crossing in which rounding had a say is decided
+ * by the whole line (mesh_line.h). The outer plane with the footprint as its hole belongs to the surface. The
+ * only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_SURFACE_H
 #define CML_MESH_SURFACE_H
 
 #include "geometry/mesh.h"
 #include "mesh_crossing.h"
+#include "surface/mesh/sheet_prefetch.h"
 #include "surface/mesh/tile_path.h"
 
 enum cml_mesh_search {
-    CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid, Embree's triangles elsewhere */
+    CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid or a sheet, Embree's triangles elsewhere */
     CML_SEARCH_EMBREE, /* always Embree's triangles */
 };
 
@@ -40,8 +42,8 @@ CML_NODISCARD cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, dou
 
 void cml_mesh_surface_free(struct cml_mesh_surface *surface);
 
-/* Whether the mesh is a regular grid that the fast query walks. */
-bool cml_mesh_surface_is_walked(const struct cml_mesh_surface *surface);
+/* What the mesh is where the fast query walks it: "a regular grid" or "a sheet"; else NULL. */
+const char *cml_mesh_surface_walk(const struct cml_mesh_surface *surface);
 
 /* Bytes that Embree and the mesh itself hold. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
@@ -63,6 +65,9 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
 int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
                          int below, double t_max, int exclude, int undeflected, int exact,
                          double err_position, struct cml_mesh_crossing *crossing);
+
+/* Calls into the cache what queries for these rays will look at. Nothing depends on it but time. */
+void cml_mesh_surface_prefetch(const struct cml_mesh_surface *surface, const struct cml_mesh_rays *rays);
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */
 const char *cml_mesh_library(void);

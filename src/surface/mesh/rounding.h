@@ -40,6 +40,9 @@
  *     the rounding of edge products as long as the triangle is at most 30 of its sizes from the entry
  *     point; further away the edge product still marks the edge. Fails: none; with 0 mesh_surface, grid_walk.
  *   err_weight_embree: The same of weights in float: 1e-5, 6e-8 at 160 sizes. Fails: none.
+ *   err_weight_sheet: Of the weights of a sheet's facets, which are kept in float: 1e-4. A facet for which
+ *     float (FLT_EPSILON of each derivative, times how far its cells reach) and err_mesh / err_sine_grid, for
+ *     the ray, make more than that has none, and is never hit without the exact query. Fails: none.
  *   err_height_embree: By how much of its height a triangle is enlarged for Embree, which in float lets
  *     rays pass between neighbours, most easily along edges and at corners: 1e-3, more than the 3e-8 D of
  *     two vertices where the height is more than 6e-5 D. Fails: mesh_line.
@@ -78,7 +81,7 @@
 static const double err_share_mesh = 16 * DBL_EPSILON, err_share_float = 1e-6;
 static const double err_share_product = 4 * DBL_EPSILON;
 
-static const double err_weight = 1e-12, err_weight_embree = 1e-5;
+static const double err_weight = 1e-12, err_weight_embree = 1e-5, err_weight_sheet = 1e-4;
 static const float err_height_embree = 1e-3f;
 static const double err_sine_embree = 1e-2, err_sine_border = 1e-2, err_sine_grid = 1e-4,
                     err_sine_edge = 1e-6;

@@ -1,10 +1,12 @@
-/* The walk over a regular grid against the exact query of the same mesh. SPDX-License-Identifier: MIT */
+/* The walk over a regular grid, and over a sheet, against the exact query of the same mesh.
+ * SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "scene/heightmap/heightmap.h"
 #include "lib/mesh_shapes.h"
 #include "scene/scene.h"
 #include "surface/mesh/mesh_surface.h"
 #include "surface/mesh/grid_walk.h"
+#include "surface/mesh/sheet_mesh.h"
 #include "surface/tessellate.h"
 
 static struct patch patch;
@@ -30,7 +32,12 @@ static struct subject subject_of(struct cml_mesh *mesh)
     assert_int_equal(cml_mesh_surface_create(mesh, 0, 0, CML_SEARCH_AUTO, &s.surface, &err), CML_OK);
     assert_int_equal(cml_mesh_body_create(&copy, 0, 0, &s.body, &err), CML_OK);
     assert_int_equal(cml_grid_mesh_find(&s.body, &s.grid, &err), CML_OK);
-    assert_int_equal(cml_mesh_surface_is_walked(s.surface), s.grid.cell != NULL);
+    if (!s.grid.cell) assert_int_equal(cml_sheet_mesh_find(&s.body, &s.grid, &err), CML_OK);
+    const char *walk = cml_mesh_surface_walk(s.surface);
+    if (s.grid.levels == 0)
+        assert_null(walk);
+    else
+        assert_string_equal(walk, s.grid.cell ? "a regular grid" : "a sheet");
     return s;
 }
 
@@ -234,7 +241,7 @@ static struct share compare(const struct subject *s, make_ray *make, uint32_t se
 
 static void compare_all(struct subject *s, double least_decided)
 {
-    assert_non_null(s->grid.cell);
+    assert_true(s->grid.levels > 0);
     struct share share = compare(s, random_ray, 82, 150000);
     print_message("random: %ld of %ld decided, %ld found\n", share.decided, share.rays, share.found);
     assert_true((double)share.decided > least_decided * (double)share.rays);
@@ -273,23 +280,19 @@ static void a_scan_is_walked_merged_or_not(void **state)
     compare_all(&all, 0.5);
 }
 
-/* A quarter of the patch is missing: the plane around it lies in the grid's rectangle. */
-static void a_grid_with_a_gap_lets_the_plane_through(void **state)
+/* Without a quarter of the patch: the plane around it lies in the grid's rectangle. */
+static struct subject without_a_quarter(void)
 {
-    (void)state;
     struct cml_error err = {CML_OK, ""};
-    patch_make(&patch, 76, 0.05, 0, 0, 0);
     struct cml_mesh mesh = patch_mesh(&patch);
+    const int half = GRID / 2;
     size_t left = 0;
-    for (size_t i = 0; i < mesh.num_vertices; i++)
-        if (mesh.vertex[i][0] <= 0 && mesh.vertex[i][1] <= 0) mesh.vertex[i][2] = 0;
-    for (size_t i = 0; i < mesh.num_triangles; i++) {
-        const uint32_t *v = mesh.triangle[i];
-        double low[2] = {1, 1};
-        for (int k = 0; k < 6; k++) low[k % 2] = fmin(low[k % 2], mesh.vertex[v[k / 2]][k % 2]);
-        if (low[0] < 0 && low[1] < 0) continue;
-        for (int k = 0; k < 3; k++) mesh.triangle[left][k] = v[k];
-        left++;
+    for (int i = 0; i <= half; i++)
+        for (int j = 0; j <= half; j++) mesh.vertex[i * (GRID + 1) + j][2] = 0;
+    for (int cell = 0; cell < GRID * GRID; cell++) {
+        if (cell / GRID < half && cell % GRID < half) continue;
+        memmove(mesh.triangle[left], mesh.triangle[2 * cell], 2 * sizeof *mesh.triangle);
+        left += 2;
     }
     mesh.num_triangles = left;
     free(mesh.border);
@@ -297,21 +300,69 @@ static void a_grid_with_a_gap_lets_the_plane_through(void **state)
     mesh.border = NULL;
     mesh.vertex_normal = NULL;
     assert_int_equal(cml_mesh_prepare(&mesh, NULL, NULL, &err), CML_OK);
-    struct subject s = subject_of(&mesh);
+    return subject_of(&mesh);
+}
+
+static void a_grid_with_a_gap_lets_the_plane_through(void **state)
+{
+    (void)state;
+    patch_make(&patch, 76, 0.05, 0, 0, 0);
+    struct subject s = without_a_quarter();
+    assert_non_null(s.grid.cell);
     compare_all(&s, 0.5);
 }
 
-static void what_is_no_grid_is_left_to_embree(void **state)
+static void a_sheet_is_walked_as_exactly_as_searched(void **state)
+{
+    (void)state;
+    struct subject gentle = rough_patch(77, 0.01, 0.2), steep = rough_patch(78, 0.2, 0.2);
+    assert_null(gentle.grid.cell);
+    assert_null(steep.grid.cell);
+    compare_all(&gentle, 0.8);
+    compare_all(&steep, 0.8);
+}
+
+static void a_sheet_with_a_gap_lets_the_plane_through(void **state)
+{
+    (void)state;
+    patch_make(&patch, 79, 0.05, 0, 0, 0);
+    patch_move(&patch, 80, 0.25);
+    patch_spike(&patch, GRID / 4, 3 * GRID / 4, 0.3);
+    struct subject s = without_a_quarter();
+    assert_null(s.grid.cell);
+    compare_all(&s, 0.5);
+}
+
+/* Moves vertices to x -> sign(x) |x|^power, and makes them a subject, whose y is `stretch` times theirs. */
+static struct subject warped_patch(double power, double stretch)
+{
+    patch_make(&patch, 74, 0.01, 0, 0, 0);
+    for (int i = 0; i < COUNT(patch.vertex); i++) {
+        double *v = patch.vertex[i];
+        v[0] = copysign(pow(fabs(v[0]), power), v[0]);
+        v[1] *= stretch;
+    }
+    struct cml_mesh mesh = patch_mesh(&patch);
+    return subject_of(&mesh);
+}
+
+/* Facets above one another; facets so thin that most cells would hold many; facets of very different sizes.
+ */
+static void what_cells_do_not_suit_is_left_to_embree(void **state)
 {
     (void)state;
     patch_make(&patch, 74, 0.1, 2, 0, 0);
     struct cml_mesh mesh = patch_mesh(&patch);
-    struct subject s = subject_of(&mesh);
-    assert_null(s.grid.cell);
-    subject_free(&s);
-    s = rough_patch(75, 0.1, 0.01);
-    assert_null(s.grid.cell);
-    subject_free(&s);
+    struct subject overhang = subject_of(&mesh), thin = warped_patch(1.5, 1e4), uneven = warped_patch(12, 1);
+    assert_int_equal(overhang.grid.levels, 0);
+    assert_int_equal(thin.grid.levels, 0);
+    assert_int_equal(uneven.grid.levels, 0);
+    subject_free(&overhang);
+    subject_free(&thin);
+    subject_free(&uneven);
+    struct subject bent = warped_patch(1.5, 1);
+    assert_true(bent.grid.levels > 0);
+    compare_all(&bent, 0.5);
 }
 
 int main(void)
@@ -321,7 +372,9 @@ int main(void)
         cmocka_unit_test(a_grid_rounded_in_its_file_is_walked_as_well),
         cmocka_unit_test(a_scan_is_walked_merged_or_not),
         cmocka_unit_test(a_grid_with_a_gap_lets_the_plane_through),
-        cmocka_unit_test(what_is_no_grid_is_left_to_embree),
+        cmocka_unit_test(a_sheet_is_walked_as_exactly_as_searched),
+        cmocka_unit_test(a_sheet_with_a_gap_lets_the_plane_through),
+        cmocka_unit_test(what_cells_do_not_suit_is_left_to_embree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

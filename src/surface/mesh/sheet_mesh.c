@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/mesh/sheet_mesh.h"
+
+#include "surface/mesh/rounding.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* With half as many cells lists are longer, with twice as many there are more of them: both take longer. */
+static const double cells_per_facet = 1;
+
+/* Lists longer than this in the mean over their facets take longer than Embree's tree. */
+static const double longest_list = 16;
+
+/* Share of facets that are too thin for float: each ray that comes near one goes to the exact query. */
+static const double most_thin = 1e-2;
+
+/* Places behind the last list, so that a reader need not look where it ends. */
+enum { PADDING = 8 };
+
+/* A facet seen from above, in cells of the grid. */
+struct shadow {
+    double corner[3][2];
+    double inward[3][2]; /* unit normal of the side opposite to a corner */
+    int first[2], last[2];
+    double depth, least, most; /* of corner 0, and of all, cm */
+    double slope[2];           /* along x and y, cm per cell */
+    float steepness;           /* cm per cm */
+};
+
+/* What is needed while lists are made. */
+struct lists {
+    const struct cml_mesh_body *body;
+    struct cml_grid_mesh *grid;
+    uint32_t *end; /* of each cell's list; NULL while they are counted */
+    float *inside; /* of each place in a list: how far inside the facet the cell's middle lies, cells */
+};
+
+static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
+{
+    return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
+}
+
+/* In cells: how far rounding may put facet, cell and ray apart, altogether. */
+static double reach_of(const struct cml_grid_mesh *grid)
+{
+    return 4 * grid->err_cell;
+}
+
+/* The cells below the shadow's box. */
+static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
+{
+    const double reach = reach_of(grid);
+    for (int k = 0; k < 2; k++) {
+        const double a = s->corner[0][k], b = s->corner[1][k], c = s->corner[2][k];
+        const double low = fmin(a, fmin(b, c)) - reach, high = fmax(a, fmax(b, c)) + reach;
+        s->first[k] = low > 0 ? (int)low : 0;
+        s->last[k] = high < grid->n[k] ? (int)high : grid->n[k] - 1;
+    }
+}
+
+/* Facets turn clockwise in x and y, for z points down: inside is to the right of their sides. */
+static struct shadow shadow_of(const struct lists *l, size_t facet)
+{
+    const struct cml_grid_mesh *grid = l->grid;
+    const double *plane = l->body->plane[facet];
+    struct shadow s = {
+        .depth = cml_body_corner(l->body, (int)facet, 0)[2], .least = INFINITY, .most = -INFINITY};
+    for (int c = 0; c < 3; c++) {
+        const double *at = cml_body_corner(l->body, (int)facet, c);
+        for (int k = 0; k < 2; k++) s.corner[c][k] = to_cells(grid, at[k], k);
+        s.least = fmin(s.least, at[2]);
+        s.most = fmax(s.most, at[2]);
+    }
+    for (int c = 0; c < 3; c++) {
+        const double *from = s.corner[(c + 1) % 3], *to = s.corner[(c + 2) % 3];
+        const double length = hypot(to[0] - from[0], to[1] - from[1]);
+        s.inward[c][0] = (to[1] - from[1]) / length;
+        s.inward[c][1] = (from[0] - to[0]) / length;
+    }
+    for (int k = 0; k < 2; k++) s.slope[k] = -plane[k] / plane[2] / grid->cells_per_cm[k];
+    s.steepness = (float)((1 + FLT_EPSILON) * hypot(plane[0], plane[1]) / -plane[2]);
+    find_range(grid, &s);
+    return s;
+}
+
+/* How far inside the facet the middle of a cell lies, in cells; -INFINITY where a side of the facet separates
+ * the two [Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996]. */
+static float middle_inside(const struct cml_grid_mesh *grid, const struct shadow *s, int i, int j)
+{
+    const double half = 0.5 + reach_of(grid);
+    double inside = INFINITY;
+    for (int c = 0; c < 3; c++) {
+        const double *on = s->corner[(c + 1) % 3], *n = s->inward[c];
+        const double middle = n[0] * (i + 0.5 - on[0]) + n[1] * (j + 0.5 - on[1]);
+        if (middle + half * (fabs(n[0]) + fabs(n[1])) < 0) return -INFINITY;
+        inside = fmin(inside, middle);
+    }
+    return (float)inside;
+}
+
+/* By the depths of the facet's plane above the cell, but no further than its corners; and the block above by
+ * its steepness. */
+static void widen_cell(const struct lists *l, const struct shadow *s, int i, int j)
+{
+    struct cml_grid_mesh_level *cells = &l->grid->level[0], *blocks = &l->grid->level[1];
+    const double slope = fabs(s->slope[0]) + fabs(s->slope[1]);
+    const double pad = l->body->err_float + reach_of(l->grid) * slope;
+    const double *at = s->corner[0];
+    const double z = s->depth + s->slope[0] * (i + 0.5 - at[0]) + s->slope[1] * (j + 0.5 - at[1]);
+    cml_grid_mesh_widen_depths(l->grid, fmax(z - 0.5 * slope, s->least) - pad,
+                               fmin(z + 0.5 * slope, s->most) + pad,
+                               &cells->depths[cml_grid_mesh_index(cells, i, j)]);
+    if (l->grid->levels == 1) return;
+    float *steepest = &blocks->slope[cml_grid_mesh_index(blocks, i / 4, j / 4)];
+    *steepest = fmaxf(*steepest, s->steepness);
+}
+
+/* Lists are filled from their ends, and hold the facet first that is most likely above a place of the cell.
+ */
+static void list_facet(const struct lists *l, size_t cell, size_t facet, float inside)
+{
+    struct cml_grid_mesh *grid = l->grid;
+    uint32_t k = --grid->first[cell];
+    for (; k + 1 < l->end[cell] && l->inside[k + 1] > inside; k++) {
+        l->inside[k] = l->inside[k + 1];
+        grid->listed[k] = grid->listed[k + 1];
+    }
+    l->inside[k] = inside;
+    grid->listed[k] = (uint32_t)facet;
+}
+
+/* Counts a facet in all cells below it, and widens them; or lists it there. */
+static void enter_facet(const struct lists *l, size_t facet)
+{
+    const struct shadow s = shadow_of(l, facet);
+    for (int j = s.first[1]; j <= s.last[1]; j++)
+        for (int i = s.first[0]; i <= s.last[0]; i++) {
+            const size_t cell = cml_grid_mesh_index(&l->grid->level[0], i, j);
+            const float inside = middle_inside(l->grid, &s, i, j);
+            if (!(inside > -INFINITY)) continue;
+            if (l->end) {
+                list_facet(l, cell, facet, inside);
+            } else {
+                l->grid->first[cell]++;
+                widen_cell(l, &s, i, j);
+            }
+        }
+}
+
+/* Square cells over the mesh's box. */
+static void choose_cells(const struct cml_mesh_body *body, struct cml_grid_mesh *grid)
+{
+    const struct cml_mesh *mesh = &body->mesh;
+    double extent[2];
+    for (int k = 0; k < 2; k++) {
+        grid->corner[k] = body->lower[k];
+        extent[k] = body->upper[k] - body->lower[k];
+    }
+    const double size = sqrt(extent[0] * extent[1] / (cells_per_facet * (double)mesh->num_triangles));
+    for (int k = 0; k < 2; k++) {
+        grid->n[k] = (int)fmin(ceil(extent[k] / size), 1 << 28);
+        grid->cells_per_cm[k] = grid->n[k] / extent[k];
+    }
+    grid->err_cell = err_cell_least;
+    grid->is_whole = true;
+    grid->facets = mesh->num_triangles;
+}
+
+/* The barycentric weight of corner `at` of a triangle with corners 0, `at` and `other`, as its derivatives.
+ */
+static void weight_of(const double corner[2], const double at[3], const double other[3], float weight[2])
+{
+    const double side[2] = {other[0] - corner[0], other[1] - corner[1]};
+    const double height = side[0] * (at[1] - corner[1]) - side[1] * (at[0] - corner[0]);
+    weight[0] = (float)(-side[1] / height);
+    weight[1] = (float)(side[0] / height);
+}
+
+/* False where err_weight_sheet does not cover what float makes of the weights above the facet's cells. */
+static bool fill_facet(const struct cml_mesh_body *body, const struct cml_grid_mesh *grid, size_t facet)
+{
+    struct cml_sheet_facet *f = &grid->facet[facet];
+    const double *a = cml_body_corner(body, (int)facet, 0), *b = cml_body_corner(body, (int)facet, 1),
+                 *c = cml_body_corner(body, (int)facet, 2);
+    double err = 0;
+    memcpy(f->plane, body->plane[facet], sizeof f->plane);
+    memcpy(f->corner, a, sizeof f->corner);
+    weight_of(a, b, c, f->weight[0]);
+    weight_of(a, c, b, f->weight[1]);
+    for (int k = 0; k < 2; k++) {
+        const double far = fmax(fabs(b[k] - a[k]), fabs(c[k] - a[k])) + 2 / grid->cells_per_cm[k];
+        err += (fabs(f->weight[0][k]) + fabs(f->weight[1][k])) *
+               (FLT_EPSILON * far + body->err_mesh / err_sine_grid);
+    }
+    if (err < err_weight_sheet) return true;
+    for (int k = 0; k < 4; k++) f->weight[k / 2][k % 2] = NAN;
+    return false;
+}
+
+/* The largest of some rectangles around the mesh's middle inside the border. */
+static void find_inner(const struct cml_mesh_body *body, struct cml_grid_mesh *grid)
+{
+    const double smaller = 0.95, least = 0.1, margin = 1 - 1e-6;
+    double lower[2], upper[2];
+    grid->inner[0][0] = NAN;
+    for (double share = 1; share > least; share *= smaller) {
+        for (int k = 0; k < 2; k++) {
+            lower[k] = share * body->mesh.lower[k];
+            upper[k] = share * body->mesh.upper[k];
+        }
+        if (!cml_footprint_contains_box(body->footprint, lower, upper)) continue;
+        for (int k = 0; k < 2; k++) {
+            grid->inner[0][k] = margin * lower[k];
+            grid->inner[1][k] = margin * upper[k];
+        }
+        return;
+    }
+}
+
+static bool faces_up(const struct cml_mesh_body *body)
+{
+    for (size_t i = 0; i < body->mesh.num_triangles; i++)
+        if (!(body->plane[i][2] < 0)) return false;
+    return true;
+}
+
+static void build_slopes(struct cml_grid_mesh *grid)
+{
+    for (int l = 2; l < grid->levels; l++) {
+        const struct cml_grid_mesh_level *below = &grid->level[l - 1], *blocks = &grid->level[l];
+        for (int j = 0; j < below->n[1]; j++)
+            for (int i = 0; i < below->n[0]; i++) {
+                float *steepest = &blocks->slope[cml_grid_mesh_index(blocks, i / 4, j / 4)];
+                *steepest = fmaxf(*steepest, below->slope[cml_grid_mesh_index(below, i, j)]);
+            }
+    }
+}
+
+static void find_mean(struct cml_grid_mesh *grid)
+{
+    double sum = 0, cells = 0;
+    for (size_t i = 0; i < cml_grid_mesh_places(&grid->level[0]); i++) {
+        const struct cml_grid_mesh_depths depths = grid->level[0].depths[i];
+        if (depths.least > depths.most) continue;
+        sum += 0.5 * (depths.least + depths.most);
+        cells++;
+    }
+    grid->mean = sum / cells;
+}
+
+static cml_status fail(double bytes, struct cml_error *err)
+{
+    return cml_fail_memory(err, bytes, "the cells of a sheet");
+}
+
+/* Counts all lists, and makes the counts the ends of lists one behind the other. Returns the mean length of
+ * the lists that facets are in; INFINITY where there are too many places for 32 bits. */
+static double count_lists(const struct lists *l)
+{
+    const size_t cells = cml_grid_mesh_places(&l->grid->level[0]);
+    uint32_t *first = l->grid->first, sum = 0;
+    double squares = 0, exact = 0;
+    for (size_t i = 0; i < l->grid->facets; i++) enter_facet(l, i);
+    for (size_t i = 0; i <= cells; i++) {
+        squares += (double)first[i] * first[i];
+        exact += first[i];
+        sum += first[i];
+        first[i] = sum;
+    }
+    return exact < UINT32_MAX ? squares / exact : INFINITY;
+}
+
+static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *err)
+{
+    const size_t cells = cml_grid_mesh_places(&grid->level[0]),
+                 blocks = cml_grid_mesh_all_places(grid) - cells;
+    grid->first = calloc(cells + 1, sizeof *grid->first);
+    grid->level[1].slope = calloc(blocks + 1, sizeof *grid->level[1].slope);
+    if (!grid->first || !grid->level[1].slope) return fail(4 * (double)(cells + blocks), err);
+    for (int l = 2; l < grid->levels; l++)
+        grid->level[l].slope = grid->level[l - 1].slope + cml_grid_mesh_places(&grid->level[l - 1]);
+    return CML_OK;
+}
+
+/* Lists and facets; *thin counts those that are too thin. */
+static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *err)
+{
+    struct cml_grid_mesh *grid = l->grid;
+    const size_t cells = cml_grid_mesh_places(&grid->level[0]), listed = grid->first[cells];
+    grid->listed = calloc(listed + PADDING, sizeof *grid->listed);
+    grid->facet = aligned_alloc(64, grid->facets * sizeof *grid->facet);
+    l->end = malloc(cells * sizeof *l->end);
+    l->inside = malloc(listed * sizeof *l->inside);
+    if (!grid->listed || !grid->facet || !l->end || !l->inside)
+        return fail(8.0 * (double)listed + 64.0 * (double)grid->facets, err);
+    memcpy(l->end, grid->first, cells * sizeof *l->end);
+    for (size_t i = 0; i < grid->facets; i++) enter_facet(l, i);
+    for (size_t i = 0; i < grid->facets; i++) *thin += !fill_facet(l->body, grid, i);
+    return CML_OK;
+}
+
+/* Sets *pays where lists are short, and hardly any facet is too thin. */
+static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
+{
+    size_t thin = 0;
+    CML_TRY(cml_grid_mesh_lay_out(l->body, l->grid, err));
+    CML_TRY(allocate_counts(l->grid, err));
+    if (count_lists(l) > longest_list) return CML_OK;
+    CML_TRY(fill_lists(l, &thin, err));
+    *pays = (double)thin <= most_thin * (double)l->grid->facets;
+    cml_grid_mesh_build_levels(l->grid);
+    build_slopes(l->grid);
+    find_mean(l->grid);
+    find_inner(l->body, l->grid);
+    return CML_OK;
+}
+
+cml_status cml_sheet_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+                               struct cml_error *err)
+{
+    struct lists l = {.body = body, .grid = grid};
+    bool pays = false;
+    *grid = (struct cml_grid_mesh){.cell = NULL};
+    if (!faces_up(body)) return CML_OK;
+    choose_cells(body, grid);
+    const cml_status status = make_lists(&l, &pays, err);
+    free(l.end);
+    free(l.inside);
+    if (!pays) cml_grid_mesh_clear(grid);
+    return status;
+}

@@ -1,0 +1,17 @@
+/* Cells under a mesh that is no regular grid but a single sheet: all its facets face up, so that, seen from
+ * above, they lie side by side. Every cell of a square grid lists the facets above it, and has their least
+ * and greatest depth there; above the cells stands the pyramid of a regular grid (grid_mesh.h), with the
+ * steepest slope of each block besides. A grid of lists is the oldest way to find what a ray meets [Fujimoto,
+ * Tanaka and Iwata, ARTS: accelerated ray-tracing system, IEEE Computer Graphics and Applications 6 (4),
+ * 1986]. Knows no rays. SPDX-License-Identifier: MIT */
+#ifndef CML_SHEET_MESH_H
+#define CML_SHEET_MESH_H
+
+#include "surface/mesh/grid_mesh.h"
+
+/* *grid owns its cells; none (levels 0) when facets overhang, or when their sizes or shapes differ so much
+ * that lists would be long. CML_E_INPUT for memory. */
+CML_NODISCARD cml_status cml_sheet_mesh_find(const struct cml_mesh_body *body, struct cml_grid_mesh *grid,
+                                             struct cml_error *err);
+
+#endif

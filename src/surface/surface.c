@@ -70,6 +70,13 @@ static double steepest_facet(const struct cml_mesh *mesh)
     return steepest;
 }
 
+/* The reason, and what the mesh is where its cells are walked. */
+static void give_reason(const char *reason, struct cml_surface_def *def)
+{
+    const char *walk = cml_mesh_surface_walk(def->mesh);
+    snprintf(def->reason, sizeof def->reason, "%s%s%s", reason, walk ? ", " : "", walk ? walk : "");
+}
+
 static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cml_scene *scene,
                             enum cml_mesh_search search, const char *reason, struct cml_surface_def *def,
                             struct cml_error *err)
@@ -82,8 +89,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
     CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, search, &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
-    const char *walk = cml_mesh_surface_walk(def->mesh);
-    snprintf(def->reason, sizeof def->reason, "%s%s%s", reason, walk ? ", " : "", walk ? walk : "");
+    give_reason(reason, def);
     return CML_OK;
 }
 
@@ -176,9 +182,10 @@ static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cm
     CML_TRY(
         cml_mesh_surface_create_tile(mesh, scene->beam.x, scene->beam.y, search, &period, &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
-    snprintf(def->reason, sizeof def->reason, "heightmap repeated every %g x %g cm%s",
-             cml_tile_period(tile, 0), cml_tile_period(tile, 1),
-             cml_mesh_surface_is_walked(def->mesh) ? ", a regular grid" : "");
+    char reason[96];
+    snprintf(reason, sizeof reason, "heightmap repeated every %g x %g cm", cml_tile_period(tile, 0),
+             cml_tile_period(tile, 1));
+    give_reason(reason, def);
     return CML_OK;
 }
 

@@ -35,7 +35,8 @@ struct sweep {
 
 /* ---- names ---- */
 
-/* "NAME-0001.mco" of row 0; of format B "NAME-0001.h5", since the ending of a name from outside is a format. */
+/* "NAME-0001.mco" of row 0; of format B "NAME-0001.h5", since the ending of a name from outside is a format.
+ */
 static cml_status row_output(const struct sweep *sweep, int row, char **name, struct cml_error *err)
 {
     const struct cml_scene *scene = &sweep->base->scenes[0];

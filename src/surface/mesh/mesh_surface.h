@@ -16,7 +16,7 @@
 
 #include "geometry/mesh.h"
 #include "mesh_crossing.h"
-#include "surface/mesh/sheet_prefetch.h"
+#include "surface/mesh/sheet_mesh.h"
 #include "surface/mesh/tile_path.h"
 
 enum cml_mesh_search {

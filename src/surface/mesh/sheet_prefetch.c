@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "surface/mesh/sheet_prefetch.h"
+#include "surface/mesh/sheet_mesh.h"
 
 /* How many facets of a list are called: more than most lists have. Those of short lists are other cells'. */
 enum { FACETS = 5 };

@@ -17,22 +17,24 @@ ROOMS = {
     "src/geometry": "src/base",
     "src/tally": "src/base kernels/balance.h kernels/boundary.h",
     "src/scene": "src/geometry src/base kernels/boundary.h",
+    "src/scene/body": "src/scene src/geometry src/base",
     "src/input/mesh": "src/scene src/geometry src/base",
-    "src/input": "src/input/mesh src/scene src/geometry src/base kernels/boundary.h",
+    "src/input": "src/input/mesh src/scene/body src/scene src/geometry src/base kernels/boundary.h",
     "src/surface/mesh": "src/geometry src/base kernels",
-    "src/surface": "src/surface/mesh src/scene src/geometry src/base kernels",
-    "src/engine": "src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
-    "src/engine/cpu": "src/engine src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
-    "src/engine/opencl": "src/engine src/surface src/surface/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/surface/body": "src/surface/mesh src/scene/body src/scene src/geometry src/base kernels",
+    "src/surface": "src/surface/body src/surface/mesh src/scene/body src/scene src/geometry src/base kernels",
+    "src/engine": "src/surface src/surface/body src/surface/mesh src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/engine/cpu": "src/engine src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
     "src/exact": "src/scene src/base",
     "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
-    "src/output": "src/exact src/run src/engine src/surface src/surface/mesh src/tally src/scene src/geometry src/base kernels",
+    "src/output": "src/exact src/run src/engine src/surface src/surface/body src/surface/mesh src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/plot/files": "src/output src/base",
     "src/plot": "src/plot/files src/output src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
     "src/cli": "src/cli/options src/plot src/plot/files src/output src/exact src/run src/engine src/engine/engines "
-               "src/engine/cpu src/engine/opencl src/surface src/surface/mesh src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
+               "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
 # Headers of libraries and of rarer parts of POSIX, and the only modules that may include them.

@@ -20,6 +20,7 @@ struct cml_obj_options {
     double scale;    /* > 0 */
     double shift[3]; /* x, y, height; cm */
     double skirt;    /* cm: the mesh's (geometry/mesh.h) */
+    bool closed;     /* a body, not a boundary */
     enum cml_normals normals;
     struct cml_mesh_budget budget;
 };

@@ -146,30 +146,44 @@ CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, int kind, 
     hit->facet = hit->normal;
 }
 
-/* Of the distance to the surface of any body, for a packet at p of a medium with bodies or in one: what it
- * surely is, cm. Outside of the grid the distance to the grid comes on top: the way to a body inside
- * goes through the closest place of the grid's box at an angle of at least 90 degrees. */
+/* Of the distance from p, in a layer with bodies or in one of them, to the surface of any body there: what it
+ * surely is, cm. The middle of the cell knows its own, of which no more than the way there can be lacking.
+ * Outside of the grid the way to it comes on top, at an angle of at least 90 degrees to any way from there to
+ * a body. */
 CML_FN real cml_body_clearance(const CML_GLOBAL struct cml_body_grid *grid, const CML_GLOBAL real *clearance,
                                struct cml_vec p)
 {
-    const real x = (p.x - grid->corner.x) * grid->per_cell.x, y = (p.y - grid->corner.y) * grid->per_cell.y,
-               z = (p.z - grid->corner.z) * grid->per_cell.z;
+    const real x = (p.x - grid->corner.x) * grid->per_cell, y = (p.y - grid->corner.y) * grid->per_cell,
+               z = (p.z - grid->corner.z) * grid->per_cell;
     const real nx = (real)grid->nx, ny = (real)grid->ny, nz = (real)grid->nz;
     const real ix = x > 0 ? (x < nx ? x : nx) : (real)0, iy = y > 0 ? (y < ny ? y : ny) : (real)0,
                iz = z > 0 ? (z < nz ? z : nz) : (real)0;
     const int cx = (int)(ix < nx - 1 ? ix : nx - 1), cy = (int)(iy < ny - 1 ? iy : ny - 1),
               cz = (int)(iz < nz - 1 ? iz : nz - 1);
-    const real dx = (x - ix) * grid->cell.x, dy = (y - iy) * grid->cell.y, dz = (z - iz) * grid->cell.z;
-    const real here = clearance[grid->first + (cz * grid->ny + cy) * grid->nx + cx];
-    const real square = CML_FMA(dx, dx, CML_FMA(dy, dy, CML_FMA(dz, dz, here * here)));
-    return (real)0.9999 * CML_SQRT(square);
+    const struct cml_vec off = {ix - (real)cx - (real)0.5, iy - (real)cy - (real)0.5,
+                                iz - (real)cz - (real)0.5};
+    const struct cml_vec out = {x - ix, y - iy, z - iz};
+    const real least =
+        clearance[grid->first + (cz * grid->ny + cy) * grid->nx + cx] - CML_SQRT(cml_dot(off, off));
+    const real here = least > 0 ? least : (real)0;
+    return (real)0.9999 * grid->cell * CML_SQRT(CML_FMA(here, here, cml_dot(out, out)));
 }
 
-/* Whether a packet can meet the surface of a body within t_max. */
-CML_FN int cml_may_meet_body(const struct cml_world *world, int medium, struct cml_vec p, real t_max)
+/* Whether a packet at p can meet the surface of a body within t_max along u: from clearance to clearance
+ * along its path [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527], which most packets that
+ * head away from a body need not go on with for long. */
+CML_FN int cml_may_meet_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
+                             real t_max)
 {
-    const int grid = world->media[medium].body_grid;
-    return grid >= 0 && !(t_max < cml_body_clearance(&world->body_grids[grid], world->body_clearance, p));
+    const int number = world->media[medium].body_grid, most = 4;
+    real t = 0, clear = CML_INFINITY;
+    for (int i = 0; number >= 0 && i < most && clear > 0; i++) {
+        clear = cml_body_clearance(&world->body_grids[number], world->body_clearance, cml_along(p, t, u)) -
+                4 * CML_EPSILON * t;
+        if (t_max - t < clear) return 0;
+        t += clear;
+    }
+    return number >= 0;
 }
 
 /* Whether a ray from p along u passes the box of a node before t_max. Boxes are larger by more than rounding.

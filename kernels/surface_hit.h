@@ -184,7 +184,7 @@ CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *
     const struct cml_interval none = {0, 0, t_max};
     struct cml_boundary_intervals intervals = {none, none, 0, t_max};
     struct cml_vec p = packet->p;
-    if (world->setup.num_bodies) intervals.bodies = cml_may_meet_body(world, medium, p, t_max);
+    if (world->setup.num_bodies) intervals.bodies = cml_may_meet_body(world, medium, p, packet->u, t_max);
     if (medium > world->setup.num_layers + 1) return intervals;
     if (medium > 0)
         intervals.above = cml_surface_interval(world, &world->surfaces[medium - 1], p, packet->u, 1,

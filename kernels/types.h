@@ -48,7 +48,7 @@ struct cml_medium {
     real span;  /* depth of the frame of the boundary below, in this medium's frame; 0 for the outer media */
     real depth; /* of this medium's frame in the scene; a body has the frame of its layer */
     real bins;  /* the same in bins of dz */
-    int body_grid;            /* of the clearance of bodies, -1: has none inside and is none */
+    int body_grid;            /* of a layer with bodies and of these, else -1 */
     int first_node, end_node; /* the tree of the bodies that lie in it */
 };
 
@@ -101,10 +101,11 @@ struct cml_body_node {
     int skip, body;              /* body: number of it, -1: an inner node */
 };
 
-/* Cells of equal size over the bodies in a medium, or over a body from inside: see cml_body_clearance. */
+/* Cubes over all bodies of a layer: see cml_body_clearance. */
 struct cml_body_grid {
-    int nx, ny, nz, first;                 /* first: of its cells in world.body_clearance, x fastest */
-    struct cml_vec corner, cell, per_cell; /* cm, and cells per cm */
+    int nx, ny, nz, first; /* first: of its cells in world.body_clearance, x fastest */
+    struct cml_vec corner; /* cm */
+    real cell, per_cell;   /* cm, and cells per cm */
 };
 
 /* P8: which packets play roulette, and what survivors weigh. Units of weight. */
@@ -189,7 +190,7 @@ struct cml_world {
     CML_GLOBAL const struct cml_body *bodies;             /* [num_bodies] */
     CML_GLOBAL const struct cml_body_node *body_nodes;
     CML_GLOBAL const struct cml_body_grid *body_grids;
-    CML_GLOBAL const real *body_clearance; /* cells of all grids */
+    CML_GLOBAL const real *body_clearance; /* of the middles of all grids' cells, in cells */
 #ifndef __OPENCL_VERSION__
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */

@@ -23,11 +23,10 @@ static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, stru
     to->body_grids = calloc(to->num_body_grids + 1, sizeof *to->body_grids);
     to->body_clearance = calloc(to->body_cells + 1, sizeof *to->body_clearance);
     if (to->bodies && to->body_nodes && to->body_grids && to->body_clearance) return CML_OK;
-    return cml_fail_memory(err,
-                           (double)(bodies * sizeof *to->bodies +
-                                    to->num_body_nodes * sizeof *to->body_nodes +
-                                    to->body_cells * sizeof(real)),
-                           "the bodies");
+    return cml_fail_memory(
+        err,
+        (double)(bodies * sizeof *to->bodies + to->num_body_nodes * sizeof *to->body_nodes + to->body_cells),
+        "the bodies");
 }
 
 /* A body's medium has the frame of its layer: depths and bins do not change at its surface. */
@@ -55,7 +54,7 @@ static void copy_body(const struct cml_scene *scene, const struct cml_body_surfa
     surface->highest = (real)from->upper[2];
     surface->steepest = CML_INFINITY;
     to->meshes[boundary] = from->mesh;
-    if (body->form == CML_BODY_MESH) return;
+    if (from->kind == CML_SURFACE_MESH) return;
     const struct cml_convex convex = cml_body_convex(body);
     const double *c = convex.centre, *axis = convex.axis;
     to->bodies[k].centre = cml_vec_of(c[0] - x0, c[1] - y0, c[2] - from->depth);
@@ -103,8 +102,8 @@ static void copy_grids(const struct cml_scene *scene, const struct cml_body_grid
         grid->first = (int)from->first;
         grid->corner =
             cml_vec_of(from->corner[0] - scene->beam.x, from->corner[1] - scene->beam.y, from->corner[2]);
-        grid->cell = cml_vec_of(from->cell[0], from->cell[1], from->cell[2]);
-        grid->per_cell = cml_vec_of(1 / from->cell[0], 1 / from->cell[1], 1 / from->cell[2]);
+        grid->cell = (real)from->cell;
+        grid->per_cell = (real)(1 / from->cell);
     }
     for (size_t i = 0; i < to->body_cells; i++) to->body_clearance[i] = grids->clearance[i];
 }

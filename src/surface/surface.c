@@ -185,14 +185,16 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
     return CML_OK;
 }
 
-/* In the frames that their layers have by now. */
-static cml_status represent_bodies(const struct cml_scene *scene, struct cml_surface_set *set,
-                                   struct cml_error *err)
+/* In the frames that their layers have by now; as meshes where those are forced. */
+static cml_status represent_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
+                                   struct cml_surface_set *set, struct cml_error *err)
 {
+    const double tolerance =
+        options->force == CML_SURFACE_MESH ? cml_choice_tessellation(options).tolerance : 0;
     double *depths = malloc((size_t)set->count * sizeof *depths);
     if (!depths) return cml_fail_memory(err, set->count * (double)sizeof *depths, "depths");
     for (int b = 0; b < set->count; b++) depths[b] = set->item[b].depth;
-    const cml_status status = cml_body_surfaces_create(scene, depths, &set->bodies, err);
+    const cml_status status = cml_body_surfaces_create(scene, depths, tolerance, &set->bodies, err);
     free(depths);
     return status;
 }
@@ -206,7 +208,7 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     cml_status status = CML_OK;
     for (size_t b = 0; b < count && status == CML_OK; b++)
         status = represent_timed(scene, &scene->boundaries[b], options, &set->item[b], err);
-    if (status == CML_OK) status = represent_bodies(scene, set, err);
+    if (status == CML_OK) status = represent_bodies(scene, options, set, err);
     if (status != CML_OK) cml_surfaces_free(set);
     return status;
 }

@@ -38,7 +38,6 @@ enum cml_lane_task {
     CML_LANE_INTERACT,       /* flies s to its interaction: nothing comes first */
     CML_LANE_MAY_HIT,        /* a boundary may come first: to be looked at */
     CML_LANE_MAY_HIT_CURVED, /* one that is no plane may */
-    CML_LANE_MAY_HIT_BODY,   /* the surface of a body may */
     CML_LANE_MAY_RETURN,     /* is near one that is no plane, and heads away from it */
     CML_LANE_AT_PLANE,       /* has come to a plane between unequal indices: reflect or refract */
     CML_LANE_REFLECTED,      /* at a plane; direction done, medium the same */

@@ -191,6 +191,15 @@ static void scale_to_volume(const struct cml_scene_body *body, struct cml_mesh *
     }
 }
 
+/* Of a sphere the middle of a face lies deepest, by 0.35 / n^2 of the radius below its corners at most (the
+ * largest faces), of a cylinder the middle of a side, by pi^2 / (2 n^2); volume is preserved in between. */
+int cml_body_segments(enum cml_body_form form, double tolerance)
+{
+    const double least = 3, most = 1000;
+    const double n = form == CML_BODY_SPHERE ? sqrt(0.35 / tolerance) : CML_PI / sqrt(2 * tolerance);
+    return (int)fmin(most, fmax(least, ceil(n)));
+}
+
 cml_status cml_body_mesh(const struct cml_scene_body *body, int n, bool around, struct cml_mesh *mesh,
                          struct cml_error *err)
 {
@@ -198,7 +207,6 @@ cml_status cml_body_mesh(const struct cml_scene_body *body, int n, bool around, 
     if (body->form == CML_BODY_MESH) return cml_mesh_copy(&body->mesh, mesh, err);
     if (body->form == CML_BODY_SPHERE) {
         CML_TRY(make_sphere(body, n, mesh, err));
-        /* welded by preparing, which the volume needs not wait for; both work on the same bits */
     } else {
         CML_TRY(
             make_cylinder(body, n, around ? r / cos(angle / 2) : r * sqrt(angle / sin(angle)), mesh, err));

@@ -29,4 +29,7 @@ double cml_body_volume(const struct cml_scene_body *body);
 CML_NODISCARD cml_status cml_body_mesh(const struct cml_scene_body *body, int n, bool around,
                                        struct cml_mesh *mesh, struct cml_error *err);
 
+/* The n with which no point of such a mesh is further off the body than this share of its radius. */
+int cml_body_segments(enum cml_body_form form, double tolerance);
+
 #endif

@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/constants.h"
 #include "geometry/vec3.h"
+#include "scene/body/body_place.h"
 #include "scene/body/body_shape.h"
 
 #include <math.h>
@@ -95,7 +96,38 @@ static cml_status create(const struct cml_scene *scene, const double *depths,
     return CML_OK;
 }
 
-cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths,
+/* All bodies of the scene as meshes. */
+static cml_status tessellate(const struct cml_scene *scene, double tolerance, struct cml_scene_body *bodies,
+                             struct cml_error *err)
+{
+    for (int k = 0; k < scene->num_bodies; k++) {
+        const struct cml_scene_body *from = &scene->bodies[k];
+        bodies[k] = *from;
+        bodies[k].form = CML_BODY_MESH;
+        bodies[k].mesh = (struct cml_mesh){0};
+        CML_TRY(cml_body_mesh(from, cml_body_segments(from->form, tolerance), false, &bodies[k].mesh, err));
+    }
+    return CML_OK;
+}
+
+/* They may meet where the bodies do not. */
+static cml_status create_tessellated(const struct cml_scene *scene, const double *depths, double tolerance,
+                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
+{
+    struct cml_scene meshes = *scene;
+    meshes.bodies = calloc((size_t)scene->num_bodies, sizeof *meshes.bodies);
+    if (!meshes.bodies)
+        return cml_fail_memory(err, scene->num_bodies * (double)sizeof *meshes.bodies, "bodies");
+    cml_status status = tessellate(scene, tolerance, meshes.bodies, err);
+    if (status == CML_OK) status = cml_scene_place_bodies(&meshes, err);
+    if (status == CML_OK) status = cml_scene_check_bodies(&meshes, err);
+    if (status == CML_OK) status = create(&meshes, depths, surfaces, err);
+    for (int k = 0; k < scene->num_bodies; k++) cml_mesh_clear(&meshes.bodies[k].mesh);
+    free(meshes.bodies);
+    return status;
+}
+
+cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths, double tolerance,
                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
     *surfaces = (struct cml_body_surfaces){.count = scene->num_bodies};
@@ -103,7 +135,8 @@ cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double 
     surfaces->item = calloc((size_t)scene->num_bodies, sizeof *surfaces->item);
     if (!surfaces->item)
         return cml_fail_memory(err, scene->num_bodies * (double)sizeof *surfaces->item, "bodies");
-    const cml_status status = create(scene, depths, surfaces, err);
+    const cml_status status = tolerance > 0 ? create_tessellated(scene, depths, tolerance, surfaces, err)
+                                            : create(scene, depths, surfaces, err);
     if (status != CML_OK) cml_body_surfaces_free(surfaces);
     return status;
 }

@@ -120,6 +120,18 @@ static void write_heightfields(FILE *out, const struct cml_scene *scene)
     }
 }
 
+/* Section `A_body`: what each body has absorbed, in the order of the file. A_l is for layers, as readers of
+ * MCML's files expect. */
+static void write_bodies(FILE *out, const struct cml_report *report)
+{
+    const struct cml_result *result = &report->run->result;
+    const int first = report->scene->num_layers + 2;
+    if (report->scene->num_bodies == 0) return;
+    fprintf(out, "\nA_body # absorption in each body, in the order of the .mci [-]\n");
+    for (int k = 0; k < report->scene->num_bodies; k++)
+        fprintf(out, "%.9G\n", (double)result->A_l[first + k] * CML_WEIGHT_UNIT / (double)result->photons);
+}
+
 /* How packets draw and end: what changes errors, and no expected value. */
 static void write_sampling(FILE *out, const struct cml_engine_options *options)
 {
@@ -161,6 +173,7 @@ static void write_extra(FILE *out, const struct cml_report *report)
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));
     write_errors(out, report);
     write_balance(out, result);
+    write_bodies(out, report);
     write_heightfields(out, scene);
     write_control(out, report->control);
 }

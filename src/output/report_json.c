@@ -250,7 +250,7 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     json_object_set_new(object, "map", map_json(&scene->map));
     json_object_set_new(object, "facets", json_boolean(scene->facets));
     json_object_set_new(object, "boundaries", boundaries_json(surfaces));
-    json_object_set_new(object, "bodies", bodies_json(scene, surfaces, NULL));
+    if (scene->num_bodies > 0) json_object_set_new(object, "bodies", bodies_json(scene, surfaces, NULL));
     set_integer(object, "memory_bytes", (uint64_t)bytes);
     json_object_set_new(object, "flat", flat_json(flat));
     return print_object(stream, object, err);
@@ -266,7 +266,9 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     set_integer(object, "seed", report->options->seed);
     json_object_set_new(object, "sampling", json_string(cml_sampling_name(report->options)));
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
-    json_object_set_new(object, "bodies", bodies_json(report->scene, report->surfaces, &report->run->result));
+    if (report->scene->num_bodies > 0)
+        json_object_set_new(object, "bodies",
+                            bodies_json(report->scene, report->surfaces, &report->run->result));
     json_object_set_new(object, "files", files_json(report));
     set_results(object, report);
     set_exact_totals(object, report->exact);

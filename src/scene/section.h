@@ -1,5 +1,5 @@
-/* The lines in which the plane y = 0 cuts the boundaries and bodies of a scene: what a picture of the scene shows.
- * SPDX-License-Identifier: MIT */
+/* The lines in which the plane y = 0 cuts the boundaries and bodies of a scene: what a picture of the scene
+ * shows. SPDX-License-Identifier: MIT */
 #ifndef CML_SECTION_H
 #define CML_SECTION_H
 

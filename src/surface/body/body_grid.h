@@ -1,5 +1,5 @@
-/* How far it surely is from the places of a layer to the surfaces of its bodies: cubes whose middles know their
- * distance, by which most steps need no query (kernels/body.h, cml_body_clearance).
+/* How far it surely is from the places of a layer to the surfaces of its bodies: cubes whose middles know
+ * their distance, by which most steps need no query (kernels/body.h, cml_body_clearance).
  * SPDX-License-Identifier: MIT */
 #ifndef CML_BODY_GRID_H
 #define CML_BODY_GRID_H

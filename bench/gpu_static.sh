@@ -12,6 +12,7 @@ set -eu
 . "$(dirname "$0")/lib.sh"
 clang= ptxas= kernels=$root/kernels
 options "" "clang ptxas kernels out" "$@"
+[ -f "$kernels/transport.cl" ] || fail "$kernels: no folder of kernels"
 need python3 cmake readelf
 missing() { # TEXT
     echo "gpu_static.sh: $1" >&2

@@ -7,7 +7,9 @@ enum cml_surface_kind {
     CML_SURFACE_PLANE,
     CML_SURFACE_CONE, /* rings of capped cones about the z axis */
     CML_SURFACE_MESH,
-    CML_SURFACE_AUTO, /* the kind of no surface: asks the host to choose one */
+    CML_SURFACE_AUTO,   /* the kind of no surface: asks the host to choose one */
+    CML_SURFACE_SPHERE, /* of a body; a body may also be a closed CML_SURFACE_MESH */
+    CML_SURFACE_CYLINDER,
 };
 
 /* What the bounds of a curved boundary's depth lie over, see clearance.h. */

@@ -5,7 +5,7 @@
 #ifndef CML_DEVICE_LANES_H
 #define CML_DEVICE_LANES_H
 
-#include "device_score.h"
+#include "walk.h"
 
 #if CML_DEVICE_LANES > 32
 #error "masks of lanes have 32 bits"

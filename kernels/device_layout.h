@@ -79,8 +79,11 @@ struct cml_device_fate {
             CML_OFFSET(struct cml_launch, near_cells), sizeof(struct cml_control),                           \
             CML_OFFSET(struct cml_control, alive), CML_OFFSET(struct cml_control, lost),                     \
             sizeof(struct cml_device_fate), CML_OFFSET(struct cml_device_fate, w),                           \
-            CML_OFFSET(struct cml_device_fate, u)                                                            \
+            CML_OFFSET(struct cml_device_fate, u), sizeof(struct cml_body),                                  \
+            CML_OFFSET(struct cml_body, radius), sizeof(struct cml_body_node),                               \
+            CML_OFFSET(struct cml_body_node, body), sizeof(struct cml_body_grid),                            \
+            CML_OFFSET(struct cml_body_grid, per_cell), CML_OFFSET(struct cml_medium, end_node)              \
     }
-#define CML_LAYOUT_ENTRIES 33
+#define CML_LAYOUT_ENTRIES 40
 
 #endif

@@ -42,6 +42,7 @@ CML_FN int cml_is_in_layer(const struct cml_world *world, int medium, struct cml
 {
     const real span = world->media[medium].span, err = cml_err_depth(p.z, step) + cml_err_depth(span, span);
     struct cml_vec below = p;
+    if (medium > world->setup.num_layers + 1) return 1; /* cml_leaked has told */
     below.z -= span;
     return medium > 0 && medium <= world->setup.num_layers && cml_is_on_side(world, medium - 1, p, 1, err) &&
            cml_is_on_side(world, medium, below, -1, err);

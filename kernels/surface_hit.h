@@ -5,17 +5,10 @@
 #ifndef CML_SURFACE_HIT_H
 #define CML_SURFACE_HIT_H
 
+#include "body.h"
 #include "clearance.h"
 #include "cone.h"
 #include "types.h"
-
-struct cml_hit {
-    real t; /* distance, cm */
-    int boundary, primitive;
-    struct cml_vec point;  /* in the boundary's frame, x and y from the beam's axis */
-    struct cml_vec normal; /* unit, up: what Fresnel and Snell see */
-    struct cml_vec facet;  /* unit, up: decides on which side a direction goes */
-};
 
 CML_FN struct cml_rings cml_rings_of(const struct cml_world *world, int boundary)
 {
@@ -164,10 +157,18 @@ CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
     return cml_curved_interval(world, surface, p, u, side, on_primitive, t_max);
 }
 
-/* Where a packet can meet the boundaries of its medium. */
+/* Where a packet can meet the boundaries of its medium; bodies: it can meet one within `reach`. */
 struct cml_boundary_intervals {
     struct cml_interval above, below;
+    int bodies;
+    real reach;
 };
+
+/* Above or below the layers, not in a body. */
+CML_FN int cml_is_outer(const struct cml_world *world, int medium)
+{
+    return medium == 0 || medium == world->setup.num_layers + 1;
+}
 
 /* What the packet stands on of a boundary: -1 nothing, or CML_NEAR_FACETS. */
 CML_FN int cml_on_primitive(const struct cml_packet *packet, int boundary)
@@ -180,8 +181,10 @@ CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *
 {
     const int medium = packet->medium;
     const struct cml_interval none = {0, 0, t_max};
-    struct cml_boundary_intervals intervals = {none, none};
+    struct cml_boundary_intervals intervals = {none, none, 0, t_max};
     struct cml_vec p = packet->p;
+    if (world->setup.num_bodies) intervals.bodies = cml_may_meet_body(world, medium, p, packet->u, t_max);
+    if (medium > world->setup.num_layers + 1) return intervals;
     if (medium > 0)
         intervals.above = cml_surface_interval(world, &world->surfaces[medium - 1], p, packet->u, 1,
                                                cml_on_primitive(packet, medium - 1), t_max);
@@ -230,6 +233,62 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packe
     return found;
 }
 
+/* The surface of a body, from inside (side +1) or outside: whether the packet crosses it before t_max.
+ * Without a crossing *hit stays as it is. */
+CML_FN int cml_intersect_body(const struct cml_world *world, struct cml_packet *packet, int boundary,
+                              real side, real t_max, struct cml_hit *hit)
+{
+    const CML_GLOBAL struct cml_body *body = &world->bodies[boundary - world->setup.num_layers - 1];
+    const int kind = world->surfaces[boundary].kind, on_primitive = cml_on_primitive(packet, boundary);
+    const struct cml_vec p = packet->p, u = packet->u, d = cml_along(p, -1, body->centre);
+    struct cml_body_hit at = {0, 0};
+    int found = 1;
+    packet->queries++;
+#ifndef __OPENCL_VERSION__
+    if (kind == CML_SURFACE_MESH) {
+        int near_facet;
+        found = cml_intersect_mesh(world, boundary, p, u, side, t_max, on_primitive, packet->undeflected, hit,
+                                   &near_facet);
+        if (near_facet) packet->near_boundary = boundary + 1;
+        if (found) hit->boundary = boundary;
+        return found;
+    }
+#endif
+    if (side < 0 && on_primitive >= 0) return 0; /* convex */
+    if (kind == CML_SURFACE_SPHERE && side > 0)
+        cml_leave_sphere(d, u, body->radius, on_primitive >= 0, &at);
+    else if (kind == CML_SURFACE_SPHERE)
+        found = cml_enter_sphere(d, u, body->radius, &at);
+    else if (side > 0)
+        cml_leave_cylinder(body, d, u, on_primitive, &at);
+    else
+        found = cml_enter_cylinder(body, d, u, &at);
+    if (!found || !(at.t < t_max)) return 0;
+    cml_place_on_body(body, kind, p, u, at, hit);
+    hit->boundary = boundary;
+    return 1;
+}
+
+/* The first surface of a body that the packet crosses before t_max: from inside that of the body it is in,
+ * from outside those of the bodies in its medium. */
+CML_FN int cml_nearest_body(const struct cml_world *world, struct cml_packet *packet, real t_max,
+                            struct cml_hit *hit)
+{
+    const int layers = world->setup.num_layers, own = packet->medium > layers + 1;
+    const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
+    const struct cml_vec per_u = {1 / packet->u.x, 1 / packet->u.y, 1 / packet->u.z};
+    int found = own && cml_intersect_body(world, packet, packet->medium - 1, 1, t_max, hit);
+    for (int i = medium->first_node; i < medium->end_node;) {
+        const CML_GLOBAL struct cml_body_node *node = &world->body_nodes[i];
+        const int passes = cml_passes_box(node, packet->p, per_u, found ? hit->t : t_max);
+        if (passes && node->body >= 0)
+            found |=
+                cml_intersect_body(world, packet, layers + 1 + node->body, -1, found ? hit->t : t_max, hit);
+        i = passes ? i + 1 : node->skip;
+    }
+    return found;
+}
+
 /* The first boundary of the packet's medium that it crosses within reach. A packet that is lost on the search
  * (P9) has ended. */
 CML_FN int cml_nearest_hit(const struct cml_world *world, struct cml_packet *packet,
@@ -247,6 +306,7 @@ CML_FN int cml_nearest_hit(const struct cml_world *world, struct cml_packet *pac
         p.z -= world->media[medium].span;
         found |= cml_intersect_surface(world, packet, medium, p, -1, intervals.below, hit);
     }
+    if (intervals.bodies) found |= cml_nearest_body(world, packet, found ? hit->t : intervals.reach, hit);
     return found;
 }
 

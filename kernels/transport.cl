@@ -3,6 +3,55 @@
  * events; its packets wait in global memory for the next launch. SPDX-License-Identifier: MIT */
 #include "device_lanes.h"
 
+/* --- a finished packet's entry into the tallies: weight balance, counts and exit bins, which
+ * src/engine/terminated_packets_inl.h adds up on the host, for many packets at once --- */
+
+CML_FN enum cml_balance_term cml_balance_term_of(int fate)
+{
+    return fate == CML_FATE_ABSORBED      ? CML_BALANCE_ROULETTE
+           : fate == CML_FATE_REFLECTED   ? CML_BALANCE_REFLECTED
+           : fate == CML_FATE_TRANSMITTED ? CML_BALANCE_TRANSMITTED
+           : fate == CML_FATE_SPECULAR    ? CML_BALANCE_SPECULAR
+           : fate == CML_FATE_TRAPPED     ? CML_BALANCE_TRAPPED
+                                          : CML_BALANCE_LOST;
+}
+
+/* R and T by exit bin; what is rare by its cause. */
+CML_FN void cml_score_fate(const struct cml_setup *setup, const struct cml_packet *packet,
+                           const struct cml_deposits *to)
+{
+    if (packet->fate == CML_FATE_REFLECTED || packet->fate == CML_FATE_TRANSMITTED) {
+        const int ir = cml_radial_bin(setup, packet->exit_x, packet->exit_y);
+        const int cell = ir * setup->na + cml_angle_bin(setup, packet->u.z);
+        cml_add_exit(to, packet->fate == CML_FATE_REFLECTED, cell, packet->w);
+    } else if (packet->fate == CML_FATE_TRAPPED) {
+        cml_add_count(to, CML_COUNT_TRAPPED, 1);
+    } else if (packet->fate == CML_FATE_LOST) {
+        const int first = (int)CML_COUNT_LOST_NO_SURFACE - (int)CML_LOST_NO_SURFACE;
+        cml_add_count(to, (enum cml_count)(first + packet->cause), 1);
+        cml_add_lost(to, packet->index);
+    }
+}
+
+CML_FN void cml_score(const struct cml_setup *setup, const struct cml_packet *packet,
+                      const struct cml_deposits *to)
+{
+    cml_score_fate(setup, packet, to);
+    cml_add_to_balance(to, cml_balance_term_of(packet->fate), packet->w);
+    cml_add_to_balance(to, CML_BALANCE_LAUNCHED, CML_WEIGHT_ONE);
+    cml_add_to_balance(to, CML_BALANCE_SPECULAR, setup->specular);
+    cml_add_to_balance(to, CML_BALANCE_ABSORBED, packet->absorbed);
+    cml_add_to_balance(to, CML_BALANCE_GAINED, packet->gained);
+    cml_add_to_balance(to, CML_BALANCE_ROULETTE, packet->roulette);
+    cml_add_count(to, CML_COUNT_PHOTONS, 1);
+    cml_add_count(to, CML_COUNT_INTERACTIONS, packet->interactions);
+    cml_add_count(to, CML_COUNT_BOUNDARY_EVENTS, packet->boundary_events);
+    cml_add_count(to, CML_COUNT_QUERIES, packet->queries);
+    cml_add_count(to, CML_COUNT_SHADING_OVERRULED, packet->shading_overruled);
+}
+
+/* --- packets of a work-item --- */
+
 CML_FN int cml_device_take(__global struct cml_control *control, cml_u64 *index)
 {
     if (*(volatile __global cml_u32 *)&control->taken >= control->count) return 0; /* count stays small */
@@ -53,19 +102,20 @@ CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
-    const int m = f->packets[i].medium;
+    const int m = f->packets[i].medium, layers = world->setup.num_layers;
     const struct cml_medium medium = world->media[m];
-    real above = -CML_INFINITY, below = CML_INFINITY;
-    if (m > 0) above = world->surfaces[m - 1].highest;
-    if (m <= world->setup.num_layers) below = medium.span + world->surfaces[m].lowest;
+    const int top = m > 0 && m <= layers + 1, bottom = m <= layers;
+    const real above = top ? world->surfaces[m - 1].highest : -CML_INFINITY;
+    const real below = bottom ? medium.span + world->surfaces[m].lowest : CML_INFINITY;
     l->mfp[i] = medium.mfp;
     l->absorb[i] = medium.absorb;
     l->g[i] = medium.g;
     l->bins[i] = medium.bins;
     l->stop_above[i] = above;
     l->stop_below[i] = below;
-    l->start_above[i] = m > 0 && cml_is_plane(world, m - 1) ? -CML_INFINITY : above;
-    l->start_below[i] = m <= world->setup.num_layers && cml_is_plane(world, m) ? CML_INFINITY : below;
+    l->start_above[i] = top && cml_is_plane(world, m - 1) ? -CML_INFINITY : above;
+    l->start_below[i] = bottom && cml_is_plane(world, m) ? CML_INFINITY : below;
+    if (medium.body_grid >= 0) l->stop_above[i] = CML_INFINITY; /* every step is looked at */
 }
 
 CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i, const struct cml_packet *packet)
@@ -229,6 +279,8 @@ __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void
 cml_transport(const struct cml_setup setup, const struct cml_windows windows, const struct cml_launch launch,
               __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
               __global const real *rings, __global const int *ring_starts, __global const real *clearance,
+              __global const struct cml_body *bodies, __global const struct cml_body_node *body_nodes,
+              __global const struct cml_body_grid *body_grids, __global const real *body_clearance,
               __global struct cml_control *control, __global struct cml_packet *packets,
               __global struct cml_device_fate *fates, __global cml_u64 *cells, __local cml_u64 *near)
 {
@@ -242,7 +294,13 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
                                     rings + 4 * launch.rings,
                                     ring_starts,
                                     clearance,
-                                    clearance + launch.clearance_cells};
+                                    clearance + launch.clearance_cells,
+                                    0,
+                                    0,
+                                    bodies,
+                                    body_nodes,
+                                    body_grids,
+                                    body_clearance};
     const struct cml_deposits to = {windows, near, cells, control};
     const size_t item = get_global_id(0);
 #if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */

@@ -47,8 +47,10 @@ struct cml_medium {
                   * weight leaves a rest */
     real g;
     real span;  /* depth of the frame of the boundary below, in this medium's frame; 0 for the outer media */
-    real depth; /* of this medium's frame in the scene */
+    real depth; /* of this medium's frame in the scene; a body has the frame of its layer */
     real bins;  /* the same in bins of dz */
+    int body_grid;            /* of a layer with bodies and of these, else -1 */
+    int first_node, end_node; /* the tree of the bodies that lie in it */
 };
 
 #define CML_RING_ROWS 5 /* ring_r, ring_z, ring_slope and both horizons, one behind the other */
@@ -74,15 +76,39 @@ struct cml_map {
     real top_bins;       /* depth of the volume's upper face in bins of dz */
 };
 
-/* A boundary. lowest and highest bound its depth in its own frame: lowest <= z <= highest everywhere. */
+/* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
+ * in the frame of its layer: lowest <= z <= highest everywhere. */
 struct cml_surface {
     int kind;
+    int above;                 /* the medium on its upper side: of a body the one outside */
     int first_ring, num_rings; /* CML_SURFACE_CONE: slices of the arrays of rings */
     real parts_per_cm;         /* of ring_start */
     real lowest, highest;
     real steepest; /* at least the slope of every part of it; infinite where it is upright or overhangs */
     struct cml_clearance clearance;
     struct cml_facet_range facets;
+};
+
+/* The shape of a body, in the frame of its layer, x and y from the beam's axis. Empty for a mesh. */
+struct cml_body {
+    struct cml_vec centre; /* of a sphere; of a cylinder the middle of its first end */
+    struct cml_vec axis;   /* of a cylinder, unit, from that end to the other; of a sphere 0 */
+    real radius, length;
+};
+
+/* A node of the tree over the bodies that lie in one medium: the box of one body or of all nodes up to
+ * `skip`. Nodes stand in preorder, so whoever passes a box goes on with the next node, and who does not, at
+ * `skip`. */
+struct cml_body_node {
+    struct cml_vec lower, upper; /* frame of the layer, x and y from the beam's axis; larger than rounding */
+    int skip, body;              /* body: number of it, -1: an inner node */
+};
+
+/* Cubes over all bodies of a layer: see cml_body_clearance. */
+struct cml_body_grid {
+    int nx, ny, nz, first; /* first: of its cells in world.body_clearance, x fastest */
+    struct cml_vec corner; /* cm */
+    real cell, per_cell;   /* cm, and cells per cm */
 };
 
 /* P8: which packets play roulette, and what survivors weigh. Units of weight. */
@@ -95,7 +121,7 @@ struct cml_roulette_rule {
 struct cml_setup {
     struct cml_stream stream;
     struct cml_roulette_rule roulette;
-    int num_layers;
+    int num_layers, num_bodies;
     int reentry;          /* follow packets outside (P6) */
     int tally_absorption; /* A_rz is wanted */
     int nr, nz, na;       /* bins; a tally's A_rz is [nr + 1][nz + 2], its Rd_ra and Tt_ra are [nr + 1][na] */
@@ -138,6 +164,18 @@ struct cml_packet {
     cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
 };
 
+/* A crossing ahead. Of a body above and up are outside and outwards. */
+struct cml_hit {
+    real t; /* distance, cm */
+    int boundary, primitive;
+    struct cml_vec point;  /* in the boundary's frame, x and y from the beam's axis */
+    struct cml_vec normal; /* unit, up: what Fresnel and Snell see */
+    struct cml_vec facet;  /* unit, up: decides on which side a direction goes */
+};
+
+/* Body k is medium num_layers + 2 + k, and its surface boundary num_layers + 1 + k: as for layers, the medium
+ * below boundary b is b + 1. */
+
 /* Everything a walk reads. Rings: r rising from 0, z = depth at r in the boundary's frame, slope dz/dr to the
  * next ring (0 behind the last: the outer plane). Its radius cut into as many equal parts as there are rings
  * before the last, start[k] is the last ring that begins in a part before k, or 0. Horizons, seen
@@ -145,16 +183,20 @@ struct cml_packet {
  * the field never again (src/surface/ring_horizon.h). */
 struct cml_world {
     struct cml_setup setup;
-    CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2] */
-    CML_GLOBAL const struct cml_surface *surfaces; /* [num_layers + 1] */
+    CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2 + num_bodies] */
+    CML_GLOBAL const struct cml_surface *surfaces; /* [num_layers + 1 + num_bodies] */
     CML_GLOBAL const real *ring_r, *ring_z, *ring_slope, *ring_horizon_above, *ring_horizon_below;
     CML_GLOBAL const int *ring_start;
     CML_GLOBAL const real *deepest,
         *highest; /* pyramids of all surfaces: greatest and least z of each cell */
     CML_GLOBAL const real *horizon_below, *horizon_above; /* of the cells of all meshes */
+    CML_GLOBAL const struct cml_body *bodies;             /* [num_bodies] */
+    CML_GLOBAL const struct cml_body_node *body_nodes;
+    CML_GLOBAL const struct cml_body_grid *body_grids;
+    CML_GLOBAL const real *body_clearance; /* of the middles of all grids' cells, in cells */
 #ifndef __OPENCL_VERSION__
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
-    const struct cml_mesh_surface *const *meshes; /* [num_layers + 1], NULL where the surface is no mesh */
+    const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
     void *on_event_context;
 #endif

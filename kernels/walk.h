@@ -196,10 +196,19 @@ CML_FN void cml_roulette(struct cml_roulette_rule rule, struct cml_packet *packe
     }
 }
 
+/* The same of a body. */
+CML_FN int cml_leaked_from_body(const CML_GLOBAL struct cml_surface *surface, real z)
+{
+    const real margin =
+        (real)0.0009765625 * (surface->highest - surface->lowest) + 16 * CML_EPSILON * CML_FABS(z);
+    return z < surface->lowest - margin || z > surface->highest + margin;
+}
+
 /* P9: a packet at depth z beyond the envelope of a boundary of its medium has slipped through it. The margin
  * is rounding's. */
 CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
 {
+    if (medium > world->setup.num_layers + 1) return cml_leaked_from_body(&world->surfaces[medium - 1], z);
     const CML_GLOBAL struct cml_surface *top = &world->surfaces[medium - 1],
                                         *bottom = &world->surfaces[medium];
     const real z_bottom = z - world->media[medium].span;
@@ -327,7 +336,7 @@ CML_FN void cml_score_exit(struct cml_packet *packet)
  * is where it touched the surface last, for that is the point whose brightness an observer sees. */
 CML_FN void cml_after_boundary(const struct cml_world *world, struct cml_packet *packet, int boundary)
 {
-    const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
+    const int outside = cml_is_outer(world, packet->medium);
     if (outside) {
         packet->exit_x = packet->p.x;
         packet->exit_y = packet->p.y;
@@ -355,8 +364,8 @@ CML_FN void cml_boundary_event(const struct cml_world *world, struct cml_packet 
                                const struct cml_hit *hit)
 {
     const int from = packet->medium, boundary = hit->boundary;
-    const int below = boundary < from; /* the boundary is the medium's upper one */
-    const int other = below ? from - 1 : from + 1;
+    const int below = from == boundary + 1; /* the boundary is the medium's upper one, or its own surface */
+    const int other = below ? world->surfaces[boundary].above : boundary + 1;
     const real n1 = world->media[from].n, n2 = world->media[other].n;
     const real left = CML_FMA(-hit->t, world->media[from].mut, packet->tau);
     packet->tau = left > 0 ? left : (real)0;
@@ -391,7 +400,7 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
     if (world->surfaces[boundary].kind == CML_SURFACE_PLANE)
         primitive = (int)cml_map_pixel(&world->setup, x, y);
     const int facet = cml_facet_index(&range, primitive);
-    const int came_from_below = from > boundary, went_below = other > boundary;
+    const int came_from_below = from == boundary + 1, went_below = other == boundary + 1;
     cml_add_to_facet(to, facet, came_from_below ? CML_FACET_IRRADIANCE_BELOW : CML_FACET_IRRADIANCE_ABOVE, w);
     cml_add_to_facet(to, facet, went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE, w);
 }
@@ -427,14 +436,13 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
  */
 CML_FN void cml_leave_scene(const struct cml_world *world, struct cml_packet *packet)
 {
-    const int last = world->setup.num_layers + 1;
     const real away = packet->medium == 0 ? -packet->u.z : packet->u.z;
-    const int outside = packet->medium == 0 || packet->medium == last;
+    const int outside = cml_is_outer(world, packet->medium);
     if (!(cml_dot(packet->u, packet->u) < 2) || !(cml_dot(packet->p, packet->p) >= 0))
         cml_lose_packet(packet, CML_LOST_NAN);
     else if (outside && away >= 0 && packet->boundary_events > 0)
         cml_score_exit(packet);
-    else if (packet->u.z == 0)
+    else if (packet->u.z == 0 && packet->medium <= world->setup.num_layers + 1)
         cml_end_packet(packet, CML_FATE_TRAPPED);
     else
         cml_lose_packet(packet, CML_LOST_NO_SURFACE);

@@ -4,6 +4,7 @@
 
 #include "base/constants.h"
 #include "plot/section.h"
+#include "scene/body/body_shape.h"
 #include "scene/section.h"
 
 #include <math.h>
@@ -37,6 +38,11 @@ static void find_width(const struct cml_scene *scene, double x[2])
             take_in(x, boundary->tile.x0, boundary->tile.x0 + cml_tile_period(&boundary->tile, 0));
         if (boundary->form == CML_FORM_RADIAL && radial->n > 1)
             take_in(x, -radial->r[radial->n - 1], radial->r[radial->n - 1]);
+    }
+    for (int k = 0; k < scene->num_bodies; k++) {
+        double lower[3], upper[3];
+        cml_body_box(&scene->bodies[k], lower, upper);
+        take_in(x, lower[0], upper[0]);
     }
     if (map > 0) take_in(x, -map, map);
     if (!(x[1] > x[0])) take_in(x, -scene->nr * scene->dr, scene->nr * scene->dr);
@@ -107,6 +113,24 @@ static void describe_beam(const struct cml_beam *beam, struct cml_section_beam *
     snprintf(drawn->text, sizeof drawn->text, "%.8s%s%s%s", kinds[beam->kind], radius, angle, y);
 }
 
+/* Spheres and cylinders as meshes that look round. */
+static cml_status cut_bodies(const struct cml_scene *scene, struct cml_cut *cut, struct cml_error *err)
+{
+    const int sides = scene->num_bodies < 100 ? 64 : 16;
+    for (int k = 0; k < scene->num_bodies; k++) {
+        const struct cml_scene_body *body = &scene->bodies[k];
+        struct cml_mesh mesh;
+        double lower[3], upper[3];
+        cml_body_box(body, lower, upper);
+        if (lower[1] > 0 || upper[1] < 0) continue;
+        CML_TRY(cml_body_mesh(body, body->form == CML_BODY_SPHERE ? sides / 4 : sides, false, &mesh, err));
+        const cml_status status = cml_section_add_body(&mesh, cut, err);
+        cml_mesh_clear(&mesh);
+        CML_TRY(status);
+    }
+    return CML_OK;
+}
+
 /* The shapes and where they come from, as many as a line or two hold. */
 static void describe_boundaries(const struct cml_scene *scene, char *text, size_t size)
 {
@@ -123,7 +147,7 @@ static void describe_boundaries(const struct cml_scene *scene, char *text, size_
     }
 }
 
-/* Arrays of one element for each boundary and medium. */
+/* Arrays of one element for each boundary and medium; behind the boundaries all bodies are one line. */
 struct drawing {
     struct cml_cut *cuts;
     struct cml_section_line *lines;
@@ -138,6 +162,10 @@ static cml_status cut_all(const struct cml_scene *scene, struct drawing *drawing
         drawing->lines[b].count = drawing->cuts[b].count;
         drawing->lines[b].piece = (const double(*)[4])drawing->cuts[b].piece;
     }
+    const int bodies = scene->num_layers + 1;
+    CML_TRY(cut_bodies(scene, &drawing->cuts[bodies], err));
+    drawing->lines[bodies].count = drawing->cuts[bodies].count;
+    drawing->lines[bodies].piece = (const double(*)[4])drawing->cuts[bodies].piece;
     return CML_OK;
 }
 
@@ -157,7 +185,7 @@ static cml_status draw_with(const struct cml_scene *scene, enum cml_picture pict
                                   .x_high = x[1],
                                   .z_top = z[0],
                                   .z_bottom = z[1],
-                                  .num_lines = scene->num_layers + 1,
+                                  .num_lines = scene->num_layers + (scene->num_bodies > 0 ? 2 : 1),
                                   .num_labels = scene->num_layers + 2,
                                   .lines = drawing->lines,
                                   .labels = drawing->labels,
@@ -176,15 +204,15 @@ static cml_status draw_scene(const struct cml_scene *scene, enum cml_picture pic
                              struct cml_error *err)
 {
     const size_t boundaries = (size_t)scene->num_layers + 1;
-    struct drawing drawing = {.cuts = calloc(boundaries, sizeof *drawing.cuts),
-                              .lines = calloc(boundaries, sizeof *drawing.lines),
+    struct drawing drawing = {.cuts = calloc(boundaries + 1, sizeof *drawing.cuts),
+                              .lines = calloc(boundaries + 1, sizeof *drawing.lines),
                               .labels = calloc(boundaries + 1, sizeof *drawing.labels)};
     cml_status status = CML_OK;
     if (drawing.cuts && drawing.lines && drawing.labels)
         status = draw_with(scene, picture, path, &drawing, err);
     else
         status = cml_fail_memory(err, 100.0 * (double)boundaries, "a section");
-    for (size_t b = 0; b < boundaries && drawing.cuts; b++) cml_cut_clear(&drawing.cuts[b]);
+    for (size_t b = 0; b <= boundaries && drawing.cuts; b++) cml_cut_clear(&drawing.cuts[b]);
     free(drawing.cuts);
     free(drawing.lines);
     free(drawing.labels);

@@ -24,6 +24,13 @@ static void print_media(const struct cml_scene *scene)
         printf("  %-8d %10g %10g %10g %10g %10g %12g\n", m, medium->n, medium->mua, medium->mus, medium->g,
                medium->d, 1 / (medium->mua + medium->mus));
     }
+    for (int k = 0; k < scene->num_bodies && k < 20; k++) {
+        const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
+        char name[24];
+        snprintf(name, sizeof name, "body %d", k + 1);
+        printf("  %-8s %10g %10g %10g %10g %10s %12g\n", name, medium->n, medium->mua, medium->mus, medium->g,
+               "", 1 / (medium->mua + medium->mus));
+    }
 }
 
 /* What was measured, and what was made of it. A skirt steeper than the scan comes from a scan that is not
@@ -170,7 +177,7 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
     const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
     const cml_status status = cml_exact_scene(scene, NULL, &little, exact, err);
     *known = status == CML_OK;
-    return status == CML_E_NUMERIC ? CML_OK : status;
+    return status == CML_E_NUMERIC || scene->num_bodies > 0 ? CML_OK : status;
 }
 
 /* The memory is looked at before the twin takes some of it. */

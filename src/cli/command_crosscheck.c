@@ -116,6 +116,8 @@ static bool has_kind(const struct cml_surface_set *surfaces, enum cml_surface_ki
 {
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind == kind) return true;
+    for (int k = 0; k < surfaces->bodies.count; k++)
+        if (surfaces->bodies.item[k].kind == kind) return true;
     return false;
 }
 
@@ -133,7 +135,8 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
                                     .num_sides = 1,
                                     .sides = {{"cpu (cones)", cpu, chosen, true}}};
     setup.options.run = (uint32_t)index;
-    if (!has_kind(chosen, CML_SURFACE_CONE)) setup.sides[0].name = "cpu (planes)";
+    if (!has_kind(chosen, CML_SURFACE_CONE))
+        setup.sides[0].name = chosen->bodies.count > 0 ? "cpu (bodies)" : "cpu (planes)";
     if (has_kind(meshes, CML_SURFACE_MESH)) {
         setup.sides[setup.num_sides++] = (struct cml_check_side){"cpu (mesh)", cpu, meshes, false};
         setup.options.start_as = meshes;

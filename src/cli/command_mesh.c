@@ -1,8 +1,9 @@
-/* clustermcml mesh: every boundary as an OBJ file, as it would go to Embree.
+/* clustermcml mesh: every boundary and body as an OBJ file, as it would go to Embree.
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
 #include "input/mesh/obj.h"
+#include "scene/body/body_shape.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,15 +33,43 @@ static cml_status write_boundary(const struct cml_options *options, const struct
     return status;
 }
 
+/* Heights count from z = 0 of the scene, as an i line reads them. */
+static cml_status write_scene_body(const struct cml_options *options, const struct cml_scene *scene, int k,
+                                   struct cml_error *err)
+{
+    const struct cml_scene_body *body = &scene->bodies[k];
+    const double tolerance = cml_choice_tessellation(&options->surface).tolerance;
+    struct cml_mesh mesh;
+    char name[4096], comment[256];
+    char *path = NULL;
+    CML_TRY(cml_body_mesh(body, cml_body_segments(body->form, tolerance), false, &mesh, err));
+    snprintf(name, sizeof name, "%.4000s.body%d.obj", scene->output, k + 1);
+    snprintf(comment, sizeof comment, "body %d of %.150s, a %s, cm, heights up from z = 0", k + 1,
+             scene->output, cml_body_form_name(body->form));
+    cml_status status = cml_output_path(options, name, &path, err);
+    if (status == CML_OK) status = cml_obj_write(path, &mesh, comment, err);
+    if (status == CML_OK) printf("body %d: %zu triangles -> %s\n", k + 1, mesh.num_triangles, path);
+    free(path);
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
+static cml_status write_scene(const struct cml_options *options, const struct cml_scene *scene,
+                              struct cml_error *err)
+{
+    for (int b = 0; b <= scene->num_layers; b++) CML_TRY(write_boundary(options, scene, b, err));
+    for (int k = 0; k < scene->num_bodies; k++) CML_TRY(write_scene_body(options, scene, k, err));
+    return CML_OK;
+}
+
 /* All runs of the file: their boundaries may differ. */
 cml_status cml_command_mesh(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;
     CML_TRY(cml_load_scenes(options, &list, err));
     cml_status status = CML_OK;
-    for (int i = 0; i < list.count; i++)
-        for (int b = 0; status == CML_OK && b <= list.scenes[i].num_layers; b++)
-            status = write_boundary(options, &list.scenes[i], b, err);
+    for (int i = 0; status == CML_OK && i < list.count; i++)
+        status = write_scene(options, &list.scenes[i], err);
     cml_scene_list_clear(&list);
     return status;
 }

@@ -16,6 +16,7 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .nz = scene->nz,
                             .na = scene->na,
                             .num_layers = scene->num_layers,
+                            .num_bodies = scene->num_bodies,
                             .absorption = options->absorption,
                             .nx = map->nx,
                             .ny = map->ny,
@@ -23,6 +24,8 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .volume = map->volume && options->absorption};
     for (int b = 0; scene->facets && surfaces && b < surfaces->count; b++)
         grid.facets += cml_surface_facets(&surfaces->item[b], map);
+    for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
+        grid.facets += (size_t)surfaces->bodies.item[k].primitives;
     return grid;
 }
 

@@ -237,6 +237,12 @@ static bool is_curved(const struct cml_surface_def *def)
     return def->kind != CML_SURFACE_PLANE;
 }
 
+/* Bodies stand in the frame of the layer above which the boundary lies, and a plane might cut through one. */
+static bool has_bodies_beside(const struct cml_scene *scene, int b)
+{
+    return cml_medium_has_bodies(scene, b) || cml_medium_has_bodies(scene, b + 1);
+}
+
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)
 {
     const struct cml_surface_set *ways[2] = {search->curved, &search->level};
@@ -262,6 +268,8 @@ static cml_status try_boundary(struct search *search, int b, struct cml_error *e
     struct verdict *verdict = &search->verdict[b];
     *verdict = (struct verdict){.refused = "as a plane it would count more light as Rsp"};
     if (is_face_of_glass(search->scene, b)) return CML_OK;
+    verdict->refused = "beside bodies it stays as it is";
+    if (has_bodies_beside(search->scene, b)) return CML_OK;
     cml_status status = cml_surface_make_level_rings(&search->scene->boundaries[b], level, err);
     if (status == CML_OK) status = try_level(search, verdict, err);
     if (status == CML_OK && verdict->harmless) return CML_OK;

@@ -44,6 +44,10 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->clearance);
     free(to->horizons);
     free(to->meshes);
+    free(to->bodies);
+    free(to->body_nodes);
+    free(to->body_grids);
+    free(to->body_clearance);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
@@ -51,7 +55,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
 static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                            struct cml_error *err)
 {
-    const size_t boundaries = (size_t)surfaces->count, rings = to->num_rings,
+    const size_t boundaries = (size_t)surfaces->count + (size_t)surfaces->bodies.count, rings = to->num_rings,
                  cells = to->clearance_cells + to->horizon_cells;
     to->media = calloc(boundaries + 1, sizeof *to->media);
     to->surfaces = calloc(boundaries, sizeof *to->surfaces);
@@ -67,24 +71,17 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
         err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
 }
 
-/* All quotients are taken in double and rounded once. absorb: kernels/types.h says why it is a little over 1
- * where nothing scatters. */
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_medium *media)
 {
     for (int m = 0; m <= scene->num_layers + 1; m++) {
-        const struct cml_medium_def *from = &scene->media[m];
-        const double mut = from->mua + from->mus;
         const bool inside = m > 0 && m <= scene->num_layers;
         const double depth = surfaces->item[m > 0 ? m - 1 : 0].depth;
-        media[m].n = (real)from->n;
-        media[m].mut = (real)mut;
-        media[m].mfp = mut > 0 ? (real)(1 / mut) : CML_INFINITY;
-        media[m].absorb = from->mus > 0 ? (real)(from->mua / mut) : (mut > 0 ? 1 + 4 * CML_EPSILON : (real)0);
-        media[m].g = (real)from->g;
+        cml_copy_optics(&scene->media[m], &media[m]);
         media[m].span = (real)(inside ? surfaces->item[m].depth - depth : 0);
         media[m].depth = (real)depth;
         media[m].bins = (real)(depth / scene->dz);
+        media[m].body_grid = -1;
     }
 }
 
@@ -118,6 +115,7 @@ static void copy_surfaces(const struct cml_surface_set *from, struct cml_owned_w
     for (int b = 0; b < from->count; b++) {
         const struct cml_surface_def *def = &from->item[b];
         to->surfaces[b].kind = (int)def->kind;
+        to->surfaces[b].above = b;
         to->surfaces[b].first_ring = (int)ring;
         to->surfaces[b].num_rings = def->num_rings;
         to->surfaces[b].lowest = (real)def->lowest;
@@ -146,6 +144,12 @@ static void set_facets(const struct cml_surface_set *from, const struct cml_map_
         struct cml_facet_range *range = &to->surfaces[b].facets;
         range->first = first;
         range->count = (int)cml_surface_facets(&from->item[b], map);
+        first += range->count;
+    }
+    for (int k = 0; k < from->bodies.count; k++) {
+        struct cml_facet_range *range = &to->surfaces[from->count + k].facets;
+        range->first = first;
+        range->count = (int)from->bodies.item[k].primitives;
         first += range->count;
     }
     if (from->item[0].kind != CML_SURFACE_PLANE) to->world.setup.outer_facets[0] = to->surfaces[0].facets;
@@ -207,7 +211,8 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
 static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
                          struct cml_setup *setup)
 {
-    const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE;
+    const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE &&
+                        !cml_medium_has_bodies(scene, 1);
     const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
     setup->launch_medium = split.glass ? 2 : 1;
     setup->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);
@@ -268,6 +273,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_surface_set *
     setup->roulette = roulette_of(&options->roulette);
     setup->stream.lattice = options->lattice ? CML_LATTICE_EVENTS : 0;
     setup->num_layers = scene->num_layers;
+    setup->num_bodies = scene->num_bodies;
     setup->reentry = options->reentry;
     setup->tally_absorption = options->absorption;
     setup->nr = scene->nr;
@@ -287,12 +293,15 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     *to = (struct cml_owned_world){.num_rings = count_rings(surfaces),
                                    .clearance_cells = count_clearance_cells(surfaces),
                                    .horizon_cells = count_horizon_cells(surfaces)};
-    const cml_status status = allocate(surfaces, to, err);
+    cml_status status = allocate(surfaces, to, err);
+    if (status == CML_OK) {
+        copy_media(scene, surfaces, to->media);
+        status = cml_copy_bodies(scene, &surfaces->bodies, to, err);
+    }
     if (status != CML_OK) {
         cml_owned_world_free(to);
         return status;
     }
-    copy_media(scene, surfaces, to->media);
     copy_surfaces(surfaces, to);
     copy_clearance(surfaces, to);
     copy_horizons(surfaces, to);

@@ -10,6 +10,7 @@
 /* world.c is compiled once per precision (world_double.c); so that both can be linked, the functions of the
  * double one have names of their own. */
 #ifdef CML_DOUBLE
+#define cml_copy_bodies cml_copy_bodies_double
 #define cml_owned_world_create cml_owned_world_create_double
 #define cml_owned_world_free cml_owned_world_free_double
 #endif
@@ -17,13 +18,18 @@
 /* A world and the arrays it points into. The meshes belong to the surfaces it was made from. */
 struct cml_owned_world {
     struct cml_world world;
-    struct cml_medium *media;     /* [num_layers + 2] */
-    struct cml_surface *surfaces; /* [num_layers + 1] */
+    struct cml_medium *media;     /* [num_layers + 2 + num_bodies] */
+    struct cml_surface *surfaces; /* [num_layers + 1 + num_bodies] */
     real *rings;      /* [CML_RING_ROWS][num_rings]: ring_r, ring_z, ring_slope and both horizons */
     int *ring_starts; /* [num_rings] */
     real *clearance;  /* [2][clearance_cells]: deepest, highest (kernels/clearance.h) */
     real *horizons;   /* [2][horizon_cells] of meshes: seen from below, from above */
-    const struct cml_mesh_surface **meshes; /* [num_layers + 1], NULL where the boundary is no mesh */
+    const struct cml_mesh_surface **meshes; /* of surfaces, NULL where one is no mesh */
+    struct cml_body *bodies;                /* [num_bodies] */
+    struct cml_body_node *body_nodes;
+    struct cml_body_grid *body_grids;
+    real *body_clearance;
+    size_t num_body_nodes, num_body_grids, body_cells;
     size_t num_rings, clearance_cells, horizon_cells; /* of all boundaries together */
 };
 
@@ -35,11 +41,29 @@ CML_NODISCARD cml_status cml_owned_world_create(const struct cml_scene *scene,
                                                 struct cml_owned_world *to, struct cml_error *err);
 void cml_owned_world_free(struct cml_owned_world *to);
 
+/* world_bodies.c's part of cml_owned_world_create: allocates and fills what a world has of bodies, and their
+ * media and surfaces, which come behind those of the layers. */
+CML_NODISCARD cml_status cml_copy_bodies(const struct cml_scene *scene,
+                                         const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
+                                         struct cml_error *err);
+
 /* A vector rounded to `real`. */
 static inline struct cml_vec cml_vec_of(double x, double y, double z)
 {
     const struct cml_vec v = {(real)x, (real)y, (real)z};
     return v;
+}
+
+/* The optics of a medium. All quotients are taken in double and rounded once. absorb: kernels/types.h says
+ * why it is a little over 1 where nothing scatters. */
+static inline void cml_copy_optics(const struct cml_medium_def *from, struct cml_medium *to)
+{
+    const double mut = from->mua + from->mus;
+    to->n = (real)from->n;
+    to->mut = (real)mut;
+    to->mfp = mut > 0 ? (real)(1 / mut) : CML_INFINITY;
+    to->absorb = from->mus > 0 ? (real)(from->mua / mut) : (mut > 0 ? 1 + 4 * CML_EPSILON : (real)0);
+    to->g = (real)from->g;
 }
 
 #endif

@@ -1,3 +1,4 @@
-/* world.c in double precision, for the reference engine. SPDX-License-Identifier: MIT */
+/* world.c and world_bodies.c in double precision, for the reference engine. SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "engine/world.c"
+#include "engine/world_bodies.c"

@@ -156,6 +156,9 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
 {
     const size_t count = (size_t)scene->num_layers + 2;
     const struct cml_exact_light light = {.angle = scene->beam.angle};
+    if (scene->num_bodies > 0)
+        return cml_fail_field(err, scene->file, scene->bodies[0].line, "body 1", "i",
+                              "layers without bodies: adding-doubling knows no others");
     struct cml_medium_def *media = malloc(count * sizeof *media);
     if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
     memcpy(media, scene->media, count * sizeof *media);

@@ -30,6 +30,7 @@ struct cml_mesh {
     double z_border;           /* depth of the border's plane in the boundary's frame, cm */
     double lower[3], upper[3]; /* bounding box, cm */
     enum cml_normals normals;
+    bool closed;  /* a body without a border, instead of a sheet: asked of cml_mesh_prepare */
     double skirt; /* cm: width of the skirt that cml_mesh_prepare adds to a border that is not level; 0: none,
                    * such a border is refused */
     double (*vertex_normal)[3]; /* [num_vertices] unit, angle-weighted, pointing up; at the border the outer
@@ -76,6 +77,9 @@ struct cml_mesh_notes {
  * cleared. */
 CML_NODISCARD cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source *source,
                                           struct cml_mesh_notes *notes, struct cml_error *err);
+
+/* The same of a closed body (mesh->closed): no border, which is refused with an edge of it; triangles turned
+ * so that their normals point outwards; num_border is 0 and z_border the body's highest depth. */
 
 /* True when every vertex lies at the same depth: the boundary is then the plane z = *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);

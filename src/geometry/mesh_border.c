@@ -202,6 +202,21 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
+/* Six times the signed volume, about a vertex: of a closed surface the same about any point, and above 0 when
+ * the triangles turn counter-clockwise seen from outside. */
+static double signed_volume(const struct cml_mesh *mesh)
+{
+    const double *origin = mesh->vertex[0];
+    double volume = 0;
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        double corner[3][3], normal[3];
+        for (int k = 0; k < 3; k++) cml_vec3_subtract(mesh->vertex[mesh->triangle[t][k]], origin, corner[k]);
+        cml_vec3_cross(corner[1], corner[2], normal);
+        volume += cml_vec3_dot(corner[0], normal);
+    }
+    return volume;
+}
+
 /* All triangles and the border change their sense; depths and places stay. */
 static void flip_sheet(struct cml_mesh_work *work)
 {
@@ -211,12 +226,32 @@ static void flip_sheet(struct cml_mesh_work *work)
         mesh->triangle[t][1] = mesh->triangle[t][2];
         mesh->triangle[t][2] = second;
     }
-    for (size_t i = 1, j = mesh->num_border - 1; i < j; i++, j--) {
+    for (size_t i = 1, j = mesh->num_border; i + 1 < j; i++, j--) {
         const uint32_t swap = mesh->border[i];
-        mesh->border[i] = mesh->border[j];
-        mesh->border[j] = swap;
+        mesh->border[i] = mesh->border[j - 1];
+        mesh->border[j - 1] = swap;
     }
     work->notes.flipped = mesh->num_triangles - work->notes.flipped;
+}
+
+cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    for (uint32_t e = 0; e < 3 * mesh->num_triangles; e++) {
+        char from[112], to[112];
+        if (work->opposite[e] != CML_NO_OPPOSITE) continue;
+        return cml_mesh_fail(work, cml_mesh_triangle_line(work, e / 3), err,
+                             "the body is open: the edge from %s to %s belongs to one face only (expected a "
+                             "closed surface)",
+                             cml_mesh_place(mesh->vertex[cml_half_edge_from(mesh, e)], from),
+                             cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, e)], to));
+    }
+    const double volume = signed_volume(mesh);
+    if (volume == 0)
+        return cml_mesh_fail(work, 0, err, "the body has no volume (expected a closed surface around one)");
+    mesh->z_border = mesh->lower[2];
+    if (volume < 0) flip_sheet(work);
+    return CML_OK;
 }
 
 /* The border that the outer plane begins at, on one depth: the sheet's own, or that of a skirt. A skirt of a

@@ -35,6 +35,9 @@ CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, s
  * given) or crosses itself; turns the whole sheet when its border says that it is upside down. */
 CML_NODISCARD cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err);
 
+/* Of a closed mesh: refuses an edge of one triangle only, turns all triangles outwards. */
+CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err);
+
 /* Adds mesh->skirt around the simple loop mesh->border: two triangles per edge, wound like the sheet, and as
  * many new vertices, in the order of the loop, which become the border, at the border's mean depth. That
  * triangles cross is not looked for; one without area is refused. Of *work only the notes are kept up to

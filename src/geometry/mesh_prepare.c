@@ -26,7 +26,7 @@ static cml_status prepare_steps(struct cml_mesh_work *work, struct cml_error *er
     CML_TRY(cml_mesh_pair_edges(work, err));
     CML_TRY(cml_mesh_orient(work, err));
     CML_TRY(cml_mesh_check_fans(work, err));
-    CML_TRY(cml_mesh_find_border(work, err));
+    CML_TRY(mesh->closed ? cml_mesh_turn_outwards(work, err) : cml_mesh_find_border(work, err));
     find_box(mesh); /* the border has moved onto its plane */
     return cml_mesh_find_normals(mesh, err);
 }

@@ -3,10 +3,13 @@
 #include "input/mci.h"
 
 #include "input/mci_beam.h"
+#include "input/mci_body.h"
 #include "input/mci_boundary.h"
 #include "input/mci_lines.h"
 #include "input/mci_map.h"
 #include "input/mci_settings.h"
+#include "input/mci_medium.h"
+#include "scene/body/body_place.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,15 +20,13 @@
 #define MAX_CELLS 2147483648.0
 /* cm: what is as thick as this stands for a medium without end; 1e8 is usual */
 #define SEMI_INFINITE 1e4
-#define MIN_INDEX 0.01
-#define MAX_INDEX 100
 
 /* Where the reader stands decides which of our own lines may come before the next data line. */
 enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
     STAGE_RUN,   /* beam, map, facets */
     STAGE_ABOVE, /* none */
-    STAGE_LAYERS /* b and m */
+    STAGE_LAYERS /* b, m, and behind the first layer i */
 };
 
 /* Lines that hold for the whole run, not for one boundary. */
@@ -41,10 +42,13 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     const char *name = kind == CML_MCI_BEAM ? "beam" : kind == CML_MCI_MAP ? "map" : "facets";
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
-        snprintf(expected, sizeof expected, "b, m, beam, map or facets behind #@");
+        snprintf(expected, sizeof expected, "b, m, i, beam, map or facets behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
+    else if (kind == CML_MCI_I)
+        snprintf(expected, sizeof expected,
+                 "%s; an i line stands behind the line of the layer that it lies in", instead);
     else
         snprintf(expected, sizeof expected,
                  "%s; a boundary line stands before the layer, or the n below, whose top it is", instead);
@@ -60,7 +64,7 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
 }
 
 /* Goes to the next data line, whose meaning `field` names, and reads our own lines on the way. `b` is the
- * number of the boundary that lies before it. */
+ * number of the boundary that lies before it, and of the layer read last. */
 static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage, struct cml_scene *scene,
                                  int b, const char *field)
 {
@@ -74,6 +78,8 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
             CML_TRY(read_run_line(reader, kind, scene));
         else if ((kind == CML_MCI_B || kind == CML_MCI_M) && stage == STAGE_LAYERS)
             CML_TRY(cml_mci_boundary(reader, kind, b, &scene->boundaries[b]));
+        else if (kind == CML_MCI_I && stage == STAGE_LAYERS && b > 0)
+            CML_TRY(cml_mci_body(reader, b, scene));
         else
             return fail_misplaced(reader, kind, field);
     }
@@ -206,57 +212,38 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
                            "the layers");
 }
 
-/* Named once, as it is a field of the media above and below and of every layer. */
-static const char index_range[] = "a refractive index of 0.01..100";
-
 /* The media above and below have a refractive index only: nothing is absorbed or scattered there. */
 static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *scene, bool above)
 {
-    const struct cml_mci_field field = {above ? "n above" : "n below", MIN_INDEX, MAX_INDEX, false,
-                                        index_range};
-    struct cml_medium_def *medium = &scene->media[above ? 0 : scene->num_layers + 1];
+    const struct cml_mci_field *n = &cml_mci_medium_fields[0];
+    const struct cml_mci_field field = {above ? "n above" : "n below", n->lowest, n->highest, false,
+                                        n->expected};
     CML_TRY(next_data_line(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
-    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &medium->n));
-    return cml_mci_set(reader, cml_mci_setting(reader, above ? "above.n" : "below.n"), &field, &medium->n);
-}
-
-/* Where both come from the file, its line is named, else the setting that is to blame. */
-static cml_status fail_little_absorption(struct cml_mci_reader *reader, int layer, double mua)
-{
-    static const char expected[] = "0, or at least 1e-11 of mua + mus";
-    char field[48], value[32];
-    snprintf(field, sizeof field, "layer %d: mua", layer);
-    snprintf(value, sizeof value, "%g", mua);
-    const struct cml_setting *setting = cml_mci_setting(reader, "layer%d.mua", layer);
-    if (setting) return cml_setting_fail(setting, expected, reader->err);
-    return cml_mci_fail(reader, field, value, expected);
+    double *index = &scene->media[above ? 0 : scene->num_layers + 1].n;
+    CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, index));
+    return cml_mci_set(reader, cml_mci_setting(reader, above ? "above.n" : "below.n"), &field, index);
 }
 
 /* The boundary above the layer, number layer - 1, may have its line before this one. */
 static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *scene, int layer)
 {
-    static const char coefficient[] = "a coefficient of 0..1e30 1/cm";
-    static const struct cml_mci_field fields[] = {
-        {"n", MIN_INDEX, MAX_INDEX, false, index_range},
-        {"mua", 0, CML_MCI_HUGE, false, coefficient},
-        {"mus", 0, CML_MCI_HUGE, false, coefficient},
-        {"g", -1, 1, false, "an anisotropy of -1..1"},
-        {"d", 0, CML_MCI_HUGE, false, "a thickness of 0..1e30 cm"},
-    };
+    static const struct cml_mci_field thickness = {"d", 0, CML_MCI_HUGE, false, "a thickness of 0..1e30 cm"};
+    struct cml_mci_field fields[CML_MCI_MEDIUM_FIELDS + 1];
     char owner[32];
     double values[5];
     snprintf(owner, sizeof owner, "layer %d", layer);
     CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
+    memcpy(fields, cml_mci_medium_fields, sizeof cml_mci_medium_fields);
+    fields[CML_MCI_MEDIUM_FIELDS] = thickness;
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
     for (int i = 0; i < 5; i++)
         CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "layer%d.%s", layer, fields[i].name), &fields[i],
                             &values[i]));
-    if (values[1] > 0 && values[1] < CML_LEAST_ABSORPTION * (values[1] + values[2]))
-        return fail_little_absorption(reader, layer, values[1]);
+    CML_TRY(cml_mci_medium(reader, owner, values, cml_mci_setting(reader, "layer%d.mua", layer),
+                           &scene->media[layer]));
     if (values[4] > 50 && values[4] < SEMI_INFINITE)
         cml_mci_note(reader, "%s: d = %g cm (lengths are in cm: was it meant in mm?)", owner, values[4]);
-    scene->media[layer] = (struct cml_medium_def){
-        .n = values[0], .mua = values[1], .mus = values[2], .g = values[3], .d = values[4]};
+    scene->media[layer].d = values[4];
     return CML_OK;
 }
 
@@ -289,6 +276,7 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
+    CML_TRY(cml_scene_place_bodies(scene, reader->err));
     CML_TRY(cml_mci_beam_settings(reader, &scene->beam));
     CML_TRY(cml_mci_check_settings(reader, scene));
     if (reader->options->settings)
@@ -312,7 +300,8 @@ static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_sce
 {
     enum cml_mci_kind kind;
     CML_TRY(cml_mci_next(reader, true, &kind));
-    if (kind == CML_MCI_B || kind == CML_MCI_M) return fail_misplaced(reader, kind, "the end of the run");
+    if (kind == CML_MCI_B || kind == CML_MCI_M || kind == CML_MCI_I)
+        return fail_misplaced(reader, kind, "the end of the run");
     if (kind == CML_MCI_DATA) note_run(reader, list);
     return CML_OK;
 }

@@ -1,6 +1,7 @@
 /* Lines b and m, and the files that they name. SPDX-License-Identifier: MIT */
 #include "input/mci_boundary.h"
 
+#include "input/mci_medium.h"
 #include "input/mesh/esri.h"
 #include "input/mesh/gsf.h"
 #include "input/mesh/obj.h"
@@ -395,7 +396,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
 struct named_source {
     const struct cml_text_source *source; /* NULL: the file system */
     const struct cml_mci_reader *reader;
-    int boundary;
+    const char *owner;
 };
 
 /* Where a file is missing the mistake is in the line. */
@@ -408,15 +409,17 @@ static cml_status read_named(void *context, const char *path, char **data, size_
                                   : cml_text_read_file(path, data, size, err);
     if (status == CML_OK) return CML_OK;
     const struct cml_error why = *err;
-    return cml_fail(err, status, "%s:%d: boundary %d: %s", named->reader->text.path, named->reader->text.line,
-                    named->boundary, why.text);
+    return cml_fail(err, status, "%s:%d: %s: %s", named->reader->text.path, named->reader->text.line,
+                    named->owner, why.text);
 }
 
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                 struct cml_boundary *boundary)
 {
     const struct cml_input_options *options = reader->options;
-    struct named_source named = {options->source, reader, index};
+    char owner[32];
+    snprintf(owner, sizeof owner, "boundary %d", index);
+    struct named_source named = {options->source, reader, owner};
     const struct cml_text_source source = {read_named, &named};
     struct cml_input_options mine = *options;
     mine.source = &source;
@@ -425,40 +428,6 @@ static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind
         kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary);
     reader->options = options;
     return status;
-}
-
-/* --- shapes that are known -------------------------------------------------------------------------------
- */
-
-static bool same_value(const struct cml_setting *one, const struct cml_setting *other)
-{
-    return one && other ? strcmp(one->value, other->value) == 0 : one == other;
-}
-
-/* The shape in the same file, read before, where nothing else is set of it than was then. */
-static const struct cml_boundary *known_shape(struct cml_mci_reader *reader, int index)
-{
-    static const char *const of[] = {"scale", "height"};
-    static const struct cml_settings none;
-    const struct cml_input_options *options = reader->options;
-    char name[CML_SETTING_NAME];
-    if (!options->known) return NULL;
-    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
-        snprintf(name, sizeof name, "boundary%d.%s", index, of[i]);
-        const struct cml_setting *then =
-            cml_settings_find(options->known_settings ? options->known_settings : &none, name);
-        if (!same_value(cml_mci_setting(reader, "%s", name), then)) return NULL;
-    }
-    return &options->known->scenes[reader->run].boundaries[index];
-}
-
-/* All but its depth, which the layers of this scene give. */
-static void borrow_shape(const struct cml_boundary *from, struct cml_boundary *boundary)
-{
-    const double z = boundary->z;
-    *boundary = *from;
-    boundary->z = z;
-    boundary->borrowed = true;
 }
 
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
@@ -470,13 +439,57 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
                  boundary->line);
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
     }
-    const struct cml_boundary *known = known_shape(reader, index);
+    const struct cml_boundary *known = cml_mci_known_shape(reader, index);
     if (known) {
-        borrow_shape(known, boundary);
+        cml_mci_borrow_shape(known, boundary);
         return CML_OK;
     }
     boundary->line = reader->text.line;
     CML_TRY(read_boundary(reader, kind, index, boundary));
     if (reader->options->flat) cml_boundary_flatten(boundary);
     return CML_OK;
+}
+
+/* --- i: a closed mesh ------------------------------------------------------------------------------------
+ */
+
+/* Name, medium, options: what comes before the file is read. */
+static cml_status read_body_line(struct cml_mci_line_options *options, struct cml_scene_body *body,
+                                 struct cml_medium_def *medium, struct cml_obj_options *obj)
+{
+    struct cml_mci_reader *reader = options->reader;
+    double values[CML_MCI_MEDIUM_FIELDS];
+    enum mesh_file kind = FILE_OBJ;
+    const char *name = cml_text_word(&reader->cursor);
+    CML_TRY(check_mesh_name(options, name, &kind));
+    if (kind != FILE_OBJ) return cml_mci_fail_option(options, "file", name, "an .obj file: a closed mesh");
+    CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
+    CML_TRY(cml_mci_leading_numbers(reader, options->owner, cml_mci_medium_fields, CML_MCI_MEDIUM_FIELDS,
+                                    values));
+    CML_TRY(cml_mci_medium(reader, options->owner, values, NULL, medium));
+    for (bool more = true; more;) {
+        CML_TRY(cml_mci_next_option(options, &more));
+        if (more) CML_TRY(set_mesh_option(options, obj));
+    }
+    return CML_OK;
+}
+
+cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
+                             struct cml_medium_def *medium)
+{
+    char owner[32];
+    snprintf(owner, sizeof owner, "body %d", number);
+    struct cml_mci_line_options options = {.reader = reader,
+                                           .owner = owner,
+                                           .keys = {"up", "rotate", "units", "scale", "shift", "normals"},
+                                           .list = "up=, rotate=, units=, scale=, shift= or normals="};
+    struct cml_obj_options obj = {
+        .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET, .closed = true};
+    CML_TRY(read_body_line(&options, body, medium, &obj));
+    const struct named_source named = {reader->options->source, reader, owner};
+    const struct cml_text_source source = {read_named, (void *)&named};
+    obj.budget = reader->options->budget;
+    obj.budget.file = body->file;
+    obj.budget.body = number;
+    return cml_obj_read(&source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err);
 }

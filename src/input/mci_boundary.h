@@ -1,4 +1,4 @@
-/* The lines of .mci files that give a boundary its shape: b and m.
+/* The lines of .mci files that give a boundary its shape, b and m, and the files of meshes that they name.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_BOUNDARY_H
 #define CML_MCI_BOUNDARY_H
@@ -10,5 +10,17 @@
  * which is number `index`. What was allocated before a failure belongs to *boundary. */
 CML_NODISCARD cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                           struct cml_boundary *boundary);
+
+/* Reads an i line from the name of its mesh on into *body, which is number `number` from 1, and its medium.
+ * What was allocated before a failure belongs to *body. */
+CML_NODISCARD cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number,
+                                           struct cml_scene_body *body, struct cml_medium_def *medium);
+
+/* The shape of the same boundary in the file as it was read before (options->known), where nothing else is
+ * set of it than was then; NULL: none. */
+const struct cml_boundary *cml_mci_known_shape(struct cml_mci_reader *reader, int index);
+
+/* All of *from but its depth, which the layers of this scene give. */
+void cml_mci_borrow_shape(const struct cml_boundary *from, struct cml_boundary *boundary);
 
 #endif

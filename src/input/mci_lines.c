@@ -80,11 +80,8 @@ static enum cml_mci_kind take_keyword(char **cursor)
     static const struct {
         const char *word;
         enum cml_mci_kind kind;
-    } keywords[] = {{"b", CML_MCI_B},
-                    {"m", CML_MCI_M},
-                    {"beam", CML_MCI_BEAM},
-                    {"map", CML_MCI_MAP},
-                    {"facets", CML_MCI_FACETS}};
+    } keywords[] = {{"b", CML_MCI_B},       {"m", CML_MCI_M},     {"i", CML_MCI_I},
+                    {"beam", CML_MCI_BEAM}, {"map", CML_MCI_MAP}, {"facets", CML_MCI_FACETS}};
     char *word = *cursor + strspn(*cursor, blanks);
     const size_t length = strcspn(word, blanks);
     for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++) {
@@ -107,12 +104,14 @@ static bool begins_with(const char *text, const char *const *beginnings)
 static void hint_at_mark(const struct cml_mci_reader *reader)
 {
     static const char *const sources[] = {"pencil", "disk ", "gaussian ", NULL};
+    static const char *const shapes[] = {"sphere ", "cylinder ", NULL};
     char *behind = reader->cursor + 1;
     if (*behind == '\0' || strchr(blanks, *behind)) return;
     const enum cml_mci_kind kind = take_keyword(&behind);
     behind += strspn(behind, blanks);
     const bool number = *behind >= '0' && *behind <= '9', name = *behind == '"';
     const bool ours = (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
+                      (kind == CML_MCI_I && (name || begins_with(behind, shapes))) ||
                       (kind == CML_MCI_MAP && number) || (kind == CML_MCI_FACETS && *behind == '\0') ||
                       (kind == CML_MCI_BEAM && begins_with(behind, sources));
     if (ours)
@@ -193,13 +192,20 @@ static cml_status read_number(struct cml_mci_reader *reader, const char *owner,
     return cml_mci_fail(reader, name, word, field->expected);
 }
 
+cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
+                                   const struct cml_mci_field *fields, int count, double *values)
+{
+    for (int i = 0; i < count; i++) CML_TRY(read_number(reader, owner, &fields[i], &values[i]));
+    return CML_OK;
+}
+
 /* Behind the last field original MCML's files have comments without a '#': words are ignored, but a further
  * number was probably meant for something. */
 cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                            const struct cml_mci_field *fields, int count, double *values)
 {
     cml_mci_cut_comment(reader->cursor);
-    for (int i = 0; i < count; i++) CML_TRY(read_number(reader, owner, &fields[i], &values[i]));
+    CML_TRY(cml_mci_leading_numbers(reader, owner, fields, count, values));
     double surplus = 0;
     const char *word = cml_text_word(&reader->cursor);
     if (!word || !cml_parse_double(word, &surplus)) return CML_OK;

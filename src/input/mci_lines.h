@@ -30,6 +30,7 @@ enum cml_mci_kind {
     CML_MCI_DATA,
     CML_MCI_B,
     CML_MCI_M,
+    CML_MCI_I,
     CML_MCI_BEAM,
     CML_MCI_MAP,
     CML_MCI_FACETS,
@@ -51,9 +52,9 @@ CML_NODISCARD cml_status cml_mci_open(const char *path, const struct cml_input_o
                                       struct cml_mci_reader *reader, struct cml_error *err);
 void cml_mci_close(struct cml_mci_reader *reader);
 
-/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, beam, map and facets also count
- * without "#@ " before them (an output may be named "b"). The cursor stands behind the keyword, or at the
- * start of a data line. */
+/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, i, beam, map and facets also
+ * count without "#@ " before them (an output may be named "b"). The cursor stands behind the keyword, or at
+ * the start of a data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
 /* The current line as written. Valid until the next call of cml_mci_next. */
@@ -83,5 +84,10 @@ bool cml_mci_parse(const struct cml_mci_field *field, const char *word, double *
  * "NAME" when owner is NULL. */
 CML_NODISCARD cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
                                          const struct cml_mci_field *fields, int count, double *values);
+
+/* The same, but what follows the numbers is left for the caller to read. */
+CML_NODISCARD cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
+                                                 const struct cml_mci_field *fields, int count,
+                                                 double *values);
 
 #endif

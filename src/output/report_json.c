@@ -4,12 +4,19 @@
 
 #include "base/json_name.h"
 #include "base/settings.h"
+#include "scene/body/body_shape.h"
 #include "base/version.h"
 
 #include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Keys keep the order in which they are set (jansson 2.8 and later). */
+static void set_real(json_t *object, const char *key, double value)
+{
+    json_object_set_new(object, key, json_real(value));
+}
 
 /* An unknown bias is infinite, which JSON cannot say: null. */
 static json_t *boundaries_json(const struct cml_surface_set *surfaces)
@@ -28,18 +35,38 @@ static json_t *boundaries_json(const struct cml_surface_set *surfaces)
     return list;
 }
 
+/* "layer" or "body", and its number from 1. */
+static json_t *host_json(const struct cml_scene *scene, int host)
+{
+    const int body = host - scene->num_layers - 1;
+    return body > 0 ? json_pack("{s:i}", "body", body) : json_pack("{s:i}", "layer", host);
+}
+
+/* result NULL: nothing has been flown. */
+static json_t *bodies_json(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                           const struct cml_result *result)
+{
+    json_t *list = json_array();
+    for (int k = 0; k < scene->num_bodies; k++) {
+        const int m = cml_body_medium(scene, k);
+        const struct cml_medium_def *medium = &scene->media[m];
+        json_t *body = json_pack(
+            "{s:s, s:s, s:I, s:o, s:f, s:f, s:f, s:f}", "form", cml_body_form_name(scene->bodies[k].form),
+            "kind", cml_surface_kind_name(surfaces->bodies.item[k].kind), "primitives",
+            (json_int_t)surfaces->bodies.item[k].primitives, "in", host_json(scene, scene->bodies[k].host),
+            "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
+        if (result) set_real(body, "A", (double)result->A_l[m] * CML_WEIGHT_UNIT / (double)result->photons);
+        json_array_append_new(list, body);
+    }
+    return list;
+}
+
 /* The main result comes first, as it was written first. */
 static json_t *files_json(const struct cml_report *report)
 {
     json_t *list = json_array();
     for (int i = 0; i < report->num_files; i++) json_array_append_new(list, cml_json_name(report->files[i]));
     return list;
-}
-
-/* Keys keep the order in which they are set (jansson 2.8 and later). */
-static void set_real(json_t *object, const char *key, double value)
-{
-    json_object_set_new(object, key, json_real(value));
 }
 
 static void set_integer(json_t *object, const char *key, uint64_t value)
@@ -225,6 +252,7 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     json_object_set_new(object, "map", map_json(&scene->map));
     json_object_set_new(object, "facets", json_boolean(scene->facets));
     json_object_set_new(object, "boundaries", boundaries_json(surfaces));
+    if (scene->num_bodies > 0) json_object_set_new(object, "bodies", bodies_json(scene, surfaces, NULL));
     set_integer(object, "memory_bytes", (uint64_t)bytes);
     json_object_set_new(object, "flat", flat_json(flat));
     return print_object(stream, object, err);
@@ -256,6 +284,9 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     json_object_set_new(object, "set", settings_json(report->scene->settings));
     json_object_set_new(object, "sampling", json_string(cml_sampling_name(report->options)));
     json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
+    if (report->scene->num_bodies > 0)
+        json_object_set_new(object, "bodies",
+                            bodies_json(report->scene, report->surfaces, &report->run->result));
     json_object_set_new(object, "files", files_json(report));
     set_results(object, report);
     set_exact_totals(object, report->exact);

@@ -6,6 +6,7 @@
 #include "output/scaling.h"
 #include "base/settings.h"
 #include "base/version.h"
+#include "surface/surface_facets.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -121,6 +122,41 @@ static void write_heightfields(FILE *out, const struct cml_scene *scene)
     }
 }
 
+/* Section `A_body`: what each body has absorbed, in the order of the file. A_l is for layers, as readers of
+ * MCML's files expect. */
+static void write_bodies(FILE *out, const struct cml_report *report)
+{
+    const struct cml_result *result = &report->run->result;
+    const int first = report->scene->num_layers + 2;
+    if (report->scene->num_bodies == 0) return;
+    fprintf(out, "\nA_body # absorption in each body, in the order of the .mci [-]\n");
+    for (int k = 0; k < report->scene->num_bodies; k++)
+        fprintf(out, "%.9G\n", (double)result->A_l[first + k] * CML_WEIGHT_UNIT / (double)result->photons);
+}
+
+/* Section `flux_body`, where facets are asked for: what came to each body's surface from outside and from
+ * inside, and left it to either side. Facets of bodies follow those of all boundaries. */
+static void write_body_fluxes(FILE *out, const struct cml_report *report)
+{
+    const struct cml_result *result = &report->run->result;
+    const struct cml_surface_set *surfaces = report->surfaces;
+    size_t facet = 0;
+    if (!report->scene->facets || surfaces->bodies.count == 0) return;
+    for (int b = 0; b < surfaces->count; b++)
+        facet += cml_surface_facets(&surfaces->item[b], &report->scene->map);
+    fprintf(
+        out,
+        "\nflux_body # weight at each body's surface: arrives outside, inside, leaves outside, inside [-]\n");
+    for (int k = 0; k < surfaces->bodies.count; k++) {
+        double sum[CML_FACET_EXITANCE_BELOW + 1] = {0};
+        for (uint64_t i = 0; i < surfaces->bodies.item[k].primitives; i++, facet++)
+            for (int s = 0; s <= CML_FACET_EXITANCE_BELOW; s++)
+                sum[s] += (double)result->facets[facet * CML_FACET_SCORES + (size_t)s];
+        for (int s = 0; s <= CML_FACET_EXITANCE_BELOW; s++)
+            fprintf(out, "%.9G\n", sum[s] * CML_WEIGHT_UNIT / (double)result->photons);
+    }
+}
+
 /* How packets draw and end: what changes errors, and no expected value. */
 static void write_sampling(FILE *out, const struct cml_engine_options *options)
 {
@@ -163,6 +199,8 @@ static void write_extra(FILE *out, const struct cml_report *report)
             cml_result_error(result, CML_TOTAL_ABSORBED), cml_result_error(result, CML_TOTAL_TRANSMITTED));
     write_errors(out, report);
     write_balance(out, result);
+    write_bodies(out, report);
+    write_body_fluxes(out, report);
     write_heightfields(out, scene);
     write_control(out, report->control);
 }

@@ -225,7 +225,7 @@ void cml_radial_against_mesh(const struct cml_radial_surface *field, const struc
         top = fmin(top, field->z - field->radial->h[i]);
         bottom = fmax(bottom, field->z - field->radial->h[i]);
     }
-    compare_outer_plane(&c, footprint, mesh->z_border);
+    if (footprint) compare_outer_plane(&c, footprint, mesh->z_border);
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const uint32_t *t = mesh->triangle[i];
         const double *const v[3] = {mesh->vertex[t[0]], mesh->vertex[t[1]], mesh->vertex[t[2]]};

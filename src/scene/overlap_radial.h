@@ -26,9 +26,10 @@ struct cml_closest {
 void cml_radial_against_radial(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,
                                struct cml_closest *closest);
 
-/* A mesh in its boundary's frame at depth `z`, with its outer plane. Exact: over a triangle the gap is
- * extremal at its vertices, on its edges where they cross rings or where the gap is stationary, or where a
- * ring runs along the triangle's steepest direction; on the outer plane at the rings. */
+/* A mesh in its boundary's frame at depth `z`, with its outer plane unless footprint is NULL (a closed mesh).
+ * Exact: over a triangle the gap is extremal at its vertices, on its edges where they cross rings or where
+ * the gap is stationary, or where a ring runs along the triangle's steepest direction; on the outer plane at
+ * the rings. */
 void cml_radial_against_mesh(const struct cml_radial_surface *field, const struct cml_mesh *mesh,
                              const struct cml_footprint *footprint, double z, bool mesh_is_upper,
                              struct cml_closest *closest);

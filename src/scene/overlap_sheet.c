@@ -35,7 +35,9 @@ static cml_status fill_sheet(struct cml_sheet *sheet, double z, struct cml_error
     place_vertices(sheet, z);
     CML_TRY(cml_boxtree_create((const double(*)[3])sheet->vertex, (const uint32_t(*)[3])mesh->triangle,
                                mesh->num_triangles, &sheet->tree, err));
-    return cml_footprint_create(mesh, &sheet->footprint, err);
+    if (!mesh->closed) return cml_footprint_create(mesh, &sheet->footprint, err);
+    sheet->z_plane = NAN; /* meets nothing */
+    return CML_OK;
 }
 
 cml_status cml_sheet_create(const struct cml_mesh *mesh, double z, struct cml_sheet *sheet,
@@ -217,11 +219,19 @@ static void visit_column(void *context, uint32_t i)
 /* The outer plane stands in the column where the triangles alone would not close the sheet. */
 static void add_outer_plane(struct column *column)
 {
-    if (column->crossings % 2 == 1) return;
+    if (column->crossings % 2 == 1 || column->sheet->mesh->closed) return;
     const double distance = column->point[2] - column->sheet->z_plane;
     column->above += distance > 0.0;
     column->touches |= distance == 0.0;
     column->nearest = fmin(column->nearest, fabs(distance));
+}
+
+bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3])
+{
+    struct column column = {sheet, point, 0, 0, false, INFINITY};
+    cml_boxtree_column(sheet->tree, point[0], point[1], visit_column, &column);
+    add_outer_plane(&column);
+    return column.above % 2 == 1;
 }
 
 /* How far the point is on the wrong side of the sheet in the vertical; 0 when it is on the right one. */
@@ -289,6 +299,23 @@ static void compare_with_plane(const struct cml_sheet *sheet, const struct cml_s
     }
 }
 
+/* The triangles of both, and those of either against the other's outer plane. */
+static void compare_surfaces(const struct cml_sheet *a, const struct cml_sheet *b,
+                             struct cml_sheet_overlap *overlap)
+{
+    struct search search = {a, b, overlap};
+    if (cml_boxtree_pairs(a->tree, b->tree, compare_triangles, &search)) return;
+    compare_with_plane(a, b, true, overlap);
+    compare_with_plane(b, a, false, overlap);
+}
+
+void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
+                       struct cml_sheet_overlap *overlap)
+{
+    memset(overlap, 0, sizeof *overlap);
+    compare_surfaces(a, b, overlap);
+}
+
 /* The cheap comparison of vertices first: it also finds the depth, which makes the better message. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap)
@@ -297,9 +324,5 @@ void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_she
     if (upper->bottom < lower->top) return;
     compare_vertices(upper, lower, overlap);
     compare_planes(upper, lower, overlap);
-    if (overlap->contact == CML_CROSS) return;
-    struct search search = {upper, lower, overlap};
-    if (cml_boxtree_pairs(upper->tree, lower->tree, compare_triangles, &search)) return;
-    compare_with_plane(upper, lower, true, overlap);
-    compare_with_plane(lower, upper, false, overlap);
+    if (overlap->contact != CML_CROSS) compare_surfaces(upper, lower, overlap);
 }

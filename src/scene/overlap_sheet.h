@@ -14,6 +14,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* A closed mesh is a sheet without an outer plane. */
 struct cml_sheet {
     const struct cml_mesh *mesh;
     double (*vertex)[3]; /* [mesh->num_vertices] in the scene's frame, cm; owned */
@@ -47,5 +48,12 @@ void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_ov
  * right, triangles that meet all the same. */
 void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_sheet *lower,
                              struct cml_sheet_overlap *overlap);
+
+/* Whether and where the surfaces meet, whatever lies inside of what. */
+void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
+                       struct cml_sheet_overlap *overlap);
+
+/* Whether a point (scene's frame, cm) that is not on the sheet lies below it; of a closed mesh: inside. */
+bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3]);
 
 #endif

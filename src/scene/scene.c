@@ -27,6 +27,11 @@ void cml_scene_clear(struct cml_scene *scene)
 {
     /* A scene that was refused half way may know its number of layers before it has them. */
     for (int b = 0; scene->boundaries && b <= scene->num_layers; b++) clear_boundary(&scene->boundaries[b]);
+    for (int k = 0; k < scene->num_bodies; k++) {
+        free(scene->bodies[k].file);
+        cml_mesh_clear(&scene->bodies[k].mesh);
+    }
+    free(scene->bodies);
     free(scene->boundaries);
     free(scene->media);
     free(scene->file);
@@ -34,6 +39,13 @@ void cml_scene_clear(struct cml_scene *scene)
     free(scene->text);
     free(scene->settings);
     *scene = (struct cml_scene){0};
+}
+
+bool cml_medium_has_bodies(const struct cml_scene *scene, int m)
+{
+    for (int k = 0; k < scene->num_bodies; k++)
+        if (scene->bodies[k].host == m) return true;
+    return false;
 }
 
 void cml_scene_list_clear(struct cml_scene_list *list)

@@ -1,8 +1,8 @@
 /* The scene: what one run of an .mci file describes. Its reader makes it (input/mci.h); from then on it is
  * immutable, and everyone else has a pointer to a const one.
  * Lengths in cm, coefficients in 1/cm, z down. Media 0..L+1, boundaries 0..L; boundary b lies between medium
- * b (above) and medium b+1 (below) at the nominal depth z_b = d_1 + ... + d_b. Knows no files, engines or
- * rays. SPDX-License-Identifier: MIT */
+ * b (above) and medium b+1 (below) at the nominal depth z_b = d_1 + ... + d_b. Bodies lie inside layers.
+ * Knows no files, engines or rays. SPDX-License-Identifier: MIT */
 #ifndef CML_SCENE_H
 #define CML_SCENE_H
 
@@ -48,6 +48,23 @@ struct cml_boundary {
     bool borrowed; /* the shape and `file` belong to another scene, which lives longer */
 };
 
+enum cml_body_form { CML_BODY_MESH, CML_BODY_SPHERE, CML_BODY_CYLINDER };
+
+/* A body: a medium of its own inside a layer or inside another body of that layer. In scene coordinates, cm,
+ * z down. */
+struct cml_scene_body {
+    enum cml_body_form form;
+    int layer; /* 1..L: the one it lies in, at whatever depth of nesting */
+    int host;  /* the medium it lies in: that layer, or the medium of a body (cml_scene_place_bodies) */
+    double centre[3]; /* of a sphere; of a cylinder the middle of its first end */
+    double end[3];    /* of a cylinder: the middle of the other end */
+    double radius;
+    struct cml_mesh mesh; /* CML_BODY_MESH, prepared and closed */
+    struct cml_mesh_notes mesh_notes;
+    char *file; /* the .obj file, or NULL */
+    int line;   /* line of the .mci */
+};
+
 enum cml_beam_kind { CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN };
 
 struct cml_beam {
@@ -69,16 +86,18 @@ struct cml_map_def {
 };
 
 struct cml_scene {
-    char *file;                      /* the .mci, for messages and names beside it */
-    int line;                        /* where the run begins */
-    char *output;                    /* output name as written */
-    char format;                     /* 'A' or 'B' */
-    uint64_t photons;                /* 1..2^48 */
-    double dz, dr;                   /* cm, > 0 */
-    int nz, nr, na;                  /* >= 1 */
-    int num_layers;                  /* L >= 1 */
-    struct cml_medium_def *media;    /* [L+2] */
+    char *file;       /* the .mci, for messages and names beside it */
+    int line;         /* where the run begins */
+    char *output;     /* output name as written */
+    char format;      /* 'A' or 'B' */
+    uint64_t photons; /* 1..2^48 */
+    double dz, dr;    /* cm, > 0 */
+    int nz, nr, na;   /* >= 1 */
+    int num_layers;   /* L >= 1 */
+    int num_bodies;
+    struct cml_medium_def *media;    /* [L+2+num_bodies], layers, outer media and bodies: body k is L+2+k */
     struct cml_boundary *boundaries; /* [L+1] */
+    struct cml_scene_body *bodies;   /* [num_bodies] */
     struct cml_beam beam;
     struct cml_map_def map;
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
@@ -93,6 +112,15 @@ struct cml_scene_list {
 
 void cml_scene_clear(struct cml_scene *scene);
 void cml_scene_list_clear(struct cml_scene_list *list);
+
+/* Medium of body k. */
+static inline int cml_body_medium(const struct cml_scene *scene, int k)
+{
+    return scene->num_layers + 2 + k;
+}
+
+/* Whether any body lies in medium m. */
+bool cml_medium_has_bodies(const struct cml_scene *scene, int m);
 
 /* For readers, of a scene that is not complete yet: frees the boundary's shape and leaves its nominal plane,
  * and where it stands in the file. */

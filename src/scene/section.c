@@ -62,10 +62,9 @@ static bool passes(const double *a, const double *b, double point[2])
     return true;
 }
 
-static cml_status cut_triangles(const struct cml_boundary *boundary, struct cml_cut *cut,
+static cml_status cut_triangles(const struct cml_mesh *mesh, double z, struct cml_cut *cut,
                                 struct cml_error *err)
 {
-    const struct cml_mesh *mesh = &boundary->mesh;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
         double end[3][2];
         int ends = 0;
@@ -74,8 +73,7 @@ static cml_status cut_triangles(const struct cml_boundary *boundary, struct cml_
             const double *b = mesh->vertex[mesh->triangle[t][(k + 1) % 3]];
             if (passes(a, b, end[ends])) ends++;
         }
-        if (ends == 2)
-            CML_TRY(add(cut, end[0][0], boundary->z + end[0][1], end[1][0], boundary->z + end[1][1], err));
+        if (ends == 2) CML_TRY(add(cut, end[0][0], z + end[0][1], end[1][0], z + end[1][1], err));
     }
     return CML_OK;
 }
@@ -115,7 +113,7 @@ static cml_status cut_mesh(const struct cml_boundary *boundary, double x_low, do
 {
     double *x = malloc((boundary->mesh.num_border + 1) * sizeof *x);
     if (!x) return cml_fail_memory(err, 8.0 * (double)boundary->mesh.num_border, "a section");
-    cml_status status = cut_triangles(boundary, cut, err);
+    cml_status status = cut_triangles(&boundary->mesh, boundary->z, cut, err);
     if (status == CML_OK) status = cut_outside(boundary, x_low, x_high, x, cut, err);
     free(x);
     return status;
@@ -163,6 +161,11 @@ double cml_outer_depth(const struct cml_boundary *boundary)
     if (boundary->form == CML_FORM_RADIAL) return boundary->z - boundary->radial.h[boundary->radial.n - 1];
     if (boundary->form == CML_FORM_TILE) return boundary->z - boundary->tile_notes.relief.mean;
     return boundary->z + (boundary->form == CML_FORM_MESH ? boundary->mesh.z_border : 0);
+}
+
+cml_status cml_section_add_body(const struct cml_mesh *mesh, struct cml_cut *cut, struct cml_error *err)
+{
+    return cut_triangles(mesh, 0, cut, err);
 }
 
 cml_status cml_section_cut(const struct cml_boundary *boundary, double x_low, double x_high,

@@ -1,5 +1,5 @@
-/* The lines in which the plane y = 0 cuts the boundaries of a scene: what a picture of the scene shows.
- * SPDX-License-Identifier: MIT */
+/* The lines in which the plane y = 0 cuts the boundaries and bodies of a scene: what a picture of the scene
+ * shows. SPDX-License-Identifier: MIT */
 #ifndef CML_SECTION_H
 #define CML_SECTION_H
 
@@ -15,6 +15,10 @@ struct cml_cut {
  * may reach beyond these. CML_E_INPUT only when memory runs out; *cut is then cleared. */
 CML_NODISCARD cml_status cml_section_cut(const struct cml_boundary *boundary, double x_low, double x_high,
                                          struct cml_cut *cut, struct cml_error *err);
+
+/* Adds what the plane cuts of a closed mesh in scene coordinates. CML_E_INPUT only when memory runs out. */
+CML_NODISCARD cml_status cml_section_add_body(const struct cml_mesh *mesh, struct cml_cut *cut,
+                                              struct cml_error *err);
 
 void cml_cut_clear(struct cml_cut *cut);
 

@@ -11,7 +11,7 @@
 
 const char *cml_surface_kind_name(enum cml_surface_kind kind)
 {
-    static const char *const names[] = {"plane", "cone", "mesh", "auto"};
+    static const char *const names[] = {"plane", "cone", "mesh", "auto", "sphere", "cylinder"};
     return names[kind];
 }
 
@@ -260,25 +260,38 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
     return CML_OK;
 }
 
+/* In the frames that their layers have by now; as meshes where those are forced. */
+static cml_status represent_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
+                                   struct cml_surface_set *set, struct cml_error *err)
+{
+    const double tolerance =
+        options->force == CML_SURFACE_MESH ? cml_choice_tessellation(options).tolerance : 0;
+    double *depths = malloc((size_t)set->count * sizeof *depths);
+    if (!depths) return cml_fail_memory(err, set->count * (double)sizeof *depths, "depths");
+    for (int b = 0; b < set->count; b++) depths[b] = set->item[b].depth;
+    const cml_status status = cml_body_surfaces_create(scene, depths, tolerance, &set->bodies, err);
+    free(depths);
+    return status;
+}
+
 cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_surface_options *options,
                                struct cml_surface_set *set, struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 1;
     *set = (struct cml_surface_set){.count = (int)count, .item = calloc(count, sizeof *set->item)};
     if (!set->item) return cml_fail_memory(err, (double)(count * sizeof *set->item), "the boundaries");
-    for (size_t b = 0; b < count; b++) {
+    cml_status status = CML_OK;
+    for (size_t b = 0; b < count && status == CML_OK; b++) {
         const struct cml_boundary *boundary = &scene->boundaries[b];
         const struct cml_surface_def *known = known_surface(boundary, b, options);
-        if (known) {
+        if (known)
             borrow(known, boundary->z, &set->item[b]);
-            continue;
-        }
-        const cml_status status = represent_timed(scene, boundary, options, &set->item[b], err);
-        if (status == CML_OK) continue;
-        cml_surfaces_free(set);
-        return status;
+        else
+            status = represent_timed(scene, boundary, options, &set->item[b], err);
     }
-    return CML_OK;
+    if (status == CML_OK) status = represent_bodies(scene, options, set, err);
+    if (status != CML_OK) cml_surfaces_free(set);
+    return status;
 }
 
 /* Height above the boundary's depth of the plane in which it goes on outside. */
@@ -324,6 +337,7 @@ void cml_surfaces_free(struct cml_surface_set *set)
 {
     for (int b = 0; set->item && b < set->count; b++) cml_surface_clear(&set->item[b]);
     free(set->item);
+    cml_body_surfaces_free(&set->bodies);
     *set = (struct cml_surface_set){0};
 }
 

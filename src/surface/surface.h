@@ -5,6 +5,7 @@
 #ifndef CML_SURFACE_H
 #define CML_SURFACE_H
 
+#include "surface/body/body_surface.h"
 #include "surface/clearance_map.h"
 #include "scene/scene.h"
 #include "surface/surface_choice.h"
@@ -31,10 +32,11 @@ struct cml_surface_def {
 struct cml_surface_set {
     int count;                    /* num_layers + 1 */
     struct cml_surface_def *item; /* [count] */
+    struct cml_body_surfaces bodies;
 };
 
-/* Represents every boundary of the scene. CML_E_INPUT when a boundary cannot take the forced kind, or a
- * tessellation is over the budget. */
+/* Represents every boundary of the scene, and its bodies. CML_E_INPUT when a boundary cannot take the forced
+ * kind, or a tessellation is over the budget. */
 CML_NODISCARD cml_status cml_surfaces_create(const struct cml_scene *scene,
                                              const struct cml_surface_options *options,
                                              struct cml_surface_set *set, struct cml_error *err);

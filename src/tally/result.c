@@ -30,7 +30,7 @@ static size_t cells_batched(const struct cml_grid *grid)
 /* Of all arrays that are not kept apart by batch. */
 static size_t cells_unbatched(const struct cml_grid *grid)
 {
-    return cells_A(grid) + 2 * cells_ra(grid) + (size_t)grid->num_layers + 2 + cml_cells_maps(grid);
+    return cells_A(grid) + 2 * cells_ra(grid) + cml_grid_media(grid) + cml_cells_maps(grid);
 }
 
 /* The maps come last among the arrays without batches. */
@@ -51,7 +51,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     cml_u128 *block = calloc(cells_unbatched(grid) + cells_batched(grid), sizeof *block);
     result->A_l = block;
     if (!block) return cml_fail_memory(err, cml_result_bytes(grid), "the result");
-    result->Rd_ra = result->A_l + grid->num_layers + 2;
+    result->Rd_ra = result->A_l + cml_grid_media(grid);
     result->Tt_ra = result->Rd_ra + cells_ra(grid);
     if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
     CML_SET_MAPS(result, result_maps(result));
@@ -147,7 +147,7 @@ static void add_maps(struct cml_result *result, const struct cml_tally *tally)
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
     const struct cml_grid *grid = &result->grid;
-    for (int m = 0; m < grid->num_layers + 2; m++) result->A_l[m] += tally->A_l[m];
+    for (size_t m = 0; m < cml_grid_media(grid); m++) result->A_l[m] += tally->A_l[m];
     add_exits(result, result->Rd_ra, tally->Rd_ra);
     add_exits(result, result->Tt_ra, tally->Tt_ra);
     if (tally->grid.absorption) add_absorption(result, tally->A_rz);
@@ -213,7 +213,7 @@ double cml_result_imbalance(const struct cml_result *result)
     const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED];
     const double differences[] = {
         difference(in, out),
-        difference(sum_of(result->A_l, (size_t)grid->num_layers + 2), absorbed),
+        difference(sum_of(result->A_l, cml_grid_media(grid)), absorbed),
         grid->absorption ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
         difference(sum_of(result->Rd_ra, cells_ra(grid)), balance[CML_BALANCE_REFLECTED]),
         difference(sum_of(result->Tt_ra, cells_ra(grid)), balance[CML_BALANCE_TRANSMITTED]),

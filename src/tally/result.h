@@ -22,7 +22,7 @@ struct cml_result {
     uint64_t photons;                                               /* asked for */
     cml_u128 *A_rz;                                                 /* [nr][nz] or NULL */
     cml_u128 *Rd_ra, *Tt_ra;                                        /* [nr][na] */
-    cml_u128 *A_l;                                                  /* [num_layers + 2] by medium */
+    cml_u128 *A_l;                                                  /* [cml_grid_media] by medium */
     cml_u128 *totals;                                               /* [64][CML_NUM_TOTALS] */
     cml_u128 *Rd_r, *Tt_r;                                          /* [64][nr] */
     cml_u128 *Rd_a, *Tt_a;                                          /* [64][na] */

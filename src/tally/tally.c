@@ -45,7 +45,7 @@ static size_t tally_cells_ra(const struct cml_grid *grid)
  */
 static size_t cells_in_common(const struct cml_grid *grid)
 {
-    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + (size_t)grid->num_layers + 2;
+    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + cml_grid_media(grid);
 }
 
 size_t cml_tally_cells(const struct cml_grid *grid)
@@ -71,7 +71,7 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
-    tally->Rd_ra = tally->A_l + grid->num_layers + 2;
+    tally->Rd_ra = tally->A_l + cml_grid_media(grid);
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
     if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
     if (grid->depths) tally->A_z = tally->Tt_ra + tally_cells_ra(grid);

@@ -21,7 +21,7 @@ __extension__ typedef unsigned __int128 cml_u128;
 
 struct cml_grid {
     int nr, nz, na;
-    int num_layers;
+    int num_layers, num_bodies;
     bool absorption; /* A_rz is tallied; false: its cells do not exist */
     bool depths;     /* A_z is tallied, of a thread that scores into an A_rz of others */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
@@ -29,8 +29,14 @@ struct cml_grid {
     int nx, ny;    /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
     int map_na;    /* angle bins of a pixel: na or 1 */
     bool volume;   /* A_xyz, nz deep */
-    size_t facets; /* of all boundaries */
+    size_t facets; /* of all boundaries and bodies */
 };
+
+/* Media of a grid: layers, the two outer ones, bodies. */
+static inline size_t cml_grid_media(const struct cml_grid *grid)
+{
+    return (size_t)grid->num_layers + 2 + (size_t)grid->num_bodies;
+}
 
 /* A packet escapes once, so the sum of its squared weights gives a pixel's standard error. Weights are
  * rounded to 2^-16 of a packet before they are squared: 2^30 packets then fit into 64 bits. */
@@ -63,7 +69,7 @@ struct cml_tally {
     uint64_t *A_z;               /* [nz + 2] or NULL: what this tally alone has scored into an A_rz that it
                                   * shares, over all radii */
     uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
-    uint64_t *A_l;               /* [num_layers + 2] by medium */
+    uint64_t *A_l;               /* [cml_grid_media] by medium */
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */

@@ -21,6 +21,7 @@ for script in bench/*.sh; do
     case $script in
     */figure.sh) expect_refusal usage "$script" --nonsense && continue ;;
     */atlas.sh | */parts.sh | */unbiased.sh) place=--build ;;
+    */gpu_static.sh) place=--kernels ;;
     *) place=--program ;;
     esac
     expect_refusal "unknown option --nonsense" "$script" --nonsense

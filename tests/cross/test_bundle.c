@@ -3,6 +3,8 @@
  * shows. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
+#include "body_files.h"
+
 #include "engine/cpu/bundle_walk_inl.h"
 #include "engine/cpu/engine_cpu.h"
 #include "engine/scalar_walk_inl.h"
@@ -398,6 +400,30 @@ static void an_interaction_beside_a_facet_is_remembered(void **state)
     bundle_flight_close(&b);
 }
 
+/* Bodies of all forms, nested, clear and thick, below planes and below a hill, with a mesh and beams that
+ * strike them first. */
+static void bodies_have_the_same_tally(void **state)
+{
+    (void)state;
+    static const char bodies[] =
+        "i sphere 0.02 0 0.3 0.12 1.33 5 200 0.9\ni sphere 0.02 0.01 0.32 0.08 1 0 0 0\n"
+        "i sphere 0.02 0.02 0.32 0.03 1.5 1 10 0.5\n"
+        "i cylinder -0.4 -0.3 0.6 0.3 0.4 0.62 0.05 1.4 30 0 0\n";
+    char text[2048], mesh[] = "/tmp/cml_bundle_XXXXXX.obj";
+    close(mkstemps(mesh, 4));
+    write_sphere(mesh, 0.35, 0, 0.35, 0.15, 5);
+    snprintf(text, sizeof text,
+             HEAD "beam disk 0.3\n" GRID "1\n1\n1.37 0.5 20 0.8 0.8\n%si \"%s\" 1.6 0 5 0\n1\n", bodies,
+             mesh);
+    compare_text(text, 4000);
+    remove(mesh);
+    snprintf(text, sizeof text,
+             HEAD "map 8 8 0.1 0.1 volume\nfacets\n" GRID
+                  "2\n1\nb 3 0.1 0.1 -0.05 0.2 0 0\n1.37 0 0 0 0.8\n%s1.5 1 20 0.9 0.2\n1.2\n",
+             bodies);
+    compare_text(text, 4000);
+}
+
 /* The same bits at every level of the processor that this machine can run. */
 int main(void)
 {
@@ -406,6 +432,7 @@ int main(void)
         cmocka_unit_test(maps_and_facets_have_the_same_tally),
         cmocka_unit_test(odd_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
+        cmocka_unit_test(bodies_have_the_same_tally),
         cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
         cmocka_unit_test(ballistic_light_has_the_same_tally),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),

@@ -3,6 +3,8 @@
  * interactions. SPDX-License-Identifier: MIT */
 #include "flight.h"
 
+#include "body_files.h"
+
 #define MEDIUM "1.37 0.5 20 0.8 "
 
 static const char *const whole = "1.0\n1\nwhole A\n1000\n0.01 0.01\n10 10 1\n1\n1\n" MEDIUM "0.8\n1\n";
@@ -70,11 +72,48 @@ static void cpu_changes_at_most_one_packet_in_ten_thousand(void **state)
     expect_no_change_any_shape("cpu", 20000, 2);
 }
 
+/* Bodies in the layer: nested, side by side, in the way of the beam, a mesh with a sphere inside. */
+static void expect_no_change_with_bodies(const char *engine, uint64_t photons, uint64_t allowed)
+{
+    char text[2048], mesh[] = "/tmp/cml_null_XXXXXX.obj";
+    struct flight a, b;
+    const struct flight_options with = {.engine = engine, .normals = CML_NORMALS_FACET};
+    close(mkstemps(mesh, 4));
+    write_sphere(mesh, 0.35, 0, 0.35, 0.2, 8);
+    snprintf(text, sizeof text,
+             "1.0\n1\nbodies A\n1000\n0.01 0.01\n10 10 1\n1\n1\n" MEDIUM "0.8\n"
+             "i sphere 0.01 0 0.3 0.12 " MEDIUM "\ni sphere 0.02 0.01 0.32 0.08 " MEDIUM "\n"
+             "i cylinder -0.02 -0.3 0.6 0.03 0.4 0.62 0.05 " MEDIUM "\n"
+             "i cylinder 0 -0.02 0.01 0 0.02 0.15 0.01 " MEDIUM "\n"
+             "i \"%s\" " MEDIUM "\ni sphere 0.35 0 0.35 0.1 " MEDIUM "\n1\n",
+             mesh);
+    flight_open(whole, &with, &a);
+    flight_open(text, &with, &b);
+    remove(mesh);
+    uint64_t crossings = 0;
+    for (uint64_t photon = 0; photon < 100; photon++) crossings += fly(&b, photon).boundary_events;
+    assert_true(crossings > 300);
+    const uint64_t different = count_different(&a, &b, photons);
+    if (different > allowed)
+        fail_msg("%s: %llu of %llu packets changed (at most %llu may)", engine, (unsigned long long)different,
+                 (unsigned long long)photons, (unsigned long long)allowed);
+    flight_close(&a);
+    flight_close(&b);
+}
+
+static void bodies_change_no_packet(void **state)
+{
+    (void)state;
+    expect_no_change_with_bodies("reference", 4000, 0);
+    expect_no_change_with_bodies("cpu", 20000, 2);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reference_changes_no_packet),
         cmocka_unit_test(cpu_changes_at_most_one_packet_in_ten_thousand),
+        cmocka_unit_test(bodies_change_no_packet),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,10 +5,11 @@
 #include "engine/plane_trial.h"
 #include "run/cluster.h"
 #include "input/mci.h"
-#include "input/sweep_table.h"
+#include "input/sweep/sweep_table.h"
 #include "run/launcher.h"
 #include "output/report.h"
 #include "base/text.h"
+#include "scene/body/body_place.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +20,10 @@
 /* What is checked is what will fly. */
 static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)
 {
-    for (int i = 0; i < list->count; i++) CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
+    for (int i = 0; i < list->count; i++) {
+        CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
+        CML_TRY(cml_scene_check_bodies(&list->scenes[i], err));
+    }
     return CML_OK;
 }
 
@@ -99,7 +103,7 @@ cml_status cml_reload_scene(const struct cml_options *options, const struct cml_
                                           .flat = is_flat(options)};
     CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
     if (lies_as_known(&list->scenes[0], &known->scenes[0])) return CML_OK;
-    const cml_status status = cml_scene_check_overlap(&list->scenes[0], err);
+    const cml_status status = check_all(list, err);
     if (status != CML_OK) cml_scene_list_clear(list);
     return status;
 }

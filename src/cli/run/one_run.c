@@ -18,8 +18,10 @@
 #include <string.h>
 #include <unistd.h>
 
+/* Planes and nothing else. */
 static bool all_planes(const struct cml_surface_set *surfaces)
 {
+    if (surfaces->bodies.count > 0) return false;
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind != CML_SURFACE_PLANE) return false;
     return true;

@@ -7,7 +7,7 @@
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep_rows.h"
-#include "input/sweep_table.h"
+#include "input/sweep/sweep_table.h"
 #include "output/hdf5_file.h"
 #include "output/report.h"
 #include "output/study/sweep_files.h"

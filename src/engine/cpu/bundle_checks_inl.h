@@ -16,7 +16,7 @@ static inline int cml_lane_medium_is_sound(const struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
     const int m = b->medium[i];
-    return m >= 0 && m <= f->world->setup.num_layers + 1 &&
+    return m >= 0 && m <= f->world->setup.num_layers + 1 + f->world->setup.num_bodies &&
            memcmp(&CML_OF_MEDIUM(b, stop_below)[i], &f->media[m].stop_below, sizeof(real)) == 0 &&
            memcmp(&CML_OF_MEDIUM(b, mfp)[i], &f->media[m].mfp, sizeof(real)) == 0;
 }

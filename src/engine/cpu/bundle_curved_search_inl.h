@@ -158,7 +158,7 @@ static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t la
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
         const struct cml_boundary_intervals intervals = {cml_interval_of(&gathered->above, k),
-                                                         cml_interval_of(&gathered->below, k)};
+                                                         cml_interval_of(&gathered->below, k), 0, f->b->s[i]};
         const int above = intervals.above.meets;
         if (above == intervals.below.meets || !cml_is_common_case(f, i, above ? medium - 1 : medium))
             cml_continue_lane(f, i, intervals, f->b->s[i]);

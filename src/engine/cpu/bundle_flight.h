@@ -34,7 +34,7 @@ struct cml_flight {
     struct cml_bundle *b;
     struct cml_gathered *gathered; /* scratch of bundle_curved_reach_inl.h */
     struct cml_tally *tally;
-    const struct cml_lane_medium *media; /* [num_layers + 2] */
+    const struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
     const struct cml_range_source *source;
     struct cml_deposits to; /* into the tally */
     /* the beam */
@@ -50,7 +50,8 @@ struct cml_flight {
     int curves;    /* not all boundaries are planes */
     real steepest; /* slope of those that are none */
     /* lanes */
-    uint64_t live, ended;         /* masks: lanes that hold packets; those of them whose packet has ended */
+    uint64_t live, ended; /* masks: lanes that hold packets; those of them whose packet has ended */
+    uint64_t past_bodies; /* mask: lanes that meet no body any more before they interact in this pass */
     uint64_t absorbed[CML_LANES]; /* by the lane's packet, up to when its deposits were last booked */
     int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
     int wait_at_curved;           /* the same of lanes at curved boundaries */

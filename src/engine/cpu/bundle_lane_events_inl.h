@@ -55,7 +55,7 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
         } else {
             cml_leave_scene(world, packet);
         }
-        const int outside = packet->medium == 0 || packet->medium > world->setup.num_layers;
+        const int outside = cml_is_outer(world, packet->medium);
         if (packet->fate != CML_FATE_ALIVE || !outside) return 1;
         intervals = cml_find_intervals(world, packet, cml_free_path(world, packet));
     }
@@ -92,7 +92,7 @@ static void cml_process_found_hit(struct cml_flight *f, int i, const struct cml_
     packet.queries = 1;
     CML_HOOK_MET(1);
     cml_score_boundary_event(world, &f->to, &packet, hit);
-    const int outside = packet.medium == 0 || packet.medium > world->setup.num_layers;
+    const int outside = cml_is_outer(world, packet.medium);
     if (packet.fate == CML_FATE_ALIVE && outside) cml_fly_outside(f, &packet);
     cml_return_to_lane(f, i, &packet);
 }
@@ -141,7 +141,8 @@ static void cml_continue_lane(struct cml_flight *f, int i, struct cml_boundary_i
 {
     const struct cml_bundle *b = f->b;
     const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
-    if (intervals.above.meets || intervals.below.meets || !(s < CML_INFINITY) || !(cml_dot(u, u) < 2))
+    if (intervals.above.meets || intervals.below.meets || intervals.bodies || !(s < CML_INFINITY) ||
+        !(cml_dot(u, u) < 2))
         cml_intersect_or_interact(f, i, intervals);
     else
         cml_lane_set_interacting(f, i, s);
@@ -157,7 +158,7 @@ static void cml_process_lane(struct cml_flight *f, int i)
         b->tau[i] = cml_optical_depth(f->world->setup.stream, cml_lane_index(b, i), b->interactions[i], 0);
     const real s = cml_path(b->tau[i], CML_OF_MEDIUM(b, mfp)[i]);
     const int known = cml_first_hit_is_known(f, b->medium[i], b->boundary_events[i]);
-    const struct cml_boundary_intervals ahead = {{0, 0, s}, {1, 0, s}};
+    const struct cml_boundary_intervals ahead = {{0, 0, s}, {1, 0, s}, 0, s};
     cml_lane_packet(b, i, &packet);
     const struct cml_boundary_intervals intervals = known ? ahead : cml_find_intervals(f->world, &packet, s);
     cml_continue_lane(f, i, intervals, s);

@@ -2,12 +2,14 @@
 #include "engine/cpu/bundle_prepare.h"
 
 /* A plane needs no start: it is only met by a path that ends beyond it (cml_find_lane_candidates). A medium
- * without a boundary on one side, an outer one, has infinite depths there, and its own index beyond it. */
+ * without a boundary on one side, an outer one or that of a body, has infinite depths there, and its own
+ * index beyond it. */
 struct cml_lane_medium cml_lane_medium_of(const struct cml_world *world, int m)
 {
     const struct cml_medium *medium = &world->media[m];
-    const struct cml_surface *top = m > 0 ? &world->surfaces[m - 1] : NULL;
-    const struct cml_surface *bottom = m <= world->setup.num_layers ? &world->surfaces[m] : NULL;
+    const int layers = world->setup.num_layers, in_body = m > layers + 1;
+    const struct cml_surface *top = m > 0 && !in_body ? &world->surfaces[m - 1] : NULL;
+    const struct cml_surface *bottom = m <= layers ? &world->surfaces[m] : NULL;
     const int plane_top = top && top->kind == CML_SURFACE_PLANE;
     const int plane_bottom = bottom && bottom->kind == CML_SURFACE_PLANE;
     const real stop_above = top ? top->highest : -CML_INFINITY;
@@ -51,9 +53,10 @@ static int cml_transmit_like(const struct cml_world *world, const struct cml_pac
 static real cml_reflectance_at(const struct cml_world *world, const struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
-    const int other = hit->boundary < packet->medium ? packet->medium - 1 : packet->medium + 1;
+    const int below = packet->medium == hit->boundary + 1;
+    const int other = below ? world->surfaces[hit->boundary].above : hit->boundary + 1;
     const real n1 = world->media[packet->medium].n, n2 = world->media[other].n;
-    const real side = other < packet->medium ? (real)1 : (real)-1;
+    const real side = below ? (real)1 : (real)-1;
     const struct cml_vec up = hit->normal, against = {-side * up.x, -side * up.y, -side * up.z};
     real ct;
     return n1 == n2 ? (real)0 : cml_fresnel(n1, n2, cml_incidence(packet->u, against), &ct);

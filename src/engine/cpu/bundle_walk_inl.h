@@ -5,6 +5,7 @@
 #ifndef CML_BUNDLE_WALK_INL_H
 #define CML_BUNDLE_WALK_INL_H
 
+#include "engine/cpu/bundle_bodies_inl.h"
 #include "engine/cpu/bundle_checks_inl.h"
 #include "engine/cpu/bundle_launch_inl.h"
 #include "engine/cpu/bundle_curved_search_inl.h"
@@ -185,7 +186,9 @@ static void cml_process_curved_boundaries(struct cml_flight *f)
 static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
 {
     cml_for_lanes(f, tails, cml_process_lane);
+    f->past_bodies = 0;
     do {
+        if (f->world->setup.num_bodies) cml_process_bodies(f);
         if (f->curves) cml_process_curved_boundaries(f);
     } while (cml_process_planes(f));
 }
@@ -271,7 +274,8 @@ static void cml_flight_pass(struct cml_flight *f)
     CML_HOOK_LANES(CML_HOOK_PASS, f->b->lanes);
     cml_bundle_draw(&f->world->setup, f->b);
     const int any = cml_bundle_fly(f->b);
-    if (any) cml_process_boundaries(f, any & CML_ANY_TAIL ? cml_park_dead_lanes(f) : 0);
+    if (any | f->world->setup.num_bodies)
+        cml_process_boundaries(f, any & CML_ANY_TAIL ? cml_park_dead_lanes(f) : 0);
     cml_flight_interact(f);
     CML_ASSERT(cml_lanes_are_sound(f));
     if (f->ended) cml_refill(f);

@@ -15,7 +15,7 @@
 
 struct cpu_engine {
     struct cml_owned_world owned;
-    struct cml_lane_medium *media; /* [num_layers + 2] */
+    struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
     struct cml_tally *tallies;     /* [num_tallies], zero between calls of run; the first has all that threads
                                     * share */
     int threads, num_tallies;
@@ -57,7 +57,7 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
 /* Media as lanes hold them; the same for all threads. */
 static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *err)
 {
-    const int count = cpu->owned.world.setup.num_layers + 2;
+    const int count = cpu->owned.world.setup.num_layers + 2 + cpu->owned.world.setup.num_bodies;
     cpu->media = calloc((size_t)count, sizeof *cpu->media);
     if (!cpu->media) return cml_fail_memory(err, count * (double)sizeof *cpu->media, "the media");
     for (int m = 0; m < count; m++) cpu->media[m] = cml_lane_medium_of(&cpu->owned.world, m);

@@ -44,6 +44,13 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
                 "%s: boundary %d is a mesh (expected planes and heightfields; the opencl engine flies no "
                 "meshes)",
                 scene->file, b);
+    for (int k = 0; k < scene->num_bodies; k++)
+        if (scene->bodies[k].form == CML_BODY_MESH)
+            return cml_fail(
+                err, CML_E_INPUT,
+                "%s:%d: body %d is a mesh (expected spheres and cylinders; the opencl engine flies "
+                "no meshes)",
+                scene->file, scene->bodies[k].line, k + 1);
     return CML_OK;
 }
 
@@ -74,6 +81,13 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
         .clearance = engine->owned.clearance,
         .num_rings = engine->owned.num_rings,
         .clearance_cells = engine->owned.clearance_cells,
+        .bodies = engine->owned.bodies,
+        .body_nodes = engine->owned.body_nodes,
+        .body_grids = engine->owned.body_grids,
+        .body_clearance = engine->owned.body_clearance,
+        .num_body_nodes = engine->owned.num_body_nodes,
+        .num_body_grids = engine->owned.num_body_grids,
+        .body_cells = engine->owned.body_cells,
         .only_planes = true,
         .cells = cml_tally_cells(grid),
         .build_options = options->build_options,
@@ -81,6 +95,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
     };
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind != CML_SURFACE_PLANE) scene.only_planes = false;
+    if (surfaces->bodies.count > 0) scene.only_planes = false;
     return scene;
 }
 

@@ -62,7 +62,7 @@ static struct cml_windows place_windows(const struct cml_opencl_scene *scene,
     const uint64_t local = flight->device.info.local_memory / 2;
     const uint64_t near = (most < local ? most : local) / sizeof(uint64_t); /* 2048 at least on any device */
     const uint64_t exits = ((uint64_t)setup->nr + 1) * (uint64_t)setup->na;
-    const uint64_t layers = (uint64_t)setup->num_layers + 2;
+    const uint64_t layers = (uint64_t)setup->num_layers + 2 + (uint64_t)setup->num_bodies;
     uint64_t first = 0;
     uint32_t used = 0;
     struct cml_windows windows;
@@ -119,8 +119,10 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
 {
     static const char *const names[CML_NUM_BUFFERS] = {
         "memory for media",        "memory for surfaces",  "memory for rings",
-        "memory for rings' parts", "memory for clearance", "memory for counters",
-        "memory for packets",      "memory for fates",     "memory for tallies"};
+        "memory for rings' parts", "memory for clearance", "memory for bodies",
+        "memory for bodies",       "memory for bodies",    "memory for bodies' clearance",
+        "memory for counters",     "memory for packets",   "memory for fates",
+        "memory for tallies"};
     cl_int code = CL_SUCCESS;
     if (flight->buffer[which]) clReleaseMemObject(flight->buffer[which]);
     flight->buffer[which] =
@@ -201,7 +203,8 @@ static cml_status clear_cells(struct cml_opencl_flight *flight, struct cml_error
 static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cml_opencl_flight *flight,
                                  struct cml_error *err)
 {
-    const size_t surfaces = (size_t)scene->setup.num_layers + 1;
+    const size_t bodies = (size_t)scene->setup.num_bodies,
+                 surfaces = (size_t)scene->setup.num_layers + 1 + bodies;
     CML_TRY(create_buffer(flight, CML_BUFFER_CONTROL, sizeof flight->control, &flight->control, err));
     CML_TRY(
         create_buffer(flight, CML_BUFFER_MEDIA, (surfaces + 1) * sizeof *scene->media, scene->media, err));
@@ -213,6 +216,13 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
                           err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CLEARANCE, 2 * scene->clearance_cells * sizeof(float),
                           scene->clearance, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_BODIES, bodies * sizeof *scene->bodies, scene->bodies, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_NODES, scene->num_body_nodes * sizeof *scene->body_nodes,
+                          scene->body_nodes, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_GRIDS, scene->num_body_grids * sizeof *scene->body_grids,
+                          scene->body_grids, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_CLEARANCE, scene->body_cells * sizeof(float),
+                          scene->body_clearance, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));
     CML_TRY(clear_cells(flight, err));
     return clear_packets(flight, err);

@@ -62,6 +62,11 @@ struct cml_opencl_scene {
     const float *rings, *clearance; /* [CML_RING_ROWS][num_rings], [2][clearance_cells] */
     const int *ring_starts;         /* [num_rings] */
     size_t num_rings, clearance_cells;
+    const struct cml_body *bodies; /* [setup.num_bodies] */
+    const struct cml_body_node *body_nodes;
+    const struct cml_body_grid *body_grids;
+    const float *body_clearance;
+    size_t num_body_nodes, num_body_grids, body_cells;
     bool only_planes;
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
     const char *build_options; /* NULL: none */
@@ -76,6 +81,10 @@ enum {
     CML_BUFFER_RINGS,
     CML_BUFFER_RING_STARTS,
     CML_BUFFER_CLEARANCE,
+    CML_BUFFER_BODIES,
+    CML_BUFFER_BODY_NODES,
+    CML_BUFFER_BODY_GRIDS,
+    CML_BUFFER_BODY_CLEARANCE,
     CML_BUFFER_CONTROL, /* counters that host and device pass to and fro, struct cml_control */
     CML_BUFFER_PACKETS, /* packets under way, from launch to launch */
     CML_BUFFER_FATES,   /* records, where they are wanted */

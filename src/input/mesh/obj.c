@@ -154,6 +154,7 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
         mesh->num_vertices = scan->num_vertices;
         mesh->normals = options->normals;
         mesh->skirt = options->skirt;
+        mesh->closed = options->closed;
         scan->vertex = NULL;
         place_vertices(mesh, options);
         const struct cml_mesh_source source = {

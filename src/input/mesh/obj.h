@@ -21,6 +21,7 @@ struct cml_obj_options {
     double height;   /* >= 0: heights are multiplied by this, too */
     double shift[3]; /* x, y, height; cm */
     double skirt;    /* cm: the mesh's (geometry/mesh.h) */
+    bool closed;     /* a body, not a boundary */
     enum cml_normals normals;
     struct cml_mesh_budget budget;
 };

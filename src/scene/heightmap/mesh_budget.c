@@ -18,12 +18,14 @@ double cml_mesh_budget_default(void)
 
 static void name(const struct cml_mesh_budget *budget, char *text, size_t size)
 {
+    const char *what = budget->body > 0 ? "body" : "boundary";
+    const int number = budget->body > 0 ? budget->body : budget->boundary;
     if (!budget->file)
         snprintf(text, size, "a boundary");
     else if (budget->line > 0)
-        snprintf(text, size, "%.512s:%d: boundary %d", budget->file, budget->line, budget->boundary);
+        snprintf(text, size, "%.512s:%d: %s %d", budget->file, budget->line, what, number);
     else
-        snprintf(text, size, "%.512s: boundary %d", budget->file, budget->boundary);
+        snprintf(text, size, "%.512s: %s %d", budget->file, what, number);
 }
 
 cml_status cml_mesh_budget_check(const struct cml_mesh_budget *budget, double triangles, const char *remedy,

@@ -16,6 +16,7 @@ struct cml_mesh_budget {
     const char *file; /* whose boundary it is, for messages; NULL: not known */
     int line;         /* 0: none */
     int boundary;
+    int body; /* its number from 1; 0: a boundary's */
 };
 
 /* Triangles: 4e6, or fewer where these would fill more than a quarter of this machine's memory. For a

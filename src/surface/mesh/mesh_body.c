@@ -61,13 +61,14 @@ cml_status cml_mesh_body_create(struct cml_mesh *mesh, double x0, double y0, str
     *mesh = (struct cml_mesh){0};
     centre_mesh(body, x0, y0);
     CML_TRY(find_planes(body, err));
+    if (body->mesh.closed) return CML_OK;
     return cml_footprint_create(&body->mesh, &body->footprint, err);
 }
 
 void cml_mesh_body_clear(struct cml_mesh_body *body)
 {
     free(body->plane);
-    cml_footprint_free(body->footprint);
+    if (body->footprint) cml_footprint_free(body->footprint);
     cml_mesh_clear(&body->mesh);
     *body = (struct cml_mesh_body){0};
 }

@@ -159,7 +159,7 @@ static void add_outer_plane(struct cml_mesh_line *line)
     const double height = q->body->mesh.z_border - q->origin[2], uz = q->direction[2];
     const double t = height / uz, later = t + line->err_line / (2 * fabs(uz));
     const int way = uz < 0 ? 1 : -1;
-    if (uz == 0) return;
+    if (uz == 0 || q->body->mesh.closed) return;
     if (line->winding != way && outer_plane_is_ahead(line))
         add_crossing(line, CML_OUTER_PLANE, way, fmax(t, q->err_query));
     if (!is_exiting(q, way)) return;
@@ -168,10 +168,12 @@ static void add_outer_plane(struct cml_mesh_line *line)
 }
 
 /* Whether the packet's position, or what is just ahead of it, lies below the boundary: at its far end the
- * line is below when it goes down, and from there back every crossing ahead changes sides. */
+ * line is below when it goes down, but of a closed mesh outside, and from there back every crossing ahead
+ * changes sides. */
 static bool lies_below(const struct cml_mesh_line *line)
 {
     const double uz = line->q->direction[2];
+    if (line->q->body->mesh.closed) return line->winding_ahead > 0;
     const bool ends_below = uz != 0 ? uz > 0 : line->q->origin[2] >= line->q->body->mesh.z_border;
     return ends_below + line->winding_ahead > 0;
 }

@@ -174,7 +174,7 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
 {
     const double uz = q->direction[2];
-    if (q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
+    if (q->body->mesh.closed || q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
     if (!cml_query_is_ahead(q, t, uz) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
@@ -185,10 +185,21 @@ void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
     q->primitive = CML_OUTER_PLANE;
 }
 
+/* Whether the path ends outside of the mesh's box; one without an end does. */
+static bool ends_beyond_box(const struct cml_mesh_query *q)
+{
+    for (int k = 0; k < 3; k++) {
+        const double end = q->origin[k] + q->t * q->direction[k];
+        if (!(end >= q->body->lower[k] && end <= q->body->upper[k])) return true;
+    }
+    return false;
+}
+
 /* The border belongs to triangles and plane alike, but only the plane asks for it in double: a ray that
  * passes within the rounding of single precision of it may have been let through by both. */
 bool cml_query_may_have_missed(const struct cml_mesh_query *q)
 {
+    if (q->body->mesh.closed) return q->below && ends_beyond_box(q);
     const double uz = q->direction[2], d = q->body->err_float;
     if (!(q->below ? uz < 0 : uz > 0)) return false;
     const double end = q->origin[2] + q->t * uz;

@@ -96,7 +96,8 @@ bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along);
 bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 
 /* Whether Embree's triangles in single precision may have missed what the exact query hits: the ray passes
- * the border closely before its end, or it ends where no packet of its side can be, beyond all triangles. */
+ * the border closely before its end, or it ends where no packet of its side can be, beyond all triangles; of
+ * a closed mesh, outside of its box. */
 bool cml_query_may_have_missed(const struct cml_mesh_query *q);
 
 /* 1 and the crossing, with its normals, if there is one. p, u: as given to cml_query_begin. */

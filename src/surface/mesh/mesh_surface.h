@@ -8,8 +8,9 @@
  * way decides. Grid: where the mesh is a regular grid (grid_mesh.h) a traversal of the cells below the ray
  * takes the place of Embree's triangles (grid_walk.h), as where it is a sheet (sheet_mesh.h); where it leaves
  * the answer open the exact way decides. Whatever the way, a crossing in which rounding had a say is decided
- * by the whole line (mesh_line.h). The outer plane with the footprint as its hole belongs to the surface. The
- * only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
+ * by the whole line (mesh_line.h). The outer plane with the footprint as its hole belongs to the surface. A
+ * closed mesh has none: below it is inside. The only place that includes Embree's headers; versions 3 and 4
+ * differ here and nowhere else.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_SURFACE_H
 #define CML_MESH_SURFACE_H

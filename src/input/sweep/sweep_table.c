@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "input/sweep_table.h"
+#include "input/sweep/sweep_table.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,0 +1,127 @@
+/* Bodies as the kernels read them: media, surfaces, shapes, tree and clearance, from a scene and its
+ * surfaces. SPDX-License-Identifier: MIT */
+#include "engine/world.h"
+
+#include "scene/body/body_shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Boxes are larger by this share of their coordinates, which is more than rounding moves a packet, its path
+ * or a box. */
+#define BOX_SHARE (16 * (double)CML_EPSILON)
+
+static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
+                                  struct cml_error *err)
+{
+    const size_t bodies = (size_t)surfaces->count;
+    to->num_body_nodes = (size_t)surfaces->tree.count;
+    to->num_body_grids = (size_t)surfaces->grids.count;
+    to->body_cells = surfaces->grids.num_cells;
+    to->bodies = calloc(bodies + 1, sizeof *to->bodies);
+    to->body_nodes = calloc(to->num_body_nodes + 1, sizeof *to->body_nodes);
+    to->body_grids = calloc(to->num_body_grids + 1, sizeof *to->body_grids);
+    to->body_clearance = calloc(to->body_cells + 1, sizeof *to->body_clearance);
+    if (to->bodies && to->body_nodes && to->body_grids && to->body_clearance) return CML_OK;
+    return cml_fail_memory(
+        err,
+        (double)(bodies * sizeof *to->bodies + to->num_body_nodes * sizeof *to->body_nodes + to->body_cells),
+        "the bodies");
+}
+
+/* A body's medium has the frame of its layer: depths and bins do not change at its surface. */
+static void copy_medium(const struct cml_scene *scene, int k, struct cml_owned_world *to)
+{
+    const int m = cml_body_medium(scene, k);
+    const struct cml_medium *layer = &to->media[scene->bodies[k].layer];
+    struct cml_medium *medium = &to->media[m];
+    cml_copy_optics(&scene->media[m], medium);
+    medium->span = 0;
+    medium->depth = layer->depth;
+    medium->bins = layer->bins;
+}
+
+static void copy_body(const struct cml_scene *scene, const struct cml_body_surface *from, int k,
+                      struct cml_owned_world *to)
+{
+    const struct cml_scene_body *body = &scene->bodies[k];
+    const int boundary = scene->num_layers + 1 + k;
+    struct cml_surface *surface = &to->surfaces[boundary];
+    const double x0 = scene->beam.x, y0 = scene->beam.y;
+    surface->kind = (int)from->kind;
+    surface->above = body->host;
+    surface->lowest = (real)from->lower[2];
+    surface->highest = (real)from->upper[2];
+    surface->steepest = CML_INFINITY;
+    to->meshes[boundary] = from->mesh;
+    if (from->kind == CML_SURFACE_MESH) return;
+    const struct cml_convex convex = cml_body_convex(body);
+    const double *c = convex.centre, *axis = convex.axis;
+    to->bodies[k].centre = cml_vec_of(c[0] - x0, c[1] - y0, c[2] - from->depth);
+    to->bodies[k].axis = cml_vec_of(axis[0], axis[1], axis[2]);
+    to->bodies[k].radius = (real)convex.radius;
+    to->bodies[k].length = (real)convex.length;
+}
+
+static void copy_tree(const struct cml_scene *scene, const struct cml_body_tree *tree,
+                      struct cml_owned_world *to)
+{
+    const double origin[3] = {scene->beam.x, scene->beam.y, 0};
+    for (int i = 0; i < tree->count; i++) {
+        const struct cml_body_tree_node *from = &tree->node[i];
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; k++) {
+            lower[k] = from->lower[k] - origin[k];
+            upper[k] = from->upper[k] - origin[k];
+            const double more = BOX_SHARE * (fabs(lower[k]) + fabs(upper[k]) + upper[k] - lower[k]);
+            lower[k] -= more;
+            upper[k] += more;
+        }
+        to->body_nodes[i].lower = cml_vec_of(lower[0], lower[1], lower[2]);
+        to->body_nodes[i].upper = cml_vec_of(upper[0], upper[1], upper[2]);
+        to->body_nodes[i].skip = from->skip;
+        to->body_nodes[i].body = from->body;
+    }
+    for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++) {
+        to->media[m].first_node = tree->first[m];
+        to->media[m].end_node = tree->first[m + 1];
+    }
+}
+
+static void copy_grids(const struct cml_scene *scene, const struct cml_body_grids *grids,
+                       struct cml_owned_world *to)
+{
+    for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
+        to->media[m].body_grid = grids->of_medium[m];
+    for (int i = 0; i < grids->count; i++) {
+        const struct cml_body_cells *from = &grids->item[i];
+        struct cml_body_grid *grid = &to->body_grids[i];
+        grid->nx = from->n[0];
+        grid->ny = from->n[1];
+        grid->nz = from->n[2];
+        grid->first = (int)from->first;
+        grid->corner =
+            cml_vec_of(from->corner[0] - scene->beam.x, from->corner[1] - scene->beam.y, from->corner[2]);
+        grid->cell = (real)from->cell;
+        grid->per_cell = (real)(1 / from->cell);
+    }
+    for (size_t i = 0; i < to->body_cells; i++) to->body_clearance[i] = grids->clearance[i];
+}
+
+cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_body_surfaces *surfaces,
+                           struct cml_owned_world *to, struct cml_error *err)
+{
+    if (surfaces->count == 0) return CML_OK;
+    CML_TRY(allocate_bodies(surfaces, to, err));
+    for (int k = 0; k < surfaces->count; k++) {
+        copy_medium(scene, k, to);
+        copy_body(scene, &surfaces->item[k], k, to);
+    }
+    copy_tree(scene, &surfaces->tree, to);
+    copy_grids(scene, &surfaces->grids, to);
+    to->world.bodies = to->bodies;
+    to->world.body_nodes = to->body_nodes;
+    to->world.body_grids = to->body_grids;
+    to->world.body_clearance = to->body_clearance;
+    return CML_OK;
+}

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+#include "input/mci_body.h"
+
+#include "input/mci_boundary.h"
+#include "input/mci_medium.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_BODIES 1000000
+
+/* Room for one more body and its medium; arrays are enlarged when their number is a power of two. */
+static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    const size_t count = (size_t)scene->num_bodies, media = (size_t)scene->num_layers + 2;
+    if (count >= MAX_BODIES) return cml_mci_fail(reader, "line", "i", "at most 1000000 bodies");
+    if (count > 0 && (count & (count - 1)) != 0) return CML_OK;
+    const size_t capacity = count ? 2 * count : 1;
+    struct cml_scene_body *bodies = realloc(scene->bodies, capacity * sizeof *bodies);
+    if (bodies) scene->bodies = bodies;
+    struct cml_medium_def *larger = realloc(scene->media, (media + capacity) * sizeof *larger);
+    if (larger) scene->media = larger;
+    if (bodies && larger) return CML_OK;
+    return cml_fail_memory(reader->err, (double)(capacity * sizeof *bodies), "bodies");
+}
+
+/* Behind the last number a number too many was meant for something (mci_lines.h). */
+static cml_status read_shape(struct cml_mci_reader *reader, const char *owner, struct cml_scene_body *body,
+                             struct cml_medium_def *medium)
+{
+    static const char coordinate[] = "a coordinate of -1e30..1e30 cm",
+                      radius[] = "a radius of 1e-30..1e30 cm";
+    static const struct cml_mci_field sphere[] = {
+        {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"r", CML_MCI_TINY, CML_MCI_HUGE, false, radius},
+    };
+    static const struct cml_mci_field cylinder[] = {
+        {"x1", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"y1", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"z1", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"x2", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"y2", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"z2", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+        {"r", CML_MCI_TINY, CML_MCI_HUGE, false, radius},
+    };
+    const bool round = body->form == CML_BODY_SPHERE;
+    const int count = round ? 4 : 7;
+    struct cml_mci_field fields[12];
+    double values[12] = {0};
+    memcpy(fields, round ? sphere : cylinder, (size_t)count * sizeof *fields);
+    memcpy(fields + count, cml_mci_medium_fields, 4 * sizeof *fields);
+    CML_TRY(cml_mci_numbers(reader, owner, fields, count + 4, values));
+    memcpy(body->centre, values, sizeof body->centre);
+    if (!round) memcpy(body->end, values + 3, sizeof body->end);
+    body->radius = values[count - 1];
+    return cml_mci_medium(reader, owner, values + count, NULL, medium);
+}
+
+/* Its axis must have a length that is more than rounding. */
+static cml_status check_axis(const struct cml_mci_reader *reader, const char *owner,
+                             const struct cml_scene_body *body)
+{
+    double length = 0, size = 0;
+    char field[64];
+    for (int k = 0; k < 3; k++) {
+        length = hypot(length, body->end[k] - body->centre[k]);
+        size += fabs(body->end[k]) + fabs(body->centre[k]);
+    }
+    if (body->form != CML_BODY_CYLINDER || length > 1e-12 * size) return CML_OK;
+    snprintf(field, sizeof field, "%s: x2 y2 z2", owner);
+    return cml_mci_fail(reader, field, "those of the first end", "another point: the axis has no length");
+}
+
+static cml_status read_body(struct cml_mci_reader *reader, int number, struct cml_scene_body *body,
+                            struct cml_medium_def *medium)
+{
+    char owner[32];
+    snprintf(owner, sizeof owner, "body %d", number);
+    cml_mci_cut_comment(reader->cursor);
+    reader->cursor += strspn(reader->cursor, " \t");
+    if (*reader->cursor == '"') {
+        body->form = CML_BODY_MESH;
+        return cml_mci_body_mesh(reader, number, body, medium);
+    }
+    const char *word = cml_text_word(&reader->cursor);
+    char field[48];
+    snprintf(field, sizeof field, "%s: form", owner);
+    if (!word || (strcmp(word, "sphere") != 0 && strcmp(word, "cylinder") != 0))
+        return cml_mci_fail(reader, field, word, "sphere, cylinder, or an .obj file in a pair of quotes");
+    body->form = word[0] == 's' ? CML_BODY_SPHERE : CML_BODY_CYLINDER;
+    CML_TRY(read_shape(reader, owner, body, medium));
+    return check_axis(reader, owner, body);
+}
+
+cml_status cml_mci_body(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
+{
+    CML_TRY(grow(reader, scene));
+    const int k = scene->num_bodies++;
+    struct cml_scene_body *body = &scene->bodies[k];
+    *body = (struct cml_scene_body){.layer = layer, .host = layer, .line = reader->text.line};
+    return read_body(reader, k + 1, body, &scene->media[cml_body_medium(scene, k)]);
+}

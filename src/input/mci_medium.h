@@ -1,0 +1,20 @@
+/* The numbers of a medium, n mua mus g, that lines of layers and of bodies have in common.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_MCI_MEDIUM_H
+#define CML_MCI_MEDIUM_H
+
+#include "input/mci_lines.h"
+#include "scene/scene.h"
+
+#define CML_MCI_MEDIUM_FIELDS 4
+
+extern const char cml_mci_index_range[];                                        /* of n, in words */
+extern const struct cml_mci_field cml_mci_medium_fields[CML_MCI_MEDIUM_FIELDS]; /* n, mua, mus, g */
+
+/* The medium of these values; refuses an absorption that would be lost in rounding: mua's setting is named
+ * where there is one, else the line. d stays 0. */
+CML_NODISCARD cml_status cml_mci_medium(const struct cml_mci_reader *reader, const char *owner,
+                                        const double values[CML_MCI_MEDIUM_FIELDS],
+                                        const struct cml_setting *mua, struct cml_medium_def *medium);
+
+#endif

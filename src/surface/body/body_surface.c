@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/body/body_surface.h"
+
+#include "base/clock.h"
+#include "base/constants.h"
+#include "geometry/vec3.h"
+#include "scene/body/body_place.h"
+#include "scene/body/body_shape.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A copy of the mesh in the frame of its layer, for Embree to take over. */
+static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scene_body *body, double depth,
+                            struct cml_body_surface *surface, struct cml_error *err)
+{
+    struct cml_mesh mesh;
+    CML_TRY(cml_mesh_copy(&body->mesh, &mesh, err));
+    for (size_t i = 0; i < mesh.num_vertices; i++) mesh.vertex[i][2] -= depth;
+    mesh.lower[2] -= depth;
+    mesh.upper[2] -= depth;
+    mesh.z_border -= depth;
+    const cml_status status =
+        cml_mesh_surface_create(&mesh, scene->beam.x, scene->beam.y, CML_SEARCH_EMBREE, &surface->mesh, err);
+    cml_mesh_clear(&mesh);
+    return status;
+}
+
+static cml_status make_surface(const struct cml_scene *scene, int k, double depth,
+                               struct cml_body_surface *surface, struct cml_error *err)
+{
+    static const enum cml_surface_kind kinds[] = {CML_SURFACE_MESH, CML_SURFACE_SPHERE, CML_SURFACE_CYLINDER};
+    static const uint64_t facets[] = {0, 1, 3};
+    const struct cml_scene_body *body = &scene->bodies[k];
+    surface->kind = kinds[body->form];
+    surface->depth = depth;
+    cml_body_box(body, surface->lower, surface->upper);
+    surface->lower[2] -= depth;
+    surface->upper[2] -= depth;
+    surface->primitives = body->form == CML_BODY_MESH ? body->mesh.num_triangles : facets[body->form];
+    return body->form == CML_BODY_MESH ? make_mesh(scene, body, depth, surface, err) : CML_OK;
+}
+
+/* Boxes and hosts side by side, for the tree. */
+static cml_status make_tree(const struct cml_scene *scene, struct cml_body_surfaces *surfaces,
+                            struct cml_error *err)
+{
+    const size_t n = (size_t)scene->num_bodies;
+    double(*boxes)[2][3] = malloc(n * sizeof *boxes);
+    int *host = malloc(n * sizeof *host);
+    cml_status status = CML_OK;
+    if (!boxes || !host) {
+        status = cml_fail_memory(err, (double)(n * sizeof *boxes), "the tree of bodies");
+    } else {
+        for (size_t k = 0; k < n; k++) {
+            cml_vec3_copy(surfaces->item[k].lower, boxes[k][0]);
+            cml_vec3_copy(surfaces->item[k].upper, boxes[k][1]);
+            host[k] = scene->bodies[k].host;
+        }
+        status = cml_body_tree_create((const double(*)[2][3])boxes, host, (int)n,
+                                      scene->num_layers + 2 + (int)n, &surfaces->tree, err);
+    }
+    free(boxes);
+    free(host);
+    return status;
+}
+
+static cml_status make_grids(const struct cml_scene *scene, const double *depths,
+                             struct cml_body_surfaces *surfaces, struct cml_error *err)
+{
+    const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
+    double *depth = calloc(media, sizeof *depth);
+    if (!depth) return cml_fail_memory(err, (double)(media * sizeof *depth), "the clearance of bodies");
+    for (int l = 1; l <= scene->num_layers; l++) depth[l] = depths[l - 1];
+    for (int k = 0; k < scene->num_bodies; k++)
+        depth[cml_body_medium(scene, k)] = depths[scene->bodies[k].layer - 1];
+    const cml_status status = cml_body_grids_create(scene, depth, &surfaces->grids, err);
+    free(depth);
+    return status;
+}
+
+static cml_status create(const struct cml_scene *scene, const double *depths,
+                         struct cml_body_surfaces *surfaces, struct cml_error *err)
+{
+    const double begin = cml_now();
+    for (int k = 0; k < surfaces->count; k++) {
+        struct cml_body_surface *surface = &surfaces->item[k];
+        CML_TRY(make_surface(scene, k, depths[scene->bodies[k].layer - 1], surface, err));
+        if (surface->mesh) surfaces->bytes += cml_mesh_surface_bytes(surface->mesh);
+    }
+    CML_TRY(make_tree(scene, surfaces, err));
+    CML_TRY(make_grids(scene, depths, surfaces, err));
+    surfaces->bytes += (double)surfaces->tree.count * sizeof *surfaces->tree.node +
+                       (double)surfaces->grids.num_cells * sizeof(float);
+    surfaces->build_seconds = cml_now() - begin;
+    return CML_OK;
+}
+
+/* All bodies of the scene as meshes. */
+static cml_status tessellate(const struct cml_scene *scene, double tolerance, struct cml_scene_body *bodies,
+                             struct cml_error *err)
+{
+    for (int k = 0; k < scene->num_bodies; k++) {
+        const struct cml_scene_body *from = &scene->bodies[k];
+        bodies[k] = *from;
+        bodies[k].form = CML_BODY_MESH;
+        bodies[k].mesh = (struct cml_mesh){0};
+        CML_TRY(cml_body_mesh(from, cml_body_segments(from->form, tolerance), false, &bodies[k].mesh, err));
+    }
+    return CML_OK;
+}
+
+/* They may meet where the bodies do not. */
+static cml_status create_tessellated(const struct cml_scene *scene, const double *depths, double tolerance,
+                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
+{
+    struct cml_scene meshes = *scene;
+    meshes.bodies = calloc((size_t)scene->num_bodies, sizeof *meshes.bodies);
+    if (!meshes.bodies)
+        return cml_fail_memory(err, scene->num_bodies * (double)sizeof *meshes.bodies, "bodies");
+    cml_status status = tessellate(scene, tolerance, meshes.bodies, err);
+    if (status == CML_OK) status = cml_scene_place_bodies(&meshes, err);
+    if (status == CML_OK) status = cml_scene_check_bodies(&meshes, err);
+    if (status == CML_OK) status = create(&meshes, depths, surfaces, err);
+    for (int k = 0; k < scene->num_bodies; k++) cml_mesh_clear(&meshes.bodies[k].mesh);
+    free(meshes.bodies);
+    return status;
+}
+
+cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths, double tolerance,
+                                    struct cml_body_surfaces *surfaces, struct cml_error *err)
+{
+    *surfaces = (struct cml_body_surfaces){.count = scene->num_bodies};
+    if (scene->num_bodies == 0) return CML_OK;
+    surfaces->item = calloc((size_t)scene->num_bodies, sizeof *surfaces->item);
+    if (!surfaces->item)
+        return cml_fail_memory(err, scene->num_bodies * (double)sizeof *surfaces->item, "bodies");
+    const cml_status status = tolerance > 0 ? create_tessellated(scene, depths, tolerance, surfaces, err)
+                                            : create(scene, depths, surfaces, err);
+    if (status != CML_OK) cml_body_surfaces_free(surfaces);
+    return status;
+}
+
+void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
+{
+    for (int k = 0; surfaces->item && k < surfaces->count; k++) cml_mesh_surface_free(surfaces->item[k].mesh);
+    free(surfaces->item);
+    cml_body_tree_clear(&surfaces->tree);
+    cml_body_grids_clear(&surfaces->grids);
+    *surfaces = (struct cml_body_surfaces){0};
+}
+
+double cml_body_facet_area(const struct cml_scene_body *body, size_t facet)
+{
+    const double r = body->radius;
+    if (body->form == CML_BODY_SPHERE) return 4 * CML_PI * r * r;
+    if (body->form == CML_BODY_CYLINDER)
+        return facet == 0 ? 2 * CML_PI * r * cml_body_convex(body).length : CML_PI * r * r;
+    const uint32_t *corner = body->mesh.triangle[facet];
+    double normal[3];
+    cml_vec3_area(body->mesh.vertex[corner[0]], body->mesh.vertex[corner[1]], body->mesh.vertex[corner[2]],
+                  normal);
+    return 0.5 * cml_vec3_length(normal);
+}

@@ -1,0 +1,287 @@
+/* Bodies against what is known without them: shadows, Snell and Fresnel of single packets, a sphere in
+ * another one, meshes in place of spheres. SPDX-License-Identifier: MIT */
+#include "flight.h"
+
+#include "body_files.h"
+
+#include "engine/world.h"
+#include "surface_hit.h"
+
+#include <math.h>
+
+static void open_text(const char *text, const char *engine, enum cml_surface_kind kind, double tolerance,
+                      struct flight *flight)
+{
+    const struct flight_options with = {.engine = engine, .kind = kind, .tolerance = tolerance};
+    flight_open(text, &with, flight);
+}
+
+/* Scenes of one clear layer of 1 cm, all indices n, with bodies. */
+static void layer_text(char *text, size_t size, const char *beam, double n, const char *bodies)
+{
+    snprintf(text, size, "1.0\n1\nbodies A\n1000\n0.01 0.01\n10 10 1\n%s\n1\n%g\n%g 0 0 0 1\n%s\n%g\n", beam,
+             n, n, bodies, n);
+}
+
+/* Parallel light on a black sphere: what falls into its shadow ends there, all else passes. Packet by packet,
+ * but those within rounding of the rim. */
+static void a_black_sphere_has_a_round_shadow(void **state)
+{
+    (void)state;
+    static const char *const engines[] = {"reference", "cpu"};
+    char text[1024];
+    layer_text(text, sizeof text, "beam disk 0.5", 1.4, "i sphere 0 0 0.5 0.3 1.4 1e9 0 0");
+    for (size_t e = 0; e < 2; e++) {
+        struct flight flight;
+        int hit = 0, photons = 20000;
+        open_text(text, engines[e], CML_SURFACE_AUTO, 0, &flight);
+        for (int i = 0; i < photons; i++) {
+            const struct cml_fate_record record = fly(&flight, (uint64_t)i);
+            hit += record.fate == CML_FATE_ABSORBED;
+            if (record.fate != CML_FATE_TRANSMITTED) continue;
+            assert_true(hypot(record.exit[0], record.exit[1]) > 0.3 * (1 - 1e-6));
+        }
+        const double share = (double)hit / photons, expected = 0.36;
+        assert_true(fabs(share - expected) < 4 * sqrt(expected * (1 - expected) / photons));
+        flight_close(&flight);
+    }
+}
+
+/* Where a ray that meets a sphere of radius r about the axis at the distance b from it leaves, having been
+ * refracted twice: its angle to the axis. */
+static double twice_refracted(double b, double r, double n1, double n2)
+{
+    return 2 * (asin(b / r) - asin(b * n1 / (r * n2)));
+}
+
+/* Air in glass and glass in air: packets that go through without a reflection inside come out as Snell has
+ * it, to 1e-6; how many do, Fresnel's equations say. */
+static void a_sphere_refracts_as_snell_and_fresnel_have_it(void **state)
+{
+    (void)state;
+    static const double indices[][2] = {{1, 1.5}, {1.5, 1}, {1.33, 1.4}};
+    const double r = 0.3;
+    for (size_t i = 0; i < sizeof indices / sizeof *indices; i++)
+        for (double b = 0.02; b < 0.19; b += 0.055) {
+            const double n1 = indices[i][0], n2 = indices[i][1];
+            char text[1024], beam[64], body[128];
+            struct flight flight;
+            snprintf(beam, sizeof beam, "beam pencil at=%.3f,0", b);
+            snprintf(body, sizeof body, "i sphere 0 0 0.5 %g %g 0 0 0", r, n2);
+            layer_text(text, sizeof text, beam, n1, body);
+            open_text(text, "reference", CML_SURFACE_AUTO, 0, &flight);
+            const double turn = twice_refracted(b, r, n1, n2), in = asin(b / r), t = asin(b * n1 / (r * n2));
+            const double s = sin(in - t) / sin(in + t), p = tan(in - t) / tan(in + t),
+                         R = 0.5 * (s * s + p * p);
+            int through = 0, photons = 4000;
+            for (int k = 0; k < photons; k++) {
+                const struct cml_fate_record record = fly(&flight, (uint64_t)k);
+                if (record.boundary_events != 3 || record.fate != CML_FATE_TRANSMITTED) continue;
+                if (!(fabs(atan2(-record.direction[0], record.direction[2]) - turn) < 1e-6)) continue;
+                through++;
+            }
+            const double expected = (1 - R) * (1 - R);
+            assert_true(fabs((double)through / photons - expected) <
+                        4 * sqrt(expected * (1 - expected) / photons) + 1e-3);
+            flight_close(&flight);
+        }
+}
+
+/* One medium in two nested spheres, whose surfaces lie 1e-6 cm apart, is one sphere. */
+static void nested_spheres_are_one(void **state)
+{
+    (void)state;
+    char text[1024];
+    struct flight one, nested;
+#define HOST "1.0\n1\nbodies A\n1000\n0.01 0.01\n10 10 1\n1\n1\n1.37 0.5 50 0.9 0.5\n"
+#define INNER " 1.5 2 20 0.8\n"
+    open_text(HOST "i sphere 0 0 0.25 0.1" INNER "1\n", "reference", CML_SURFACE_AUTO, 0, &one);
+    snprintf(text, sizeof text, "%s",
+             HOST "i sphere 0 0 0.25 0.099999" INNER "i sphere 0 0 0.25 0.1" INNER
+                  "i sphere 0 0.01 0.25 0.05" INNER "1\n");
+    open_text(text, "reference", CML_SURFACE_AUTO, 0, &nested);
+    assert_int_equal(nested.list.scenes[0].bodies[0].host, 4);
+    assert_int_equal(nested.list.scenes[0].bodies[2].host, 3);
+    assert_int_equal((int)count_different(&one, &nested, 3000), 0);
+    flight_close(&one);
+    flight_close(&nested);
+}
+
+/* How many of the packets end in another way than with the sphere and the cylinder themselves. */
+static double share_different(const char *text, double tolerance, uint64_t photons)
+{
+    struct flight exact, mesh;
+    open_text(text, "cpu", CML_SURFACE_AUTO, 0, &exact);
+    open_text(text, "cpu", CML_SURFACE_MESH, tolerance, &mesh);
+    assert_int_equal(mesh.surfaces.bodies.item[0].kind, CML_SURFACE_MESH);
+    const double share = (double)count_different(&exact, &mesh, photons) / (double)photons;
+    flight_close(&exact);
+    flight_close(&mesh);
+    return share;
+}
+
+/* Of matched indices a packet ends otherwise when it scatters between body and mesh: as often as the volume
+ * between them is large, which falls with the tolerance. */
+static void meshes_come_to_be_spheres_and_cylinders(void **state)
+{
+    (void)state;
+    const char *text =
+        "1.0\n1\nbodies A\n1000\n0.01 0.01\n10 10 1\nbeam disk 0.1\n1\n1.37\n1.37 0.1 20 0.5 0.5\n"
+        "i sphere 0 0 0.2 0.15 1.37 20 1 0\ni cylinder -0.3 0 0.42 0.3 0.05 0.42 0.05 1.37 5 5 0\n"
+        "1.37\n";
+    const double coarse = share_different(text, 1e-2, 20000), fine = share_different(text, 1e-3, 20000);
+    assert_true(coarse > 0.001);
+    assert_true(fine < 0.25 * coarse);
+}
+
+/* What a trace is checked against. */
+struct watch {
+    const struct cml_scene *scene;
+    double err; /* cm: what rounding may put a packet beyond a surface */
+    uint64_t events, wrong;
+};
+
+/* Whether a place is more than err inside (+1) or outside (-1) of a body, else 0. Of a mesh that stands for a
+ * sphere of radius 0.1 cm, or 0 near its surface. */
+static int side_of(const struct cml_scene_body *body, const double p[3], double err)
+{
+    struct cml_scene_body round = *body;
+    if (body->form == CML_BODY_MESH) {
+        round.form = CML_BODY_SPHERE;
+        round.radius = 0.1;
+        for (int k = 0; k < 3; k++) round.centre[k] = 0.5 * (body->mesh.lower[k] + body->mesh.upper[k]);
+        err = 2e-3;
+    }
+    const struct cml_convex convex = cml_body_convex(&round);
+    const double distance = cml_convex_distance(&convex, p);
+    return distance < -err ? 1 : (distance > err ? -1 : 0);
+}
+
+/* An interaction lies inside the body whose medium the packet is in, and outside of those that lie in it. */
+static void watch_event(void *context, const struct cml_trace_event *event)
+{
+    struct watch *watch = context;
+    const struct cml_scene *scene = watch->scene;
+    if (strcmp(event->what, "interact") != 0) return;
+    const int own = event->medium - scene->num_layers - 2;
+    watch->events++;
+    if (own >= 0 && side_of(&scene->bodies[own], event->position, watch->err) < 0) watch->wrong++;
+    for (int k = 0; k < scene->num_bodies; k++)
+        if (scene->bodies[k].host == event->medium &&
+            side_of(&scene->bodies[k], event->position, watch->err) > 0)
+            watch->wrong++;
+}
+
+static void expect_right_sides(const char *text, const char *engine, uint64_t photons, double err_position)
+{
+    struct flight flight;
+    open_text(text, engine, CML_SURFACE_AUTO, 0, &flight);
+    struct watch watch = {&flight.list.scenes[0], err_position, 0, 0};
+    for (uint64_t i = 0; i < photons; i++) {
+        struct cml_error err;
+        struct cml_fate_record record;
+        require_ok(flight.engine->trace(flight.self, i, watch_event, &watch, &record, &err), &err);
+        assert_int_not_equal(record.fate, CML_FATE_LOST);
+    }
+    assert_true(watch.events > photons);
+    if (watch.wrong)
+        fail_msg("%s: %d of %d events on the wrong side", engine, (int)watch.wrong, (int)watch.events);
+    flight_close(&flight);
+}
+
+/* Beams along the axis of a sphere and of a cylinder, at their tangents, on the rim of its ends and along its
+ * side; shells of 1e-6 cm; a mesh struck at a corner, along an edge and from inside. */
+static void packets_are_where_their_medium_is(void **state)
+{
+    (void)state;
+    static const char *const beams[] = {"beam pencil", "beam pencil at=0.1,0", "beam pencil at=0.05,0",
+                                        "beam pencil at=0.3,0.05 angle=60 azimuth=180", "beam disk 0.2"};
+    static const char *const bodies[] = {
+        "i sphere 0 0 0.2 0.1 1.5 1 50 0.5\ni sphere 0 0 0.2 0.099999 1.33 1 50 0.9\n",
+        "i cylinder 0 0 0.05 0 0 0.25 0.05 1.2 1 50 0.5\ni cylinder 0 0 0.050001 0 0 0.249999 0.049999 1.6 1 "
+        "9 0\n",
+        "i cylinder -0.2 0 0.2 0.2 0 0.2 0.1 1 0 0 0\ni sphere 0 0 0.2 0.0999 1.5 3 30 0.9\n", NULL};
+    char text[2048], mesh[] = "/tmp/cml_sides_XXXXXX.obj", line[256];
+    close(mkstemps(mesh, 4));
+    write_sphere(mesh, 0, 0, 0.2, 0.1, 16);
+    snprintf(line, sizeof line, "i \"%s\" 1.5 1 50 0.5\ni sphere 0 0 0.2 0.05 1 0 0 0\n", mesh);
+    for (size_t i = 0; i < sizeof bodies / sizeof *bodies; i++)
+        for (size_t k = 0; k < sizeof beams / sizeof *beams; k++) {
+            snprintf(text, sizeof text,
+                     "1.0\n1\nsides A\n1000\n0.01 0.01\n10 10 1\n%s\n1\n1\n1.4 0.5 30 0.8 0.5\n%s1\n",
+                     beams[k], bodies[i] ? bodies[i] : line);
+            expect_right_sides(text, "reference", 300, 1e-12);
+            expect_right_sides(text, "cpu", 1000, 5e-7);
+        }
+    remove(mesh);
+}
+
+/* 1e4 beads on a grid, in a volume that light crosses in all directions. */
+static void ten_thousand_beads_lose_no_packet(void **state)
+{
+    (void)state;
+    char *text = malloc(1000000), *at = text;
+    at += sprintf(at,
+                  "1.0\n1\nbeads A\n1000\n0.01 0.01\n10 10 1\nbeam disk 0.2\n1\n1.5\n1.5 0.5 100 0.8 0.1\n");
+    for (int i = 0; i < 10000; i++)
+        at +=
+            sprintf(at, "i sphere %g %g %g 0.0045 %s\n", 0.01 * (i % 50) - 0.245,
+                    0.01 * (i / 50 % 50) - 0.245, 0.02 + 0.02 * (i / 2500), i % 2 ? "1 0 0 0" : "1.9 2 50 0");
+    sprintf(at, "1.5\n");
+    expect_right_sides(text, "cpu", 100, 2e-7);
+    free(text);
+}
+
+/* The bound that lets steps pass without a query is one: random places inside, around and far from the
+ * bodies. */
+static void clearance_is_never_too_large(void **state)
+{
+    (void)state;
+    struct cml_scene_list list;
+    struct cml_surface_set surfaces;
+    struct cml_owned_world world;
+    struct cml_error err;
+    const struct cml_surface_options surface = {.tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
+    const struct cml_engine_options options = {.seed = 1};
+    read_scenes("1.0\n1\nsides A\n1000\n0.01 0.01\n10 10 1\n1\n1\n1.4 0.5 90 0.8 0.5\n"
+                "i sphere 0.1 0.02 0.2 0.1 1.5 1 50 0.5\ni sphere 0.1 0 0.2 0.03 1 0 0 0\n"
+                "i cylinder -0.3 0.1 0.4 0.3 0.2 0.42 0.03 1.2 1 50 0.5\n1\n",
+                &list);
+    require_ok(cml_surfaces_create(list.scenes, &surface, &surfaces, &err), &err);
+    require_ok(cml_owned_world_create(list.scenes, &surfaces, &options, &world, &err), &err);
+    uint64_t useful = 0, dice = 1;
+    for (int i = 0; i < 200000; i++) {
+        double p[3], least = INFINITY;
+        for (int k = 0; k < 3; k++) {
+            dice = dice * 6364136223846793005u + 1442695040888963407u;
+            p[k] = ((double)(dice >> 11) * 0x1p-53 - 0.5) * (i % 3 ? 0.7 : 6) + (k == 2 ? 0.25 : 0);
+        }
+        const struct cml_vec at = {(real)p[0], (real)p[1], (real)p[2]};
+        for (int k = 0; k < 3; k++) {
+            const struct cml_convex convex = cml_body_convex(&list.scenes[0].bodies[k]);
+            least = fmin(least, fabs(cml_convex_distance(&convex, p)));
+        }
+        const double bound =
+            (double)cml_body_clearance(world.world.body_grids, world.world.body_clearance, at);
+        assert_true(bound <= least);
+        useful += bound > 0.5 * least;
+    }
+    assert_true(useful > 100000);
+    cml_owned_world_free(&world);
+    cml_surfaces_free(&surfaces);
+    cml_scene_list_clear(&list);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_black_sphere_has_a_round_shadow),
+        cmocka_unit_test(a_sphere_refracts_as_snell_and_fresnel_have_it),
+        cmocka_unit_test(nested_spheres_are_one),
+        cmocka_unit_test(packets_are_where_their_medium_is),
+        cmocka_unit_test(ten_thousand_beads_lose_no_packet),
+        cmocka_unit_test(clearance_is_never_too_large),
+        cmocka_unit_test(meshes_come_to_be_spheres_and_cylinders),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

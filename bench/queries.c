@@ -52,7 +52,7 @@ static int is_below(const struct cml_world *world, struct cml_packet packet)
 {
     const struct cml_vec up = {0, 0, -1};
     const real far = 2 * (packet.p.z - world->surfaces[0].lowest) + 1;
-    const struct cml_boundary_intervals above = {{1, 0, far}, {0, 0, far}};
+    const struct cml_boundary_intervals above = {.above = {1, 0, far}, .below = {0, 0, far}};
     struct cml_hit hit;
     packet.u = up;
     return cml_nearest_hit(world, &packet, above, &hit);

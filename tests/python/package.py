@@ -260,16 +260,30 @@ class Runs(unittest.TestCase):
         with self.assertRaisesRegex(mc.InputError, "variables = 'Rx' .expected one of"):
             mc.sweep(scene, {"seed": [1]}, variables=["Rx"])
 
-    def test_progress(self):
-        said, shown = [], io.StringIO()
-        real, sys.stderr = sys.stderr, shown
+    def shown_of(self, call):
+        """What is written to standard error with progress=True."""
+        shown, real = io.StringIO(), sys.stderr
+        sys.stderr = shown
         try:
-            with Progress(True) as progress:
-                _listen(iter(["30 %, 12 s elapsed, 28 s left\n", "clustermcml: note: hello\n"]), progress, said)
+            call()
         finally:
             sys.stderr = real
+        return shown.getvalue()
+
+    def test_progress(self):
+        """The program's own bar, and rows of a sweep."""
+        thick = os.path.join(TOP, "samples", "thick.mci")
+        self.assertRegex(self.shown_of(lambda: mc.run(thick, photons=2e6, threads=1, progress=True)), r"\r\d+ %, .* left")
+        rows = self.shown_of(lambda: mc.sweep(mc.Scene([SLAB], photons=100), {"seed": [1, 2]}, progress=True))
+        self.assertIn("50 %, 1 of 2 rows", rows)
+        self.assertIn("100 %, 2 of 2 rows", rows)
+        self.assertEqual(self.shown_of(lambda: mc.run(thick, photons=1e6, progress=False)), "")
+
+    def test_what_the_program_says_is_taken_apart(self):
+        said = []
+        with Progress(False) as progress:
+            _listen(["[##..]  50 %  1e+06 photons/s  1 s, 1 s left\033[K", "\033[K", "clustermcml: note: hello"], progress, said)
         self.assertEqual(said, ["clustermcml: note: hello"])
-        self.assertIn("30 %, 12 s elapsed", shown.getvalue())
 
 
 if __name__ == "__main__":

@@ -359,8 +359,7 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
 cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_display display = {.quiet = options->quiet || options->json,
-                                  .terminal = isatty(STDERR_FILENO)};
+    struct cml_display display = {.quiet = options->quiet, .terminal = isatty(STDERR_FILENO)};
     struct prepared run = {.setup = setup_of(call, &display)};
     *record = (struct cml_record){0};
     cml_status status = plan_photons(call, &run, err);

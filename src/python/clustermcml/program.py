@@ -5,6 +5,7 @@ SPDX-License-Identifier: MIT
 
 from __future__ import annotations
 
+import codecs
 import importlib.resources
 import json
 import os
@@ -16,7 +17,7 @@ import sys
 import tempfile
 import threading
 import warnings
-from typing import Any, Iterator, NoReturn, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, NoReturn, Optional, Sequence, Union
 
 import xarray as xr
 
@@ -72,27 +73,47 @@ def _raise_failure(code: int, said: Sequence[str]) -> NoReturn:
     raise errors.InputError(text) if code == 2 else errors.ClustermcmlError(text, code)
 
 
-def _listen(lines: Iterator[str], progress: Progress, said: list[str]) -> None:
-    """Takes the program's standard error apart: progress is shown, the rest is kept."""
-    for line in lines:
-        share = re.match(r"(\d+) %, (.*)", line)
+def _pieces(terminal: int) -> Iterator[str]:
+    """What is written to a terminal, in pieces between ends of lines and returns to their beginning."""
+    decoder, rest = codecs.getincrementaldecoder("utf-8")("replace"), ""
+    while True:
+        try:
+            chunk = os.read(terminal, 4096)
+        except OSError:  # nobody has its other end any more
+            chunk = b""
+        *whole, rest = re.split(r"[\r\n]+", rest + decoder.decode(chunk, not chunk))
+        yield from whole
+        if not chunk:
+            yield rest
+            return
+
+
+def _listen(pieces: Iterable[str], progress: Progress, said: list[str]) -> None:
+    """Takes the program's standard error apart: its bar becomes progress, the rest is kept."""
+    for piece in pieces:
+        text = piece.replace("\033[K", "")
+        share = re.match(r"(?:\[[#.]*\])? *(\d+) % +(.*)", text)
         if share:
             progress.show(int(share[1]), share[2])
-        else:
-            said.append(line.rstrip("\n"))
+        elif text:
+            said.append(text)
 
 
-def _finish(process: subprocess.Popen[str]) -> str:
-    """All of standard output. An interrupt is passed on: the program writes its checkpoint, and this waits for that."""
+def _read_objects(process: subprocess.Popen[str], progress: Progress, rows: int) -> list[dict[str, Any]]:
+    """The objects of standard output as they come. An interrupt is passed on: the program writes its checkpoint, and this waits."""
     assert process.stdout is not None
+    told = []
     try:
-        text = process.stdout.read()
+        for line in process.stdout:
+            told.append(json.loads(line))
+            if rows:
+                progress.show(100 * len(told) // rows, f"{len(told)} of {rows} rows")
         process.wait()
-        return text
     except KeyboardInterrupt:
         process.send_signal(signal.SIGINT)
         process.wait()
         raise
+    return told
 
 
 def scene_file(scene: Union[Scene, str, os.PathLike[str]], folder: str) -> str:
@@ -104,25 +125,30 @@ def scene_file(scene: Union[Scene, str, os.PathLike[str]], folder: str) -> str:
     return path
 
 
-def fly(scene: str, folder: str, options: dict[str, Any], show: Optional[bool]) -> list[dict[str, Any]]:
-    """What the program says of every run, as --json does. In a session of its own, so that an interrupt reaches it from here alone."""
+def fly(scene: str, folder: str, options: dict[str, Any], show: Optional[bool], rows: int = 0) -> list[dict[str, Any]]:
+    """What the program says of every run, as --json does. rows: of a sweep, 0 of none.
+
+    In a session of its own, so that an interrupt reaches it from here alone. Its standard error is a terminal, so that it draws a bar.
+    """
     said: list[str] = []
     words = [find_program(), scene, "--json", "-o", folder, *option_words(options)]
-    with Progress(show) as progress, subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                                      text=True, encoding="utf-8", errors="replace",
-                                                      start_new_session=True) as process:
-        assert process.stderr is not None
-        listener = threading.Thread(target=_listen, args=(iter(process.stderr), progress, said))
+    here, there = os.openpty()
+    with Progress(show) as progress, subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there, text=True,
+                                                      encoding="utf-8", errors="replace", start_new_session=True) as process:
+        os.close(there)
+        bar = Progress(False) if rows else progress
+        listener = threading.Thread(target=_listen, args=(_pieces(here), bar, said))
         listener.start()
         try:
-            text = _finish(process)
+            told = _read_objects(process, progress, rows)
         finally:
             listener.join()
+            os.close(here)
     for note in (line for line in said if line.startswith(PREFIX + "note: ")):
         warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=3)
     if process.returncode != 0:
         _raise_failure(process.returncode, said)
-    return [json.loads(line) for line in text.splitlines() if line.startswith("{")]
+    return told
 
 
 def result_of(told: dict[str, Any]) -> xr.Dataset:

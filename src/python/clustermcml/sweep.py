@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import csv
 import itertools
+import math
 import os
 import tempfile
 from typing import Any, Mapping, Optional, Sequence, Union
@@ -71,7 +72,7 @@ def sweep(scene: Union[Scene, str, os.PathLike[str]], parameters: Mapping[str, S
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         table = os.path.join(scratch, "sweep.csv")
         _write_table(table, checked)
-        told = fly(scene_file(scene, folder), folder, {"sweep": table, **options}, progress)
+        told = fly(scene_file(scene, folder), folder, {"sweep": table, **options}, progress, math.prod(map(len, checked.values())))
         rows = []
         for one in sorted(told, key=lambda one: int(one["row"])):
             result = result_of(one)

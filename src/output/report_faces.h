@@ -4,7 +4,7 @@
 #define CML_REPORT_FACES_H
 
 #include "surface/surface.h"
-#include "output/vtk.h"
+#include "output/files/vtk.h"
 
 /* The facets but the last one, of a surface that is no plane, as faces in the scene's coordinates (z down);
  * for each facet `per_facet` of them one behind the other, because a ring is drawn as quadrangles. Freed by

@@ -9,14 +9,12 @@
 
 /* ---- where values come from ---- */
 
-/* From units of weight to a share of one packet. */
-static double per_photon(const struct cml_field_source *source)
+double cml_field_per_photon(const struct cml_field_source *source)
 {
     return CML_WEIGHT_UNIT / (double)source->report->run->result.photons;
 }
 
-/* Values that are densities already (struct cml_mco). */
-static void array_values(const void *context, size_t begin, size_t count, double *out)
+void cml_field_array_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
     for (size_t i = 0; i < count; i++) out[i] = source->array[(begin + i) * source->stride];
@@ -49,7 +47,7 @@ static cml_u128 sum_of_pixel(const cml_u128 *cells, size_t pixel, size_t na)
 static void pixel_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const double k = per_photon(source) * source->scale;
+    const double k = cml_field_per_photon(source) * source->scale;
     for (size_t i = 0; i < count; i++)
         out[i] = (double)sum_of_pixel(source->cells, begin + i, source->na) * k;
 }
@@ -76,7 +74,7 @@ static double projected_solid_angle(const struct cml_field_source *source, size_
 static void angle_values(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const double k = per_photon(source) * source->scale;
+    const double k = cml_field_per_photon(source) * source->scale;
     for (size_t i = begin; i < begin + count; i++)
         *out++ = (double)source->cells[i] * k / projected_solid_angle(source, i);
 }
@@ -89,46 +87,10 @@ static void angle_errors(const void *context, size_t begin, size_t count, double
                  source->scale / projected_solid_angle(source, i);
 }
 
-/* Of a triangle, a ring or a pixel of the map; per_facet successive faces of a drawing share one. */
-static double facet_area(const struct cml_field_source *source, size_t facet)
-{
-    return cml_surface_facet_area(source->surface, &source->report->scene->map, facet);
-}
-
-static void facet_areas(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) out[i] = facet_area(source, begin + i);
-}
-
-/* `cells` begins at the score in question of the first facet, and others follow at a distance of
- * CML_FACET_SCORES. Faces that are parts of one facet all get its value. */
-static void facet_values(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) {
-        const size_t facet = (begin + i) / source->per_facet;
-        out[i] =
-            (double)source->cells[facet * CML_FACET_SCORES] * per_photon(source) / facet_area(source, facet);
-    }
-}
-
-/* For escaped weight only: of irradiances, which a packet may add to many times, no squares are kept. */
-static void facet_errors(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) {
-        const size_t facet = (begin + i) / source->per_facet, cell = facet * CML_FACET_SCORES;
-        out[i] =
-            cml_result_once_error(&source->report->run->result, source->cells[cell], source->squares[cell]) /
-            facet_area(source, facet);
-    }
-}
-
 /* ---- the list ---- */
 
-static struct cml_axis bins(const char *name, const char *what, const char *units, int n, double first,
-                            double step)
+struct cml_axis cml_field_bins(const char *name, const char *what, const char *units, int n, double first,
+                               double step)
 {
     return (struct cml_axis){name, what, units, (size_t)n, first, step, NULL};
 }
@@ -140,13 +102,17 @@ static void set_axes(struct cml_field_list *c)
     const struct cml_map_def *map = &scene->map;
     const int na = scene->na;
     const double da = cml_angle_width(na), dr = scene->dr, dz = scene->dz;
-    c->layer = bins("layer", "layer, from 1", "1", scene->num_layers, 1, 1);
-    c->r = bins("r", "distance from the z axis, middle of the bin", "cm", scene->nr, dr / 2, dr);
-    c->z = bins("z", "depth, middle of the bin", "cm", scene->nz, dz / 2, dz);
-    c->alpha = bins("alpha", "angle from the outward vertical, middle of the bin", "rad", na, da / 2, da);
-    c->x = bins("x", "x, middle of the pixel", "cm", map->nx, (0.5 - 0.5 * map->nx) * map->dx, map->dx);
-    c->y = bins("y", "y, middle of the pixel", "cm", map->ny, (0.5 - 0.5 * map->ny) * map->dy, map->dy);
-    c->z_volume = bins("z_volume", "depth, middle of the voxel", "cm", scene->nz, map->top + dz / 2, dz);
+    c->layer = cml_field_bins("layer", "layer, from 1", "1", scene->num_layers, 1, 1);
+    c->r = cml_field_bins("r", "distance from the z axis, middle of the bin", "cm", scene->nr, dr / 2, dr);
+    c->z = cml_field_bins("z", "depth, middle of the bin", "cm", scene->nz, dz / 2, dz);
+    c->alpha =
+        cml_field_bins("alpha", "angle from the outward vertical, middle of the bin", "rad", na, da / 2, da);
+    c->x = cml_field_bins("x", "x, middle of the pixel", "cm", map->nx, (0.5 - 0.5 * map->nx) * map->dx,
+                          map->dx);
+    c->y = cml_field_bins("y", "y, middle of the pixel", "cm", map->ny, (0.5 - 0.5 * map->ny) * map->dy,
+                          map->dy);
+    c->z_volume =
+        cml_field_bins("z_volume", "depth, middle of the voxel", "cm", scene->nz, map->top + dz / 2, dz);
 }
 
 /* One for each boundary, because numbers of facets differ; without the last facet, the plane around it. */
@@ -157,15 +123,15 @@ static void set_facet_axes(struct cml_field_list *c)
         const int facets = (int)cml_surface_facets(def, &c->report->scene->map);
         snprintf(c->facet_names[b], sizeof *c->facet_names, "boundary%d_facet", b);
         const int n = facets > 0 ? facets - 1 : 0;
-        c->facet[b] = bins(c->facet_names[b], "triangle, or ring, from 0", "1", n, 0, 1);
+        c->facet[b] = cml_field_bins(c->facet_names[b], "triangle, or ring, from 0", "1", n, 0, 1);
     }
 }
 
-/* Room for the results, the map's eight fields, and fourteen for every boundary. */
+/* Room for the results, the map's eight fields, eleven of bodies, and fourteen for every boundary. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
-    const size_t boundaries = (size_t)report->surfaces->count, capacity = 72 + 14 * boundaries;
+    const size_t boundaries = (size_t)report->surfaces->count, capacity = 84 + 14 * boundaries;
     *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
@@ -190,9 +156,8 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
-/* Returns the source to be filled in. No array grows, so that a field may point to its source. */
-static struct cml_field_source *add(struct cml_field_list *c, const char *name, const char *long_name,
-                                    const char *units, cml_field_values *values)
+struct cml_field_source *cml_add_field(struct cml_field_list *c, const char *name, const char *long_name,
+                                       const char *units, cml_field_values *values)
 {
     struct cml_field *field = &c->fields[c->num_fields];
     struct cml_field_source *source = &c->sources[c->num_fields++];
@@ -208,28 +173,25 @@ static struct cml_field_source *add(struct cml_field_list *c, const char *name, 
     return source;
 }
 
-/* Axes of the field added last, slowest first. */
-static void along(struct cml_field_list *c, const struct cml_axis *a, const struct cml_axis *b,
-                  const struct cml_axis *d)
+void cml_field_along(struct cml_field_list *c, const struct cml_axis *a, const struct cml_axis *b,
+                     const struct cml_axis *d)
 {
     const struct cml_axis *axes[CML_FIELD_AXES] = {a, b, d};
     struct cml_field *field = &c->fields[c->num_fields - 1];
     for (int i = 0; i < CML_FIELD_AXES && axes[i]; i++) field->axis[field->num_axes++] = axes[i];
 }
 
-/* A field without axes. */
-static void add_number(struct cml_field_list *c, const char *name, const char *long_name, double number)
+void cml_add_number_field(struct cml_field_list *c, const char *name, const char *long_name, double number)
 {
-    add(c, name, long_name, "1", number_value)->number = number;
+    cml_add_field(c, name, long_name, "1", number_value)->number = number;
 }
 
-/* The field added last has its standard errors in the one that is added next, NAME_se. */
-static struct cml_field_source *add_errors(struct cml_field_list *c, cml_field_values *values)
+struct cml_field_source *cml_add_error_field(struct cml_field_list *c, cml_field_values *values)
 {
     struct cml_field *of = &c->fields[c->num_fields - 1];
     char name[sizeof of->name];
     snprintf(name, sizeof name, "%.50s_se", of->name);
-    struct cml_field_source *source = add(c, name, "standard error", of->units, values);
+    struct cml_field_source *source = cml_add_field(c, name, "standard error", of->units, values);
     struct cml_field *errors = &c->fields[c->num_fields - 1];
     memcpy(errors->axis, of->axis, sizeof of->axis);
     errors->num_axes = of->num_axes;
@@ -246,8 +208,8 @@ static void add_control(struct cml_field_list *c, const char *total, const struc
 {
     char name[32];
     snprintf(name, sizeof name, "%s_control", total);
-    add_number(c, name, "the same with the flat twin as control variate", control->value);
-    add_errors(c, number_value)->number = control->error;
+    cml_add_number_field(c, name, "the same with the flat twin as control variate", control->value);
+    cml_add_error_field(c, number_value)->number = control->error;
 }
 
 /* Totals in double, as in the JSON line; in the .mco they have six digits. */
@@ -264,8 +226,9 @@ static void add_totals(struct cml_field_list *c)
     };
     const struct cml_result *result = &c->report->run->result;
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        add_number(c, totals[i].name, totals[i].long_name, cml_result_total(result, totals[i].total));
-        add_errors(c, number_value)->number = cml_result_error(result, totals[i].total);
+        cml_add_number_field(c, totals[i].name, totals[i].long_name,
+                             cml_result_total(result, totals[i].total));
+        cml_add_error_field(c, number_value)->number = cml_result_error(result, totals[i].total);
         if (c->report->control) add_control(c, totals[i].name, &c->report->control[totals[i].total]);
     }
 }
@@ -279,18 +242,19 @@ static void add_balance(struct cml_field_list *c)
         "book_lost",        "book_overflow_r", "book_overflow_z", "book_above"};
     const struct cml_result *result = &c->report->run->result;
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
-        add_number(c, names[i], cml_balance_text((enum cml_balance_term)i),
-                   cml_result_share(result, (enum cml_balance_term)i));
-    add_number(c, "residue", "launched + gained - all fates, in 2^-31 packets", cml_result_imbalance(result));
-    add_number(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
+        cml_add_number_field(c, names[i], cml_balance_text((enum cml_balance_term)i),
+                             cml_result_share(result, (enum cml_balance_term)i));
+    cml_add_number_field(c, "residue", "launched + gained - all fates, in 2^-31 packets",
+                         cml_result_imbalance(result));
+    cml_add_number_field(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
 }
 
 /* fast may be NULL: a profile. */
 static void add_array(struct cml_field_list *c, const char *name, const char *long_name, const char *units,
                       const double *array, const struct cml_axis *slow, const struct cml_axis *fast)
 {
-    add(c, name, long_name, units, array_values)->array = array;
-    along(c, slow, fast, NULL);
+    cml_add_field(c, name, long_name, units, cml_field_array_values)->array = array;
+    cml_field_along(c, slow, fast, NULL);
 }
 
 /* The numbers of the input, so that a file needs no .mci beside it. */
@@ -313,7 +277,7 @@ static void add_profile(struct cml_field_list *c, const struct cml_profile *prof
 {
     if (!profile->batches) return;
     add_array(c, profile->name, long_name, profile->units, array, axis, NULL);
-    add_errors(c, profile_errors)->profile = *profile;
+    cml_add_error_field(c, profile_errors)->profile = *profile;
 }
 
 /* In the order of an .mco. Of the grids over two variables no errors are known: they have no batches. */
@@ -340,22 +304,22 @@ void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
     add_array(c, "Tt_ra", "transmittance by radius and angle", "1/(cm2 sr)", mco->Tt_ra, &c->r, &c->alpha);
 }
 
-/* ---- maps, volume, facets ---- */
+/* ---- maps and volume ---- */
 
 /* 32-bit floats: a pixel of the largest maps has fewer packets than these have digits. */
 static void add_pixels(struct cml_field_list *c, const char *name, const char *long_name,
                        const cml_u128 *cells, const cml_u128 *squares, bool angles)
 {
     const struct cml_map_def *map = &c->report->scene->map;
-    struct cml_field_source *source =
-        add(c, name, long_name, angles ? "1/(cm2 sr)" : "1/cm2", angles ? angle_values : pixel_values);
+    struct cml_field_source *source = cml_add_field(c, name, long_name, angles ? "1/(cm2 sr)" : "1/cm2",
+                                                    angles ? angle_values : pixel_values);
     source->cells = cells;
     source->squares = squares;
     source->na = (size_t)c->report->run->result.grid.map_na;
     source->scale = 1 / (map->dx * map->dy);
-    along(c, &c->y, &c->x, angles ? &c->alpha : NULL);
+    cml_field_along(c, &c->y, &c->x, angles ? &c->alpha : NULL);
     c->fields[c->num_fields - 1].single = true;
-    add_errors(c, angles ? angle_errors : pixel_errors);
+    cml_add_error_field(c, angles ? angle_errors : pixel_errors);
 }
 
 /* With angles there is both, the sum and its parts: most users look at the sum. */
@@ -376,11 +340,11 @@ void cml_add_volume_fields(struct cml_field_list *c)
     const struct cml_result *result = &c->report->run->result;
     const struct cml_scene *scene = c->report->scene;
     if (!result->A_xyz) return;
-    struct cml_field_source *source = add(c, "A_xyz", "absorption", "1/cm3", pixel_values);
+    struct cml_field_source *source = cml_add_field(c, "A_xyz", "absorption", "1/cm3", pixel_values);
     source->cells = result->A_xyz;
     source->na = 1;
     source->scale = 1 / (scene->map.dx * scene->map.dy * scene->dz);
-    along(c, &c->z_volume, &c->y, &c->x);
+    cml_field_along(c, &c->z_volume, &c->y, &c->x);
     c->fields[c->num_fields - 1].single = true;
 }
 
@@ -392,109 +356,11 @@ void cml_add_outside_fields(struct cml_field_list *c)
     const size_t pixels = (size_t)grid->nx * (size_t)grid->ny, na = (size_t)grid->map_na;
     const double per = CML_WEIGHT_UNIT / (double)r->photons;
     if (!r->Rd_xya) return;
-    add_number(c, "Rd_outside", "diffuse reflectance outside the map",
-               (double)sum_of_pixel(r->Rd_xya, pixels, na) * per);
-    add_number(c, "Tt_outside", "transmittance outside the map",
-               (double)sum_of_pixel(r->Tt_xya, pixels, na) * per);
+    cml_add_number_field(c, "Rd_outside", "diffuse reflectance outside the map",
+                         (double)sum_of_pixel(r->Rd_xya, pixels, na) * per);
+    cml_add_number_field(c, "Tt_outside", "transmittance outside the map",
+                         (double)sum_of_pixel(r->Tt_xya, pixels, na) * per);
     if (r->A_xyz)
-        add_number(c, "A_outside", "absorbed fraction outside the volume",
-                   (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
-}
-
-/* With the last one, the plane around the boundary. */
-static size_t num_facets(const struct cml_report *report, int b)
-{
-    return cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
-}
-
-/* The scores of a boundary's first facet; NULL when none are kept. */
-static const cml_u128 *facets_of(const struct cml_report *report, int b)
-{
-    size_t first = 0;
-    if (!report->run->result.facets || num_facets(report, b) == 0) return NULL;
-    for (int i = 0; i < b; i++) first += num_facets(report, i);
-    return report->run->result.facets + first * CML_FACET_SCORES;
-}
-
-/* Facets of planes are the pixels of the map. */
-static bool is_plane(const struct cml_report *report, int b)
-{
-    return report->surfaces->item[b].kind == CML_SURFACE_PLANE;
-}
-
-/* Irradiance and radiant exitance as in radiometry: power per area that arrives at, or leaves, a surface.
- * The last row is reflectance or transmittance and has its name from the boundary. */
-static const struct {
-    const char *name, *long_name;
-    enum cml_facet_score score;
-} scores[] = {
-    {"irradiance_above", "irradiance from the medium above", CML_FACET_IRRADIANCE_ABOVE},
-    {"irradiance_below", "irradiance from the medium below", CML_FACET_IRRADIANCE_BELOW},
-    {"exitance_above", "radiant exitance into the medium above", CML_FACET_EXITANCE_ABOVE},
-    {"exitance_below", "radiant exitance into the medium below", CML_FACET_EXITANCE_BELOW},
-    {"", "", CML_FACET_ESCAPED},
-};
-
-/* Name of a score of boundary b; NULL where nothing can escape, or the map has it. */
-static const char *score_name(const struct cml_report *report, int b, size_t i)
-{
-    if (scores[i].score != CML_FACET_ESCAPED) return scores[i].name;
-    if (is_plane(report, b)) return NULL;
-    return b == 0 ? "Rd" : (b == report->scene->num_layers ? "Tt" : NULL);
-}
-
-static const char *score_text(int b, size_t i)
-{
-    if (scores[i].score != CML_FACET_ESCAPED) return scores[i].long_name;
-    return b == 0 ? "diffuse reflectance by what it touched last" : "transmittance by what it touched last";
-}
-
-/* Axes of the field added last. */
-static void along_facets(struct cml_field_list *c, int b)
-{
-    if (is_plane(c->report, b))
-        along(c, &c->y, &c->x, NULL);
-    else
-        along(c, &c->facet[b], NULL, NULL);
-}
-
-/* The axis is as long as the drawing has faces, in which tables and pictures differ. */
-void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
-{
-    const cml_u128 *first = facets_of(c->report, b);
-    char name[64];
-    if (!first) return;
-    c->facet[b].n = (num_facets(c->report, b) - 1) * per_facet;
-    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) {
-        if (!score_name(c->report, b, i)) continue;
-        snprintf(name, sizeof name, "%s%s", prefix, score_name(c->report, b, i));
-        struct cml_field_source *source = add(c, name, score_text(b, i), "1/cm2", facet_values);
-        source->cells = first + scores[i].score;
-        source->squares = first + CML_FACET_ESCAPED_SQUARES;
-        source->surface = &c->report->surfaces->item[b];
-        source->per_facet = per_facet;
-        along_facets(c, b);
-        c->fields[c->num_fields - 1].single = true;
-        if (scores[i].score == CML_FACET_ESCAPED) add_errors(c, facet_errors);
-    }
-}
-
-/* The plane around a boundary has no area to divide by, so it has shares of the launched weight. */
-void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
-{
-    const struct cml_surface_def *surface = &c->report->surfaces->item[b];
-    const cml_u128 *first = facets_of(c->report, b);
-    char name[64];
-    if (!first) return;
-    const cml_u128 *outer = first + (num_facets(c->report, b) - 1) * CML_FACET_SCORES;
-    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) {
-        if (!score_name(c->report, b, i)) continue;
-        snprintf(name, sizeof name, "%souter_%s", prefix, score_name(c->report, b, i));
-        add_number(c, name, score_text(b, i),
-                   (double)outer[scores[i].score] * CML_WEIGHT_UNIT / (double)c->report->run->result.photons);
-    }
-    if (is_plane(c->report, b)) return;
-    snprintf(name, sizeof name, "%sarea", prefix);
-    add(c, name, "area of the facet", "cm2", facet_areas)->surface = surface;
-    along(c, &c->facet[b], NULL, NULL);
+        cml_add_number_field(c, "A_outside", "absorbed fraction outside the volume",
+                             (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
 }

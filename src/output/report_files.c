@@ -116,6 +116,7 @@ static void fill_list(struct cml_field_list *list, const struct cml_mco *mco)
     cml_add_map_fields(list);
     cml_add_volume_fields(list);
     cml_add_outside_fields(list);
+    cml_add_body_fields(list);
     for (int b = 0; b <= list->report->scene->num_layers; b++) {
         name_boundary(b, prefix);
         cml_add_facet_fields(list, b, prefix, 1);

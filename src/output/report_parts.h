@@ -3,7 +3,7 @@
 #ifndef CML_REPORT_PARTS_H
 #define CML_REPORT_PARTS_H
 
-#include "output/hdf5_file.h"
+#include "output/files/hdf5_file.h"
 #include "output/report.h"
 
 /* A profile that is kept batch by batch. */
@@ -44,7 +44,7 @@ struct cml_field_list {
     int num_fields, capacity;
     struct cml_field *fields;         /* [capacity] */
     struct cml_field_source *sources; /* [capacity], of the field of the same number */
-    struct cml_axis layer, r, z, alpha, x, y, z_volume;
+    struct cml_axis layer, body, body_facet, r, z, alpha, x, y, z_volume;
     struct cml_axis *facet;  /* [L + 1] */
     char (*facet_names)[32]; /* [L + 1] */
 };
@@ -52,6 +52,32 @@ struct cml_field_list {
 CML_NODISCARD cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *list,
                                                struct cml_error *err);
 void cml_field_list_free(struct cml_field_list *list);
+
+/* Adds a field and returns its source to be filled in. No array grows, so that a field may point to its
+ * source. */
+struct cml_field_source *cml_add_field(struct cml_field_list *list, const char *name, const char *long_name,
+                                       const char *units, cml_field_values *values);
+
+/* A field without axes, of unit 1. */
+void cml_add_number_field(struct cml_field_list *list, const char *name, const char *long_name,
+                          double number);
+
+/* The standard errors of the field added last, NAME_se. */
+struct cml_field_source *cml_add_error_field(struct cml_field_list *list, cml_field_values *values);
+
+/* Axes of the field added last, slowest first; b and d may be NULL. */
+void cml_field_along(struct cml_field_list *list, const struct cml_axis *a, const struct cml_axis *b,
+                     const struct cml_axis *d);
+
+/* n places, the first at `first`, `step` apart. */
+struct cml_axis cml_field_bins(const char *name, const char *what, const char *units, int n, double first,
+                               double step);
+
+/* Values that are numbers already: of `array`, `stride` apart. */
+void cml_field_array_values(const void *context, size_t begin, size_t count, double *out);
+
+/* From units of weight to a share of one packet. */
+double cml_field_per_photon(const struct cml_field_source *source);
 
 /* Everything an .mco file holds, with standard errors. *mco must outlive the list. */
 void cml_add_result_fields(struct cml_field_list *list, const struct cml_mco *mco);
@@ -64,6 +90,10 @@ void cml_add_volume_fields(struct cml_field_list *list);
 
 /* What lies outside map and volume. */
 void cml_add_outside_fields(struct cml_field_list *list);
+
+/* A_body, media of bodies, with `facets` irradiance and exitance of all their facets; nothing without bodies.
+ */
+void cml_add_body_fields(struct cml_field_list *list);
 
 /* Irradiance and exitance of the facets of boundary b but the last one, each `per_facet` times in a row,
  * under names that begin with `prefix`; of a plane along y and x, and nothing without a map. */

@@ -57,6 +57,16 @@ expect_error 2 "--more (expected no --photons beside it)" samples/thick.mci --mo
 expect_error 2 "--more (expected no --target-error beside it)" samples/thick.mci --more 5 --target-error 0.1 -o "$work"
 expect_error 2 "--keep (expected no --target-error beside it)" samples/thick.mci --keep --target-error 0.1 -o "$work"
 expect_error 2 "--more 0 (expected a whole number from 1 to 281474976710656)" samples/thick.mci --more 0 -o "$work"
+
+# A finished run whose result was taken away is flown again.
+cp "$work/thick.mco" "$work/expected"
+rm "$work/thick.mco"
+expect_code 0 samples/thick.mci --photons 100 --resume --quiet -o "$work"
+grep -q "thick.mco.checkpoint is of a finished run, but its result thick.mco is gone: it begins anew" "$work/err" ||
+    complain "no word of the lost result: $(cat "$work/err")"
+sed '/^# User time/d' "$work/expected" >"$work/a"
+sed '/^# User time/d' "$work/thick.mco" | cmp -s - "$work/a" || complain "a lost result has other bytes"
+
 expect_code 0 samples/thick.mci --photons 200 --quiet -o "$work"
 grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew" "$work/err" ||
     complain "no word of the finished run: $(cat "$work/err")"

@@ -31,14 +31,15 @@ ROOMS = {
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
     "src/exact": "src/scene src/base",
     "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
-    "src/output": "src/exact src/run src/engine src/surface src/surface/body src/surface/mesh src/tally src/scene/body src/scene src/geometry src/base kernels",
-    "src/output/study": "src/output src/run src/tally src/base",
+    "src/output/files": "src/base",
+    "src/output": "src/output/files src/exact src/run src/engine src/surface src/surface/body src/surface/mesh src/tally src/scene/body src/scene src/geometry src/base kernels",
+    "src/output/study": "src/output src/output/files src/run src/tally src/base",
     "src/plot/files": "src/output src/base",
     "src/plot": "src/plot/files src/output src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/input/sweep src/cli/options src/output src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/output/study src/exact src/run src/engine src/engine/engines "
+    "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/output/files src/output/study src/exact src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
@@ -50,7 +51,7 @@ FOREIGN = {
     "jansson.h": "src/base/json_name src/output/study/merge src/output/report_json src/plot/compare_report src/cli/command_plan",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
-    "hdf5*.h": "src/output/hdf5_file src/plot/files/hdf5_result",
+    "hdf5*.h": "src/output/files/hdf5_file src/plot/files/hdf5_result",
     "sys/resource.h": "src/cli/load/scenes",
     "sys/ioctl.h": "src/cli/run/progress",
     "spawn.h": "src/plot/gnuplot",

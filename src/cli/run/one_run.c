@@ -6,7 +6,7 @@
 #include "cli/load/scenes.h"
 #include "cli/run/progress.h"
 #include "cli/run/twin.h"
-#include "output/hdf5_file.h"
+#include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "run/cluster.h"
 #include "run/identity.h"
@@ -141,6 +141,34 @@ static void note_old_checkpoint(const struct cml_options *options, const char *p
     cml_show_note(NULL, text);
 }
 
+/* The file that the scene names; where that cannot be told it counts as there. */
+static bool result_is_there(const struct cml_options *options, const struct cml_scene *scene)
+{
+    struct cml_error ignored;
+    char *name = NULL, *path = NULL;
+    bool there = true;
+    if (cml_report_path(scene->output, ".h5", &name, &ignored) == CML_OK &&
+        cml_output_path(options, scene->format == 'B' ? name : scene->output, &path, &ignored) == CML_OK)
+        there = access(path, F_OK) == 0;
+    free(name);
+    free(path);
+    return there;
+}
+
+/* A checkpoint says that the run is finished, but somebody took its result away. */
+static void begin_lost_result_anew(const struct cml_run_call *call, const char *path)
+{
+    char text[512];
+    if (!call->options->resume || call->options->more ||
+        cml_checkpoint_look(path).kind != CML_CHECKPOINT_FINISHED ||
+        result_is_there(call->options, call->scene))
+        return;
+    snprintf(text, sizeof text, "%.200s is of a finished run, but its result %.200s is gone: it begins anew",
+             path, call->scene->output);
+    cml_show_note(NULL, text);
+    cml_checkpoint_remove(path);
+}
+
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
  * --keep it has the tallies, too, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
@@ -199,8 +227,10 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
                       const struct cml_twin *twin, struct cml_record *record, struct cml_error *err)
 {
     struct cml_run_result run;
-    if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0)
+    if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0) {
         note_old_checkpoint(call->options, setup->checkpoint);
+        begin_lost_result_anew(call, setup->checkpoint);
+    }
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(check_same(setup->identity, err));
     CML_TRY(cml_run(setup, &run, err));

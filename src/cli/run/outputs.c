@@ -4,7 +4,7 @@
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "cli/load/scenes.h"
-#include "output/hdf5_file.h"
+#include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "run/checkpoint.h"
 

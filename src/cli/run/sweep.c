@@ -8,7 +8,7 @@
 #include "cli/run/outputs.h"
 #include "cli/run/sweep_rows.h"
 #include "input/sweep/sweep_table.h"
-#include "output/hdf5_file.h"
+#include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "output/study/sweep_files.h"
 #include "run/cluster.h"

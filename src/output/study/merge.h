@@ -4,7 +4,7 @@
 #ifndef CML_MERGE_H
 #define CML_MERGE_H
 
-#include "output/hdf5_file.h"
+#include "output/files/hdf5_file.h"
 #include "output/mco.h"
 
 #include <stdio.h>

@@ -3,7 +3,7 @@
 #ifndef CML_SWEEP_FILES_H
 #define CML_SWEEP_FILES_H
 
-#include "output/hdf5_file.h"
+#include "output/files/hdf5_file.h"
 #include "run/checkpoint.h"
 
 /* All rows of a sweep; nothing in it is owned. */

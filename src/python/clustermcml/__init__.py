@@ -14,11 +14,13 @@ Results are xarray.Dataset, with units, axes and standard errors (NAME_se of NAM
 SPDX-License-Identifier: MIT
 """
 
+from .bodies import Body, Cylinder, Sphere
 from .errors import ClustermcmlError, InputError
 from .program import run
 from .results import read
-from .scene import Beam, Heightfield, Heightmap, Layer, Map, Mesh, Scene
+from .scene import Beam, Layer, Map, Scene
+from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
-__all__ = ["Beam", "ClustermcmlError", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Scene", "read", "run",
-           "sweep"]
+__all__ = ["Beam", "Body", "ClustermcmlError", "Cylinder", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Scene",
+           "Sphere", "read", "run", "sweep"]

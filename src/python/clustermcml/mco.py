@@ -25,6 +25,7 @@ QUANTITIES = {
     "A": ((), "1", "absorbed fraction"),
     "Tt": ((), "1", "transmittance"),
     "A_l": (("layer",), "1", "absorption by layer"),
+    "A_body": (("body",), "1", "absorption by body"),
     "A_z": (("z",), "1/cm", "absorption by depth; what lies outside is in the outermost bins"),
     "Rd_r": (("r",), "1/cm2", "diffuse reflectance by radius; the last bin holds what lies beyond"),
     "Rd_a": (("alpha",), "sr-1", "diffuse reflectance by angle"),
@@ -46,6 +47,7 @@ AXES = {
     "z": ("cm", "depth, middle of the bin"),
     "alpha": ("rad", "angle from the outward vertical, middle of the bin"),
     "layer": ("1", "layer, from 1"),
+    "body": ("1", "body, from 1, in the order of the file"),
 }
 
 
@@ -135,11 +137,13 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     words = iter(sections["InParm"])
     title, _, photons = next(words), next(words), float(next(words))
     axes, media, above, below = _grid(words)
+    if "A_body" in sections:
+        axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
     data = xr.Dataset(_numbers(sections, axes))
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]
         data["layer_" + name] = xr.DataArray(column, dims="layer", attrs={"units": unit, "long_name": meaning})
-    for name, (unit, meaning) in AXES.items():
+    for name, (unit, meaning) in ((name, AXES[name]) for name in axes):
         data[name] = xr.DataArray(axes[name], dims=name, attrs={"units": unit, "long_name": meaning})
     data.attrs.update({"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})
     return data

@@ -36,7 +36,8 @@ CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene,
 
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces);
 
-/* Area of a facet, cm^2. */
-double cml_body_facet_area(const struct cml_scene_body *body, size_t facet);
+/* Area of a facet of the body as it is represented, cm^2. */
+double cml_body_facet_area(const struct cml_body_surface *surface, const struct cml_scene_body *body,
+                           size_t facet);
 
 #endif

@@ -6,7 +6,7 @@
 #include <math.h>
 
 #include "plot/files/vti.h"
-#include "output/vtk.h"
+#include "output/files/vtk.h"
 
 #define IMAGE(kind, extent)                                                                                  \
     "<?xml version=\"1.0\"?>\n<VTKFile type=\"ImageData\" version=\"1.0\" " kind ">\n"                       \

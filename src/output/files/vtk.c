@@ -1,7 +1,7 @@
 /* VTK's XML formats: a header that says where in the file each array stands, then all arrays as they lie in
  * memory, each behind its size in bytes. Offsets count from the underscore that begins them (VTK file
  * formats, "XML file formats", appended raw data). SPDX-License-Identifier: MIT */
-#include "output/vtk.h"
+#include "output/files/vtk.h"
 
 #include "base/atomic_file.h"
 #include "base/text.h"

@@ -6,7 +6,7 @@
 #ifndef CML_HDF5_FILE_H
 #define CML_HDF5_FILE_H
 
-#include "output/field.h"
+#include "output/files/field.h"
 #include "base/status.h"
 
 /* An attribute of the whole file; value NULL: `number` counts. */

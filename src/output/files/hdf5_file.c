@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "output/hdf5_file.h"
+#include "output/files/hdf5_file.h"
 
 #include "base/atomic_file.h"
 #include "base/text.h"

@@ -5,7 +5,7 @@
 #ifndef CML_VTK_H
 #define CML_VTK_H
 
-#include "output/field.h"
+#include "output/files/field.h"
 #include "base/status.h"
 
 #include <stdint.h>

@@ -1,0 +1,95 @@
+"""What lies inside a layer: each a medium of its own.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from . import errors
+from .surfaces import Mesh, shortest
+
+
+def _check_medium(name: str, body: "Sphere | Cylinder | Body") -> None:
+    errors.number(name + ".n", body.n, 0.01, 100, "a number from 0.01 to 100")
+    errors.at_least_zero(name + ".mua", body.mua)
+    errors.at_least_zero(name + ".mus", body.mus)
+    errors.number(name + ".g", body.g, -1, 1, "a number from -1 to 1")
+
+
+@dataclass
+class Sphere:
+    """A sphere: centre x, y, z [cm, z down] and radius r [cm]; n, mua, mus [1/cm], g of what it is made of.
+
+    >>> Sphere(0, 0, 0.1, 0.05, n=1.4, mua=5, mus=20, g=0.5).line("", "")
+    'i sphere 0 0 0.1 0.05 1.4 5 20 0.5'
+    """
+
+    x: float
+    y: float
+    z: float
+    r: float
+    n: float
+    mua: float
+    mus: float
+    g: float
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y", "z"):
+            errors.finite("Sphere." + name, getattr(self, name))
+        errors.above_zero("Sphere.r", self.r)
+        _check_medium("Sphere", self)
+
+    def line(self, directory: str, stem: str) -> str:
+        """The line of the `.mci`; writes no file."""
+        return "i sphere " + " ".join(map(shortest, (self.x, self.y, self.z, self.r, self.n, self.mua, self.mus, self.g)))
+
+
+@dataclass
+class Cylinder:
+    """A cylinder with flat ends: their middles x1, y1, z1 and x2, y2, z2 [cm, z down], radius r [cm]; n, mua, mus [1/cm], g."""
+
+    x1: float
+    y1: float
+    z1: float
+    x2: float
+    y2: float
+    z2: float
+    r: float
+    n: float
+    mua: float
+    mus: float
+    g: float
+
+    def __post_init__(self) -> None:
+        for name in ("x1", "y1", "z1", "x2", "y2", "z2"):
+            errors.finite("Cylinder." + name, getattr(self, name))
+        errors.above_zero("Cylinder.r", self.r)
+        _check_medium("Cylinder", self)
+
+    def line(self, directory: str, stem: str) -> str:
+        """The line of the `.mci`; writes no file."""
+        ends = (self.x1, self.y1, self.z1, self.x2, self.y2, self.z2, self.r)
+        return "i cylinder " + " ".join(map(shortest, (*ends, self.n, self.mua, self.mus, self.g)))
+
+
+@dataclass
+class Body:
+    """A closed mesh, heights up from z = 0 of the scene (a ball 0.25 cm deep has shift=(0, 0, -0.25)); n, mua, mus [1/cm], g."""
+
+    mesh: Mesh
+    n: float
+    mua: float
+    mus: float
+    g: float
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.mesh, Mesh):
+            raise errors.refuse("Body.mesh", self.mesh, "a Mesh")
+        _check_medium("Body", self)
+
+    def line(self, directory: str, stem: str) -> str:
+        """The line of the `.mci` in that directory; writes DIRECTORY/STEM.obj where the mesh is no file."""
+        name, options = self.mesh.words(directory, stem)
+        return " ".join(["i", name, *map(shortest, (self.n, self.mua, self.mus, self.g)), *options])

@@ -1,0 +1,194 @@
+"""The shapes of boundaries.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Optional, Sequence, Union
+
+import numpy as np
+
+from . import errors
+from .surface_files import write_gsf, write_obj
+
+
+def shortest(value: float) -> str:
+    """A number as the file has it: as few digits as give the same number again."""
+    return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
+
+
+def vector(name: str, value: Any, length: int) -> tuple[float, ...]:
+    expected = f"{length} numbers"
+    try:
+        values = tuple(value)
+    except TypeError:
+        raise errors.refuse(name, value, expected) from None
+    if len(values) != length:
+        raise errors.refuse(name, value, expected)
+    return tuple(errors.finite(name, item) for item in values)
+
+
+@dataclass
+class Heightfield:
+    """A surface of revolution about the z axis.
+
+    r: radii of the samples [cm], from 0, rising. h: heights above the boundary's depth [cm], linear between samples and
+    constant beyond the last one.
+
+    >>> Heightfield(r=[0, 0.1], h=[0.02, 0])
+    Heightfield(r=[0, 0.1], h=[0.02, 0])
+    """
+
+    r: Sequence[float]
+    h: Sequence[float]
+
+    def __post_init__(self) -> None:
+        r, h = (np.asarray(values, dtype=float) for values in (self.r, self.h))
+        if r.ndim != 1 or r.size < 1 or not np.all(np.isfinite(r)) or r[0] != 0 or np.any(np.diff(r) <= 0):
+            raise errors.refuse("Heightfield.r", self.r, "radii that begin with 0 and rise")
+        if h.shape != r.shape or not np.all(np.isfinite(h)):
+            raise errors.refuse("Heightfield.h", self.h, f"{r.size} finite heights, one for each radius")
+
+    def line(self, directory: str, stem: str) -> str:
+        """The line of the `.mci`; writes no file."""
+        r, h = np.asarray(self.r, dtype=float), np.asarray(self.h, dtype=float)
+        spacing = np.append(np.diff(r), 0.0)
+        samples = "  ".join(f"{shortest(height)} {shortest(step)}" for height, step in zip(h, spacing))
+        return f"b {r.size}  {samples}"
+
+
+@dataclass
+class Heightmap:
+    """A surface given by a height for every point of a grid.
+
+    heights: array [ny, nx] in cm above the boundary's depth; y rises with the first index, x with the second. dx, dy: distance of grid points
+    in x and y [cm], dy None: as dx. shift: x, y and up [cm] of the map's middle. The file keeps heights in single precision.
+    tile: True, the map is repeated over the whole plane; "mirror", with its mirror image.
+
+    >>> Heightmap(np.zeros((2, 3)), dx=0.01).dy is None
+    True
+    """
+
+    heights: Any
+    dx: float
+    dy: Optional[float] = None
+    shift: Sequence[float] = (0.0, 0.0, 0.0)
+    scale: float = 1.0
+    tile: Union[bool, str] = False
+
+    def __post_init__(self) -> None:
+        _check_tile("Heightmap.tile", self.tile)
+        heights = np.asarray(self.heights)
+        if heights.ndim != 2 or min(heights.shape) < 2 or heights.dtype.kind not in "iuf":
+            raise errors.refuse("Heightmap.heights", self.heights, "an array of heights [ny, nx], at least 2 x 2")
+        if not np.all(np.isfinite(heights)):
+            raise errors.refuse("Heightmap.heights", self.heights, "finite heights")
+        errors.above_zero("Heightmap.dx", self.dx)
+        if self.dy is not None:
+            errors.above_zero("Heightmap.dy", self.dy)
+        errors.above_zero("Heightmap.scale", self.scale)
+        vector("Heightmap.shift", self.shift, 3)
+
+    def line(self, directory: str, stem: str) -> str:
+        """Writes DIRECTORY/STEM.gsf; the line of the `.mci` in that directory."""
+        write_gsf(os.path.join(directory, stem + ".gsf"), np.asarray(self.heights), self.dx, self.dx if self.dy is None else self.dy)
+        options = {"scale": self.scale, "shift": tuple(self.shift), "tile": self.tile}
+        return " ".join([f'm "{stem}.gsf"', *_option_words(options)])
+
+
+def _check_tile(name: str, value: object) -> None:
+    if value not in (False, True, "mirror"):
+        raise errors.refuse(name, value, 'True, False or "mirror"')
+
+
+def _option_words(options: dict[str, Any]) -> list[str]:
+    """The options of a mesh that are no defaults."""
+    usual = {"up": "z", "rotate": 0.0, "units": "cm", "scale": 1.0, "shift": (0.0, 0.0, 0.0), "normals": "face", "skirt": None, "tile": False}
+    words = []
+    for key, value in options.items():
+        if value == usual[key]:
+            continue
+        if value is True:
+            words.append(key)
+        elif isinstance(value, tuple):
+            words.append(f"{key}={','.join(shortest(number) for number in value)}")
+        else:
+            words.append(f"{key}={value if isinstance(value, str) else shortest(value)}")
+    return words
+
+
+@dataclass
+class Mesh:
+    """A surface as triangles: a file (`.obj`, `.gsf`, `.asc`), or vertices and faces.
+
+    vertices: array [n, 3]; x, y and up. faces: array [m, 3] of indices into the vertices, from 0. units: of the file's or the
+    array's numbers (cm mm um m). up: the axis of the file that points up (z, -z, y, -y, x, -x). rotate: degrees about the vertical.
+    scale: factor on all coordinates. shift: cm; x, y and up. normals: "face" or "vertex". skirt: cm, None for none.
+    tile: of a `.gsf` or `.asc`: True: the map is repeated over the whole plane; "mirror": with its mirror image.
+    """
+
+    path: Optional[Union[str, os.PathLike[str]]] = None
+    vertices: Any = None
+    faces: Any = None
+    units: str = "cm"
+    up: str = "z"
+    rotate: float = 0.0
+    scale: float = 1.0
+    shift: Sequence[float] = (0.0, 0.0, 0.0)
+    normals: str = "face"
+    skirt: Optional[float] = None
+    tile: Union[bool, str] = False
+
+    def __post_init__(self) -> None:
+        if (self.path is None) == (self.vertices is None):
+            raise errors.refuse("Mesh.path", self.path, "either a path, or vertices and faces")
+        if self.path is None:
+            self._check_arrays()
+        else:
+            errors.existing_file("Mesh.path", self.path)
+        for name, known in (("units", "cm mm um m"), ("up", "z -z y -y x -x"), ("normals", "face vertex")):
+            if getattr(self, name) not in known.split():
+                raise errors.refuse("Mesh." + name, getattr(self, name), "one of " + known)
+        _check_tile("Mesh.tile", self.tile)
+        errors.finite("Mesh.rotate", self.rotate)
+        errors.above_zero("Mesh.scale", self.scale)
+        vector("Mesh.shift", self.shift, 3)
+        if self.skirt is not None:
+            errors.above_zero("Mesh.skirt", self.skirt)
+
+    def _check_arrays(self) -> None:
+        vertices, faces = np.asarray(self.vertices), np.asarray(self.faces)
+        if vertices.ndim != 2 or vertices.shape[1] != 3 or vertices.dtype.kind not in "iuf" or not np.all(np.isfinite(vertices)):
+            raise errors.refuse("Mesh.vertices", self.vertices, "an array [n, 3] of finite numbers")
+        if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
+            raise errors.refuse("Mesh.faces", self.faces, "an array [m, 3] of whole numbers")
+        if faces.min() < 0 or faces.max() >= len(vertices):
+            raise errors.refuse("Mesh.faces", self.faces, f"indices from 0 to {len(vertices) - 1}")
+
+    def words(self, directory: str, stem: str) -> tuple[str, list[str]]:
+        """The file's name in quotes, and the options. Writes DIRECTORY/STEM.obj where the mesh is no file."""
+        path = stem + ".obj"
+        if self.path is None:
+            write_obj(os.path.join(directory, path), np.asarray(self.vertices), np.asarray(self.faces))
+        else:
+            path = errors.existing_file("Mesh.path", self.path)
+        names = ("up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile")
+        options = {name: getattr(self, name) for name in names}
+        options["shift"] = tuple(self.shift)
+        return f'"{path}"', _option_words(options)
+
+    def line(self, directory: str, stem: str) -> str:
+        """The line of the `.mci` in that directory."""
+        name, options = self.words(directory, stem)
+        return " ".join(["m", name, *options])
+
+
+Surface = Union[Heightfield, Heightmap, Mesh]
+
+
+def check_surface(name: str, value: object) -> None:
+    if value is not None and not isinstance(value, (Heightfield, Heightmap, Mesh)):
+        raise errors.refuse(name, value, "a Heightfield, a Heightmap, a Mesh, or None for a plane")

@@ -1,0 +1,70 @@
+"""What an .h5 says of bodies: shares and media along `body`, facets of all of them along `body_facet`. Their sums are what the .mco
+says (`A_body`, `flux_body`), areas are known, and what arrives at a body leaves it."""
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cml  # noqa: E402
+from fields import h5py, numpy  # noqa: E402
+
+SCENE = """1.0
+1
+bodies.mco A
+20000
+0.01 0.01
+20 20 2
+facets
+1
+1
+1.4 0.5 50 0.8 0.3
+i sphere 0 0 0.1 0.05 1.4 5 20 0.5
+i cylinder -0.2 0.1 0.15 0.2 0.1 0.15 0.03 1.33 0 0 0
+i "cube.obj" 1.5 2 10 0.9 shift=0.1,-0.15,-0.1
+1
+"""
+CORNERS = [(x, y, z) for x in (-0.02, 0.02) for y in (-0.03, 0.03) for z in (-0.01, 0.01)]
+FACES = [(1, 2, 4), (1, 4, 3), (5, 7, 8), (5, 8, 6), (1, 5, 6), (1, 6, 2), (3, 4, 8), (3, 8, 7), (1, 3, 7), (1, 7, 5), (2, 6, 8), (2, 8, 4)]
+
+
+def section(path, key, count):
+    with open(path, encoding="utf-8") as file:
+        lines = file.read().splitlines()
+    first = next(i for i, line in enumerate(lines) if line.split("#")[0].strip() == key) + 1
+    return numpy.array([float(line) for line in lines[first:first + count]])
+
+
+def check(verdict, file, mco):
+    verdict.check("A_body", numpy.allclose(file["A_body"][:], section(mco, "A_body", 3), rtol=1e-8), "of the .mco")
+    verdict.check("A", math.isclose(file["A_l"][:].sum() + file["A_body"][:].sum(), file["A"][()], rel_tol=1e-12), "by media")
+    verdict.check("body_n", file["body_n"][:].tolist() == [1.4, 1.33, 1.5])
+    verdict.check("body_mua", file["body_mua"][:].tolist() == [5, 0, 2])
+    whose, areas = file["body_of_facet"][:], file["body_area"][:]
+    verdict.check("body_of_facet", whose.tolist() == [1] + 3 * [2] + 12 * [3])
+    sphere, disk, cube = 4 * math.pi * 0.05**2, math.pi * 0.03**2, 2 * (0.04 * 0.06 + 0.04 * 0.02 + 0.06 * 0.02)
+    verdict.check("areas", numpy.allclose(areas[:4], [sphere, 2 * math.pi * 0.03 * 0.4, disk, disk], rtol=1e-12))
+    verdict.check("areas", math.isclose(areas[4:].sum(), cube, rel_tol=1e-9), "of the cube")
+    flux = section(mco, "flux_body", 12).reshape(3, 4)
+    names = ("irradiance_outside", "irradiance_inside", "exitance_outside", "exitance_inside")
+    sums = numpy.array([[(file["body_" + name][:] * areas)[whose == k].sum() for name in names] for k in (1, 2, 3)])
+    verdict.check("flux_body", numpy.allclose(sums, flux, rtol=1e-6) and flux.min() > 0, f"{sums}, in the .mco {flux}")
+    verdict.check("what arrives leaves", numpy.allclose(sums[:, :2].sum(axis=1), sums[:, 2:].sum(axis=1), rtol=1e-6), str(sums))
+
+
+def main():
+    verdict = cml.Verdict("bodies")
+    with tempfile.TemporaryDirectory() as folder:
+        with open(os.path.join(folder, "bodies.mci"), "w", encoding="utf-8") as file:
+            file.write(SCENE)
+        with open(os.path.join(folder, "cube.obj"), "w", encoding="utf-8") as file:
+            file.writelines("v %g %g %g\n" % corner for corner in CORNERS)
+            file.writelines("f %d %d %d\n" % face for face in FACES)
+        subprocess.run([cml.PROGRAM, os.path.join(folder, "bodies.mci"), "--quiet", "-o", folder], check=True)
+        with h5py.File(os.path.join(folder, "bodies.h5")) as file:
+            check(verdict, file, os.path.join(folder, "bodies.mco"))
+    verdict.finish()
+
+
+main()

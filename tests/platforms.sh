@@ -105,7 +105,7 @@ tests_of() { # LOG
             if (/ Passed /) passed[label]++; else if (/\*\*\*Skipped/) skipped = skipped " " name; else failed = failed " " name
         }
         END {
-            count = split("house unit cross cli cluster files stat stability", labels, " ")
+            count = split("house unit cross cli cluster files python stat stability", labels, " ")
             for (i = 1; i <= count; i++) if (passed[labels[i]]) text = text (text ? ", " : "") labels[i] " " passed[labels[i]]
             print text (failed ? ", failed:" failed : "") (skipped ? ", skipped:" skipped : "")
         }' "$1"

@@ -7,7 +7,7 @@
 #include "scene/scene.h"
 
 /* Reads all runs of `path` ("-" is standard input) and the files they name; options NULL: all zero. Every
- * scene has passed all checks but cml_scene_check_overlap, which costs time and is the caller's. CML_E_INPUT
+ * scene has passed all checks but cml_scene_check_shapes, which costs time and is the caller's. CML_E_INPUT
  * names file, line, field, value and what was expected. On failure *list is cleared. Limits: 32767 runs, 1e5
  * layers, 2^31 cells in all arrays of a run, 1e7 samples per heightfield, n 0.01..100, lengths and
  * coefficients up to 1e30. What follows the last run is ignored, as in the original, unless a boundary line

@@ -7,6 +7,7 @@
 
 #include "engine/engines.h"
 #include "input/mci.h"
+#include "scene/body/body_place.h"
 #include "types.h"
 
 #include <stdio.h>
@@ -34,7 +35,7 @@ static inline void read_scenes(const char *text, struct cml_scene_list *list)
     const cml_status status = cml_mci_read(path, NULL, list, &err);
     remove(path);
     require_ok(status, &err);
-    for (int i = 0; i < list->count; i++) require_ok(cml_scene_check_overlap(&list->scenes[i], &err), &err);
+    for (int i = 0; i < list->count; i++) require_ok(cml_scene_check_shapes(&list->scenes[i], &err), &err);
 }
 
 struct flight_options {

@@ -31,8 +31,25 @@ printf 'Gwyddion Simple Field 1.0\nXRes = 2\nYRes = 2\nXReal = 1\nYReal = 1\nXYU
     head -c 92 >"$out/heightmap/small.gsf"
 printf '\0\0\0\77\0\0\200\77\0\0\0\0\0\0\0\100' >>"$out/heightmap/small.gsf"
 
+cat >"$out/obj/octahedron" <<'END'
+v 1 0 0
+v -1 0 0
+v 0 1 0
+v 0 -1 0
+v 0 0 1
+v 0 0 -1
+f 1 3 5
+f 3 2 5
+f 2 4 5
+f 4 1 5
+f 3 1 6
+f 2 3 6
+f 4 2 6
+f 1 4 6
+END
+
 # Small scenes, which fly in no time: of every kind of line one, on small grids.
-scene() { # NAME FILES ABOVE BELOW: lines for the whole run, then for both boundaries
+scene() { # NAME RUN ABOVE BELOW FILES: lines for the whole run, then for both boundaries
     {
         printf '1.0\n1\n%s.mco A\n64\n0.1 0.1\n3 4 2\n%b1\n1\n%b1.4 0.5 20 0.8 1\n%b1.5\n' "$1" "$2" "$3" "$4"
         shift 4
@@ -45,6 +62,10 @@ name=hill; scene hill 'beam gaussian 0.1\nfacets\n' 'b 3 0.06 0.1 0.02 0.2 0 1\n
 name=pyramid; scene pyramid 'facets\n' 'm "p.obj"\n' '' meshes/pyramid.obj
 name=prism; scene prism '' 'm "p.obj" scale=0.5 up=z normals=vertex\n' 'm "w.obj" units=mm\n' meshes/prism.obj meshes/wedge.obj
 name=scan; scene scan '' 'm "s.gsf"\n' 'm "s.asc" units=mm\n' "$out/heightmap/small.gsf" "$out/heightmap/small.asc"
+name=tile; scene tile 'facets\n' 'm "s.asc" units=mm tile=mirror\n' '' "$out/heightmap/small.asc"
+name=balls; scene balls 'facets\n' '' 'i sphere 0 0 0.5 0.3 1.33 1 10 0.9\ni sphere 0.05 0 0.5 0.1 1.5 0 0 0\n'
+name=rod; scene rod '' '' 'i cylinder -1 0 0.3 1 0.1 0.4 0.2 1.6 0.1 5 0\n'
+name=implant; scene implant '' '' 'i "o.obj" 1.5 0.2 9 0.7 scale=0.2 shift=0,0,-0.5\n' "$out/obj/octahedron"
 cp "$out"/fly/* "$out/mci"
 for scene in samples/*.mci samples/shapes/*.mci; do # as they are, but on small grids
     small=$out/fly/$(basename "$scene")

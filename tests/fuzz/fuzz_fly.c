@@ -4,11 +4,12 @@
 
 #include "engine/engines.h"
 #include "input/mci.h"
+#include "scene/body/body_place.h"
 #include "tally/result.h"
 
 #include <math.h>
 
-enum { PHOTONS = 64, MOST_RUNS = 2, MOST_LAYERS = 6, MOST_CELLS = 4096, MOST_PARTS = 256 };
+enum { PHOTONS = 64, MOST_RUNS = 2, MOST_LAYERS = 6, MOST_CELLS = 4096, MOST_PARTS = 256, MOST_BODIES = 32 };
 
 /* Interactions of a packet are many where the albedo is near 1 and the layer is thick, boundary events where
  * it is thin. Lengths: a float resolves 1e-7 of them. */
@@ -24,6 +25,15 @@ static bool is_quick_layer(const struct cml_medium_def *layer, double reach)
 static bool is_quick_boundary(const struct cml_boundary *boundary)
 {
     return boundary->mesh.num_triangles <= MOST_PARTS && boundary->radial.n <= MOST_PARTS;
+}
+
+/* A body is no larger than its layer; one without absorption is to be thin. */
+static bool is_quick_body(const struct cml_scene *scene, int body, double reach)
+{
+    const struct cml_medium_def *medium = &scene->media[scene->num_layers + 2 + body];
+    const double mut = medium->mua + medium->mus;
+    return scene->bodies[body].mesh.num_triangles <= MOST_PARTS && mut * reach < 1e4 &&
+           (mut * reach < 25 || medium->mua > 0.009 * mut);
 }
 
 /* How far a packet may have to go across a layer, cm: all layers and all shapes. */
@@ -50,11 +60,14 @@ static bool is_quick(const struct cml_scene *scene)
         pixels * (map->angles ? na : 1) > MOST_CELLS || pixels * (map->volume ? nz : 1) > MOST_CELLS)
         return false;
     const double reach = reach_of(scene);
-    if (scene->num_layers > MOST_LAYERS || !(reach > 1e-6 && reach < 1e6)) return false;
+    if (scene->num_layers > MOST_LAYERS || scene->num_bodies > MOST_BODIES || !(reach > 1e-6 && reach < 1e6))
+        return false;
     for (int l = 1; l <= scene->num_layers; l++)
         if (!is_quick_layer(&scene->media[l], reach)) return false;
     for (int b = 0; b <= scene->num_layers; b++)
         if (!is_quick_boundary(&scene->boundaries[b])) return false;
+    for (int k = 0; k < scene->num_bodies; k++)
+        if (!is_quick_body(scene, k, reach)) return false;
     return true;
 }
 
@@ -105,7 +118,7 @@ static void fly_both(const struct cml_scene *scene)
         .force = CML_SURFACE_AUTO, .tolerance = 1e-3, .tessellation.normals = CML_NORMALS_ANALYTIC};
     struct cml_surface_set surfaces;
     struct cml_error err = {CML_OK, ""};
-    if (!is_quick(scene) || cml_scene_check_overlap(scene, &err) != CML_OK) return;
+    if (!is_quick(scene) || cml_scene_check_shapes(scene, &err) != CML_OK) return;
     const cml_status status = cml_surfaces_create(scene, &options, &surfaces, &err);
     if (status != CML_OK) {
         fuzz_refused(status, &err);

@@ -2,6 +2,7 @@
 #include "fuzz/fuzz.h"
 
 #include "input/mci.h"
+#include "scene/body/body_place.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
@@ -18,7 +19,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     }
     FUZZ_CHECK(list.count >= 1 && list.count <= 32767);
     for (int i = 0; i < list.count; i++) {
-        status = cml_scene_check_overlap(&list.scenes[i], &err);
+        status = cml_scene_check_shapes(&list.scenes[i], &err);
         if (status != CML_OK) fuzz_refused(status, &err);
     }
     cml_scene_list_clear(&list);

@@ -7,6 +7,7 @@
 #include "atlas.h"
 #include "engine/cpu/engine_cpu.h"
 #include "input/mci.h"
+#include "scene/body/body_place.h"
 
 struct method {
     const char *name;
@@ -81,7 +82,7 @@ static cml_status fly_file(const char *path, const struct method *method, struct
     const struct cml_input_options options = {.flat = method->force == CML_SURFACE_PLANE};
     CML_TRY(cml_mci_read(path, &options, &list, err));
     flight->scene = &list.scenes[0];
-    cml_status status = cml_scene_check_overlap(&list.scenes[0], err);
+    cml_status status = cml_scene_check_shapes(&list.scenes[0], err);
     if (status == CML_OK) status = fly(method, flight, count, err);
     cml_scene_list_clear(&list);
     return status;

@@ -20,10 +20,7 @@
 /* What is checked is what will fly. */
 static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)
 {
-    for (int i = 0; i < list->count; i++) {
-        CML_TRY(cml_scene_check_overlap(&list->scenes[i], err));
-        CML_TRY(cml_scene_check_bodies(&list->scenes[i], err));
-    }
+    for (int i = 0; i < list->count; i++) CML_TRY(cml_scene_check_shapes(&list->scenes[i], err));
     return CML_OK;
 }
 

@@ -184,3 +184,9 @@ cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_erro
     }
     return CML_OK;
 }
+
+cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err)
+{
+    CML_TRY(cml_scene_check_overlap(scene, err));
+    return cml_scene_check_bodies(scene, err);
+}

@@ -156,7 +156,7 @@ static cml_status print_scene(const struct cml_options *options, const struct cm
     printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
            scene->na);
     print_map(scene);
-    cml_report_boundaries(stdout, "  ", scene, surfaces, CML_NAMED_BY_PATH);
+    cml_report_shapes(stdout, "  ", scene, surfaces, CML_READ_BY_PEOPLE);
     for (int b = 0; b <= scene->num_layers; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];
         if (def->kind != CML_SURFACE_PLANE || def->expectation.bias > 0)

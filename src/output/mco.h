@@ -48,6 +48,9 @@ CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_mco *m
  * our own file gives the same bytes. */
 CML_NODISCARD cml_status cml_mco_read(const char *path, struct cml_mco *mco, struct cml_error *err);
 
+/* In a comment of `extra` of a run without re-entry, and of what such runs were merged to. */
+#define CML_MCO_FIRST_EXIT "packets are scored at their first exit"
+
 /* Values of one of our own sections in `extra`: a line that begins with `key` and a blank, then numbers, one
  * per line. Returns how many were found, at most `capacity`; 0 when there is no such section. */
 int cml_mco_extra(const struct cml_mco *mco, const char *key, double *values, int capacity);

@@ -1,75 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/report.h"
-#include "scene/body/body_shape.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Without the scene's folder, which cml_path_beside put in front of it. */
-static const char *name_by_scene(const struct cml_scene *scene, const char *file)
-{
-    const char *slash = strrchr(scene->file, '/');
-    const size_t folder = slash ? (size_t)(slash - scene->file) + 1 : 0;
-    return strncmp(file, scene->file, folder) == 0 ? file + folder : file;
-}
-
 static const char *const exact_names[CML_EXACT_LAYERS] = {"Rsp", "Rd", "A", "Tt"};
-
-/* "layer 2" or "body 3". */
-static void print_host(FILE *stream, const struct cml_scene *scene, int host)
-{
-    const bool body = host > scene->num_layers;
-    fprintf(stream, "%s %d", body ? "body" : "layer", body ? host - scene->num_layers - 1 : host);
-}
-
-/* The first of them: thousands of grains would hide all else. */
-static void report_bodies(FILE *stream, const char *prefix, const struct cml_scene *scene,
-                          const struct cml_body_surfaces *surfaces)
-{
-    const int most = 20;
-    for (int k = 0; k < scene->num_bodies && k < most; k++) {
-        const struct cml_scene_body *body = &scene->bodies[k];
-        const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
-        const double *c = body->centre, *e = body->end;
-        fprintf(stream, "%sbody %d: %s", prefix, k + 1, cml_body_form_name(body->form));
-        if (body->form == CML_BODY_MESH)
-            fprintf(stream, " of %zu triangles from %s", body->mesh.num_triangles,
-                    name_by_scene(scene, body->file));
-        else if (body->form == CML_BODY_SPHERE)
-            fprintf(stream, " at (%g %g %g) cm, r = %g cm", c[0], c[1], c[2], body->radius);
-        else
-            fprintf(stream, " from (%g %g %g) to (%g %g %g) cm, r = %g cm", c[0], c[1], c[2], e[0], e[1],
-                    e[2], body->radius);
-        if (body->form != CML_BODY_MESH && surfaces->item[k].kind == CML_SURFACE_MESH)
-            fprintf(stream, ", as %llu triangles", (unsigned long long)surfaces->item[k].primitives);
-        fprintf(stream, ", in ");
-        print_host(stream, scene, body->host);
-        fprintf(stream, "; n %g, mua %g, mus %g 1/cm, g %g\n", medium->n, medium->mua, medium->mus,
-                medium->g);
-    }
-    if (scene->num_bodies > most) fprintf(stream, "%sand %d more bodies\n", prefix, scene->num_bodies - most);
-}
-
-/* Also a part of the .mco file, whose bytes must not depend on the machine: nothing that was measured is
- * named. */
-void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
-                           const struct cml_surface_set *surfaces, enum cml_file_names names)
-{
-    static const char *const unit_of[] = {"", "rings", "triangles"};
-    for (int b = 0; b < surfaces->count; b++) {
-        const struct cml_surface_def *def = &surfaces->item[b];
-        fprintf(stream, "%sboundary %d: %s at z = %g cm", prefix, b, cml_surface_kind_name(def->kind),
-                def->depth);
-        if (def->kind != CML_SURFACE_PLANE)
-            fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
-        fprintf(stream, " (%s)", def->reason);
-        const char *file = scene->boundaries[b].file;
-        if (file)
-            fprintf(stream, " from %s", names == CML_NAMED_BY_SCENE ? name_by_scene(scene, file) : file);
-        fputc('\n', stream);
-    }
-    report_bodies(stream, prefix, scene, &surfaces->bodies);
-}
 
 /* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
  */

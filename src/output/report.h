@@ -48,13 +48,18 @@ CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, c
 CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco,
                                         struct cml_error *err);
 
-/* How the file of a boundary is named: by its path as it was opened, which depends on the folder from which
- * the program was called, or as in the scene's file. */
-enum cml_file_names { CML_NAMED_BY_PATH, CML_NAMED_BY_SCENE };
+/* Whom a description of the scene is for. People see files by their path as they were opened, and at most 20
+ * bodies. Results hold all bodies, and checksums of all shapes; an .h5 names files as the scene does, so that
+ * it does not depend on the folder from which the program was called. */
+enum cml_report_reader { CML_READ_BY_PEOPLE, CML_READ_IN_MCO, CML_READ_IN_H5 };
 
-/* One line per boundary, each behind the prefix: number, kind, primitives, reason, file. */
-void cml_report_boundaries(FILE *stream, const char *prefix, const struct cml_scene *scene,
-                           const struct cml_surface_set *surfaces, enum cml_file_names names);
+/* One line per boundary, each behind the prefix: number, kind, primitives, reason, file; then one per body:
+ * number, shape, host, medium, file. */
+void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                       const struct cml_surface_set *surfaces, enum cml_report_reader reader);
+
+/* A line for a beam that stands in the file, behind the prefix; nothing for MCML's pencil beam. */
+void cml_report_beam(FILE *stream, const char *prefix, const struct cml_beam *beam);
 
 /* Rsp, Rd, A, Tt with standard errors and, where there are any, exact values; weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);

@@ -63,21 +63,54 @@ static const char *last_file(const struct cml_report *report)
     return report->files[report->num_files - 1];
 }
 
-#define ATTRIBUTES 14
+enum { ALWAYS = 13, ATTRIBUTES = ALWAYS + 2 };
+
+/* The lines of the .mco file that say what the scene is, with files as the scene names them. */
+struct scene_words {
+    char *shapes, *beam;
+};
+
+static void free_words(struct scene_words *words)
+{
+    free(words->shapes);
+    free(words->beam);
+}
+
+static char *close_words(FILE *out, char **text)
+{
+    if (out && fclose(out) == 0) return *text;
+    free(*text);
+    return NULL;
+}
+
+static cml_status describe_scene(const struct cml_report *report, struct scene_words *words,
+                                 struct cml_error *err)
+{
+    size_t size;
+    *words = (struct scene_words){NULL, NULL};
+    FILE *shapes = open_memstream(&words->shapes, &size), *beam = open_memstream(&words->beam, &size);
+    if (shapes) cml_report_shapes(shapes, "", report->scene, report->surfaces, CML_READ_IN_H5);
+    if (beam) cml_report_beam(beam, "", &report->scene->beam);
+    words->shapes = close_words(shapes, &words->shapes);
+    words->beam = close_words(beam, &words->beam);
+    if (words->shapes && words->beam) return CML_OK;
+    free_words(words);
+    return cml_fail_memory(err, (double)size, "the scene in words");
+}
 
 /* Where the numbers come from. No times, and nothing of how the program was called: the same run gives the
  * same bytes. */
-static int fill_attributes(const struct cml_report *report, const char *boundaries,
+static int fill_attributes(const struct cml_report *report, const struct scene_words *words,
                            struct cml_attribute attributes[ATTRIBUTES])
 {
     const struct cml_scene *scene = report->scene;
-    const struct cml_attribute all[ATTRIBUTES] = {
+    const struct cml_attribute all[ALWAYS] = {
         {"title", scene->output, 0},
         {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
         {"version", cml_version(), 0},
         {"engine", report->engine->name, 0},
         {"input", scene->text, 0},
-        {"boundaries", boundaries, 0},
+        {"boundaries", words->shapes, 0},
         {"sampling", cml_sampling_name(report->options), 0},
         {"roulette_below", NULL, report->options->roulette.below},
         {"roulette_weight", NULL, report->options->roulette.weight},
@@ -85,20 +118,12 @@ static int fill_attributes(const struct cml_report *report, const char *boundari
         {"run", NULL, report->options->run + 1},
         {"reentry", NULL, report->options->reentry},
         {"photons", NULL, (double)report->run->result.photons},
-        {"settings", scene->settings, 0}, /* the last, because most runs have none */
     };
+    int count = ALWAYS;
     memcpy(attributes, all, sizeof all);
-    return scene->settings ? ATTRIBUTES : ATTRIBUTES - 1;
-}
-
-/* The lines of the .mco file as one attribute, with files as the scene names them. */
-static cml_status describe_boundaries(const struct cml_report *report, char **text, struct cml_error *err)
-{
-    size_t size = 0;
-    FILE *out = open_memstream(text, &size);
-    if (!out) return cml_fail_memory(err, 1, "the boundaries in words");
-    cml_report_boundaries(out, "", report->scene, report->surfaces, CML_NAMED_BY_SCENE);
-    return fclose(out) == 0 ? CML_OK : cml_fail_memory(err, (double)size, "the boundaries in words");
+    if (scene->beam.given) attributes[count++] = (struct cml_attribute){"beam", words->beam, 0};
+    if (scene->settings) attributes[count++] = (struct cml_attribute){"settings", scene->settings, 0};
+    return count;
 }
 
 enum { PREFIX = 32 };
@@ -131,16 +156,16 @@ static cml_status write_h5(const struct cml_report *report, const struct cml_mco
     struct cml_field_list list;
     struct cml_attribute attributes[ATTRIBUTES];
     const struct cml_hdf5_call call = {report->command, report->scene->file};
-    char *boundaries = NULL;
-    CML_TRY(describe_boundaries(report, &boundaries, err));
+    struct scene_words words;
+    CML_TRY(describe_scene(report, &words, err));
     cml_status status = cml_field_list_create(report, &list, err);
     if (status == CML_OK) {
         fill_list(&list, mco);
-        const int num_attributes = fill_attributes(report, boundaries, attributes);
+        const int num_attributes = fill_attributes(report, &words, attributes);
         status = cml_hdf5_write(path, attributes, num_attributes, &call, list.fields, list.num_fields, err);
         cml_field_list_free(&list);
     }
-    free(boundaries);
+    free_words(&words);
     return status;
 }
 

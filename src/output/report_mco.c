@@ -188,10 +188,11 @@ static void write_extra(FILE *out, const struct cml_report *report)
     const struct cml_engine_options *options = report->options;
     fprintf(out, "\n# clustermcml %s\n# engine %s, seed %llu, run %u, %s\n", cml_version(),
             report->engine->name, (unsigned long long)options->seed, options->run + 1,
-            options->reentry ? "packets that leave may re-enter" : "packets are scored at their first exit");
+            options->reentry ? "packets that leave may re-enter" : CML_MCO_FIRST_EXIT);
     write_sampling(out, options);
     cml_settings_print(out, "# set ", scene->settings);
-    cml_report_boundaries(out, "# ", scene, report->surfaces, CML_NAMED_BY_PATH);
+    cml_report_beam(out, "# ", &scene->beam);
+    cml_report_shapes(out, "# ", scene, report->surfaces, CML_READ_IN_MCO);
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
             options->lattice);
     fprintf(out, "\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n%.6G\n%.6G\n%.6G\n%.6G\n",

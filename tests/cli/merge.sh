@@ -72,18 +72,88 @@ if test $h5 = yes; then
     sed -e 's/angle=75/angle=70/' -e "s,\"../meshes/,\"$root/meshes/," "$scene" >other.mci
     expect_code 0 other.mci --photons 100 --seed 8 --quiet -o .
     expect_code 2 merge part1/skinmap.h5 skinmap.h5 -o out.h5
-    grep -q '^clustermcml: skinmap.h5: scene = scene beam disk 0.5 angle=70 .* (expected scene beam disk 0.5 angle=75 ' err || complain "a beam: $(cat err)"
+    grep -q '^clustermcml: skinmap.h5: scene = beam disk of radius 0.5 cm .*angle 70, .* (expected beam disk .*angle 75, ' err || complain "a beam: $(cat err)"
 fi
 expect_error 2 "part1/skinmap.mco: seed = 1, run 1 (expected a seed that two.mco does not have)" merge two.mco part1/skinmap.mco -o out.mco
 expect_code 0 "$scene" --photons 100 --seed 9 --set layer1.mua=0.5 --quiet -o .
 expect_error 2 "skinmap.mco: layer1.mua = 0.5 (expected 5, as in part1/skinmap.mco)" merge part1/skinmap.mco skinmap.mco -o out.mco
 expect_code 0 "$scene" --photons 100 --seed 9 --set boundary0.height=0.5 --quiet -o .
-expect_error 2 "skinmap.mco: scene = set boundary0.height = 0.5 (expected boundary 0: mesh at z = 0 cm, 5000 triangles (mesh, a regular grid), as in part1/skinmap.mco)" \
+expect_error 2 "skinmap.mco: scene = set boundary0.height = 0.5 (expected beam disk of radius 0.5 cm at (0 0) cm, angle 75, azimuth 0 degrees, as in part1/skinmap.mco)" \
     merge part1/skinmap.mco skinmap.mco -o out.mco
 expect_error 2 "merge: -o is missing (expected the name of the result, .mco or .h5)" merge two.mco part3/skinmap.mco
 expect_error 2 "merge: -o a.txt (expected a name that ends in .mco or .h5)" merge two.mco part3/skinmap.mco -o a.txt
 expect_error 2 "merge: -o two.mco would overwrite its input two.mco" merge two.mco part3/skinmap.mco -o two.mco
 sed '/^# merged/d' two.mco >bare.mco
 expect_error 2 "bare.mco: has no seed or no standard errors (expected a result of this program)" merge bare.mco part3/skinmap.mco -o out.mco
+
+# What the scene is beyond layers: beam, shapes, bodies, re-entry. differs FIRST-LINE-OF-MESSAGE: a.mci and b.mci are told apart.
+differs() {
+    expect_code 0 a.mci --seed 1 --quiet -o .
+    mv s.mco a.mco
+    expect_code 0 b.mci --seed 2 --quiet -o .
+    mv s.mco b.mco
+    expect_code 2 merge a.mco b.mco -o out.mco
+    grep -q "^clustermcml: b.mco: $1" err || complain "expected $1, got $(cat err)"
+}
+scene() { # LINES-OF-THE-RUN ABOVE BELOW
+    printf '1.0\n1\ns.mco A\n100\n0.1 0.1\n3 4 2\n%b1\n1\n%b1.4 0.5 20 0.8 1\n%b1.5\n' "$1" "$2" "$3"
+}
+scene '' '' '' >a.mci
+scene 'beam gaussian 0.1\n' '' '' >b.mci
+differs 'scene = beam gaussian of radius 0.1 cm at (0 0) cm, angle 0, azimuth 0 degrees (expected boundary 0: plane'
+scene '' 'b 3 0.06 0.1 0.02 0.2 0 1\n' '' >a.mci
+scene '' 'b 3 0.07 0.1 0.02 0.2 0 1\n' '' >b.mci
+differs 'scene = boundary 0: cone at z = 0 cm, 3 rings (.*), crc32 .* (expected boundary 0: cone at z = 0 cm, 3 rings (.*), crc32 '
+sed 's/ 0.250000$/ 0.200000/' "$root/meshes/pyramid.obj" >flatter.obj
+cmp -s flatter.obj "$root/meshes/pyramid.obj" && complain "flatter.obj is the pyramid"
+scene '' "m \"$root/meshes/pyramid.obj\"\n" '' >a.mci
+scene '' 'm "flatter.obj"\n' '' >b.mci
+differs 'scene = boundary 0: mesh at z = 0 cm, [0-9]* triangles (.*), crc32 .* (expected boundary 0: mesh'
+balls() { # RADIUS: of the last one, behind more than people are shown
+    for i in $(seq 24); do printf 'i sphere 0 0 %s 0.01 1.5 1 0 0\n' "$(echo "$i" | awk '{ print $1 * 0.03 }')"; done
+    printf 'i sphere 0 0 0.9 %s 1.3 1 0 0\n' "$1"
+}
+scene '' '' "$(balls 0.05)\n" >a.mci
+scene '' '' "$(balls 0.04)\n" >b.mci
+differs 'scene = body 25: sphere at (0 0 0.9) cm, r = 0.04 cm, in layer 1; n 1.3, .* (expected body 25: sphere at (0 0 0.9) cm, r = 0.05 cm'
+cp a.mci b.mci
+expect_code 0 a.mci --photons 5000 --seed 1 --quiet -o .
+mv s.mco a.mco
+expect_code 0 a.mci --photons 3000 --seed 2 --no-reentry --quiet -o .
+expect_error 2 "s.mco: re-entry = off (expected on, as in a.mco)" merge a.mco s.mco -o out.mco
+expect_code 0 a.mci --photons 3000 --seed 3 --no-reentry --quiet -o .
+mv s.mco c.mco
+expect_code 0 a.mci --photons 3000 --seed 4 --no-reentry --quiet -o .
+expect_code 0 merge c.mco s.mco -o exits.mco --quiet
+expect_error 2 "exits.mco: re-entry = off (expected on, as in a.mco)" merge a.mco exits.mco -o out.mco
+expect_code 0 a.mci --photons 3000 --seed 5 --quiet -o .
+mv s.mco b.mco
+expect_code 0 merge a.mco b.mco -o bodies.mco --quiet
+expect_code 0 a.mci --photons 3000 --seed 6 --quiet -o .
+mv s.mco c2.mco
+section() { awk -v key="$1" '$1 == key { on = 1; next } on && !/^[-+.0-9]/ { exit } on' "$2"; }
+section A_body a.mco >a.txt
+section A_body b.mco >b.txt
+section A_body bodies.mco | paste a.txt b.txt - |
+    awk '{ mean = (5 * $1 + 3 * $2) / 8; if (($3 - mean) ^ 2 > 1e-14) bad++; sum += $3 } END { exit !(NR == 25 && sum > 0 && !bad) }' ||
+    complain "A_body of bodies.mco: $(section A_body bodies.mco)"
+scene '' 'b 3 0.06 0.1 0.02 0.2 0 1\n' '' >a.mci
+cp a.mci b.mci
+expect_code 0 a.mci --seed 1 --quiet -o .
+mv s.mco a.mco
+expect_code 0 a.mci --seed 2 --quiet -o .
+expect_code 0 merge a.mco s.mco -o rings.mco --quiet
+section heightfield0 a.mco >a.txt
+section heightfield0 rings.mco | cmp -s a.txt - && test -s a.txt || complain "heightfield0 of rings.mco: $(section heightfield0 rings.mco)"
+if test $h5 = yes; then
+    scene '' '' "$(balls 0.05)\n" | sed 's/mco A/h5 B/' >a.mci
+    expect_code 0 a.mci --photons 5000 --seed 1 --quiet -o .
+    mv s.h5 a.h5
+    expect_code 0 merge a.h5 b.mco -o bodies.h5 --quiet
+    expect_error 2 "c.mco: re-entry = off (expected on, as in bodies.h5)" merge bodies.h5 c.mco -o out.h5
+    expect_code 0 merge bodies.h5 c2.mco -o again.mco --quiet
+    section A_body again.mco | awk '{ sum += $1 } END { exit !(NR == 25 && sum > 0) }' || complain "A_body of again.mco"
+fi
+
 test ! -e out.mco && test ! -e out.h5 || complain "a refused merge wrote"
 finish

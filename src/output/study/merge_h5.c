@@ -1,6 +1,6 @@
 /* A merged result as .h5: the fields that a run's .h5 has of what an .mco file holds.
  * SPDX-License-Identifier: MIT */
-#include "output/study/merge.h"
+#include "output/study/merge_parts.h"
 
 #include "base/version.h"
 
@@ -19,7 +19,7 @@ struct source {
 /* The fields of one result, what they point into, and errors and books from its sections. */
 struct list {
     const struct cml_mco *mco;
-    struct cml_axis layer, r, z, alpha;
+    struct cml_axis layer, body, r, z, alpha;
     struct cml_field field[MOST_FIELDS];
     struct source source[MOST_FIELDS];
     int count;
@@ -103,6 +103,12 @@ static void add_layers(struct list *l)
     add(l, "A_l", "absorption by layer", "1", l->mco->A_l, &l->layer, NULL);
 }
 
+static void add_bodies(struct list *l)
+{
+    const double *absorbed = l->body.n > 0 ? section(l, "A_body", (int)l->body.n) : NULL;
+    if (absorbed) add(l, "A_body", "absorption by body", "1", absorbed, &l->body, NULL);
+}
+
 /* Where no errors of A_z are known, absorption was not tallied by place. */
 static void add_arrays(struct list *l)
 {
@@ -129,6 +135,9 @@ static void set_axes(struct list *l)
     const struct cml_mco *m = l->mco;
     const double da = acos(-1.0) / (2.0 * m->na);
     l->layer = (struct cml_axis){"layer", "layer, from 1", "1", (size_t)m->num_layers, 1, 1, NULL};
+    l->body = (struct cml_axis){
+        "body", "body, from 1, in the order of the file", "1", (size_t)cml_merge_bodies(m->extra), 1, 1,
+        NULL};
     l->r = (struct cml_axis){
         "r", "distance from the z axis, middle of the bin", "cm", (size_t)m->nr, m->dr / 2, m->dr, NULL};
     l->z = (struct cml_axis){"z", "depth, middle of the bin", "cm", (size_t)m->nz, m->dz / 2, m->dz, NULL};
@@ -137,58 +146,75 @@ static void set_axes(struct list *l)
         NULL};
 }
 
-/* The lines of `extra` that begin so, without it; "" where there are none. The caller's to free. */
-static char *lines(const char *extra, const char *begin, bool keep)
+/* A text attribute of lines of `extra`: of those that begin with either word, without `skip` characters. */
+struct words {
+    const char *name, *begin, *or_begin;
+    size_t skip;
+    char *text;
+};
+
+static bool begins(const char *line, const char *word)
 {
-    const size_t length = strlen(begin);
-    char *text = calloc(strlen(extra) + 1, 1), *end = text;
-    for (const char *line = extra; text && *line;) {
+    return word && strncmp(line, word, strlen(word)) == 0;
+}
+
+/* words->text is the caller's to free; NULL when memory runs out. */
+static void gather(const char *extra, struct words *words)
+{
+    char *end = words->text = calloc(strlen(extra) + 1, 1);
+    for (const char *line = extra; end && *line;) {
         const size_t size = strcspn(line, "\n") + (strchr(line, '\n') != NULL);
-        const size_t skip = keep ? 2 : length;
-        if (strncmp(line, begin, length) == 0) {
-            memcpy(end, line + skip, size - skip);
-            end += size - skip;
+        if (begins(line, words->begin) || begins(line, words->or_begin)) {
+            memcpy(end, line + words->skip, size - words->skip);
+            end += size - words->skip;
         }
         line += size;
     }
-    return text;
+}
+
+enum { NUMBERS = 6, WORDS = 5 };
+
+static cml_status write_attributes(const char *path, struct list *l, const struct words words[WORDS],
+                                   const struct cml_hdf5_call *call, struct cml_error *err)
+{
+    double lattice = 0;
+    (void)cml_mco_extra(l->mco, "lattice", &lattice, 1);
+    struct cml_attribute attributes[NUMBERS + WORDS] = {
+        {"title", l->mco->output, 0},
+        {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
+        {"version", cml_version(), 0},
+        {"sampling", lattice > 0 ? "lattice" : "random", 0},
+        {"reentry", NULL, !cml_merge_first_exit(l->mco->extra)},
+        {"photons", NULL, (double)l->mco->photons},
+    };
+    for (int i = 0; i < WORDS; i++)
+        attributes[NUMBERS + i] = (struct cml_attribute){words[i].name, words[i].text, 0};
+    return cml_hdf5_write(path, attributes, NUMBERS + WORDS, call, l->field, l->count, err);
 }
 
 static cml_status write(const char *path, struct list *l, const struct cml_hdf5_call *call,
                         struct cml_error *err)
 {
-    double lattice = 0;
-    (void)cml_mco_extra(l->mco, "lattice", &lattice, 1);
-    char *merged = lines(l->mco->extra, "# merged ", true),
-         *boundaries = lines(l->mco->extra, "# boundary", true),
-         *settings = lines(l->mco->extra, "# set ", false), *scene = lines(l->mco->extra, "# scene ", false);
-    cml_status status = cml_fail_memory(err, 1, "a merged result");
-    if (merged && boundaries && settings && scene) {
-        const struct cml_attribute attributes[] = {
-            {"title", l->mco->output, 0},
-            {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
-            {"version", cml_version(), 0},
-            {"merged", merged, 0},
-            {"boundaries", boundaries, 0},
-            {"settings", settings, 0},
-            {"scene", scene, 0},
-            {"sampling", lattice > 0 ? "lattice" : "random", 0},
-            {"photons", NULL, (double)l->mco->photons},
-        };
-        status = cml_hdf5_write(path, attributes, sizeof attributes / sizeof *attributes, call, l->field,
-                                l->count, err);
+    struct words words[WORDS] = {{"merged", "# merged ", NULL, 2, NULL},
+                                 {"boundaries", "# boundary ", "# body ", 2, NULL},
+                                 {"beam", "# beam ", NULL, 2, NULL},
+                                 {"settings", "# set ", NULL, 6, NULL},
+                                 {"scene", "# scene ", NULL, 8, NULL}};
+    cml_status status = CML_OK;
+    for (int i = 0; i < WORDS; i++) {
+        gather(l->mco->extra, &words[i]);
+        if (!words[i].text) status = cml_fail_memory(err, 1, "a merged result");
     }
-    free(merged);
-    free(boundaries);
-    free(settings);
-    free(scene);
+    if (status == CML_OK) status = write_attributes(path, l, words, call, err);
+    for (int i = 0; i < WORDS; i++) free(words[i].text);
     return status;
 }
 
 cml_status cml_merge_write_h5(const char *path, const struct cml_mco *merged,
                               const struct cml_hdf5_call *call, struct cml_error *err)
 {
-    const size_t size = (size_t)(merged->nz + 2 * (merged->nr + merged->na)) + 4 + BOOKS + 2;
+    const int bodies = cml_merge_bodies(merged->extra);
+    const size_t size = (size_t)(merged->nz + 2 * (merged->nr + merged->na) + bodies) + 4 + BOOKS + 2;
     struct list *l = calloc(1, sizeof *l);
     double *room = calloc(size, sizeof *room);
     cml_status status = cml_fail_memory(err, 8.0 * (double)size, "a merged result");
@@ -199,6 +225,7 @@ cml_status cml_merge_write_h5(const char *path, const struct cml_mco *merged,
         add_totals(l);
         add_books(l);
         add_layers(l);
+        add_bodies(l);
         add_arrays(l);
         status = write(path, l, call, err);
     }

@@ -221,19 +221,26 @@ static cml_status read_values_of_result(const struct reader *r, struct cml_mco *
     return CML_OK;
 }
 
-/* A section of `extra`: the standard errors of one profile. */
+/* A section of `extra` with the numbers of a data set; nothing where the file has none of this name. */
+static cml_status write_section(const struct reader *r, const char *key, const char *dataset, FILE *out)
+{
+    struct array array;
+    CML_TRY(read_array(r, dataset, &array));
+    if (array.value) {
+        fprintf(out, "\n%s # from %s\n", key, dataset);
+        for (size_t i = 0; i < size_of(&array); i++) fprintf(out, "%.17g\n", array.value[i]);
+    }
+    free(array.value);
+    return CML_OK;
+}
+
+/* The standard errors of one profile. */
 static cml_status write_errors(const struct reader *r, const char *name, FILE *out)
 {
-    char dataset[32];
-    struct array errors;
+    char key[32], dataset[32];
+    snprintf(key, sizeof key, "se_%s", name);
     snprintf(dataset, sizeof dataset, "%s_se", name);
-    CML_TRY(read_array(r, dataset, &errors));
-    if (errors.value) {
-        fprintf(out, "\nse_%s # from %s\n", name, dataset);
-        for (size_t i = 0; i < size_of(&errors); i++) fprintf(out, "%.17g\n", errors.value[i]);
-    }
-    free(errors.value);
-    return CML_OK;
+    return write_section(r, key, dataset, out);
 }
 
 /* Every line of a text attribute behind the prefix; those from number `first` on. */
@@ -260,8 +267,11 @@ static void write_origin(const struct reader *r, FILE *out)
     else
         fprintf(out, "# engine -, seed %.0f, run %.0f\n", read_attribute(r, "seed"),
                 read_attribute(r, "run"));
-    write_lines(r, "boundaries", "# ", 0, out);
+    if (H5Aexists(r->file, "reentry") > 0 && read_attribute(r, "reentry") == 0)
+        fprintf(out, "# %s\n", CML_MCO_FIRST_EXIT);
     write_lines(r, "settings", "# set ", 0, out);
+    write_lines(r, "beam", "# ", 0, out);
+    write_lines(r, "boundaries", "# ", 0, out);
     write_lines(r, "input", "# scene ", 2, out);
     write_lines(r, "scene", "# scene ", 0, out);
 }
@@ -301,6 +311,7 @@ static cml_status write_extra(const struct reader *r, FILE *out)
     }
     for (size_t i = 0; i < sizeof profiles / sizeof *profiles; i++)
         CML_TRY(write_errors(r, profiles[i], out));
+    CML_TRY(write_section(r, "A_body", "A_body", out));
     return write_books(r, out);
 }
 

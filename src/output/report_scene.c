@@ -1,0 +1,107 @@
+/* The scene in words: what stands in results, before a run and in `check`. SPDX-License-Identifier: MIT */
+#include "output/report.h"
+
+#include "scene/body/body_shape.h"
+#include "scene/checksum.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Without the scene's folder, which cml_path_beside put in front of it. */
+static const char *name_by_scene(const struct cml_scene *scene, const char *file)
+{
+    const char *slash = strrchr(scene->file, '/');
+    const size_t folder = slash ? (size_t)(slash - scene->file) + 1 : 0;
+    return strncmp(file, scene->file, folder) == 0 ? file + folder : file;
+}
+
+/* The end of a line, so that whoever compares lines may leave it out: the folder may differ. */
+static void print_file(FILE *stream, const struct cml_scene *scene, const char *file,
+                       enum cml_report_reader reader)
+{
+    if (file) fprintf(stream, " from %s", reader == CML_READ_IN_H5 ? name_by_scene(scene, file) : file);
+    fputc('\n', stream);
+}
+
+/* Tells later results of other shapes from this one; of no use to people. */
+static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader reader)
+{
+    if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
+}
+
+/* "layer 2" or "body 3". */
+static void print_host(FILE *stream, const struct cml_scene *scene, int host)
+{
+    const bool body = host > scene->num_layers;
+    fprintf(stream, ", in %s %d", body ? "body" : "layer", body ? host - scene->num_layers - 1 : host);
+}
+
+static void print_shape(FILE *stream, const struct cml_scene_body *body, enum cml_report_reader reader)
+{
+    const double *c = body->centre, *e = body->end;
+    fputs(cml_body_form_name(body->form), stream);
+    if (body->form == CML_BODY_MESH) {
+        fprintf(stream, " of %zu triangles", body->mesh.num_triangles);
+        print_checksum(stream, cml_mesh_checksum(&body->mesh), reader);
+    } else if (body->form == CML_BODY_SPHERE)
+        fprintf(stream, " at (%g %g %g) cm, r = %g cm", c[0], c[1], c[2], body->radius);
+    else
+        fprintf(stream, " between (%g %g %g) and (%g %g %g) cm, r = %g cm", c[0], c[1], c[2], e[0], e[1],
+                e[2], body->radius);
+}
+
+static void report_body(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                        const struct cml_body_surface *surface, int k, enum cml_report_reader reader)
+{
+    const struct cml_scene_body *body = &scene->bodies[k];
+    const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
+    fprintf(stream, "%sbody %d: ", prefix, k + 1);
+    print_shape(stream, body, reader);
+    if (body->form != CML_BODY_MESH && surface->kind == CML_SURFACE_MESH)
+        fprintf(stream, ", as %llu triangles", (unsigned long long)surface->primitives);
+    print_host(stream, scene, body->host);
+    fprintf(stream, "; n %g, mua %g, mus %g 1/cm, g %g", medium->n, medium->mua, medium->mus, medium->g);
+    print_file(stream, scene, body->file, reader);
+}
+
+/* People see the first of them: thousands of grains would hide all else. */
+static void report_bodies(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                          const struct cml_body_surfaces *surfaces, enum cml_report_reader reader)
+{
+    const int most = 20,
+              shown = reader == CML_READ_BY_PEOPLE && scene->num_bodies > most ? most : scene->num_bodies;
+    for (int k = 0; k < shown; k++) report_body(stream, prefix, scene, &surfaces->item[k], k, reader);
+    if (shown < scene->num_bodies)
+        fprintf(stream, "%sand %d more bodies\n", prefix, scene->num_bodies - shown);
+}
+
+/* Also a part of the .mco file, whose bytes must not depend on the machine: nothing that was measured is
+ * named. */
+void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                       const struct cml_surface_set *surfaces, enum cml_report_reader reader)
+{
+    static const char *const unit_of[] = {"", "rings", "triangles"};
+    for (int b = 0; b < surfaces->count; b++) {
+        const struct cml_surface_def *def = &surfaces->item[b];
+        const struct cml_boundary *boundary = &scene->boundaries[b];
+        fprintf(stream, "%sboundary %d: %s at z = %g cm", prefix, b, cml_surface_kind_name(def->kind),
+                def->depth);
+        if (def->kind != CML_SURFACE_PLANE)
+            fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
+        fprintf(stream, " (%s)", def->reason);
+        if (boundary->form != CML_FORM_PLANE) print_checksum(stream, cml_boundary_checksum(boundary), reader);
+        print_file(stream, scene, boundary->file, reader);
+    }
+    report_bodies(stream, prefix, scene, &surfaces->bodies, reader);
+}
+
+void cml_report_beam(FILE *stream, const char *prefix, const struct cml_beam *beam)
+{
+    static const char *const names[] = {"pencil", "disk", "gaussian"};
+    const double degrees = 180 / acos(-1.0);
+    if (!beam->given) return;
+    fprintf(stream, "%sbeam %s", prefix, names[beam->kind]);
+    if (beam->kind != CML_BEAM_PENCIL) fprintf(stream, " of radius %g cm", beam->radius);
+    fprintf(stream, " at (%g %g) cm, angle %g, azimuth %g degrees\n", beam->x, beam->y, beam->angle * degrees,
+            beam->azimuth * degrees);
+}

@@ -1,0 +1,15 @@
+/* Numbers that tell shapes apart, so that results of different surfaces are not taken for one another.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_CHECKSUM_H
+#define CML_CHECKSUM_H
+
+#include "scene/scene.h"
+
+/* CRC-32 of coordinates in single precision, in which the last bit of a processor's sines does not show, and
+ * of the kind of normals. The nominal depth and the file's name do not count. 0 for a plane. */
+uint32_t cml_boundary_checksum(const struct cml_boundary *boundary);
+
+/* The same of a prepared mesh. */
+uint32_t cml_mesh_checksum(const struct cml_mesh *mesh);
+
+#endif

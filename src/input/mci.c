@@ -236,11 +236,8 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     memcpy(fields, cml_mci_medium_fields, sizeof cml_mci_medium_fields);
     fields[CML_MCI_MEDIUM_FIELDS] = thickness;
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
-    for (int i = 0; i < 5; i++)
-        CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "layer%d.%s", layer, fields[i].name), &fields[i],
-                            &values[i]));
-    CML_TRY(cml_mci_medium(reader, owner, values, cml_mci_setting(reader, "layer%d.mua", layer),
-                           &scene->media[layer]));
+    CML_TRY(cml_mci_medium(reader, "layer", layer, values, &scene->media[layer]));
+    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "layer%d.d", layer), &thickness, &values[4]));
     if (values[4] > 50 && values[4] < SEMI_INFINITE)
         cml_mci_note(reader, "%s: d = %g cm (lengths are in cm: was it meant in mm?)", owner, values[4]);
     scene->media[layer].d = values[4];
@@ -276,7 +273,7 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
-    CML_TRY(cml_scene_place_bodies(scene, reader->err));
+    if (!reader->options->known) CML_TRY(cml_scene_place_bodies(scene, reader->err));
     CML_TRY(cml_mci_beam_settings(reader, &scene->beam));
     CML_TRY(cml_mci_check_settings(reader, scene));
     if (reader->options->settings)

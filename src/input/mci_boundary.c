@@ -454,8 +454,9 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
  */
 
 /* Name, medium, options: what comes before the file is read. */
-static cml_status read_body_line(struct cml_mci_line_options *options, struct cml_scene_body *body,
-                                 struct cml_medium_def *medium, struct cml_obj_options *obj)
+static cml_status read_body_line(struct cml_mci_line_options *options, int number,
+                                 struct cml_scene_body *body, struct cml_medium_def *medium,
+                                 struct cml_obj_options *obj)
 {
     struct cml_mci_reader *reader = options->reader;
     double values[CML_MCI_MEDIUM_FIELDS];
@@ -466,7 +467,7 @@ static cml_status read_body_line(struct cml_mci_line_options *options, struct cm
     CML_TRY(cml_path_beside(reader->text.path, name, &body->file, reader->err));
     CML_TRY(cml_mci_leading_numbers(reader, options->owner, cml_mci_medium_fields, CML_MCI_MEDIUM_FIELDS,
                                     values));
-    CML_TRY(cml_mci_medium(reader, options->owner, values, NULL, medium));
+    CML_TRY(cml_mci_medium(reader, "body", number, values, medium));
     for (bool more = true; more;) {
         CML_TRY(cml_mci_next_option(options, &more));
         if (more) CML_TRY(set_mesh_option(options, obj));
@@ -485,7 +486,8 @@ cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number, struct c
                                            .list = "up=, rotate=, units=, scale=, shift= or normals="};
     struct cml_obj_options obj = {
         .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET, .closed = true};
-    CML_TRY(read_body_line(&options, body, medium, &obj));
+    CML_TRY(read_body_line(&options, number, body, medium, &obj));
+    if (body->borrowed) return CML_OK;
     const struct named_source named = {reader->options->source, reader, owner};
     const struct cml_text_source source = {read_named, (void *)&named};
     obj.budget = reader->options->budget;

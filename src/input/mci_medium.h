@@ -11,10 +11,11 @@
 extern const char cml_mci_index_range[];                                        /* of n, in words */
 extern const struct cml_mci_field cml_mci_medium_fields[CML_MCI_MEDIUM_FIELDS]; /* n, mua, mus, g */
 
-/* The medium of these values; refuses an absorption that would be lost in rounding: mua's setting is named
- * where there is one, else the line. d stays 0. */
-CML_NODISCARD cml_status cml_mci_medium(const struct cml_mci_reader *reader, const char *owner,
-                                        const double values[CML_MCI_MEDIUM_FIELDS],
-                                        const struct cml_setting *mua, struct cml_medium_def *medium);
+/* The medium of a line of these values, or of what is set in their place; kind and number: "layer", 2 of
+ * "layer 2" in messages and of the setting layer2.mua. Refuses an absorption that would be lost in rounding:
+ * mua's setting is named where there is one, else the line. d stays 0. */
+CML_NODISCARD cml_status cml_mci_medium(struct cml_mci_reader *reader, const char *kind, int number,
+                                        const double line[CML_MCI_MEDIUM_FIELDS],
+                                        struct cml_medium_def *medium);
 
 #endif

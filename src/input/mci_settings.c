@@ -32,6 +32,13 @@ static void write_owners(FILE *out, const char *owner, int first, int last)
     if (last > first) fprintf(out, "..%d", last);
 }
 
+static void write_media(FILE *out, const char *kind, int count, const char *fields)
+{
+    if (count == 0) return;
+    write_owners(out, kind, 1, count);
+    fprintf(out, " with %s", fields);
+}
+
 /* Of planes nothing can be set, so they are left out. */
 static void write_shapes(FILE *out, const struct cml_scene *scene)
 {
@@ -42,8 +49,8 @@ static void write_shapes(FILE *out, const struct cml_scene *scene)
 static void write_names(FILE *out, const struct cml_scene *scene)
 {
     fputs("photons, above.n, below.n", out);
-    write_owners(out, "layer", 1, scene->num_layers);
-    fputs(" with .n .mua .mus .g .d", out);
+    write_media(out, "layer", scene->num_layers, ".n .mua .mus .g .d");
+    write_media(out, "body", scene->num_bodies, ".n .mua .mus .g");
     write_shapes(out, scene);
     fprintf(out, ", beam.angle, beam.azimuth%s", scene->beam.kind == CML_BEAM_PENCIL ? "" : ", beam.radius");
 }

@@ -29,7 +29,7 @@ void cml_scene_clear(struct cml_scene *scene)
     for (int b = 0; scene->boundaries && b <= scene->num_layers; b++) clear_boundary(&scene->boundaries[b]);
     for (int k = 0; k < scene->num_bodies; k++) {
         free(scene->bodies[k].file);
-        cml_mesh_clear(&scene->bodies[k].mesh);
+        if (!scene->bodies[k].borrowed) cml_mesh_clear(&scene->bodies[k].mesh);
     }
     free(scene->bodies);
     free(scene->boundaries);

@@ -61,8 +61,9 @@ struct cml_scene_body {
     double radius;
     struct cml_mesh mesh; /* CML_BODY_MESH, prepared and closed */
     struct cml_mesh_notes mesh_notes;
-    char *file; /* the .obj file, or NULL */
-    int line;   /* line of the .mci */
+    char *file;    /* the .obj file, or NULL */
+    int line;      /* line of the .mci */
+    bool borrowed; /* the mesh belongs to another scene, which lives longer and has the same bodies */
 };
 
 enum cml_beam_kind { CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN };

@@ -260,12 +260,26 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
     return CML_OK;
 }
 
+/* Bodies are as they were, and so are the frames of their layers. */
+static bool has_known_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
+                             const struct cml_surface_set *set)
+{
+    if (!options->known || scene->num_bodies == 0 || !scene->bodies[0].borrowed) return false;
+    for (int b = 0; b < set->count; b++)
+        if (set->item[b].depth != options->known->item[b].depth) return false;
+    return true;
+}
+
 /* In the frames that their layers have by now; as meshes where those are forced. */
 static cml_status represent_bodies(const struct cml_scene *scene, const struct cml_surface_options *options,
                                    struct cml_surface_set *set, struct cml_error *err)
 {
     const double tolerance =
         options->force == CML_SURFACE_MESH ? cml_choice_tessellation(options).tolerance : 0;
+    if (has_known_bodies(scene, options, set)) {
+        cml_body_surfaces_borrow(&options->known->bodies, &set->bodies);
+        return CML_OK;
+    }
     double *depths = malloc((size_t)set->count * sizeof *depths);
     if (!depths) return cml_fail_memory(err, set->count * (double)sizeof *depths, "depths");
     for (int b = 0; b < set->count; b++) depths[b] = set->item[b].depth;

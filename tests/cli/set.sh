@@ -66,6 +66,46 @@ expect_code 0 trace "$work/plain.mci" 3 --set layer1.mua=7
 expect_code 0 "$work/plain.mci" --set photons=1e3 --set layer1.mua=7 --json -o "$work"
 grep -q '"set":{"photons":1000.0,"layer1.mua":7.0}' "$work/out" || complain "--json: $(cat "$work/out")"
 
+# Bodies: spheres and meshes.
+body() { # NAME=VALUE of a body
+    python3 - "$@" >"$work/body.mci" <<'END'
+import sys
+value = {f"body{k}.{name}": number for k in (1, 2) for name, number in zip(("n", "mua", "mus", "g"), ("1.5", "2", "10", "0.5"))}
+value.update(word.split("=") for word in sys.argv[1:])
+one, two = (" ".join(value[f"body{k}.{name}"] for name in ("n", "mua", "mus", "g")) for k in (1, 2))
+print(f"""1.0
+1
+result.mco A
+3000
+0.02 0.02
+20 20 5
+1
+1
+1.4 1 20 0.8 1
+i sphere 0 0 0.5 0.2 {one}
+i "octahedron.obj" {two} scale=0.2 shift=0.5,0,-0.5
+1
+""")
+END
+}
+printf 'v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n' \
+    >"$work/octahedron.obj"
+body
+cp "$work/body.mci" "$work/bodies.mci"
+for setting in body1.n=1.33 body1.mua=5 body1.mus=0 body1.g=0.9 body2.n=1 body2.mua=0 body2.mus=50 body2.g=-0.5; do
+    body $setting
+    mkdir "$work/a" "$work/b"
+    expect_code 0 "$work/body.mci" --quiet -o "$work/a"
+    expect_code 0 "$work/bodies.mci" --quiet -o "$work/b" --set $setting
+    bare "$work/a/result.mco" >"$work/a.txt"
+    bare "$work/b/result.mco" >"$work/b.txt"
+    cmp -s "$work/a.txt" "$work/b.txt" || complain "$setting: not the bytes of the edited file"
+    rm -r "$work/a" "$work/b"
+done
+expect_error 2 "--set: body1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/bodies.mci" --set body1.mua=-1
+expect_error 2 "--set: body3.n = 1 (expected a name that result.mco knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, body1..2 with .n .mua .mus .g, beam.angle, beam.azimuth)" \
+    "$work/bodies.mci" --set body3.n=1
+
 names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0.scale and .height, boundary1.scale and .height, beam.angle, beam.azimuth, beam.radius'
 expect_error 2 "--set: layer3.n = 1.4 (expected a name that result.mco knows: $names)" "$work/plain.mci" --set layer3.n=1.4
 expect_error 2 "--set: boundary2.scale = 2 (expected a name that result.mco knows: $names)" "$work/plain.mci" --set boundary2.scale=2

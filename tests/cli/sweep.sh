@@ -49,6 +49,26 @@ expect_code 0 "$work/ridges.mci" --sweep "$work/table.csv" -o "$work/out.d" --js
 test "$(grep -c '"row":[1-4],' "$work/out")" -eq 4 && test "$(wc -l <"$work/out")" -eq 4 || complain "--json: $(cat "$work/out")"
 test "$(ls "$work/out.d" | grep -c -v -e 'ridges-000[1-4].mco$' -e '^ridges.sweep')" -eq 0 || complain "left: $(ls "$work/out.d")"
 
+# Bodies: rows with other media, and one whose layers lie elsewhere.
+printf 'v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n' \
+    >"$work/octahedron.obj"
+printf '1.0\n1\nbodies.mco A\n2000\n0.1 0.1\n20 20 5\n2\n1\n1.4 0.1 5 0.8 0.1\n1.4 1 20 0.8 1\n' >"$work/bodies.mci"
+printf 'i sphere 0 0 0.6 0.2 1.5 2 10 0.5\ni "octahedron.obj" 1 2 10 0.5 scale=0.2 shift=0.5,0,-0.6\n1\n' >>"$work/bodies.mci"
+printf 'body1.mua,body2.n,layer1.d\n2,1,0.1\n5,1.4,0.1\n5,1.4,0.15\n' >"$work/bodies.csv"
+mkdir "$work/bodies"
+expect_code 0 "$work/bodies.mci" --sweep "$work/bodies.csv" -o "$work/bodies" --quiet
+row=0
+for set in "2 1 0.1" "5 1.4 0.1" "5 1.4 0.15"; do
+    row=$((row + 1))
+    set -- $set
+    mkdir "$work/single"
+    expect_code 0 "$work/bodies.mci" --set body1.mua=$1 --set body2.n=$2 --set layer1.d=$3 -o "$work/single" --quiet
+    bare "$work/single/bodies.mco" >"$work/a"
+    bare "$work/bodies/bodies-000$row.mco" >"$work/b"
+    cmp -s "$work/a" "$work/b" || complain "bodies, row $row: not the bytes of a run with --set: $(diff "$work/a" "$work/b" | head -5)"
+    rm -r "$work/single"
+done
+
 # The format is the file's.
 sed 's/^ridges.mco A/ridges.mco B/' "$work/ridges.mci" >"$work/binary.mci"
 mkdir "$work/binary"

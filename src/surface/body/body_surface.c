@@ -141,12 +141,24 @@ cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double 
     return status;
 }
 
-void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
+void cml_body_surfaces_borrow(const struct cml_body_surfaces *known, struct cml_body_surfaces *surfaces)
+{
+    *surfaces = *known;
+    surfaces->borrowed = true;
+    surfaces->build_seconds = 0;
+}
+
+static void free_own(struct cml_body_surfaces *surfaces)
 {
     for (int k = 0; surfaces->item && k < surfaces->count; k++) cml_mesh_surface_free(surfaces->item[k].mesh);
     free(surfaces->item);
     cml_body_tree_clear(&surfaces->tree);
     cml_body_grids_clear(&surfaces->grids);
+}
+
+void cml_body_surfaces_free(struct cml_body_surfaces *surfaces)
+{
+    if (!surfaces->borrowed) free_own(surfaces);
     *surfaces = (struct cml_body_surfaces){0};
 }
 

@@ -25,6 +25,7 @@ struct cml_body_surfaces {
     struct cml_body_tree tree;
     struct cml_body_grids grids;
     double build_seconds, bytes;
+    bool borrowed; /* all that it points to belongs to another */
 };
 
 /* depths: [num_layers] of the frames of layers 1..L, cm. tolerance: spheres and cylinders become meshes that
@@ -33,6 +34,9 @@ struct cml_body_surfaces {
 CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths,
                                                   double tolerance, struct cml_body_surfaces *surfaces,
                                                   struct cml_error *err);
+
+/* Those of another scene with the same bodies in the same frames, which lives longer. */
+void cml_body_surfaces_borrow(const struct cml_body_surfaces *known, struct cml_body_surfaces *surfaces);
 
 void cml_body_surfaces_free(struct cml_body_surfaces *surfaces);
 

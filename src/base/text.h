@@ -46,6 +46,9 @@ void cml_text_clear(struct cml_text *text);
 /* A path as messages name it: "standard input" for "-". */
 const char *cml_text_name(const char *path);
 
+/* Whether the name of a file ends so, in small letters or capitals, for files come from other systems. */
+bool cml_file_ends_in(const char *path, const char *extension);
+
 /* The next line without its line end (LF or CRLF; the last line needs none); NULL at the end of the file.
  * The line is NUL-terminated in place and may be changed by the caller until cml_text_clear. */
 char *cml_text_next(struct cml_text *text);

@@ -4,6 +4,7 @@
 
 #include "cli/run/outputs.h"
 #include "output/study/merge.h"
+#include "base/text.h"
 #include "plot/files/result_file.h"
 
 #include <stdlib.h>
@@ -35,7 +36,7 @@ static cml_status write_merged(const struct cml_options *options, const struct c
         return cml_fail(err, CML_E_INPUT,
                         "merge: -o %.200s (expected an .h5: none of the results says n of the media outside)",
                         path);
-    CML_TRY(cml_file_ends_in(path, ".h5") ? cml_merge_write_h5(path, merged, &call, err)
+    CML_TRY(cml_file_ends_in(path, ".h5") ? cml_merge_write_h5(path, merged, inputs, count, &call, err)
                                           : cml_mco_write(path, merged, err));
     if (options->json) return cml_merge_json(stdout, path, inputs, count, merged, err);
     if (!options->quiet) print_summary(merged, path, count);

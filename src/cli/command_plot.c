@@ -4,6 +4,7 @@
 #include "cli/run/outputs.h"
 
 #include "plot/files/hdf5_result.h"
+#include "base/text.h"
 #include "plot/files/result_file.h"
 #include "plot/plot.h"
 #include "plot/plot_map.h"

@@ -51,7 +51,7 @@ FOREIGN = {
     "jansson.h": "src/base/json_name src/output/study/merge src/output/report_json src/plot/compare_report src/cli/command_plan",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
-    "hdf5*.h": "src/output/files/hdf5_file src/plot/files/hdf5_result",
+    "hdf5*.h": "src/output/files/hdf5_file src/output/files/hdf5_arrays src/plot/files/hdf5_result",
     "sys/resource.h": "src/cli/load/scenes",
     "sys/ioctl.h": "src/cli/run/progress",
     "spawn.h": "src/plot/gnuplot",

@@ -29,6 +29,8 @@ struct cml_field {
     bool single;                                 /* written as 32-bit floats, else as 64-bit */
     cml_field_values *values;
     const void *context;
+    const bool
+        *broken; /* true: values could not be had, and the file is not written; NULL: they always can */
 };
 
 /* Number of values of a field: the product of its axes. */

@@ -86,6 +86,12 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
     return dataset;
 }
 
+static void get_values(struct writer *w, const struct cml_field *field, size_t begin, size_t count)
+{
+    field->values(field->context, begin, count, w->buffer);
+    if (field->broken && *field->broken) w->failed = true;
+}
+
 /* One chunk, cut off at the end of the array. Returns how many values that was. */
 static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_field *field,
                           const hsize_t *start, const hsize_t *chunk, size_t begin)
@@ -97,7 +103,7 @@ static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_fiel
         size[i] = left < chunk[i] ? left : chunk[i];
         count *= (size_t)size[i];
     }
-    field->values(field->context, begin, count, w->buffer);
+    get_values(w, field, begin, count);
     const hid_t there = H5Dget_space(dataset), here = H5Screate_simple(field->num_axes, size, NULL);
     check(w, H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, size, NULL));
     check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT, w->buffer));
@@ -141,7 +147,7 @@ static void describe(struct writer *w, hid_t dataset, const struct cml_field *fi
 /* Without axes there are no chunks. */
 static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
-    field->values(field->context, 0, 1, w->buffer);
+    get_values(w, field, 0, 1);
     check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, w->buffer));
 }
 

@@ -9,7 +9,7 @@
 
 #include <stdio.h>
 
-/* A result that is there, and the name of its file for messages. Borrowed. */
+/* A result that is there, and the path of its file. Borrowed. */
 struct cml_merge_input {
     const char *name;
     const struct cml_mco *mco;
@@ -21,9 +21,11 @@ struct cml_merge_input {
 CML_NODISCARD cml_status cml_merge(const struct cml_merge_input *inputs, int count, const char *title,
                                    struct cml_mco *merged, struct cml_error *err);
 
-/* Writes a merged result as .h5: what an .mco file holds, under the names of a run's .h5. Atomic; CML_E_IO.
- */
+/* Writes the result that cml_merge has made of these inputs as .h5: what an .mco file holds, under the names
+ * of a run's .h5, and where all inputs are .h5 files the means of all else that they hold: maps, volumes,
+ * facets. Atomic; CML_E_IO, and CML_E_INPUT when an input cannot be read. */
 CML_NODISCARD cml_status cml_merge_write_h5(const char *path, const struct cml_mco *merged,
+                                            const struct cml_merge_input *inputs, int count,
                                             const struct cml_hdf5_call *call, struct cml_error *err);
 
 /* One object on one line: output, inputs, photons, totals and their errors. */

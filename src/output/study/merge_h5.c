@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_FIELDS = 48, BOOKS = 12 };
+enum { MOST_FIELDS = 48, BOOKS = 12 }; /* of what an .mco file holds */
 
 /* Numbers of a field, and how far they are apart. */
 struct source {
@@ -174,26 +174,28 @@ static void gather(const char *extra, struct words *words)
 
 enum { NUMBERS = 6, WORDS = 5 };
 
-static cml_status write_attributes(const char *path, struct list *l, const struct words words[WORDS],
-                                   const struct cml_hdf5_call *call, struct cml_error *err)
+static cml_status write_fields(const char *path, const struct cml_mco *merged,
+                               const struct words words[WORDS], const struct cml_field *fields, int count,
+                               const struct cml_hdf5_call *call, struct cml_error *err)
 {
     double lattice = 0;
-    (void)cml_mco_extra(l->mco, "lattice", &lattice, 1);
+    (void)cml_mco_extra(merged, "lattice", &lattice, 1);
     struct cml_attribute attributes[NUMBERS + WORDS] = {
-        {"title", l->mco->output, 0},
+        {"title", merged->output, 0},
         {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
         {"version", cml_version(), 0},
         {"sampling", lattice > 0 ? "lattice" : "random", 0},
-        {"reentry", NULL, !cml_merge_first_exit(l->mco->extra)},
-        {"photons", NULL, (double)l->mco->photons},
+        {"reentry", NULL, !cml_merge_first_exit(merged->extra)},
+        {"photons", NULL, (double)merged->photons},
     };
     for (int i = 0; i < WORDS; i++)
         attributes[NUMBERS + i] = (struct cml_attribute){words[i].name, words[i].text, 0};
-    return cml_hdf5_write(path, attributes, NUMBERS + WORDS, call, l->field, l->count, err);
+    return cml_hdf5_write(path, attributes, NUMBERS + WORDS, call, fields, count, err);
 }
 
-static cml_status write(const char *path, struct list *l, const struct cml_hdf5_call *call,
-                        struct cml_error *err)
+static cml_status write_with_words(const char *path, const struct cml_mco *merged,
+                                   const struct cml_field *fields, int count,
+                                   const struct cml_hdf5_call *call, struct cml_error *err)
 {
     struct words words[WORDS] = {{"merged", "# merged ", NULL, 2, NULL},
                                  {"boundaries", "# boundary ", "# body ", 2, NULL},
@@ -202,34 +204,70 @@ static cml_status write(const char *path, struct list *l, const struct cml_hdf5_
                                  {"scene", "# scene ", NULL, 8, NULL}};
     cml_status status = CML_OK;
     for (int i = 0; i < WORDS; i++) {
-        gather(l->mco->extra, &words[i]);
+        gather(merged->extra, &words[i]);
         if (!words[i].text) status = cml_fail_memory(err, 1, "a merged result");
     }
-    if (status == CML_OK) status = write_attributes(path, l, words, call, err);
+    if (status == CML_OK) status = write_fields(path, merged, words, fields, count, call, err);
     for (int i = 0; i < WORDS; i++) free(words[i].text);
     return status;
 }
 
+static bool has_field(const struct list *l, const char *name)
+{
+    for (int i = 0; i < l->count; i++)
+        if (strcmp(l->field[i].name, name) == 0) return true;
+    return false;
+}
+
+/* The fields of the list, then the arrays that it has not. */
+static cml_status write_all(const char *path, const struct list *l, const struct cml_merge_arrays *arrays,
+                            const struct cml_hdf5_call *call, struct cml_error *err)
+{
+    struct cml_field *fields = calloc((size_t)(l->count + arrays->count), sizeof *fields);
+    int count = l->count;
+    if (!fields) return cml_fail_memory(err, 1, "a merged result");
+    memcpy(fields, l->field, (size_t)count * sizeof *fields);
+    for (int i = 0; i < arrays->count; i++)
+        if (!has_field(l, arrays->field[i].name)) fields[count++] = arrays->field[i];
+    cml_status status = write_with_words(path, l->mco, fields, count, call, err);
+    if (arrays->broken)
+        status = cml_fail(err, CML_E_INPUT, "%s: not written, as an array of an input cannot be read", path);
+    free(fields);
+    return status;
+}
+
+static cml_status fill_and_write(const char *path, struct list *l, const struct cml_merge_arrays *arrays,
+                                 const struct cml_hdf5_call *call, struct cml_error *err)
+{
+    const struct cml_mco *mco = l->mco;
+    const int bodies = cml_merge_bodies(mco->extra);
+    const size_t size = (size_t)(mco->nz + 2 * (mco->nr + mco->na) + bodies) + 4 + BOOKS + 2;
+    l->room = calloc(size, sizeof *l->room);
+    if (!l->room) return cml_fail_memory(err, 8.0 * (double)size, "a merged result");
+    set_axes(l);
+    add_totals(l);
+    add_books(l);
+    add_layers(l);
+    add_bodies(l);
+    add_arrays(l);
+    const cml_status status = write_all(path, l, arrays, call, err);
+    free(l->room);
+    return status;
+}
+
 cml_status cml_merge_write_h5(const char *path, const struct cml_mco *merged,
+                              const struct cml_merge_input *inputs, int count,
                               const struct cml_hdf5_call *call, struct cml_error *err)
 {
-    const int bodies = cml_merge_bodies(merged->extra);
-    const size_t size = (size_t)(merged->nz + 2 * (merged->nr + merged->na) + bodies) + 4 + BOOKS + 2;
+    struct cml_merge_arrays arrays;
+    CML_TRY(cml_merge_arrays_open(inputs, count, merged, &arrays, err));
     struct list *l = calloc(1, sizeof *l);
-    double *room = calloc(size, sizeof *room);
-    cml_status status = cml_fail_memory(err, 8.0 * (double)size, "a merged result");
-    if (l && room) {
+    cml_status status = l ? CML_OK : cml_fail_memory(err, sizeof *l, "a merged result");
+    if (l) {
         l->mco = merged;
-        l->room = room;
-        set_axes(l);
-        add_totals(l);
-        add_books(l);
-        add_layers(l);
-        add_bodies(l);
-        add_arrays(l);
-        status = write(path, l, call, err);
+        status = fill_and_write(path, l, &arrays, call, err);
     }
-    free(room);
     free(l);
+    cml_merge_arrays_close(&arrays);
     return status;
 }

@@ -2,6 +2,7 @@
 #ifndef CML_MERGE_PARTS_H
 #define CML_MERGE_PARTS_H
 
+#include "output/files/hdf5_arrays.h"
 #include "output/study/merge.h"
 
 #include <stdbool.h>
@@ -25,5 +26,21 @@ bool cml_merge_next_seed(const char **text, uint64_t seed[2]);
  * seeds or errors. */
 CML_NODISCARD cml_status cml_merge_check(const struct cml_merge_input *inputs, int count,
                                          struct cml_error *err);
+
+/* Arrays that all inputs have, where these are .h5 files, as fields of their means. */
+struct cml_merge_arrays {
+    int num_files, count;
+    struct cml_hdf5_arrays *file; /* [num_files] */
+    double *weight;               /* [num_files] share of all photons */
+    struct cml_merge_array *item; /* [count] where the fields' values come from */
+    struct cml_field *field;      /* [count] */
+    bool broken;                  /* an array could not be read */
+};
+
+/* Of none where an input is no .h5 file. The caller closes them; on failure nothing is left open. */
+CML_NODISCARD cml_status cml_merge_arrays_open(const struct cml_merge_input *inputs, int count,
+                                               const struct cml_mco *merged, struct cml_merge_arrays *arrays,
+                                               struct cml_error *err);
+void cml_merge_arrays_close(struct cml_merge_arrays *arrays);
 
 #endif

@@ -4,11 +4,6 @@
 
 #include "output/mco.h"
 
-#include <stdbool.h>
-
-/* Whether the name ends so, in small letters or capitals, for files come from other systems. */
-bool cml_file_ends_in(const char *path, const char *extension);
-
 /* An .h5 file by hdf5_result.h, every other as an .mco file. CML_E_INPUT; the caller clears *mco otherwise.
  */
 CML_NODISCARD cml_status cml_result_file_read(const char *path, struct cml_mco *mco, struct cml_error *err);

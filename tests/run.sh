@@ -1,8 +1,8 @@
 #!/bin/bash
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
 # all tests but the long ones; then the program without MPI, the unit tests and all samples again under clang with the
-# address and undefined behaviour sanitizers, the engines' threads under the thread sanitizer, and each fuzzer for ten
-# seconds.
+# address and undefined behaviour sanitizers, the engines' threads under the thread sanitizer, and each fuzzer for some
+# ten seconds.
 # SPDX-License-Identifier: MIT
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
@@ -25,4 +25,6 @@ ctest --test-dir build-asan -L unit --output-on-failure -j2
 CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
 sh tests/sanitize/threads.sh
 
-bash tests/fuzz/run.sh 10
+# By number, not by time, so that a change is judged by the same inputs on any machine.
+bash tests/fuzz/run.sh runs=15000 fly mco
+bash tests/fuzz/run.sh runs=200000 mci obj heightmap vti csv options checkpoint

@@ -52,11 +52,14 @@ AXES = {
 
 
 def _sections(text: str) -> dict[str, list[str]]:
-    """{key: the words of its lines}; comments are left out."""
+    """{key: the words of its lines}; comments are left out. The name of the output, with which InParm begins, is one word."""
     sections: dict[str, list[str]] = {}
     key = ""
     for line in text.splitlines():
         words = line.split("#")[0].split()
+        if key == "InParm" and words and not sections[key]:
+            sections[key] = [re.sub(r"\s+[A-Za-z]\s*(#.*)?$", "", line)]
+            continue
         if words and re.fullmatch(r"[A-Za-z]\w*", words[0]) and (words[0] != "A" or key):
             key = words.pop(0)
             sections[key] = []
@@ -135,7 +138,7 @@ def read_mco(path: str) -> xr.Dataset:
 
 def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     words = iter(sections["InParm"])
-    title, _, photons = next(words), next(words), float(next(words))
+    title, photons = next(words), float(next(words))
     axes, media, above, below = _grid(words)
     if "A_body" in sections:
         axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)

@@ -2,8 +2,8 @@
 # A study as a job array: every task flies the same scene or sweep with a seed of its own, the task's number, into DIR/part-SEED,
 # with checkpoints, and is requeued until it is done. Then the parts become one.
 #     sbatch --array=1-8 samples/slurm-array.sh DIR scene.mci --sweep table.csv [options of clustermcml]
-#     sh samples/slurm-array.sh DIR                   in a job of its own, when all tasks are done: all parts to DIR/*.mco
-# DIR/merged.json gets an object a result, with totals and their errors. CLUSTERMCML names the program.
+#     sh samples/slurm-array.sh DIR                   in a job of its own, when all tasks are done: all parts to DIR/*.mco and *.h5
+# DIR/merged.json gets an object a file, with totals and their errors. CLUSTERMCML names the program.
 #SBATCH --job-name=clustermcml
 #SBATCH --array=1-8
 #SBATCH --ntasks=1
@@ -21,12 +21,11 @@ shift
 # No scene: the parts become one, result by result. Parts of other scenes, and seeds that are there twice, are refused.
 if test $# -eq 0; then
     : >"$directory/merged.json"
-    for first in "$directory"/part-*/*.mco; do
-        name=${first##*/}
-        test -e "$directory/$name" && continue
-        "$program" merge "$directory"/part-*/"$name" -o "$directory/$name" --json >>"$directory/merged.json" || exit
-    done
-    exit 0
+    find "$directory"/part-* -maxdepth 1 \( -name '*.mco' -o -name '*.h5' ! -name '*.sweep.h5' \) -exec basename {} \; | sort -u |
+        while IFS= read -r name; do
+            "$program" merge "$directory"/part-*/"$name" -o "$directory/$name" --json >>"$directory/merged.json" || exit
+        done
+    exit
 fi
 
 export OMP_NUM_THREADS=${SLURM_CPUS_PER_TASK:-1}

@@ -60,13 +60,17 @@ function sections = sections_of(text)
   lines = strsplit(text, "\n");
   sections = struct();
   key = '';
+  named = false;
   for i = 2:numel(lines)
     line = strtrim(regexprep(lines{i}, '#.*', ''));
     if isempty(line), continue, end
-    if ~isempty(regexp(line, '^[A-Za-z]\w*$', 'once'))
+    if named % of the output; it may be anything
+      named = false;
+    elseif ~isempty(regexp(line, '^[A-Za-z]\w*$', 'once'))
       key = line;
       parts.(key) = {};
-    elseif ~isempty(key) && (~strcmp(key, 'InParm') || isempty(regexp(line, '\s[AB]$', 'once')))
+      named = strcmp(key, 'InParm');
+    elseif ~isempty(key)
       parts.(key){end + 1} = line;
     end
   end

@@ -322,6 +322,16 @@ static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
     return place == end;
 }
 
+/* A checkpoint says that the run is finished, but somebody took its result away. */
+static void note_lost_result(const struct cml_run_setup *setup, enum cml_checkpoint_kind kind, bool again)
+{
+    char text[512];
+    if (kind != CML_CHECKPOINT_FINISHED || !setup->result_gone || !setup->on_note) return;
+    snprintf(text, sizeof text, "%.200s is of a finished run, but its result %.200s is gone: it %s",
+             setup->checkpoint, setup->scene->output, again ? "is written again" : "begins anew");
+    setup->on_note(setup->context, text);
+}
+
 /* On rank 0: the state of a checkpoint where --resume asks for it. *fresh: there was none, and the run begins
  * anew. */
 static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *err)
@@ -329,17 +339,20 @@ static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *
     const struct cml_run_setup *setup = flight->setup;
     enum cml_checkpoint_kind kind = CML_CHECKPOINT_NONE;
     struct cml_error note = {CML_OK, ""};
+    const bool again = setup->result_gone && cml_checkpoint_look(setup->checkpoint).tallies;
     if (setup->resume)
         CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &kind, &flight->state,
-                                    &flight->out->result, false, &flight->out->record, &note, err));
+                                    &flight->out->result, again, &flight->out->record, &note, err));
     if (kind == CML_CHECKPOINT_PARTIAL && !ends_round(setup, flight->state.end))
         return cml_fail(err, CML_E_INPUT, "%s: the checkpoint is damaged (%llu photons in a run of %llu)",
                         setup->checkpoint, (unsigned long long)flight->state.end,
                         (unsigned long long)setup->photons);
     if (note.text[0] && setup->on_note) setup->on_note(setup->context, note.text);
-    flight->out->finished = kind == CML_CHECKPOINT_FINISHED;
+    flight->out->finished = kind == CML_CHECKPOINT_FINISHED && !setup->result_gone;
+    flight->out->published_again = kind == CML_CHECKPOINT_FINISHED && again;
     flight->out->result.photons = flight->state.end;
-    *fresh = kind == CML_CHECKPOINT_NONE;
+    *fresh = kind == CML_CHECKPOINT_NONE || (kind == CML_CHECKPOINT_FINISHED && setup->result_gone && !again);
+    note_lost_result(setup, kind, again);
     return CML_OK;
 }
 

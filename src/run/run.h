@@ -32,8 +32,10 @@ struct cml_run_setup {
     const char *identity; /* of the run, see identity.h; with a checkpoint */
     bool keep;   /* the complete result goes into the checkpoint, too: more is done before it is published */
     bool resume; /* continue from the checkpoint, if there is one */
-    uint64_t base; /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from
-                    * there to `photons` are flown, and the result is that of one run of all; 0: none */
+    bool result_gone; /* what a finished run has written is no longer there: its tallies are the result, or
+                       * where the checkpoint has none, the run begins anew. Rank 0's word counts */
+    uint64_t base;    /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from
+                       * there to `photons` are flown, and the result is that of one run of all; 0: none */
     const char *base_identity;          /* of that run */
     cml_progress_function *on_progress; /* after every range of rank 0, some twice a second, from whichever
                                            thread ends it; NULL: silent */
@@ -57,7 +59,8 @@ struct cml_run_result {
     double seconds; /* wall time of the photons' flight, that before a resume included */
     int threads;
     bool finished; /* the run was found finished by --resume: nothing was flown, the result is empty */
-    struct cml_record record;   /* rank 0's, of a run that was found finished */
+    struct cml_record record; /* rank 0's, of a run that was found finished */
+    bool published_again;     /* on rank 0: nothing was flown, the result is that of a finished checkpoint */
     struct cml_run_state state; /* rank 0's at the end: nothing is open */
     int ranks;
     struct cml_rank_report *rank; /* [ranks] on rank 0 */

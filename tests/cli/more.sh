@@ -67,6 +67,29 @@ grep -q "thick.mco.checkpoint is of a finished run, but its result thick.mco is 
 sed '/^# User time/d' "$work/expected" >"$work/a"
 sed '/^# User time/d' "$work/thick.mco" | cmp -s - "$work/a" || complain "a lost result has other bytes"
 
+# With the flat twin, which is flown anew, the run that it follows is extended all the same.
+rm -f "$work"/one/* "$work"/more/*
+expect_code 0 samples/two_runs.mci --photons 3000 --keep --control flat --quiet -o "$work/more"
+expect_code 0 samples/two_runs.mci --more 2000 --control flat --quiet -o "$work/more"
+expect_code 0 samples/two_runs.mci --photons 5000 --control flat --quiet -o "$work/one"
+compare "control"
+
+# One whose tallies were kept is written again, and they stay; those of another run stay, too.
+rm -f "$work/more"/*
+for scene in samples/skinmap.mci samples/thick.mci; do
+    name=$(basename $scene .mci)
+    expect_code 0 $scene --photons 3000 --keep --quiet -o "$work/more"
+    sed '/^# User time/d' "$work/more/$name.mco" >"$work/a"
+    rm "$work/more/$name.mco"
+    cp "$work/more/$name.mco.checkpoint" "$work/kept"
+    expect_code 2 $scene --photons 3000 --seed 2 --resume --quiet -o "$work/more"
+    cmp -s "$work/kept" "$work/more/$name.mco.checkpoint" || complain "$name: another run's checkpoint was touched"
+    expect_code 0 $scene --photons 3000 --resume --json -o "$work/more"
+    grep -q "its result $name.mco is gone: it is written again" "$work/err" || complain "no word of a lost result: $(cat "$work/err")"
+    sed '/^# User time/d' "$work/more/$name.mco" | cmp -s - "$work/a" || complain "$name: a result that is written again has other bytes"
+    expect_code 0 $scene --more 5 --quiet -o "$work/more"
+done
+
 expect_code 0 samples/thick.mci --photons 200 --quiet -o "$work"
 grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew" "$work/err" ||
     complain "no word of the finished run: $(cat "$work/err")"

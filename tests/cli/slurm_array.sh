@@ -29,7 +29,10 @@ for seed in 1 2; do
     task $seed "$work/two.csv" || complain "task $seed: exit $?"
     expect_code 0 samples/thick.mci --photons 3000 --seed $seed --set layer1.mua=1 --output plain$seed.mco --quiet -o "$work/plain"
 done
-sh -c 'CLUSTERMCML=$0 bash samples/slurm-array.sh "$1"' "$program" "$work/study" || complain "joining: exit $?"
+join() { CLUSTERMCML=$program sh samples/slurm-array.sh "$work/study" || complain "joining: exit $?"; }
+join
+for once_more in thick-0001.mco thick-0002.mco; do echo stale >"$work/study/$once_more"; done
+join
 expect_code 0 merge "$work/plain/plain1.mco" "$work/plain/plain2.mco" -o "$work/both.mco" --quiet
 for file in "$work/both.mco" "$work/study/thick-0002.mco"; do
     sed -e '/^# User time/d' -e '/^# merged/d' -e 's/^[^ ]* \tA\t/NAME /' "$file" >"$file.bare"

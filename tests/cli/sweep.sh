@@ -105,6 +105,11 @@ grep -q "^clustermcml: $work/wrong.csv:3: .*boundaries 0 and 1 cross at" "$work/
 printf 'layer1.mua\n1\n' >"$work/one.csv"
 expect_error 2 "$work/one.csv:2: column 1, layer1.mua = 1 (expected one value, but --set has set it to 2)" \
     "$work/ridges.mci" --sweep "$work/one.csv" --set layer1.mua=2 -o "$work"
+for option in photons seed; do
+    printf "$option\n3\n" >"$work/two.csv"
+    expect_error 2 "$work/two.csv:2: column 1, $option = 3 (expected no value beside that of --$option)" \
+        "$work/ridges.mci" --sweep "$work/two.csv" --$option 5 -o "$work"
+done
 expect_error 2 "--sweep $work/one.csv (expected a file with one run; samples/two_runs.mci has 2)" samples/two_runs.mci --sweep "$work/one.csv"
 expect_error 2 "$work/missing.csv: cannot be read (No such file or directory)" "$work/ridges.mci" --sweep "$work/missing.csv"
 cp "$work/one.csv" "$work/ridges.sweep.csv"

@@ -85,6 +85,10 @@ def main():
         subprocess.run([cml.PROGRAM, scene, "--photons", "2e4", "--quiet", "-o", folder], check=True)
         check_h5(verdict, os.path.join(folder, "skinmap.h5"))
         check_mco(verdict, os.path.join(folder, "skinmap.mco"))
+        named = os.path.join(folder, "named.mco")
+        with open(os.path.join(folder, "skinmap.mco"), encoding="utf-8") as file, open(named, "w", encoding="utf-8") as other:
+            other.write(file.read().replace("\nskinmap.mco \tA", "\nx#y z.mco \tA"))
+        check_mco(verdict, named)
         for path, text in ((os.path.join(folder, "none.mco"), "expected a file that is there"),
                            (scene, "expected a name that ends in .mco or .h5")):
             verdict.check("refusal", text in octave(REFUSE % (READERS, path)), path)

@@ -54,20 +54,27 @@ static cml_status read_sweep(const struct cml_options *options, const struct cml
     return CML_OK;
 }
 
+/* Two numbers, of which one would not be looked at. */
+static cml_status check_photons(const struct cml_options *options, const struct cml_settings *settings,
+                                struct cml_error *err)
+{
+    const struct cml_setting *photons = cml_settings_find(settings, "photons");
+    if (!photons || options->photons == 0) return CML_OK;
+    return cml_setting_fail(photons, "no value beside that of --photons", err);
+}
+
 static cml_status load(const struct cml_options *options, const struct cml_text_source *source,
                        struct cml_scene_list *list, struct cml_error *err)
 {
-    const struct cml_input_options how = {
-        .source = source,
-        .tolerance = options->surface.tolerance,
-        .budget = options->surface.budget,
-        .settings = &options->settings,
-        .output = options->which == CML_COMMAND_RUN ? options->output : NULL,
-        .on_note = note_input,
-        .flat = options->ignore_heightfields || options->surface.force == CML_SURFACE_PLANE};
-    const struct cml_setting *photons = cml_settings_find(&options->settings, "photons");
-    if (photons && options->photons)
-        return cml_setting_fail(photons, "no value beside that of --photons", err);
+    const struct cml_input_options how = {.source = source,
+                                          .tolerance = options->surface.tolerance,
+                                          .budget = options->surface.budget,
+                                          .settings = &options->settings,
+                                          .output =
+                                              options->which == CML_COMMAND_RUN ? options->output : NULL,
+                                          .on_note = note_input,
+                                          .flat = is_flat(options)};
+    CML_TRY(check_photons(options, &options->settings, err));
     CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
     cml_status status = check_all(list, err);
     if (status == CML_OK) status = read_sweep(options, source, err);
@@ -98,6 +105,7 @@ cml_status cml_reload_scene(const struct cml_options *options, const struct cml_
                                           .known = known,
                                           .known_settings = &options->settings,
                                           .flat = is_flat(options)};
+    CML_TRY(check_photons(options, settings, err));
     CML_TRY(cml_mci_read(options->operands[0], &how, list, err));
     if (lies_as_known(&list->scenes[0], &known->scenes[0])) return CML_OK;
     const cml_status status = check_all(list, err);

@@ -47,7 +47,7 @@ const struct cml_option cml_option_table[] = {
      "NAME.sweep.csv and NAME.sweep.h5",
      TEXT(sweep)},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
-     COUNT(engine_options.seed, 0, 0x1p53)},
+     .read = cml_read_seed, .member = MEMBER(engine_options.seed), .least = 0, .most = 0x1p53},
     {"run", 0, "K", TRACE | CHECK, NULL,
      "the file's run, from 1 (default), that the photon of trace belongs to, or that check -o draws",
      COUNT(run, 1, UINT32_MAX)},

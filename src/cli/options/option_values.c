@@ -62,6 +62,14 @@ cml_status cml_read_count(const struct cml_option *option, const char *value, st
     return count(option, value, member_of(option, options), err);
 }
 
+/* A table of --sweep may have seeds, too. */
+cml_status cml_read_seed(const struct cml_option *option, const char *value, struct cml_options *options,
+                         struct cml_error *err)
+{
+    options->seed_given = true;
+    return cml_read_count(option, value, options, err);
+}
+
 cml_status cml_read_int(const struct cml_option *option, const char *value, struct cml_options *options,
                         struct cml_error *err)
 {

@@ -21,6 +21,7 @@ struct cml_options {
     bool control;               /* the flat twin of a run is flown, too, and makes its totals sharper */
     double target_error;        /* 0: none */
     double checkpoint_interval; /* s; 0: no checkpoints */
+    bool seed_given;            /* by --seed */
     bool resume;
     bool keep;      /* checkpoints of finished runs stay, with all tallies */
     uint64_t more;  /* photons to be added to finished runs; 0: none */

@@ -141,34 +141,6 @@ static void note_old_checkpoint(const struct cml_options *options, const char *p
     cml_show_note(NULL, text);
 }
 
-/* The file that the scene names; where that cannot be told it counts as there. */
-static bool result_is_there(const struct cml_options *options, const struct cml_scene *scene)
-{
-    struct cml_error ignored;
-    char *name = NULL, *path = NULL;
-    bool there = true;
-    if (cml_report_path(scene->output, ".h5", &name, &ignored) == CML_OK &&
-        cml_output_path(options, scene->format == 'B' ? name : scene->output, &path, &ignored) == CML_OK)
-        there = access(path, F_OK) == 0;
-    free(name);
-    free(path);
-    return there;
-}
-
-/* A checkpoint says that the run is finished, but somebody took its result away. */
-static void begin_lost_result_anew(const struct cml_run_call *call, const char *path)
-{
-    char text[512];
-    if (!call->options->resume || call->options->more ||
-        cml_checkpoint_look(path).kind != CML_CHECKPOINT_FINISHED ||
-        result_is_there(call->options, call->scene))
-        return;
-    snprintf(text, sizeof text, "%.200s is of a finished run, but its result %.200s is gone: it begins anew",
-             path, call->scene->output);
-    cml_show_note(NULL, text);
-    cml_checkpoint_remove(path);
-}
-
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
  * --keep it has the tallies, too, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
@@ -194,12 +166,13 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
                                 .control = control,
                                 .control_processor = twin ? cml_run_processor(twin) : 0,
                                 .command = options->command};
+    const bool tallies = options->keep || run->published_again; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
     if (!setup->checkpoint || !call->stays) return CML_OK;
-    if (call->pending && !options->keep)
+    if (call->pending && !tallies)
         return cml_pending_add(call->pending, setup->checkpoint, setup->identity, &run->state, record, err);
     const cml_status status = cml_checkpoint_finish(setup->checkpoint, setup->identity, &run->state, record,
-                                                    options->keep ? &run->result : NULL, err);
+                                                    tallies ? &run->result : NULL, err);
     if (status == CML_OK || options->keep) return status;
     cml_show_note(NULL, err->text);
     cml_checkpoint_remove(setup->checkpoint); /* the result is there, so it must not look stopped */
@@ -227,10 +200,8 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
                       const struct cml_twin *twin, struct cml_record *record, struct cml_error *err)
 {
     struct cml_run_result run;
-    if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0) {
+    if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0)
         note_old_checkpoint(call->options, setup->checkpoint);
-        begin_lost_result_anew(call, setup->checkpoint);
-    }
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(check_same(setup->identity, err));
     CML_TRY(cml_run(setup, &run, err));
@@ -366,6 +337,20 @@ static void note_nothing_to_control(const struct cml_scene *scene)
     if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
 }
 
+/* The file that the scene names; where that cannot be told it counts as there. */
+static bool result_is_there(const struct cml_options *options, const struct cml_scene *scene)
+{
+    struct cml_error ignored;
+    char *name = NULL, *path = NULL;
+    bool there = true;
+    if (cml_report_path(scene->output, ".h5", &name, &ignored) == CML_OK &&
+        cml_output_path(options, scene->format == 'B' ? name : scene->output, &path, &ignored) == CML_OK)
+        there = access(path, F_OK) == 0;
+    free(name);
+    free(path);
+    return there;
+}
+
 static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml_display *display)
 {
     const struct cml_options *options = call->options;
@@ -376,6 +361,7 @@ static struct cml_run_setup setup_of(const struct cml_run_call *call, struct cml
                                   .target_error = options->target_error,
                                   .interval = options->checkpoint_interval,
                                   .resume = options->resume,
+                                  .result_gone = options->resume && !result_is_there(options, call->scene),
                                   .on_progress = cml_progress_show,
                                   .on_note = cml_show_note,
                                   .context = display};

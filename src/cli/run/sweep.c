@@ -82,6 +82,7 @@ static cml_status row_seed(const struct sweep *sweep, int row, uint64_t *seed, s
     *seed = sweep->options->engine_options.seed;
     if (sweep->seed_column < 0) return CML_OK;
     const struct cml_setting setting = cml_sweep_cell(&sweep->table, row, sweep->seed_column);
+    if (sweep->options->seed_given) return cml_setting_fail(&setting, "no value beside that of --seed", err);
     if (cml_parse_count(setting.value, seed)) return CML_OK;
     return cml_setting_fail(&setting, "a whole number from 0 to 9007199254740992", err);
 }

@@ -7,7 +7,10 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from typing import Any
+
+import numpy as np
 
 
 class ClustermcmlError(Exception):
@@ -25,9 +28,19 @@ class InputError(ClustermcmlError, ValueError):
     """An argument, a scene or a file is not what it must be (exit code 2 of the program)."""
 
 
+def _shown(value: object) -> str:
+    """A value in one line; of a long list or array the beginning.
+
+    >>> _shown(np.zeros((2, 2)))
+    'array([[0., 0.], [0., 0.]])'
+    """
+    text = re.sub(r"\s*\n\s*", " ", repr(value))
+    return text if isinstance(value, str) or len(text) <= 200 else text[:200] + " ..."
+
+
 def refuse(name: str, value: object, expected: str) -> InputError:
     """The error of an argument: its name, its value, and what was expected."""
-    return InputError(f"{name} = {value!r} (expected {expected})")
+    return InputError(f"{name} = {_shown(value)} (expected {expected})")
 
 
 def number(name: str, value: Any, least: float, most: float, expected: str) -> float:
@@ -40,9 +53,9 @@ def number(name: str, value: Any, least: float, most: float, expected: str) -> f
     """
     try:
         as_float = float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise refuse(name, value, expected) from None
-    if isinstance(value, (str, bytes, bool)) or not least <= as_float <= most:
+    if isinstance(value, (str, bytes, bool, np.bool_)) or not least <= as_float <= most:
         raise refuse(name, value, expected)
     return as_float
 
@@ -66,6 +79,33 @@ def whole(name: str, value: Any, least: int, most: int) -> int:
     if as_float != int(as_float):
         raise refuse(name, value, expected)
     return int(value)
+
+
+def flag(name: str, value: Any) -> None:
+    if not isinstance(value, (bool, np.bool_)):
+        raise refuse(name, value, "True or False")
+
+
+def choice(name: str, value: Any, *known: str) -> None:
+    if not isinstance(value, str) or value not in known:
+        raise refuse(name, value, "one of " + " ".join(known))
+
+
+def array(name: str, value: Any, kinds: str, expected: str) -> Any:
+    """The value as an array of finite numbers, whose dtype is of one of the kinds. What a mask hides is no number.
+
+    >>> array("Mesh.faces", [[0, 1, 2], [3]], "iu", "an array [m, 3] of whole numbers")
+    Traceback (most recent call last):
+    ...
+    clustermcml.errors.InputError: Mesh.faces = [[0, 1, 2], [3]] (expected an array [m, 3] of whole numbers)
+    """
+    try:
+        numbers = np.asarray(value)
+    except (TypeError, ValueError):
+        raise refuse(name, value, expected) from None
+    if numbers.dtype.kind not in kinds or not np.all(np.isfinite(numbers)) or np.any(getattr(value, "mask", False)):
+        raise refuse(name, value, expected)
+    return numbers
 
 
 def existing_file(name: str, value: Any) -> str:

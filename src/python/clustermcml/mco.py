@@ -15,8 +15,12 @@ from . import errors
 
 TOTALS = ("Rsp", "Rd", "A", "Tt")
 LAYER = ("n", "mua", "mus", "g", "d")
-BOOKS = ("launched", "gained", "specular", "reflected", "transmitted", "absorbed", "roulette", "trapped", "lost", "overflow_r",
-         "overflow_z", "above")
+BOOKS = {
+    "launched": "launched", "gained": "gained in roulette", "specular": "specular (Rsp)", "reflected": "reflected (Rd)",
+    "transmitted": "transmitted (Tt)", "absorbed": "absorbed (A)", "roulette": "lost in roulette", "trapped": "trapped", "lost": "lost",
+    "overflow_r": "scored in the last r bin from beyond it", "overflow_z": "absorbed below the last z bin",
+    "above": "absorbed above z = 0",
+}
 
 # name: axes, unit, what it is; as the .h5 files say it
 QUANTITIES = {
@@ -35,6 +39,10 @@ QUANTITIES = {
     "Rd_ra": (("r", "alpha"), "1/(cm2 sr)", "diffuse reflectance by radius and angle"),
     "Tt_ra": (("r", "alpha"), "1/(cm2 sr)", "transmittance by radius and angle"),
 }
+QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in TOTALS})
+QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
+QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
+QUANTITIES["lost"] = ((), "1", "packets lost to numerical failure")
 LAYER_QUANTITIES = {
     "n": ("1", "refractive index"),
     "mua": ("1/cm", "absorption coefficient"),
@@ -52,11 +60,14 @@ AXES = {
 
 
 def _sections(text: str) -> dict[str, list[str]]:
-    """{key: the words of its lines}; comments are left out."""
+    """{key: the words of its lines}; comments are left out. The name of the output, with which InParm begins, is one word."""
     sections: dict[str, list[str]] = {}
     key = ""
     for line in text.splitlines():
         words = line.split("#")[0].split()
+        if key == "InParm" and words and not sections[key]:
+            sections[key] = [re.sub(r"\s+[A-Za-z]\s*(#.*)?$", "", line)]
+            continue
         if words and re.fullmatch(r"[A-Za-z]\w*", words[0]) and (words[0] != "A" or key):
             key = words.pop(0)
             sections[key] = []
@@ -82,11 +93,17 @@ def _grid(words: Iterator[str]) -> tuple[dict[str, Any], list[list[float]], floa
 
 
 def _provenance(text: str) -> dict[str, Any]:
-    """What the lines of comment behind the arrays say; empty for a file of original MCML."""
-    found = re.search(r"^# clustermcml (.*)\n# engine (\w+), seed (\d+), run (\d+)", text, re.MULTILINE)
-    if not found:
+    """What the lines of comment behind the arrays say; empty for a file of original MCML. Merged results have several seeds."""
+    version = re.search(r"^# clustermcml (.*)", text, re.MULTILINE)
+    if not version:
         return {}
-    known: dict[str, Any] = {"version": found[1], "engine": found[2], "seed": int(found[3]), "run": int(found[4])}
+    known: dict[str, Any] = {"version": version[1]}
+    flown = re.search(r"^# engine (\w+), seed (\d+), run (\d+)", text, re.MULTILINE)
+    if flown:
+        known.update(engine=flown[1], seed=int(flown[2]), run=int(flown[3]))
+    merged = re.findall(r"^# (merged .*\n)", text, re.MULTILINE)
+    if merged:
+        known["merged"] = "".join(merged)
     known["boundaries"] = "\n".join(re.findall(r"^# (boundary \d+: .*)$", text, re.MULTILINE))
     sampling = re.search(r"^# sampling (\w+)", text, re.MULTILINE)
     if sampling:
@@ -103,18 +120,16 @@ def _variable(name: str, axes: dict[str, Any], words: list[str]) -> xr.DataArray
 
 
 def _numbers(sections: dict[str, list[str]], axes: dict[str, Any]) -> dict[str, xr.DataArray]:
-    """All quantities that the file has, and their errors."""
-    words = {name: sections[name] for name in QUANTITIES if name in sections and name not in TOTALS}
+    """All quantities that the file has, and their errors. Behind `lost` stand indices of packets."""
+    words = {name: sections[name] for name in QUANTITIES if name in sections and name not in (*TOTALS, "lost")}
     words.update({name: [word] for name, word in zip(TOTALS, sections["RAT"])})
     words.update({key[3:] + "_se": values for key, values in sections.items() if key[3:] in QUANTITIES and key.startswith("se_")})
     words.update({name + "_se": [word] for name, word in zip(TOTALS, sections.get("se_RAT", []))})
     words.update({"book_" + name: [word] for name, word in zip(BOOKS, sections.get("books", []))})
-    variables = {}
-    for name, values in words.items():
-        if name.startswith("book_"):
-            variables[name] = xr.DataArray(float(values[0]), attrs={"units": "1"})
-        else:
-            variables[name] = _variable(name, axes, values)
+    words.update({"lost": sections["lost"][:1]} if "lost" in sections else {})
+    control = [f"{name}_control{error}" for error in ("", "_se") for name in TOTALS]
+    words.update({name: [word] for name, word in zip(control, sections.get("control", []))})
+    variables = {name: _variable(name, axes, values) for name, values in words.items()}
     for name, variable in variables.items():
         if name + "_se" in variables:
             variable.attrs["ancillary_variables"] = name + "_se"
@@ -135,14 +150,18 @@ def read_mco(path: str) -> xr.Dataset:
 
 def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     words = iter(sections["InParm"])
-    title, _, photons = next(words), next(words), float(next(words))
+    title, photons = next(words), float(next(words))
     axes, media, above, below = _grid(words)
     if "A_body" in sections:
         axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
     data = xr.Dataset(_numbers(sections, axes))
+    bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]
         data["layer_" + name] = xr.DataArray(column, dims="layer", attrs={"units": unit, "long_name": meaning})
+        if bodies and name != "d":
+            column = [float(body[index]) for body in bodies]
+            data["body_" + name] = xr.DataArray(column, dims="body", attrs={"units": unit, "long_name": meaning})
     for name, (unit, meaning) in ((name, AXES[name]) for name in axes):
         data[name] = xr.DataArray(axes[name], dims=name, attrs={"units": unit, "long_name": meaning})
     data.attrs.update({"title": title, "photons": int(photons), "n_above": above, "n_below": below, **_provenance(text)})

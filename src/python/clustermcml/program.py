@@ -17,16 +17,19 @@ import sys
 import tempfile
 import threading
 import warnings
-from typing import Any, Iterable, Iterator, NoReturn, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
 
+import numpy as np
 import xarray as xr
 
 from . import errors
+from .h5 import read_h5
+from .mco import read_mco
 from .progress import Progress
-from .results import read
 from .scene import Scene
 
 PREFIX = "clustermcml: "
+OWN = "# written by clustermcml.run or sweep\n"
 MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 
 
@@ -48,21 +51,31 @@ def main() -> NoReturn:
     os.execv(program, [program, *sys.argv[1:]])
 
 
+NO_ARGUMENTS = {"json": "results are returned", "quiet": "results are returned", "verbose": "results are returned",
+                "output": "results are returned", "sweep": "clustermcml.sweep flies sweeps", "help": "clustermcml help run prints it",
+                "version": "results have it as an attribute"}
+
+
 def option_words(options: dict[str, Any]) -> list[str]:
-    """Keywords as the program's options: True is an option without a value, None and False leave it out, a list is joined by commas.
+    """Keywords as the program's options: True is an option without a value, None and False leave it out, a list is joined by commas,
+    a dict is the option with NAME=VALUE once for each item.
 
     >>> option_words({"photons": 1e5, "target_error": None, "no_reentry": True, "device": [0, 1]})
     ['--photons', '100000.0', '--no-reentry', '--device', '0,1']
+    >>> option_words({"set": {"layer1.mua": 0.3, "above.n": 1.33}})
+    ['--set', 'layer1.mua=0.3', '--set', 'above.n=1.33']
     """
     words = []
     for name, value in options.items():
-        if name in ("json", "quiet", "verbose", "output"):
-            raise errors.refuse(name, value, "no such argument: results are returned")
-        if value is None or value is False:
-            continue
-        words.append("--" + name.replace("_", "-"))
-        if value is not True:
-            words.append(",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value))
+        if name in NO_ARGUMENTS:
+            raise errors.refuse(name, value, "no such argument: " + NO_ARGUMENTS[name])
+        option = "--" + name.replace("_", "-")
+        if isinstance(value, (bool, np.bool_)):
+            words += [option] if value else []
+        elif isinstance(value, Mapping):
+            words += [word for item in value.items() for word in (option, f"{item[0]}={item[1]}")]
+        elif value is not None:
+            words += [option, ",".join(map(str, value)) if isinstance(value, (list, tuple)) else str(value)]
     return words
 
 
@@ -116,26 +129,50 @@ def _read_objects(process: subprocess.Popen[str], progress: Progress, rows: int)
     return told
 
 
+def _is_own(path: str) -> bool:
+    """Whether there is nothing, or a file that scene_file has written, which may be written anew."""
+    try:
+        with open(path, "rb") as file:
+            return file.read(len(OWN)) == OWN.encode()
+    except FileNotFoundError:
+        return True
+
+
 def scene_file(scene: Union[Scene, str, os.PathLike[str]], folder: str) -> str:
     """The path of the scene's file: of one in the folder where it is an object."""
     if not isinstance(scene, Scene):
         return errors.existing_file("scene", scene)
     path = os.path.join(folder, "scene.mci")
-    scene.write(path)
+    try:
+        if not _is_own(path):
+            raise errors.refuse("output_dir", folder, "a folder without another scene.mci, which would be overwritten")
+        scene.write(path, OWN)
+    except OSError as error:
+        raise errors.ClustermcmlError(f"{error.filename}: cannot be written ({error.strerror})", 5) from error
     return path
 
 
-def fly(scene: str, folder: str, options: dict[str, Any], show: Optional[bool], rows: int = 0) -> list[dict[str, Any]]:
-    """What the program says of every run, as --json does. rows: of a sweep, 0 of none.
+def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
+    """The program, whose standard error is `there`, the other end of `here`."""
+    try:
+        return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there, text=True, encoding="utf-8",
+                                errors="replace", start_new_session=True)
+    except OSError as error:
+        os.close(here)
+        raise errors.InputError(f"{words[0]}: cannot be run ({error.strerror})") from error
+    finally:
+        os.close(there)
+
+
+def fly(scene: str, folder: str, options: list[str], show: Optional[bool], rows: int = 0) -> list[dict[str, Any]]:
+    """What the program says of every run, as --json does. options: words of its command line. rows: of a sweep, 0 of none.
 
     In a session of its own, so that an interrupt reaches it from here alone. Its standard error is a terminal, so that it draws a bar.
     """
     said: list[str] = []
-    words = [find_program(), scene, "--json", "-o", folder, *option_words(options)]
+    words = [find_program(), scene, "--json", "-o", folder, *options]
     here, there = os.openpty()
-    with Progress(show) as progress, subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=there, text=True,
-                                                      encoding="utf-8", errors="replace", start_new_session=True) as process:
-        os.close(there)
+    with Progress(show) as progress, _start(words, here, there) as process:
         bar = Progress(False) if rows else progress
         listener = threading.Thread(target=_listen, args=(_pieces(here), bar, said))
         listener.start()
@@ -152,9 +189,12 @@ def fly(scene: str, folder: str, options: dict[str, Any], show: Optional[bool], 
 
 
 def result_of(told: dict[str, Any]) -> xr.Dataset:
-    """The Dataset of a run: of its .h5, which has more, else of its .mco."""
-    files = [path for path in told["files"] if path.endswith((".h5", ".mco"))]
-    data = read(next((path for path in files if path.endswith(".h5")), files[0]))
+    """The Dataset of a run: of its .h5, which has more, else of its .mco, whatever the name of that."""
+    h5 = next((path for path in told["files"] if path.endswith(".h5")), None)
+    path = h5 or told["files"][0]
+    if not os.path.isfile(path):
+        raise errors.refuse("scene", path, "a scene whose result is a file")
+    data = read_h5(path) if h5 else read_mco(path)
     data.attrs.update({key: told[key] for key in MEASURED if told.get(key) is not None})
     return data
 
@@ -174,7 +214,7 @@ def run(scene: Union[Scene, str, os.PathLike[str]], *, output_dir: Union[None, s
     with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         path = scene_file(scene, folder)
-        told = fly(path, folder, options, progress)
+        told = fly(path, folder, option_words(options), progress)
         if len(told) != 1:
             raise errors.refuse("scene", path, f"a file with one run, this one has {len(told)}")
         return result_of(told[0])

@@ -9,6 +9,7 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, field
 from typing import Optional, Sequence, Union
 
@@ -65,8 +66,7 @@ class Beam:
     azimuth: float = 0.0
 
     def __post_init__(self) -> None:
-        if self.kind not in ("pencil", "disk", "gaussian"):
-            raise errors.refuse("Beam.kind", self.kind, "pencil, disk or gaussian")
+        errors.choice("Beam.kind", self.kind, "pencil", "disk", "gaussian")
         if self.kind == "pencil" and self.radius is not None:
             raise errors.refuse("Beam.radius", self.radius, "None for a pencil beam")
         if self.kind != "pencil":
@@ -106,12 +106,14 @@ class Map:
             errors.whole("Map." + name, getattr(self, name), 1, 2**31 - 1)
         for name in ("dx", "dy"):
             errors.above_zero("Map." + name, getattr(self, name))
+        for name in ("angles", "volume"):
+            errors.flag("Map." + name, getattr(self, name))
         if errors.finite("Map.top", self.top) != 0 and not self.volume:
             raise errors.refuse("Map.top", self.top, "0 without volume=True")
 
     def line(self) -> str:
         words = ["map", str(int(self.nx)), str(int(self.ny)), shortest(self.dx), shortest(self.dy)]
-        words += ["angles"] * self.angles + ["volume"] * self.volume
+        words += [name for name in ("angles", "volume") if getattr(self, name)]
         return " ".join(words + ([f"top={shortest(self.top)}"] if self.top else []))
 
 
@@ -154,9 +156,9 @@ class Scene:
     format: str = "B"
 
     def __post_init__(self) -> None:
-        if self.format not in ("A", "B"):
-            raise errors.refuse("Scene.format", self.format, "A or B")
-        if isinstance(self.layers, Layer) or not len(self.layers) or not all(isinstance(item, Layer) for item in self.layers):
+        errors.choice("Scene.format", self.format, "A", "B")
+        errors.flag("Scene.facets", self.facets)
+        if not isinstance(self.layers, (list, tuple)) or not self.layers or not all(isinstance(item, Layer) for item in self.layers):
             raise errors.refuse("Scene.layers", self.layers, "a list of Layer, at least one")
         for name in ("n_above", "n_below"):
             errors.number("Scene." + name, getattr(self, name), 0.01, 100, "a number from 0.01 to 100")
@@ -174,11 +176,12 @@ class Scene:
     def text(self, output: str, directory: str = ".") -> str:
         """The text of the `.mci` whose result is OUTPUT; surfaces that are arrays are written to DIRECTORY."""
         stem = os.path.splitext(output)[0]
-        lines = ["1.0", "1", f"{output} {self.format}", str(int(self.photons)), f"{shortest(self.dz)} {shortest(self.dr)}",
+        quoted = f'"{output}"' if re.search(r"\s", output) else output
+        lines = ["1.0", "1", f"{quoted} {self.format}", str(int(self.photons)), f"{shortest(self.dz)} {shortest(self.dr)}",
                  f"{int(self.nz)} {int(self.nr)} {int(self.na)}"]
-        lines += [self.beam.line()] if self.beam != Beam() else []
+        lines += [self.beam.line()] if self.beam.line() != Beam().line() else []
         lines += [self.map.line()] if self.map is not None else []
-        lines += ["facets"] * self.facets
+        lines += ["facets"] if self.facets else []
         lines += [str(len(self.layers)), shortest(self.n_above)]
         for index, surface in enumerate([*(layer.top for layer in self.layers), self.bottom]):
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []
@@ -188,10 +191,11 @@ class Scene:
                 lines += [body.line(directory, f"{stem}.layer{index + 1}body{k}") for k, body in enumerate(layer.bodies)]
         return "\n".join([*lines, shortest(self.n_below), ""])
 
-    def write(self, path: Union[str, os.PathLike[str]]) -> None:
-        """Writes the `.mci` PATH, and beside it the surfaces that are arrays. The result will have the same name with `.mco`."""
+    def write(self, path: Union[str, os.PathLike[str]], comment: str = "") -> None:
+        """Writes the `.mci` PATH, and beside it the surfaces that are arrays. The result will have the same name with `.mco`.
+        comment: lines before all others, each with # before it and a line feed behind."""
         path = os.fspath(path)
         name = os.path.splitext(os.path.basename(path))[0]
         text = self.text(name + ".mco", os.path.dirname(os.path.abspath(path)))
         with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
+            file.write(comment + text)

@@ -20,11 +20,11 @@ def write_gsf(path: str, heights: Any, dx: float, dy: float) -> None:
               "XYUnits = m\nZUnits = m\n").encode("ascii")
     with open(path, "wb") as file:
         file.write(header + b"\0" * (4 - len(header) % 4))
-        file.write(np.ascontiguousarray(heights[::-1] * CM, dtype="<f4").tobytes())
+        file.write(np.ascontiguousarray(heights[::-1].astype(float) * CM, dtype="<f4").tobytes())
 
 
 def write_obj(path: str, vertices: Any, faces: Any) -> None:
     """A Wavefront OBJ: vertices [n, 3], faces [m, 3] counted from 0 here, from 1 in the file."""
     with open(path, "w", encoding="ascii") as file:
         file.writelines(f"v {float(x)!r} {float(y)!r} {float(z)!r}\n" for x, y, z in vertices)
-        file.writelines(f"f {a} {b} {c}\n" for a, b, c in (faces + 1).tolist())
+        file.writelines(f"f {a} {b} {c}\n" for a, b, c in (faces.astype(np.int64) + 1).tolist())

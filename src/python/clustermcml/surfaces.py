@@ -15,6 +15,9 @@ from . import errors
 from .surface_files import write_gsf, write_obj
 
 
+HIGHEST = 1e30  # cm; as in the files
+
+
 def shortest(value: float) -> str:
     """A number as the file has it: as few digits as give the same number again."""
     return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value))
@@ -46,11 +49,13 @@ class Heightfield:
     h: Sequence[float]
 
     def __post_init__(self) -> None:
-        r, h = (np.asarray(values, dtype=float) for values in (self.r, self.h))
-        if r.ndim != 1 or r.size < 1 or not np.all(np.isfinite(r)) or r[0] != 0 or np.any(np.diff(r) <= 0):
-            raise errors.refuse("Heightfield.r", self.r, "radii that begin with 0 and rise")
-        if h.shape != r.shape or not np.all(np.isfinite(h)):
-            raise errors.refuse("Heightfield.h", self.h, f"{r.size} finite heights, one for each radius")
+        expected = "radii that begin with 0 and rise"
+        r = errors.array("Heightfield.r", self.r, "iuf", expected).astype(float)
+        if r.ndim != 1 or r.size < 1 or r[0] != 0 or np.any(np.diff(r) <= 0):
+            raise errors.refuse("Heightfield.r", self.r, expected)
+        expected = f"{r.size} finite heights, one for each radius"
+        if errors.array("Heightfield.h", self.h, "iuf", expected).shape != r.shape:
+            raise errors.refuse("Heightfield.h", self.h, expected)
 
     def line(self, directory: str, stem: str) -> str:
         """The line of the `.mci`; writes no file."""
@@ -81,11 +86,10 @@ class Heightmap:
 
     def __post_init__(self) -> None:
         _check_tile("Heightmap.tile", self.tile)
-        heights = np.asarray(self.heights)
-        if heights.ndim != 2 or min(heights.shape) < 2 or heights.dtype.kind not in "iuf":
-            raise errors.refuse("Heightmap.heights", self.heights, "an array of heights [ny, nx], at least 2 x 2")
-        if not np.all(np.isfinite(heights)):
-            raise errors.refuse("Heightmap.heights", self.heights, "finite heights")
+        expected = "an array of finite heights [ny, nx], at least 2 x 2"
+        heights = errors.array("Heightmap.heights", self.heights, "iuf", expected)
+        if heights.ndim != 2 or min(heights.shape) < 2 or np.max(np.abs(heights.astype(float))) > HIGHEST:
+            raise errors.refuse("Heightmap.heights", self.heights, expected)
         errors.above_zero("Heightmap.dx", self.dx)
         if self.dy is not None:
             errors.above_zero("Heightmap.dy", self.dy)
@@ -100,7 +104,7 @@ class Heightmap:
 
 
 def _check_tile(name: str, value: object) -> None:
-    if value not in (False, True, "mirror"):
+    if not isinstance(value, (bool, np.bool_)) and not (isinstance(value, str) and value == "mirror"):
         raise errors.refuse(name, value, 'True, False or "mirror"')
 
 
@@ -111,7 +115,7 @@ def _option_words(options: dict[str, Any]) -> list[str]:
     for key, value in options.items():
         if value == usual[key]:
             continue
-        if value is True:
+        if isinstance(value, (bool, np.bool_)):
             words.append(key)
         elif isinstance(value, tuple):
             words.append(f"{key}={','.join(shortest(number) for number in value)}")
@@ -143,15 +147,14 @@ class Mesh:
     tile: Union[bool, str] = False
 
     def __post_init__(self) -> None:
-        if (self.path is None) == (self.vertices is None):
+        if (self.path is None) == (self.vertices is None and self.faces is None):
             raise errors.refuse("Mesh.path", self.path, "either a path, or vertices and faces")
         if self.path is None:
             self._check_arrays()
         else:
             errors.existing_file("Mesh.path", self.path)
         for name, known in (("units", "cm mm um m"), ("up", "z -z y -y x -x"), ("normals", "face vertex")):
-            if getattr(self, name) not in known.split():
-                raise errors.refuse("Mesh." + name, getattr(self, name), "one of " + known)
+            errors.choice("Mesh." + name, getattr(self, name), *known.split())
         _check_tile("Mesh.tile", self.tile)
         errors.finite("Mesh.rotate", self.rotate)
         errors.above_zero("Mesh.scale", self.scale)
@@ -160,11 +163,14 @@ class Mesh:
             errors.above_zero("Mesh.skirt", self.skirt)
 
     def _check_arrays(self) -> None:
-        vertices, faces = np.asarray(self.vertices), np.asarray(self.faces)
-        if vertices.ndim != 2 or vertices.shape[1] != 3 or vertices.dtype.kind not in "iuf" or not np.all(np.isfinite(vertices)):
-            raise errors.refuse("Mesh.vertices", self.vertices, "an array [n, 3] of finite numbers")
-        if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
-            raise errors.refuse("Mesh.faces", self.faces, "an array [m, 3] of whole numbers")
+        expected = "an array [n, 3] of finite numbers"
+        vertices = errors.array("Mesh.vertices", self.vertices, "iuf", expected)
+        if vertices.ndim != 2 or vertices.shape[1] != 3:
+            raise errors.refuse("Mesh.vertices", self.vertices, expected)
+        expected = "an array [m, 3] of whole numbers"
+        faces = errors.array("Mesh.faces", self.faces, "iu", expected)
+        if faces.ndim != 2 or faces.shape[1] != 3 or faces.size == 0:
+            raise errors.refuse("Mesh.faces", self.faces, expected)
         if faces.min() < 0 or faces.max() >= len(vertices):
             raise errors.refuse("Mesh.faces", self.faces, f"indices from 0 to {len(vertices) - 1}")
 

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from . import errors
-from .program import fly, result_of, scene_file
+from .program import fly, option_words, result_of, scene_file
 from .scene import Scene
 
 
@@ -26,9 +26,11 @@ def _checked(parameters: Mapping[str, Sequence[float]]) -> dict[str, list[float]
         raise errors.refuse("parameters", parameters, 'a dict of names and lists of values, {"layer1.mua": [0.1, 0.2]}')
     checked = {}
     for name, values in parameters.items():
-        if isinstance(values, (str, bytes)) or not np.ndim(values) == 1 or not len(values):
-            raise errors.refuse(f"parameters[{name!r}]", values, "a list of at least one number")
-        checked[name] = [errors.finite(f"parameters[{name!r}]", value) for value in values]
+        expected = "a list of at least one number"
+        numbers = errors.array(f"parameters[{name!r}]", values, "iuf", expected)
+        if numbers.ndim != 1 or not numbers.size:
+            raise errors.refuse(f"parameters[{name!r}]", values, expected)
+        checked[name] = [float(value) for value in numbers]
         if len(set(checked[name])) < len(checked[name]):
             raise errors.refuse(f"parameters[{name!r}]", values, "values that differ")
     return checked
@@ -68,11 +70,14 @@ def sweep(scene: Union[Scene, str, os.PathLike[str]], parameters: Mapping[str, S
     clustermcml.errors.InputError: parameters['layer1.mua'] = [] (expected a list of at least one number)
     """
     checked = _checked(parameters)
+    if variables is not None and not isinstance(variables, (list, tuple)):
+        raise errors.refuse("variables", variables, "a list of names, or None for everything")
     with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         table = os.path.join(scratch, "sweep.csv")
         _write_table(table, checked)
-        told = fly(scene_file(scene, folder), folder, {"sweep": table, **options}, progress, math.prod(map(len, checked.values())))
+        words = ["--sweep", table, *option_words(options)]
+        told = fly(scene_file(scene, folder), folder, words, progress, math.prod(map(len, checked.values())))
         rows = []
         for one in sorted(told, key=lambda one: int(one["row"])):
             result = result_of(one)

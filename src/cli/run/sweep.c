@@ -324,7 +324,8 @@ static cml_status fly(struct sweep *sweep, struct cml_error *err)
                cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, options->sweep);
     cml_pending_begin(&sweep->pending);
     cml_status status = cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
-    cml_pending_flush(&sweep->pending, status != CML_OK || leaves_checkpoints(options));
+    const bool complete = status == CML_OK || status == CML_E_NUMERIC;
+    if (!complete || leaves_checkpoints(options)) cml_pending_flush(&sweep->pending, true);
     cml_pending_end(&sweep->pending);
     if (cml_cluster_rank() == 0) status = finish(sweep, status, err);
     return cml_cluster_agree(status, err);

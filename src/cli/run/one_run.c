@@ -239,6 +239,11 @@ static bool uses_checkpoints(const struct cml_options *options, const struct cml
            !cml_file_is_device(scene->output);
 }
 
+bool cml_run_leaves_checkpoints(const struct cml_options *options)
+{
+    return options->resume || options->keep;
+}
+
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,
                               struct cml_error *err)
 {

@@ -92,10 +92,24 @@ function data = read_h5(path)
   names = fieldnames(data);
   for i = 1:numel(names)
     values = data.(names{i});
-    if isnumeric(values) && isvector(values)
+    bins = bins_of(names{i}, data);
+    if ~isnumeric(values), continue, end
+    if ~isempty(bins)
+      data.(names{i}) = permute(reshape(double(values), fliplr(bins)), numel(bins):-1:1);
+    elseif isvector(values)
       data.(names{i}) = double(values(:));
-    elseif isnumeric(values)
+    else
       data.(names{i}) = permute(double(values), ndims(values):-1:1);
     end
   end
+end
+
+function bins = bins_of(name, data)
+  % Numbers of bins of a grid, whose name ends in those of its axes: an axis of one bin cannot be told from the size of the array.
+  bins = [];
+  axes_of = struct('rz', {{'r', 'z'}}, 'ra', {{'r', 'alpha'}}, 'xy', {{'y', 'x'}}, 'xya', {{'y', 'x', 'alpha'}}, ...
+                   'xyz', {{'z_volume', 'y', 'x'}});
+  ending = regexp(regexprep(name, '_se$', ''), '_(rz|ra|xy|xya|xyz)$', 'tokens', 'once');
+  if isempty(ending), return, end
+  bins = cellfun(@(axis) numel(data.(axis)), axes_of.(ending{1}));
 end

@@ -67,9 +67,15 @@ void cml_report_summary(FILE *stream, const struct cml_report *report);
 /* One line per rank: packets, and where its time went; and the shares of all together. */
 void cml_report_ranks(FILE *stream, const struct cml_run_result *run);
 
-/* One object on one line, keys as documented in README. */
+/* One object on one line, keys as in samples/output.md. */
 CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,
                                          struct cml_error *err);
+
+/* The object of a run that was finished before, with scene and files as they are called now: the folder may
+ * have been moved, or the program called from elsewhere. path: of the main result, the output's name
+ * included. */
+CML_NODISCARD cml_status cml_report_json_again(FILE *stream, const char *json, const struct cml_scene *scene,
+                                               const char *path, struct cml_error *err);
 
 /* Totals by adding-doubling alone: a table, and one object on one line. */
 void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);

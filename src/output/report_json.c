@@ -294,3 +294,43 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     set_speed(object, report);
     return print_object(stream, object, err);
 }
+
+/* ---- a finished run's ---- */
+
+/* The end of a path, from behind the slash that so many others follow. */
+static const char *end_of(const char *path, int slashes)
+{
+    const char *end = path + strlen(path);
+    while (end > path && (end[-1] != '/' || slashes-- > 0)) end--;
+    return end;
+}
+
+/* The files as they are called from here, where `folder` is what stands before the output's own name. */
+static void rename_files(json_t *files, const char *folder, int slashes)
+{
+    size_t i;
+    json_t *file;
+    json_array_foreach(files, i, file)
+    {
+        const char *path = json_string_value(file);
+        if (path) json_array_set_new(files, i, json_sprintf("%s%s", folder, end_of(path, slashes)));
+    }
+}
+
+cml_status cml_report_json_again(FILE *stream, const char *json, const struct cml_scene *scene,
+                                 const char *path, struct cml_error *err)
+{
+    int slashes = 0;
+    for (const char *c = scene->output; *c; c++) slashes += *c == '/';
+    json_t *object = json_loads(json, 0, NULL), *files = json_object_get(object, "files");
+    char *folder = strndup(path, strlen(path) - strlen(scene->output));
+    json_t *named = folder ? cml_json_name(folder) : NULL;
+    if (files && named) {
+        rename_files(files, json_string_value(named), slashes);
+        json_object_set_new(object, "scene", cml_json_name(scene->file));
+        json_object_set(object, "output", json_array_get(files, 0));
+    }
+    free(folder);
+    json_decref(named);
+    return print_object(stream, object, err);
+}

@@ -90,6 +90,19 @@ for scene in samples/skinmap.mci samples/thick.mci; do
     expect_code 0 $scene --more 5 --quiet -o "$work/more"
 done
 
+# The object of a finished run names files where they are now, in a folder that was moved, and is the same else.
+mkdir "$work/there"
+for output in thick.h5 thick.mco; do
+    expect_code 0 samples/thick.mci --photons 100 --resume --output $output --json -o "$work/there"
+    cp "$work/out" "$work/object"
+    expect_code 0 samples/thick.mci --photons 100 --resume --output $output --json -o "$work/there"
+    cmp -s "$work/out" "$work/object" || complain "another object: $(cat "$work/out")"
+    mv "$work/there" "$work/moved"
+    expect_code 0 samples/thick.mci --photons 100 --resume --output $output --json -o "$work/moved"
+    grep -q "\"files\":\[\"$work/moved/$output\"\]" "$work/out" || complain "files of a folder that was moved: $(cat "$work/out")"
+    mv "$work/moved" "$work/there"
+done
+
 expect_code 0 samples/thick.mci --photons 200 --quiet -o "$work"
 grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew" "$work/err" ||
     complain "no word of the finished run: $(cat "$work/err")"

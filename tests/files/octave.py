@@ -75,6 +75,18 @@ def check_mco(verdict, path):
     verdict.check("A_rz", read["A_rz"][0] == [100, 30], "of the .mco")
 
 
+def check_single_bins(verdict, folder):
+    """Axes of one bin stay axes."""
+    path = os.path.join(folder, "single.mci")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write("1.0\n1\nsingle.mco A\n100\n0.01 0.1\n4 1 2\nmap 3 1 0.1 0.1 angles volume\n1\n1\n1.4 1 100 0.9 0.1\n1\n")
+    subprocess.run([cml.PROGRAM, path, "--quiet", "-o", folder], check=True)
+    mco, h5 = (arrays(os.path.join(folder, "single" + ending)) for ending in (".mco", ".h5"))
+    for name, shape in (("A_rz", [1, 4]), ("Rd_ra", [1, 2]), ("Rd_xy", [1, 3]), ("Rd_xy_se", [1, 3]), ("Rd_xya", [1, 3, 2]),
+                        ("A_xyz", [4, 1, 3])):
+        verdict.check("single bins", h5[name][0] == shape and mco.get(name, h5[name])[0] == shape, f"{name}: {h5[name][0]}, not {shape}")
+
+
 def main():
     if not shutil.which("octave-cli"):
         print("octave-cli is missing")
@@ -89,6 +101,7 @@ def main():
         with open(os.path.join(folder, "skinmap.mco"), encoding="utf-8") as file, open(named, "w", encoding="utf-8") as other:
             other.write(file.read().replace("\nskinmap.mco \tA", "\nx#y z.mco \tA"))
         check_mco(verdict, named)
+        check_single_bins(verdict, folder)
         for path, text in ((os.path.join(folder, "none.mco"), "expected a file that is there"),
                            (scene, "expected a name that ends in .mco or .h5")):
             verdict.check("refusal", text in octave(REFUSE % (READERS, path)), path)

@@ -353,6 +353,14 @@ class Runs(unittest.TestCase):
         self.assertNotIn("seconds", swept.attrs)
         self.assertEqual(swept.attrs["photons"], 500)
 
+    def test_sweep_leaves_out_what_not_all_rows_have(self):
+        hill = mc.Layer(1.4, 1, 100, 0.9, 0.1, mc.Heightfield([0, 0.1], [0.02, 0]))
+        scene = mc.Scene([hill], photons=100, facets=True, map=mc.Map(2, 2, 0.1, 0.1))
+        for heights in ([1, 0], [0, 1]):  # a hill without a height is a plane
+            with self.assertWarnsRegex(UserWarning, "boundary0_Rd .*: left out"):
+                swept = mc.sweep(scene, {"boundary0.height": heights})
+            self.assertEqual((swept.boundary1_exitance_below.dims[0], "boundary0_Rd" in swept), ("boundary0.height", False))
+
     def test_sweep_keeps_what_is_asked_for(self):
         scene = mc.Scene([SLAB], photons=100)
         swept = mc.sweep(scene, {"seed": [1, 2, 3]}, variables=["Rd", "Rd_se"], output_dir=self.folder)

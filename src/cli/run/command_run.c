@@ -48,12 +48,6 @@ static void remove_checkpoints(const struct session *session)
     }
 }
 
-/* Whoever asks for it will find that the runs are finished. */
-static bool leaves_checkpoints(const struct cml_options *options)
-{
-    return options->resume || options->keep;
-}
-
 /* The record of a run whose weight does not balance is printed, too. */
 static cml_status run_scene(const struct session *session, int index, struct cml_error *err)
 {
@@ -63,8 +57,8 @@ static cml_status run_scene(const struct session *session, int index, struct cml
                                       .inputs = session->inputs,
                                       .seed = options->engine_options.seed,
                                       .run = (uint32_t)index,
-                                      .stays =
-                                          leaves_checkpoints(options) || index + 1 < session->list.count};
+                                      .stays = cml_run_leaves_checkpoints(options) ||
+                                               index + 1 < session->list.count};
     struct cml_record record;
     const cml_status status = cml_run_one(&call, &record, err);
     if (record.json && options->json) fputs(record.json, stdout);
@@ -82,7 +76,7 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
         printf("clustermcml %s, %d rank%s\n", cml_version(), cml_cluster_size(),
                cml_cluster_size() == 1 ? "" : "s");
     for (int i = 0; i < session->list.count; i++) CML_TRY(run_scene(session, i, err));
-    if (options->checkpoint_interval > 0 && !leaves_checkpoints(options)) remove_checkpoints(session);
+    if (options->checkpoint_interval > 0 && !cml_run_leaves_checkpoints(options)) remove_checkpoints(session);
     return CML_OK;
 }
 

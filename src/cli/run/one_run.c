@@ -47,6 +47,14 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     return status == CML_E_NUMERIC ? CML_OK : status;
 }
 
+/* A stream in memory fails only where memory runs out. */
+static cml_status close_json(FILE *out, size_t size, cml_status status, struct cml_error *err)
+{
+    const int failed = out ? ferror(out) : 1;
+    if (out && fclose(out) == 0 && !failed) return status;
+    return cml_fail_memory(err, (double)size, "the JSON record");
+}
+
 /* What the run leaves behind when its tallies are gone. */
 static cml_status fill_record(const struct cml_report *report, struct cml_record *record,
                               struct cml_error *err)
@@ -60,11 +68,7 @@ static cml_status fill_record(const struct cml_report *report, struct cml_record
         record->error[t] = cml_result_error(result, (enum cml_total)t);
     }
     FILE *out = open_memstream(&record->json, &size);
-    if (!out) return cml_fail_memory(err, 1, "the JSON record");
-    const cml_status status = cml_report_json(out, report, err);
-    const int failed = ferror(out);
-    if (fclose(out) == 0 && !failed) return status;
-    return cml_fail_memory(err, (double)size, "the JSON record");
+    return close_json(out, size, out ? cml_report_json(out, report, err) : CML_OK, err);
 }
 
 static void print_summary(const struct cml_options *options, const struct cml_report *report)
@@ -141,6 +145,21 @@ static void note_old_checkpoint(const struct cml_options *options, const char *p
     cml_show_note(NULL, text);
 }
 
+/* Of a run that was finished before. */
+static cml_status take_record(const struct cml_run_call *call, const struct cml_record *before,
+                              struct cml_record *record, struct cml_error *err)
+{
+    char *path = NULL;
+    size_t size = 0;
+    *record = *before;
+    record->json = NULL;
+    CML_TRY(cml_output_path(call->options, call->scene->output, &path, err));
+    FILE *out = open_memstream(&record->json, &size);
+    const cml_status status = out ? cml_report_json_again(out, before->json, call->scene, path, err) : CML_OK;
+    free(path);
+    return close_json(out, size, status, err);
+}
+
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
  * --keep it has the tallies, too, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
@@ -151,8 +170,7 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     const struct cml_options *options = call->options;
     if (cml_cluster_rank() != 0) return CML_OK;
     if (run->finished) {
-        *record = run->record;
-        run->record = (struct cml_record){0};
+        CML_TRY(take_record(call, &run->record, record, err));
         cml_checkpoint_remove_older(setup->checkpoint); /* of a process that was killed before it had */
         if (!options->quiet && !options->json && call->row == 0) printf("  finished before\n");
         return CML_OK;
@@ -219,6 +237,11 @@ static bool uses_checkpoints(const struct cml_options *options, const struct cml
 {
     return (options->checkpoint_interval > 0 || options->resume || options->keep) &&
            !cml_file_is_device(scene->output);
+}
+
+bool cml_run_leaves_checkpoints(const struct cml_options *options)
+{
+    return options->resume || options->keep;
 }
 
 cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene, char **path,

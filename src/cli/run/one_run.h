@@ -25,6 +25,9 @@ struct cml_run_call {
 CML_NODISCARD cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *record,
                                      struct cml_error *err);
 
+/* Whether checkpoints stay when all runs are done: whoever asks then finds that they are. */
+bool cml_run_leaves_checkpoints(const struct cml_options *options);
+
 /* The checkpoint of a scene's run, beside its output; *path is the caller's to free. */
 CML_NODISCARD cml_status cml_run_checkpoint(const struct cml_options *options, const struct cml_scene *scene,
                                             char **path, struct cml_error *err);

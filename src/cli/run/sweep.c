@@ -282,18 +282,12 @@ static cml_status publish(const struct sweep *sweep, struct cml_error *err)
     return status;
 }
 
-/* Whoever asks for it will find that the rows are finished. */
-static bool leaves_checkpoints(const struct cml_options *options)
-{
-    return options->resume || options->keep;
-}
-
 /* On rank 0, of all rows, unless they are to stay. */
 static void remove_checkpoints(const struct sweep *sweep)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error ignored;
-    for (int row = 0; !leaves_checkpoints(options) && row < sweep->table.num_rows; row++) {
+    for (int row = 0; !cml_run_leaves_checkpoints(options) && row < sweep->table.num_rows; row++) {
         struct cml_scene scene = sweep->base->scenes[0];
         char *path = NULL;
         if (row_output(sweep, row, &scene.output, &ignored) != CML_OK) continue;
@@ -324,7 +318,8 @@ static cml_status fly(struct sweep *sweep, struct cml_error *err)
                cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, options->sweep);
     cml_pending_begin(&sweep->pending);
     cml_status status = cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
-    cml_pending_flush(&sweep->pending, status != CML_OK || leaves_checkpoints(options));
+    const bool complete = status == CML_OK || status == CML_E_NUMERIC;
+    if (!complete || cml_run_leaves_checkpoints(options)) cml_pending_flush(&sweep->pending, true);
     cml_pending_end(&sweep->pending);
     if (cml_cluster_rank() == 0) status = finish(sweep, status, err);
     return cml_cluster_agree(status, err);

@@ -10,6 +10,7 @@ import itertools
 import math
 import os
 import tempfile
+import warnings
 from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
@@ -44,11 +45,23 @@ def _write_table(path: str, parameters: Mapping[str, Sequence[float]]) -> None:
         table.writerows([[repr(value) for value in row] for row in itertools.product(*parameters.values())])
 
 
+def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
+    """Names of the arrays that all rows have in one size, and of the others: a surface may be a plane in some rows."""
+    names = list(dict.fromkeys(str(name) for row in rows for name in row.data_vars))
+    sizes = [{name: row[name].shape for name in row.data_vars} for row in rows]
+    everywhere = [name for name in names if all(size.get(name) == sizes[0].get(name, ()) for size in sizes)]
+    return everywhere, [name for name in names if name not in everywhere]
+
+
 def _stack(rows: Sequence[xr.Dataset], parameters: Mapping[str, Sequence[float]]) -> xr.Dataset:
     """The rows' arrays along the parameters, in front of their own axes."""
     shape, dims = [len(values) for values in parameters.values()], list(parameters)
     stacked = xr.Dataset(attrs={key: value for key, value in rows[0].attrs.items() if all(row.attrs.get(key) == value for row in rows)})
-    for name, first in rows[0].data_vars.items():
+    everywhere, elsewhere = _common(rows)
+    if elsewhere:
+        warnings.warn(" ".join(elsewhere) + ": left out, as not all rows have them with as many facets", stacklevel=3)
+    for name in everywhere:
+        first = rows[0][name]
         values = np.stack([row[name].values for row in rows])
         stacked[name] = xr.DataArray(values.reshape(shape + list(first.shape)), dims=dims + list(first.dims), attrs=first.attrs)
     own = {name: axis for name, axis in rows[0].coords.items() if name in stacked.dims}

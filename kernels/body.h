@@ -146,44 +146,161 @@ CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, int kind, 
     hit->facet = hit->normal;
 }
 
-/* Of the distance from p, in a layer with bodies or in one of them, to the surface of any body there: what it
- * surely is, cm. The middle of the cell knows its own, of which no more than the way there can be lacking.
- * Outside of the grid the way to it comes on top, at an angle of at least 90 degrees to any way from there to
- * a body. */
-CML_FN real cml_body_clearance(const CML_GLOBAL struct cml_body_grid *grid, const CML_GLOBAL real *clearance,
-                               struct cml_vec p)
+/* Part of a ball that no surface of a body passes: what lies higher than `least` over its middle along
+ * `normal`, which is 0 where the whole ball is free. In the frame of the layer, cm; square: of the radius, 0:
+ * nothing is known. A path that begins and ends in it lies in it. */
+struct cml_body_region {
+    struct cml_vec middle, normal;
+    real square, least;
+};
+
+CML_FN real cml_body_clamp(real x, real most)
 {
-    const real x = (p.x - grid->corner.x) * grid->per_cell, y = (p.y - grid->corner.y) * grid->per_cell,
-               z = (p.z - grid->corner.z) * grid->per_cell;
-    const real nx = (real)grid->nx, ny = (real)grid->ny, nz = (real)grid->nz;
-    const real ix = x > 0 ? (x < nx ? x : nx) : (real)0, iy = y > 0 ? (y < ny ? y : ny) : (real)0,
-               iz = z > 0 ? (z < nz ? z : nz) : (real)0;
-    const int cx = (int)(ix < nx - 1 ? ix : nx - 1), cy = (int)(iy < ny - 1 ? iy : ny - 1),
-              cz = (int)(iz < nz - 1 ? iz : nz - 1);
-    const struct cml_vec off = {ix - (real)cx - (real)0.5, iy - (real)cy - (real)0.5,
-                                iz - (real)cz - (real)0.5};
-    const struct cml_vec out = {x - ix, y - iy, z - iz};
-    const real least =
-        clearance[grid->first + (cz * grid->ny + cy) * grid->nx + cx] - CML_SQRT(cml_dot(off, off));
-    const real here = least > 0 ? least : (real)0;
-    return (real)0.9999 * grid->cell * CML_SQRT(CML_FMA(here, here, cml_dot(out, out)));
+    const real least = x > 0 ? x : (real)0;
+    return least < most ? least : most;
 }
 
-/* Whether a packet at p can meet the surface of a body within t_max along u: from clearance to clearance
- * along its path [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527], which most packets that
- * head away from a body need not go on with for long. */
-CML_FN int cml_may_meet_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
-                             real t_max)
+/* A place q on a path along u, and the closest cell of a grid. All in cells: */
+struct cml_body_view {
+    const CML_GLOBAL struct cml_body_cell *cell;
+    struct cml_vec q, off;      /* from the corner of the grid, and from the middle of the cell */
+    struct cml_vec beyond;      /* from the grid itself; 0 inside */
+    real gap, distance, square; /* squares: of `beyond`, of `off`, of the ball's radius */
+    real height, rate;          /* over the planes' middle, and of u */
+    int in_ball, above, below;  /* the ball, and both planes */
+};
+
+CML_FN struct cml_body_view cml_view_body(const struct cml_world *world,
+                                          const CML_GLOBAL struct cml_body_grid *grid, struct cml_vec q,
+                                          struct cml_vec u)
 {
-    const int number = world->media[medium].body_grid, most = 4;
-    real t = 0, clear = CML_INFINITY;
-    for (int i = 0; number >= 0 && i < most && clear > 0; i++) {
-        clear = cml_body_clearance(&world->body_grids[number], world->body_clearance, cml_along(p, t, u)) -
-                4 * CML_EPSILON * t;
-        if (t_max - t < clear) return 0;
-        t += clear;
+    const real nx = (real)grid->nx, ny = (real)grid->ny, nz = (real)grid->nz;
+    const int cx = (int)cml_body_clamp(q.x, nx - 1), cy = (int)cml_body_clamp(q.y, ny - 1),
+              cz = (int)cml_body_clamp(q.z, nz - 1);
+    const struct cml_vec off = {q.x - (real)cx - (real)0.5, q.y - (real)cy - (real)0.5,
+                                q.z - (real)cz - (real)0.5};
+    const struct cml_vec beyond = {q.x - cml_body_clamp(q.x, nx), q.y - cml_body_clamp(q.y, ny),
+                                   q.z - cml_body_clamp(q.z, nz)};
+    struct cml_body_view view;
+    view.cell = &world->body_cells[grid->first + (cz * grid->ny + cy) * grid->nx + cx];
+    view.q = q;
+    view.off = off;
+    view.beyond = beyond;
+    view.gap = cml_dot(beyond, beyond);
+    view.distance = cml_dot(off, off);
+    view.square = view.cell->radius * view.cell->radius;
+    view.height = cml_dot(view.cell->normal, off);
+    view.rate = cml_dot(view.cell->normal, u);
+    view.in_ball = view.distance < view.square;
+    view.above = view.height > view.cell->upper;
+    view.below = view.height < view.cell->lower;
+    return view;
+}
+
+/* Whether a path of this length (cells) stays in the ball, and on its side of the planes. */
+CML_FN int cml_stays_in_ball(const struct cml_body_view *view, struct cml_vec u, real path)
+{
+    const struct cml_vec end = cml_along(view->off, path, u);
+    const real height = CML_FMA(path, view->rate, view->height);
+    const int beside = view->above ? height > view->cell->upper : view->below & (height < view->cell->lower);
+    const real distance = cml_dot(end, end);
+    return view->in_ball & beside & (distance < view->square);
+}
+
+CML_FN void cml_region_of_ball(const CML_GLOBAL struct cml_body_grid *grid, const struct cml_body_view *view,
+                               struct cml_body_region *region)
+{
+    const real size = grid->cell, sign = view->above ? (real)1 : (real)-1;
+    const struct cml_vec normal = view->cell->normal;
+    region->middle = cml_along(grid->corner, size, cml_along(view->q, -1, view->off));
+    region->normal.x = sign * normal.x;
+    region->normal.y = sign * normal.y;
+    region->normal.z = sign * normal.z;
+    region->square = view->square * size * size;
+    region->least = sign * (view->above ? view->cell->upper : view->cell->lower) * size;
+}
+
+/* Whether a path of this length (cells) from outside of the grid ends beyond the same of its faces: that
+ * which it begins furthest beyond. Then that half-space is the region. */
+CML_FN int cml_stays_beyond_grid(const CML_GLOBAL struct cml_body_grid *grid,
+                                 const struct cml_body_view *view, struct cml_vec u, real path,
+                                 struct cml_body_region *region)
+{
+    const struct cml_vec beyond = view->beyond;
+    const real x = CML_FABS(beyond.x), y = CML_FABS(beyond.y), z = CML_FABS(beyond.z);
+    const int along_x = (x >= y) & (x >= z), along_y = !along_x & (y >= z), along_z = !along_x & !along_y;
+    const real gap = along_x ? beyond.x : (along_y ? beyond.y : beyond.z),
+               rate = along_x ? u.x : (along_y ? u.y : u.z), sign = gap < 0 ? (real)-1 : (real)1,
+               least = (real)-0.9999 * CML_FABS(gap);
+    const struct cml_vec normal = {along_x ? sign : (real)0, along_y ? sign : (real)0,
+                                   along_z ? sign : (real)0};
+    if (!((least < 0) & (sign * path * rate > least))) return 0;
+    region->middle = cml_along(grid->corner, grid->cell, view->q);
+    region->normal = normal;
+    region->square = CML_INFINITY;
+    region->least = least * grid->cell;
+    return 1;
+}
+
+/* How far a packet in the ball can fly before it may meet the surface there. path: how far it would fly; end:
+ * where it leaves the ball. In cells. */
+CML_FN real cml_way_in_ball(const struct cml_body_view *view, int medium, real path, real end)
+{
+    const CML_GLOBAL struct cml_body_cell *cell = view->cell;
+    const real outwards = medium == cell->inside ? -view->rate : view->rate;
+    if (path * (outwards - cell->steepest) > (real)0.01) return end;
+    if (!(view->above | view->below)) return 0;
+    if (view->above ? view->rate >= 0 : view->rate <= 0) return end;
+    const real way = ((view->above ? cell->upper : cell->lower) - view->height) / view->rate;
+    return way < end ? way : end;
+}
+
+/* Whether a path may meet a body; from afar: from a place further from all surfaces than rounding could put a
+ * packet. */
+enum cml_bodies_ahead { CML_NO_BODIES, CML_BODIES, CML_BODIES_FROM_AFAR };
+
+CML_FN int cml_bodies_from(const struct cml_body_view *view)
+{
+    const int off_planes = (view->distance < (real)0.9 * view->square) & (view->above | view->below);
+    return view->gap > 0 || off_planes ? CML_BODIES_FROM_AFAR : CML_BODIES;
+}
+
+/* Whether (enum cml_bodies_ahead) a packet at p can meet the surface of a body within t_max along u: from
+ * ball to ball along its path [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527], through at
+ * most six, and not over distances whose rounding cells have nothing to spare for. *region: of a path that
+ * meets none, one in which it ends, if one is known. Outside of the grid the way to it is free. What is not a
+ * number may meet one. */
+CML_FN int cml_may_meet_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
+                             real t_max, struct cml_body_region *region)
+{
+    const int number = world->media[medium].body_grid;
+    const struct cml_body_region unknown = {p, {0, 0, 0}, number < 0 ? CML_INFINITY : (real)0, -1};
+    *region = unknown;
+    if (number < 0) return CML_NO_BODIES;
+    const CML_GLOBAL struct cml_body_grid *grid = &world->body_grids[number];
+    const struct cml_vec start = {(p.x - grid->corner.x) * grid->per_cell,
+                                  (p.y - grid->corner.y) * grid->per_cell,
+                                  (p.z - grid->corner.z) * grid->per_cell};
+    const real path = t_max * grid->per_cell;
+    int ahead = CML_BODIES;
+    real done = 0;
+    for (int i = 0; i < 6 && done < 10000; i++) {
+        const struct cml_body_view view = cml_view_body(world, grid, cml_along(start, done, u), u);
+        const real left = path - done;
+        if (i == 0) ahead = cml_bodies_from(&view);
+        if (cml_stays_in_ball(&view, u, left)) {
+            cml_region_of_ball(grid, &view, region);
+            return CML_NO_BODIES;
+        }
+        if (!view.in_ball && cml_stays_beyond_grid(grid, &view, u, left, region)) return CML_NO_BODIES;
+        const real b = cml_dot(view.off, u), within = CML_FMA(b, b, view.square - view.distance);
+        const real end = view.in_ball ? CML_SQRT(within) - b : CML_SQRT(view.gap);
+        const real way = view.in_ball ? cml_way_in_ball(&view, medium, left, end) : end;
+        if (left < way) return CML_NO_BODIES;
+        if (way < end || !(way > 0)) return ahead;
+        done += (real)0.9999 * way;
     }
-    return number >= 0;
+    return ahead;
 }
 
 /* Whether a ray from p along u passes the box of a node before t_max. Boxes are larger by more than rounding.

@@ -7,6 +7,8 @@
 /* on_primitive of a packet that has interacted within rounding of a mesh: it stands on no facet, and may be
  * beyond one. */
 #define CML_NEAR_FACETS (-2)
+/* of one that stands on nothing, and that all facets are further from than rounding could put it */
+#define CML_OFF_FACETS (-3)
 
 #ifndef __OPENCL_VERSION__
 
@@ -31,11 +33,12 @@ struct cml_mesh_crossing {
 
 /* The closest crossing of a ray with a mesh and its outer plane: p in the boundary's frame and from the
  * beam's axis, cm; u unit; below: the packet is below the boundary; t_max: length of the path, cm. exclude:
- * the primitive the packet stands on, -1 or CML_NEAR_FACETS. undeflected: it has come through that primitive
- * undeflected, so what lies behind it on the same line has been dealt with. err_position: a crossing up to so
- * far behind p is one at p, because rounding has put the packet beyond a facet that it has not crossed, cm.
- * exact: test all candidates in double; else the fastest way to find the hit, which alone is computed in
- * double. Returns 1 and fills *crossing when there is one with t < t_max. ends_near_facet is always filled.
+ * the primitive the packet stands on, -1, CML_NEAR_FACETS or CML_OFF_FACETS. undeflected: it has come through
+ * that primitive undeflected, so what lies behind it on the same line has been dealt with. err_position: a
+ * crossing up to so far behind p is one at p, because rounding has put the packet beyond a facet that it has
+ * not crossed, cm. exact: test all candidates in double; else the fastest way to find the hit, which alone is
+ * computed in double. Returns 1 and fills *crossing when there is one with t < t_max. ends_near_facet is
+ * always filled.
  */
 typedef int cml_mesh_intersect(const struct cml_mesh_surface *mesh, const double p[3], const double u[3],
                                int below, double t_max, int exclude, int undeflected, int exact,

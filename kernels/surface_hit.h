@@ -157,7 +157,8 @@ CML_FN struct cml_interval cml_surface_interval(const struct cml_world *world,
     return cml_curved_interval(world, surface, p, u, side, on_primitive, t_max);
 }
 
-/* Where a packet can meet the boundaries of its medium; bodies: it can meet one within `reach`. */
+/* Where a packet can meet the boundaries of its medium; bodies: whether it can meet one within `reach`, enum
+ * cml_bodies_ahead. */
 struct cml_boundary_intervals {
     struct cml_interval above, below;
     int bodies;
@@ -176,14 +177,14 @@ CML_FN int cml_on_primitive(const struct cml_packet *packet, int boundary)
     return packet->on_boundary == boundary ? packet->on_primitive : -1;
 }
 
-CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *world,
-                                                        const struct cml_packet *packet, real t_max)
+/* Without the bodies. */
+CML_FN struct cml_boundary_intervals cml_layer_intervals(const struct cml_world *world,
+                                                         const struct cml_packet *packet, real t_max)
 {
     const int medium = packet->medium;
     const struct cml_interval none = {0, 0, t_max};
     struct cml_boundary_intervals intervals = {none, none, 0, t_max};
     struct cml_vec p = packet->p;
-    if (world->setup.num_bodies) intervals.bodies = cml_may_meet_body(world, medium, p, packet->u, t_max);
     if (medium > world->setup.num_layers + 1) return intervals;
     if (medium > 0)
         intervals.above = cml_surface_interval(world, &world->surfaces[medium - 1], p, packet->u, 1,
@@ -193,6 +194,16 @@ CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *
         intervals.below = cml_surface_interval(world, &world->surfaces[medium], p, packet->u, -1,
                                                cml_on_primitive(packet, medium), t_max);
     }
+    return intervals;
+}
+
+CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *world,
+                                                        const struct cml_packet *packet, real t_max)
+{
+    struct cml_boundary_intervals intervals = cml_layer_intervals(world, packet, t_max);
+    struct cml_body_region region;
+    if (world->setup.num_bodies)
+        intervals.bodies = cml_may_meet_body(world, packet->medium, packet->p, packet->u, t_max, &region);
     return intervals;
 }
 
@@ -233,10 +244,10 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packe
     return found;
 }
 
-/* The surface of a body, from inside (side +1) or outside: whether the packet crosses it before t_max.
- * Without a crossing *hit stays as it is. */
+/* The surface of a body, from inside (side +1) or outside: whether the packet crosses it before t_max. afar:
+ * it is away from all bodies. Without a crossing *hit stays as it is. */
 CML_FN int cml_intersect_body(const struct cml_world *world, struct cml_packet *packet, int boundary,
-                              real side, real t_max, struct cml_hit *hit)
+                              real side, real t_max, int afar, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_body *body = &world->bodies[boundary - world->setup.num_layers - 1];
     const int kind = world->surfaces[boundary].kind, on_primitive = cml_on_primitive(packet, boundary);
@@ -247,13 +258,15 @@ CML_FN int cml_intersect_body(const struct cml_world *world, struct cml_packet *
 #ifndef __OPENCL_VERSION__
     if (kind == CML_SURFACE_MESH) {
         int near_facet;
-        found = cml_intersect_mesh(world, boundary, p, u, side, t_max, on_primitive, packet->undeflected, hit,
-                                   &near_facet);
+        const int on = afar && on_primitive == -1 ? CML_OFF_FACETS : on_primitive;
+        found =
+            cml_intersect_mesh(world, boundary, p, u, side, t_max, on, packet->undeflected, hit, &near_facet);
         if (near_facet) packet->near_boundary = boundary + 1;
         if (found) hit->boundary = boundary;
         return found;
     }
 #endif
+    (void)afar;
     if (side < 0 && on_primitive >= 0) return 0; /* convex */
     if (kind == CML_SURFACE_SPHERE && side > 0)
         cml_leave_sphere(d, u, body->radius, on_primitive >= 0, &at);
@@ -271,19 +284,19 @@ CML_FN int cml_intersect_body(const struct cml_world *world, struct cml_packet *
 
 /* The first surface of a body that the packet crosses before t_max: from inside that of the body it is in,
  * from outside those of the bodies in its medium. */
-CML_FN int cml_nearest_body(const struct cml_world *world, struct cml_packet *packet, real t_max,
+CML_FN int cml_nearest_body(const struct cml_world *world, struct cml_packet *packet, real t_max, int afar,
                             struct cml_hit *hit)
 {
     const int layers = world->setup.num_layers, own = packet->medium > layers + 1;
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
     const struct cml_vec per_u = {1 / packet->u.x, 1 / packet->u.y, 1 / packet->u.z};
-    int found = own && cml_intersect_body(world, packet, packet->medium - 1, 1, t_max, hit);
+    int found = own && cml_intersect_body(world, packet, packet->medium - 1, 1, t_max, afar, hit);
     for (int i = medium->first_node; i < medium->end_node;) {
         const CML_GLOBAL struct cml_body_node *node = &world->body_nodes[i];
         const int passes = cml_passes_box(node, packet->p, per_u, found ? hit->t : t_max);
         if (passes && node->body >= 0)
-            found |=
-                cml_intersect_body(world, packet, layers + 1 + node->body, -1, found ? hit->t : t_max, hit);
+            found |= cml_intersect_body(world, packet, layers + 1 + node->body, -1, found ? hit->t : t_max,
+                                        afar, hit);
         i = passes ? i + 1 : node->skip;
     }
     return found;
@@ -306,7 +319,9 @@ CML_FN int cml_nearest_hit(const struct cml_world *world, struct cml_packet *pac
         p.z -= world->media[medium].span;
         found |= cml_intersect_surface(world, packet, medium, p, -1, intervals.below, hit);
     }
-    if (intervals.bodies) found |= cml_nearest_body(world, packet, found ? hit->t : intervals.reach, hit);
+    if (intervals.bodies)
+        found |= cml_nearest_body(world, packet, found ? hit->t : intervals.reach,
+                                  intervals.bodies == CML_BODIES_FROM_AFAR, hit);
     return found;
 }
 

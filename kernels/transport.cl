@@ -280,9 +280,10 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
               __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
               __global const real *rings, __global const int *ring_starts, __global const real *clearance,
               __global const struct cml_body *bodies, __global const struct cml_body_node *body_nodes,
-              __global const struct cml_body_grid *body_grids, __global const real *body_clearance,
-              __global struct cml_control *control, __global struct cml_packet *packets,
-              __global struct cml_device_fate *fates, __global cml_u64 *cells, __local cml_u64 *near)
+              __global const struct cml_body_grid *body_grids,
+              __global const struct cml_body_cell *body_cells, __global struct cml_control *control,
+              __global struct cml_packet *packets, __global struct cml_device_fate *fates,
+              __global cml_u64 *cells, __local cml_u64 *near)
 {
     const struct cml_world world = {setup,
                                     media,
@@ -300,7 +301,7 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
                                     bodies,
                                     body_nodes,
                                     body_grids,
-                                    body_clearance};
+                                    body_cells};
     const struct cml_deposits to = {windows, near, cells, control};
     const size_t item = get_global_id(0);
 #if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */

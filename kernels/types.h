@@ -104,11 +104,23 @@ struct cml_body_node {
     int skip, body;              /* body: number of it, -1: an inner node */
 };
 
-/* Cubes over all bodies of a layer: see cml_body_clearance. */
+/* Cubes over all bodies of a layer: see cml_may_meet_body. */
 struct cml_body_grid {
-    int nx, ny, nz, first; /* first: of its cells in world.body_clearance, x fastest */
+    int nx, ny, nz, first; /* first: of its cells in world.body_cells, x fastest */
     struct cml_vec corner; /* cm */
     real cell, per_cell;   /* cm, and cells per cm */
+};
+
+/* What surfaces of bodies there are in a ball about the middle of a cell: none, or that of one body, between
+ * two planes. Lengths in cells; all with more than what rounding can move a packet to spare. */
+struct cml_body_cell {
+    real radius;           /* of the ball; 0: nothing is known */
+    int inside;            /* the body's medium; -1: no surface is in the ball */
+    struct cml_vec normal; /* of the planes, unit, outwards of the body; 0 where there is no surface, with
+                            * both planes below */
+    real lower, upper;     /* heights of the planes over the middle */
+    real steepest; /* sine: who heads outwards more steeply than this can enter no facet in the ball, nor
+                    * leave through one who heads inwards so; above 1 where this is never so */
 };
 
 /* P8: which packets play roulette, and what survivors weigh. Units of weight. */
@@ -193,7 +205,7 @@ struct cml_world {
     CML_GLOBAL const struct cml_body *bodies;             /* [num_bodies] */
     CML_GLOBAL const struct cml_body_node *body_nodes;
     CML_GLOBAL const struct cml_body_grid *body_grids;
-    CML_GLOBAL const real *body_clearance; /* of the middles of all grids' cells, in cells */
+    CML_GLOBAL const struct cml_body_cell *body_cells; /* of all grids */
 #ifndef __OPENCL_VERSION__
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */

@@ -47,7 +47,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->bodies);
     free(to->body_nodes);
     free(to->body_grids);
-    free(to->body_clearance);
+    free(to->body_cells);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 

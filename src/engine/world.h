@@ -28,8 +28,8 @@ struct cml_owned_world {
     struct cml_body *bodies;                /* [num_bodies] */
     struct cml_body_node *body_nodes;
     struct cml_body_grid *body_grids;
-    real *body_clearance;
-    size_t num_body_nodes, num_body_grids, body_cells;
+    struct cml_body_cell *body_cells;
+    size_t num_body_nodes, num_body_grids, num_body_cells;
     size_t num_rings, clearance_cells, horizon_cells; /* of all boundaries together */
 };
 

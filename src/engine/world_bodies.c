@@ -17,16 +17,17 @@ static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, stru
     const size_t bodies = (size_t)surfaces->count;
     to->num_body_nodes = (size_t)surfaces->tree.count;
     to->num_body_grids = (size_t)surfaces->grids.count;
-    to->body_cells = surfaces->grids.num_cells;
+    to->num_body_cells = surfaces->grids.num_cells;
     to->bodies = calloc(bodies + 1, sizeof *to->bodies);
     to->body_nodes = calloc(to->num_body_nodes + 1, sizeof *to->body_nodes);
     to->body_grids = calloc(to->num_body_grids + 1, sizeof *to->body_grids);
-    to->body_clearance = calloc(to->body_cells + 1, sizeof *to->body_clearance);
-    if (to->bodies && to->body_nodes && to->body_grids && to->body_clearance) return CML_OK;
-    return cml_fail_memory(
-        err,
-        (double)(bodies * sizeof *to->bodies + to->num_body_nodes * sizeof *to->body_nodes + to->body_cells),
-        "the bodies");
+    to->body_cells = calloc(to->num_body_cells + 1, sizeof *to->body_cells);
+    if (to->bodies && to->body_nodes && to->body_grids && to->body_cells) return CML_OK;
+    return cml_fail_memory(err,
+                           (double)(bodies * sizeof *to->bodies +
+                                    to->num_body_nodes * sizeof *to->body_nodes +
+                                    to->num_body_cells * sizeof *to->body_cells),
+                           "the bodies");
 }
 
 /* A body's medium has the frame of its layer: depths and bins do not change at its surface. */
@@ -105,7 +106,16 @@ static void copy_grids(const struct cml_scene *scene, const struct cml_body_grid
         grid->cell = (real)from->cell;
         grid->per_cell = (real)(1 / from->cell);
     }
-    for (size_t i = 0; i < to->body_cells; i++) to->body_clearance[i] = grids->clearance[i];
+    for (size_t i = 0; i < to->num_body_cells; i++) {
+        const struct cml_body_near *from = &grids->near[i];
+        to->body_cells[i] =
+            (struct cml_body_cell){(real)from->radius,
+                                   from->body < 0 ? -1 : cml_body_medium(scene, from->body),
+                                   cml_vec_of(from->normal[0], from->normal[1], from->normal[2]),
+                                   (real)from->lower,
+                                   (real)from->upper,
+                                   (real)from->steepest};
+    }
 }
 
 cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_body_surfaces *surfaces,
@@ -122,6 +132,6 @@ cml_status cml_copy_bodies(const struct cml_scene *scene, const struct cml_body_
     to->world.bodies = to->bodies;
     to->world.body_nodes = to->body_nodes;
     to->world.body_grids = to->body_grids;
-    to->world.body_clearance = to->body_clearance;
+    to->world.body_cells = to->body_cells;
     return CML_OK;
 }

@@ -15,7 +15,7 @@
  *   bundle_curved_search_inl.h    2: which ring or facet it meets
  *   bundle_curved_hits_inl.h      3: where, and reflection or refraction there, in vector loops again
  *   bundle_curved_cross_inl.h     4: back into the lane
- *   bundle_bodies_inl.h           which lanes can meet a body, and what they meet, a lane at a time
+ *   bundle_bodies_inl.h           which lanes leave what is free of bodies, and what they meet, singly
  *   bundle_lane_events_inl.h      what is rare: a lane at a time, by kernels/walk.h
  *   bundle_lanes_inl.h            a lane as a packet of kernels/walk.h, its deposits, its end
  *

@@ -1,6 +1,7 @@
 /* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
- * (engine_cpu_level.c says why). Lanes in media with bodies: a vector loop finds those whose path may reach
- * one, and kernels/walk.h takes these, a lane at a time, to where they interact. SPDX-License-Identifier: MIT
+ * (engine_cpu_level.c says why). Lanes in media with bodies: a vector loop finds those that leave a region
+ * around them that is known to be free of surfaces of bodies, and kernels/walk.h takes those of them that may
+ * meet one, a lane at a time, to where they interact. SPDX-License-Identifier: MIT
  */
 #ifndef CML_BUNDLE_BODIES_INL_H
 #define CML_BUNDLE_BODIES_INL_H
@@ -8,82 +9,110 @@
 #include "engine/cpu/bundle_lane_events_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
 
-/* The grid of each lane that has a path, -1 where there is none: [CML_LANES]. Returns 1 when a lane has one.
- */
-CML_LOOP int cml_bundle_find_grids(const struct cml_world *world, const struct cml_bundle *b, int *grid)
+/* Of each lane a region without surfaces of bodies (kernels/body.h): a step that begins and ends in it meets
+ * none. medium: in whose frame, -1: of none, so that no lane is in it. It stays true for ever, whatever
+ * becomes of the packet. */
+struct cml_regions {
+    cml_u32 media; /* cml_media_with_bodies */
+    _Alignas(64) int medium[CML_LANES];
+    real x[CML_LANES], y[CML_LANES], z[CML_LANES], square[CML_LANES];
+    real normal_x[CML_LANES], normal_y[CML_LANES], normal_z[CML_LANES], least[CML_LANES];
+};
+
+/* Of the first media those that bodies lie in, a bit each; the last bit is for all others. */
+static cml_u32 cml_media_with_bodies(const struct cml_world *world)
 {
-    const struct cml_medium *restrict const media = world->media;
-    const int lanes = b->lanes;
-    int any = 0;
-#pragma omp simd reduction(| : any)
-    for (int i = 0; i < lanes; i++) {
-        const int task = b->task[i], flies = (task == CML_LANE_INTERACT) | (task == CML_LANE_MAY_HIT);
-        const int of_medium = media[b->medium[i]].body_grid;
-        grid[i] = flies ? of_medium : -1;
-        any |= flies & (of_medium >= 0);
-    }
-    return any;
+    const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
+    cml_u32 mask = 1u << 31;
+    for (int m = 0; m < media && m < 31; m++) mask |= (cml_u32)(world->media[m].body_grid >= 0) << m;
+    return mask;
 }
 
-/* Lanes of one grid that keep clear of all bodies on their path get the grid -1. */
-CML_LOOP void cml_bundle_clear_grid(const struct cml_world *world, const struct cml_bundle *b, int number,
-                                    int *grid)
+static void cml_regions_begin(const struct cml_world *world, struct cml_regions *regions)
 {
-    const struct cml_body_grid shared = world->body_grids[number];
-    const real *restrict const clearance = world->body_clearance;
+    regions->media = cml_media_with_bodies(world);
+    for (int i = 0; i < CML_LANES; i++) regions->medium[i] = -1;
+}
+
+/* Which lanes have a path that does not lie in their region, NaN among them: out[CML_LANES] 1. */
+CML_LOOP void cml_bundle_leave_regions(const struct cml_bundle *b, const struct cml_regions *r, int *out)
+{
     const int lanes = b->lanes;
+    const cml_u32 media = r->media;
 #pragma omp simd
     for (int i = 0; i < lanes; i++) {
-        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
-        const int clear = (grid[i] == number) & (b->s[i] < cml_body_clearance(&shared, clearance, p));
-        grid[i] = cml_pick_int(clear, -1, grid[i]);
+        const int medium = b->medium[i], bit = medium < 31 ? medium : 31;
+        const int task = b->task[i], flies = (task == CML_LANE_INTERACT) | (task == CML_LANE_MAY_HIT);
+        const int has_bodies = (int)(media >> bit & 1u);
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+        const struct cml_vec normal = {r->normal_x[i], r->normal_y[i], r->normal_z[i]};
+        const struct cml_vec from = {b->x[i] - r->x[i], b->y[i] - r->y[i], b->z[i] - r->z[i]};
+        const struct cml_vec to = cml_along(from, b->s[i], u);
+        const real square = r->square[i], least = r->least[i];
+        const real begins = cml_dot(from, from), ends = cml_dot(to, to);
+        const real low = cml_dot(normal, from), high = cml_dot(normal, to);
+        const int within = (begins < square) & (ends < square), beside = (low > least) & (high > least);
+        out[i] = flies & has_bodies & !((r->medium[i] == medium) & within & beside);
     }
 }
 
-/* Those of a group of lanes that have this grid. */
-static inline uint64_t cml_lanes_with_grid(const int *grid, int number)
+/* The same as a mask. */
+static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
 {
+    _Alignas(64) int out[CML_LANES];
     uint64_t lanes = 0;
-    for (int first = 0; first < CML_LANES; first += CML_GROUP)
-        lanes |= (uint64_t)cml_group_equal(grid + first, number) << first;
+    cml_bundle_leave_regions(f->b, f->regions, out);
+    for (int first = 0; first < f->b->lanes; first += CML_GROUP)
+        lanes |= (uint64_t)cml_group_equal(out + first, 1) << first;
     return lanes;
 }
 
-/* Mask of the lanes whose path the clearance where they are does not show to be free of bodies. A grid at a
- * time: what a loop reads of its grid is then in registers. Where lanes are in bodies of many kinds, a loop
- * for each would not pay, and the rest is left to be looked at one by one. */
-static uint64_t cml_lanes_near_bodies(const struct cml_world *world, const struct cml_bundle *b)
+/* Whether the lane's path may meet a body. Else it gets the region in which that ends. */
+static int cml_lane_may_meet_body(struct cml_flight *f, int i)
 {
-    const int most = 4;
-    _Alignas(64) int grid[CML_LANES];
-    for (int i = 0; i < CML_LANES; i++) grid[i] = -1;
-    if (!cml_bundle_find_grids(world, b, grid)) return 0;
-    uint64_t rest = ~cml_lanes_with_grid(grid, -1);
-    for (int k = 0; rest && k < most; k++) {
-        const int number = grid[__builtin_ctzll(rest)];
-        rest &= ~cml_lanes_with_grid(grid, number);
-        cml_bundle_clear_grid(world, b, number, grid);
-    }
-    return ~cml_lanes_with_grid(grid, -1);
+    const struct cml_bundle *b = f->b;
+    struct cml_regions *regions = f->regions;
+    const int medium = b->medium[i];
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
+    struct cml_body_region region;
+    const int ahead = cml_may_meet_body(f->world, medium, p, u, b->s[i], &region);
+    if (ahead) return ahead;
+    regions->medium[i] = medium;
+    regions->x[i] = region.middle.x;
+    regions->y[i] = region.middle.y;
+    regions->z[i] = region.middle.z;
+    regions->normal_x[i] = region.normal.x;
+    regions->normal_y[i] = region.normal.y;
+    regions->normal_z[i] = region.normal.z;
+    regions->square[i] = region.square;
+    regions->least[i] = region.least;
+    return CML_NO_BODIES;
 }
 
-/* From boundary to boundary until the lane interacts, or its packet has ended, if it can meet a body at all.
- */
+/* The lane has come to a boundary and flies on: its path from there, as cml_bundle_fly_again has it. */
+static void cml_lane_fly_again(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    b->task[i] = cml_lane_may_hit(b, i, b->tau[i], &b->s[i]) ? CML_LANE_MAY_HIT : CML_LANE_INTERACT;
+}
+
+/* From boundary to boundary as long as the lane may meet a body before it interacts. */
 static void cml_fly_lane_past_bodies(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
-    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
-    if (!cml_may_meet_body(f->world, b->medium[i], p, u, b->s[i])) return;
-    do cml_process_lane(f, i);
-    while (b->task[i] == CML_LANE_TO_FLY);
-    if (b->task[i] == CML_LANE_INTERACT) f->past_bodies |= CML_LANE_BIT(i);
+    for (int ahead; (ahead = cml_lane_may_meet_body(f, i));) {
+        cml_process_lane_at_bodies(f, i, ahead);
+        if (b->task[i] == CML_LANE_INTERACT) f->past_bodies |= CML_LANE_BIT(i);
+        if (b->task[i] != CML_LANE_TO_FLY) return;
+        cml_lane_fly_again(f, i);
+    }
 }
 
 /* All lanes that may meet a body before they interact. Those that have been dealt with in this pass may still
  * be close to one, and stay as they are. */
 static void cml_process_bodies(struct cml_flight *f)
 {
-    cml_for_lanes(f, cml_lanes_near_bodies(f->world, f->b) & ~f->past_bodies, cml_fly_lane_past_bodies);
+    cml_for_lanes(f, cml_lanes_out_of_regions(f) & ~f->past_bodies, cml_fly_lane_past_bodies);
 }
 
 #endif

@@ -33,6 +33,7 @@ struct cml_flight {
     const struct cml_world *world;
     struct cml_bundle *b;
     struct cml_gathered *gathered; /* scratch of bundle_curved_reach_inl.h */
+    struct cml_regions *regions;   /* of lanes, for bundle_bodies_inl.h */
     struct cml_tally *tally;
     const struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
     const struct cml_range_source *source;

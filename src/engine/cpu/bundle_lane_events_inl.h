@@ -164,4 +164,15 @@ static void cml_process_lane(struct cml_flight *f, int i)
     cml_continue_lane(f, i, intervals, s);
 }
 
+/* The same of a lane that may meet a body, and has its path s. ahead: enum cml_bodies_ahead. */
+static void cml_process_lane_at_bodies(struct cml_flight *f, int i, int ahead)
+{
+    const struct cml_bundle *b = f->b;
+    struct cml_packet packet;
+    cml_lane_packet(b, i, &packet);
+    struct cml_boundary_intervals intervals = cml_layer_intervals(f->world, &packet, b->s[i]);
+    intervals.bodies = ahead;
+    cml_intersect_or_interact(f, i, intervals);
+}
+
 #endif

@@ -323,12 +323,15 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
 {
     struct cml_bundle bundle = {0};
     struct cml_gathered gathered = {0};
+    struct cml_regions regions = {0};
     struct cml_flight f = {.world = world,
                            .b = &bundle,
                            .gathered = &gathered,
+                           .regions = &regions,
                            .tally = tally,
                            .media = media,
                            .source = source};
+    cml_regions_begin(world, &regions);
     cml_flight_begin(&f);
     cml_flight_run(&f);
 }

@@ -221,8 +221,8 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
                           scene->body_nodes, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_BODY_GRIDS, scene->num_body_grids * sizeof *scene->body_grids,
                           scene->body_grids, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_CLEARANCE, scene->body_cells * sizeof(float),
-                          scene->body_clearance, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_BODY_CELLS, scene->num_body_cells * sizeof *scene->body_cells,
+                          scene->body_cells, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));
     CML_TRY(clear_cells(flight, err));
     return clear_packets(flight, err);

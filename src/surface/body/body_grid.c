@@ -3,17 +3,17 @@
 
 #include "geometry/vec3.h"
 #include "scene/body/body_shape.h"
+#include "surface/body/body_patch.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_CELLS 32768 /* of a layer: 128 KiB, which a core's cache holds beside all else */
+#define MOST_CELLS 8192 /* of a layer: 256 KiB, which a core's cache holds beside all else */
 #define CELLS_PER_MFP 8
-#define MARGIN 0.01f /* cells: more than rounding can move a packet, or a body */
-#define BAND 1       /* whole cells around the box of a triangle or a body that know their distance from it */
-#define BEYOND 1.5f  /* cells: so far at least are the middles of all others */
-#define HALF_DIAGONAL 0.8661f /* cells */
+#define BAND 1      /* whole cells around the box of a triangle or a body that know their distance from it */
+#define BEYOND 1.5f /* cells: so far at least are the middles of all others */
+#define PAD 2       /* cells around the box of all bodies */
 
 /* One layer whose cells are being filled. In cells: */
 struct filling {
@@ -22,6 +22,16 @@ struct filling {
     const struct cml_body_cells *cells;
     float *near; /* distance of the middle from the closest surface whose band it is in */
     float *far;  /* a lower bound of it from all: between cells that surfaces pass; squared at first */
+    struct cml_body_patch *patch;
+    struct cell_facet *facet; /* [num_facets], with room for more */
+    size_t num_facets, room;
+    bool out_of_memory;
+};
+
+/* A facet that comes within reach of a cell's middle. */
+struct cell_facet {
+    size_t cell, triangle;
+    int body;
 };
 
 static size_t cells_of(const struct cml_body_cells *cells)
@@ -55,57 +65,115 @@ static void cell_middle(const struct filling *f, int x, int y, int z, double mid
     middle[2] += f->depth;
 }
 
-/* From a place to a surface, cm; below 0 inside. */
-typedef double distance_function(const struct cml_convex *convex, const double p[3]);
+static void note_facet(struct filling *f, size_t cell, int body, size_t triangle)
+{
+    if (f->num_facets == f->room) {
+        const size_t room = 2 * f->room + 1024;
+        struct cell_facet *facet = realloc(f->facet, room * sizeof *facet);
+        f->out_of_memory = f->out_of_memory || !facet;
+        if (!facet) return;
+        f->facet = facet;
+        f->room = room;
+    }
+    f->facet[f->num_facets++] = (struct cell_facet){cell, triangle, body};
+}
 
-static double distance_to_triangle(const struct cml_convex *triangle, const double p[3])
+/* A body, or a triangle of its mesh. */
+struct part {
+    struct cml_convex convex;
+    double lower[3], upper[3];
+    int body;
+    size_t triangle;
+};
+
+/* From a place to the surface of a part, cm. */
+static double distance_to(const struct part *part, const double p[3])
 {
     double closest[3];
-    cml_convex_project(triangle, p, closest);
+    if (part->convex.form != CML_CONVEX_TRIANGLE) return fabs(cml_convex_distance(&part->convex, p));
+    cml_convex_project(&part->convex, p, closest);
     cml_vec3_subtract(closest, p, closest);
     return cml_vec3_length(closest);
 }
 
-static void fill_band(const struct filling *f, const double lower[3], const double upper[3],
-                      distance_function *distance, const struct cml_convex *convex)
+static void fill_cell(struct filling *f, const struct part *part, int x, int y, int z)
+{
+    double middle[3];
+    cell_middle(f, x, y, z, middle);
+    const size_t cell = cell_at(f, x, y, z);
+    const double distance = distance_to(part, middle) / f->cells->cell;
+    f->near[cell] = fminf(f->near[cell], (float)distance);
+    if (distance > CML_CELL_REACH) return;
+    if (part->convex.form == CML_CONVEX_TRIANGLE)
+        note_facet(f, cell, part->body, part->triangle);
+    else
+        cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
+}
+
+static void fill_band(struct filling *f, const struct part *part)
 {
     int from[3], to[3];
-    cell_range(f, lower, upper, from, to);
+    cell_range(f, part->lower, part->upper, from, to);
     for (int z = from[2]; z <= to[2]; z++)
         for (int y = from[1]; y <= to[1]; y++)
-            for (int x = from[0]; x <= to[0]; x++) {
-                double middle[3];
-                cell_middle(f, x, y, z, middle);
-                float *cell = &f->near[cell_at(f, x, y, z)];
-                *cell = fminf(*cell, (float)(fabs(distance(convex, middle)) / f->cells->cell));
-            }
+            for (int x = from[0]; x <= to[0]; x++) fill_cell(f, part, x, y, z);
 }
 
-static void add_mesh(const struct filling *f, const struct cml_mesh *mesh)
+static void add_mesh(struct filling *f, int body)
 {
+    const struct cml_mesh *mesh = &f->scene->bodies[body].mesh;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
-        struct cml_convex triangle = {.form = CML_CONVEX_TRIANGLE};
-        double lower[3], upper[3];
-        for (int k = 0; k < 3; k++) triangle.corner[k] = mesh->vertex[mesh->triangle[t][k]];
+        struct part part = {.convex.form = CML_CONVEX_TRIANGLE, .body = body, .triangle = t};
+        for (int k = 0; k < 3; k++) part.convex.corner[k] = mesh->vertex[mesh->triangle[t][k]];
         for (int k = 0; k < 3; k++) {
-            const double a = triangle.corner[0][k], b = triangle.corner[1][k], c = triangle.corner[2][k];
-            lower[k] = fmin(a, fmin(b, c));
-            upper[k] = fmax(a, fmax(b, c));
+            const double a = part.convex.corner[0][k], b = part.convex.corner[1][k],
+                         c = part.convex.corner[2][k];
+            part.lower[k] = fmin(a, fmin(b, c));
+            part.upper[k] = fmax(a, fmax(b, c));
         }
-        fill_band(f, lower, upper, distance_to_triangle, &triangle);
+        fill_band(f, &part);
     }
 }
 
-static void add_body(const struct filling *f, const struct cml_scene_body *body)
+static void add_body(struct filling *f, int body)
 {
-    double lower[3], upper[3];
-    if (body->form == CML_BODY_MESH) {
-        add_mesh(f, &body->mesh);
+    const struct cml_scene_body *from = &f->scene->bodies[body];
+    struct part part = {.body = body};
+    if (from->form == CML_BODY_MESH) {
+        add_mesh(f, body);
         return;
     }
-    const struct cml_convex convex = cml_body_convex(body);
-    cml_body_box(body, lower, upper);
-    fill_band(f, lower, upper, cml_convex_distance, &convex);
+    part.convex = cml_body_convex(from);
+    cml_body_box(from, part.lower, part.upper);
+    fill_band(f, &part);
+}
+
+/* Seen from the middle of its cell, in cells. */
+static void facet_corners(const struct filling *f, const struct cell_facet *facet, double corner[3][3])
+{
+    const struct cml_mesh *mesh = &f->scene->bodies[facet->body].mesh;
+    const size_t nx = (size_t)f->cells->n[0], ny = (size_t)f->cells->n[1];
+    double middle[3];
+    cell_middle(f, (int)(facet->cell % nx), (int)(facet->cell / nx % ny), (int)(facet->cell / nx / ny),
+                middle);
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 3; i++)
+            corner[k][i] = (mesh->vertex[mesh->triangle[facet->triangle][k]][i] - middle[i]) / f->cells->cell;
+}
+
+/* Mean normals first; made unit afterwards, of a patch's facets as often as there are. */
+static void make_mesh_patches(const struct filling *f)
+{
+    double corner[3][3];
+    for (size_t i = 0; i < f->num_facets; i++) {
+        facet_corners(f, &f->facet[i], corner);
+        cml_patch_add_normal(f->facet[i].body, (const double(*)[3])corner, &f->patch[f->facet[i].cell]);
+    }
+    for (size_t i = 0; i < f->num_facets; i++) {
+        facet_corners(f, &f->facet[i], corner);
+        cml_patch_add_heights((const double(*)[3])corner, &f->patch[f->facet[i].cell]);
+    }
+    for (size_t i = 0; i < f->num_facets; i++) cml_vec3_normalise(f->patch[f->facet[i].cell].normal);
 }
 
 /* Least square of the distance along one axis from every middle of a row to another cell, and on from there.
@@ -140,21 +208,53 @@ static void spread(const struct filling *f, float *scratch)
 
 /* A surface passes only cells whose middle is within half a diagonal of it. Near ones are exact up to BEYOND:
  * what does not have a middle in its band is further away. */
-static cml_status fill(struct filling *f, int layer, struct cml_error *err)
+static void find_clearance(struct filling *f)
+{
+    const size_t count = cells_of(f->cells);
+    for (size_t i = 0; i < count; i++)
+        f->far[i] = f->near[i] < (float)(CML_CELL_REACH + CML_CELL_MARGIN) ? 0 : INFINITY;
+    spread(f, f->far + count);
+    for (size_t i = 0; i < count; i++)
+        f->near[i] = fmaxf(0, fmaxf(fminf(f->near[i], BEYOND), sqrtf(f->far[i])) - (float)CML_CELL_MARGIN);
+}
+
+static void make_near(const struct filling *f, struct cml_body_near *near)
+{
+    const int *n = f->cells->n;
+    for (int z = 0; z < n[2]; z++)
+        for (int y = 0; y < n[1]; y++)
+            for (int x = 0; x < n[0]; x++) {
+                const size_t cell = cell_at(f, x, y, z);
+                const int at[3] = {x, y, z};
+                near[cell] = cml_body_near_of(f->cells->n, f->patch, f->near, at);
+            }
+}
+
+static cml_status fill(struct filling *f, int layer, struct cml_body_near *near, struct cml_error *err)
 {
     const int *n = f->cells->n;
     const size_t longest = (size_t)n[0] + (size_t)n[1] + (size_t)n[2], count = cells_of(f->cells);
+    f->near = malloc(count * sizeof *f->near);
     f->far = malloc((count + longest) * sizeof *f->far);
-    if (!f->far) return cml_fail_memory(err, (double)(count * sizeof *f->far), "the clearance of bodies");
-    for (size_t i = 0; i < count; i++) f->near[i] = INFINITY;
-    for (int k = 0; k < f->scene->num_bodies; k++)
-        if (f->scene->bodies[k].layer == layer) add_body(f, &f->scene->bodies[k]);
-    for (size_t i = 0; i < count; i++) f->far[i] = f->near[i] < HALF_DIAGONAL + MARGIN ? 0 : INFINITY;
-    spread(f, f->far + count);
-    for (size_t i = 0; i < count; i++)
-        f->near[i] = fmaxf(0, fmaxf(fminf(f->near[i], BEYOND), sqrtf(f->far[i])) - MARGIN);
+    f->patch = malloc(count * sizeof *f->patch);
+    f->out_of_memory = !f->near || !f->far || !f->patch;
+    for (size_t i = 0; !f->out_of_memory && i < count; i++) {
+        f->near[i] = INFINITY;
+        f->patch[i].body = CML_PATCH_NONE;
+    }
+    for (int k = 0; !f->out_of_memory && k < f->scene->num_bodies; k++)
+        if (f->scene->bodies[k].layer == layer) add_body(f, k);
+    if (!f->out_of_memory) {
+        make_mesh_patches(f);
+        find_clearance(f);
+        make_near(f, near);
+    }
+    free(f->near);
     free(f->far);
-    return CML_OK;
+    free(f->patch);
+    free(f->facet);
+    if (!f->out_of_memory) return CML_OK;
+    return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the clearance of bodies");
 }
 
 /* The mean free path of the thickest medium of a layer, its bodies among them. */
@@ -185,7 +285,7 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
     }
 }
 
-/* The box around all bodies of the layer; cubes, about MOST_CELLS of them at most. */
+/* The box around all bodies of the layer and a little more; cubes, about MOST_CELLS of them. */
 static void lay_out(const struct cml_scene *scene, int layer, double depth, struct cml_body_cells *cells)
 {
     double lower[3], upper[3], volume = 1, widest = 0;
@@ -197,7 +297,7 @@ static void lay_out(const struct cml_scene *scene, int layer, double depth, stru
     const double least = fmax(cbrt(volume / MOST_CELLS), widest / 1000);
     cells->cell = fmin(widest, fmax(least, shortest_path(scene, layer) / CELLS_PER_MFP));
     for (int i = 0; i < 3; i++) {
-        cells->n[i] = (int)ceil((upper[i] - lower[i]) / cells->cell * (1 + 1e-6));
+        cells->n[i] = (int)ceil((upper[i] - lower[i]) / cells->cell * (1 + 1e-6)) + 2 * PAD;
         cells->corner[i] = 0.5 * (lower[i] + upper[i]) - 0.5 * cells->n[i] * cells->cell;
     }
     cells->corner[2] -= depth;
@@ -234,14 +334,15 @@ cml_status cml_body_grids_create(const struct cml_scene *scene, const double *de
         cells->first = grids->num_cells;
         grids->num_cells += cells_of(cells);
     }
-    grids->clearance = malloc((grids->num_cells + 1) * sizeof *grids->clearance);
-    if (!grids->clearance)
-        return cml_fail_memory(err, (double)(grids->num_cells * sizeof(float)), "the clearance of bodies");
+    grids->near = malloc((grids->num_cells + 1) * sizeof *grids->near);
+    if (!grids->near)
+        return cml_fail_memory(err, (double)(grids->num_cells * sizeof *grids->near),
+                               "the clearance of bodies");
     for (int l = 1; l <= scene->num_layers; l++) {
         if (grids->of_medium[l] < 0) continue;
         const struct cml_body_cells *cells = &grids->item[grids->of_medium[l]];
-        struct filling f = {scene, depths[l], cells, grids->clearance + cells->first, NULL};
-        CML_TRY(fill(&f, l, err));
+        struct filling f = {.scene = scene, .depth = depths[l], .cells = cells};
+        CML_TRY(fill(&f, l, grids->near + cells->first, err));
     }
     return CML_OK;
 }
@@ -250,6 +351,6 @@ void cml_body_grids_clear(struct cml_body_grids *grids)
 {
     free(grids->item);
     free(grids->of_medium);
-    free(grids->clearance);
+    free(grids->near);
     *grids = (struct cml_body_grids){0};
 }

@@ -1,11 +1,12 @@
-/* How far it surely is from the places of a layer to the surfaces of its bodies: cubes whose middles know
- * their distance, by which most steps need no query (kernels/body.h, cml_body_clearance).
+/* What surfaces of bodies there are around the places of a layer: cubes that know balls without any, or where
+ * in a ball they are, by which most steps need no query (kernels/body.h, cml_may_meet_body).
  * SPDX-License-Identifier: MIT */
 #ifndef CML_BODY_GRID_H
 #define CML_BODY_GRID_H
 
 #include "base/status.h"
 #include "scene/scene.h"
+#include "surface/body/body_patch.h"
 
 #include <stddef.h>
 
@@ -21,7 +22,7 @@ struct cml_body_grids {
     struct cml_body_cells *item; /* [count] */
     int *of_medium;              /* [num_media]: that of the layer, for bodies too; -1 none */
     size_t num_cells;
-    float *clearance; /* [num_cells] in cells: at most the distance from the middle of the cell */
+    struct cml_body_near *near; /* [num_cells] */
 };
 
 /* Of all layers with bodies. depths: [num_media] of the frames. Cells are an eighth of the shortest mean free

@@ -368,7 +368,7 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
     q->starts_on_edge = is_near_edge(q, exclude);
     q->in_doubt = false;
     q->open_edges = 0;
-    q->contact_distance = exclude == -1 ? q->err_query : -1;
+    q->contact_distance = exclude == -1 || exclude == CML_OFF_FACETS ? q->err_query : -1;
     q->grazing_factor = exclude >= 0 && undeflected ? 1 : err_grazing_factor;
     q->t_min = exclude >= 0 && undeflected
                    ? fmax(-err_position, fmin(distance_to_primitive(q, exclude), err_position))

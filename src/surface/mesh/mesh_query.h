@@ -33,7 +33,7 @@ struct cml_mesh_query {
     double
         contact_distance; /* a packet this close to a facet's plane may be beyond it; -1: it stands on one */
     int below;            /* the packet is below the boundary */
-    int exclude;          /* the primitive that it stands on, -1 or CML_NEAR_FACETS */
+    int exclude;          /* the primitive that it stands on, -1, CML_NEAR_FACETS or CML_OFF_FACETS */
     double t;             /* distance of the best crossing so far, at first the length of the path */
     double weight[3];     /* its barycentric weights */
     double normal_sum[3]; /* sum of unit facet normals when the best lies on an edge, else the facet's */

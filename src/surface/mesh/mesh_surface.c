@@ -222,7 +222,7 @@ static void query_embree(const struct cml_mesh_surface *surface, struct query *q
     struct cml_mesh_query *q = &query->ray;
     struct RTCRayHit rayhit;
     double t = INFINITY, along = 0; /* for want of a hit */
-    if (q->contact_distance >= 0) test_contact_around(surface, query);
+    if (q->contact_distance >= 0 && q->exclude != CML_OFF_FACETS) test_contact_around(surface, query);
     if (!make_ray(q, 2 * q->body->err_float, &rayhit)) return;
     const bool found = closest_hit(surface, query, &rayhit, &t, &along);
     double weight[3];

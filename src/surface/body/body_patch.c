@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: MIT */
+#include "surface/body/body_patch.h"
+
+#include "geometry/vec3.h"
+
+#include <math.h>
+
+#define WORTH 3 /* cells of radius that one of thickness between the planes is worth */
+#define CUBE 11 /* cells: those within the largest radius and CML_CELL_REACH of the one in its middle */
+
+static const double radii[] = {1.25, 1.75, 2.5, 4}; /* cells, rising */
+#define NUM_RADII (sizeof radii / sizeof *radii)
+
+/* Of a sphere or the side of a cylinder: r its radius, d the way from its centre or axis, D its length. */
+static void add_round(int body, const double d[3], double r, struct cml_body_patch *patch)
+{
+    const double D = cml_vec3_length(d), h = CML_CELL_REACH;
+    const double cosine = D > 0 ? (D * D + r * r - h * h) / (2 * D * r) : -1;
+    patch->body = D > 0 ? body : CML_PATCH_MIXED;
+    cml_vec3_copy(d, patch->normal);
+    cml_vec3_normalise(patch->normal);
+    patch->cosine = fmax(-1, fmin(cosine, 1));
+    patch->lower = r * patch->cosine - D;
+    patch->upper = r - D;
+}
+
+static void add_plane(int body, const double axis[3], double sign, double height,
+                      struct cml_body_patch *patch)
+{
+    patch->body = body;
+    for (int k = 0; k < 3; k++) patch->normal[k] = sign * axis[k];
+    patch->lower = patch->upper = height;
+    patch->cosine = 1;
+}
+
+/* One of its three faces; where two come close, planes are of no use. */
+static void add_cylinder(int body, const struct cml_convex *cylinder, const double from_end[3], double cell,
+                         struct cml_body_patch *patch)
+{
+    const double h = CML_CELL_REACH, along = cml_vec3_dot(from_end, cylinder->axis) / cell,
+                 length = cylinder->length / cell, r = cylinder->radius / cell;
+    double d[3];
+    for (int k = 0; k < 3; k++) d[k] = from_end[k] / cell - along * cylinder->axis[k];
+    const double D = cml_vec3_length(d);
+    const bool side = fabs(D - r) <= h && along > -h && along < length + h;
+    const bool first = fabs(along) <= h && D < r + h, last = fabs(length - along) <= h && D < r + h;
+    if (side + first + last > 1)
+        patch->body = CML_PATCH_MIXED;
+    else if (first)
+        add_plane(body, cylinder->axis, -1, along, patch);
+    else if (last)
+        add_plane(body, cylinder->axis, 1, length - along, patch);
+    else
+        add_round(body, d, r, patch);
+}
+
+void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
+                          struct cml_body_patch *patch)
+{
+    double d[3];
+    if (patch->body != CML_PATCH_NONE) {
+        patch->body = CML_PATCH_MIXED;
+        return;
+    }
+    cml_vec3_subtract(p, convex->centre, d);
+    if (convex->form == CML_CONVEX_CYLINDER) {
+        add_cylinder(body, convex, d, cell, patch);
+        return;
+    }
+    for (int k = 0; k < 3; k++) d[k] /= cell;
+    add_round(body, d, convex->radius / cell, patch);
+}
+
+/* Large facets count no more than what of them a cell can hold. */
+void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch)
+{
+    double normal[3];
+    if (patch->body != CML_PATCH_NONE && patch->body != body) {
+        patch->body = CML_PATCH_MIXED;
+        return;
+    }
+    cml_vec3_area(corner[0], corner[1], corner[2], normal);
+    const double area = cml_vec3_length(normal);
+    if (patch->body == CML_PATCH_NONE) {
+        *patch = (struct cml_body_patch){.body = body, .lower = INFINITY, .upper = -INFINITY, .cosine = 1};
+    }
+    cml_vec3_add_scaled(patch->normal, fmin(area, 1) / area, normal, patch->normal);
+}
+
+/* Heights over a plane of what of another lies within a distance of the origin: that other's normal makes
+ * an angle of this cosine with the plane's, and from lower to upper are its heights along its own. */
+static void tilt(double cosine, double distance, double lower, double upper, double range[2])
+{
+    const double sine = sqrt(fmax(0, 1 - cosine * cosine));
+    const double nearest = lower > 0 ? lower : (upper < 0 ? -upper : 0);
+    const double aside = sine * sqrt(fmax(0, distance * distance - nearest * nearest));
+    range[0] = fmin(cosine * lower, cosine * upper) - aside;
+    range[1] = fmax(cosine * lower, cosine * upper) + aside;
+}
+
+/* Of the whole facet, or if that is less, of what its plane has within reach. */
+void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch)
+{
+    double normal[3], range[2], low = INFINITY, high = -INFINITY;
+    if (patch->body < 0) return;
+    cml_vec3_area(corner[0], corner[1], corner[2], normal);
+    cml_vec3_normalise(normal);
+    const double size = cml_vec3_length(patch->normal);
+    if (!(size > 0)) {
+        patch->body = CML_PATCH_MIXED;
+        return;
+    }
+    const double mean[3] = {patch->normal[0] / size, patch->normal[1] / size, patch->normal[2] / size};
+    const double cosine = cml_vec3_dot(normal, mean), height = cml_vec3_dot(normal, corner[0]);
+    for (int k = 0; k < 3; k++) {
+        const double h = cml_vec3_dot(mean, corner[k]);
+        low = fmin(low, h);
+        high = fmax(high, h);
+    }
+    tilt(cosine, CML_CELL_REACH, height, height, range);
+    patch->lower = fmin(patch->lower, fmax(low, range[0]));
+    patch->upper = fmax(patch->upper, fmin(high, range[1]));
+    patch->cosine = fmin(patch->cosine, cosine);
+}
+
+/* A patch seen from the middle of a cell nearby: the way to its own, and the square of that. */
+struct neighbour {
+    const struct cml_body_patch *patch;
+    double way[3], square;
+};
+
+static int find_neighbours(const int n[3], const struct cml_body_patch *patch, const float *clear,
+                           const int at[3], struct neighbour found[CUBE * CUBE * CUBE])
+{
+    int from[3], to[3], count = 0;
+    for (int k = 0; k < 3; k++) {
+        from[k] = at[k] > CUBE / 2 ? at[k] - CUBE / 2 : 0;
+        to[k] = at[k] + CUBE / 2 < n[k] ? at[k] + CUBE / 2 : n[k] - 1;
+    }
+    for (int z = from[2]; z <= to[2]; z++)
+        for (int y = from[1]; y <= to[1]; y++) {
+            const size_t row = ((size_t)z * (size_t)n[1] + (size_t)y) * (size_t)n[0];
+            for (int x = from[0]; x <= to[0]; x++) {
+                const size_t i = row + (size_t)x;
+                if (clear[i] > CML_CELL_REACH || patch[i].body == CML_PATCH_NONE) continue;
+                struct neighbour *next = &found[count++];
+                *next = (struct neighbour){.patch = &patch[i], .way = {x - at[0], y - at[1], z - at[2]}};
+                next->square = cml_vec3_dot(next->way, next->way);
+            }
+        }
+    return count;
+}
+
+/* What is made of those that can reach into a ball. */
+struct view {
+    int body; /* as of a patch */
+    double normal[3], lower, upper, cosine;
+};
+
+static bool is_near(const struct neighbour *neighbour, double radius)
+{
+    return neighbour->square < (radius + CML_CELL_REACH) * (radius + CML_CELL_REACH);
+}
+
+/* Two bounds of the patch's heights: from what is known within its own cell, and within the ball. */
+static void see_heights(const struct neighbour *neighbour, double radius, struct view *view)
+{
+    const struct cml_body_patch *patch = neighbour->patch;
+    const double cosine = cml_vec3_dot(view->normal, patch->normal);
+    const double up = cml_vec3_dot(neighbour->way, patch->normal),
+                 there = cml_vec3_dot(neighbour->way, view->normal);
+    const double lower = patch->lower + up, upper = patch->upper + up;
+    double own[2], within[2];
+    if (lower > radius || upper < -radius) return;
+    tilt(cosine, CML_CELL_REACH, patch->lower, patch->upper, own);
+    tilt(cosine, radius, lower, upper, within);
+    view->lower = fmin(view->lower, fmax(own[0] + there, within[0]));
+    view->upper = fmax(view->upper, fmin(own[1] + there, within[1]));
+    const double both = cosine * patch->cosine -
+                        sqrt(fmax(0, 1 - cosine * cosine)) * sqrt(fmax(0, 1 - patch->cosine * patch->cosine));
+    view->cosine = fmin(view->cosine, cosine > 0 && patch->cosine > 0 ? both : -1);
+}
+
+/* False where there is nothing, or more than two planes can bound. */
+static bool look(const struct neighbour *neighbour, int count, double radius, struct view *view)
+{
+    *view = (struct view){.body = CML_PATCH_NONE, .lower = INFINITY, .upper = -INFINITY, .cosine = 1};
+    for (int i = 0; i < count; i++) {
+        const struct cml_body_patch *patch = neighbour[i].patch;
+        if (!is_near(&neighbour[i], radius)) continue;
+        const bool same = view->body == CML_PATCH_NONE || view->body == patch->body;
+        view->body = same ? patch->body : CML_PATCH_MIXED;
+        if (view->body == CML_PATCH_MIXED) return false;
+        cml_vec3_add_scaled(view->normal, 1, patch->normal, view->normal);
+    }
+    if (!(cml_vec3_length(view->normal) > 0)) return false;
+    cml_vec3_normalise(view->normal);
+    for (int i = 0; i < count; i++)
+        if (is_near(&neighbour[i], radius)) see_heights(&neighbour[i], radius, view);
+    return view->lower <= view->upper;
+}
+
+static struct cml_body_near near_of_view(const struct view *view, double radius)
+{
+    const double sine = sqrt(fmax(0, 1 - view->cosine * view->cosine)) + 1e-3;
+    const struct cml_body_near near = {
+        .radius = (float)(radius - CML_CELL_MARGIN),
+        .body = view->body,
+        .normal = {(float)view->normal[0], (float)view->normal[1], (float)view->normal[2]},
+        .lower = (float)(view->lower - CML_CELL_MARGIN),
+        .upper = (float)(view->upper + CML_CELL_MARGIN),
+        .steepest = (float)(view->cosine > 0 ? sine : 2),
+    };
+    return near;
+}
+
+/* Of balls with a surface the one that is large and leaves it little room; none if the largest without one is
+ * better. */
+struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patch *patch, const float *clear,
+                                      const int at[3])
+{
+    const size_t i = ((size_t)at[2] * (size_t)n[1] + (size_t)at[1]) * (size_t)n[0] + (size_t)at[0];
+    struct cml_body_near best = {
+        .radius = clear[i], .lower = -1, .upper = -1, .steepest = 2, .body = CML_PATCH_NONE};
+    struct neighbour neighbour[CUBE * CUBE * CUBE];
+    double most = clear[i];
+    const int count = most < radii[NUM_RADII - 1] ? find_neighbours(n, patch, clear, at, neighbour) : 0;
+    for (size_t r = 0; r < NUM_RADII && count > 0; r++) {
+        struct view view;
+        if (radii[r] <= most || !look(neighbour, count, radii[r], &view)) continue;
+        const double worth = radii[r] - WORTH * (view.upper - view.lower);
+        if (worth <= most) continue;
+        most = worth;
+        best = near_of_view(&view, radii[r]);
+    }
+    return best;
+}

@@ -1,0 +1,45 @@
+/* What the surfaces of bodies look like around the middles of a grid's cells: in each cell that they pass,
+ * two planes between which they lie there; and from those of its neighbours two for a ball that is larger
+ * than a cell. SPDX-License-Identifier: MIT */
+#ifndef CML_BODY_PATCH_H
+#define CML_BODY_PATCH_H
+
+#include "scene/body/convex.h"
+
+#include <stddef.h>
+
+/* As far as a cell reaches from its middle, and more than rounding can move a packet. In cells. */
+#define CML_CELL_REACH 0.8661
+#define CML_CELL_MARGIN 0.01
+
+/* The surfaces that come within CML_CELL_REACH of the middle of a cell. */
+struct cml_body_patch {
+    int body; /* whose surface it is, or: */
+    double normal[3], lower,
+        upper;     /* unit, outwards, their mean; heights of the planes over the middle, cells */
+    double cosine; /* of the greatest angle between `normal` and a normal of the surface */
+};
+enum { CML_PATCH_NONE = -1, CML_PATCH_MIXED = -2 /* of several bodies, or turned too much for planes */ };
+
+/* A sphere or cylinder comes within CML_CELL_REACH of p, the middle of a cell of this width (cm), of which
+ * the patch tells what other bodies are there. */
+void cml_patch_add_convex(int body, const struct cml_convex *convex, const double p[3], double cell,
+                          struct cml_body_patch *patch);
+
+/* A facet of a mesh does: first all of them, then all of them again. corner: from the middle, in cells. */
+void cml_patch_add_normal(int body, const double corner[3][3], struct cml_body_patch *patch);
+void cml_patch_add_heights(const double corner[3][3], struct cml_body_patch *patch);
+
+/* As struct cml_body_cell of kernels/types.h. body: whose surface alone is in the ball, -1: none is. */
+struct cml_body_near {
+    float radius, normal[3], lower, upper, steepest;
+    int body;
+};
+
+/* What is known of the ball around the middle of cell `at` (x, y, z). clear: of all middles, from all
+ * surfaces, cells: a surface may be in those cells only where it is less than CML_CELL_REACH. patch: of all
+ * n[0] n[1] n[2] cells of the grid, x fastest. */
+struct cml_body_near cml_body_near_of(const int n[3], const struct cml_body_patch *patch, const float *clear,
+                                      const int at[3]);
+
+#endif

@@ -232,44 +232,132 @@ static void ten_thousand_beads_lose_no_packet(void **state)
     free(text);
 }
 
-/* The bound that lets steps pass without a query is one: random places inside, around and far from the
- * bodies. */
-static void clearance_is_never_too_large(void **state)
+/* Numbers at random. */
+struct dice {
+    uint64_t state;
+};
+
+static double throw(struct dice * dice)
 {
-    (void)state;
+    dice->state = dice->state * 6364136223846793005u + 1442695040888963407u;
+    return (double)(dice->state >> 11) * 0x1p-53;
+}
+
+static struct cml_vec random_direction(struct dice *dice)
+{
+    double v[3], square;
+    do {
+        for (int k = 0; k < 3; k++) v[k] = 2 * throw(dice) - 1;
+        square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    } while (!(square < 1) || !(square > 0.01));
+    const double k = 1 / sqrt(square);
+    return cml_vec_of(k * v[0], k * v[1], k * v[2]);
+}
+
+/* The medium that a place is in, layer 1 or the innermost body; -1 within err of a surface. */
+static int medium_at(const struct cml_scene *scene, const double p[3], double err)
+{
+    int medium = 1;
+    for (int k = 0; k < scene->num_bodies; k++) {
+        const struct cml_convex convex = cml_body_convex(&scene->bodies[k]);
+        const double distance = cml_convex_distance(&convex, p);
+        if (fabs(distance) < err) return -1;
+        if (distance < 0) medium = cml_body_medium(scene, k);
+    }
+    return medium;
+}
+
+/* Places inside, around and far from the bodies, every other one close to a surface. */
+static void random_place(struct dice *dice, const struct cml_scene *scene, int i, double p[3])
+{
+    for (int k = 0; k < 3; k++) p[k] = (throw(dice) - 0.5) * (i % 3 ? 0.7 : 6) + (k == 2 ? 0.25 : 0);
+    if (i % 2) return;
+    const struct cml_scene_body *body = &scene->bodies[i / 2 % scene->num_bodies];
+    const struct cml_vec u = random_direction(dice);
+    const double r = body->radius + 0.004 * (throw(dice) - 0.5), along = throw(dice);
+    const double out[3] = {u.x, u.y, u.z};
+    for (int k = 0; k < 3; k++) {
+        const double end = body->form == CML_BODY_CYLINDER ? body->end[k] : body->centre[k];
+        p[k] = body->centre[k] + along * (end - body->centre[k]) + r * out[k];
+    }
+}
+
+/* What a packet in this medium meets of bodies, whatever is known of balls and regions. */
+static int meets_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
+                      real path)
+{
+    struct cml_hit hit;
+    struct cml_packet packet = {.p = p, .u = u, .medium = medium, .on_boundary = -1, .on_primitive = -1};
+    return cml_nearest_body(world, &packet, path, 0, &hit);
+}
+
+/* Another path, from the end of one that meets nothing, in the region that was found there. */
+static int leaves_region(struct dice *dice, const struct cml_world *world, int medium, struct cml_vec from,
+                         const struct cml_body_region *region)
+{
+    const struct cml_vec u = random_direction(dice);
+    const real path = (real)(0.05 * throw(dice));
+    const struct cml_vec off = cml_along(from, -1, region->middle), to = cml_along(off, path, u);
+    const int within = cml_dot(off, off) < region->square && cml_dot(to, to) < region->square &&
+                       cml_dot(region->normal, off) > region->least &&
+                       cml_dot(region->normal, to) > region->least;
+    return within ? 1 + meets_body(world, medium, from, u, path) : 0;
+}
+
+/* A path that is said to meet no body meets none, and no path in its region does; err: how far a surface may
+ * be from the body's. */
+static void expect_free_paths(const char *text, enum cml_surface_kind kind, double err)
+{
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
     struct cml_owned_world world;
-    struct cml_error err;
-    const struct cml_surface_options surface = {.tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
+    struct cml_error error;
+    struct dice dice = {1};
+    const struct cml_surface_options surface = {.force = kind,
+                                                .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
     const struct cml_engine_options options = {.seed = 1};
-    read_scenes("1.0\n1\nsides A\n1000\n0.01 0.01\n10 10 1\n1\n1\n1.4 0.5 90 0.8 0.5\n"
-                "i sphere 0.1 0.02 0.2 0.1 1.5 1 50 0.5\ni sphere 0.1 0 0.2 0.03 1 0 0 0\n"
-                "i cylinder -0.3 0.1 0.4 0.3 0.2 0.42 0.03 1.2 1 50 0.5\n1\n",
-                &list);
-    require_ok(cml_surfaces_create(list.scenes, &surface, &surfaces, &err), &err);
-    require_ok(cml_owned_world_create(list.scenes, &surfaces, &options, &world, &err), &err);
-    uint64_t useful = 0, dice = 1;
-    for (int i = 0; i < 200000; i++) {
-        double p[3], least = INFINITY;
-        for (int k = 0; k < 3; k++) {
-            dice = dice * 6364136223846793005u + 1442695040888963407u;
-            p[k] = ((double)(dice >> 11) * 0x1p-53 - 0.5) * (i % 3 ? 0.7 : 6) + (k == 2 ? 0.25 : 0);
-        }
-        const struct cml_vec at = {(real)p[0], (real)p[1], (real)p[2]};
-        for (int k = 0; k < 3; k++) {
-            const struct cml_convex convex = cml_body_convex(&list.scenes[0].bodies[k]);
-            least = fmin(least, fabs(cml_convex_distance(&convex, p)));
-        }
-        const double bound =
-            (double)cml_body_clearance(world.world.body_grids, world.world.body_clearance, at);
-        assert_true(bound <= least);
-        useful += bound > 0.5 * least;
+    read_scenes(text, &list);
+    require_ok(cml_surfaces_create(list.scenes, &surface, &surfaces, &error), &error);
+    require_ok(cml_owned_world_create(list.scenes, &surfaces, &options, &world, &error), &error);
+    uint64_t paths = 0, met = 0, asked = 0, wrong = 0, in_region = 0, wrong_region = 0;
+    for (int i = 0; i < 300000; i++) {
+        double p[3];
+        struct cml_body_region region;
+        random_place(&dice, list.scenes, i, p);
+        const int medium = medium_at(list.scenes, p, err);
+        const struct cml_vec from = cml_vec_of(p[0], p[1], p[2]), u = random_direction(&dice);
+        const real path = (real)pow(10, -3.5 + 3 * throw(&dice));
+        if (medium < 0) continue;
+        const int may = cml_may_meet_body(&world.world, medium, from, u, path, &region) != CML_NO_BODIES;
+        const int meets = meets_body(&world.world, medium, from, u, path);
+        paths++;
+        met += (uint64_t)meets;
+        asked += (uint64_t)may;
+        wrong += (uint64_t)(meets && !may);
+        if (may) continue;
+        const int second = leaves_region(&dice, &world.world, medium, cml_along(from, path, u), &region);
+        in_region += second > 0;
+        wrong_region += second > 1;
     }
-    assert_true(useful > 100000);
+    print_message(
+        "%llu paths: %llu meet a body, %llu might, %llu wrongly not; %llu in regions, %llu wrongly\n",
+        (unsigned long long)paths, (unsigned long long)met, (unsigned long long)asked,
+        (unsigned long long)wrong, (unsigned long long)in_region, (unsigned long long)wrong_region);
+    assert_int_equal(wrong + wrong_region, 0);
+    assert_true(met > paths / 50 && asked < 3 * met && in_region > paths / 4);
     cml_owned_world_free(&world);
     cml_surfaces_free(&surfaces);
     cml_scene_list_clear(&list);
+}
+
+static void paths_said_to_be_free_are(void **state)
+{
+    (void)state;
+    const char *text = "1.0\n1\nsides A\n1000\n0.01 0.01\n10 10 1\n1\n1\n1.4 0.5 90 0.8 0.5\n"
+                       "i sphere 0.1 0.02 0.2 0.1 1.5 1 50 0.5\ni sphere 0.1 0 0.2 0.03 1 0 0 0\n"
+                       "i cylinder -0.3 0.1 0.4 0.3 0.2 0.42 0.03 1.2 1 50 0.5\n1\n";
+    expect_free_paths(text, CML_SURFACE_AUTO, 1e-6);
+    expect_free_paths(text, CML_SURFACE_MESH, 3e-4);
 }
 
 int main(void)
@@ -280,7 +368,7 @@ int main(void)
         cmocka_unit_test(nested_spheres_are_one),
         cmocka_unit_test(packets_are_where_their_medium_is),
         cmocka_unit_test(ten_thousand_beads_lose_no_packet),
-        cmocka_unit_test(clearance_is_never_too_large),
+        cmocka_unit_test(paths_said_to_be_free_are),
         cmocka_unit_test(meshes_come_to_be_spheres_and_cylinders),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -19,8 +19,8 @@ INSTRUCTION = 16  # bytes, from sm_70 on
 # per Compute Capability"); registers are handed out to warps by the 256
 REGISTERS, WARPS, WARP = 65536, 64, 32
 LOCAL_KB = {"sm_70": 96, "sm_80": 164, "sm_90": 228}
-KINDS = (("planes", ["-D", "CML_ONLY_PLANES"]), ("cones", []))
-LIMITS = (0, 128, 96)  # registers that ptxas may take at most; 0: as many as it wants
+KINDS = (("planes", ["-D", "CML_ONLY_PLANES", "-D", "CML_NO_BODIES"]), ("cones", ["-D", "CML_NO_BODIES"]), ("cones, bodies", []))
+LIMITS = (0, 96, 80)  # registers that ptxas may take at most; 0: as many as it wants
 TITLES = ("device", "boundaries", "registers at most", "registers", "spilled to memory [bytes]", "stack [bytes]", "instructions",
           "warps of 64", "occupancy")
 

@@ -39,10 +39,15 @@ struct cml_device_lanes {
 #if CML_DEVICE_LANES > 1
 #define CML_DEVICE_LOOP static __attribute__((noinline)) /* by itself the loop is made a vector loop */
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
+#define CML_ONE_COPY
+#define CML_FORGET_REGISTERS ((void)0)
 #pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than it looks for them */
 #else
 #define CML_DEVICE_LOOP CML_FN
 #define CML_AT_ONCE
+#define CML_ONE_COPY _Pragma("unroll 1")
+/* What has been stored is read again from memory, rather than kept in a register as well. */
+#define CML_FORGET_REGISTERS mem_fence(CLK_LOCAL_MEM_FENCE)
 #endif
 
 /* Number of the lowest bit set, which is that of a lane. */

@@ -35,11 +35,10 @@ struct cml_windows {
 
 /* One launch of the kernel. */
 struct cml_launch {
-    cml_u32 items;                  /* work-items that may fly; the others of the last group rest */
-    cml_u32 steps;                  /* events per work-item at most: watchdogs end what takes too long */
-    cml_u32 record;                 /* write the fates */
-    cml_u32 rings, clearance_cells; /* lengths of ring_r and of deepest */
-    cml_u32 near_cells;             /* cells of the local memory */
+    cml_u32 items;      /* work-items that may fly; the others of the last group rest */
+    cml_u32 steps;      /* events per work-item at most: watchdogs end what takes too long */
+    cml_u32 record;     /* write the fates */
+    cml_u32 near_cells; /* cells of the local memory */
 };
 
 #define CML_LOST_KEPT 64

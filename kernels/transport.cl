@@ -92,13 +92,13 @@ struct cml_device_flight {
 };
 
 /* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
- * as lost weight: to be called before either changes. */
+ * as lost weight: to be called before either changes, and behind cml_device_read_lane. */
 CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
-    const cml_u32 deposited = f->lanes.flushed_w[i] - f->lanes.w[i];
+    const cml_u32 deposited = f->lanes.flushed_w[i] - f->packets[i].w;
     if (deposited) cml_add_to_layer(to, f->packets[i].medium, deposited);
     f->packets[i].absorbed += deposited;
-    f->lanes.flushed_w[i] = f->lanes.w[i];
+    f->lanes.flushed_w[i] = f->packets[i].w;
 }
 
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
@@ -133,10 +133,13 @@ CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
     l->tau[i] = packet->tau;
 }
 
-CML_FN void cml_device_store_index(struct cml_device_lanes *l, cml_u32 i, cml_u64 index)
+CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
+                                   __global const struct cml_packet *packet)
 {
-    l->index_low[i] = (cml_u32)index;
-    l->index_high[i] = (cml_u32)(index >> 32);
+    l->index_low[i] = (cml_u32)packet->index;
+    l->index_high[i] = (cml_u32)(packet->index >> 32);
+    l->w[i] = packet->w;
+    l->interactions[i] = packet->interactions;
 }
 
 /* The packet into its lane. */
@@ -144,12 +147,12 @@ CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_devic
 {
     struct cml_device_lanes *l = &f->lanes;
     __global const struct cml_packet *packet = &f->packets[i];
-    cml_device_store_index(l, i, packet->index);
+    cml_device_store_count(l, i, packet);
     cml_device_store_ray(l, i, packet);
-    l->w[i] = l->flushed_w[i] = packet->w;
-    l->interactions[i] = packet->interactions;
+    l->flushed_w[i] = packet->w;
     l->touched[i] = packet->interactions - (packet->bounces == 0);
     l->live[i] = packet->fate == CML_FATE_ALIVE;
+    l->cleared[i] = 0;
     cml_device_load_medium(world, f, i);
 }
 
@@ -164,8 +167,6 @@ CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
     packet->tau = l->tau[i];
     packet->w = l->w[i];
     packet->interactions = l->interactions[i];
-    packet->draw.w[1] = l->draw1[i];
-    packet->draw.w[2] = l->draw2[i];
     packet->draw.w[3] = l->draw3[i];
     if (l->touched[i] == l->interactions[i]) return;
     packet->on_boundary = -1;
@@ -180,21 +181,15 @@ CML_FN void cml_device_restore_lane(const struct cml_world *world, struct cml_de
     struct cml_device_lanes *l = &f->lanes;
     __global const struct cml_packet *packet = &f->packets[i];
     cml_device_store_ray(l, i, packet);
-    if (CML_DEVICE_LANES == 1) {
-        cml_device_store_index(l, i, packet->index);
-        l->w[i] = packet->w;
-        l->interactions[i] = packet->interactions;
-        l->draw1[i] = packet->draw.w[1];
-        l->draw2[i] = packet->draw.w[2];
-        l->draw3[i] = packet->draw.w[3];
-    }
+    if (CML_DEVICE_LANES == 1) cml_device_store_count(l, i, packet);
+    l->touched[i] = packet->interactions - (packet->bounces == 0);
     if (CML_DEVICE_LANES == 1 || packet->medium != medium) cml_device_load_medium(world, f, i);
 }
 
 /* The lane's flight into the tallies, and the next packet into the lane if there is one. */
-CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
-                               struct cml_launch launch, __global struct cml_device_fate *fates,
-                               struct cml_device_flight *f, cml_u32 i)
+CML_STAGE void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
+                                  struct cml_launch launch, __global struct cml_device_fate *fates,
+                                  struct cml_device_flight *f, cml_u32 i)
 {
     __global struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
@@ -261,8 +256,8 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
 
 /* A lane that may meet a boundary has its event there, or is to interact after all. Returns 1 when its packet
  * has ended. */
-CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
-                                       struct cml_device_flight *f, cml_u32 i)
+CML_STAGE cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
+                                          struct cml_device_flight *f, cml_u32 i)
 {
     __global struct cml_packet *packet = &f->packets[i];
     const int medium = packet->medium;
@@ -275,28 +270,30 @@ CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const stru
     cml_device_restore_lane(world, f, i, medium);
     f->lanes.s[i] = t;
     f->lanes.mine[i] = mine;
-    if (!mine) f->lanes.touched[i] = packet->interactions;
     return packet->fate != CML_FATE_ALIVE;
 }
 
 /* P8, likewise. */
-CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
-                                   struct cml_device_flight *f, cml_u32 i)
+CML_STAGE cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
+                                      struct cml_device_flight *f, cml_u32 i)
 {
     __global struct cml_packet *packet = &f->packets[i];
-    cml_device_flush_deposits(to, f, i);
     cml_device_read_lane(f, i);
+    cml_device_flush_deposits(to, f, i);
     cml_roulette(rule, packet);
     f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w;
     return packet->fate != CML_FATE_ALIVE;
 }
 
-/* One event of every packet. */
-CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_deposits *to,
-                            struct cml_launch launch, __global struct cml_device_fate *fates,
-                            struct cml_device_flight *f)
+#if CML_DEVICE_LANES > 1
+/* One event of every packet. Returns how many that is. */
+CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
+                               const struct cml_deposits *to, struct cml_launch launch,
+                               __global struct cml_device_fate *fates, struct cml_device_flight *f,
+                               cml_u32 most)
 {
     cml_u32 ended = 0;
+    world->setup.stream = *stream;
     const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
         ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
@@ -306,10 +303,39 @@ CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_depo
         ended |= cml_device_roulette(world->setup.roulette, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     for (cml_u32 rest = ended; rest; rest &= rest - 1)
         cml_device_replace(world, to, launch, fates, f, CML_LOWEST(rest));
+    return most ? 1 : 0;
 }
+#else
+/* Events of the packet, at most `most`, but one at least. Items that go on together wait for each other: so
+ * each flies from interaction to interaction, up to a number of them, and those that have come to a boundary,
+ * to roulette or to an end do that together. A boundary that is looked for and not met is no event: the item
+ * goes on to its interaction in the next pass. Returns how many there were. */
+CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
+                               const struct cml_deposits *to, struct cml_launch launch,
+                               __global struct cml_device_fate *fates, struct cml_device_flight *f,
+                               cml_u32 most)
+{
+    cml_u32 events = 0, near, low = 0, ended = 0;
+    do {
+        world->setup.stream = *stream;
+        near = cml_device_fly(world->setup.stream, &f->lanes);
+        if (near) break;
+        low = cml_device_interact(&world->setup, &f->lanes);
+        if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
+        events++;
+    } while (!low && events < most && events < CML_DEVICE_PASSES);
+    if (near) {
+        ended = cml_device_process_lane(world, to, f, 0);
+        f->lanes.cleared[0] = f->lanes.mine[0];
+        events += !f->lanes.mine[0];
+    }
+    if (low) ended = cml_device_roulette(world->setup.roulette, to, f, 0);
+    if (ended) cml_device_replace(world, to, launch, fates, f, 0);
+    return events;
+}
+#endif
 
-/* The events of one work-item in one launch. stream: that of the world, read anew for every pass, because
- * compilers would keep in registers all that follows from it alone. */
+/* The events of one work-item in one launch. stream: that of the world, see struct cml_shared. */
 CML_FN void cml_device_work_item(struct cml_world *world, __local const struct cml_stream *stream,
                                  const struct cml_deposits *to, struct cml_launch launch,
                                  __global struct cml_packet *saved, __global struct cml_device_fate *fates)
@@ -325,16 +351,21 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
         flight.alive += packet->fate == CML_FATE_ALIVE;
         cml_device_load_lane(world, &flight, i);
     }
-    for (cml_u32 step = 0; step < launch.steps && flight.alive; step++) {
-        world->setup.stream = *stream;
-        cml_device_pass(world, to, launch, fates, &flight);
-    }
+    for (cml_u32 done = 0; flight.alive && (done < launch.steps || flight.lanes.cleared[0]);)
+        done += cml_device_pass(world, stream, to, launch, fates, &flight, launch.steps - done);
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
-        cml_device_flush_deposits(to, &flight, i);
         cml_device_read_lane(&flight, i);
+        cml_device_flush_deposits(to, &flight, i);
     }
     if (flight.alive) atomic_add(&to->control->alive, flight.alive);
 }
+
+/* What a compiler would keep in registers, with all that follows from it alone, if it came with the kernel's
+ * arguments: every pass reads it anew from local memory. */
+struct cml_shared {
+    struct cml_windows windows;
+    struct cml_stream stream;
+};
 
 __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void
 cml_transport(const struct cml_setup setup, const struct cml_windows windows, const struct cml_launch launch,
@@ -351,17 +382,20 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
         setup,         media,   surfaces, ring_r, ring_z, ring_slope, ring_horizon_above, ring_horizon_below,
         ring_starts,   deepest, highest,  0,      0,      bodies,     body_nodes,         body_grids,
         body_clearance};
-    __local struct cml_stream stream;
-    const struct cml_deposits to = {windows, near, cells, control};
+    __local struct cml_shared shared;
+    const struct cml_deposits to = {&shared.windows, near, cells, control};
     const size_t item = get_global_id(0);
 #if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */
     if (!cml_device_has_work(control, packets + item * CML_DEVICE_LANES)) return;
 #endif
-    if (get_local_id(0) == 0) stream = setup.stream;
+    if (get_local_id(0) == 0) {
+        shared.stream = setup.stream;
+        shared.windows = windows;
+    }
     cml_clear_near(near, launch.near_cells);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < launch.items)
-        cml_device_work_item(&world, &stream, &to, launch, packets + item * CML_DEVICE_LANES, fates);
+        cml_device_work_item(&world, &shared.stream, &to, launch, packets + item * CML_DEVICE_LANES, fates);
     barrier(CLK_LOCAL_MEM_FENCE);
     cml_flush_window(&to, windows.sums);
     cml_flush_window(&to, windows.reflected);

@@ -1,9 +1,9 @@
 /* What lanes of a GPU that go on together wait for each other, counted without a GPU:
  * bench_divergence COSTS.csv SCENE.mci ... flies packets of the first run of each scene one by one, as the
  * kernel would, and lets 32 lanes do their steps in several orders of work. COSTS.csv: instructions of each
- * stage (gpu_static.sh leaves it). Prints CSV: the share of lanes that are active in a stage whenever a warp
- * does it, instructions of the warp per event of a lane times 32, and how often lanes add to one bin.
- * SPDX-License-Identifier: MIT */
+ * stage (gpu_static.sh leaves it). Prints CSV: instructions of a warp per event of a lane times 32, how often
+ * an event needs a stage and the share of lanes that are active whenever a warp does it, and how often lanes
+ * add to one bin. SPDX-License-Identifier: MIT */
 #include "divergence.h"
 
 enum { WARPS = 16, ROUNDS = 4000, FIRST_ROUNDS = 1000 };
@@ -30,8 +30,6 @@ static const struct order orders[] = {
     {"8 lanes wait", 0, 0, 1, 8, 8, 1},
     {"16 lanes wait", 0, 0, 1, 16, 16, 1},
 };
-/* Those of the kernel (CML_DEVICE_PASSES of kernels/device_lanes.h). */
-enum { CURVED = 2, PLANES = 4 };
 enum { NUM_ORDERS = sizeof orders / sizeof *orders };
 
 enum state { READY, FLOWN, AT_BOUNDARY, CLEARED, LOW, ENDED };
@@ -189,30 +187,19 @@ static double price(const struct use *use, const double *cost, double *least)
     return all * LANES / use->events;
 }
 
-static void report_orders(const struct bench_scene *scene, const double *cost)
-{
-    for (int k = 0; k < NUM_ORDERS; k++) {
-        double least;
-        const struct use use = use_of(scene, &orders[k], NULL);
-        const double paid = price(&use, cost, &least);
-        printf("order,%s,\"%s\",%.0f,%.0f,%.3f", scene->name, orders[k].name, paid, least, least / paid);
-        for (int i = 0; i < NUM_STAGES; i++)
-            printf(",%.4f,%.3f", use.active[i] / use.events,
-                   use.done[i] > 0 ? use.active[i] / use.done[i] / LANES : 0);
-        printf("\n");
-    }
-}
-
-/* What atomic additions meet, in the kernel's order. */
-static void report_conflicts(const struct bench_scene *scene)
+static void report(const struct bench_scene *scene, const struct order *order, const double *cost)
 {
     struct conflicts c;
+    double least;
     conflicts_begin(scene, &c);
-    const struct use use = use_of(scene, &orders[scene->only_planes ? PLANES : CURVED], &c);
-    printf("bins,%s,%s,%u,%u,%.4f,%.4f,%.4f,%.4f,%.2f,%.4f,%.2f,%.2f,%.3g\n", scene->name,
-           scene->only_planes ? "planes" : "cones", c.near, c.cells, use.active[DEPOSIT] / use.events,
-           1 - c.far / c.all, use.layer / use.events, use.sums / use.events, c.all / c.done, c.same / c.all,
-           c.busiest / c.done, use.done[REPLACE] > 0 ? use.active[REPLACE] / use.done[REPLACE] : 0,
+    const struct use use = use_of(scene, order, &c);
+    const double paid = price(&use, cost, &least);
+    printf("\"%s: %s\",%d,%.0f,%.0f", scene->name, order->name, scene->only_planes, paid, least);
+    for (int i = 0; i < NUM_STAGES; i++)
+        printf(",%.4f,%.3f", use.active[i] / use.events,
+               use.done[i] > 0 ? use.active[i] / use.done[i] / LANES : 0);
+    printf(",%u,%u,%.4f,%.4f,%.4f,%.2f,%.4f,%.2f,%.5f\n", c.near, c.cells, 1 - c.far / c.all,
+           use.layer / use.events, use.sums / use.events, c.all / c.done, c.same / c.all, c.busiest / c.done,
            conflicts_collision(&c));
     conflicts_end(&c);
 }
@@ -237,26 +224,25 @@ static int read_costs(const char *path, const char *kind, double *cost)
     return found == NUM_STAGES - 1;
 }
 
+static int fail(const char *path, const char *text)
+{
+    fprintf(stderr, "bench_divergence: %s: %s\n", path, text);
+    return 2;
+}
+
 int main(int argc, char **argv)
 {
-    printf("order,scene,order,instructions,least,share");
-    for (int i = 0; i < NUM_STAGES; i++) printf(",%s per event,%s share", stage_names[i], stage_names[i]);
-    printf("\nbins,scene,boundaries,near,cells,deposits,in local memory,layer,sums,lanes,"
-           "one bin,busiest,replaced together,collision\n");
+    printf("scene and order,only planes,instructions,least");
+    for (int i = 0; i < NUM_STAGES; i++) printf(",%s,%s share", stage_names[i], stage_names[i]);
+    printf(",near,cells,in local memory,layer,sums,lanes,one bin,busiest,collision\n");
     for (int k = 2; k < argc; k++) {
         struct bench_scene scene;
         struct cml_error err;
         double cost[NUM_STAGES];
-        if (bench_scene_open(argv[k], &scene, &err) != CML_OK) {
-            fprintf(stderr, "bench_divergence: %s\n", err.text);
-            return 2;
-        }
-        if (!read_costs(argv[1], scene.only_planes ? "planes" : "cones", cost)) {
-            fprintf(stderr, "bench_divergence: %s: not all stages\n", argv[1]);
-            return 2;
-        }
-        report_orders(&scene, cost);
-        report_conflicts(&scene);
+        if (bench_scene_open(argv[k], &scene, &err) != CML_OK) return fail(argv[k], err.text);
+        if (!read_costs(argv[1], scene.only_planes ? "planes" : "cones", cost))
+            return fail(argv[1], "not the instructions of all stages");
+        for (int i = 0; i < NUM_ORDERS; i++) report(&scene, &orders[i], cost);
         bench_scene_close(&scene);
     }
     return 0;

@@ -20,6 +20,13 @@
 #define CML_CELL_COUNT (CML_CELL_BALANCE + (cml_u32)CML_NUM_BALANCE_TERMS)
 #define CML_CELL_LAYER (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
 
+/* Where a device has the radial bin ir of A_rz, 0..nr: what lies beyond the last one comes first, because
+ * many packets end there, and the first cells are those in local memory. */
+CML_FN int cml_device_column(int ir, int nr)
+{
+    return ir < nr ? ir + 1 : 0;
+}
+
 /* A part of the block, whose first cells, those that are hit most, a work-group keeps in local memory until
  * the launch ends. */
 struct cml_window {

@@ -50,8 +50,9 @@ static struct cml_window place(uint64_t *first, uint64_t cells, uint64_t near, u
 }
 
 /* Lays out the block of cells, and which of them a group keeps in local memory (privatised tallies): sums,
- * which every packet adds to, then the exits near the axis, then as much of A_rz from the axis outwards as
- * there is room for. At most half of the local memory is used, so that two groups fit. */
+ * which every packet adds to, then the exits near the axis, then of A_rz what lies beyond its last radial
+ * bin, and from the axis outwards as much as there is room for. At most half of the local memory is used, so
+ * that two groups fit. */
 static struct cml_windows place_windows(const struct cml_opencl_scene *scene,
                                         struct cml_opencl_flight *flight)
 {

@@ -92,6 +92,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
         .cells = cml_tally_cells(grid),
         .build_options = options->build_options,
         .group = options->group,
+        .loose_division = options->loose_division,
     };
     for (int b = 0; b < surfaces->count; b++)
         if (surfaces->item[b].kind != CML_SURFACE_PLANE) scene.only_planes = false;

@@ -98,14 +98,15 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
 {
     const struct cml_opencl_info *info = &flight->device.info;
     const char *extra = scene->build_options ? scene->build_options : "";
+    const bool exact = info->exact_division && !scene->loose_division;
     const size_t size = strlen(extra) + 256;
     char *options = malloc(size);
     if (!options) return cml_fail_memory(err, (double)size, "the compiler's options");
-    snprintf(
-        options, size, "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s %s",
-        flight->group, flight->lanes, info->exact_division ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
-        info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
-        scene->setup.num_bodies ? "" : " -D CML_NO_BODIES", extra);
+    snprintf(options, size,
+             "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s %s",
+             flight->group, flight->lanes, exact ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+             info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
+             scene->setup.num_bodies ? "" : " -D CML_NO_BODIES", extra);
     const cml_status status =
         cml_opencl_program(&flight->device, flight->context, options, &flight->program, err);
     free(options);

@@ -71,6 +71,7 @@ struct cml_opencl_scene {
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
     const char *build_options; /* NULL: none */
     int group;                 /* 0: chosen */
+    bool loose_division;       /* even where the device can round correctly */
 };
 
 /* Buffers of a device, in the order of the kernel's arguments. Those of the scene are written once; control,

@@ -89,12 +89,12 @@ static int packet_is_near(const struct cml_world *world, const struct cml_packet
 }
 
 /* Of cml_score (kernels/transport.cl), which leaves out those of 0. */
-static int additions_at_end(const struct cml_world *world, const struct cml_packet *packet)
+static int additions_at_end(const struct cml_packet *packet)
 {
     const int exits = packet->fate == CML_FATE_REFLECTED || packet->fate == CML_FATE_TRANSMITTED;
-    return 2 + exits + (packet->w > 0) + (world->setup.specular > 0) + (packet->absorbed > 0) +
-           (packet->gained > 0) + (packet->roulette > 0) + (packet->interactions > 0) +
-           (packet->boundary_events > 0) + (packet->queries > 0);
+    return 1 + exits + (packet->w > 0) + (packet->absorbed > 0) + (packet->gained > 0) +
+           (packet->roulette > 0) + (packet->interactions > 0) + (packet->boundary_events > 0) +
+           (packet->queries > 0);
 }
 
 static void packet_look_ahead(const struct bench_scene *scene, struct packet_ahead *ahead)
@@ -113,7 +113,7 @@ static void packet_look_ahead(const struct bench_scene *scene, struct packet_ahe
     ahead->pending += packet->absorbed - before.absorbed;
     step->layer = (!step->interacts || step->low) && ahead->pending > 0;
     if (step->layer) ahead->pending = 0;
-    step->sums = step->ends ? additions_at_end(world, packet) : 0;
+    step->sums = step->ends ? additions_at_end(packet) : 0;
     step->cell = (uint32_t)(cml_device_column(cml_radial_bin(setup, packet->p.x, packet->p.y), setup->nr) *
                                 (setup->nz + 2) +
                             cml_depth_bin(setup, packet->p.z, world->media[before.medium].bins));

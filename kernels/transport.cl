@@ -38,8 +38,6 @@ CML_FN void cml_score(const struct cml_setup *setup, __global const struct cml_p
 {
     cml_score_fate(setup, packet, to);
     cml_add_to_balance(to, cml_balance_term_of(packet->fate), packet->w);
-    cml_add_to_balance(to, CML_BALANCE_LAUNCHED, CML_WEIGHT_ONE);
-    cml_add_to_balance(to, CML_BALANCE_SPECULAR, setup->specular);
     cml_add_to_balance(to, CML_BALANCE_ABSORBED, packet->absorbed);
     cml_add_to_balance(to, CML_BALANCE_GAINED, packet->gained);
     cml_add_to_balance(to, CML_BALANCE_ROULETTE, packet->roulette);
@@ -48,6 +46,15 @@ CML_FN void cml_score(const struct cml_setup *setup, __global const struct cml_p
     cml_add_count(to, CML_COUNT_BOUNDARY_EVENTS, packet->boundary_events);
     cml_add_count(to, CML_COUNT_QUERIES, packet->queries);
     cml_add_count(to, CML_COUNT_SHADING_OVERRULED, packet->shading_overruled);
+}
+
+/* What every packet of the group adds alike, from their number: by one item, with a barrier before it. */
+CML_FN void cml_score_launches(const struct cml_setup *setup, const struct cml_deposits *to)
+{
+    const cml_u64 photons = to->near[CML_CELL_COUNT + CML_COUNT_PHOTONS];
+    if (!photons) return;
+    cml_add_far(to->cells + CML_CELL_BALANCE + CML_BALANCE_LAUNCHED, photons * CML_WEIGHT_ONE);
+    cml_add_far(to->cells + CML_CELL_BALANCE + CML_BALANCE_SPECULAR, photons * setup->specular);
 }
 
 /* --- packets of a work-item --- */
@@ -397,6 +404,7 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
     if (item < launch.items)
         cml_device_work_item(&world, &shared.stream, &to, launch, packets + item * CML_DEVICE_LANES, fates);
     barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) cml_score_launches(&world.setup, &to);
     cml_flush_window(&to, windows.sums);
     cml_flush_window(&to, windows.reflected);
     cml_flush_window(&to, windows.transmitted);

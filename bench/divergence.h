@@ -114,7 +114,7 @@ static void packet_look_ahead(const struct bench_scene *scene, struct packet_ahe
     step->layer = (!step->interacts || step->low) && ahead->pending > 0;
     if (step->layer) ahead->pending = 0;
     step->sums = step->ends ? additions_at_end(packet) : 0;
-    step->cell = (uint32_t)(cml_device_column(cml_radial_bin(setup, packet->p.x, packet->p.y), setup->nr) *
+    step->cell = (uint32_t)(cml_device_column(cml_radial_bin(setup, packet->p.x, packet->p.y), setup->nr, 1) *
                                 (setup->nz + 2) +
                             cml_depth_bin(setup, packet->p.z, world->media[before.medium].bins));
 }

@@ -162,7 +162,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
                       dw = mine ? part : 0u;
         const struct cml_vec v = cml_scatter(u, l->g[i], l->draw1[i], l->draw2[i]);
         const int iz = cml_depth_bin(setup, p.z, l->bins[i]), ir = cml_radial_bin(setup, p.x, p.y);
-        l->cell[i] = (cml_u32)(cml_device_column(ir, setup->nr) * (setup->nz + 2) + iz);
+        l->cell[i] = (cml_u32)(cml_device_column(ir, setup->nr, CML_DEVICE_LANES) * (setup->nz + 2) + iz);
         l->dw[i] = dw;
         l->w[i] = w - dw;
         l->x[i] = mine ? p.x : from.x;

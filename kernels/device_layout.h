@@ -20,10 +20,12 @@
 #define CML_CELL_COUNT (CML_CELL_BALANCE + (cml_u32)CML_NUM_BALANCE_TERMS)
 #define CML_CELL_LAYER (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
 
-/* Where a device has the radial bin ir of A_rz, 0..nr: what lies beyond the last one comes first, because
- * many packets end there, and the first cells are those in local memory. */
-CML_FN int cml_device_column(int ir, int nr)
+/* Where a device has the radial bin ir of A_rz, 0..nr. With one packet a work-item, as on a GPU, what lies
+ * beyond the last one comes first, because many packets end there, and the first cells are those in local
+ * memory. */
+CML_FN int cml_device_column(int ir, int nr, int lanes)
 {
+    if (lanes > 1) return ir;
     return ir < nr ? ir + 1 : 0;
 }
 

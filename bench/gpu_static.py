@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Compiles the OpenCL kernel for NVIDIA's GPUs and says what it needs there: gpu_static.py WORK CLANG LIBRARY PTXAS CSV, with
-WORK/kernel.cl; gpu_static.py --readme CSV README writes the table into a text.
+"""Compiles the OpenCL kernel for NVIDIA's GPUs and says what it needs there: gpu_static.py WORK CLANG LIBRARY PTXAS CSV STAGES,
+with WORK/kernel.cl; gpu_static.py --readme CSV README writes the table into a text. STAGES: another CSV, the instructions of
+each stage on the last device, compiled as functions of their own.
 
 SPDX-License-Identifier: MIT
 """
@@ -19,8 +20,11 @@ INSTRUCTION = 16  # bytes, from sm_70 on
 # per Compute Capability"); registers are handed out to warps by the 256
 REGISTERS, WARPS, WARP = 65536, 64, 32
 LOCAL_KB = {"sm_70": 96, "sm_80": 164, "sm_90": 228}
-KINDS = (("planes", ["-D", "CML_ONLY_PLANES"]), ("cones", []))
-LIMITS = (0, 128, 96)  # registers that ptxas may take at most; 0: as many as it wants
+KINDS = (("planes", ["-D", "CML_ONLY_PLANES", "-D", "CML_WITHOUT_BODIES"]), ("cones", ["-D", "CML_WITHOUT_BODIES"]), ("cones, bodies", []))
+LIMITS = (0, 96, 80)  # registers that ptxas may take at most; 0: as many as it wants
+# what a lane waits for if another one does it (CML_STAGE of kernels/device_lanes.h), and the lattice's part of flying
+STAGES = {"fly": "fly", "boundary": "process_lane", "interact": "interact", "deposit": "deposit", "roulette": "roulette",
+          "replace": "replace"}
 TITLES = ("device", "boundaries", "registers at most", "registers", "spilled to memory [bytes]", "stack [bytes]", "instructions",
           "warps of 64", "occupancy")
 
@@ -55,6 +59,29 @@ def instructions(cubin):
     """Of the kernel, padding included."""
     sizes = re.findall(r"\.text\.cml_transport\s+PROGBITS\s+\S+\s+\S+\s+([0-9a-f]+)", call(["readelf", "-SW", cubin]))
     return int(sizes[0], 16) // INSTRUCTION
+
+
+def functions(cubin):
+    """Instructions of the functions that the kernel calls."""
+    found = re.findall(r"\s(0x[0-9a-f]+|\d+) FUNC .*\$cml_transport\$cml_device_(\w+)", call(["readelf", "-sW", cubin]))
+    return {name: int(size, 0) // INSTRUCTION for size, name in found}
+
+
+def stages(work, clang, library, ptxas, device):
+    """Rows of boundaries, stage, instructions. What a lane does more while its packet draws from the lattice is the difference
+    to a kernel in which none does."""
+    for kind, options in KINDS:
+        sizes = []
+        for more in ([], ["-D", "CML_NO_LATTICE"]):
+            ptx = to_ptx(work, clang, library, device,
+                         [*options, *more, "-D", "CML_STAGE=static __attribute__((noinline))"])
+            cubin = os.path.join(work, "stages.cubin")
+            call([ptxas, "-arch=" + device, ptx, "-o", cubin])
+            sizes.append(functions(cubin))
+        with_lattice, without = sizes
+        yield from ([kind, name, with_lattice[function]] for name, function in STAGES.items() if name != "fly")
+        yield [kind, "fly", without["fly"]]
+        yield [kind, "lattice", with_lattice["fly"] - without["fly"]]
 
 
 def resident_warps(registers, device):
@@ -94,8 +121,11 @@ def main():
             titles, *rows = csv.reader(file)
         block.replace(sys.argv[3], "gpu_static.py", list(block.table(titles, rows)))
         return
-    work, clang, library, ptxas, target = sys.argv[1:6]
+    work, clang, library, ptxas, target, stages_csv = sys.argv[1:7]
     rows = measure(work, clang, library, ptxas)
+    with open(stages_csv, "w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([["boundaries", "stage", "instructions"],
+                                    *stages(work, clang, library, ptxas, list(LOCAL_KB)[-1])])
     with open(target, "w", encoding="utf-8", newline="") as file:
         csv.writer(file).writerows([TITLES, *rows])
     print("%s; %s" % (call([clang, "--version"]).splitlines()[0], call([ptxas, "--version"]).splitlines()[-1]))

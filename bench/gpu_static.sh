@@ -4,7 +4,7 @@
 # Compiles the kernel for sm_70, sm_80 and sm_90, as the program has it built for a GPU, to PTX with clang (16 or newer, with
 # NVPTX) and libclc's nvptx64--nvidiacl.bc, then with NVIDIA's ptxas. What is not on the PATH is looked for where Debian puts
 # it; ptxas comes from the Python package registry otherwise (nvidia-cuda-nvcc-cu12) and stays in DIR (bench/out). Leaves
-# gpu_static.csv there, and prints the table of it. Exit code 77 where a tool is missing.
+# gpu_static.csv there, and prints the table of it; gpu_stages.csv is for divergence.sh. Exit code 77 where a tool is missing.
 #     python3 bench/gpu_static.py --readme CSV bench/README.md
 # writes the table into the text. NVIDIA's own OpenCL compiler need not choose the same registers.
 # SPDX-License-Identifier: MIT
@@ -38,4 +38,4 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cmake -D KERNELS="$kernels" -D OUTPUT="$work/kernel" -P "$root/src/engine/opencl/opencl_text.cmake"
 mv "$work/kernel.text" "$work/kernel.cl"
-python3 -B "$here/gpu_static.py" "$work" "$clang" "$library" "$ptxas" "$out/gpu_static.csv"
+python3 -B "$here/gpu_static.py" "$work" "$clang" "$library" "$ptxas" "$out/gpu_static.csv" "$out/gpu_stages.csv"

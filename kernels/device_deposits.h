@@ -1,29 +1,26 @@
 /* The tallies of an OpenCL device: 64-bit cells that many work-items add to. One of the two sinks that walk.h
  * may write to; the other is the host's (host_deposits.h). OpenCL C only.
  * Integers only, so neither the order nor the place of the additions can show.
- * CML_TWO_WORDS adds to a cell as two 32-bit words with a carry, for devices without
- * cl_khr_int64_base_atomics. CML_GROUP_SIZE is the number of work-items that share local memory.
- * SPDX-License-Identifier: MIT */
+ * Cells of local memory are added to as two 32-bit words with a carry: NVIDIA's GPUs have no addition of 64
+ * bits there and try again and again while others add to the same cell. CML_TWO_WORDS: those of global
+ * memory, too, for devices without cl_khr_int64_base_atomics. CML_GROUP_SIZE is the number of work-items that
+ * share local memory. SPDX-License-Identifier: MIT */
 #ifndef CML_DEVICE_DEPOSITS_H
 #define CML_DEVICE_DEPOSITS_H
 
 #include "device_layout.h"
 
-#ifdef CML_TWO_WORDS
-#define CML_ATOMIC_ADD(space, cell, amount)                                                                  \
+/* As two words with a carry. */
+#define CML_ADD_WORDS(space, cell, amount)                                                                   \
     do {                                                                                                     \
         volatile space cml_u32 *words = (volatile space cml_u32 *)(cell);                                    \
         const cml_u32 low = (cml_u32)(amount), old = atomic_add(words, low);                                 \
         const cml_u32 high = (cml_u32)((amount) >> 32) + (old + low < old ? 1u : 0u);                        \
         if (high) atomic_add(words + 1, high);                                                               \
     } while (0)
-#else
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
-#define CML_ATOMIC_ADD(space, cell, amount) atom_add((volatile space cml_u64 *)(cell), amount)
-#endif
 
 struct cml_deposits {
-    struct cml_windows windows;
+    __local const struct cml_windows *windows;
     __local cml_u64 *near;
     __global cml_u64 *cells;
     __global struct cml_control *control;
@@ -34,13 +31,21 @@ CML_FN void cml_add_near(__local cml_u64 *cell, cml_u64 amount)
 #if CML_GROUP_SIZE == 1
     *cell += amount;
 #else
-    CML_ATOMIC_ADD(__local, cell, amount);
+    CML_ADD_WORDS(__local, cell, amount);
 #endif
 }
 
+#ifndef CML_TWO_WORDS
+#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+#endif
+
 CML_FN void cml_add_far(__global cml_u64 *cell, cml_u64 amount)
 {
-    CML_ATOMIC_ADD(__global, cell, amount);
+#ifdef CML_TWO_WORDS
+    CML_ADD_WORDS(__global, cell, amount);
+#else
+    atom_add((volatile __global cml_u64 *)cell, amount);
+#endif
 }
 
 CML_FN void cml_add(const struct cml_deposits *to, struct cml_window window, cml_u32 cell, cml_u64 amount)
@@ -66,12 +71,12 @@ CML_FN void cml_flush_window(const struct cml_deposits *to, struct cml_window wi
 
 CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
 {
-    cml_add(to, to->windows.sums, CML_CELL_LAYER + (cml_u32)medium, dw);
+    cml_add(to, to->windows->sums, CML_CELL_LAYER + (cml_u32)medium, dw);
 }
 
 CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)
 {
-    cml_add(to, to->windows.absorbed, (cml_u32)cell, dw);
+    cml_add(to, to->windows->absorbed, (cml_u32)cell, dw);
 }
 
 /* Of neither does a device keep any: the host refuses scenes that ask for them. */
@@ -109,7 +114,7 @@ CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, c
 
 CML_FN void cml_add_exit(const struct cml_deposits *to, int reflected, int cell, cml_u32 w)
 {
-    cml_add(to, reflected ? to->windows.reflected : to->windows.transmitted, (cml_u32)cell, w);
+    cml_add(to, reflected ? to->windows->reflected : to->windows->transmitted, (cml_u32)cell, w);
 }
 
 CML_FN void cml_add_lost(const struct cml_deposits *to, cml_u64 index)

@@ -29,6 +29,8 @@ struct cml_device_lanes {
     real start_above[CML_DEVICE_LANES],
         start_below[CML_DEVICE_LANES]; /* the same for surfaces that are no planes */
     cml_u32 live[CML_DEVICE_LANES];    /* 1: holds a packet */
+    cml_u32 cleared[CML_DEVICE_LANES]; /* 1: a boundary was looked for, and there is none before the
+                                          interaction */
     /* of this pass */
     cml_u32 mine[CML_DEVICE_LANES]; /* 1: the packet flies s to its interaction */
     real s[CML_DEVICE_LANES];
@@ -36,13 +38,32 @@ struct cml_device_lanes {
     cml_u32 cell[CML_DEVICE_LANES]; /* of A_rz */
 };
 
+/* What the lanes of a GPU that go on together wait for, if one of them does it. bench/gpu_static.py defines
+ * it to count the instructions of each, and counts those that the lattice takes. */
+#ifndef CML_STAGE
+#define CML_STAGE CML_FN
+#endif
+#ifdef CML_NO_LATTICE
+#define CML_LATTICE 0
+#else
+#define CML_LATTICE 1
+#endif
+
 #if CML_DEVICE_LANES > 1
 #define CML_DEVICE_LOOP static __attribute__((noinline)) /* by itself the loop is made a vector loop */
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
+#define CML_ONE_COPY
+#define CML_FORGET_REGISTERS ((void)0)
 #pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than it looks for them */
 #else
-#define CML_DEVICE_LOOP CML_FN
+#define CML_DEVICE_LOOP CML_STAGE
 #define CML_AT_ONCE
+#define CML_ONE_COPY _Pragma("unroll 1")
+/* What has been stored is read again from memory, rather than kept in a register as well. */
+#define CML_FORGET_REGISTERS mem_fence(CLK_LOCAL_MEM_FENCE)
+/* Interactions that a lane may have before those that have come to a boundary go there: what
+ * bench/divergence.sh finds best. */
+#define CML_DEVICE_PASSES (CML_ALL_PLANES ? 8u : 2u)
 #endif
 
 /* Number of the lowest bit set, which is that of a lane. */
@@ -86,6 +107,7 @@ CML_FN cml_u32 cml_device_fly_lane(struct cml_stream stream, int even, struct cm
     return live & near;
 }
 
+#if CML_DEVICE_LANES > 1
 /* All lanes, none of which draws from the lattice. Returns the mask of those for which cml_device_fly_lane
  * returns 1. */
 CML_DEVICE_LOOP cml_u32 cml_device_fly_random(struct cml_stream stream, struct cml_device_lanes *restrict l)
@@ -112,6 +134,18 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) even |= l->interactions[i] < stream.lattice;
     return even ? cml_device_fly_even(stream, l) : cml_device_fly_random(stream, l);
 }
+#else
+/* The only lane; one that was cleared meets no boundary. */
+CML_STAGE cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
+{
+    const cml_u32 near =
+        cml_device_fly_lane(stream, CML_LATTICE && l->interactions[0] < stream.lattice, l, 0);
+    const cml_u32 stops = near & !l->cleared[0];
+    l->mine[0] = !stops;
+    l->cleared[0] = 0;
+    return stops;
+}
+#endif
 
 /* P3 and P4 of the lanes that interact: fills dw and, where absorption is tallied, cell. Returns the mask of
  * those that are below the roulette's threshold. */
@@ -128,7 +162,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
                       dw = mine ? part : 0u;
         const struct cml_vec v = cml_scatter(u, l->g[i], l->draw1[i], l->draw2[i]);
         const int iz = cml_depth_bin(setup, p.z, l->bins[i]), ir = cml_radial_bin(setup, p.x, p.y);
-        l->cell[i] = (cml_u32)(ir * (setup->nz + 2) + iz);
+        l->cell[i] = (cml_u32)(cml_device_column(ir, setup->nr, CML_DEVICE_LANES) * (setup->nz + 2) + iz);
         l->dw[i] = dw;
         l->w[i] = w - dw;
         l->x[i] = mine ? p.x : from.x;
@@ -144,7 +178,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
     return low_lanes;
 }
 
-CML_FN void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
+CML_STAGE void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
 {
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++)
         if (l->mine[i]) cml_add_to_cell(to, (int)l->cell[i], l->dw[i]);

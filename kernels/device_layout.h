@@ -20,6 +20,15 @@
 #define CML_CELL_COUNT (CML_CELL_BALANCE + (cml_u32)CML_NUM_BALANCE_TERMS)
 #define CML_CELL_LAYER (CML_CELL_COUNT + (cml_u32)CML_NUM_COUNTS)
 
+/* Where a device has the radial bin ir of A_rz, 0..nr. With one packet a work-item, as on a GPU, what lies
+ * beyond the last one comes first, because many packets end there, and the first cells are those in local
+ * memory. */
+CML_FN int cml_device_column(int ir, int nr, int lanes)
+{
+    if (lanes > 1) return ir;
+    return ir < nr ? ir + 1 : 0;
+}
+
 /* A part of the block, whose first cells, those that are hit most, a work-group keeps in local memory until
  * the launch ends. */
 struct cml_window {
@@ -35,11 +44,10 @@ struct cml_windows {
 
 /* One launch of the kernel. */
 struct cml_launch {
-    cml_u32 items;                  /* work-items that may fly; the others of the last group rest */
-    cml_u32 steps;                  /* events per work-item at most: watchdogs end what takes too long */
-    cml_u32 record;                 /* write the fates */
-    cml_u32 rings, clearance_cells; /* lengths of ring_r and of deepest */
-    cml_u32 near_cells;             /* cells of the local memory */
+    cml_u32 items;      /* work-items that may fly; the others of the last group rest */
+    cml_u32 steps;      /* events per work-item at most: watchdogs end what takes too long */
+    cml_u32 record;     /* write the fates */
+    cml_u32 near_cells; /* cells of the local memory */
 };
 
 #define CML_LOST_KEPT 64

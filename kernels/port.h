@@ -10,13 +10,14 @@
 typedef uint cml_u32;
 typedef ulong cml_u64;
 #define CML_GLOBAL __global
-#define CML_FN static inline __attribute__((always_inline)) /* a packet must live in registers */
+#define CML_FN static inline __attribute__((always_inline)) /* lanes must live in registers */
 #define CML_SQRT sqrt
 #define CML_FMA fma
 #define CML_FABS fabs
 #define CML_FLOOR floor
 #define CML_COPYSIGN copysign
 #define CML_CLZ(n) clz((uint)(n))
+#define CML_MAY_HAVE_MESHES 0 /* a device has none */
 #else
 #include <math.h>
 #include <stdint.h>
@@ -25,6 +26,7 @@ typedef uint32_t cml_u32;
 typedef uint64_t cml_u64;
 #define CML_GLOBAL
 #define CML_CLZ(n) __builtin_clz((unsigned)(n))
+#define CML_MAY_HAVE_MESHES 1
 #define CML_FN static inline
 #endif
 
@@ -57,11 +59,16 @@ typedef float real;
 #endif
 #endif
 
-/* A device's compiler is told when a scene has no curved boundary. */
+/* A device's compiler is told when a scene has no curved boundary, and when it has no body. */
 #ifdef CML_ONLY_PLANES
 #define CML_ALL_PLANES 1
 #else
 #define CML_ALL_PLANES 0
+#endif
+#ifdef CML_WITHOUT_BODIES
+#define CML_MAY_HAVE_BODIES 0
+#else
+#define CML_MAY_HAVE_BODIES 1
 #endif
 
 /* Spacing of real at 1. */

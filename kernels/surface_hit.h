@@ -109,7 +109,7 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
 CML_FN real cml_horizon(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
                         struct cml_vec p, real side, int on_primitive)
 {
-    if (surface->kind == CML_SURFACE_MESH)
+    if (CML_MAY_HAVE_MESHES && surface->kind == CML_SURFACE_MESH)
         return cml_cell_horizon(&surface->clearance, side > 0 ? world->horizon_below : world->horizon_above,
                                 cml_from_scene_axis(world, p), surface->clearance.form);
     if (on_primitive < 0) return surface->steepest;
@@ -141,7 +141,8 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     if (inside < 0) s.from = there;
     if ((away >= 0) & passes) s.to = there;
     const struct cml_vec start = cml_from_scene_axis(world, cml_along(p, s.from, u));
-    return cml_clip_interval(&surface->clearance, bounds, start, u, side, s, surface->clearance.form);
+    const int form = CML_MAY_HAVE_MESHES ? surface->clearance.form : CML_CLEARANCE_RADII;
+    return cml_clip_interval(&surface->clearance, bounds, start, u, side, s, form);
 }
 
 /* The same for any kind of surface. */
@@ -171,21 +172,27 @@ CML_FN int cml_is_outer(const struct cml_world *world, int medium)
     return medium == 0 || medium == world->setup.num_layers + 1;
 }
 
+/* Whether a medium is the inside of a body. */
+CML_FN int cml_is_body(const struct cml_world *world, int medium)
+{
+    return CML_MAY_HAVE_BODIES && medium > world->setup.num_layers + 1;
+}
+
 /* What the packet stands on of a boundary: -1 nothing, or CML_NEAR_FACETS. */
-CML_FN int cml_on_primitive(const struct cml_packet *packet, int boundary)
+CML_FN int cml_on_primitive(CML_GLOBAL const struct cml_packet *packet, int boundary)
 {
     return packet->on_boundary == boundary ? packet->on_primitive : -1;
 }
 
 /* Without the bodies. */
-CML_FN struct cml_boundary_intervals cml_layer_intervals(const struct cml_world *world,
-                                                         const struct cml_packet *packet, real t_max)
+CML_FN struct cml_boundary_intervals
+cml_layer_intervals(const struct cml_world *world, CML_GLOBAL const struct cml_packet *packet, real t_max)
 {
     const int medium = packet->medium;
     const struct cml_interval none = {0, 0, t_max};
     struct cml_boundary_intervals intervals = {none, none, 0, t_max};
     struct cml_vec p = packet->p;
-    if (medium > world->setup.num_layers + 1) return intervals;
+    if (cml_is_body(world, medium)) return intervals;
     if (medium > 0)
         intervals.above = cml_surface_interval(world, &world->surfaces[medium - 1], p, packet->u, 1,
                                                cml_on_primitive(packet, medium - 1), t_max);
@@ -197,17 +204,17 @@ CML_FN struct cml_boundary_intervals cml_layer_intervals(const struct cml_world 
     return intervals;
 }
 
-CML_FN struct cml_boundary_intervals cml_find_intervals(const struct cml_world *world,
-                                                        const struct cml_packet *packet, real t_max)
+CML_FN struct cml_boundary_intervals
+cml_find_intervals(const struct cml_world *world, CML_GLOBAL const struct cml_packet *packet, real t_max)
 {
     struct cml_boundary_intervals intervals = cml_layer_intervals(world, packet, t_max);
     struct cml_body_region region;
-    if (world->setup.num_bodies)
+    if (CML_MAY_HAVE_BODIES && world->setup.num_bodies)
         intervals.bodies = cml_may_meet_body(world, packet->medium, packet->p, packet->u, t_max, &region);
     return intervals;
 }
 
-CML_FN void cml_lose_packet(struct cml_packet *packet, enum cml_lost_cause cause)
+CML_FN void cml_lose_packet(CML_GLOBAL struct cml_packet *packet, enum cml_lost_cause cause)
 {
     packet->fate = CML_FATE_LOST;
     packet->cause = (int)cause;
@@ -215,8 +222,9 @@ CML_FN void cml_lose_packet(struct cml_packet *packet, enum cml_lost_cause cause
 
 /* Crossing of one boundary that the packet can meet; p in that boundary's frame. Without one *hit stays as it
  * is. */
-CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packet *packet, int boundary,
-                                 struct cml_vec p, real side, struct cml_interval s, struct cml_hit *hit)
+CML_FN int cml_intersect_surface(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+                                 int boundary, struct cml_vec p, real side, struct cml_interval s,
+                                 struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
     const int on_primitive = cml_on_primitive(packet, boundary);
@@ -246,8 +254,8 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, struct cml_packe
 
 /* The surface of a body, from inside (side +1) or outside: whether the packet crosses it before t_max. afar:
  * it is away from all bodies. Without a crossing *hit stays as it is. */
-CML_FN int cml_intersect_body(const struct cml_world *world, struct cml_packet *packet, int boundary,
-                              real side, real t_max, int afar, struct cml_hit *hit)
+CML_FN int cml_intersect_body(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+                              int boundary, real side, real t_max, int afar, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_body *body = &world->bodies[boundary - world->setup.num_layers - 1];
     const int kind = world->surfaces[boundary].kind, on_primitive = cml_on_primitive(packet, boundary);
@@ -284,10 +292,10 @@ CML_FN int cml_intersect_body(const struct cml_world *world, struct cml_packet *
 
 /* The first surface of a body that the packet crosses before t_max: from inside that of the body it is in,
  * from outside those of the bodies in its medium. */
-CML_FN int cml_nearest_body(const struct cml_world *world, struct cml_packet *packet, real t_max, int afar,
-                            struct cml_hit *hit)
+CML_FN int cml_nearest_body(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet, real t_max,
+                            int afar, struct cml_hit *hit)
 {
-    const int layers = world->setup.num_layers, own = packet->medium > layers + 1;
+    const int layers = world->setup.num_layers, own = cml_is_body(world, packet->medium);
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
     const struct cml_vec per_u = {1 / packet->u.x, 1 / packet->u.y, 1 / packet->u.z};
     int found = own && cml_intersect_body(world, packet, packet->medium - 1, 1, t_max, afar, hit);
@@ -304,7 +312,7 @@ CML_FN int cml_nearest_body(const struct cml_world *world, struct cml_packet *pa
 
 /* The first boundary of the packet's medium that it crosses within reach. A packet that is lost on the search
  * (P9) has ended. */
-CML_FN int cml_nearest_hit(const struct cml_world *world, struct cml_packet *packet,
+CML_FN int cml_nearest_hit(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
                            struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
     const int medium = packet->medium;

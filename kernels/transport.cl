@@ -17,7 +17,7 @@ CML_FN enum cml_balance_term cml_balance_term_of(int fate)
 }
 
 /* R and T by exit bin; what is rare by its cause. */
-CML_FN void cml_score_fate(const struct cml_setup *setup, const struct cml_packet *packet,
+CML_FN void cml_score_fate(const struct cml_setup *setup, __global const struct cml_packet *packet,
                            const struct cml_deposits *to)
 {
     if (packet->fate == CML_FATE_REFLECTED || packet->fate == CML_FATE_TRANSMITTED) {
@@ -33,13 +33,11 @@ CML_FN void cml_score_fate(const struct cml_setup *setup, const struct cml_packe
     }
 }
 
-CML_FN void cml_score(const struct cml_setup *setup, const struct cml_packet *packet,
+CML_FN void cml_score(const struct cml_setup *setup, __global const struct cml_packet *packet,
                       const struct cml_deposits *to)
 {
     cml_score_fate(setup, packet, to);
     cml_add_to_balance(to, cml_balance_term_of(packet->fate), packet->w);
-    cml_add_to_balance(to, CML_BALANCE_LAUNCHED, CML_WEIGHT_ONE);
-    cml_add_to_balance(to, CML_BALANCE_SPECULAR, setup->specular);
     cml_add_to_balance(to, CML_BALANCE_ABSORBED, packet->absorbed);
     cml_add_to_balance(to, CML_BALANCE_GAINED, packet->gained);
     cml_add_to_balance(to, CML_BALANCE_ROULETTE, packet->roulette);
@@ -48,6 +46,15 @@ CML_FN void cml_score(const struct cml_setup *setup, const struct cml_packet *pa
     cml_add_count(to, CML_COUNT_BOUNDARY_EVENTS, packet->boundary_events);
     cml_add_count(to, CML_COUNT_QUERIES, packet->queries);
     cml_add_count(to, CML_COUNT_SHADING_OVERRULED, packet->shading_overruled);
+}
+
+/* What every packet of the group adds alike, from their number: by one item, with a barrier before it. */
+CML_FN void cml_score_launches(const struct cml_setup *setup, const struct cml_deposits *to)
+{
+    const cml_u64 photons = to->near[CML_CELL_COUNT + CML_COUNT_PHOTONS];
+    if (!photons) return;
+    cml_add_far(to->cells + CML_CELL_BALANCE + CML_BALANCE_LAUNCHED, photons * CML_WEIGHT_ONE);
+    cml_add_far(to->cells + CML_CELL_BALANCE + CML_BALANCE_SPECULAR, photons * setup->specular);
 }
 
 /* --- packets of a work-item --- */
@@ -60,7 +67,8 @@ CML_FN int cml_device_take(__global struct cml_control *control, cml_u64 *index)
     return taken < control->count;
 }
 
-CML_FN void cml_device_write_fate(const struct cml_packet *packet, __global struct cml_device_fate *fate)
+CML_FN void cml_device_write_fate(__global const struct cml_packet *packet,
+                                  __global struct cml_device_fate *fate)
 {
     fate->absorbed = packet->absorbed;
     fate->fate = packet->fate;
@@ -82,21 +90,22 @@ CML_FN int cml_device_has_work(__global struct cml_control *control, __global co
 }
 
 /* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the weight
- * balance up to the last mark. */
+ * balance up to the last mark. The rest stays in global memory, so that a packet between boundaries has the
+ * registers to itself. */
 struct cml_device_flight {
     struct cml_device_lanes lanes;
-    struct cml_packet packets[CML_DEVICE_LANES];
-    cml_u32 alive; /* packets */
+    __global struct cml_packet *packets; /* [CML_DEVICE_LANES] */
+    cml_u32 alive;                       /* packets */
 };
 
 /* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
- * as lost weight: to be called before either changes. */
+ * as lost weight: to be called before either changes, and behind cml_device_read_lane. */
 CML_FN void cml_device_flush_deposits(const struct cml_deposits *to, struct cml_device_flight *f, cml_u32 i)
 {
-    const cml_u32 deposited = f->lanes.flushed_w[i] - f->lanes.w[i];
+    const cml_u32 deposited = f->lanes.flushed_w[i] - f->packets[i].w;
     if (deposited) cml_add_to_layer(to, f->packets[i].medium, deposited);
     f->packets[i].absorbed += deposited;
-    f->lanes.flushed_w[i] = f->lanes.w[i];
+    f->lanes.flushed_w[i] = f->packets[i].w;
 }
 
 CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
@@ -115,10 +124,12 @@ CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_dev
     l->stop_below[i] = below;
     l->start_above[i] = top && cml_is_plane(world, m - 1) ? -CML_INFINITY : above;
     l->start_below[i] = bottom && cml_is_plane(world, m) ? CML_INFINITY : below;
-    if (medium.body_grid >= 0) l->stop_above[i] = CML_INFINITY; /* every step is looked at */
+    if (CML_MAY_HAVE_BODIES && medium.body_grid >= 0)
+        l->stop_above[i] = CML_INFINITY; /* every step is looked at */
 }
 
-CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i, const struct cml_packet *packet)
+CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
+                                 __global const struct cml_packet *packet)
 {
     l->x[i] = packet->p.x;
     l->y[i] = packet->p.y;
@@ -129,18 +140,26 @@ CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i, const st
     l->tau[i] = packet->tau;
 }
 
+CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
+                                   __global const struct cml_packet *packet)
+{
+    l->index_low[i] = (cml_u32)packet->index;
+    l->index_high[i] = (cml_u32)(packet->index >> 32);
+    l->w[i] = packet->w;
+    l->interactions[i] = packet->interactions;
+}
+
 /* The packet into its lane. */
 CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
-    const struct cml_packet *packet = &f->packets[i];
-    l->index_low[i] = (cml_u32)packet->index;
-    l->index_high[i] = (cml_u32)(packet->index >> 32);
+    __global const struct cml_packet *packet = &f->packets[i];
+    cml_device_store_count(l, i, packet);
     cml_device_store_ray(l, i, packet);
-    l->w[i] = l->flushed_w[i] = packet->w;
-    l->interactions[i] = packet->interactions;
+    l->flushed_w[i] = packet->w;
     l->touched[i] = packet->interactions - (packet->bounces == 0);
     l->live[i] = packet->fate == CML_FATE_ALIVE;
+    l->cleared[i] = 0;
     cml_device_load_medium(world, f, i);
 }
 
@@ -148,7 +167,7 @@ CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_devic
 CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
 {
     const struct cml_device_lanes *l = &f->lanes;
-    struct cml_packet *packet = &f->packets[i];
+    __global struct cml_packet *packet = &f->packets[i];
     const struct cml_vec p = {l->x[i], l->y[i], l->z[i]}, u = {l->ux[i], l->uy[i], l->uz[i]};
     packet->p = p;
     packet->u = u;
@@ -161,23 +180,25 @@ CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
     packet->bounces = 0;
 }
 
-/* Back into the lane what boundary events can change. medium: the packet's before. */
-CML_FN void cml_device_store_event(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i,
-                                   int medium)
+/* Back into the lane what cml_device_read_lane has stored. A device with one lane forgets what it had in
+ * registers: they are free while a boundary is looked for. medium: the packet's before. */
+CML_FN void cml_device_restore_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i,
+                                    int medium)
 {
     struct cml_device_lanes *l = &f->lanes;
-    const struct cml_packet *packet = &f->packets[i];
+    __global const struct cml_packet *packet = &f->packets[i];
     cml_device_store_ray(l, i, packet);
-    l->touched[i] = packet->interactions;
-    if (packet->medium != medium) cml_device_load_medium(world, f, i);
+    if (CML_DEVICE_LANES == 1) cml_device_store_count(l, i, packet);
+    l->touched[i] = packet->interactions - (packet->bounces == 0);
+    if (CML_DEVICE_LANES == 1 || packet->medium != medium) cml_device_load_medium(world, f, i);
 }
 
 /* The lane's flight into the tallies, and the next packet into the lane if there is one. */
-CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
-                               struct cml_launch launch, __global struct cml_device_fate *fates,
-                               struct cml_device_flight *f, cml_u32 i)
+CML_STAGE void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
+                                  struct cml_launch launch, __global struct cml_device_fate *fates,
+                                  struct cml_device_flight *f, cml_u32 i)
 {
-    struct cml_packet *packet = &f->packets[i];
+    __global struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
     cml_device_flush_deposits(to, f, i);
     cml_score(&world->setup, packet, to);
@@ -190,54 +211,98 @@ CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_d
     cml_device_load_lane(world, f, i);
 }
 
+/* cml_find_intervals and cml_nearest_hit with one copy of the search, for the boundary above and then for the
+ * one below: a device with one lane holds little text at a time. */
+CML_FN int cml_device_nearest_hit(const struct cml_world *world, __global struct cml_packet *packet, real t,
+                                  struct cml_hit *hit)
+{
+    const int medium = packet->medium, sides = cml_is_body(world, medium) ? 0 : 2;
+    real reach = t;
+    int found = 0;
+    CML_ONE_COPY
+    for (int down = 0; down < sides; down++) {
+        const int boundary = medium - 1 + down;
+        const real side = down ? (real)-1 : (real)1;
+        struct cml_vec p = packet->p;
+        if (boundary < 0 || boundary > world->setup.num_layers) continue;
+        if (down) p.z -= world->media[medium].span;
+        struct cml_interval s = cml_surface_interval(world, &world->surfaces[boundary], p, packet->u, side,
+                                                     cml_on_primitive(packet, boundary), t);
+        s.to = reach < s.to ? reach : s.to;
+        if (!s.meets || !cml_intersect_surface(world, packet, boundary, p, side, s, hit)) continue;
+        reach = hit->t;
+        found = 1;
+    }
+    if (CML_MAY_HAVE_BODIES && world->setup.num_bodies) {
+        struct cml_body_region region;
+        const int ahead = cml_may_meet_body(world, medium, packet->p, packet->u, t, &region);
+        if (ahead) found |= cml_nearest_body(world, packet, reach, ahead == CML_BODIES_FROM_AFAR, hit);
+    }
+    return found;
+}
+
+/* What the packet does within t, the way to its interaction: a boundary event, or an end. Returns 1 when it
+ * is to interact. */
+CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_deposits *to,
+                                struct cml_device_flight *f, cml_u32 i, real t)
+{
+    __global struct cml_packet *packet = &f->packets[i];
+    struct cml_hit hit;
+    if (!(cml_dot(packet->u, packet->u) < 2)) {
+        cml_lose_packet(packet, CML_LOST_NAN);
+    } else if (cml_device_nearest_hit(world, packet, t, &hit)) {
+        cml_device_flush_deposits(to, f, i);
+        cml_score_boundary_event(world, to, packet, &hit);
+    } else if (!(t < CML_INFINITY)) {
+        cml_leave_scene(world, packet);
+    } else if (cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z)) {
+        cml_lose_packet(packet, CML_LOST_LEAKED);
+    } else {
+        return 1;
+    }
+    return 0;
+}
+
 /* A lane that may meet a boundary has its event there, or is to interact after all. Returns 1 when its packet
  * has ended. */
-CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
-                                       struct cml_device_flight *f, cml_u32 i)
+CML_STAGE cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
+                                          struct cml_device_flight *f, cml_u32 i)
 {
-    struct cml_packet *packet = &f->packets[i];
-    struct cml_hit hit;
+    __global struct cml_packet *packet = &f->packets[i];
     const int medium = packet->medium;
     cml_device_read_lane(f, i);
+    CML_FORGET_REGISTERS;
     if (!(packet->tau < CML_INFINITY))
         packet->tau = cml_optical_depth(world->setup.stream, packet->index, packet->interactions, 0u);
     const real t = cml_free_path(world, packet);
-    const struct cml_boundary_intervals intervals = cml_find_intervals(world, packet, t);
-    if (!(cml_dot(packet->u, packet->u) < 2)) {
-        cml_lose_packet(packet, CML_LOST_NAN);
-    } else if (cml_nearest_hit(world, packet, intervals, &hit)) {
-        cml_device_flush_deposits(to, f, i);
-        cml_score_boundary_event(world, to, packet, &hit);
-    } else if (t < CML_INFINITY) {
-        f->lanes.s[i] = t;
-        f->lanes.mine[i] = !cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z);
-        if (f->lanes.mine[i]) return 0;
-        cml_lose_packet(packet, CML_LOST_LEAKED);
-    } else {
-        cml_leave_scene(world, packet);
-    }
-    cml_device_store_event(world, f, i, medium);
+    const cml_u32 mine = cml_device_event(world, to, f, i, t);
+    cml_device_restore_lane(world, f, i, medium);
+    f->lanes.s[i] = t;
+    f->lanes.mine[i] = mine;
     return packet->fate != CML_FATE_ALIVE;
 }
 
 /* P8, likewise. */
-CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
-                                   struct cml_device_flight *f, cml_u32 i)
+CML_STAGE cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
+                                      struct cml_device_flight *f, cml_u32 i)
 {
-    struct cml_packet *packet = &f->packets[i];
-    cml_device_flush_deposits(to, f, i);
+    __global struct cml_packet *packet = &f->packets[i];
     cml_device_read_lane(f, i);
+    cml_device_flush_deposits(to, f, i);
     cml_roulette(rule, packet);
     f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w;
     return packet->fate != CML_FATE_ALIVE;
 }
 
-/* One event of every packet. */
-CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_deposits *to,
-                            struct cml_launch launch, __global struct cml_device_fate *fates,
-                            struct cml_device_flight *f)
+#if CML_DEVICE_LANES > 1
+/* One event of every packet. Returns how many that is. */
+CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
+                               const struct cml_deposits *to, struct cml_launch launch,
+                               __global struct cml_device_fate *fates, struct cml_device_flight *f,
+                               cml_u32 most)
 {
     cml_u32 ended = 0;
+    world->setup.stream = *stream;
     const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
         ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
@@ -247,71 +312,102 @@ CML_FN void cml_device_pass(const struct cml_world *world, const struct cml_depo
         ended |= cml_device_roulette(world->setup.roulette, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
     for (cml_u32 rest = ended; rest; rest &= rest - 1)
         cml_device_replace(world, to, launch, fates, f, CML_LOWEST(rest));
+    return most ? 1 : 0;
 }
+#else
+/* Events of the packet, at most `most`, but one at least. Items that go on together wait for each other: so
+ * each flies from interaction to interaction, up to a number of them, and those that have come to a boundary,
+ * to roulette or to an end do that together. A boundary that is looked for and not met is no event: the item
+ * goes on to its interaction in the next pass. Returns how many there were. */
+CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml_stream *stream,
+                               const struct cml_deposits *to, struct cml_launch launch,
+                               __global struct cml_device_fate *fates, struct cml_device_flight *f,
+                               cml_u32 most)
+{
+    cml_u32 events = 0, near, low = 0, ended = 0;
+    do {
+        world->setup.stream = *stream;
+        near = cml_device_fly(world->setup.stream, &f->lanes);
+        if (near) break;
+        low = cml_device_interact(&world->setup, &f->lanes);
+        if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
+        events++;
+    } while (!low && events < most && events < CML_DEVICE_PASSES);
+    if (near) {
+        ended = cml_device_process_lane(world, to, f, 0);
+        f->lanes.cleared[0] = f->lanes.mine[0];
+        events += !f->lanes.mine[0];
+    }
+    if (low) ended = cml_device_roulette(world->setup.roulette, to, f, 0);
+    if (ended) cml_device_replace(world, to, launch, fates, f, 0);
+    return events;
+}
+#endif
 
-/* The events of one work-item in one launch. */
-CML_FN void cml_device_work_item(const struct cml_world *world, const struct cml_deposits *to,
-                                 struct cml_launch launch, __global struct cml_packet *saved,
-                                 __global struct cml_device_fate *fates)
+/* The events of one work-item in one launch. stream: that of the world, see struct cml_shared. */
+CML_FN void cml_device_work_item(struct cml_world *world, __local const struct cml_stream *stream,
+                                 const struct cml_deposits *to, struct cml_launch launch,
+                                 __global struct cml_packet *saved, __global struct cml_device_fate *fates)
 {
     struct cml_device_flight flight;
+    flight.packets = saved;
     flight.alive = 0;
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         cml_u64 index;
-        struct cml_packet *packet = &flight.packets[i];
-        *packet = saved[i];
+        __global struct cml_packet *packet = &flight.packets[i];
         if (packet->fate != CML_FATE_ALIVE && cml_device_take(to->control, &index))
             cml_launch(world, index, packet);
         flight.alive += packet->fate == CML_FATE_ALIVE;
         cml_device_load_lane(world, &flight, i);
     }
-    for (cml_u32 step = 0; step < launch.steps && flight.alive; step++)
-        cml_device_pass(world, to, launch, fates, &flight);
+    for (cml_u32 done = 0; flight.alive && (done < launch.steps || flight.lanes.cleared[0]);)
+        done += cml_device_pass(world, stream, to, launch, fates, &flight, launch.steps - done);
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
-        cml_device_flush_deposits(to, &flight, i);
         cml_device_read_lane(&flight, i);
-        saved[i] = flight.packets[i];
+        cml_device_flush_deposits(to, &flight, i);
     }
     if (flight.alive) atomic_add(&to->control->alive, flight.alive);
 }
 
+/* What a compiler would keep in registers, with all that follows from it alone, if it came with the kernel's
+ * arguments: every pass reads it anew from local memory. */
+struct cml_shared {
+    struct cml_windows windows;
+    struct cml_stream stream;
+};
+
 __kernel __attribute__((reqd_work_group_size(CML_GROUP_SIZE, 1, 1))) void
 cml_transport(const struct cml_setup setup, const struct cml_windows windows, const struct cml_launch launch,
               __global const struct cml_medium *media, __global const struct cml_surface *surfaces,
-              __global const real *rings, __global const int *ring_starts, __global const real *clearance,
+              __global const real *ring_r, __global const real *ring_z, __global const real *ring_slope,
+              __global const real *ring_horizon_above, __global const real *ring_horizon_below,
+              __global const int *ring_starts, __global const real *deepest, __global const real *highest,
               __global const struct cml_body *bodies, __global const struct cml_body_node *body_nodes,
               __global const struct cml_body_grid *body_grids,
               __global const struct cml_body_cell *body_cells, __global struct cml_control *control,
               __global struct cml_packet *packets, __global struct cml_device_fate *fates,
               __global cml_u64 *cells, __local cml_u64 *near)
 {
-    const struct cml_world world = {setup,
-                                    media,
-                                    surfaces,
-                                    rings,
-                                    rings + launch.rings,
-                                    rings + 2 * launch.rings,
-                                    rings + 3 * launch.rings,
-                                    rings + 4 * launch.rings,
-                                    ring_starts,
-                                    clearance,
-                                    clearance + launch.clearance_cells,
-                                    0,
-                                    0,
-                                    bodies,
-                                    body_nodes,
-                                    body_grids,
-                                    body_cells};
-    const struct cml_deposits to = {windows, near, cells, control};
+    struct cml_world world = {
+        setup,         media,   surfaces, ring_r, ring_z, ring_slope, ring_horizon_above, ring_horizon_below,
+        ring_starts,   deepest, highest,  0,      0,      bodies,     body_nodes,         body_grids,
+        body_cells};
+    __local struct cml_shared shared;
+    const struct cml_deposits to = {&shared.windows, near, cells, control};
     const size_t item = get_global_id(0);
 #if CML_GROUP_SIZE == 1 /* else the others of the group may need the local memory */
     if (!cml_device_has_work(control, packets + item * CML_DEVICE_LANES)) return;
 #endif
+    if (get_local_id(0) == 0) {
+        shared.stream = setup.stream;
+        shared.windows = windows;
+    }
     cml_clear_near(near, launch.near_cells);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item < launch.items)
-        cml_device_work_item(&world, &to, launch, packets + item * CML_DEVICE_LANES, fates);
+        cml_device_work_item(&world, &shared.stream, &to, launch, packets + item * CML_DEVICE_LANES, fates);
     barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) cml_score_launches(&world.setup, &to);
     cml_flush_window(&to, windows.sums);
     cml_flush_window(&to, windows.reflected);
     cml_flush_window(&to, windows.transmitted);

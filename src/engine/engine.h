@@ -34,6 +34,7 @@ struct cml_engine_options {
     int local_rank;     /* for that: this process's number among those of its machine */
     const char *build_options; /* for the device's compiler, behind ours; NULL: none */
     int group;                 /* work-items per group; 0: chosen by the device */
+    bool loose_division; /* division and root as on devices that cannot round them correctly; for tests */
 };
 
 /* How one packet ended. */

@@ -20,7 +20,7 @@ for script in bench/*.sh; do
     scripts=$((scripts + 1))
     case $script in
     */figure.sh) expect_refusal usage "$script" --nonsense && continue ;;
-    */atlas.sh | */parts.sh | */unbiased.sh) place=--build ;;
+    */atlas.sh | */divergence.sh | */parts.sh | */unbiased.sh) place=--build ;;
     */gpu_static.sh) place=--kernels ;;
     *) place=--program ;;
     esac

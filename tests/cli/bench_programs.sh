@@ -31,6 +31,11 @@ for kind in cone mesh; do
     expect_table scene,queries,ns,around,ahead,seek,turn,cross 1 3 bench_curved samples/shapes/hihill.mci $kind
 done
 expect_table scene,steps,asked,met 2 4 bench_asked samples/shapes/hihill.mci samples/shapes/hinoise.mci
+stages="fly,fly share,fly again,fly again share,lattice,lattice share,boundary,boundary share,interact,interact share"
+stages="$stages,deposit,deposit share,roulette,roulette share,replace,replace share"
+bins="near,cells,in local memory,layer,sums,lanes,one bin,busiest,collision"
+expect_table "scene and order,only planes,instructions,least,$stages,$bins" 9 3 bench_divergence bench/results/gpu-stages.csv \
+    samples/fig5.mci
 expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci
 expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci --mesh
 expect_table stage,ns_alone,ns_saved_when_left_out 11 2 bench_stages

@@ -36,8 +36,6 @@ static void choose_sizes(const struct cml_opencl_scene *scene, struct cml_opencl
     const uint32_t groups = items / flight->group;
     flight->lanes = flight->group == 1 ? LANES_ALONE : 1;
     flight->most_items = flight->group * (groups > info->units ? groups : info->units);
-    flight->launch.rings = (uint32_t)scene->num_rings;
-    flight->launch.clearance_cells = (uint32_t)scene->clearance_cells;
     flight->launch.steps = 256;
 }
 
@@ -52,8 +50,9 @@ static struct cml_window place(uint64_t *first, uint64_t cells, uint64_t near, u
 }
 
 /* Lays out the block of cells, and which of them a group keeps in local memory (privatised tallies): sums,
- * which every packet adds to, then the exits near the axis, then as much of A_rz from the axis outwards as
- * there is room for. At most half of the local memory is used, so that two groups fit. */
+ * which every packet adds to, then the exits near the axis, then of A_rz what lies beyond its last radial
+ * bin, and from the axis outwards as much as there is room for. At most half of the local memory is used, so
+ * that two groups fit. */
 static struct cml_windows place_windows(const struct cml_opencl_scene *scene,
                                         struct cml_opencl_flight *flight)
 {
@@ -99,13 +98,15 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
 {
     const struct cml_opencl_info *info = &flight->device.info;
     const char *extra = scene->build_options ? scene->build_options : "";
+    const bool exact = info->exact_division && !scene->loose_division;
     const size_t size = strlen(extra) + 256;
     char *options = malloc(size);
     if (!options) return cml_fail_memory(err, (double)size, "the compiler's options");
-    snprintf(
-        options, size, "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s %s",
-        flight->group, flight->lanes, info->exact_division ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
-        info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "", extra);
+    snprintf(options, size,
+             "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s %s",
+             flight->group, flight->lanes, exact ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
+             info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
+             scene->setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES", extra);
     const cml_status status =
         cml_opencl_program(&flight->device, flight->context, options, &flight->program, err);
     free(options);
@@ -118,11 +119,11 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
                                 const void *content, struct cml_error *err)
 {
     static const char *const names[CML_NUM_BUFFERS] = {
-        "memory for media",        "memory for surfaces",  "memory for rings",
-        "memory for rings' parts", "memory for clearance", "memory for bodies",
-        "memory for bodies",       "memory for bodies",    "memory for bodies' clearance",
-        "memory for counters",     "memory for packets",   "memory for fates",
-        "memory for tallies"};
+        "memory for media",     "memory for surfaces",  "memory for rings",    "memory for rings",
+        "memory for rings",     "memory for rings",     "memory for rings",    "memory for rings",
+        "memory for clearance", "memory for clearance", "memory for bodies",   "memory for bodies",
+        "memory for bodies",    "memory for bodies",    "memory for counters", "memory for packets",
+        "memory for fates",     "memory for tallies"};
     cl_int code = CL_SUCCESS;
     if (flight->buffer[which]) clReleaseMemObject(flight->buffer[which]);
     flight->buffer[which] =
@@ -210,12 +211,14 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
         create_buffer(flight, CML_BUFFER_MEDIA, (surfaces + 1) * sizeof *scene->media, scene->media, err));
     CML_TRY(
         create_buffer(flight, CML_BUFFER_SURFACES, surfaces * sizeof *scene->surfaces, scene->surfaces, err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_RINGS, CML_RING_ROWS * scene->num_rings * sizeof(float),
-                          scene->rings, err));
+    for (int row = 0; row < CML_RING_ROWS; row++)
+        CML_TRY(create_buffer(flight, CML_BUFFER_RINGS + row, scene->num_rings * sizeof(float),
+                              scene->rings + (size_t)row * scene->num_rings, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_RING_STARTS, scene->num_rings * sizeof(int), scene->ring_starts,
                           err));
-    CML_TRY(create_buffer(flight, CML_BUFFER_CLEARANCE, 2 * scene->clearance_cells * sizeof(float),
-                          scene->clearance, err));
+    for (int side = 0; side < 2; side++)
+        CML_TRY(create_buffer(flight, CML_BUFFER_CLEARANCE + side, scene->clearance_cells * sizeof(float),
+                              scene->clearance + (size_t)side * scene->clearance_cells, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_BODIES, bodies * sizeof *scene->bodies, scene->bodies, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_BODY_NODES, scene->num_body_nodes * sizeof *scene->body_nodes,
                           scene->body_nodes, err));

@@ -67,10 +67,11 @@ struct cml_opencl_scene {
     const struct cml_body_grid *body_grids;
     const struct cml_body_cell *body_cells;
     size_t num_body_nodes, num_body_grids, num_body_cells;
-    bool only_planes;
+    bool only_planes;          /* no curved boundaries and no bodies */
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
     const char *build_options; /* NULL: none */
     int group;                 /* 0: chosen */
+    bool loose_division;       /* even where the device can round correctly */
 };
 
 /* Buffers of a device, in the order of the kernel's arguments. Those of the scene are written once; control,
@@ -78,10 +79,10 @@ struct cml_opencl_scene {
 enum {
     CML_BUFFER_MEDIA,
     CML_BUFFER_SURFACES,
-    CML_BUFFER_RINGS,
-    CML_BUFFER_RING_STARTS,
-    CML_BUFFER_CLEARANCE,
-    CML_BUFFER_BODIES,
+    CML_BUFFER_RINGS, /* the first of CML_RING_ROWS */
+    CML_BUFFER_RING_STARTS = CML_BUFFER_RINGS + CML_RING_ROWS,
+    CML_BUFFER_CLEARANCE, /* the first of two */
+    CML_BUFFER_BODIES = CML_BUFFER_CLEARANCE + 2,
     CML_BUFFER_BODY_NODES,
     CML_BUFFER_BODY_GRIDS,
     CML_BUFFER_BODY_CELLS,

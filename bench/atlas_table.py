@@ -113,7 +113,9 @@ def readme_lines(quick, natural):
     for name, aims in AIMS:
         yield pooled("all", name, [cell for cell in quick if cell["aim"] in aims.split()])
     for name, situations in KINDS:
-        yield pooled(name, "every way", [cell for cell in quick if cell["situation"] in situations.split()])
+        cells = [cell for cell in quick if cell["situation"] in situations.split()]
+        if cells:
+            yield pooled(name, "every way", cells)
     right = sum(cell["status"] == "refused" for cell in refused)
     yield f"| surfaces that cross or touch, holes | - | - | {right} of {len(refused)} refused | | | |"
 

@@ -1,9 +1,9 @@
 #!/bin/sh
 # The atlas of what fails where:
-#     atlas.sh [--quick] [--full] [--only WORD] [--build DIR] [--out DIR]
-#     atlas.sh --natural [--crossings N] [--full] [--only WORD] [--build DIR] [--out DIR]
+#     atlas.sh [--quick] [--full] [--only WORD,...] [--build DIR] [--out DIR]
+#     atlas.sh --natural [--crossings N] [--full] [--only WORD,...] [--build DIR] [--out DIR]
 # by default of build/ into bench/out, within 30 minutes on two cores; --quick within 3; --full adds 1e6 and 1e7
-# triangles, --only leaves situations with WORD in their name. Leaves atlas.csv and atlas.md. --natural: N (1e9) crossings
+# triangles, --only leaves situations with a WORD in their name. Leaves atlas.csv and atlas.md. --natural: N (1e9) crossings
 # in all of packets aimed at nothing in particular, within 20 minutes; leaves natural.csv and natural.md.
 # tests/stability/README.md says what is flown and counted.
 # SPDX-License-Identifier: MIT

@@ -73,7 +73,15 @@ KINDS = (("ridges, tips, rough meshes", "ridges-and-tip cone-tip pit-tip pole-of
                                     "g=-1 g=-0.999 g=0.999 g=1 n=1 n-all-but-matched n=2 n=4"),
          ("corners that send light back", "corner-cube corner-cube-clear"),
          ("overhangs, normals that disagree", "overhang overhang-below overhang-n=1 dome-n=1-smooth"),
-         ("flat, degenerate, turned, unjoined", "flat-mesh degenerate-triangles turned-triangles triangles-alone"))
+         ("flat, degenerate, turned, unjoined", "flat-mesh degenerate-triangles turned-triangles triangles-alone"),
+         ("tiles", "tile tile-below tile-many-periods tile-2x2 tile-odd tile-mirror tile-waves tile-walls-1e2 tile-smooth "
+                   "tile-n=1 tile-clear tile-layer-1e-5cm tile-features-1e-4cm-at-1e2cm"),
+         ("spheres, cylinders", "sphere cylinder-oblique cylinder-upright cylinder-level cylinder-wire cylinder-disk sphere-air "
+                                "sphere-clear sphere-n=1 cylinder-n=1 sphere-scale-1e-6 sphere-1e-4cm-at-1e2cm "
+                                "sphere-wide-1e3cm sphere-mean-free-path-1e-4 body-1e-6cm-below-plane beads-1e4"),
+         ("closed meshes", "body-box body-stone body-stone-smooth body-stone-n=1 body-box-air body-needle body-bottle "
+                           "body-below-mesh body-below-tile"),
+         ("bodies in bodies", "nested-spheres-1e-6cm nested-cylinders-1e-6cm nested-ball-in-tube nested-stones-1e-6"))
 
 
 def read_cells(name):
@@ -105,7 +113,9 @@ def readme_lines(quick, natural):
     for name, aims in AIMS:
         yield pooled("all", name, [cell for cell in quick if cell["aim"] in aims.split()])
     for name, situations in KINDS:
-        yield pooled(name, "every way", [cell for cell in quick if cell["situation"] in situations.split()])
+        cells = [cell for cell in quick if cell["situation"] in situations.split()]
+        if cells:
+            yield pooled(name, "every way", cells)
     right = sum(cell["status"] == "refused" for cell in refused)
     yield f"| surfaces that cross or touch, holes | - | - | {right} of {len(refused)} refused | | | |"
 

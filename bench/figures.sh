@@ -1,6 +1,7 @@
 #!/bin/sh
 # Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
-# curves (figures/*.csv) dashed beside them, the map of samples/skinmap.mci, and the runs of samples/two_runs.mci:
+# curves (figures/*.csv) dashed beside them, the maps of samples/skinmap.mci, furrows.mci and vein.mci, and the runs of
+# samples/two_runs.mci:
 #     figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
 # by default 3e6 packets (--quick: 1e5) of build/clustermcml into bench/out.
 # SPDX-License-Identifier: MIT
@@ -15,7 +16,7 @@ need_program
 need gnuplot
 mkdir -p "$out"
 for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
-    shapes/hinoise two_runs; do
+    shapes/hinoise two_runs furrows vein; do
     "$program" "$root/samples/$scene.mci" --photons "$photons" --ignore-absorption --quiet -o "$out"
 done
 # a map has as many pixels as a profile has bins, squared
@@ -47,5 +48,9 @@ times as much." flat50.mco lonoise.mco hinoise.mco "$curves/flat50-2019.csv" \
 draw skinmap "Diffuse reflectance of ridged skin in light from the left, 15 degrees above it, ${photons}0 packets; ridges are 0.01 cm high. \
 Pixels of 0.12 mm. What faces the light is three times as bright as what turns away." skinmap.map.vti --percentile 99.9 --linear \
     --label "Ridges of skin, grazing light"
+draw furrows "Diffuse reflectance of furrowed skin that goes on for ever, under a disk of light of 0.2 cm from the left, 15 degrees above it, \
+$photons packets. The texture repeats every 0.16 cm; the beam does not." furrows.map.vti --percentile 99.9 --linear --label "Furrows of skin, slanting light"
+draw vein "Diffuse reflectance of skin at 532 nm over a winding vein, 0.012 cm in radius and 0.014 to 0.034 cm below the surface, under a disk \
+of light of 0.35 cm, $photons packets." vein.map.vti --percentile 99.9 --linear --label "A vein under skin"
 draw hill "A slab with and without a hill, $photons packets each." two_runs_hill.mco two_runs_flat.mco --label "with a hill" --label "flat"
 for figure in figure5 figure6 figure7 figure8 figure9 figure10 hill; do python3 -B "$here/shrink_svg.py" "$out/$figure.svg"; done

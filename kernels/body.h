@@ -45,7 +45,7 @@ CML_FN struct cml_roots cml_quadric_roots(struct cml_vec d, struct cml_vec v, re
     return roots;
 }
 
-/* A sphere from outside; c: its centre from the packet, against u. */
+/* A sphere from outside. d: the packet from its centre. */
 CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct cml_body_hit *hit)
 {
     if (!(cml_dot(d, u) < 0)) return 0;

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the boundary meshes and heightmaps of this folder: generate.py [DIRECTORY], by default beside this script.
+"""Writes the meshes and heightmaps of this folder: generate.py [DIRECTORY], by default beside this script.
 
 Meshes: lengths in cm, heights up, faces counter-clockwise seen from above. Only the standard library is needed; the
 numbers are rounded to 1e-6 cm, so that every machine writes the same bytes.
@@ -107,6 +107,35 @@ def spikes():
     return vertices, faces
 
 
+def vein():
+    """A winding vein below skin: a closed tube of 12 sides, 0.012 cm in radius, its middle 0.026 to 0.046 cm deep."""
+    rings, sides, radius = 72, 12, 0.012
+
+    def middle(t):
+        return 0.06 * math.sin(5 * t) + 0.02 * math.sin(11 * t + 1), 0.8 * t - 0.4, -0.036 - 0.01 * math.sin(7 * t + 2)
+
+    vertices, faces = [], []
+    for i in range(rings):
+        t = i / (rings - 1)
+        along = [b - a for a, b in zip(middle(t - 1e-4), middle(t + 1e-4))]
+        length = math.sqrt(sum(c * c for c in along))
+        x, y, z = (c / length for c in along)
+        level = math.hypot(x, y)
+        right, up = (y / level, -x / level, 0), (-x * z / level, -y * z / level, level)
+        for k in range(sides):
+            c, s = radius * math.cos(2 * math.pi * k / sides), radius * math.sin(2 * math.pi * k / sides)
+            vertices.append([m + c * r + s * u for m, r, u in zip(middle(t), right, up)])
+    for i in range(0, (rings - 1) * sides, sides):
+        for k in range(sides):
+            a, b = i + k, i + (k + 1) % sides
+            faces += [(a, b, b + sides), (a, b + sides, a + sides)]
+    last = (rings - 1) * sides
+    for k in range(sides):
+        j = (k + 1) % sides
+        faces += [(len(vertices), j, k), (len(vertices) + 1, last + k, last + j)]
+    return vertices + [middle(0), middle(1)], faces
+
+
 def gsf(nx, ny, step, height):
     """A Gwyddion Simple Field of heights that are `step` m apart."""
     head = "Gwyddion Simple Field 1.0\nXRes = %d\nYRes = %d\nXReal = %.9g\nYReal = %.9g\n" % (
@@ -154,7 +183,7 @@ def grooves():
 
 def main():
     directory = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
-    for family in (wedge, ridges, prism, pyramid, overhang, spikes):
+    for family in (wedge, ridges, prism, pyramid, overhang, spikes, vein):
         write(directory, family.__name__ + ".obj", family.__doc__.rstrip("."), *family())
     for heightmap, ending in ((skin, ".gsf"), (furrows, ".gsf"), (grooves, ".asc")):
         with open(os.path.join(directory, heightmap.__name__ + ending), "wb") as stream:

@@ -56,6 +56,7 @@ row() { # SAMPLE OTHERS, one JSON line on standard input
         }
         function measured(key) { return sprintf("%.5f ± %.5f", value(key), value(key "_se")) }
         {
+            sub(/"bodies":\[[^]]*\]/, "") # which have an A of their own
             output = value("output"); gsub(/"|.*\//, "", output)
             printf "| `%s` | `%s` | %s | %.0e | %s | %s | %s | %s | %s | %.0f |\n", sample, output, question,
                 value("photons"), measured("Rsp"), measured("Rd"), measured("A"), measured("Tt"), others,

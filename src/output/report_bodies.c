@@ -3,6 +3,8 @@
 #include "output/report_parts.h"
 #include "surface/surface_facets.h"
 
+#include <string.h>
+
 /* ---- where values come from ---- */
 
 /* Shares of the launched weight. */
@@ -67,6 +69,23 @@ static void densities(const void *context, size_t begin, size_t count, double *o
                  area_of(source->report, &place);
 }
 
+static void face_numbers(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++) out[i] = source->face[begin + i].body + 1;
+}
+
+/* `cells` as of densities. */
+static void face_densities(const void *context, size_t begin, size_t count, double *out)
+{
+    const struct cml_field_source *source = context;
+    for (size_t i = 0; i < count; i++) {
+        const struct cml_body_face *face = &source->face[begin + i];
+        out[i] =
+            (double)source->cells[face->facet * CML_FACET_SCORES] * cml_field_per_photon(source) / face->area;
+    }
+}
+
 /* ---- fields ---- */
 
 static void add_media(struct cml_field_list *c)
@@ -98,27 +117,43 @@ static const cml_u128 *first_scores(const struct cml_report *report)
     return report->run->result.facets + facets * CML_FACET_SCORES;
 }
 
+static const struct {
+    const char *name, *long_name;
+    enum cml_facet_score score;
+} scores[] = {
+    {"body_irradiance_outside", "irradiance from outside the body", CML_FACET_IRRADIANCE_ABOVE},
+    {"body_irradiance_inside", "irradiance from inside the body", CML_FACET_IRRADIANCE_BELOW},
+    {"body_exitance_outside", "radiant exitance out of the body", CML_FACET_EXITANCE_ABOVE},
+    {"body_exitance_inside", "radiant exitance into the body", CML_FACET_EXITANCE_BELOW},
+};
+
+/* Of facets, or of faces that stand for them. */
+static struct cml_field_source *add_score(struct cml_field_list *c, size_t i, const char *name,
+                                          cml_field_values *values)
+{
+    struct cml_field_source *source = cml_add_field(c, name, scores[i].long_name, "1/cm2", values);
+    source->cells = first_scores(c->report) + scores[i].score;
+    cml_field_along(c, &c->body_facet, NULL, NULL);
+    c->fields[c->num_fields - 1].single = true;
+    return source;
+}
+
 static void add_facets(struct cml_field_list *c)
 {
-    static const struct {
-        const char *name, *long_name;
-        enum cml_facet_score score;
-    } scores[] = {
-        {"body_irradiance_outside", "irradiance from outside the body", CML_FACET_IRRADIANCE_ABOVE},
-        {"body_irradiance_inside", "irradiance from inside the body", CML_FACET_IRRADIANCE_BELOW},
-        {"body_exitance_outside", "radiant exitance out of the body", CML_FACET_EXITANCE_ABOVE},
-        {"body_exitance_inside", "radiant exitance into the body", CML_FACET_EXITANCE_BELOW},
-    };
     cml_add_field(c, "body_of_facet", "body, from 1", "1", numbers);
     cml_field_along(c, &c->body_facet, NULL, NULL);
     cml_add_field(c, "body_area", "area of the facet", "cm2", areas);
     cml_field_along(c, &c->body_facet, NULL, NULL);
-    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) {
-        cml_add_field(c, scores[i].name, scores[i].long_name, "1/cm2", densities)->cells =
-            first_scores(c->report) + scores[i].score;
-        cml_field_along(c, &c->body_facet, NULL, NULL);
-        c->fields[c->num_fields - 1].single = true;
-    }
+    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) add_score(c, i, scores[i].name, densities);
+}
+
+void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_faces *drawn)
+{
+    c->body_facet = cml_field_bins("face", "face", "1", (int)drawn->faces.num_faces, 0, 1);
+    cml_add_field(c, "body", "body, from 1", "1", face_numbers)->face = drawn->face;
+    cml_field_along(c, &c->body_facet, NULL, NULL);
+    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++)
+        add_score(c, i, scores[i].name + strlen("body_"), face_densities)->face = drawn->face;
 }
 
 void cml_add_body_fields(struct cml_field_list *c)

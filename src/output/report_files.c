@@ -235,6 +235,21 @@ static cml_status write_boundaries(struct cml_report *report, const char *path, 
     return CML_OK;
 }
 
+static cml_status write_bodies(const struct cml_report *report, const char *path, struct cml_error *err)
+{
+    struct cml_field_list list;
+    struct cml_body_faces drawn;
+    CML_TRY(cml_report_body_faces(report, &drawn, err));
+    cml_status status = cml_field_list_create(report, &list, err);
+    if (status == CML_OK) {
+        cml_add_body_face_fields(&list, &drawn);
+        status = cml_vtp_write(path, &drawn.faces, list.fields, list.num_fields, err);
+        cml_field_list_free(&list);
+    }
+    cml_report_body_faces_free(&drawn);
+    return status;
+}
+
 /* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
  * program without HDF5 writes what it can; that was announced before the run. */
 static cml_status write_tables(struct cml_report *report, const char *path, const struct cml_mco *mco,
@@ -268,7 +283,10 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
         CML_TRY(next_file(report, path, ".volume.vti", err));
         CML_TRY(write_image(report, true, last_file(report), err));
     }
-    return write_boundaries(report, path, err);
+    CML_TRY(write_boundaries(report, path, err));
+    if (!report->scene->facets || report->scene->num_bodies == 0) return CML_OK;
+    CML_TRY(next_file(report, path, ".bodies.vtp", err));
+    return write_bodies(report, last_file(report), err);
 }
 
 /* The .mco's arrays in double precision, its text, and the writers' buffers. */

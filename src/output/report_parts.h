@@ -4,6 +4,7 @@
 #define CML_REPORT_PARTS_H
 
 #include "output/files/hdf5_file.h"
+#include "output/files/vtk.h"
 #include "output/report.h"
 
 /* A profile that is kept batch by batch. */
@@ -24,6 +25,22 @@ double cml_profile_error(const struct cml_report *report, const struct cml_profi
 /* What a term holds, in words. */
 const char *cml_balance_text(enum cml_balance_term term);
 
+/* Bodies drawn as triangles in the scene's coordinates (z down), and what each of these stands for. */
+struct cml_body_face {
+    int body;
+    size_t facet; /* among those of all bodies */
+    double area;  /* of that facet, cm2 */
+};
+struct cml_body_faces {
+    struct cml_faces faces;
+    struct cml_body_face *face; /* [faces.num_faces] */
+};
+
+/* CML_E_INPUT when memory runs out; then nothing is left to free. */
+CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, struct cml_body_faces *drawn,
+                                               struct cml_error *err);
+void cml_report_body_faces_free(struct cml_body_faces *drawn);
+
 /* Where a field gets its values; which members count is the affair of its function. */
 struct cml_field_source {
     const struct cml_report *report;
@@ -36,6 +53,7 @@ struct cml_field_source {
     double scale; /* from share of the launched weight to what is written */
     const struct cml_surface_def *surface;
     size_t per_facet; /* successive values that belong to one facet */
+    const struct cml_body_face *face;
 };
 
 /* A list of fields, their sources and their axes. Nothing in it moves. */
@@ -94,6 +112,9 @@ void cml_add_outside_fields(struct cml_field_list *list);
 /* A_body, media of bodies, with `facets` irradiance and exitance of all their facets; nothing without bodies.
  */
 void cml_add_body_fields(struct cml_field_list *list);
+
+/* Of every face of a drawing: whose it is, and what its facet has received and sent. */
+void cml_add_body_face_fields(struct cml_field_list *list, const struct cml_body_faces *drawn);
 
 /* Irradiance and exitance of the facets of boundary b but the last one, each `per_facet` times in a row,
  * under names that begin with `prefix`; of a plane along y and x, and nothing without a map. */

@@ -8,7 +8,7 @@ import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
-from fields import h5py, numpy  # noqa: E402
+from fields import arrays_of, h5py, numpy, read_vtk  # noqa: E402
 
 SCENE = """1.0
 1
@@ -34,6 +34,32 @@ def section(path, key, count):
         lines = file.read().splitlines()
     first = next(i for i, line in enumerate(lines) if line.split("#")[0].strip() == key) + 1
     return numpy.array([float(line) for line in lines[first:first + count]])
+
+
+def check_drawing(verdict, path, file):
+    """Every face has its facet's values; the cube's are its triangles, the others have about the area of their body."""
+    drawing = read_vtk(path)
+    arrays, points = arrays_of(drawing), drawing.GetBounds()
+    body = arrays["body"]
+    verdict.check("box", numpy.allclose(points[4:], (0.05, 0.18), atol=2e-3) and math.isclose(points[0], -0.2, abs_tol=1e-9), str(points))
+    sizes = numpy.array([drawing.GetCell(i).ComputeArea() for i in range(drawing.GetNumberOfCells())])
+    whose, areas = file["body_of_facet"][:], file["body_area"][:]
+    for k in (1, 2, 3):
+        verdict.check("area drawn", math.isclose(sizes[body == k].sum(), areas[whose == k].sum(), rel_tol=0.01), f"body {k}")
+    for name in ("irradiance_outside", "irradiance_inside", "exitance_outside", "exitance_inside"):
+        drawn, known = arrays[name], file["body_" + name][:]
+        for k in (1, 2, 3):
+            light = (drawn * sizes)[body == k].sum(), (known * areas)[whose == k].sum()
+            verdict.check(name, math.isclose(*light, rel_tol=0.01), f"body {k}: drawn {light[0]}, in the .h5 {light[1]}")
+        verdict.check(name, numpy.allclose(drawn[body == 3], known[whose == 3], rtol=1e-6), "of the cube's triangles")
+        ends = [numpy.unique(drawn[(body == 2) & (numpy.isclose(centre_x(drawing), x, atol=1e-6))]) for x in (-0.2, 0.2)]
+        verdict.check(name, all(len(end) == 1 for end in ends) and numpy.allclose(numpy.concatenate(ends), known[2:4], rtol=1e-6),
+                      f"of the cylinder's ends: {ends}, {known[2:4]}")
+
+
+def centre_x(drawing):
+    cells = [drawing.GetCell(i).GetBounds() for i in range(drawing.GetNumberOfCells())]
+    return numpy.array([0.5 * (low + high) for low, high, *_ in cells])
 
 
 def check(verdict, file, mco):
@@ -64,6 +90,7 @@ def main():
         subprocess.run([cml.PROGRAM, os.path.join(folder, "bodies.mci"), "--quiet", "-o", folder], check=True)
         with h5py.File(os.path.join(folder, "bodies.h5")) as file:
             check(verdict, file, os.path.join(folder, "bodies.mco"))
+            check_drawing(verdict, os.path.join(folder, "bodies.bodies.vtp"), file)
     verdict.finish()
 
 

@@ -66,9 +66,13 @@ static cml_status fly(const struct method *method, struct atlas_flight *flight, 
     struct oracle *oracle = calloc((size_t)surfaces.count, sizeof *oracle);
     if (!oracle) return cml_fail_memory(err, (double)sizeof *oracle, "the oracle");
     for (int b = 0; b < surfaces.count; b++) oracle_create(&surfaces.item[b], &oracle[b]);
+    struct oracle_bodies bodies;
+    oracle_bodies_create(flight->scene, &surfaces.bodies, &bodies);
     flight->surfaces = &surfaces;
     flight->oracle = oracle;
+    flight->bodies = &bodies;
     const cml_status status = find_walk(method->in_double)(flight, count, err);
+    oracle_bodies_free(&bodies);
     for (int b = 0; b < surfaces.count; b++) oracle_free(&oracle[b]);
     free(oracle);
     cml_surfaces_free(&surfaces);

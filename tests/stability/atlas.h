@@ -3,12 +3,12 @@
 #ifndef STABILITY_ATLAS_H
 #define STABILITY_ATLAS_H
 
-#include "oracle.h"
+#include "oracle_body.h"
 
 enum aim_kind {
-    AIM_FACE, /* at any point of a boundary, from anywhere */
+    AIM_FACE, /* at any point of a boundary or body, from anywhere */
     AIM_EDGE, /* at a point of an edge or ridge, exactly or by up to two units in the last place beside it */
-    AIM_VERTEX, /* at a vertex; of rings, at a ridge or the tip */
+    AIM_VERTEX, /* at a vertex; of rings, at a ridge or the tip; of bodies see oracle_body.h */
     AIM_DROP,   /* the same along z */
     AIM_ALONG,  /* along an edge, in the surface */
     AIM_GRAZE,  /* at any point, at `angle` to the surface */
@@ -19,6 +19,7 @@ struct atlas_flight {
     const struct cml_scene *scene;
     const struct cml_surface_set *surfaces;
     const struct oracle *oracle; /* [surfaces->count] */
+    const struct oracle_bodies *bodies;
     enum aim_kind aim;
     double angle;                  /* rad */
     uint64_t crossings, max_steps; /* ends after the first that is reached; a step: one flight */

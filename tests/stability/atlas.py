@@ -1,11 +1,11 @@
 """The atlas: every situation by every method, and what went wrong in it.
 
-    atlas.py PROGRAM WALKER [--out FILE.csv] [--crossings N] [--seconds S] [--natural] [--full] [--only WORD] [--test]
+    atlas.py PROGRAM WALKER [--out FILE.csv] [--crossings N] [--seconds S] [--natural] [--full] [--only WORD,...] [--test]
 
 PROGRAM is clustermcml, WALKER the harness stability_atlas. Each cell ends after N crossings or S seconds. --natural
 flies only what is aimed at nothing in particular, N crossings in all: every cell gets at least FLOOR of an equal share,
 the rest goes to those that need few flights for a crossing. --full adds meshes of 1e6 and 1e7 triangles. --only flies
-the situations that have the word in their name.
+the situations that have one of the words in their name.
 --test writes nothing and fails when something failed that must not.
 Standard library only."""
 import argparse
@@ -19,6 +19,7 @@ import tempfile
 
 import situations
 
+ROUND = ("reference", "cpu", "reference-mesh", "cpu-mesh")
 RADIAL = ("reference-cone", "cpu-cone", "reference-mesh", "cpu-mesh")
 MESHES = ("reference-mesh", "cpu-mesh")
 COLUMNS = "situation method aim status crossings lost wrong missed spurious nan trapped flights note".split()
@@ -31,8 +32,10 @@ MOST_OF_AIMED = 0.01  # worst of 500 crossings: none at all where a mesh is flow
 
 
 def methods_of(situation):
-    if 'm "' in situation.mci:
+    if 'm "' in situation.mci or '\ni "' in situation.mci:
         return MESHES
+    if "\ni sphere" in situation.mci or "\ni cylinder" in situation.mci:
+        return ROUND
     return RADIAL if "\nb " in situation.mci else ("reference", "cpu")
 
 
@@ -116,7 +119,7 @@ def all_cells(arguments, directory):
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         for situation in situations.build(directory, arguments.full):
             path = situation.path(directory)
-            if arguments.only not in situation.name:
+            if not any(word in situation.name for word in arguments.only.split(",")):
                 continue
             if situation.refused:
                 if not arguments.natural:

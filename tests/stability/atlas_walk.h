@@ -46,11 +46,13 @@ static double rounding(const struct walker *walker, struct cml_vec p)
 {
     const struct cml_setup *setup = &walker->world->setup;
     const double size = fmax(size_of(p), walker->before) + fabs((double)setup->x0) + fabs((double)setup->y0);
-    const double span = (double)walker->world->media[walker->packet.medium].span;
+    const int medium = walker->packet.medium, body = medium - walker->flight->surfaces->count - 1;
+    const int layer = body < 0 ? medium : walker->flight->scene->bodies[body].layer;
+    const double span = (double)walker->world->media[layer].span;
     return ROUNDINGS * (double)CML_EPSILON * (size + span + walker->extent);
 }
 
-/* p in the frame of `medium`, seen from boundary b. */
+/* p in the frame of `medium`, seen from boundary b; -1: from its bodies. */
 static void seen_from(const struct walker *walker, int medium, int b, struct cml_vec p, double q[3])
 {
     const struct cml_setup *setup = &walker->world->setup;
@@ -59,9 +61,10 @@ static void seen_from(const struct walker *walker, int medium, int b, struct cml
     q[2] = (double)p.z - (b == medium ? (double)walker->world->media[medium].span : 0);
 }
 
-/* Whether p is in the medium, which its rounding widens, or narrows when `clearly`. */
-static bool in_medium(const struct walker *walker, int medium, struct cml_vec p, bool clearly)
+/* Between the boundaries of a layer; a body lies inside its own. */
+static bool in_layer(const struct walker *walker, int medium, struct cml_vec p, bool clearly)
 {
+    if (medium > walker->flight->surfaces->count) return true;
     for (int b = medium > 0 ? medium - 1 : 0; b <= medium && b < walker->flight->surfaces->count; b++) {
         const struct oracle *oracle = &walker->flight->oracle[b];
         double q[3];
@@ -74,9 +77,20 @@ static bool in_medium(const struct walker *walker, int medium, struct cml_vec p,
     return true;
 }
 
+/* Whether p is in the medium, which its rounding widens, or narrows when `clearly`. */
+static bool in_medium(const struct walker *walker, int medium, struct cml_vec p, bool clearly)
+{
+    double q[3];
+    seen_from(walker, medium, -1, p, q);
+    return in_layer(walker, medium, p, clearly) &&
+           oracle_bodies_allow(walker->flight->bodies, medium, q, rounding(walker, p), clearly);
+}
+
 /* Whether z alone says that a point is in the medium, as it says to oracle_below for both boundaries. */
 static bool is_in_clear(const struct walker *walker, int medium, real z)
 {
+    const bool *hosts = walker->flight->bodies->hosts;
+    if (hosts && (medium > walker->flight->surfaces->count || hosts[medium])) return false;
     const struct oracle *oracle = walker->flight->oracle;
     const double below = (double)z - (double)walker->world->media[medium].span;
     return (medium == 0 || (double)z > oracle[medium - 1].lowest) &&
@@ -102,14 +116,31 @@ static real moved_by_ulps(real x, int ulps)
     return x;
 }
 
+/* Bodies count behind the boundaries. */
+static int choose_boundary(struct walker *walker)
+{
+    const int boundaries = walker->flight->surfaces->count, bodies = walker->flight->surfaces->bodies.count;
+    if (bodies > 0 && dice_below(&walker->dice, 8) > 0) return boundaries + dice_below(&walker->dice, bodies);
+    return dice_below(&walker->dice, boundaries);
+}
+
+static double depth_of(const struct walker *walker, int boundary)
+{
+    const struct cml_surface_set *surfaces = walker->flight->surfaces;
+    return boundary < surfaces->count ? surfaces->item[boundary].depth
+                                      : surfaces->bodies.item[boundary - surfaces->count].depth;
+}
+
 /* On a plane within the scene's own scale. */
 static struct place choose_place(struct walker *walker, int boundary)
 {
     static const enum place_kind kinds[NUM_AIMS] = {
         [AIM_FACE] = PLACE_FACE,   [AIM_EDGE] = PLACE_EDGE,  [AIM_VERTEX] = PLACE_VERTEX,
         [AIM_DROP] = PLACE_VERTEX, [AIM_ALONG] = PLACE_EDGE, [AIM_GRAZE] = PLACE_FACE};
-    struct place place =
-        oracle_place(&walker->flight->oracle[boundary], kinds[walker->flight->aim], &walker->dice);
+    const enum place_kind kind = kinds[walker->flight->aim];
+    const int body = boundary - walker->flight->surfaces->count;
+    if (body >= 0) return oracle_body_place(walker->flight->bodies, body, kind, &walker->dice);
+    struct place place = oracle_place(&walker->flight->oracle[boundary], kind, &walker->dice);
     if (walker->flight->surfaces->item[boundary].kind != CML_SURFACE_PLANE) return place;
     for (int axis = 0; axis < 2; axis++) place.point[axis] *= walker->scale;
     place.size = walker->scale;
@@ -145,7 +176,9 @@ static int medium_at(const struct walker *walker, const double s[3])
         if (!oracle_below(&walker->flight->oracle[medium], q)) break;
         medium++;
     }
-    return medium;
+    if (medium == 0 || medium == walker->flight->surfaces->count) return medium;
+    const double q[3] = {s[0], s[1], s[2] - walker->flight->surfaces->item[medium - 1].depth};
+    return oracle_bodies_medium(walker->flight->bodies, medium, q);
 }
 
 /* A fresh packet `distance` before the place. Its direction is made from its rounded position, so that it
@@ -160,7 +193,7 @@ static void aim(struct walker *walker, const struct place *place, int boundary, 
     double target[3], start[3], d[3];
     for (int axis = 0; axis < 3; axis++) {
         target[axis] = place->point[axis];
-        if (axis == 2) target[2] += walker->flight->surfaces->item[boundary].depth;
+        if (axis == 2) target[2] += depth_of(walker, boundary);
         start[axis] = target[axis] - distance * u[axis];
     }
     *packet = (struct cml_packet){.index = index, .w = CML_WEIGHT_ONE, .on_boundary = -1, .on_primitive = -1};
@@ -186,7 +219,7 @@ static bool place_packet(struct walker *walker)
 {
     walker->before = 0;
     for (int attempt = 0; attempt < MAX_ATTEMPTS; attempt++) {
-        const int boundary = dice_below(&walker->dice, walker->flight->surfaces->count);
+        const int boundary = choose_boundary(walker);
         const struct place place = choose_place(walker, boundary);
         double u[3];
         choose_direction(walker, &place, u);
@@ -222,7 +255,9 @@ static void cross(struct walker *walker, const struct cml_packet *from, const st
     const double q[3] = {(double)hit->point.x + (double)walker->world->setup.x0,
                          (double)hit->point.y + (double)walker->world->setup.y0, (double)hit->point.z};
     const double margin = rounding(walker, from->p) + rounding(walker, hit->point);
-    walker->count->spurious += !oracle_near(&walker->flight->oracle[hit->boundary], q, margin);
+    const int body = hit->boundary - walker->flight->surfaces->count;
+    walker->count->spurious += body < 0 ? !oracle_near(&walker->flight->oracle[hit->boundary], q, margin)
+                                        : !oracle_body_near(walker->flight->bodies, body, q, margin);
     walker->count->crossings++;
     cml_score_boundary_event(walker->world, &walker->deposits, &walker->packet, hit);
 }
@@ -293,7 +328,11 @@ cml_status NAME(ATLAS_PRECISION, ATLAS_LEVEL)(const struct atlas_flight *flight,
                                               struct cml_error *err)
 {
     const struct cml_engine_options options = {.seed = flight->seed, .reentry = true};
-    const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = flight->scene->num_layers};
+    const struct cml_grid grid = {.nr = 1,
+                                  .nz = 1,
+                                  .na = 1,
+                                  .num_layers = flight->scene->num_layers,
+                                  .num_bodies = flight->scene->num_bodies};
     struct cml_owned_world world;
     struct cml_tally tally;
     *count = (struct atlas_count){0};

@@ -100,7 +100,8 @@ static bool below_mesh(const struct oracle *oracle, const double q[3])
     double local[3];
     seen_from_middle(oracle, q, local);
     int total, above = sheets_above(oracle, local, &total);
-    if (total == 0 && q[2] > oracle->grid.mesh->z_border + oracle->middle[2]) above++;
+    const struct cml_mesh *mesh = oracle->grid.mesh;
+    if (total == 0 && !mesh->closed && q[2] > mesh->z_border + oracle->middle[2]) above++;
     return above != 0;
 }
 
@@ -171,7 +172,7 @@ static bool near_mesh(const struct oracle *oracle, const double q[3], double dis
     const struct oracle_box around = {{local[0] - distance, local[1] - distance},
                                       {local[0] + distance, local[1] + distance}};
     int total;
-    if (fabs(q[2] - (grid->mesh->z_border + oracle->middle[2])) <= distance) {
+    if (!grid->mesh->closed && fabs(q[2] - (grid->mesh->z_border + oracle->middle[2])) <= distance) {
         sheets_above(oracle, local, &total);
         if (total == 0) return true;
     }
@@ -219,10 +220,15 @@ static bool near_rings(const struct cml_surface_def *def, const double q[3], dou
 
 /* --- of any kind --- */
 
+static bool is_closed(const struct oracle *oracle)
+{
+    return oracle->def->kind == CML_SURFACE_MESH && oracle->grid.mesh->closed;
+}
+
 bool oracle_below(const struct oracle *oracle, const double q[3])
 {
     if (q[2] < oracle->highest) return false;
-    if (q[2] > oracle->lowest) return true;
+    if (q[2] > oracle->lowest) return !is_closed(oracle);
     if (oracle->def->kind == CML_SURFACE_MESH) return below_mesh(oracle, q);
     return q[2] >
            (oracle->def->kind == CML_SURFACE_CONE ? depth_of_rings(oracle->def, hypot(q[0], q[1])) : 0);

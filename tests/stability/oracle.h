@@ -11,7 +11,7 @@
 /* One boundary, in its own frame but with x and y of the scene. Borrows the arrays of the surface. */
 struct oracle {
     const struct cml_surface_def *def;
-    struct oracle_grid grid; /* CML_SURFACE_MESH */
+    struct oracle_grid grid; /* CML_SURFACE_MESH, a sheet or closed: then below it is inside */
     double middle[3];        /* of the mesh's coordinates */
     double period[2];        /* of a tile, about that middle, cm; 0: nothing is repeated */
     double highest, lowest;  /* z of its topmost and its deepest point; above and below nothing is asked */

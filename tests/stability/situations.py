@@ -6,8 +6,8 @@ import math
 import os
 import random
 
-# tessellated to some 1e7 triangles
-NO_MESH = {"rings-1e5"}
+# as meshes: some 1e7 triangles, and spheres and cylinders 1e-6 cm apart, whose meshes meet
+NO_MESH = {"rings-1e5", "beads-1e4", "nested-spheres-1e-6cm", "nested-cylinders-1e-6cm", "body-1e-6cm-below-plane"}
 
 
 class Situation:
@@ -21,14 +21,15 @@ class Situation:
         return os.path.join(directory, self.name + ".mci")
 
 
-def scene(layers, surfaces=None, above=1.0, below=1.0, beam=None, photons=20000):
-    """layers: (n, mua, mus, g, d); surfaces: {boundary: its line}."""
+def scene(layers, surfaces=None, above=1.0, below=1.0, beam=None, photons=20000, bodies=()):
+    """layers: (n, mua, mus, g, d); surfaces: {boundary: its line}; bodies: lines behind the last layer."""
     surfaces = surfaces or {}
     lines = ["1.0", "1", "out.mco A", str(photons), "0.01 0.01", "10 10 1"] + ([beam] if beam else [])
     lines += [str(len(layers)), repr(above)]
     for i, layer in enumerate(layers):
         lines += [surfaces[i]] if i in surfaces else []
         lines.append(" ".join(repr(x) for x in layer))
+    lines += bodies
     lines += [surfaces[len(layers)]] if len(layers) in surfaces else []
     return "\n".join(lines + [repr(below)]) + "\n"
 
@@ -296,6 +297,144 @@ def tiles(line):
                                             {0: line["tile"], 1: line["tile"] + "=mirror"}), refused="tile")
 
 
+# --- bodies ---
+
+BODY = (1.6, 0.1, 2.0, 0.5)
+
+
+def inside(line, medium=BODY):
+    return "i " + line + " " + " ".join(map(repr, medium))
+
+
+def sphere(x, y, z, r, medium=BODY):
+    return inside(f"sphere {x!r} {y!r} {z!r} {r!r}", medium)
+
+
+def cylinder(ends, r, medium=BODY):
+    return inside("cylinder " + " ".join(map(repr, ends)) + f" {r!r}", medium)
+
+
+def box(size):
+    """Twelve triangles, and corners of 90 degrees."""
+    vertices = [(size * i, size * j, size * k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)]
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    return vertices, [t for a, b, c, d in sides for t in ((a, b, c), (a, c, d))]
+
+
+def stone(n, radius, height, seed=1):
+    """A ball of n rings of 2 n vertices, each moved along its radius by up to height."""
+    dice = random.Random(seed)
+    vertices = [(0.0, 0.0, radius)]
+    for i in range(1, n):
+        for k in range(2 * n):
+            tilt, turn, r = math.pi * i / n, math.pi * k / n, radius + dice.uniform(-height, height)
+            vertices.append((r * math.sin(tilt) * math.cos(turn), r * math.sin(tilt) * math.sin(turn),
+                             r * math.cos(tilt)))
+    vertices.append((0.0, 0.0, -radius))
+    last, m = len(vertices) - 1, 2 * n
+    triangles = []
+    for k in range(m):
+        a, b = k, (k + 1) % m
+        triangles += [(0, 1 + a, 1 + b), (last, last - m + b, last - m + a)]
+        for ring in range(n - 2):
+            i, j = 1 + ring * m + a, 1 + ring * m + b
+            triangles += [(i, i + m, j + m), (i, j + m, j)]
+    return vertices, triangles
+
+
+def closed(mesh, depth):
+    """A sheet with a floor below it, from its border to one vertex."""
+    vertices, triangles = mesh
+    edges = {(t[i], t[(i + 1) % 3]) for t in triangles for i in range(3)}
+    border = [(a, b) for a, b in edges if (b, a) not in edges]
+    return vertices + [(0.0, 0.0, -depth)], triangles + [(b, a, len(vertices)) for a, b in sorted(border)]
+
+
+def body_files(directory):
+    """Writes closed meshes; their names without .obj. They lie in the middle of a layer of 1 cm."""
+    needles = [(x * 30, y, z) for x, y, z in stone(16, 0.01, 0.002)[0]]
+    meshes = {
+        "box": box(0.2),
+        "stone": stone(12, 0.3, 0.05),
+        "stone-inside": ([(x * (1 - 1e-6), y * (1 - 1e-6), z * (1 - 1e-6)) for x, y, z in stone(12, 0.3, 0.05)[0]],
+                         stone(12, 0.3, 0.05)[1]),
+        "needle": (needles, stone(16, 0.01, 0.002)[1]),
+        "bottle": closed(mushroom(24, 0.05, 0.3, 0.2), 0.1),
+        "torn": (stone(12, 0.3, 0.05)[0], stone(12, 0.3, 0.05)[1][:-1]),
+    }
+    for name, (vertices, triangles) in meshes.items():
+        with open(os.path.join(directory, name + ".obj"), "w", encoding="ascii") as file:
+            file.write(obj([(x, y, z - 0.5) for x, y, z in vertices], triangles))
+    return {name: f'"{name}.obj"' for name in meshes}
+
+
+def round_bodies():
+    """Spheres and cylinders. Edges and vertices are poles, seams, rims, and circles in the planes of the axes; `along`
+    and angles to the surface are tangents."""
+    def of(bodies, medium=TURBID, **more):
+        return scene([medium], bodies=bodies, **more)
+    oblique, upright, level = (-0.2, 0.3, 0.2, 0.4, -0.1, 0.7), (0.1, 0.0, 0.2, 0.1, 0.0, 0.8), (-0.7, 0.1, 0.5, 0.7, 0.1, 0.5)
+    shells = [1e-6 * i for i in range(4)]
+    clear = (1.6, 0.0, 0.0, 0.0)
+    beads = [sphere(0.01 * (i % 50) - 0.245, 0.01 * (i // 50 % 50) - 0.245, 0.02 + 0.02 * (i // 2500), 0.0045,
+                    (1.9, 2.0, 50.0, 0.0) if i % 2 else (1.0, 0.0, 0.0, 0.0)) for i in range(10000)]
+    every = AIMED + GRAZING
+    yield Situation("sphere", of([sphere(0.1, 0.2, 0.5, 0.3)]), every)
+    yield Situation("cylinder-oblique", of([cylinder(oblique, 0.15)]), every)
+    yield Situation("cylinder-upright", of([cylinder(upright, 0.15)]), AIMED + GRAZING[::2])
+    yield Situation("cylinder-level", of([cylinder(level, 0.15)]), AIMED + GRAZING[::2])
+    yield Situation("cylinder-wire", of([cylinder((-3.0, 0.1, 0.5, 3.0, 0.2, 0.4), 1e-3)]), AIMED)
+    yield Situation("cylinder-disk", of([cylinder((0.1, 0.0, 0.5, 0.10001, 0.0, 0.50005), 0.3)]), AIMED)
+    yield Situation("sphere-air", of([sphere(0.1, 0.2, 0.5, 0.3, (1.0, 0.0, 0.0, 0.0))], (1.5, 0.1, 2.0, 0.5, 1.0)), every)
+    yield Situation("sphere-clear", of([sphere(0.1, 0.2, 0.5, 0.3, clear)], (1.0, 0.01, 0.2, 0.5, 1.0)), AIMED)
+    yield Situation("sphere-n=1", of([sphere(0.0, 0.0, 0.5, 0.3, (1.0, 0.5, 10.0, 0.5))], (1.0, 0.1, 2.0, 0.5, 1.0)), every)
+    yield Situation("cylinder-n=1", of([cylinder(oblique, 0.15, (1.0, 0.5, 10.0, 0.5))], (1.0, 0.1, 2.0, 0.5, 1.0)),
+                    AIMED + GRAZING[::2])
+    yield Situation("nested-spheres-1e-6cm", of([sphere(0.1, 0.2, 0.5, 0.3 - d, (1.3 + 1e5 * d, 0.1, 2.0, 0.5))
+                                                 for d in shells]), every)
+    yield Situation("nested-cylinders-1e-6cm",
+                    of([cylinder((0.1, 0.0, 0.2 + d, 0.1, 0.0, 0.8 - d), 0.15 - d, (1.3 + 1e5 * d, 0.1, 2.0, 0.5))
+                        for d in shells]), every)
+    yield Situation("nested-ball-in-tube", of([cylinder(level, 0.1), sphere(0.0, 0.1, 0.5, 0.09, (1.0, 0.0, 0.0, 0.0)),
+                                               sphere(0.03, 0.1, 0.5, 0.05, BODY)]), AIMED)
+    yield Situation("body-1e-6cm-below-plane", of([sphere(0.0, 0.0, 0.300001, 0.3),
+                                                   cylinder((0.5, 0.0, 1e-6, 0.5, 0.0, 1 - 1e-6), 0.1)]), AIMED)
+    yield Situation("beads-1e4", scene([(1.5, 0.5, 10.0, 0.8, 0.1)], bodies=beads), AIMED + GRAZING[::2])
+    yield Situation("sphere-scale-1e-6", of([sphere(1e-7, 2e-7, 5e-7, 3e-7, (1.6, 1e5, 2e6, 0.5))],
+                                            (1.4, 1e5, 2e6, 0.9, 1e-6)), AIMED)
+    yield Situation("sphere-1e-4cm-at-1e2cm", of([sphere(100.0, 0.0, 0.5, 1e-4, (1.6, 30.0, 1e3, 0.5)),
+                                                  cylinder((100.001, 0.0, 0.5, 100.002, 0.0, 0.5), 1e-4)],
+                                                 (1.4, 30.0, 1e3, 0.5, 1.0), beam="beam pencil at=100,0"), AIMED)
+    yield Situation("sphere-wide-1e3cm", of([sphere(100.0, 0.0, 500.0, 300.0, (1.6, 1e-4, 2e-3, 0.5))],
+                                            (1.4, 1e-4, 2e-3, 0.9, 1000.0)), AIMED)
+    yield Situation("sphere-mean-free-path-1e-4", of([sphere(0.1, 0.2, 0.5, 0.3, (1.6, 1e2, 1e4, 0.5))]), AIMED)
+    yield Situation("spheres-touching", of([sphere(0.0, 0.0, 0.5, 0.2), sphere(0.4, 0.0, 0.5, 0.2)]), refused="meets")
+    yield Situation("sphere-through-cylinder", of([sphere(0.0, 0.0, 0.5, 0.2), cylinder(level, 0.15)]), refused="meets")
+    yield Situation("sphere-through-plane", of([sphere(0.0, 0.0, 0.2, 0.3)]), refused="meets")
+
+
+def mesh_bodies(line, body):
+    """Closed meshes: line and body: name -> the line of a boundary, the words that name a body."""
+    def of(bodies, medium=TURBID, **more):
+        return scene([medium], bodies=bodies, **more)
+    yield Situation("body-box", of([inside(body["box"])]), AIMED + GRAZING)
+    yield Situation("body-stone", of([inside(body["stone"])]), AIMED + GRAZING)
+    yield Situation("body-stone-smooth", of([inside(body["stone"]) + " normals=vertex"]), AIMED)
+    yield Situation("body-stone-n=1", of([inside(body["stone"], (1.0, 0.5, 10.0, 0.5))], (1.0, 0.1, 2.0, 0.5, 1.0)), AIMED)
+    yield Situation("body-box-air", of([inside(body["box"], (1.0, 0.0, 0.0, 0.0))], (1.5, 0.1, 2.0, 0.5, 1.0)), AIMED)
+    yield Situation("body-needle", of([inside(body["needle"])]), AIMED)
+    yield Situation("body-bottle", of([inside(body["bottle"])]), AIMED + GRAZING[::2])
+    yield Situation("nested-stones-1e-6", of([inside(body["stone"]), inside(body["stone-inside"], (1.3, 0.1, 2.0, 0.5))]),
+                    AIMED + GRAZING[::2])
+    yield Situation("body-below-mesh", scene([TURBID], {0: line["rough"]}, bodies=[
+        inside(body["box"]), sphere(0.0, 0.0, 0.5, 0.15, (1.0, 0.0, 0.0, 0.0))]), AIMED)
+    yield Situation("body-below-tile", scene([TURBID], {0: line["tile"]}, bodies=[
+        inside(body["stone"]), cylinder((-2.0, 0.5, 0.3, 2.0, 0.5, 0.3), 0.1)]), AIMED)
+    yield Situation("body-torn", of([inside(body["torn"])]), refused="edge")
+    yield Situation("body-through-mesh", scene([TURBID], {0: line["rough"]}, bodies=[sphere(0.0, 0.0, 0.3, 0.3)]),
+                    refused="meets")
+
+
 def large(directory, sizes):
     for size in sizes:
         cells = math.isqrt(size // 2)
@@ -305,7 +444,8 @@ def large(directory, sizes):
 
 
 def build(directory, full=False):
-    situations = list(fields()) + list(sheets(mesh_lines(directory))) + list(tiles(tile_lines(directory)))
+    sheet, tile = mesh_lines(directory), tile_lines(directory)
+    situations = [*fields(), *sheets(sheet), *tiles(tile), *round_bodies(), *mesh_bodies(sheet | tile, body_files(directory))]
     if full:
         situations += large(directory, [10**6, 10**7])
     for situation in situations:

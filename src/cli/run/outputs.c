@@ -96,6 +96,7 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
         snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
         CML_TRY(add_beside(outputs, path, suffix, run, err));
     }
+    if (scene->facets && scene->num_bodies > 0) CML_TRY(add_beside(outputs, path, ".bodies.vtp", run, err));
     return CML_OK;
 }
 

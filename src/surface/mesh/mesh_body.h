@@ -17,6 +17,7 @@ struct cml_mesh_body {
     double axis[2];   /* body frame: the scene's z axis, around which analytic normals turn */
     double lower[3], upper[3];       /* body frame: the box, larger by 2 err_float on each side */
     double err_mesh, err_float;      /* cm, see rounding.h */
+    double longest_edge, least_area; /* of all facets, cm; twice the area, cm2 */
     struct cml_footprint *footprint; /* owned; NULL of a closed mesh */
 };
 

@@ -211,6 +211,13 @@ bool cml_query_may_have_missed(const struct cml_mesh_query *q)
     return cml_query_border_side(q, x, y, d) == CML_AT_BORDER;
 }
 
+double cml_query_missed_distance(const struct cml_mesh_query *q)
+{
+    if (!q->body->mesh.closed) return 0;
+    const double reach = q->t + q->body->longest_edge;
+    return q->t * fmin(err_sine_embree, err_share_embree * reach * reach / q->body->least_area);
+}
+
 /* Upward normal of the cone that a tessellated heightfield's triangle stands for. */
 static void analytic_normal(const struct cml_mesh_query *q, const double point[3], double normal[3])
 {

@@ -100,6 +100,10 @@ bool cml_query_is_doubtful(const struct cml_mesh_query *q);
  * a closed mesh, outside of its box. */
 bool cml_query_may_have_missed(const struct cml_mesh_query *q);
 
+/* How far beyond a facet of a closed mesh a path of length q->t may end that Embree has let through it, for
+ * the angle between them is so small. Often less than rounding. */
+double cml_query_missed_distance(const struct cml_mesh_query *q);
+
 /* 1 and the crossing, with its normals, if there is one. p, u: as given to cml_query_begin. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],
                      struct cml_mesh_crossing *crossing);

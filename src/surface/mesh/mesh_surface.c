@@ -2,6 +2,7 @@
 #include "surface/mesh/mesh_surface.h"
 
 #include "surface/mesh/grid_walk.h"
+#include "surface/mesh/mesh_facet.h"
 #include "surface/mesh/mesh_line.h"
 #include "surface/mesh/rounding.h"
 #include "surface/mesh/sheet_mesh.h"
@@ -153,14 +154,6 @@ static void test_contact_around(const struct cml_mesh_surface *surface, struct q
     query->contact_only = false;
 }
 
-/* Barycentric weights in the triangle itself; Embree's coordinates are those in the enlarged one. */
-static void find_weights(float u, float v, double weight[3])
-{
-    const float coordinate[3] = {1 - u - v, u, v};
-    for (int k = 0; k < 3; k++)
-        weight[k] = coordinate[k] + 3 * (double)err_height_embree * (coordinate[k] - 1.0 / 3);
-}
-
 static bool is_within(const double weight[3], double least)
 {
     return weight[0] > least && weight[1] > least && weight[2] > least;
@@ -187,7 +180,7 @@ static void filter_hit(const struct RTCFilterFunctionNArguments *arguments)
     if (is_exit(q, primitive, &t, &along)) return;
     arguments->valid[0] = 0;
     if (primitive == q->exclude || !((q->below ? along : -along) < 0 && t > q->err_query)) return;
-    find_weights(hit->u, hit->v, weight);
+    cml_facet_weights(hit->u, hit->v, weight);
     if (is_within(weight, -err_weight_embree)) q->t_entering = fmin(q->t_entering, t);
 }
 
@@ -211,6 +204,29 @@ static bool closest_hit(const struct cml_mesh_surface *surface, struct query *qu
     return found;
 }
 
+static bool note_facet(struct RTCPointQueryFunctionArguments *arguments)
+{
+    *(bool *)arguments->userPtr = true;
+    arguments->query->radius = 0;
+    return true;
+}
+
+/* Whether a path beside a closed mesh ends where it does if Embree has missed a facet. */
+static bool ends_beside_facet(const struct cml_mesh_surface *surface, const struct cml_mesh_query *q)
+{
+    const double distance = cml_query_missed_distance(q);
+    if (distance < q->err_query) return false;
+    struct RTCPointQuery query = {.x = (float)(q->origin[0] + q->t * q->direction[0]),
+                                  .y = (float)(q->origin[1] + q->t * q->direction[1]),
+                                  .z = (float)(q->origin[2] + q->t * q->direction[2]),
+                                  .radius = (float)distance};
+    struct RTCPointQueryContext context;
+    bool found = false;
+    rtcInitPointQueryContext(&context);
+    rtcPointQuery(surface->exact, &query, &context, note_facet, &found);
+    return found;
+}
+
 /* Embree's own triangles find the hit, whose distance is computed again in double. The exact query decides
  * where the hit is at a small angle, near an edge, or where nothing was found although the path is endless,
  * passes the border, or leaves the mesh's depths. The whole line decides where an entering crossing comes
@@ -226,10 +242,10 @@ static void query_embree(const struct cml_mesh_surface *surface, struct query *q
     if (!make_ray(q, 2 * q->body->err_float, &rayhit)) return;
     const bool found = closest_hit(surface, query, &rayhit, &t, &along);
     double weight[3];
-    find_weights(rayhit.hit.u, rayhit.hit.v, weight);
+    cml_facet_weights(rayhit.hit.u, rayhit.hit.v, weight);
     if (found && is_within(weight, err_weight_embree) && fabs(along) > err_sine_embree)
         cml_query_add_inner_hit(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
-    else if (found || !(q->t < INFINITY) || cml_query_may_have_missed(q))
+    else if (found || !(q->t < INFINITY) || cml_query_may_have_missed(q) || ends_beside_facet(surface, q))
         query_exact(surface, query);
 }
 
@@ -363,19 +379,6 @@ static void build_exact(struct cml_mesh_surface *surface)
     commit(surface->exact, geometry);
 }
 
-/* A triangle as Embree gets it: every side moved outwards by err_height_embree of its height. */
-static void enlarge(const struct cml_mesh *mesh, const uint32_t v[3], float corner[9])
-{
-    for (int axis = 0; axis < 3; axis++) {
-        double middle = 0;
-        for (int k = 0; k < 3; k++) middle += mesh->vertex[v[k]][axis] / 3;
-        for (int k = 0; k < 3; k++) {
-            const double at = mesh->vertex[v[k]][axis];
-            corner[3 * k + axis] = (float)(at + 3 * (double)err_height_embree * (at - middle));
-        }
-    }
-}
-
 /* False when Embree has no memory for the buffers; its own error then says so. */
 static bool build_fast(struct cml_mesh_surface *surface)
 {
@@ -390,7 +393,7 @@ static bool build_fast(struct cml_mesh_surface *surface)
         rtcReleaseGeometry(geometry);
         return false;
     }
-    for (size_t i = 0; i < mesh->num_triangles; i++) enlarge(mesh, mesh->triangle[i], vertices + 9 * i);
+    for (size_t i = 0; i < mesh->num_triangles; i++) cml_facet_enlarge(mesh, i, vertices + 9 * i);
     for (size_t i = 0; i < 3 * mesh->num_triangles; i++) indices[i] = (uint32_t)i;
     commit(surface->fast, geometry);
     return true;

@@ -23,7 +23,9 @@
  *   err_entry: Of the entry point p + t u: eps (t + sum of |p| and |entry|). Each coordinate is rounded by
  *     eps / 2 in p, in t u and in the sum; twice that, summed over the axes. Fails: none; see edge product.
  *   err_float: What float can do to a ray and a box inside the mesh's: 1e-6 D. Vertex and origin 3e-8 D
- *     each, direction 6e-8 D, Embree's test of a box four roundings more, 2.4e-7 D: 3.6e-7 D in all.
+ *     each, direction 6e-8 D, Embree's test of a box four roundings more, 2.4e-7 D: 3.6e-7 D in all. Of a
+ *     closed mesh, which may be small and far from where coordinates count from, err_line in float as well
+ *     (fails: closed_mesh).
  *     Fails: mesh_line, mesh_surface, grid_walk, concave_vertex.
  *
  * Areas, cm2, by the sum norm
@@ -34,6 +36,10 @@
  *     thousandth; either alone covers for the other. cml_facet_crossing bounds its products alike.
  *   err_product: At least that for every edge of the mesh, for |a|, |b| and |a - b| are at most the sum of
  *     the box's sides; twice that, for an entry point that is put a little before the box. Fails: none.
+ *
+ *   err_share_embree: The same of Embree's products, in float, over the squared distance of the facet's far
+ *     end; over twice its area, the sine of an angle to it at which they have no digit left: 2 FLT_EPSILON,
+ *     four roundings. Fails: closed_mesh.
  *
  * Shares of a triangle
  *   err_weight: A barycentric weight below is that of a place on the edge: 1e-12. Above, it is more than
@@ -79,7 +85,7 @@
 
 /* err_mesh and err_float over D; an edge product's share of |a| |b| */
 static const double err_share_mesh = 16 * DBL_EPSILON, err_share_float = 1e-6;
-static const double err_share_product = 4 * DBL_EPSILON;
+static const double err_share_product = 4 * DBL_EPSILON, err_share_embree = 2 * FLT_EPSILON;
 
 static const double err_weight = 1e-12, err_weight_embree = 1e-5, err_weight_sheet = 1e-4;
 static const float err_height_embree = 1e-3f;

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What a packet on one side of the mesh sees of a level of the pyramid: how far each cell reaches towards it,
  * cm, and of the cells that do not touch a cell, but whose parents touch its parent, the furthest of those
@@ -14,6 +15,8 @@ struct view {
     bool repeats;
     const float *reach;       /* [size][size] */
     float *far_one, *far_two; /* [size][size] */
+    float *steepest, *nearby; /* [size][size] slope of the steepest facet above a cell; above those that touch
+                               * it, too */
 };
 
 /* [row][column] of a level. */
@@ -52,31 +55,42 @@ static void look_around(const struct view *view)
         for (int x = 0; x < view->size; x++) look_from(view, x, y);
 }
 
-/* The greatest slope at which any place of a cell of the finest view sees a cell that does not touch it.
- * ground: what a packet in the cell is beyond. */
-static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
-{
-    float most = 0;
-    for (int l = 0; l < levels; l++) {
-        const size_t at = cell_at(view[l].size, x >> l, y >> l);
-        const float cell = (float)view[l].cell;
-        most = fmaxf(
-            most, fmaxf((view[l].far_one[at] - ground) / cell, (view[l].far_two[at] - ground) / (2 * cell)));
-    }
-    return most;
-}
-
 /* The slope of the steepest facet above a cell and those that touch it. What lies between two places of these
  * cells lies above them, so that neither is seen more steeply from the other. */
-static float steepest_nearby(const float *steepest, const struct view *view, int x, int y)
+static float steepest_nearby(const struct view *view, int x, int y)
 {
     const int size = view->size;
     float most = 0;
     for (int qy = y - 1; qy <= y + 1; qy++)
         for (int qx = x - 1; qx <= x + 1; qx++) {
             const int at_x = place_of(qx, size, view->repeats), at_y = place_of(qy, size, view->repeats);
-            if (at_x >= 0 && at_y >= 0) most = fmaxf(most, steepest[cell_at(size, at_x, at_y)]);
+            if (at_x >= 0 && at_y >= 0) most = fmaxf(most, view->steepest[cell_at(size, at_x, at_y)]);
         }
+    return most;
+}
+
+static void look_nearby(const struct view *view)
+{
+    for (int y = 0; y < view->size; y++)
+        for (int x = 0; x < view->size; x++)
+            view->nearby[cell_at(view->size, x, y)] = steepest_nearby(view, x, y);
+}
+
+/* The greatest slope at which any place of a cell of the finest view sees another place. ground: what a
+ * packet in the cell is beyond. What it sees of a level lies above the cells that touch its parent, and is
+ * seen no more steeply than their steepest facet. */
+static float steepest_view(const struct view *view, int levels, int x, int y, float ground)
+{
+    float most = view[0].nearby[cell_at(view[0].size, x, y)];
+    for (int l = 0; l < levels; l++) {
+        const size_t at = cell_at(view[l].size, x >> l, y >> l);
+        const float cell = (float)view[l].cell;
+        const float far =
+            fmaxf((view[l].far_one[at] - ground) / cell, (view[l].far_two[at] - ground) / (2 * cell));
+        const int up = l + 1 < levels ? l + 1 : l; /* the last has a single cell */
+        const float steepest = view[up].nearby[cell_at(view[up].size, x >> up, y >> up)];
+        most = fmaxf(most, fminf(far, steepest));
+    }
     return most;
 }
 
@@ -93,9 +107,22 @@ static size_t all_cells(const struct cml_depth_pyramid *pyramid)
     return cells;
 }
 
-/* From the level of the horizons on: reach is where the mesh is deepest, seen from below, or highest. scratch
- * [3][all cells]. Returns how many levels. */
-static int make_views(const struct cml_depth_pyramid *pyramid, int side, float *scratch, struct view *view)
+/* Of each 2 x 2 cells of the level below. */
+static void join_steepest(const struct view *below, const struct view *view)
+{
+    for (int y = 0; y < view->size; y++)
+        for (int x = 0; x < view->size; x++) {
+            const float *first = below->steepest + cell_at(below->size, 2 * x, 2 * y),
+                        *second = first + below->size;
+            view->steepest[cell_at(view->size, x, y)] =
+                fmaxf(fmaxf(first[0], first[1]), fmaxf(second[0], second[1]));
+        }
+}
+
+/* From the level of the horizons on, whose steepest facets are given: reach is where the mesh is deepest,
+ * seen from below, or highest. scratch [5][all cells]. Returns how many levels. */
+static int make_views(const struct cml_depth_pyramid *pyramid, const float *steepest, int side,
+                      float *scratch, struct view *view)
 {
     const size_t all = all_cells(pyramid);
     size_t first = 0;
@@ -104,10 +131,15 @@ static int make_views(const struct cml_depth_pyramid *pyramid, int side, float *
         float *reach = scratch + first;
         first += level_cells(pyramid, l);
         if (l < CML_HORIZON_LEVEL) continue;
-        view[l - CML_HORIZON_LEVEL] =
-            (struct view){pyramid->size >> l, ldexp(pyramid->cell, l), pyramid->repeats, reach,
-                          reach + all,        reach + 2 * all};
-        look_around(&view[l - CML_HORIZON_LEVEL]);
+        struct view *made = &view[l - CML_HORIZON_LEVEL];
+        *made = (struct view){pyramid->size >> l, ldexp(pyramid->cell, l), pyramid->repeats, reach,
+                              reach + all,        reach + 2 * all,         reach + 3 * all,  reach + 4 * all};
+        if (l == CML_HORIZON_LEVEL)
+            memcpy(made->steepest, steepest, level_cells(pyramid, l) * sizeof *steepest);
+        else
+            join_steepest(made - 1, made);
+        look_nearby(made);
+        look_around(made);
     }
     return pyramid->levels - CML_HORIZON_LEVEL;
 }
@@ -117,20 +149,20 @@ static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *
                           float *scratch, float *horizon)
 {
     struct view view[CML_HORIZON_MOST_LEVELS];
-    const int levels = make_views(pyramid, side, scratch, view), size = view[0].size;
+    const int levels = make_views(pyramid, steepest, side, scratch, view), size = view[0].size;
     const float *ground = (side > 0 ? pyramid->highest : pyramid->deepest) + level_cells(pyramid, 0);
     for (int y = 0; y < size; y++)
         for (int x = 0; x < size; x++) {
             const size_t at = cell_at(size, x, y);
             const float far = steepest_view(view, levels, x, y, side > 0 ? ground[at] : -ground[at]);
-            horizon[at] = 1.005F * fmaxf(far, steepest_nearby(steepest, view, x, y)) + 0.001F;
+            horizon[at] = 1.005F * far + 0.001F;
         }
 }
 
 cml_status cml_find_horizons(const struct cml_depth_pyramid *pyramid, const float *steepest, float *below,
                              float *above, struct cml_error *err)
 {
-    const size_t size = 3 * all_cells(pyramid) * sizeof(float);
+    const size_t size = 5 * all_cells(pyramid) * sizeof(float);
     float *scratch = malloc(size);
     if (!scratch) return cml_fail_memory(err, (double)size, "a clearance map");
     find_horizons(pyramid, steepest, 1, scratch, below);

@@ -7,6 +7,7 @@
 
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_curved_hits_inl.h"
+#include "surface/mesh/grid_lanes_inl.h"
 
 /* Where gathered lanes can meet one boundary: on the part [from, to] of their paths, cm from where they are,
  * if meets is 1. */
@@ -22,11 +23,13 @@ struct cml_intervals {
  * anything. Positions in the frame of the medium, lengths in cm. */
 struct cml_gathered {
     int count, size;
+    int lane[CML_LANES];
     _Alignas(64) real x[CML_GATHERED], y[CML_GATHERED], z[CML_GATHERED], ux[CML_GATHERED], uy[CML_GATHERED],
         uz[CML_GATHERED];
     real s[CML_GATHERED];
     struct cml_intervals above, below;
     struct cml_hits hits_above, hits_below;
+    struct cml_grid_lanes rays; /* of those lanes that vector loops can answer */
 };
 
 /* Gathers lanes, in the order of their numbers: each column is packed group by group. */

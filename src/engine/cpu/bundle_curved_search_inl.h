@@ -127,46 +127,119 @@ static void cml_intersect_lane(struct cml_flight *f, int i, int boundary, real s
         cml_query_lane(f, i, boundary, p, side, s.to, h);
 }
 
-/* Gathered lanes are about to ask for their crossing with a boundary of their medium. depth: of it in the
- * frame of the medium, cm. */
-static void cml_prefetch_mesh(const struct cml_flight *f, int boundary, real depth,
-                              const struct cml_intervals *ahead)
+/* What of the scene the rays of gathered lanes have in common that ask a boundary; grid NULL where vector
+ * loops cannot answer them. */
+static struct cml_grid_view cml_view_grid(const struct cml_world *world, int boundary, real side)
 {
-    const struct cml_world *world = f->world;
-    const struct cml_gathered *c = f->gathered;
-    if (boundary < 0 || boundary > world->setup.num_layers ||
-        world->surfaces[boundary].kind != CML_SURFACE_MESH)
-        return;
-    struct cml_mesh_rays rays = {c->x, c->y, c->z, c->ux, c->uy, c->uz, ahead->from, ahead->to, depth, 0};
-    for (int first = 0; first < c->size; first += CML_GROUP)
-        rays.asked |= (uint64_t)cml_group_equal(ahead->meets + first, 1) << first;
-    if (c->count < CML_MESH_RAYS) rays.asked &= (UINT64_C(1) << c->count) - 1;
-    cml_mesh_surface_prefetch(world->meshes[boundary], &rays);
+    struct cml_grid_view view = {.grid = NULL};
+    if (boundary < 0 || boundary > world->setup.num_layers) return view;
+    const struct cml_surface *surface = &world->surfaces[boundary];
+    if (surface->kind != CML_SURFACE_MESH) return view;
+    view.grid = cml_mesh_surface_grid(world->meshes[boundary], &view.body);
+    view.clearance = &surface->clearance;
+    view.horizons = side > 0 ? world->horizon_below : world->horizon_above;
+    view.depth = side < 0 ? world->media[boundary].span : (real)0;
+    view.x0 = world->setup.x0;
+    view.y0 = world->setup.y0;
+    view.side = side;
+    return view;
 }
 
-/* All steps for lanes of one medium: intervals, then search lane by lane, then the hits of either boundary.
- */
+/* The rays of gathered lanes: bit k of `asking` is the k-th. */
+static void cml_gather_rays(struct cml_gathered *c, real depth, uint64_t asking,
+                            const struct cml_intervals *ahead)
+{
+    struct cml_grid_lanes *l = &c->rays;
+    l->count = 0;
+    for (; asking; asking &= asking - 1) {
+        const int k = __builtin_ctzll(asking), at = l->count++;
+        l->lane[at] = c->lane[k];
+        l->x[at] = c->x[k];
+        l->y[at] = c->y[k];
+        l->z[at] = c->z[k] - depth;
+        l->ux[at] = c->ux[k];
+        l->uy[at] = c->uy[k];
+        l->uz[at] = c->uz[k];
+        l->s[at] = ahead->to[k];
+    }
+}
+
+/* What comes of the k-th ray's answer. */
+static void cml_take_answer(struct cml_flight *f, int boundary, real side, const struct cml_grid_lanes *l,
+                            int k, struct cml_hits *h)
+{
+    const int i = l->lane[k];
+    const struct cml_vec p = {l->x[k], l->y[k], l->z[k]}, at = {l->at_x[k], l->at_y[k], l->at_z[k]};
+    if (l->answer[k] == CML_GRID_UNDECIDED) {
+        cml_query_lane(f, i, boundary, p, side, l->s[k], h);
+    } else if (l->answer[k] == CML_GRID_MISSED) {
+        cml_lane_misses(f, i);
+    } else {
+        const int n = cml_add_hit(f->b, i, l->primitive[k], at, h);
+        h->t[n] = l->t[k];
+        h->doubtful[n] = 0;
+        h->normal_x[n] = l->normal_x[k];
+        h->normal_y[n] = l->normal_y[k];
+        h->normal_z[n] = l->normal_z[k];
+    }
+}
+
+/* Gathered lanes whose packets stand on nothing ask a mesh, together. */
+static void cml_ask_grid(struct cml_flight *f, int boundary, const struct cml_grid_view *view,
+                         uint64_t asking, const struct cml_intervals *ahead, struct cml_hits *h)
+{
+    struct cml_grid_lanes *l = &f->gathered->rays;
+    if (!asking) return;
+    cml_gather_rays(f->gathered, view->depth, asking, ahead);
+    cml_grid_lanes_ask(view, l);
+    for (int k = 0; k < l->count; k++) cml_take_answer(f, boundary, view->side, l, k, h);
+}
+
+/* Lane i, the k-th gathered: most meet nothing and interact. Else by kernels/walk.h. */
+static void cml_continue_gathered(struct cml_flight *f, int i, int k)
+{
+    const struct cml_gathered *c = f->gathered;
+    struct cml_bundle *b = f->b;
+    const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+    if (!(c->above.meets[k] | c->below.meets[k]) && b->s[i] < CML_INFINITY && cml_dot(u, u) < 2) {
+        b->task[i] = CML_LANE_INTERACT;
+        return;
+    }
+    const struct cml_boundary_intervals intervals = {cml_interval_of(&c->above, k),
+                                                     cml_interval_of(&c->below, k), 0, b->s[i]};
+    cml_continue_lane(f, i, intervals, b->s[i]);
+}
+
+/* All steps for lanes of one medium: intervals, then search, many lanes at a time or lane by lane, then the
+ * hits of either boundary. */
 static void cml_intersect_gathered(struct cml_flight *f, int medium, uint64_t lanes)
 {
     struct cml_gathered *gathered = f->gathered;
+    const struct cml_grid_view above_view = cml_view_grid(f->world, medium - 1, 1),
+                               below_view = cml_view_grid(f->world, medium, -1);
+    uint64_t asking_above = 0, asking_below = 0;
     int k = 0;
     CML_HOOK_BEGIN(CML_HOOK_INTERVALS);
     cml_gather_intervals(f, medium, lanes);
     CML_HOOK_END(CML_HOOK_INTERVALS);
-    cml_prefetch_mesh(f, medium - 1, 0, &gathered->above);
-    cml_prefetch_mesh(f, medium, f->world->media[medium].span, &gathered->below);
     for (uint64_t rest = lanes; rest; rest &= rest - 1, k++) {
         const int i = __builtin_ctzll(rest);
-        const struct cml_boundary_intervals intervals = {cml_interval_of(&gathered->above, k),
-                                                         cml_interval_of(&gathered->below, k), 0, f->b->s[i]};
-        const int above = intervals.above.meets;
-        if (above == intervals.below.meets || !cml_is_common_case(f, i, above ? medium - 1 : medium))
-            cml_continue_lane(f, i, intervals, f->b->s[i]);
+        const int above = gathered->above.meets[k], below = gathered->below.meets[k],
+                  boundary = above ? medium - 1 : medium;
+        gathered->lane[k] = i;
+        if (above == below || !cml_is_common_case(f, i, boundary))
+            cml_continue_gathered(f, i, k);
+        else if ((above ? &above_view : &below_view)->grid && cml_lane_on_primitive(f->b, i, boundary) == -1)
+            *(above ? &asking_above : &asking_below) |= UINT64_C(1) << k;
         else if (above)
-            cml_intersect_lane(f, i, medium - 1, 1, intervals.above, &gathered->hits_above);
+            cml_intersect_lane(f, i, boundary, 1, cml_interval_of(&gathered->above, k),
+                               &gathered->hits_above);
         else
-            cml_intersect_lane(f, i, medium, -1, intervals.below, &gathered->hits_below);
+            cml_intersect_lane(f, i, boundary, -1, cml_interval_of(&gathered->below, k),
+                               &gathered->hits_below);
     }
+    cml_ask_grid(f, medium - 1, &above_view, asking_above, &gathered->above, &gathered->hits_above);
+    cml_ask_grid(f, medium, &below_view, asking_below, &gathered->below, &gathered->hits_below);
     CML_HOOK_BEGIN(CML_HOOK_HITS);
     cml_process_hits(f, medium, 1, &gathered->hits_above);
     cml_process_hits(f, medium, -1, &gathered->hits_below);

@@ -283,9 +283,22 @@ static void build_level(const struct cml_grid_mesh_level *below, struct cml_grid
         }
 }
 
+static void find_mean(struct cml_grid_mesh *grid)
+{
+    double sum = 0, cells = 0;
+    for (size_t i = 0; i < cml_grid_mesh_places(&grid->level[0]); i++) {
+        const struct cml_grid_mesh_depths depths = grid->level[0].depths[i];
+        if (depths.least > depths.most) continue;
+        sum += 0.5 * (depths.least + depths.most);
+        cells++;
+    }
+    grid->mean = sum / cells;
+}
+
 void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid)
 {
     for (int l = 1; l < grid->levels; l++) build_level(&grid->level[l - 1], &grid->level[l]);
+    find_mean(grid);
 }
 
 /* Where a ray is over cells that all have facets, by more than rounding. */

@@ -69,7 +69,7 @@ struct cml_grid_mesh {
     uint32_t *listed; /* owned; numbers of facets */
     struct cml_sheet_facet *facet; /* owned; [facets] */
     size_t facets;
-    double mean; /* of a sheet's cells, depth steps */
+    double mean; /* of the cells, depth steps */
     int levels;  /* the last one is a single tile; 0: the mesh has no cells */
     struct cml_grid_mesh_level level[CML_GRID_MESH_LEVELS];
 };
@@ -98,7 +98,7 @@ CML_NODISCARD cml_status cml_grid_mesh_lay_out(const struct cml_mesh_body *body,
 void cml_grid_mesh_widen_depths(const struct cml_grid_mesh *grid, double least, double most,
                                 struct cml_grid_mesh_depths *depths);
 
-/* Fills the depths of all blocks from those of the cells. */
+/* Fills the depths of all blocks, and their mean, from those of the cells. */
 void cml_grid_mesh_build_levels(struct cml_grid_mesh *grid);
 
 /* *grid owns its cells; none (levels 0) when the mesh is no regular grid. CML_E_INPUT for memory. */

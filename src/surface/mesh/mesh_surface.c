@@ -336,10 +336,15 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                                                         exact, err_position, crossing);
 }
 
-/* A tile is a regular grid, for which nothing is fetched ahead. */
-void cml_mesh_surface_prefetch(const struct cml_mesh_surface *surface, const struct cml_mesh_rays *rays)
+/* A tile's cells are those of one copy, and a shading normal is that of a place in a facet. Vectors look up
+ * eight times the number of a cell in 32 bits. */
+const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
+                                                  const struct cml_mesh_body **body)
 {
-    if (surface->grid.first) cml_sheet_prefetch(&surface->grid, &surface->body, rays);
+    const struct cml_grid_mesh *grid = &surface->grid;
+    *body = &surface->body;
+    if (!grid->levels || surface->period.n[0] || surface->body.mesh.normals != CML_NORMALS_FACET) return NULL;
+    return cml_grid_mesh_places(&grid->level[0]) < (size_t)1 << 27 ? grid : NULL;
 }
 
 static bool count_memory(void *context, ssize_t bytes, bool post)

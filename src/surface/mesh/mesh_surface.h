@@ -67,8 +67,10 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                          int below, double t_max, int exclude, int undeflected, int exact,
                          double err_position, struct cml_mesh_crossing *crossing);
 
-/* Calls into the cache what queries for these rays will look at. Nothing depends on it but time. */
-void cml_mesh_surface_prefetch(const struct cml_mesh_surface *surface, const struct cml_mesh_rays *rays);
+/* Its cells, if rays can be answered many at a time (grid_lanes_inl.h), else NULL; *body: its mesh. Borrowed.
+ */
+const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
+                                                  const struct cml_mesh_body **body);
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */
 const char *cml_mesh_library(void);

@@ -238,18 +238,6 @@ static void build_slopes(struct cml_grid_mesh *grid)
     }
 }
 
-static void find_mean(struct cml_grid_mesh *grid)
-{
-    double sum = 0, cells = 0;
-    for (size_t i = 0; i < cml_grid_mesh_places(&grid->level[0]); i++) {
-        const struct cml_grid_mesh_depths depths = grid->level[0].depths[i];
-        if (depths.least > depths.most) continue;
-        sum += 0.5 * (depths.least + depths.most);
-        cells++;
-    }
-    grid->mean = sum / cells;
-}
-
 static cml_status fail(double bytes, struct cml_error *err)
 {
     return cml_fail_memory(err, bytes, "the cells of a sheet");
@@ -312,7 +300,6 @@ static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
     *pays = (double)thin <= most_thin * (double)l->grid->facets;
     cml_grid_mesh_build_levels(l->grid);
     build_slopes(l->grid);
-    find_mean(l->grid);
     find_inner(l->body, l->grid);
     return CML_OK;
 }

@@ -1,0 +1,364 @@
+/* Code, included by the engine's loops over lanes and so compiled once for each level of the processor. Most
+ * rays of packets near a sheet or a regular grid (grid_mesh.h), many together in vector loops: where each of
+ * them first crosses the mesh or its outer plane, or that it does not.
+ *
+ * A ray steep enough crosses a mesh once. What steep enough is, the horizon of a place says
+ * (surface/cell_horizon.h): from there on packets that go away meet nothing. Turned round: a ray that comes
+ * to that place as steeply has met nothing before. So it suffices to find a facet that the ray surely meets,
+ * or that surely lies ahead where it ends, and to look up the horizon there. Where it is depends on the depth
+ * of the mesh, which is guessed from that of the cell below the last guess.
+ *
+ * Answers are those of the walk (grid_walk.h) to the last bit: the same arithmetic finds the crossing of the
+ * ray with the facet's plane. What is not sure by more than rounding, or not steep enough, is left to it.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_GRID_LANES_INL_H
+#define CML_GRID_LANES_INL_H
+
+#include "clearance.h"
+#include "surface/mesh/grid_mesh.h"
+#include "surface/mesh/rounding.h"
+
+#include <math.h>
+
+enum { CML_GRID_LANES = 64, CML_GRID_GROUP = 16 }; /* a group goes through a loop together */
+
+enum cml_grid_answer { CML_GRID_UNDECIDED, CML_GRID_MISSED, CML_GRID_MET };
+
+/* Rays of packets that stand on no facet, on one side of a mesh, and what they meet: structure of arrays,
+ * entries 0..count-1; what lies behind them may be anything. Positions in the boundary's frame, x and y from
+ * the beam's axis, cm. */
+struct cml_grid_lanes {
+    int count;
+    int lane[CML_GRID_LANES]; /* the caller's number */
+    _Alignas(64) real x[CML_GRID_LANES], y[CML_GRID_LANES], z[CML_GRID_LANES];
+    real ux[CML_GRID_LANES], uy[CML_GRID_LANES], uz[CML_GRID_LANES]; /* unit */
+    real s[CML_GRID_LANES];                                          /* length of the path */
+    /* the answers */
+    int answer[CML_GRID_LANES], primitive[CML_GRID_LANES];
+    real t[CML_GRID_LANES];                                                /* of the crossing */
+    real at_x[CML_GRID_LANES], at_y[CML_GRID_LANES], at_z[CML_GRID_LANES]; /* there, or where the path ends */
+    real normal_x[CML_GRID_LANES], normal_y[CML_GRID_LANES], normal_z[CML_GRID_LANES];
+    /* on the way; in double, body frame */
+    double origin[3][CML_GRID_LANES], direction[3][CML_GRID_LANES];
+    double end[CML_GRID_LANES], err[CML_GRID_LANES]; /* length of the path; err_query */
+    double clear[CML_GRID_LANES];                    /* how far behind the place the packet is */
+    int cell[2][CML_GRID_LANES], index[CML_GRID_LANES];
+};
+
+/* What all rays have in common. */
+struct cml_grid_view {
+    const struct cml_grid_mesh *grid;
+    const struct cml_mesh_body *body;
+    const struct cml_clearance *clearance; /* of the surface */
+    const real *horizons;                  /* of its cells, seen from the side of the packets */
+    real depth;  /* of the mesh in the frame that the depths of packets were rounded in, cm */
+    real x0, y0; /* of the beam, from the scene's axis */
+    real side;   /* +1: they are below the mesh */
+};
+
+#define CML_GRID_LOOP static __attribute__((noinline))
+
+/* Depths of a cell in one word. */
+typedef uint32_t __attribute__((may_alias)) cml_grid_depths_word;
+
+/* The number of a cell, of which a grid has fewer than 2^28: in memory as cml_grid_mesh_index has it. */
+static inline int cml_grid_lane_index(int i, int j, int tiles)
+{
+    return 16 * ((j >> 2) * tiles + (i >> 2)) + 4 * (j & 3) + (i & 3);
+}
+
+static inline double cml_grid_lane_least(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline int cml_grid_lane_cell(double position, double last)
+{
+    const double inner = position > 0 ? position : 0;
+    return (int)(inner < last ? inner : last);
+}
+
+/* Rays into the body frame. Those beside the mesh's box can meet only the outer plane: they are answered. */
+CML_GRID_LOOP void cml_grid_lanes_begin(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
+{
+    const struct cml_mesh_body *body = view->body;
+    const double cx = body->centre[0], cy = body->centre[1], cz = body->centre[2];
+    const double x_least = body->lower[0], x_most = body->upper[0], y_least = body->lower[1],
+                 y_most = body->upper[1];
+    const double span = view->depth, side = view->side, border = body->mesh.z_border,
+                 err_mesh = body->err_mesh;
+    const double share = 4 * (double)CML_EPSILON;
+#pragma omp simd
+    for (int k = first; k < first + CML_GRID_GROUP; k++) {
+        const double px = l->x[k], py = l->y[k], pz = l->z[k], ux = l->ux[k], uy = l->uy[k], uz = l->uz[k];
+        const double err_position = share * (fabs(px) + fabs(py) + fabs(pz) + span);
+        const double x = px - cx, y = py - cy, z = pz - cz, end = l->s[k], err = err_position + err_mesh;
+        const double t = (border - z) / uz, heads = side * uz;
+        const int crosses = (heads < 0) & (t < end), in_doubt = (heads < 0) & (t < err);
+        const double last = crosses ? t : end, x_last = x + last * ux, y_last = y + last * uy;
+        const int left = (x < x_least - err) & (x_last < x_least - err),
+                  right = (x > x_most + err) & (x_last > x_most + err);
+        const int before = (y < y_least - err) & (y_last < y_least - err),
+                  behind = (y > y_most + err) & (y_last > y_most + err);
+        const int sure = (left | right | before | behind) & !in_doubt;
+        l->origin[0][k] = x;
+        l->origin[1][k] = y;
+        l->origin[2][k] = z;
+        l->direction[0][k] = ux;
+        l->direction[1][k] = uy;
+        l->direction[2][k] = uz;
+        l->end[k] = end;
+        l->err[k] = err;
+        l->answer[k] = sure ? (crosses ? CML_GRID_MET : CML_GRID_MISSED) : CML_GRID_UNDECIDED;
+        l->primitive[k] = CML_OUTER_PLANE;
+        l->t[k] = (real)t;
+        l->at_x[k] = (real)(px + t * ux);
+        l->at_y[k] = (real)(py + t * uy);
+        l->at_z[k] = (real)(border + cz);
+        l->normal_x[k] = l->normal_y[k] = 0;
+        l->normal_z[k] = -1;
+    }
+}
+
+/* Scale of a grid: cells from its corner. */
+struct cml_grid_scale {
+    double x_corner, y_corner, x_scale, y_scale, x_last, y_last;
+    int tiles;
+};
+
+static inline struct cml_grid_scale cml_grid_scale_of(const struct cml_grid_mesh *grid)
+{
+    const struct cml_grid_scale scale = {grid->corner[0],       grid->corner[1], grid->cells_per_cm[0],
+                                         grid->cells_per_cm[1], grid->n[0] - 1,  grid->n[1] - 1,
+                                         grid->level[0].tiles};
+    return scale;
+}
+
+/* The cell in which each ray probably meets the mesh, or ends: where it has the depth of the cell that it was
+ * in before, beginning at the mean depth. */
+CML_GRID_LOOP void cml_grid_lanes_guess(const struct cml_grid_mesh *grid, int first, struct cml_grid_lanes *l)
+{
+    const cml_grid_depths_word *depths = (const void *)grid->level[0].depths;
+    const struct cml_grid_scale scale = cml_grid_scale_of(grid);
+    const double step = 1 / grid->steps_per_cm, half_step = 0.5 * step, z_first = grid->z;
+    const double mean = z_first + grid->mean * step;
+#pragma omp simd
+    for (int k = first; k < first + CML_GRID_GROUP; k++) {
+        const double inverse = 1 / l->direction[2][k], z = l->origin[2][k], end = l->end[k];
+        const double x = (l->origin[0][k] - scale.x_corner) * scale.x_scale,
+                     y = (l->origin[1][k] - scale.y_corner) * scale.y_scale,
+                     ux = l->direction[0][k] * scale.x_scale, uy = l->direction[1][k] * scale.y_scale;
+        double depth = mean;
+        int i = 0, j = 0, index = 0;
+        for (int n = 0; n < 3; n++) {
+            const double there = (depth - z) * inverse, ahead = there > 0 ? there : 0,
+                         t = ahead < end ? ahead : end;
+            i = cml_grid_lane_cell(x + t * ux, scale.x_last);
+            j = cml_grid_lane_cell(y + t * uy, scale.y_last);
+            index = cml_grid_lane_index(i, j, scale.tiles);
+            if (n == 2) break;
+            const uint32_t word = depths[index];
+            depth = z_first + half_step * ((int)(word & 0xffffu) + (int)(word >> 16));
+        }
+        l->cell[0][k] = i;
+        l->cell[1][k] = j;
+        l->index[k] = index;
+    }
+}
+
+/* A ray and a facet that it crosses at t, in whose inside by more than rounding it is there, or at its end if
+ * that comes first: whether that is an answer. */
+static inline int cml_grid_lane_answer(double sign, double along, double t, double end, double err)
+{
+    const double beyond = (t - end) * along * sign;
+    const int sure = (sign * along >= err_sine_grid) & (t > err), is_met = t<end, is_missed = beyond> err;
+    const int answer = is_met ? CML_GRID_MET : (is_missed ? CML_GRID_MISSED : CML_GRID_UNDECIDED);
+    return sure ? answer : CML_GRID_UNDECIDED;
+}
+
+/* The least distance, in cells, of a place (u, v) of the unit cell from its sides; negative outside. */
+static inline double cml_grid_lane_inside(double u, double v)
+{
+    return cml_grid_lane_least(cml_grid_lane_least(u, 1 - u), cml_grid_lane_least(v, 1 - v));
+}
+
+/* A ray and the facet on one side of its cell's diagonal: where it crosses the facet's plane, and how far
+ * inside the facet, in cells, it is there, or at its end if that comes first. */
+struct cml_grid_lane_facet {
+    double a, b, c, along, t, inside; /* a, b, c: its unit normal */
+};
+
+static inline struct cml_grid_lane_facet cml_grid_lane_facet(struct cml_grid_scale scale,
+                                                             const double *planes, int at,
+                                                             const struct cml_grid_lanes *l, int k, int south,
+                                                             int falling, int whole)
+{
+    const double x = l->origin[0][k], y = l->origin[1][k], z = l->origin[2][k];
+    const double ux = l->direction[0][k], uy = l->direction[1][k], uz = l->direction[2][k];
+    const double a = planes[at], b = planes[at + 1], c = planes[at + 2], along = ux * a + uy * b + uz * c;
+    const double t = (planes[at + 3] - (x * a + y * b + z * c)) / along,
+                 to = cml_grid_lane_least(t, l->end[k]);
+    const double u = (x + to * ux - scale.x_corner) * scale.x_scale - l->cell[0][k],
+                 v = (y + to * uy - scale.y_corner) * scale.y_scale - l->cell[1][k];
+    const double above = falling ? u + v - 1 : v - u, behind = south ? -above : above;
+    const double inside = cml_grid_lane_least(cml_grid_lane_inside(u, v), whole ? 1 : behind);
+    const struct cml_grid_lane_facet facet = {a, b, c, along, t, inside};
+    return facet;
+}
+
+/* The two facets of each ray's cell of a regular grid. A ray that crosses neither goes on to the cell in
+ * which it meets the plane of the nearer one. Returns 1 where it is worth to try again. */
+CML_GRID_LOOP int cml_grid_lanes_meet(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
+{
+    const struct cml_grid_mesh *grid = view->grid;
+    const struct cml_grid_scale scale = cml_grid_scale_of(grid);
+    const double *planes = &grid->planes[0].south[0];
+    const uint32_t *cells = &grid->cell[0].south;
+    const double err_cell = grid->err_cell, sign = view->side;
+    const int count = l->count;
+    int again = 0;
+#pragma omp simd reduction(| : again)
+    for (int k = first; k < first + CML_GRID_GROUP; k++) {
+        const int index = l->index[k], settled = l->answer[k] != CML_GRID_UNDECIDED;
+        const uint32_t south = cells[2 * index], north = cells[2 * index + 1];
+        const int falling = (south & CML_GRID_MESH_FALLING) != 0, whole = south == north,
+                  full = (south != CML_GRID_MESH_NO_FACET) & (north != CML_GRID_MESH_NO_FACET);
+        const struct cml_grid_lane_facet s =
+            cml_grid_lane_facet(scale, planes, 8 * index, l, k, 1, falling, whole);
+        const struct cml_grid_lane_facet n =
+            cml_grid_lane_facet(scale, planes, 8 * index + 4, l, k, 0, falling, 0);
+        const int is_s = s.inside > err_cell, is_inside = is_s | (n.inside > err_cell);
+        const int nearer = is_s | (s.inside > n.inside); /* the one that is inside, or else the nearer one */
+        const double along = nearer ? s.along : n.along, t = nearer ? s.t : n.t,
+                     last = cml_grid_lane_least(t, l->end[k]);
+        const int found = cml_grid_lane_answer(sign, along, t, l->end[k], l->err[k]);
+        const int answer = (is_inside & full) ? found : CML_GRID_UNDECIDED;
+        const int facet = (int)((nearer ? south : north) & ~CML_GRID_MESH_FALLING);
+        const int beside = !settled & !is_inside & ((nearer ? s.inside : n.inside) > -1.5) & (k < count);
+        const int i = cml_grid_lane_cell((l->origin[0][k] + last * l->direction[0][k] - scale.x_corner) *
+                                             scale.x_scale,
+                                         scale.x_last),
+                  j = cml_grid_lane_cell((l->origin[1][k] + last * l->direction[1][k] - scale.y_corner) *
+                                             scale.y_scale,
+                                         scale.y_last);
+        l->answer[k] = settled ? l->answer[k] : answer;
+        l->primitive[k] = settled ? l->primitive[k] : facet;
+        l->t[k] = settled ? l->t[k] : (real)t;
+        l->at_x[k] = settled ? l->at_x[k] : (real)((double)l->x[k] + last * l->direction[0][k]);
+        l->at_y[k] = settled ? l->at_y[k] : (real)((double)l->y[k] + last * l->direction[1][k]);
+        l->at_z[k] = settled ? l->at_z[k] : (real)((double)l->z[k] + last * l->direction[2][k]);
+        l->normal_x[k] = settled ? l->normal_x[k] : (real)(nearer ? s.a : n.a);
+        l->normal_y[k] = settled ? l->normal_y[k] : (real)(nearer ? s.b : n.b);
+        l->normal_z[k] = settled ? l->normal_z[k] : (real)(nearer ? s.c : n.c);
+        l->clear[k] = last;
+        l->cell[0][k] = beside ? i : l->cell[0][k];
+        l->cell[1][k] = beside ? j : l->cell[1][k];
+        l->index[k] = beside ? cml_grid_lane_index(i, j, scale.tiles) : index;
+        again |= beside;
+    }
+    return again;
+}
+
+/* The least barycentric weight of a place in a facet of a sheet; negative outside. */
+static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, double x, double y)
+{
+    const double a = x - f->corner[0], b = y - f->corner[1];
+    const double v = f->weight[0][0] * a + f->weight[0][1] * b, w = f->weight[1][0] * a + f->weight[1][1] * b;
+    return cml_grid_lane_least(cml_grid_lane_least(v, w), 1 - v - w);
+}
+
+/* A facet of a ray's cell of a sheet; 1 where the ray crosses its plane, or ends, well inside it. */
+static inline int cml_grid_lane_meet_facet(const struct cml_grid_view *view, uint32_t number, int k,
+                                           struct cml_grid_lanes *l)
+{
+    const struct cml_sheet_facet *f = &view->grid->facet[number];
+    const double x = l->origin[0][k], y = l->origin[1][k], z = l->origin[2][k];
+    const double ux = l->direction[0][k], uy = l->direction[1][k], uz = l->direction[2][k], end = l->end[k];
+    const double along = ux * f->plane[0] + uy * f->plane[1] + uz * f->plane[2];
+    const double t = (f->plane[3] - (x * f->plane[0] + y * f->plane[1] + z * f->plane[2])) / along;
+    const double to = cml_grid_lane_least(t, end);
+    if (!(cml_grid_lane_weight(f, x + to * ux, y + to * uy) > err_weight_sheet)) return 0;
+    l->answer[k] = cml_grid_lane_answer(view->side, along, t, end, l->err[k]);
+    l->primitive[k] = (int)number;
+    l->t[k] = (real)t;
+    l->at_x[k] = (real)((double)l->x[k] + to * ux);
+    l->at_y[k] = (real)((double)l->y[k] + to * uy);
+    l->at_z[k] = (real)((double)l->z[k] + to * uz);
+    l->normal_x[k] = (real)f->plane[0];
+    l->normal_y[k] = (real)f->plane[1];
+    l->normal_z[k] = (real)f->plane[2];
+    l->clear[k] = to;
+    return 1;
+}
+
+/* The lists of a group's cells of a sheet, the likeliest facet first. A query reads cell, list and facets,
+ * each from the address that the one before has told, and would wait for each; those of a mesh of 1e5
+ * triangles are too many for a processor's second cache. All rays ask for the next one before the first goes
+ * on, so that they come together [group prefetching: Chen, Ailamaki, Gibbons and Mowry, Improving hash join
+ * performance through prefetching, ICDE 2004]. */
+static void cml_grid_lanes_meet_lists(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
+{
+    const struct cml_grid_mesh *grid = view->grid;
+    int pending[CML_GRID_GROUP], count = 0;
+    uint32_t next[CML_GRID_GROUP], last[CML_GRID_GROUP];
+    for (int k = first; k < first + CML_GRID_GROUP && k < l->count; k++)
+        if (l->answer[k] == CML_GRID_UNDECIDED) pending[count++] = k;
+    for (int n = 0; n < count; n++) __builtin_prefetch(&grid->first[l->index[pending[n]]]);
+    for (int n = 0; n < count; n++) {
+        next[n] = grid->first[l->index[pending[n]]];
+        last[n] = grid->first[l->index[pending[n]] + 1];
+        __builtin_prefetch(&grid->listed[next[n]]);
+    }
+    for (int n = 0; n < count; n++) __builtin_prefetch(&grid->facet[grid->listed[next[n]]]);
+    while (count) {
+        int left = 0;
+        for (int n = 0; n < count; n++) {
+            const int k = pending[n];
+            uint32_t i = next[n];
+            if (i == last[n] || cml_grid_lane_meet_facet(view, grid->listed[i], k, l)) continue;
+            __builtin_prefetch(&grid->facet[grid->listed[++i]]);
+            pending[left] = k;
+            next[left] = i;
+            last[left++] = last[n];
+        }
+        count = left;
+    }
+}
+
+/* Leaves undecided again what may have met the mesh before the place that was found. A ray steeper than the
+ * horizon h of that place falls below the mesh by at least (|uz| - h |uxy|) + 0.001 |uxy| of its length
+ * there, so that where it begins it is further from every facet than rounding puts it. */
+CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
+{
+    const struct cml_clearance grid = *view->clearance;
+    const real *restrict const horizons = view->horizons;
+    const real x0 = view->x0, y0 = view->y0;
+#pragma omp simd
+    for (int k = first; k < first + CML_GRID_GROUP; k++) {
+        const struct cml_vec p = {l->at_x[k] + x0, l->at_y[k] + y0, 0};
+        const real h = cml_cell_horizon(&grid, horizons, p, CML_CLEARANCE_SQUARE);
+        const real uxy = CML_SQRT(l->ux[k] * l->ux[k] + l->uy[k] * l->uy[k]), uz = CML_FABS(l->uz[k]);
+        const real slack = uz - h * uxy;
+        const int steep =
+            (slack > 0) & ((real)l->clear[k] * (slack + (real)0.001 * uxy) > 2 * (real)l->err[k] * (1 + h));
+        const int outside = l->primitive[k] == CML_OUTER_PLANE;
+        l->answer[k] = (outside | steep) ? l->answer[k] : CML_GRID_UNDECIDED;
+    }
+}
+
+/* Fills the answers. Most rays that cross the mesh beside the cell that was guessed cross it in the one in
+ * which they meet the planes of its facets. */
+static void cml_grid_lanes_ask(const struct cml_grid_view *view, struct cml_grid_lanes *l)
+{
+    for (int first = 0; first < l->count; first += CML_GRID_GROUP) {
+        cml_grid_lanes_begin(view, first, l);
+        cml_grid_lanes_guess(view->grid, first, l);
+        if (view->grid->first)
+            cml_grid_lanes_meet_lists(view, first, l);
+        else if (cml_grid_lanes_meet(view, first, l))
+            cml_grid_lanes_meet(view, first, l);
+        cml_grid_lanes_check(view, first, l);
+    }
+}
+
+#endif

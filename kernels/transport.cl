@@ -389,8 +389,8 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
               __global cml_u64 *cells, __local cml_u64 *near)
 {
     struct cml_world world = {
-        setup,         media,   surfaces, ring_r, ring_z, ring_slope, ring_horizon_above, ring_horizon_below,
-        ring_starts,   deepest, highest,  0,      0,      bodies,     body_nodes,         body_grids,
+        setup,       media,   surfaces, ring_r, ring_z, ring_slope, ring_horizon_above, ring_horizon_below,
+        ring_starts, deepest, highest,  0,      0,      bodies,     body_nodes,         body_grids,
         body_cells};
     __local struct cml_shared shared;
     const struct cml_deposits to = {&shared.windows, near, cells, control};

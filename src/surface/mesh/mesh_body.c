@@ -92,3 +92,10 @@ void cml_mesh_body_clear(struct cml_mesh_body *body)
     cml_mesh_clear(&body->mesh);
     *body = (struct cml_mesh_body){0};
 }
+
+double cml_mesh_body_bytes(const struct cml_mesh_body *body)
+{
+    const struct cml_mesh *mesh = &body->mesh;
+    return (double)mesh->num_triangles * (sizeof *mesh->triangle + sizeof *body->plane) +
+           (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
+}

@@ -27,6 +27,9 @@ CML_NODISCARD cml_status cml_mesh_body_create(struct cml_mesh *mesh, double x0, 
                                               struct cml_mesh_body *body, struct cml_error *err);
 void cml_mesh_body_clear(struct cml_mesh_body *body);
 
+/* Memory of its arrays but the footprint's. */
+double cml_mesh_body_bytes(const struct cml_mesh_body *body);
+
 /* Corner k (0 to 2) of a triangle, body frame. */
 static inline const double *cml_body_corner(const struct cml_mesh_body *body, int triangle, int k)
 {

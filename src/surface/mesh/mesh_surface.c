@@ -486,10 +486,8 @@ const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surf
 
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
-    const struct cml_mesh *mesh = &surface->body.mesh;
     return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
-           (double)mesh->num_triangles * (sizeof *mesh->triangle + sizeof *surface->body.plane) +
-           (double)mesh->num_vertices * (sizeof *mesh->vertex + sizeof *mesh->vertex_normal);
+           cml_mesh_body_bytes(&surface->body);
 }
 
 const char *cml_mesh_library(void)

@@ -470,8 +470,7 @@ const struct cml_mesh *cml_mesh_surface_mesh(const struct cml_mesh_surface *surf
 uint64_t cml_mesh_surface_primitives(const struct cml_mesh_surface *surface)
 {
     const struct cml_mesh_period *period = &surface->period;
-    return period->n[0] ? 2 * (uint64_t)period->n[0] * (uint64_t)period->n[1]
-                        : surface->body.mesh.num_triangles;
+    return period->n[0] ? cml_tile_primitives(period) : surface->body.mesh.num_triangles;
 }
 
 size_t cml_mesh_surface_triangle(const struct cml_mesh_surface *surface, size_t primitive)

@@ -17,6 +17,11 @@ static int wrap(int i, int n)
     return rest < 0 ? rest + n : rest;
 }
 
+uint64_t cml_tile_primitives(const struct cml_mesh_period *period)
+{
+    return 2 * (uint64_t)period->n[0] * (uint64_t)period->n[1];
+}
+
 int cml_tile_primitive(const struct cml_mesh_period *period, int triangle)
 {
     const int width = width_of(period), cell = triangle / 2, row = cell / width;

@@ -10,6 +10,7 @@
 #define CML_TILE_PATH_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 /* So many segments are looked at before a ray is given up: one that flies between the highest and the lowest
  * point of the mesh over more than half as many periods, and meets nothing. */
@@ -47,6 +48,9 @@ bool cml_tile_next(struct cml_tile_path *path);
 
 /* Whether the path was given up before its end. */
 bool cml_tile_is_too_long(const struct cml_tile_path *path);
+
+/* How many primitives there are: two for each cell of the period. */
+uint64_t cml_tile_primitives(const struct cml_mesh_period *period);
 
 /* The primitive whose copy a triangle of the mesh is; -1: none, it belongs to the skirt. */
 int cml_tile_primitive(const struct cml_mesh_period *period, int triangle);

@@ -7,7 +7,7 @@ grep -q '^0\*\? ' "$work/out" || { echo "no OpenCL device"; exit 77; }
 
 checked=0
 for sample in samples/*.mci samples/shapes/*.mci; do
-    grep -q '^\(#@ \)\?m ' "$sample" && continue
+    grep -q '^\(#@ \)\?\(m\|i "\)' "$sample" && continue
     photons=1e4
     case $sample in
         */skin7.mci | */thick.mci | */fig7text.mci) photons=2e3 ;;
@@ -35,6 +35,7 @@ photon=$(awk '!/^#/ { print $1; exit }' "$work/dump")
 fate=$(awk '!/^#/ { print $2; exit }' "$work/dump")
 expect_code 0 trace samples/shapes/hinoise.mci "$photon" --engine opencl
 tail -n 1 "$work/out" | grep -q "^# $fate" || complain "photon $photon: dump says $fate, trace $(tail -n 1 "$work/out")"
+expect_error 2 "samples/vein.mci:17: body 1 is a mesh (expected spheres and cylinders; the opencl engine flies no meshes)" crosscheck samples/vein.mci
 expect_code 2 crosscheck samples/ridges.mci --dump "$work/none"
 test ! -e "$work/none" || complain "a refused crosscheck left its dump"
 test -z "$(cat "$work/out")" || complain "a refused crosscheck wrote to standard output"

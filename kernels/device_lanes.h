@@ -52,7 +52,6 @@ struct cml_device_lanes {
 #if CML_DEVICE_LANES > 1
 #define CML_DEVICE_LOOP static __attribute__((noinline)) /* by itself the loop is made a vector loop */
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
-#define CML_ONE_COPY
 #define CML_FORGET_REGISTERS ((void)0)
 #pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than it looks for them */
 #else

@@ -49,7 +49,7 @@ CML_FN int cml_is_in_layer(const struct cml_world *world, int medium, struct cml
 }
 
 /* P10 for one packet, whose weight at the start and later gains are all accounted for. */
-CML_FN int cml_packet_balances(const struct cml_world *world, CML_GLOBAL const struct cml_packet *packet)
+CML_FN int cml_packet_balances(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
 {
     return CML_WEIGHT_ONE + packet->gained ==
            world->setup.specular + packet->absorbed + packet->roulette + packet->w;

@@ -10,6 +10,12 @@
 typedef uint cml_u32;
 typedef ulong cml_u64;
 #define CML_GLOBAL __global
+/* Where the rarely used members of packets are: a device with one lane keeps its registers free of them. */
+#if CML_DEVICE_LANES > 1
+#define CML_PACKET __private
+#else
+#define CML_PACKET __global
+#endif
 #define CML_FN static inline __attribute__((always_inline)) /* lanes must live in registers */
 #define CML_SQRT sqrt
 #define CML_FMA fma
@@ -25,6 +31,7 @@ typedef ulong cml_u64;
 typedef uint32_t cml_u32;
 typedef uint64_t cml_u64;
 #define CML_GLOBAL
+#define CML_PACKET
 #define CML_CLZ(n) __builtin_clz((unsigned)(n))
 #define CML_MAY_HAVE_MESHES 1
 #define CML_FN static inline

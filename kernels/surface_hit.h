@@ -179,14 +179,14 @@ CML_FN int cml_is_body(const struct cml_world *world, int medium)
 }
 
 /* What the packet stands on of a boundary: -1 nothing, or CML_NEAR_FACETS. */
-CML_FN int cml_on_primitive(CML_GLOBAL const struct cml_packet *packet, int boundary)
+CML_FN int cml_on_primitive(CML_PACKET const struct cml_packet *packet, int boundary)
 {
     return packet->on_boundary == boundary ? packet->on_primitive : -1;
 }
 
 /* Without the bodies. */
 CML_FN struct cml_boundary_intervals
-cml_layer_intervals(const struct cml_world *world, CML_GLOBAL const struct cml_packet *packet, real t_max)
+cml_layer_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
 {
     const int medium = packet->medium;
     const struct cml_interval none = {0, 0, t_max};
@@ -205,7 +205,7 @@ cml_layer_intervals(const struct cml_world *world, CML_GLOBAL const struct cml_p
 }
 
 CML_FN struct cml_boundary_intervals
-cml_find_intervals(const struct cml_world *world, CML_GLOBAL const struct cml_packet *packet, real t_max)
+cml_find_intervals(const struct cml_world *world, CML_PACKET const struct cml_packet *packet, real t_max)
 {
     struct cml_boundary_intervals intervals = cml_layer_intervals(world, packet, t_max);
     struct cml_body_region region;
@@ -214,7 +214,7 @@ cml_find_intervals(const struct cml_world *world, CML_GLOBAL const struct cml_pa
     return intervals;
 }
 
-CML_FN void cml_lose_packet(CML_GLOBAL struct cml_packet *packet, enum cml_lost_cause cause)
+CML_FN void cml_lose_packet(CML_PACKET struct cml_packet *packet, enum cml_lost_cause cause)
 {
     packet->fate = CML_FATE_LOST;
     packet->cause = (int)cause;
@@ -222,7 +222,7 @@ CML_FN void cml_lose_packet(CML_GLOBAL struct cml_packet *packet, enum cml_lost_
 
 /* Crossing of one boundary that the packet can meet; p in that boundary's frame. Without one *hit stays as it
  * is. */
-CML_FN int cml_intersect_surface(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+CML_FN int cml_intersect_surface(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                  int boundary, struct cml_vec p, real side, struct cml_interval s,
                                  struct cml_hit *hit)
 {
@@ -254,7 +254,7 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, CML_GLOBAL struc
 
 /* The surface of a body, from inside (side +1) or outside: whether the packet crosses it before t_max. afar:
  * it is away from all bodies. Without a crossing *hit stays as it is. */
-CML_FN int cml_intersect_body(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                               int boundary, real side, real t_max, int afar, struct cml_hit *hit)
 {
     const CML_GLOBAL struct cml_body *body = &world->bodies[boundary - world->setup.num_layers - 1];
@@ -292,7 +292,7 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_GLOBAL struct c
 
 /* The first surface of a body that the packet crosses before t_max: from inside that of the body it is in,
  * from outside those of the bodies in its medium. */
-CML_FN int cml_nearest_body(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet, real t_max,
+CML_FN int cml_nearest_body(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t_max,
                             int afar, struct cml_hit *hit)
 {
     const int layers = world->setup.num_layers, own = cml_is_body(world, packet->medium);
@@ -312,7 +312,7 @@ CML_FN int cml_nearest_body(const struct cml_world *world, CML_GLOBAL struct cml
 
 /* The first boundary of the packet's medium that it crosses within reach. A packet that is lost on the search
  * (P9) has ended. */
-CML_FN int cml_nearest_hit(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+CML_FN int cml_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                            struct cml_boundary_intervals intervals, struct cml_hit *hit)
 {
     const int medium = packet->medium;

@@ -17,7 +17,7 @@ CML_FN enum cml_balance_term cml_balance_term_of(int fate)
 }
 
 /* R and T by exit bin; what is rare by its cause. */
-CML_FN void cml_score_fate(const struct cml_setup *setup, __global const struct cml_packet *packet,
+CML_FN void cml_score_fate(const struct cml_setup *setup, CML_PACKET const struct cml_packet *packet,
                            const struct cml_deposits *to)
 {
     if (packet->fate == CML_FATE_REFLECTED || packet->fate == CML_FATE_TRANSMITTED) {
@@ -33,7 +33,7 @@ CML_FN void cml_score_fate(const struct cml_setup *setup, __global const struct 
     }
 }
 
-CML_FN void cml_score(const struct cml_setup *setup, __global const struct cml_packet *packet,
+CML_FN void cml_score(const struct cml_setup *setup, CML_PACKET const struct cml_packet *packet,
                       const struct cml_deposits *to)
 {
     cml_score_fate(setup, packet, to);
@@ -67,7 +67,7 @@ CML_FN int cml_device_take(__global struct cml_control *control, cml_u64 *index)
     return taken < control->count;
 }
 
-CML_FN void cml_device_write_fate(__global const struct cml_packet *packet,
+CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
                                   __global struct cml_device_fate *fate)
 {
     fate->absorbed = packet->absorbed;
@@ -90,12 +90,16 @@ CML_FN int cml_device_has_work(__global struct cml_control *control, __global co
 }
 
 /* The packets of a work-item: in lanes what changes with every step, in packets the rest, with the weight
- * balance up to the last mark. The rest stays in global memory, so that a packet between boundaries has the
- * registers to itself. */
+ * balance up to the last mark. With one lane the rest stays in global memory, so that a packet between
+ * boundaries has the registers to itself (CML_PACKET). */
 struct cml_device_flight {
     struct cml_device_lanes lanes;
-    __global struct cml_packet *packets; /* [CML_DEVICE_LANES] */
-    cml_u32 alive;                       /* packets */
+#if CML_DEVICE_LANES > 1
+    struct cml_packet packets[CML_DEVICE_LANES];
+#else
+    __global struct cml_packet *packets; /* [1] */
+#endif
+    cml_u32 alive; /* packets */
 };
 
 /* Counts what the lane has deposited as absorbed. Deposits belong to the medium they were made in, and show
@@ -129,7 +133,7 @@ CML_FN void cml_device_load_medium(const struct cml_world *world, struct cml_dev
 }
 
 CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
-                                 __global const struct cml_packet *packet)
+                                 CML_PACKET const struct cml_packet *packet)
 {
     l->x[i] = packet->p.x;
     l->y[i] = packet->p.y;
@@ -141,7 +145,7 @@ CML_FN void cml_device_store_ray(struct cml_device_lanes *l, cml_u32 i,
 }
 
 CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
-                                   __global const struct cml_packet *packet)
+                                   CML_PACKET const struct cml_packet *packet)
 {
     l->index_low[i] = (cml_u32)packet->index;
     l->index_high[i] = (cml_u32)(packet->index >> 32);
@@ -153,7 +157,7 @@ CML_FN void cml_device_store_count(struct cml_device_lanes *l, cml_u32 i,
 CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_device_flight *f, cml_u32 i)
 {
     struct cml_device_lanes *l = &f->lanes;
-    __global const struct cml_packet *packet = &f->packets[i];
+    CML_PACKET const struct cml_packet *packet = &f->packets[i];
     cml_device_store_count(l, i, packet);
     cml_device_store_ray(l, i, packet);
     l->flushed_w[i] = packet->w;
@@ -167,7 +171,7 @@ CML_FN void cml_device_load_lane(const struct cml_world *world, struct cml_devic
 CML_FN void cml_device_read_lane(struct cml_device_flight *f, cml_u32 i)
 {
     const struct cml_device_lanes *l = &f->lanes;
-    __global struct cml_packet *packet = &f->packets[i];
+    CML_PACKET struct cml_packet *packet = &f->packets[i];
     const struct cml_vec p = {l->x[i], l->y[i], l->z[i]}, u = {l->ux[i], l->uy[i], l->uz[i]};
     packet->p = p;
     packet->u = u;
@@ -186,7 +190,7 @@ CML_FN void cml_device_restore_lane(const struct cml_world *world, struct cml_de
                                     int medium)
 {
     struct cml_device_lanes *l = &f->lanes;
-    __global const struct cml_packet *packet = &f->packets[i];
+    CML_PACKET const struct cml_packet *packet = &f->packets[i];
     cml_device_store_ray(l, i, packet);
     if (CML_DEVICE_LANES == 1) cml_device_store_count(l, i, packet);
     l->touched[i] = packet->interactions - (packet->bounces == 0);
@@ -198,7 +202,7 @@ CML_STAGE void cml_device_replace(const struct cml_world *world, const struct cm
                                   struct cml_launch launch, __global struct cml_device_fate *fates,
                                   struct cml_device_flight *f, cml_u32 i)
 {
-    __global struct cml_packet *packet = &f->packets[i];
+    CML_PACKET struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
     cml_device_flush_deposits(to, f, i);
     cml_score(&world->setup, packet, to);
@@ -211,9 +215,16 @@ CML_STAGE void cml_device_replace(const struct cml_world *world, const struct cm
     cml_device_load_lane(world, f, i);
 }
 
+#if CML_DEVICE_LANES > 1
+CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t,
+                                  struct cml_hit *hit)
+{
+    return cml_nearest_hit(world, packet, cml_find_intervals(world, packet, t), hit);
+}
+#else
 /* cml_find_intervals and cml_nearest_hit with one copy of the search, for the boundary above and then for the
  * one below: a device with one lane holds little text at a time. */
-CML_FN int cml_device_nearest_hit(const struct cml_world *world, __global struct cml_packet *packet, real t,
+CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t,
                                   struct cml_hit *hit)
 {
     const int medium = packet->medium, sides = cml_is_body(world, medium) ? 0 : 2;
@@ -240,13 +251,14 @@ CML_FN int cml_device_nearest_hit(const struct cml_world *world, __global struct
     }
     return found;
 }
+#endif
 
 /* What the packet does within t, the way to its interaction: a boundary event, or an end. Returns 1 when it
  * is to interact. */
 CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_deposits *to,
                                 struct cml_device_flight *f, cml_u32 i, real t)
 {
-    __global struct cml_packet *packet = &f->packets[i];
+    CML_PACKET struct cml_packet *packet = &f->packets[i];
     struct cml_hit hit;
     if (!(cml_dot(packet->u, packet->u) < 2)) {
         cml_lose_packet(packet, CML_LOST_NAN);
@@ -268,7 +280,7 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
 CML_STAGE cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
                                           struct cml_device_flight *f, cml_u32 i)
 {
-    __global struct cml_packet *packet = &f->packets[i];
+    CML_PACKET struct cml_packet *packet = &f->packets[i];
     const int medium = packet->medium;
     cml_device_read_lane(f, i);
     CML_FORGET_REGISTERS;
@@ -286,7 +298,7 @@ CML_STAGE cml_u32 cml_device_process_lane(const struct cml_world *world, const s
 CML_STAGE cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
                                       struct cml_device_flight *f, cml_u32 i)
 {
-    __global struct cml_packet *packet = &f->packets[i];
+    CML_PACKET struct cml_packet *packet = &f->packets[i];
     cml_device_read_lane(f, i);
     cml_device_flush_deposits(to, f, i);
     cml_roulette(rule, packet);
@@ -350,11 +362,15 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
                                  __global struct cml_packet *saved, __global struct cml_device_fate *fates)
 {
     struct cml_device_flight flight;
+#if CML_DEVICE_LANES > 1
+    for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) flight.packets[i] = saved[i];
+#else
     flight.packets = saved;
+#endif
     flight.alive = 0;
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         cml_u64 index;
-        __global struct cml_packet *packet = &flight.packets[i];
+        CML_PACKET struct cml_packet *packet = &flight.packets[i];
         if (packet->fate != CML_FATE_ALIVE && cml_device_take(to->control, &index))
             cml_launch(world, index, packet);
         flight.alive += packet->fate == CML_FATE_ALIVE;
@@ -365,6 +381,9 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++) {
         cml_device_read_lane(&flight, i);
         cml_device_flush_deposits(to, &flight, i);
+#if CML_DEVICE_LANES > 1
+        saved[i] = flight.packets[i];
+#endif
     }
     if (flight.alive) atomic_add(&to->control->alive, flight.alive);
 }

@@ -20,7 +20,7 @@
 
 /* P2: the block of the next interaction and the optical depth to it. A device draws for many packets together
  * before their next step (device_lanes.h); a depth below 0 asks for it. */
-CML_FN void cml_next_flight(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_next_flight(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
 #ifdef __OPENCL_VERSION__
     (void)world;
@@ -33,7 +33,7 @@ CML_FN void cml_next_flight(const struct cml_world *world, CML_GLOBAL struct cml
 }
 
 /* P4. */
-CML_FN void cml_scatter_packet(real g, CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_scatter_packet(real g, CML_PACKET struct cml_packet *packet)
 {
     packet->u = cml_scatter(packet->u, g, packet->draw.w[1], packet->draw.w[2]);
     CML_ASSERT(cml_is_unit(packet->u));
@@ -43,13 +43,13 @@ CML_FN void cml_scatter_packet(real g, CML_GLOBAL struct cml_packet *packet)
 #define cml_event(world, what, packet) ((void)0)
 #else
 CML_FN void cml_event(const struct cml_world *world, const char *what,
-                      CML_GLOBAL const struct cml_packet *packet)
+                      CML_PACKET const struct cml_packet *packet)
 {
     if (world->on_event) world->on_event(world->on_event_context, what, packet);
 }
 #endif
 
-CML_FN void cml_end_packet(CML_GLOBAL struct cml_packet *packet, enum cml_fate fate)
+CML_FN void cml_end_packet(CML_PACKET struct cml_packet *packet, enum cml_fate fate)
 {
     packet->fate = (int)fate;
 }
@@ -62,7 +62,7 @@ CML_FN real cml_path(real tau, real mfp)
 }
 
 /* Distance to the next interaction if no boundary comes first. */
-CML_FN real cml_free_path(const struct cml_world *world, CML_GLOBAL const struct cml_packet *packet)
+CML_FN real cml_free_path(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
 {
     return cml_path(packet->tau, world->media[packet->medium].mfp);
 }
@@ -85,7 +85,7 @@ CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 ind
 }
 
 /* P1: the packet where the beam puts it; its draws are not made yet. */
-CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
 {
     const struct cml_setup *setup = &world->setup;
     const struct cml_packet fresh = {0};
@@ -102,7 +102,7 @@ CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_GLOBAL s
     packet->p.z = setup->launch_z;
 }
 
-CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
 {
     cml_place(world, index, packet);
     cml_next_flight(world, packet);
@@ -155,7 +155,7 @@ CML_FN void cml_deposit_volume(const struct cml_setup *setup, const struct cml_d
 }
 
 CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits *to,
-                        CML_GLOBAL struct cml_packet *packet, cml_u32 dw)
+                        CML_PACKET struct cml_packet *packet, cml_u32 dw)
 {
     const struct cml_setup *setup = &world->setup;
     packet->absorbed += dw;
@@ -182,7 +182,7 @@ CML_FN cml_u32 cml_absorbed_part(cml_u32 w, real absorb, cml_u32 polar_word, cml
 
 /* P8: with the chance w / weight a packet goes on with that weight. A word is below 2^32 w / weight with that
  * chance, to one part in 2^32. */
-CML_FN void cml_roulette(struct cml_roulette_rule rule, CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_roulette(struct cml_roulette_rule rule, CML_PACKET struct cml_packet *packet)
 {
     const cml_u32 w = packet->w, weight = rule.weight ? rule.weight : 10u * w;
     if (w >= rule.below) return;
@@ -221,7 +221,7 @@ CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
 
 /* P3, P4, P8: the packet has flown t to its interaction. */
 CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposits *to,
-                         CML_GLOBAL struct cml_packet *packet, real t)
+                         CML_PACKET struct cml_packet *packet, real t)
 {
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
     packet->p = cml_along(packet->p, t, packet->u);
@@ -293,7 +293,7 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
  * CML_SHADED_LIMIT events in a row: between facets light turns back out of every groove, between shading
  * normals it may run into it for ever. A packet beside a tip that rounding has put before a facet it leads
  * away from flies on: mirrored, it would run through that facet. */
-CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                   const struct cml_hit *hit, real side, real n1, real n2)
 {
     const real xi = cml_uniform(cml_draw_reflection(world->setup.stream, packet->index, packet->crossings));
@@ -325,7 +325,7 @@ CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
     return ia < setup->na ? ia : setup->na - 1;
 }
 
-CML_FN void cml_score_exit(CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_score_exit(CML_PACKET struct cml_packet *packet)
 {
     if (!packet->entered)
         cml_end_packet(packet, CML_FATE_SPECULAR);
@@ -335,7 +335,7 @@ CML_FN void cml_score_exit(CML_GLOBAL struct cml_packet *packet)
 
 /* P6: behind a crossing into an outer medium, or a reflection in one: is the packet gone for good? Its exit
  * is where it touched the surface last, for that is the point whose brightness an observer sees. */
-CML_FN void cml_after_boundary(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+CML_FN void cml_after_boundary(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                int boundary)
 {
     const int outside = cml_is_outer(world, packet->medium);
@@ -350,7 +350,7 @@ CML_FN void cml_after_boundary(const struct cml_world *world, CML_GLOBAL struct 
 }
 
 /* P9: bounds what total reflection could repeat for ever. */
-CML_FN void cml_count_bounce(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
     packet->bounces++;
     packet->boundary_events++;
@@ -362,7 +362,7 @@ CML_FN void cml_count_bounce(const struct cml_world *world, CML_GLOBAL struct cm
 }
 
 /* The packet has reached a boundary: P5, then P6. */
-CML_FN void cml_boundary_event(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet,
+CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
     const int from = packet->medium, boundary = hit->boundary;
@@ -412,7 +412,7 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
  * `between` comes to boundary 0 from below and turns back there, and as much to boundary 1 from above, beside
  * what passes both. What of it leaves upwards is in the specular part. */
 CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_deposits *to,
-                             CML_GLOBAL const struct cml_packet *packet)
+                             CML_PACKET const struct cml_packet *packet)
 {
     const real x = packet->p.x, y = packet->p.y;
     for (int b = 0; b < packet->medium; b++) {
@@ -424,7 +424,7 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
 
 /* cml_boundary_event, scored where facets are asked for. */
 CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
-                                     CML_GLOBAL struct cml_packet *packet, const struct cml_hit *hit)
+                                     CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {
     const int from = packet->medium;
     cml_boundary_event(world, packet, hit);
@@ -436,7 +436,7 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
 /* P9: no boundary ahead and no interaction: right only outside the material, or on a path parallel to
  * everything.
  */
-CML_FN void cml_leave_scene(const struct cml_world *world, CML_GLOBAL struct cml_packet *packet)
+CML_FN void cml_leave_scene(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
 {
     const real away = packet->medium == 0 ? -packet->u.z : packet->u.z;
     const int outside = cml_is_outer(world, packet->medium);
@@ -452,7 +452,7 @@ CML_FN void cml_leave_scene(const struct cml_world *world, CML_GLOBAL struct cml
 
 /* One event of a packet that is alive: a boundary, an interaction, or the end of its flight. */
 CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *to,
-                     CML_GLOBAL struct cml_packet *packet)
+                     CML_PACKET struct cml_packet *packet)
 {
     const real t_max = cml_free_path(world, packet);
     struct cml_hit hit = {0}; /* filled where it is used, which not every compiler sees */
@@ -469,7 +469,7 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
 
 /* The whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */
 CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
-                     CML_GLOBAL struct cml_packet *packet)
+                     CML_PACKET struct cml_packet *packet)
 {
     cml_launch(world, index, packet);
     if (cml_has_facets(to)) cml_score_launch(world, to, packet);

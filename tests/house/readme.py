@@ -9,7 +9,7 @@ README = "bench/README.md"
 RESULTS = "bench/results/"
 COMMANDS = (["bench/results.py", RESULTS + "amd-epyc-2core.csv"],
             ["bench/accuracy_table.py", RESULTS + "accuracy-amd-epyc-2core.csv"],
-            ["bench/mmc.py", "--readme", RESULTS + "mmc-amd-epyc-2core.md"],
+            ["bench/mmc.py", "--readme", RESULTS + "mmc-intel-xeon-2core.md"],
             ["bench/frontier_table.py", RESULTS + "frontier-intel-xeon-2core.csv"],
             ["bench/limits.py", RESULTS + "amd-epyc-2core.csv", RESULTS + "parts-amd-epyc-2core.txt"],
             ["bench/gpu_static.py", "--readme", RESULTS + "gpu-static.csv"],

@@ -8,6 +8,7 @@ import tempfile
 README = "bench/README.md"
 RESULTS = "bench/results/"
 COMMANDS = (["bench/results.py", RESULTS + "amd-epyc-2core.csv"],
+            ["bench/results.py", "--irregular", RESULTS + "irregular-intel-xeon-2core.csv"],
             ["bench/accuracy_table.py", RESULTS + "accuracy-amd-epyc-2core.csv"],
             ["bench/mmc.py", "--readme", RESULTS + "mmc-intel-xeon-2core.md"],
             ["bench/frontier_table.py", RESULTS + "frontier-intel-xeon-2core.csv"],

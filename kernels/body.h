@@ -270,8 +270,8 @@ CML_FN int cml_bodies_from(const struct cml_body_view *view)
  * most six, and not over distances whose rounding cells have nothing to spare for. *region: of a path that
  * meets none, one in which it ends, if one is known. Outside of the grid the way to it is free. What is not a
  * number may meet one. */
-CML_FN int cml_may_meet_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
-                             real t_max, struct cml_body_region *region)
+CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
+                            real t_max, struct cml_body_region *region)
 {
     const int number = world->media[medium].body_grid;
     const struct cml_body_region unknown = {p, {0, 0, 0}, number < 0 ? CML_INFINITY : (real)0, -1};

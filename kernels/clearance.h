@@ -108,6 +108,10 @@ CML_FN real cml_horizon_in_period(const CML_GLOBAL struct cml_clearance *grid, c
     return (x.more | y.more) > 1 ? CML_INFINITY : most;
 }
 
+/* All horizons are raised by so much, as slopes: more than rounding turns a direction, which float does by
+ * 1e-7. */
+#define CML_HORIZON_RAISED 0.001
+
 /* The horizon of the cell of a mesh's pyramid that holds the point: the slope from which on packets there, on
  * their side of the mesh, that go away from it meet it never again (src/surface/cell_horizon.h). */
 CML_FN real cml_cell_horizon(const CML_GLOBAL struct cml_clearance *grid, const CML_GLOBAL real *horizon,

@@ -78,6 +78,13 @@ CML_FN int cml_intersect_field(const struct cml_world *world, int boundary, stru
 }
 
 #ifndef __OPENCL_VERSION__
+/* How far rounding may have taken a packet from x, y, z, boundary's frame, cm. span: that of the layer in
+ * whose frame z was rounded. */
+CML_FN double cml_err_position(double x, double y, double z, double span)
+{
+    return 4 * (double)CML_EPSILON * (fabs(x) + fabs(y) + fabs(z) + span);
+}
+
 /* *near_facet: the crossing's ends_near_facet. */
 CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                               real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
@@ -86,7 +93,7 @@ CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struc
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double span =
         side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */
-    const double err_position = 4 * (double)CML_EPSILON * (fabs(dp[0]) + fabs(dp[1]) + fabs(dp[2]) + span);
+    const double err_position = cml_err_position(dp[0], dp[1], dp[2], span);
     struct cml_mesh_crossing c;
     const int found = world->intersect_mesh(world->meshes[boundary], dp, du, side > 0, t_max, on_primitive,
                                             undeflected, sizeof(real) == sizeof(double), err_position, &c);
@@ -210,7 +217,7 @@ cml_find_intervals(const struct cml_world *world, CML_PACKET const struct cml_pa
     struct cml_boundary_intervals intervals = cml_layer_intervals(world, packet, t_max);
     struct cml_body_region region;
     if (CML_MAY_HAVE_BODIES && world->setup.num_bodies)
-        intervals.bodies = cml_may_meet_body(world, packet->medium, packet->p, packet->u, t_max, &region);
+        intervals.bodies = cml_may_hit_body(world, packet->medium, packet->p, packet->u, t_max, &region);
     return intervals;
 }
 

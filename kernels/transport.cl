@@ -246,7 +246,7 @@ CML_FN int cml_device_nearest_hit(const struct cml_world *world, CML_PACKET stru
     }
     if (CML_MAY_HAVE_BODIES && world->setup.num_bodies) {
         struct cml_body_region region;
-        const int ahead = cml_may_meet_body(world, medium, packet->p, packet->u, t, &region);
+        const int ahead = cml_may_hit_body(world, medium, packet->p, packet->u, t, &region);
         if (ahead) found |= cml_nearest_body(world, packet, reach, ahead == CML_BODIES_FROM_AFAR, hit);
     }
     return found;

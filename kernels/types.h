@@ -104,7 +104,7 @@ struct cml_body_node {
     int skip, body;              /* body: number of it, -1: an inner node */
 };
 
-/* Cubes over all bodies of a layer: see cml_may_meet_body. */
+/* Cubes over all bodies of a layer: see cml_may_hit_body. */
 struct cml_body_grid {
     int nx, ny, nz, first; /* first: of its cells in world.body_cells, x fastest */
     struct cml_vec corner; /* cm */

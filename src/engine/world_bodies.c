@@ -9,7 +9,7 @@
 
 /* Boxes are larger by this share of their coordinates, which is more than rounding moves a packet, its path
  * or a box. */
-#define BOX_SHARE (16 * (double)CML_EPSILON)
+static const double err_box_share = 16 * (double)CML_EPSILON;
 
 static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
                                   struct cml_error *err)
@@ -74,7 +74,7 @@ static void copy_tree(const struct cml_scene *scene, const struct cml_body_tree 
         for (int k = 0; k < 3; k++) {
             lower[k] = from->lower[k] - origin[k];
             upper[k] = from->upper[k] - origin[k];
-            const double more = BOX_SHARE * (fabs(lower[k]) + fabs(upper[k]) + upper[k] - lower[k]);
+            const double more = err_box_share * (fabs(lower[k]) + fabs(upper[k]) + upper[k] - lower[k]);
             lower[k] -= more;
             upper[k] += more;
         }

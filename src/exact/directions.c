@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "exact/directions.h"
 
+#include "base/constants.h"
+
 #include <math.h>
 #include <stdlib.h>
-
-static const double pi = 3.14159265358979323846;
 
 /* P_n(x) by its recurrence; *slope its derivative, -1 < x < 1. */
 static double legendre(int n, double x, double *slope)
@@ -23,7 +23,7 @@ static double legendre(int n, double x, double *slope)
  */
 static double gauss_node(int n, int i, double *weight)
 {
-    double x = cos(pi * (i + 0.75) / (n + 0.5)), slope = 1;
+    double x = cos(CML_PI * (i + 0.75) / (n + 0.5)), slope = 1;
     for (int step = 0; step < 8; step++) x -= legendre(n, x, &slope) / slope;
     legendre(n, x, &slope);
     *weight = 2 / ((1 - x * x) * slope * slope);
@@ -59,7 +59,7 @@ static double refracted_cosine(double n1, double c, double n)
  * a few, because light in a narrow interval is a smooth function, but no polynomial of low degree. */
 static int interval_nodes(double below, double above, int order)
 {
-    const double part = acos(below / above) / (pi / 2);
+    const double part = acos(below / above) / (CML_PI / 2);
     return 3 + order / 8 + (int)ceil((order - 3 - order / 8) * part);
 }
 

@@ -113,8 +113,7 @@ static double largest_extent(const struct cml_mesh *mesh)
 
 /* Shares of the mesh's extent. Up to the first, a border that is level in its file may span by rounding; up
  * to the second it is levelled all the same, as scanners and modelling tools write single precision. */
-#define ROUNDING 1e-9
-#define NEARLY_LEVEL 1e-6
+static const double err_level = 1e-9, nearly_level = 1e-6;
 
 /* The depths of the border. */
 struct depths {
@@ -142,7 +141,7 @@ static struct depths measure_border(const struct cml_mesh *mesh)
 static cml_status level_border(struct cml_mesh_work *work, struct depths depths, struct cml_error *err)
 {
     struct cml_mesh *mesh = work->mesh;
-    if (depths.span > ROUNDING * largest_extent(mesh)) work->notes.levelled = depths.span;
+    if (depths.span > err_level * largest_extent(mesh)) work->notes.levelled = depths.span;
     mesh->z_border = depths.mean;
     for (size_t i = 0; i < mesh->num_border; i++) mesh->vertex[mesh->border[i]][2] = mesh->z_border;
     /* Only a mesh with faces smaller than that tolerance can lose one by it. */
@@ -151,7 +150,7 @@ static cml_status level_border(struct cml_mesh_work *work, struct depths depths,
             return cml_mesh_fail(work, cml_mesh_triangle_line(work, t), err,
                                  "a face has no area once the border is level (expected faces larger than "
                                  "%g of the mesh)",
-                                 NEARLY_LEVEL);
+                                 nearly_level);
     return CML_OK;
 }
 
@@ -259,7 +258,7 @@ cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *
 static cml_status place_border(struct cml_mesh_work *work, const uint32_t *leaving, struct cml_error *err)
 {
     const struct depths depths = measure_border(work->mesh);
-    if (depths.span <= NEARLY_LEVEL * largest_extent(work->mesh)) {
+    if (depths.span <= nearly_level * largest_extent(work->mesh)) {
         CML_TRY(level_border(work, depths, err));
     } else {
         if (work->mesh->skirt <= 0) return refuse_slope(work, leaving, depths, err);

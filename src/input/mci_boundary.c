@@ -278,10 +278,10 @@ static cml_status check_mesh_name(const struct cml_mci_line_options *options, co
 static cml_status check_seam(const struct cml_mci_line_options *options, const struct cml_boundary *boundary)
 {
     const struct cml_tile_notes *notes = &boundary->tile_notes;
-    const double rounding = 1e-6 * (notes->relief.highest - notes->relief.lowest);
+    const double err_height = 1e-6 * (notes->relief.highest - notes->relief.lowest);
     for (int k = 0; k < 2; k++) {
         char value[80], expected[200];
-        if (notes->seam[k] <= notes->inside[k] + rounding) continue;
+        if (notes->seam[k] <= notes->inside[k] + err_height) continue;
         snprintf(value, sizeof value, "a step of %g cm across the seam along %c", notes->seam[k], "xy"[k]);
         snprintf(expected, sizeof expected,
                  "at most the %g cm between neighbours inside the map; tile=mirror repeats any map",

@@ -164,8 +164,8 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
     else
         cml_radial_against_radial(&upper->field, &lower->field, &closest);
     const double *at = closest.at;
-    if (closest.gap < -closest.rounding) return fail_deep(scene, upper, lower, at, -closest.gap, err);
-    if (closest.gap > closest.rounding || (upper->is_plane && lower->is_plane)) return CML_OK;
+    if (closest.gap < -closest.err_gap) return fail_deep(scene, upper, lower, at, -closest.gap, err);
+    if (closest.gap > closest.err_gap || (upper->is_plane && lower->is_plane)) return CML_OK;
     return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d touch at (%g %g %g) cm", scene->file,
                     upper->number, lower->number, at[0], at[1], at[2]);
 }
@@ -205,9 +205,9 @@ static cml_status compare_tiles(const struct cml_scene *scene, const struct shap
             "%s: boundaries %d and %d, of which one is a tile, lie at depths of %g..%g and %g..%g "
             "cm (expected depths that do not overlap, or two tiles of the same cells)",
             scene->file, upper->number, lower->number, upper->top, upper->bottom, lower->top, lower->bottom);
-    const double rounding = 8.0 * DBL_EPSILON * (fabs(upper->bottom) + fabs(lower->top));
-    if (gap < -rounding) return fail_deep(scene, upper, lower, at, -gap, err);
-    if (gap > rounding) return CML_OK;
+    const double err_gap = 8.0 * DBL_EPSILON * (fabs(upper->bottom) + fabs(lower->top));
+    if (gap < -err_gap) return fail_deep(scene, upper, lower, at, -gap, err);
+    if (gap > err_gap) return CML_OK;
     return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d touch at (%g %g %g) cm", scene->file,
                     upper->number, lower->number, at[0], at[1], at[2]);
 }

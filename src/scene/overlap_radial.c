@@ -18,7 +18,7 @@ static void keep_closest(struct cml_closest *closest, double x, double y, double
     closest->at[0] = x;
     closest->at[1] = y;
     closest->at[2] = upper;
-    closest->rounding = 8.0 * DBL_EPSILON * size;
+    closest->err_gap = 8.0 * DBL_EPSILON * size;
 }
 
 static void compare_at_radius(const struct cml_radial_surface *upper, const struct cml_radial_surface *lower,

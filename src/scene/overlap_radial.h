@@ -17,9 +17,10 @@ struct cml_radial_surface {
 
 /* The place where two surfaces come closest in the vertical, over all places that were looked at. */
 struct cml_closest {
-    double gap;      /* z of the lower surface minus z of the upper one, cm; INFINITY at first */
-    double at[3];    /* on the upper surface, scene's frame, cm */
-    double rounding; /* |gap| up to this is none, cm */
+    double gap;     /* z of the lower surface minus z of the upper one, cm; INFINITY at first */
+    double at[3];   /* on the upper surface, scene's frame, cm */
+    double err_gap; /* |gap| up to this is none, cm: each of its two depths is a difference of a nominal depth
+                     * and an interpolated height, some 4 roundings of half an epsilon; twice that */
 };
 
 /* Both piecewise linear in r, so the least gap is at a radius of one of them. */

@@ -240,9 +240,9 @@ static double depth_on_wrong_side(const struct cml_sheet *sheet, const double *p
     struct column column = {sheet, point, 0, 0, false, INFINITY};
     cml_boxtree_column(sheet->tree, point[0], point[1], visit_column, &column);
     add_outer_plane(&column);
-    const double rounding = 8.0 * DBL_EPSILON * fabs(point[2]);
+    const double err_depth = 8.0 * DBL_EPSILON * fabs(point[2]);
     const bool is_below = column.above % 2 == 1;
-    if (column.touches || is_below == should_be_below || column.nearest <= rounding) return 0.0;
+    if (column.touches || is_below == should_be_below || column.nearest <= err_depth) return 0.0;
     return column.nearest;
 }
 

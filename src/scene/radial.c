@@ -56,9 +56,9 @@ static void narrow_slopes(struct slopes *slopes, const struct cml_radial *radial
     const double slope = slope_between(radial, anchor, i);
     const double run = radial->r[i] - radial->r[anchor];
     const double height = fmax(fabs(radial->h[anchor]), fabs(radial->h[i]));
-    const double rounding = 4.0 * DBL_EPSILON * (height + fabs(slope) * radial->r[i]) / run;
-    slopes->lowest = fmax(slopes->lowest, slope - rounding);
-    slopes->highest = fmin(slopes->highest, slope + rounding);
+    const double err_slope = 4.0 * DBL_EPSILON * (height + fabs(slope) * radial->r[i]) / run;
+    slopes->lowest = fmax(slopes->lowest, slope - err_slope);
+    slopes->highest = fmin(slopes->highest, slope + err_slope);
 }
 
 /* The furthest sample (< n) that a straight line from `anchor` reaches without leaving those between.

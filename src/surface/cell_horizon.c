@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/cell_horizon.h"
 
+#include "clearance.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -155,7 +157,7 @@ static void find_horizons(const struct cml_depth_pyramid *pyramid, const float *
         for (int x = 0; x < size; x++) {
             const size_t at = cell_at(size, x, y);
             const float far = steepest_view(view, levels, x, y, side > 0 ? ground[at] : -ground[at]);
-            horizon[at] = 1.005F * far + 0.001F;
+            horizon[at] = 1.005F * far + (float)CML_HORIZON_RAISED;
         }
 }
 

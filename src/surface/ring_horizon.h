@@ -6,6 +6,7 @@
 #ifndef CML_RING_HORIZON_H
 #define CML_RING_HORIZON_H
 
+#include "clearance.h"
 #include "types.h"
 
 #include <math.h>
@@ -51,7 +52,7 @@ static inline void cml_ring_horizons(const real *r, const real *z, int n, real s
     cml_raise_horizon(r, z, n, side, -1, scratch, horizon);
     for (int i = 0; i < n; i++) {
         const double ends = fmax((double)horizon[i], (double)horizon[i + 1 < n ? i + 1 : i]);
-        horizon[i] = (real)(1.001 * ends + 0.001);
+        horizon[i] = (real)(1.001 * ends + CML_HORIZON_RAISED);
     }
 }
 

@@ -328,7 +328,7 @@ static void expect_free_paths(const char *text, enum cml_surface_kind kind, doub
         const struct cml_vec from = cml_vec_of(p[0], p[1], p[2]), u = random_direction(&dice);
         const real path = (real)pow(10, -3.5 + 3 * throw(&dice));
         if (medium < 0) continue;
-        const int may = cml_may_meet_body(&world.world, medium, from, u, path, &region) != CML_NO_BODIES;
+        const int may = cml_may_hit_body(&world.world, medium, from, u, path, &region) != CML_NO_BODIES;
         const int meets = meets_body(&world.world, medium, from, u, path);
         paths++;
         met += (uint64_t)meets;

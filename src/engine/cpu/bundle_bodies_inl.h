@@ -68,14 +68,14 @@ static uint64_t cml_lanes_out_of_regions(const struct cml_flight *f)
 }
 
 /* Whether the lane's path may meet a body. Else it gets the region in which that ends. */
-static int cml_lane_may_meet_body(struct cml_flight *f, int i)
+static int cml_lane_may_hit_body(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
     struct cml_regions *regions = f->regions;
     const int medium = b->medium[i];
     const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
     struct cml_body_region region;
-    const int ahead = cml_may_meet_body(f->world, medium, p, u, b->s[i], &region);
+    const int ahead = cml_may_hit_body(f->world, medium, p, u, b->s[i], &region);
     if (ahead) return ahead;
     regions->medium[i] = medium;
     regions->x[i] = region.middle.x;
@@ -100,7 +100,7 @@ static void cml_lane_fly_again(struct cml_flight *f, int i)
 static void cml_fly_lane_past_bodies(struct cml_flight *f, int i)
 {
     const struct cml_bundle *b = f->b;
-    for (int ahead; (ahead = cml_lane_may_meet_body(f, i));) {
+    for (int ahead; (ahead = cml_lane_may_hit_body(f, i));) {
         cml_process_lane_at_bodies(f, i, ahead);
         if (b->task[i] == CML_LANE_INTERACT) f->past_bodies |= CML_LANE_BIT(i);
         if (b->task[i] != CML_LANE_TO_FLY) return;

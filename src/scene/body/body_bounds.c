@@ -27,13 +27,16 @@ static cml_status fail_encounter(const struct encounter *e, const char *what, st
                     e->at[2]);
 }
 
+/* Of the size of the coordinates, as of bodies among each other (convex.c). */
+static const double err_share = 64 * DBL_EPSILON;
+
 /* The place is the body's closest to the plane, or farthest beyond. */
 static cml_status compare_with_plane(struct encounter *e, double z, struct cml_error *err)
 {
     double lower[3], upper[3];
     cml_body_box(e->body, lower, upper);
-    const double rounding = 64 * DBL_EPSILON * (fabs(z) + fabs(lower[2]) + fabs(upper[2]));
-    if (e->below ? lower[2] > z + rounding : upper[2] < z - rounding) return CML_OK;
+    const double err_depth = err_share * (fabs(z) + fabs(lower[2]) + fabs(upper[2]));
+    if (e->below ? lower[2] > z + err_depth : upper[2] < z - err_depth) return CML_OK;
     for (int k = 0; k < 2; k++) e->at[k] = 0.5 * (lower[k] + upper[k]);
     e->at[2] = z;
     return fail_encounter(e,
@@ -64,8 +67,9 @@ static cml_status compare_sphere_with_field(struct encounter *e, struct cml_erro
                                                     z_b - field->h[i + 1]));
     const double z_out = z_b - field->h[last];
     nearest = fmin(nearest, hypot(fmax(0, field->r[last] - r), c[2] - z_out));
-    const double rounding = 64 * DBL_EPSILON * (fabs(c[2]) + r + fabs(z_b) + e->body->radius);
-    if ((e->below ? c[2] > surface : c[2] < surface) && nearest > e->body->radius + rounding) return CML_OK;
+    const double err_distance = err_share * (fabs(c[2]) + r + fabs(z_b) + e->body->radius);
+    if ((e->below ? c[2] > surface : c[2] < surface) && nearest > e->body->radius + err_distance)
+        return CML_OK;
     e->at[0] = c[0];
     e->at[1] = c[1];
     e->at[2] = surface;
@@ -79,7 +83,7 @@ static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_
     const struct cml_radial_surface field = {&e->boundary->radial, e->boundary->z};
     struct cml_closest closest = {.gap = INFINITY};
     cml_radial_against_mesh(&field, mesh, NULL, 0, !e->below, &closest);
-    if (closest.gap > closest.rounding) return CML_OK;
+    if (closest.gap > closest.err_gap) return CML_OK;
     cml_vec3_copy(closest.at, e->at);
     return fail_encounter(e, "meets", err);
 }

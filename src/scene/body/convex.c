@@ -7,8 +7,9 @@
 #include <float.h>
 #include <math.h>
 
-/* Gaps of fewer than so many roundings of the coordinates are none. */
-#define ROUNDINGS 64
+/* Of the size of the coordinates: gaps up to this are none. A distance goes through some 20 operations, each
+ * of which rounds by half an epsilon of that size: 10 of 64. */
+static const double err_share = 64 * DBL_EPSILON;
 
 /* Coordinates along and across the axis of a cylinder. */
 static double along_axis(const struct cml_convex *c, const double p[3], double across[3])
@@ -119,7 +120,8 @@ static double size_of(const struct cml_convex *c)
 /* Alternating projections [J. von Neumann, Functional Operators II, 1950; W. Cheney and A. A. Goldstein,
  * Proc. AMS 10 (1959) 448]: they come to the closest points of two convex sets. Ends with a plane between the
  * sets, or with a distance within rounding. */
-static bool are_apart(const struct cml_convex *a, const struct cml_convex *b, double rounding, double at[3])
+static bool are_apart(const struct cml_convex *a, const struct cml_convex *b, double err_distance,
+                      double at[3])
 {
     const int most = 20000;
     double p[3], q[3];
@@ -130,12 +132,12 @@ static bool are_apart(const struct cml_convex *a, const struct cml_convex *b, do
         cml_convex_project(b, p, q);
         cml_vec3_subtract(q, p, n);
         const double distance = cml_vec3_length(n);
-        if (!(distance > rounding)) break;
+        if (!(distance > err_distance)) break;
         for (int k = 0; k < 3; k++) {
             n[k] /= distance;
             back[k] = -n[k];
         }
-        if (-support(b, back) - support(a, n) > rounding) return true;
+        if (-support(b, back) - support(a, n) > err_distance) return true;
     }
     cml_vec3_copy(p, at);
     return false;
@@ -170,13 +172,13 @@ static double farthest_across(const struct cml_convex *outer, const struct cml_c
 }
 
 /* Closed form for a sphere, else as above. */
-static bool is_clear_of(const struct cml_convex *sphere, const struct cml_convex *other, double rounding,
+static bool is_clear_of(const struct cml_convex *sphere, const struct cml_convex *other, double err_distance,
                         double at[3])
 {
     double d[3];
     cml_convex_project(other, sphere->centre, at);
     cml_vec3_subtract(at, sphere->centre, d);
-    return cml_vec3_length(d) - sphere->radius > rounding;
+    return cml_vec3_length(d) - sphere->radius > err_distance;
 }
 
 /* How far beyond the surface of a sphere or cylinder the farthest point of the other set is: below 0 all of
@@ -209,13 +211,13 @@ static double reach_beyond(const struct cml_convex *outer, const struct cml_conv
 
 enum cml_convex_order cml_convex_compare(const struct cml_convex *a, const struct cml_convex *b, double at[3])
 {
-    const double rounding = ROUNDINGS * DBL_EPSILON * (size_of(a) + size_of(b));
-    if (b->form != CML_CONVEX_TRIANGLE && reach_beyond(b, a) < -rounding) return CML_CONVEX_FIRST_INSIDE;
-    if (a->form != CML_CONVEX_TRIANGLE && reach_beyond(a, b) < -rounding) return CML_CONVEX_SECOND_INSIDE;
+    const double err_distance = err_share * (size_of(a) + size_of(b));
+    if (b->form != CML_CONVEX_TRIANGLE && reach_beyond(b, a) < -err_distance) return CML_CONVEX_FIRST_INSIDE;
+    if (a->form != CML_CONVEX_TRIANGLE && reach_beyond(a, b) < -err_distance) return CML_CONVEX_SECOND_INSIDE;
     double place[3];
-    const bool apart = a->form == CML_CONVEX_SPHERE   ? is_clear_of(a, b, rounding, place)
-                       : b->form == CML_CONVEX_SPHERE ? is_clear_of(b, a, rounding, place)
-                                                      : are_apart(a, b, rounding, place);
+    const bool apart = a->form == CML_CONVEX_SPHERE   ? is_clear_of(a, b, err_distance, place)
+                       : b->form == CML_CONVEX_SPHERE ? is_clear_of(b, a, err_distance, place)
+                                                      : are_apart(a, b, err_distance, place);
     if (apart) return CML_CONVEX_APART;
     cml_vec3_copy(place, at);
     return CML_CONVEX_MEET;

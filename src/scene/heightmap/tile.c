@@ -8,7 +8,7 @@
 enum { LEAST_MARGIN = 4, LEAST_WIDTH = 64 }; /* cells, of a patch */
 
 /* In cells: vertices of two tiles that are no further apart stand in one place. */
-static const double same_place = 1e-9;
+static const double err_place = 1e-9;
 
 /* ---- one period ---- */
 
@@ -184,8 +184,8 @@ static bool cells_between(const double origin[2], const double spacing[2], const
 {
     const double between = (origin[1] - origin[0]) / spacing[0], whole = rint(between);
     *cells = (int64_t)fmod(whole, n[0]);
-    return n[0] == n[1] && fabs(spacing[1] - spacing[0]) * n[0] <= same_place * spacing[0] &&
-           fabs(between - whole) <= same_place * fmax(1, fabs(between));
+    return n[0] == n[1] && fabs(spacing[1] - spacing[0]) * n[0] <= err_place * spacing[0] &&
+           fabs(between - whole) <= err_place * fmax(1, fabs(between));
 }
 
 static double depth_at_middle(const struct cml_heightmap *tile, double z, int64_t i, int64_t j)

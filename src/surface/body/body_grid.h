@@ -1,5 +1,5 @@
 /* What surfaces of bodies there are around the places of a layer: cubes that know balls without any, or where
- * in a ball they are, by which most steps need no query (kernels/body.h, cml_may_meet_body).
+ * in a ball they are, by which most steps need no query (kernels/body.h, cml_may_hit_body).
  * SPDX-License-Identifier: MIT */
 #ifndef CML_BODY_GRID_H
 #define CML_BODY_GRID_H

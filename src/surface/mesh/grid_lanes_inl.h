@@ -14,7 +14,7 @@
 #ifndef CML_GRID_LANES_INL_H
 #define CML_GRID_LANES_INL_H
 
-#include "clearance.h"
+#include "surface_hit.h"
 #include "surface/mesh/grid_mesh.h"
 #include "surface/mesh/rounding.h"
 
@@ -87,11 +87,10 @@ CML_GRID_LOOP void cml_grid_lanes_begin(const struct cml_grid_view *view, int fi
                  y_most = body->upper[1];
     const double span = view->depth, side = view->side, border = body->mesh.z_border,
                  err_mesh = body->err_mesh;
-    const double share = 4 * (double)CML_EPSILON;
 #pragma omp simd
     for (int k = first; k < first + CML_GRID_GROUP; k++) {
         const double px = l->x[k], py = l->y[k], pz = l->z[k], ux = l->ux[k], uy = l->uy[k], uz = l->uz[k];
-        const double err_position = share * (fabs(px) + fabs(py) + fabs(pz) + span);
+        const double err_position = cml_err_position(px, py, pz, span);
         const double x = px - cx, y = py - cy, z = pz - cz, end = l->s[k], err = err_position + err_mesh;
         const double t = (border - z) / uz, heads = side * uz;
         const int crosses = (heads < 0) & (t < end), in_doubt = (heads < 0) & (t < err);
@@ -206,9 +205,10 @@ static inline struct cml_grid_lane_facet cml_grid_lane_facet(struct cml_grid_sca
     return facet;
 }
 
-/* The two facets of each ray's cell of a regular grid. A ray that crosses neither goes on to the cell in
- * which it meets the plane of the nearer one. Returns 1 where it is worth to try again. */
-CML_GRID_LOOP int cml_grid_lanes_meet(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
+/* Intersects each ray with the two facets of its cell of a regular grid. A ray that crosses neither goes on
+ * to the cell in which it meets the plane of the nearer one. Returns 1 where it is worth to try again. */
+CML_GRID_LOOP int cml_grid_lanes_intersect(const struct cml_grid_view *view, int first,
+                                           struct cml_grid_lanes *l)
 {
     const struct cml_grid_mesh *grid = view->grid;
     const struct cml_grid_scale scale = cml_grid_scale_of(grid);
@@ -219,7 +219,7 @@ CML_GRID_LOOP int cml_grid_lanes_meet(const struct cml_grid_view *view, int firs
     int again = 0;
 #pragma omp simd reduction(| : again)
     for (int k = first; k < first + CML_GRID_GROUP; k++) {
-        const int index = l->index[k], settled = l->answer[k] != CML_GRID_UNDECIDED;
+        const int index = l->index[k], answered = l->answer[k] != CML_GRID_UNDECIDED;
         const uint32_t south = cells[2 * index], north = cells[2 * index + 1];
         const int falling = (south & CML_GRID_MESH_FALLING) != 0, whole = south == north,
                   full = (south != CML_GRID_MESH_NO_FACET) & (north != CML_GRID_MESH_NO_FACET);
@@ -234,22 +234,22 @@ CML_GRID_LOOP int cml_grid_lanes_meet(const struct cml_grid_view *view, int firs
         const int found = cml_grid_lane_answer(sign, along, t, l->end[k], l->err[k]);
         const int answer = (is_inside & full) ? found : CML_GRID_UNDECIDED;
         const int facet = (int)((nearer ? south : north) & ~CML_GRID_MESH_FALLING);
-        const int beside = !settled & !is_inside & ((nearer ? s.inside : n.inside) > -1.5) & (k < count);
+        const int beside = !answered & !is_inside & ((nearer ? s.inside : n.inside) > -1.5) & (k < count);
         const int i = cml_grid_lane_cell((l->origin[0][k] + last * l->direction[0][k] - scale.x_corner) *
                                              scale.x_scale,
                                          scale.x_last),
                   j = cml_grid_lane_cell((l->origin[1][k] + last * l->direction[1][k] - scale.y_corner) *
                                              scale.y_scale,
                                          scale.y_last);
-        l->answer[k] = settled ? l->answer[k] : answer;
-        l->primitive[k] = settled ? l->primitive[k] : facet;
-        l->t[k] = settled ? l->t[k] : (real)t;
-        l->at_x[k] = settled ? l->at_x[k] : (real)((double)l->x[k] + last * l->direction[0][k]);
-        l->at_y[k] = settled ? l->at_y[k] : (real)((double)l->y[k] + last * l->direction[1][k]);
-        l->at_z[k] = settled ? l->at_z[k] : (real)((double)l->z[k] + last * l->direction[2][k]);
-        l->normal_x[k] = settled ? l->normal_x[k] : (real)(nearer ? s.a : n.a);
-        l->normal_y[k] = settled ? l->normal_y[k] : (real)(nearer ? s.b : n.b);
-        l->normal_z[k] = settled ? l->normal_z[k] : (real)(nearer ? s.c : n.c);
+        l->answer[k] = answered ? l->answer[k] : answer;
+        l->primitive[k] = answered ? l->primitive[k] : facet;
+        l->t[k] = answered ? l->t[k] : (real)t;
+        l->at_x[k] = answered ? l->at_x[k] : (real)((double)l->x[k] + last * l->direction[0][k]);
+        l->at_y[k] = answered ? l->at_y[k] : (real)((double)l->y[k] + last * l->direction[1][k]);
+        l->at_z[k] = answered ? l->at_z[k] : (real)((double)l->z[k] + last * l->direction[2][k]);
+        l->normal_x[k] = answered ? l->normal_x[k] : (real)(nearer ? s.a : n.a);
+        l->normal_y[k] = answered ? l->normal_y[k] : (real)(nearer ? s.b : n.b);
+        l->normal_z[k] = answered ? l->normal_z[k] : (real)(nearer ? s.c : n.c);
         l->clear[k] = last;
         l->cell[0][k] = beside ? i : l->cell[0][k];
         l->cell[1][k] = beside ? j : l->cell[1][k];
@@ -267,9 +267,10 @@ static inline double cml_grid_lane_weight(const struct cml_sheet_facet *f, doubl
     return cml_grid_lane_least(cml_grid_lane_least(v, w), 1 - v - w);
 }
 
-/* A facet of a ray's cell of a sheet; 1 where the ray crosses its plane, or ends, well inside it. */
-static inline int cml_grid_lane_meet_facet(const struct cml_grid_view *view, uint32_t number, int k,
-                                           struct cml_grid_lanes *l)
+/* Intersects a ray with a facet of its cell of a sheet; 1 where the ray crosses the facet's plane, or ends,
+ * well inside the facet, and so has its answer. */
+static inline int cml_grid_lane_intersect_facet(const struct cml_grid_view *view, uint32_t number, int k,
+                                                struct cml_grid_lanes *l)
 {
     const struct cml_sheet_facet *f = &view->grid->facet[number];
     const double x = l->origin[0][k], y = l->origin[1][k], z = l->origin[2][k];
@@ -291,12 +292,13 @@ static inline int cml_grid_lane_meet_facet(const struct cml_grid_view *view, uin
     return 1;
 }
 
-/* The lists of a group's cells of a sheet, the likeliest facet first. A query reads cell, list and facets,
- * each from the address that the one before has told, and would wait for each; those of a mesh of 1e5
- * triangles are too many for a processor's second cache. All rays ask for the next one before the first goes
- * on, so that they come together [group prefetching: Chen, Ailamaki, Gibbons and Mowry, Improving hash join
- * performance through prefetching, ICDE 2004]. */
-static void cml_grid_lanes_meet_lists(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
+/* Intersects each ray with the facets that its cell of a sheet lists, the likeliest first. A query reads
+ * cell, list and facets, each from the address that the one before has told, and would wait for each; those
+ * of a mesh of 1e5 triangles are too many for a processor's second cache. All rays ask for the next one
+ * before the first goes on, so that they come together [group prefetching: Chen, Ailamaki, Gibbons and Mowry,
+ * Improving hash join performance through prefetching, ICDE 2004]. */
+static void cml_grid_lanes_intersect_lists(const struct cml_grid_view *view, int first,
+                                           struct cml_grid_lanes *l)
 {
     const struct cml_grid_mesh *grid = view->grid;
     int pending[CML_GRID_GROUP], count = 0;
@@ -315,7 +317,7 @@ static void cml_grid_lanes_meet_lists(const struct cml_grid_view *view, int firs
         for (int n = 0; n < count; n++) {
             const int k = pending[n];
             uint32_t i = next[n];
-            if (i == last[n] || cml_grid_lane_meet_facet(view, grid->listed[i], k, l)) continue;
+            if (i == last[n] || cml_grid_lane_intersect_facet(view, grid->listed[i], k, l)) continue;
             __builtin_prefetch(&grid->facet[grid->listed[++i]]);
             pending[left] = k;
             next[left] = i;
@@ -325,9 +327,10 @@ static void cml_grid_lanes_meet_lists(const struct cml_grid_view *view, int firs
     }
 }
 
-/* Leaves undecided again what may have met the mesh before the place that was found. A ray steeper than the
- * horizon h of that place falls below the mesh by at least (|uz| - h |uxy|) + 0.001 |uxy| of its length
- * there, so that where it begins it is further from every facet than rounding puts it. */
+/* Leaves undecided again what may have met the mesh before the place that was found. A ray that comes to a
+ * place of horizon h more steeply than h, by `excess`, is clear of all facets where it began: by the path to
+ * that place times the excess, and times the share by which horizons were raised. That must be more than
+ * twice err_query, which across a facet as steep as the horizon is at most 1 + h times as much in depth. */
 CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int first, struct cml_grid_lanes *l)
 {
     const struct cml_clearance grid = *view->clearance;
@@ -338,9 +341,9 @@ CML_GRID_LOOP void cml_grid_lanes_check(const struct cml_grid_view *view, int fi
         const struct cml_vec p = {l->at_x[k] + x0, l->at_y[k] + y0, 0};
         const real h = cml_cell_horizon(&grid, horizons, p, CML_CLEARANCE_SQUARE);
         const real uxy = CML_SQRT(l->ux[k] * l->ux[k] + l->uy[k] * l->uy[k]), uz = CML_FABS(l->uz[k]);
-        const real slack = uz - h * uxy;
-        const int steep =
-            (slack > 0) & ((real)l->clear[k] * (slack + (real)0.001 * uxy) > 2 * (real)l->err[k] * (1 + h));
+        const real excess = uz - h * uxy;
+        const int steep = (excess > 0) & ((real)l->clear[k] * (excess + (real)CML_HORIZON_RAISED * uxy) >
+                                          2 * (real)l->err[k] * (1 + h));
         const int outside = l->primitive[k] == CML_OUTER_PLANE;
         l->answer[k] = (outside | steep) ? l->answer[k] : CML_GRID_UNDECIDED;
     }
@@ -354,9 +357,9 @@ static void cml_grid_lanes_ask(const struct cml_grid_view *view, struct cml_grid
         cml_grid_lanes_begin(view, first, l);
         cml_grid_lanes_guess(view->grid, first, l);
         if (view->grid->first)
-            cml_grid_lanes_meet_lists(view, first, l);
-        else if (cml_grid_lanes_meet(view, first, l))
-            cml_grid_lanes_meet(view, first, l);
+            cml_grid_lanes_intersect_lists(view, first, l);
+        else if (cml_grid_lanes_intersect(view, first, l))
+            cml_grid_lanes_intersect(view, first, l);
         cml_grid_lanes_check(view, first, l);
     }
 }

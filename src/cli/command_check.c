@@ -39,13 +39,11 @@ static void print_heightmap(const struct cml_heightmap_notes *notes)
 {
     const struct cml_relief *relief = &notes->relief;
     printf("    heightmap of %d x %d heights, %g x %g cm apart: rms height %g cm, rms slope %g, peak to "
-           "valley %g cm, "
-           "mean %g cm\n",
+           "valley %g cm, mean %g cm\n",
            notes->nx, notes->ny, notes->dx, notes->dy, relief->rms, relief->slope_rms,
            relief->highest - relief->lowest, relief->mean);
     printf("    simplified to %zu of %zu triangles, height error <= %.3g cm (tolerance %.3g cm), rms slope "
-           "error "
-           "%.3g\n",
+           "error %.3g\n",
            notes->triangles, 2 * notes->cells, notes->height_error, notes->tolerance, notes->slope_error);
     printf("    skirt of %g x %g cm around it to the rim's mean height %g cm: up to %.3g cm\n",
            notes->skirt[0], notes->skirt[1], notes->rim_mean, notes->rim_step);

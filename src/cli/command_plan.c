@@ -113,9 +113,8 @@ static void print_plan(const struct plan *plan)
             print_row(plan, engine, lattice);
     if (plan->refusal.text[0]) printf("  without %s: %s\n", engine_names[ENGINES - 1], plan->refusal.text);
     printf("  from pilots of up to %.2g photons in %.2g s; photons are known to some 20 %%. Beyond the "
-           "pilots errors "
-           "are taken\n  to fall with the root of the photons: with lattice sampling that is an upper "
-           "estimate.\n",
+           "pilots errors are taken\n"
+           "  to fall with the root of the photons: with lattice sampling that is an upper estimate.\n",
            longest_pilot(plan), plan->seconds);
 }
 

@@ -83,8 +83,7 @@ static void write_map(struct frame *f)
     if (!(s->map_high > s->map_low)) return;
     fprintf(f->page.out,
             "set arrow from first %.9g,graph %.6f to first %.9g,graph %.6f heads size graph 0.012,90 lw 1.6 "
-            "lc rgb "
-            "'#404040'\n",
+            "lc rgb '#404040'\n",
             s->map_low, map_bar, s->map_high, map_bar);
     write_text_over(f, s->map_text, 0.5 * (s->map_low + s->map_high), map_text);
 }

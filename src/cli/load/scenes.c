@@ -248,16 +248,14 @@ void cml_print_mesh_repairs(const struct cml_scene *scene, int b)
     if (boundary->form != CML_FORM_MESH) return;
     if (notes->bent > 0)
         printf("    boundary %d: %zu faces lie in no plane and were cut into triangles, corners up to %.3g "
-               "cm off "
-               "the face's mean plane\n",
+               "cm off the face's mean plane\n",
                b, notes->bent, notes->bend);
     if (notes->levelled > 0)
         printf("    boundary %d: the mesh's border was levelled, its heights differed by %.3g cm\n", b,
                notes->levelled);
     if (notes->skirt > 0)
         printf("    boundary %d: skirt of %g cm around the mesh to its border's mean height %g cm: %zu "
-               "triangles, up "
-               "to %.3g cm\n",
+               "triangles, up to %.3g cm\n",
                b, boundary->mesh.skirt, 0.0 - boundary->mesh.z_border, notes->skirt, notes->skirt_rise);
 }
 

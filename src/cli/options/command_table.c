@@ -6,15 +6,13 @@
 #include <string.h>
 
 const struct cml_command_def cml_commands[] = {
-    [CML_COMMAND_RUN] =
-        {"run", "scene.mci", 1, 1, "simulate all runs of the file",
-         "Flies the photons of all runs of the file and writes one result each. The word run may be left "
-         "out, and - "
-         "reads the scene from standard input. Under mpiexec or srun all ranks share the photons. Progress "
-         "goes to "
-         "standard error; a run that is stopped leaves a checkpoint, from which --resume continues.",
-         "clustermcml samples/shapes/hihill.mci --photons 1e7 -o results\n"
-         "clustermcml samples/mcml_sample.mci --target-error 1e-3 --json\n"},
+    [CML_COMMAND_RUN] = {"run", "scene.mci", 1, 1, "simulate all runs of the file",
+                         "Flies the photons of all runs of the file and writes one result each. The word run "
+                         "may be left out, and - reads the scene from standard input. Under mpiexec or srun "
+                         "all ranks share the photons. Progress goes to standard error; a run that is "
+                         "stopped leaves a checkpoint, from which --resume continues.",
+                         "clustermcml samples/shapes/hihill.mci --photons 1e7 -o results\n"
+                         "clustermcml samples/mcml_sample.mci --target-error 1e-3 --json\n"},
     [CML_COMMAND_PLAN] = {"plan", "scene.mci", 1, 1,
                           "photons and time that an error takes, by engine and sampling",
                           "Flies about a second of pilots, and prints how many photons, and how much time, a "
@@ -63,16 +61,15 @@ const struct cml_command_def cml_commands[] = {
                            "means weighted by photons, "
                            "and their standard errors. Equal seeds and different scenes are refused.",
                            "clustermcml merge part-1/skin.mco part-2/skin.mco -o skin.mco\n"},
-    [CML_COMMAND_PLOT] =
-        {"plot", "FILE ...", 1, 64, "draw results and curves (.mco, .h5, .csv) or maps (.map.vti, .h5)",
-         "Draws r*Rd(r) and r*Tt(r), or what --of names, of one or more results (.mco, .h5), with bands of "
-         "one "
-         "standard error, heightfields dotted and the curves of others (.csv: place, value, standard error) "
-         "dashed; "
-         "or Rd(x,y) of one or more maps (.map.vti; .h5 with --of) in colours, side by side. Needs gnuplot.",
-         "clustermcml plot a.mco b.mco report.csv -o curves.pdf\n"
-         "clustermcml plot a.h5 --of fluence --title 'Skin, 633 nm' -o fluence.svg\n"
-         "clustermcml plot skinmap.map.vti --of Tt --percentile 99.9 -o map.png\n"},
+    [CML_COMMAND_PLOT] = {"plot", "FILE ...", 1, 64,
+                          "draw results and curves (.mco, .h5, .csv) or maps (.map.vti, .h5)",
+                          "Draws r*Rd(r) and r*Tt(r), or what --of names, of one or more results (.mco, "
+                          ".h5), with bands of one standard error, heightfields dotted and the curves of "
+                          "others (.csv: place, value, standard error) dashed; or Rd(x,y) of one or more "
+                          "maps (.map.vti; .h5 with --of) in colours, side by side. Needs gnuplot.",
+                          "clustermcml plot a.mco b.mco report.csv -o curves.pdf\n"
+                          "clustermcml plot a.h5 --of fluence --title 'Skin, 633 nm' -o fluence.svg\n"
+                          "clustermcml plot skinmap.map.vti --of Tt --percentile 99.9 -o map.png\n"},
     [CML_COMMAND_DEVICES] = {"devices", "", 0, 0, "OpenCL devices and their numbers, cores, Embree",
                              "Lists what photons can be flown on: cores and their vector instructions, "
                              "OpenCL devices with the numbers that "

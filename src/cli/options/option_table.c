@@ -38,13 +38,11 @@ const struct cml_option cml_option_table[] = {
      COUNT(photons, 1, 0x1p48), .title = "simulation"},
     {"set", 0, "NAME=VALUE", SURFACES | EXACT, NULL,
      "a value in place of the file's, any number of times: layer2.mua=0.3 (n mua mus g d), above.n, below.n, "
-     "boundary0.scale, "
-     "boundary0.height, beam.angle, photons",
+     "boundary0.scale, boundary0.height, beam.angle, photons",
      .read = cml_read_set},
     {"sweep", 0, "TABLE.csv", RUN, NULL,
      "one run for each row of the table, whose first line has names as --set has, and seed; results are "
-     "NAME-0001.mco ..., "
-     "NAME.sweep.csv and NAME.sweep.h5",
+     "NAME-0001.mco ..., NAME.sweep.csv and NAME.sweep.h5",
      TEXT(sweep)},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
      .read = cml_read_seed, .member = MEMBER(engine_options.seed), .least = 0, .most = 0x1p53},
@@ -53,8 +51,7 @@ const struct cml_option cml_option_table[] = {
      COUNT(run, 1, UINT32_MAX)},
     {"target-error", 0, "E", RUN | PLAN, NULL,
      "fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt is below E; of plan: the error "
-     "that is "
-     "planned for, default 1e-3",
+     "that is planned for, default 1e-3",
      .read = cml_read_target_error},
     {"sampling", 0, "KIND", RUN | TRACE | CROSSCHECK, NULL,
      "of a packet's first draws: lattice (default, evenly spread) or random", .read = cml_read_sampling,
@@ -76,13 +73,12 @@ const struct cml_option cml_option_table[] = {
      .read = cml_read_boundaries, .words = "plane cone mesh auto", .title = "boundaries"},
     {"tolerance", 0, "T", SURFACES | EXACT, NULL,
      "relative bias to keep; heightmaps: height error / peak to valley; default 1e-3. When given, a surface "
-     "becomes a "
-     "plane where trial packets (a second at most) show that this changes no total or profile by more",
+     "becomes a plane where trial packets (a second at most) show that this changes no total or profile by "
+     "more",
      .read = cml_read_tolerance},
     {"mesh-budget", 0, "N", SURFACES | EXACT, NULL,
      "triangles that the mesh of a boundary may have; default 4e6, or what fits into a quarter of the memory "
-     "at 350 "
-     "bytes each; a boundary that needs more is refused",
+     "at 350 bytes each; a boundary that needs more is refused",
      .read = cml_read_mesh_budget, .least = 1, .most = CML_MESH_MOST},
     {"normals", 0, "KIND", SURFACES, NULL,
      "of a tessellated heightfield: analytic (default), vertex or facet", .read = cml_read_normals,
@@ -126,9 +122,8 @@ const struct cml_option cml_option_table[] = {
      TEXT(directory), .title = "output"},
     {"output", 'o', "FILE", RUN | MERGE | COMPARE | PLOT | CHECK, NULL,
      "of run (--output only): the result's name in place of the file's, .mco or .h5; of merge: the result. "
-     "Else the picture, .svg, "
-     ".png, .pdf or "
-     ".eps; of compare and check: none without it; of plot: default plot.svg",
+     "Else the picture, .svg, .png, .pdf or .eps; of compare and check: none without it; of plot: default "
+     "plot.svg",
      TEXT(output)},
     {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},
@@ -137,8 +132,7 @@ const struct cml_option cml_option_table[] = {
     {"verbose", 0, NULL, RUN, NULL, "photons, idle and communication share of every rank", FLAG(verbose)},
     {"of", 0, "NAME", PLOT, NULL,
      "of a result: Rd_r, Tt_r, Rd_a, Tt_a, A_z, fluence (A_z/mua), or in colours A_rz, fluence_rz; default "
-     "r*Rd(r) "
-     "and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file",
+     "r*Rd(r) and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file",
      TEXT(of)},
     {"label", 0, "TEXT", PLOT, NULL, "in place of a file's name; once for each file, in their order",
      .read = cml_read_label},

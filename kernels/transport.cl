@@ -3,8 +3,10 @@
  * events; its packets wait in global memory for the next launch. SPDX-License-Identifier: MIT */
 #include "device_lanes.h"
 
-/* --- a finished packet's entry into the tallies: weight balance, counts and exit bins, which
- * src/engine/terminated_packets_inl.h adds up on the host, for many packets at once --- */
+/* ---- a finished packet's entry into the tallies ---- */
+
+/* Weight balance, counts and exit bins: src/engine/terminated_packets_inl.h adds them up on the host, for
+ * many packets at once. */
 
 CML_FN enum cml_balance_term cml_balance_term_of(int fate)
 {
@@ -57,7 +59,7 @@ CML_FN void cml_score_launches(const struct cml_setup *setup, const struct cml_d
     cml_add_far(to->cells + CML_CELL_BALANCE + CML_BALANCE_SPECULAR, photons * setup->specular);
 }
 
-/* --- packets of a work-item --- */
+/* ---- packets of a work-item ---- */
 
 CML_FN int cml_device_take(__global struct cml_control *control, cml_u64 *index)
 {

@@ -13,25 +13,25 @@
 #include <string.h>
 #include <strings.h>
 
-/* --- settings: a shape larger, or higher -------------------------------------------------------------- */
+/* ---- settings: a shape larger, or higher ---- */
 
 /* Factors on all coordinates, and on heights besides. */
-struct stretch {
+struct scaling {
     double scale, height;
 };
 
 static const char scale_range[] = "a number of 1e-30..1e30";
 
-static cml_status set_stretch(struct cml_mci_reader *reader, int index, struct stretch *stretch)
+static cml_status set_scaling(struct cml_mci_reader *reader, int index, struct scaling *scaling)
 {
     static const struct cml_mci_field scale = {"scale", CML_MCI_TINY, CML_MCI_HUGE, false, scale_range},
                                       height = {"height", 0, CML_MCI_HUGE, false, "a factor of 0..1e30"};
-    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "boundary%d.scale", index), &scale, &stretch->scale));
+    CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "boundary%d.scale", index), &scale, &scaling->scale));
     return cml_mci_set(reader, cml_mci_setting(reader, "boundary%d.height", index), &height,
-                       &stretch->height);
+                       &scaling->height);
 }
 
-/* --- b: a radial heightfield ---------------------------------------------------------------------------- */
+/* ---- b: a radial heightfield ---- */
 
 /* Where the numbers of a heightfield stand: the rest of a line, or a whole file. */
 struct samples {
@@ -138,7 +138,7 @@ static cml_status read_samples(struct samples *samples, int *n)
 }
 
 /* Files give spacings; all else needs radii. */
-static cml_status sum_radii(const struct samples *samples, const struct stretch *stretch,
+static cml_status sum_radii(const struct samples *samples, const struct scaling *scaling,
                             struct cml_radial *radial)
 {
     const size_t n = samples->num_values / 2;
@@ -149,8 +149,8 @@ static cml_status sum_radii(const struct samples *samples, const struct stretch 
     radial->n = (int)n;
     double r = 0;
     for (size_t i = 0; i < n; i++) {
-        radial->r[i] = r * stretch->scale;
-        radial->h[i] = samples->values[2 * i] * stretch->scale * stretch->height;
+        radial->r[i] = r * scaling->scale;
+        radial->h[i] = samples->values[2 * i] * scaling->scale * scaling->height;
         r += samples->values[2 * i + 1];
     }
     return CML_OK;
@@ -179,20 +179,20 @@ static cml_status open_samples(struct samples *samples, struct cml_boundary *bou
 static cml_status read_radial(struct cml_mci_reader *reader, int index, struct cml_boundary *boundary)
 {
     struct samples samples = {.reader = reader};
-    struct stretch stretch = {1, 1};
-    CML_TRY(set_stretch(reader, index, &stretch));
+    struct scaling scaling = {1, 1};
+    CML_TRY(set_scaling(reader, index, &scaling));
     snprintf(samples.owner, sizeof samples.owner, "boundary %d", index);
     boundary->form = CML_FORM_RADIAL;
     int n = 0;
     cml_status status = open_samples(&samples, boundary);
     if (status == CML_OK) status = read_samples(&samples, &n);
-    if (status == CML_OK) status = sum_radii(&samples, &stretch, &boundary->radial);
+    if (status == CML_OK) status = sum_radii(&samples, &scaling, &boundary->radial);
     free(samples.values);
     cml_text_clear(&samples.file);
     return status;
 }
 
-/* --- m: a mesh or a heightmap -------------------------------------------------------------------------- */
+/* ---- m: a mesh or a heightmap ---- */
 
 /* The order of the keys in read_mesh. */
 enum { MESH_UP, MESH_ROTATE, MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_NORMALS, MESH_SKIRT, MESH_TILE };
@@ -370,10 +370,10 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         if (!more) break;
         CML_TRY(options.key == MESH_TILE ? set_tiling(&options, &tiling) : set_mesh_option(&options, &obj));
     }
-    struct stretch stretch = {obj.scale, 1};
-    CML_TRY(set_stretch(reader, index, &stretch));
-    obj.scale = stretch.scale;
-    obj.height = stretch.height;
+    struct scaling scaling = {obj.scale, 1};
+    CML_TRY(set_scaling(reader, index, &scaling));
+    obj.scale = scaling.scale;
+    obj.height = scaling.height;
     if (tiling != TILE_NONE && kind == FILE_OBJ)
         return cml_mci_fail_option(&options, "tile", "an .obj file", "a .gsf or .asc heightmap");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
@@ -389,8 +389,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     return CML_OK;
 }
 
-/* --- files that cannot be read ---------------------------------------------------------------------------
- */
+/* ---- files that cannot be read ---- */
 
 /* The source of all files, and the line that names them. */
 struct named_source {
@@ -450,8 +449,7 @@ cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kin
     return CML_OK;
 }
 
-/* --- i: a closed mesh ------------------------------------------------------------------------------------
- */
+/* ---- i: a closed mesh ---- */
 
 /* Name, medium, options: what comes before the file is read. */
 static cml_status read_body_line(struct cml_mci_line_options *options, int number,

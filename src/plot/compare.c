@@ -148,7 +148,7 @@ static double packets_in(double n, double mean, double variance)
 }
 
 /* Mean square over mean of a packet's score, in the group's bins of file k or, where they hold too few
- * packets, in a wider stretch around them: their own scatter would go with their mean, and a low bin claim a
+ * packets, in a wider range around them: their own scatter would go with their mean, and a low bin claim a
  * small error. 1, the largest for scores up to 1, when the whole profile has too few. */
 static double typical_score(const struct quantity *q, const struct group *group, int k)
 {

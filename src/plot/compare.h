@@ -2,7 +2,7 @@
  *
  * Every number is turned into weight per launched packet; z = (a - b) / error of the difference.
  * Errors: our files carry standard errors. A file without any (original MCML) takes the mean square over the
- * mean of a packet's score from the other file, from a stretch of bins with enough packets, and with it has
+ * mean of a packet's score from the other file, from a range of bins with enough packets, and with it has
  * the variance of its mean; where neither has errors, or the other has drawn from a lattice (and keeps its
  * own errors), that ratio is 1, its largest value for scores x <= 1, so that real differences may be missed
  * but none is invented. Rsp of a file without errors is exact, as every MCML computes it. When both have

@@ -10,7 +10,7 @@
 
 static const char *const engines[] = {"reference", "cpu"};
 
-/* --- through vertices and edges --- */
+/* ---- through vertices and edges ---- */
 
 #define MOST_VERTICES 4000
 
@@ -109,7 +109,7 @@ static void beams_through_vertices_and_edges_meet_the_mesh_there(void **state)
     expect_depths("ridges.obj", 5000);
 }
 
-/* --- oblique beams --- */
+/* ---- oblique beams ---- */
 
 static void open_slab(const char *engine, double angle, double n_above, double n, double n_below,
                       struct flight *flight)
@@ -198,7 +198,7 @@ static void the_reflected_share_is_fresnels_however_small_or_grazing(void **stat
         }
 }
 
-/* --- light that never gets out --- */
+/* ---- light that never gets out ---- */
 
 /* A pencil on the flank of a cone of 60 degrees, n = 2, nothing absorbed: what enters is bent by 60 - 25.7
  * degrees from the vertical, passes below the cone and is totally reflected (beyond 30 degrees) by the planes

@@ -33,7 +33,7 @@ struct walker {
     double before; /* largest size of the positions where this flight and the one before it began */
 };
 
-/* --- where a packet is --- */
+/* ---- where a packet is ---- */
 
 static double size_of(struct cml_vec p)
 {
@@ -103,7 +103,7 @@ static bool is_sound(const struct cml_packet *packet)
            fabs((double)cml_dot(packet->u, packet->u) - 1) < 1e-5;
 }
 
-/* --- aiming --- */
+/* ---- aiming ---- */
 
 static real moved_by_ulps(real x, int ulps)
 {
@@ -233,7 +233,7 @@ static bool place_packet(struct walker *walker)
     return false;
 }
 
-/* --- flying --- */
+/* ---- flying ---- */
 
 /* Whether a flight to distance t stayed in its medium, at three points of it. Their z lies between those of
  * the ends, rounded as these are. */

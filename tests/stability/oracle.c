@@ -32,7 +32,7 @@ void oracle_free(struct oracle *oracle)
     oracle_grid_free(&oracle->grid);
 }
 
-/* --- the side of a mesh --- */
+/* ---- the side of a mesh ---- */
 
 /* q from the mesh's middle; of a tile, the copy of it that lies over the middle period. */
 static void seen_from_middle(const struct oracle *oracle, const double q[3], double local[3])
@@ -105,7 +105,7 @@ static bool below_mesh(const struct oracle *oracle, const double q[3])
     return above != 0;
 }
 
-/* --- distances --- */
+/* ---- distances ---- */
 
 static double distance_to_segment(const double a[3], const double b[3], const double q[3])
 {
@@ -183,7 +183,7 @@ static bool near_mesh(const struct oracle *oracle, const double q[3], double dis
     return false;
 }
 
-/* --- rings --- */
+/* ---- rings ---- */
 
 static int ring_of(const struct cml_surface_def *def, double r)
 {
@@ -218,7 +218,7 @@ static bool near_rings(const struct cml_surface_def *def, const double q[3], dou
     return false;
 }
 
-/* --- of any kind --- */
+/* ---- of any kind ---- */
 
 static bool is_closed(const struct oracle *oracle)
 {
@@ -241,7 +241,7 @@ bool oracle_near(const struct oracle *oracle, const double q[3], double distance
     return fabs(q[2]) <= distance;
 }
 
-/* --- places to aim at --- */
+/* ---- places to aim at ---- */
 
 static void unit(double v[3])
 {

@@ -13,7 +13,7 @@ static bool is_mesh(const struct oracle_bodies *bodies, int k)
     return bodies->surfaces->item[k].kind == CML_SURFACE_MESH;
 }
 
-/* --- columns --- */
+/* ---- columns ---- */
 
 static int column_of(const struct oracle_bodies *bodies, int axis, double x)
 {
@@ -110,7 +110,7 @@ void oracle_bodies_free(struct oracle_bodies *bodies)
     free(bodies->entry);
 }
 
-/* --- one body --- */
+/* ---- one body ---- */
 
 /* A sphere or cylinder in the frame of its layer. */
 struct round {
@@ -165,7 +165,7 @@ bool oracle_body_near(const struct oracle_bodies *bodies, int k, const double q[
                               : fabs(distance_of(bodies, k, q)) <= distance;
 }
 
-/* --- all bodies --- */
+/* ---- all bodies ---- */
 
 static bool allows(const struct oracle_bodies *bodies, int k, bool inside, const double q[3], double distance,
                    bool clearly)
@@ -210,7 +210,7 @@ int oracle_bodies_medium(const struct oracle_bodies *bodies, int medium, const d
     return medium;
 }
 
-/* --- places to aim at --- */
+/* ---- places to aim at ---- */
 
 static void set(double to[3], double a, const double u[3], double b, const double v[3])
 {

@@ -42,7 +42,7 @@ static struct oracle_box box_of_all(const struct oracle_grid *grid, uint32_t beg
     return all;
 }
 
-/* --- cells --- */
+/* ---- cells ---- */
 
 /* Counts the triangles of every cell in first[cell], or, where there are entries, writes them there.
  * oracle_cell_of never falls when x grows, so a point of a triangle's box is in one of its cells. */
@@ -77,7 +77,7 @@ static void sort_into_cells(struct oracle_grid *grid)
     grid->first[0] = 0;
 }
 
-/* --- trees --- */
+/* ---- trees ---- */
 
 struct keyed {
     double key;

@@ -14,8 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- names of files
- * ------------------------------------------------------------------------------------------- */
+/* ---- names of files ---- */
 
 /* The name of a file that need not exist yet: its directory without links and dots, then its own. A directory
  * that is not there leaves the name as it is; that it cannot be written to is found later. */
@@ -53,8 +52,7 @@ cml_status cml_check_overwrite(const char *command, const char *output, char *co
     return status;
 }
 
-/* ---- what a run writes
- * ---------------------------------------------------------------------------------------- */
+/* ---- what a run writes ---- */
 
 static cml_status add(struct cml_outputs *outputs, const char *path, int run, bool is_main,
                       struct cml_error *err)
@@ -124,8 +122,7 @@ static cml_status check_name(const struct cml_scene *scene, struct cml_error *er
     return CML_OK;
 }
 
-/* ---- can they be written?
- * ------------------------------------------------------------------------------------- */
+/* ---- can they be written? ---- */
 
 /* By creating the temporary file beside it, which costs nothing and finds missing folders, rights and
  * read-only disks. */
@@ -194,8 +191,7 @@ static cml_status lock_run(const struct cml_options *options, const struct cml_s
     return status;
 }
 
-/* ---- do they destroy anything?
- * -------------------------------------------------------------------------------- */
+/* ---- do they destroy anything? ---- */
 
 static int compare_files(const void *a, const void *b)
 {
@@ -257,8 +253,7 @@ static void note_elsewhere(const struct cml_options *options, const struct cml_o
     free(folder);
 }
 
-/* ---- what killed processes left
- * ------------------------------------------------------------------------------- */
+/* ---- what killed processes left ---- */
 
 static int compare_names(const void *a, const void *b)
 {

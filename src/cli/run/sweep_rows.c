@@ -61,18 +61,18 @@ static cml_status fly_together(struct cml_sweep_rows *rows, bool json, cml_sweep
 
 /* ---- shared ---- */
 
-/* On rank 0, in its service thread for other ranks. */
-struct desk {
+/* Rows that nobody has taken yet: on rank 0, which asks itself, and in its service thread for others. */
+struct row_queue {
     atomic_int next;
     atomic_bool closed;
     int count;
 };
 
-static int hand_out(struct desk *desk)
+static int hand_out(struct row_queue *queue)
 {
-    if (atomic_load(&desk->closed) || cml_cluster_recalled()) return -1;
-    const int row = atomic_fetch_add(&desk->next, 1);
-    return row < desk->count ? row : -1;
+    if (atomic_load(&queue->closed) || cml_cluster_recalled()) return -1;
+    const int row = atomic_fetch_add(&queue->next, 1);
+    return row < queue->count ? row : -1;
 }
 
 static void reply_to(void *context, int rank, const struct cml_work_request *request,
@@ -85,13 +85,13 @@ static void reply_to(void *context, int rank, const struct cml_work_request *req
 }
 
 /* *row: -1 when there are no more. */
-static cml_status take_row(struct desk *desk, int rank, int *row, struct cml_error *err)
+static cml_status take_row(struct row_queue *queue, int rank, int *row, struct cml_error *err)
 {
     const struct cml_work_request request = {1, 0};
     struct cml_work_reply reply = {0};
     *row = -1;
     if (rank == 0) {
-        *row = hand_out(desk);
+        *row = hand_out(queue);
         return CML_OK;
     }
     CML_TRY(cml_cluster_request(&request, &reply, err));
@@ -100,42 +100,42 @@ static cml_status take_row(struct desk *desk, int rank, int *row, struct cml_err
 }
 
 /* Until there are no more; what goes wrong here, or a signal, brings the other ranks to an end, too. */
-static cml_status fly_alone(struct cml_sweep_rows *rows, struct desk *desk, int rank,
+static cml_status fly_alone(struct cml_sweep_rows *rows, struct row_queue *queue, int rank,
                             cml_sweep_fly_function *fly, void *context, struct cml_error *err)
 {
     cml_status status = CML_OK, worst = CML_OK;
     cml_cluster_alone(true);
     for (int row = 0; status == CML_OK;) {
-        status = take_row(desk, rank, &row, err);
+        status = take_row(queue, rank, &row, err);
         if (status != CML_OK || row < 0) break;
         status = fly_one(rows, row, fly, context, &worst, err);
     }
-    if (rank == 0) atomic_store(&desk->closed, true);
+    if (rank == 0) atomic_store(&queue->closed, true);
     if (status != CML_OK) cml_cluster_recall();
     cml_cluster_alone(false);
     return status != CML_OK ? status : worst;
 }
 
 /* What rank 0 hears of a row, without pointers. */
-struct heard {
+struct row_report {
     uint64_t done, json_size;
     struct cml_record record;
 };
 
-static void tell(const struct cml_sweep_rows *rows, struct heard *mine)
+static void fill_reports(const struct cml_sweep_rows *rows, struct row_report *mine)
 {
     for (int i = 0; i < rows->count; i++) {
-        mine[i] = (struct heard){.done = rows->done[i], .record = rows->record[i]};
+        mine[i] = (struct row_report){.done = rows->done[i], .record = rows->record[i]};
         mine[i].json_size = rows->record[i].json ? strlen(rows->record[i].json) : 0;
         mine[i].record.json = NULL;
     }
 }
 
 /* The objects of one rank's rows in their order, each at most once. */
-static size_t json_total(const struct heard *heard, int count)
+static size_t json_total(const struct row_report *report, int count)
 {
     size_t total = 0;
-    for (int i = 0; i < count; i++) total += heard[i].json_size;
+    for (int i = 0; i < count; i++) total += report[i].json_size;
     return total;
 }
 
@@ -150,13 +150,13 @@ static void join_json(const struct cml_sweep_rows *rows, char *text)
 }
 
 /* On rank 0: text is what each rank has joined, `size` bytes apart. */
-static void print_all(const struct cml_sweep_rows *rows, const struct heard *all, const char *text,
+static void print_all(const struct cml_sweep_rows *rows, const struct row_report *all, const char *text,
                       size_t size)
 {
     const int ranks = cml_cluster_size();
     for (int i = 0; i < rows->count; i++)
         for (int r = 0; r < ranks; r++) {
-            const struct heard *of_rank = all + (size_t)r * (size_t)rows->count;
+            const struct row_report *of_rank = all + (size_t)r * (size_t)rows->count;
             if (of_rank[i].json_size == 0) continue;
             const char *begin = text + (size_t)r * size + json_total(of_rank, i);
             fwrite(begin, 1, of_rank[i].json_size, stdout);
@@ -164,7 +164,7 @@ static void print_all(const struct cml_sweep_rows *rows, const struct heard *all
     fflush(stdout);
 }
 
-static cml_status gather_json(const struct cml_sweep_rows *rows, const struct heard *all,
+static cml_status gather_json(const struct cml_sweep_rows *rows, const struct row_report *all,
                               struct cml_error *err)
 {
     const bool first = cml_cluster_rank() == 0;
@@ -188,14 +188,14 @@ static cml_status gather_json(const struct cml_sweep_rows *rows, const struct he
 }
 
 /* Rank 0 takes over what others have flown. */
-static void take_over(struct cml_sweep_rows *rows, const struct heard *all)
+static void take_over(struct cml_sweep_rows *rows, const struct row_report *all)
 {
     for (int i = 0; i < rows->count; i++) {
         for (int r = 0; r < cml_cluster_size(); r++) {
-            const struct heard *heard = &all[(size_t)r * (size_t)rows->count + (size_t)i];
-            if (!heard->done || rows->done[i]) continue;
+            const struct row_report *report = &all[(size_t)r * (size_t)rows->count + (size_t)i];
+            if (!report->done || rows->done[i]) continue;
             rows->done[i] = true;
-            rows->record[i] = heard->record;
+            rows->record[i] = report->record;
         }
         rows->num_done += rows->done[i];
     }
@@ -206,12 +206,12 @@ static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_erro
 {
     const size_t count = (size_t)rows->count;
     const size_t ranks = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() : 1;
-    struct heard *mine = calloc(count, sizeof *mine), *all = calloc(ranks * count, sizeof *all);
+    struct row_report *mine = calloc(count, sizeof *mine), *all = calloc(ranks * count, sizeof *all);
     cml_status status =
         mine && all ? CML_OK : cml_fail_memory(err, (double)(ranks * count * sizeof *all), "the rows");
     status = cml_cluster_agree(status, err);
     if (status == CML_OK) {
-        tell(rows, mine);
+        fill_reports(rows, mine);
         status = cml_cluster_gather(mine, count * sizeof *mine, all, err);
     }
     if (status == CML_OK && json) status = gather_json(rows, all, err);
@@ -224,11 +224,11 @@ static cml_status gather(struct cml_sweep_rows *rows, bool json, struct cml_erro
 static cml_status fly_shared(struct cml_sweep_rows *rows, bool json, cml_sweep_fly_function *fly,
                              void *context, struct cml_error *err)
 {
-    struct desk desk = {.count = rows->count};
+    struct row_queue queue = {.count = rows->count};
     struct cml_error why = {CML_OK, ""};
     const int rank = cml_cluster_rank();
-    if (rank == 0) cml_cluster_set_handler(reply_to, &desk);
-    const cml_status flown = fly_alone(rows, &desk, rank, fly, context, &why);
+    if (rank == 0) cml_cluster_set_handler(reply_to, &queue);
+    const cml_status flown = fly_alone(rows, &queue, rank, fly, context, &why);
     const cml_status status = gather(rows, json, err);
     if (rank == 0) cml_cluster_set_handler(NULL, NULL);
     CML_TRY(status);

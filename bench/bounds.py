@@ -15,7 +15,7 @@ import sys
 
 import cases
 
-PLANE = ("reach planes", "turn", "fly again")
+PLANE = ("reach planes", "reflect", "fly again")
 ONCE = ("launch", "exit")
 ROUNDS = 5
 

@@ -1,17 +1,21 @@
 /* Where the time below a curved boundary goes: bench_curved SCENE.mci cone|mesh. For the first run of the
- * scene, on one thread, in ns per photon: what it takes in all (ns), and of that around  which lanes may be
- * near one, asked in every pass that has any at a boundary ahead   whether their paths keep clear of it seek
- * which ring or facet they meet, and where, lane by lane turn    roots and normals of rings, reflection and
- * refraction cross   their packets into the next medium, or out of the scene for good or until they come back
+ * scene, on one thread, in ns per photon: what it takes in all (ns), and of that
+ *
+ * classify   which lanes may be near one: asked in every pass that has any at a boundary
+ * intervals  on which part of its path each may meet it
+ * search     which ring or facet each meets, and where
+ * reflect    roots and normals of rings, reflection and refraction
+ * cross      what takes their packets into the next medium, or out of the scene for good or until they return
+ *
  * The whole is flown without clocks, and the parts once more with them (engine/cpu/bundle_hooks.h), less what
  * the clocks take. Prints CSV. SPDX-License-Identifier: MIT */
 #define _POSIX_C_SOURCE 199309L
 #define CML_HOOK_BEGIN(part) begin(part)
 #define CML_HOOK_END(part) end(part)
+#include "base/clock.h"
 #include "engine/cpu/bundle_hooks.h"
 
 #include <string.h>
-#include <time.h>
 
 static int timed; /* whether the parts are */
 static struct {
@@ -19,22 +23,20 @@ static struct {
     long times;
 } spent[CML_HOOK_PARTS];
 
-static double ticks(void)
+static double nanoseconds(void)
 {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
+    return 1e9 * cml_now();
 }
 
 static void begin(enum cml_hook_part part)
 {
-    if (timed) spent[part].begin = ticks();
+    if (timed) spent[part].begin = nanoseconds();
 }
 
 static void end(enum cml_hook_part part)
 {
     if (!timed) return;
-    spent[part].ns += ticks() - spent[part].begin;
+    spent[part].ns += nanoseconds() - spent[part].begin;
     spent[part].times++;
 }
 
@@ -48,7 +50,7 @@ static double flight_begin;
 static void reset(void)
 {
     memset(spent, 0, sizeof spent);
-    flight_begin = ticks();
+    flight_begin = nanoseconds();
 }
 
 /* What a clock adds to a part, and to the part around it, in ns. */
@@ -61,9 +63,9 @@ static struct clocks time_clocks(void)
     enum { COUNT = 1000000 };
     reset();
     timed = 1;
-    const double start = ticks();
+    const double start = nanoseconds();
     for (int i = 0; i < COUNT; i++) begin(CML_HOOK_HITS), end(CML_HOOK_HITS);
-    const double within = spent[CML_HOOK_HITS].ns / COUNT, both = (ticks() - start) / COUNT;
+    const double within = spent[CML_HOOK_HITS].ns / COUNT, both = (nanoseconds() - start) / COUNT;
     timed = 0;
     return (struct clocks){within, both};
 }
@@ -87,14 +89,15 @@ static void report(const char *path, const struct bench_flight *flight, double n
 {
     for (int part = 0; part < CML_HOOK_PARTS; part++) flown -= (double)spent[part].times * clocks.around;
     const double n = flown / ns;
-    const double turn = whole(CML_HOOK_REFLECT, clocks);
+    const double reflect = whole(CML_HOOK_REFLECT, clocks);
     const double cross = whole(CML_HOOK_HITS, clocks) - added(CML_HOOK_REFLECT, clocks);
-    const double ahead = whole(CML_HOOK_INTERVALS, clocks);
-    const double seek =
+    const double intervals = whole(CML_HOOK_INTERVALS, clocks);
+    const double search =
         whole(CML_HOOK_CURVED, clocks) - added(CML_HOOK_INTERVALS, clocks) - added(CML_HOOK_HITS, clocks);
-    printf("scene,queries,ns,around,ahead,seek,turn,cross\n%s,%.3f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n", path,
-           (double)flight->tally.count[CML_COUNT_QUERIES] / (double)flight->photons, ns,
-           whole(CML_HOOK_CLASSIFY, clocks) / n, ahead / n, seek / n, turn / n, cross / n);
+    printf(
+        "scene,queries,ns,classify,intervals,search,reflect,cross\n%s,%.3f,%.1f,%.1f,%.1f,%.1f,%.1f,%.1f\n",
+        path, (double)flight->tally.count[CML_COUNT_QUERIES] / (double)flight->photons, ns,
+        whole(CML_HOOK_CLASSIFY, clocks) / n, intervals / n, search / n, reflect / n, cross / n);
 }
 
 static cml_status measure(const char *path, enum cml_surface_kind force, struct cml_error *err)
@@ -106,7 +109,7 @@ static cml_status measure(const char *path, enum cml_surface_kind force, struct 
     const double ns = 1e9 * flight.seconds / (double)flight.photons;
     timed = 1;
     CML_TRY(bench_fly(&flight, reset, err));
-    report(path, &flight, ns, ticks() - flight_begin, clocks);
+    report(path, &flight, ns, nanoseconds() - flight_begin, clocks);
     bench_close(&flight);
     return CML_OK;
 }

@@ -4,16 +4,9 @@
 #define CML_BENCH_FLY_SCENE_H
 
 #include "input/mci.h"
+#include "thread_clock.h"
 
 #include <stdio.h>
-#include <time.h>
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 struct bench_flight {
     struct cml_scene_list list;
@@ -58,10 +51,10 @@ static cml_status bench_fly(struct bench_flight *flight, void (*reset)(void), st
     for (flight->photons = 10000;; flight->photons *= 4) {
         cml_tally_zero(&flight->tally);
         reset();
-        const double begin = now();
+        const double begin = thread_seconds();
         CML_TRY(cml_engine_run_range(&CML_LEVELED(cml_engine_cpu_, CML_LEVEL), flight->cpu, 0,
                                      flight->photons, &flight->tally, err));
-        flight->seconds = now() - begin;
+        flight->seconds = thread_seconds() - begin;
         if (flight->seconds >= 0.4) return CML_OK;
     }
 }

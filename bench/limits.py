@@ -14,8 +14,8 @@ import results
 
 LEFT_OUT = (("planes", "planes_ns"), ("launches and exits", "launch_exit_ns"), ("what is left", "left_ns"))
 LOOPS = (("the draws", "draw"), ("the tally", "scatter"))
-PARTS = (("looking around", "around"), ("looking ahead", "ahead"), ("march or walk", "seek"), ("turning", "turn"),
-         ("crossing", "cross"))
+PARTS = (("classifying lanes", "classify"), ("intervals", "intervals"), ("march or walk", "search"),
+         ("reflection", "reflect"), ("crossing", "cross"))
 MEDIA = ("S2", "S6a")
 
 

@@ -7,10 +7,10 @@
 #include "engine/world.h"
 #include "input/mci.h"
 #include "walk.h"
+#include "thread_clock.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <time.h>
 
 enum { COUNT = 20000, TRIES = 15 };
 
@@ -23,13 +23,6 @@ struct near_packet {
 static struct near_packet all[COUNT], asked[COUNT], met[COUNT];
 static int num_asked, num_met;
 static volatile int sink;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static void place(const struct cml_world *world, int i, struct cml_packet *packet)
 {
@@ -83,9 +76,9 @@ static double time_part(const struct cml_world *world, struct near_packet *packe
 {
     double best = INFINITY;
     for (int n = 0; n < TRIES; n++) {
-        const double begin = now();
+        const double begin = thread_seconds();
         for (int i = 0; i < count; i++) part(world, &packets[i]);
-        const double seconds = now() - begin;
+        const double seconds = thread_seconds() - begin;
         if (seconds < best) best = seconds;
     }
     return count > 0 ? 1e9 * best / count : 0;

@@ -5,10 +5,11 @@
 #define CML_LEVEL stages
 #include "engine/cpu/engine_cpu_level.c"
 
-#include <stdio.h>
-#include <time.h>
+#include "thread_clock.h"
 
-enum stage { DRAW, FLY, INTERACT, SCATTER, INTERACT_NONE, REACH, TURN, FLY_AGAIN, EXIT, LAUNCH, STAGES };
+#include <stdio.h>
+
+enum stage { DRAW, FLY, INTERACT, SCATTER, INTERACT_NONE, REACH, REFLECT, FLY_AGAIN, EXIT, LAUNCH, STAGES };
 static const char *const names[STAGES] = {
     [DRAW] = "draw: the block of the next interaction",
     [FLY] = "fly: optical depth, distance, nearness",
@@ -16,7 +17,7 @@ static const char *const names[STAGES] = {
     [SCATTER] = "scatter: into A_rz",
     [INTERACT_NONE] = "interact without A_rz",
     [REACH] = "reach planes (every lane is at one)",
-    [TURN] = "turn: Fresnel, reflect, refract (every lane)",
+    [REFLECT] = "reflect: Fresnel, reflection, refraction (every lane)",
     [FLY_AGAIN] = "fly again, after a plane (every lane)",
     [EXIT] = "exit: collect the packet, its bins, balance and squares (every lane)",
     [LAUNCH] = "launch (every lane)",
@@ -35,13 +36,6 @@ static struct cml_tally tally = {.grid.absorption = true,
 static struct cml_flight flight = {
     .world = &world, .b = &bundle, .tally = &tally, .pencil = 1, .live = ~(uint64_t)0};
 static volatile cml_u32 sink;
-
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* mua 0.1, mus 90, n 1.4, far from every boundary. */
 static void fill_bundle(void)
@@ -114,7 +108,7 @@ static void run_stage(int stage)
     case REACH:
         sink = (cml_u32)cml_bundle_reach_planes(&bundle);
         break;
-    case TURN:
+    case REFLECT:
         cml_bundle_reflect_or_refract(&world.setup, &bundle);
         break;
     case FLY_AGAIN:
@@ -134,11 +128,11 @@ static double time_stages(int from, int to, int without)
     enum { tries = 25, repeats = 10000 };
     double best = INFINITY;
     for (int n = 0; n < tries; n++) {
-        const double begin = now();
+        const double begin = thread_seconds();
         for (int k = 0; k < repeats; k++)
             for (int stage = from; stage < to; stage++)
                 if (stage != without) run_stage(stage);
-        const double seconds = now() - begin;
+        const double seconds = thread_seconds() - begin;
         if (seconds < best) best = seconds;
     }
     return 1e9 * best / (repeats * CML_LANES);
@@ -153,7 +147,8 @@ int main(void)
         printf("\"%s\",%.2f,%.2f\n", names[stage], time_stages(stage, stage + 1, -1),
                pass - time_stages(0, PASS, stage));
     for (int stage = PASS; stage < STAGES; stage++) {
-        set_task(stage < REACH ? CML_LANE_INTERACT : (stage == TURN ? CML_LANE_AT_PLANE : CML_LANE_MAY_HIT));
+        set_task(stage < REACH ? CML_LANE_INTERACT
+                               : (stage == REFLECT ? CML_LANE_AT_PLANE : CML_LANE_MAY_HIT));
         printf("\"%s\",%.2f,\n", names[stage], time_stages(stage, stage + 1, -1));
     }
     return 0;

@@ -28,7 +28,7 @@ expect_table() { # HEADING ROWS POSITIVE-COLUMN COMMAND ARGUMENTS...
 busy=scene,launched,interactions,boundary_events,lanes_in_passes,lanes_at_planes,ns
 expect_table $busy 2 7 bench_busy samples/mcml_sample.mci samples/wedge.mci
 for kind in cone mesh; do
-    expect_table scene,queries,ns,around,ahead,seek,turn,cross 1 3 bench_curved samples/shapes/hihill.mci $kind
+    expect_table scene,queries,ns,classify,intervals,search,reflect,cross 1 3 bench_curved samples/shapes/hihill.mci $kind
 done
 expect_table scene,steps,asked,met 2 4 bench_asked samples/shapes/hihill.mci samples/shapes/hinoise.mci
 stages="fly,fly share,fly again,fly again share,lattice,lattice share,boundary,boundary share,interact,interact share"

@@ -1,0 +1,16 @@
+/* The clock of the benches that fly on one thread. SPDX-License-Identifier: MIT */
+#ifndef CML_BENCH_THREAD_CLOCK_H
+#define CML_BENCH_THREAD_CLOCK_H
+
+#include <time.h>
+
+/* Seconds that a processor has worked for this thread: what others do on the machine meanwhile does not
+ * count. */
+static double thread_seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+#endif

@@ -44,11 +44,8 @@ done
 expect_code 2 plot "$work/missing.vti" -o "$work/none.svg"
 expect_code 5 plot "$map" -o "$work/missing/none.svg"
 
-# What gnuplot is told: a stand-in keeps the script.
-mkdir "$work/bin"
-printf '#!/bin/sh\ncat >"%s"\necho picture\n' "$work/script" >"$work/bin/gnuplot"
-chmod +x "$work/bin/gnuplot"
-PATH=$work/bin:$PATH
+# What gnuplot is told:
+keep_gnuplot_script
 make_map() { # FILE "NX NY DX DY" VALUES...
     python3 - "$@" <<'EOF'
 import struct

@@ -48,11 +48,8 @@ for text in one two 'A title'; do
 done
 check_texts
 
-# What gnuplot is told: a stand-in keeps the script.
-mkdir "$work/bin"
-printf '#!/bin/sh\ncat >"%s"\necho picture\n' "$work/script" >"$work/bin/gnuplot"
-chmod +x "$work/bin/gnuplot"
-PATH=$work/bin:$PATH
+# What gnuplot is told:
+keep_gnuplot_script
 told() {
     grep -qF -e "$1" "$work/script" || complain "$2: gnuplot is not told $1"
 }

@@ -44,12 +44,9 @@ static void set_up(const char *text, struct bench *bench)
                                                 .tessellation = {.tolerance = 1e-3}};
     read_scenes(text, &bench->list);
     require_ok(cml_surfaces_create(bench->list.scenes, &surface, &bench->surfaces, &err), &err);
-    bench->options = (struct cml_engine_options){.seed = 7,
-                                                 .lattice = true,
-                                                 .roulette = {0.01, 0.03},
-                                                 .reentry = true,
-                                                 .absorption = true,
-                                                 .device = device};
+    bench->options = bench_options(7);
+    bench->options.threads = 0;
+    bench->options.device = device;
 }
 
 static void go(const struct way *way, struct bench *bench)

@@ -17,6 +17,18 @@ struct bench {
     struct cml_engine_options options;
 };
 
+/* On one thread. Roulette begins at a higher weight than by default, so that few photons suffice to see it.
+ */
+static inline struct cml_engine_options bench_options(uint64_t seed)
+{
+    return (struct cml_engine_options){.seed = seed,
+                                       .threads = 1,
+                                       .lattice = true,
+                                       .roulette = {0.01, 0.03},
+                                       .reentry = true,
+                                       .absorption = true};
+}
+
 static inline void tear_down(struct bench *bench)
 {
     cml_surfaces_free(&bench->surfaces);

@@ -2,6 +2,8 @@
 #ifndef CASE_FILES_H
 #define CASE_FILES_H
 
+#include "base/status.h"
+
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdbool.h>
@@ -32,6 +34,24 @@ static inline int case_teardown(void **state)
 static inline void case_path(void **state, const char *name, char path[256])
 {
     snprintf(path, 256, "%s/%s", (const char *)*state, name);
+}
+
+/* The same in a buffer that the next call uses again. */
+static inline char *case_in_directory(void **state, const char *name)
+{
+    static char path[256];
+    case_path(state, name, path);
+    return path;
+}
+
+/* The message must be "PATH: ENDING". */
+static inline void case_assert_fails_for(void **state, const struct cml_error *err, cml_status status,
+                                         const char *name, const char *ending)
+{
+    char expected[512];
+    snprintf(expected, sizeof expected, "%s: %s", case_in_directory(state, name), ending);
+    assert_string_equal(err->text, expected);
+    assert_int_equal(err->status, status);
 }
 
 static inline void case_write_bytes(void **state, const char *name, const char *bytes, size_t size)

@@ -31,6 +31,14 @@ expect_error() { # CODE MESSAGE ARGUMENTS...
     test ! -s "$work/out" || complain "clustermcml $*: wrote to standard output"
 }
 
+# From now on a stand-in for gnuplot keeps the script that it is given in $work/script, and draws nothing.
+keep_gnuplot_script() {
+    mkdir "$work/bin"
+    printf '#!/bin/sh\ncat >"%s"\necho picture\n' "$work/script" >"$work/bin/gnuplot"
+    chmod +x "$work/bin/gnuplot"
+    PATH=$work/bin:$PATH
+}
+
 # Pictures in $work that gnuplot itself drew must have no two texts at one place.
 check_texts() {
     for picture in "$work"/*.svg; do

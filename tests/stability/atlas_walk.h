@@ -3,11 +3,10 @@
  * A position counts as in its medium when it lies on the right side of both boundaries, or within the
  * rounding of its coordinates of the one that it is beyond. SPDX-License-Identifier: MIT */
 #include "atlas.h"
+#include "base/clock.h"
 #include "engine/terminated_packets_inl.h"
 #include "engine/world.h"
 #include "geometry/vec3.h"
-
-#include <time.h>
 
 #define PASTE_NAME(precision, level) atlas_fly_##precision##_##level
 #define NAME(precision, level) PASTE_NAME(precision, level)
@@ -304,23 +303,16 @@ static void fly_one(struct walker *walker)
     walker->count->lost_cause = walker->packet.cause;
 }
 
-static double seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
 static void fly_all(struct walker *walker)
 {
     const struct atlas_flight *flight = walker->flight;
     const struct atlas_count *count = walker->count;
-    const double end = seconds() + flight->max_seconds;
+    const double end = cml_now() + flight->max_seconds;
     for (uint64_t packets = 1; count->crossings < flight->crossings && count->steps < flight->max_steps;
          packets++) {
         if (!place_packet(walker)) return;
         fly_one(walker);
-        if (packets % 256 == 0 && flight->max_seconds > 0 && seconds() > end) return;
+        if (packets % 256 == 0 && flight->max_seconds > 0 && cml_now() > end) return;
     }
 }
 

@@ -5,26 +5,9 @@
 #include <dirent.h>
 #include <sys/stat.h>
 
-static char *in_directory(void **state, const char *name)
-{
-    static char path[256];
-    case_path(state, name, path);
-    return path;
-}
-
 static void assert_absent(void **state, const char *name)
 {
-    assert_int_equal(access(in_directory(state, name), F_OK), -1);
-}
-
-/* The message must be "PATH: ENDING". */
-static void assert_fails_for(void **state, const struct cml_error *err, cml_status status, const char *name,
-                             const char *ending)
-{
-    char expected[512];
-    snprintf(expected, sizeof expected, "%s: %s", in_directory(state, name), ending);
-    assert_string_equal(err->text, expected);
-    assert_int_equal(err->status, status);
+    assert_int_equal(access(case_in_directory(state, name), F_OK), -1);
 }
 
 /* The name within the directory. */
@@ -47,7 +30,7 @@ static void put(void **state, const char *name, const char *text)
 {
     struct cml_error err;
     struct cml_file file;
-    assert_int_equal(cml_file_create(in_directory(state, name), &file, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, name), &file, &err), CML_OK);
     fputs(text, file.stream);
     assert_int_equal(cml_file_commit(&file, &err), CML_OK);
 }
@@ -57,7 +40,7 @@ static void a_file_appears_at_commit(void **state)
     struct cml_error err;
     struct cml_file file;
     case_write_bytes(state, "out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, "out"), &file, &err), CML_OK);
     fputs("new", file.stream);
     fflush(file.stream);
     case_assert_holds(state, "out", "old");
@@ -75,7 +58,7 @@ static void an_aborted_file_leaves_the_old_one(void **state)
     struct cml_error err;
     struct cml_file file;
     case_write_bytes(state, "out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, "out"), &file, &err), CML_OK);
     fputs("half", file.stream);
     cml_file_abort(&file);
     assert_null(file.stream);
@@ -83,7 +66,7 @@ static void an_aborted_file_leaves_the_old_one(void **state)
     case_assert_holds(state, "out", "old");
     cml_file_abort(&file);
     case_remove(state, "out");
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, "out"), &file, &err), CML_OK);
     cml_file_abort(&file);
     assert_absent(state, "out");
 }
@@ -92,15 +75,15 @@ static void places_that_cannot_be_written(void **state)
 {
     struct cml_error err;
     struct cml_file file;
-    assert_int_equal(cml_file_create(in_directory(state, "none/out"), &file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "none/out", "cannot be written (No such file or directory)");
+    assert_int_equal(cml_file_create(case_in_directory(state, "none/out"), &file, &err), CML_E_IO);
+    case_assert_fails_for(state, &err, CML_E_IO, "none/out", "cannot be written (No such file or directory)");
     assert_null(file.path);
     assert_null(file.temporary);
-    assert_int_equal(mkdir(in_directory(state, "taken"), 0700), 0);
-    assert_int_equal(cml_file_create(in_directory(state, "taken"), &file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "taken", "cannot be written (a directory)");
+    assert_int_equal(mkdir(case_in_directory(state, "taken"), 0700), 0);
+    assert_int_equal(cml_file_create(case_in_directory(state, "taken"), &file, &err), CML_E_IO);
+    case_assert_fails_for(state, &err, CML_E_IO, "taken", "cannot be written (a directory)");
     assert_nothing_is_left(state);
-    assert_int_equal(rmdir(in_directory(state, "taken")), 0);
+    assert_int_equal(rmdir(case_in_directory(state, "taken")), 0);
 }
 
 /* Permissions do not stop root, so the test has nothing to say then. */
@@ -109,10 +92,10 @@ static void a_read_only_directory_is_reported(void **state)
     struct cml_error err;
     struct cml_file file;
     if (geteuid() == 0) skip();
-    assert_int_equal(mkdir(in_directory(state, "locked"), 0500), 0);
-    assert_int_equal(cml_file_create(in_directory(state, "locked/out"), &file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "locked/out", "cannot be written (Permission denied)");
-    assert_int_equal(rmdir(in_directory(state, "locked")), 0);
+    assert_int_equal(mkdir(case_in_directory(state, "locked"), 0500), 0);
+    assert_int_equal(cml_file_create(case_in_directory(state, "locked/out"), &file, &err), CML_E_IO);
+    case_assert_fails_for(state, &err, CML_E_IO, "locked/out", "cannot be written (Permission denied)");
+    assert_int_equal(rmdir(case_in_directory(state, "locked")), 0);
 }
 
 /* A full disk shows at the latest in the commit; the earlier result must survive it. */
@@ -121,12 +104,12 @@ static void a_full_disk_keeps_the_old_file(void **state)
     struct cml_error err;
     struct cml_file file;
     case_write_bytes(state, "out", "old", 3);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, "out"), &file, &err), CML_OK);
     file.stream = freopen("/dev/full", "wb", file.stream);
     if (!file.stream) skip();
     fputs("new", file.stream);
     assert_int_equal(cml_file_commit(&file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "out", "cannot be written (No space left on device)");
+    case_assert_fails_for(state, &err, CML_E_IO, "out", "cannot be written (No space left on device)");
     case_assert_holds(state, "out", "old");
     assert_nothing_is_left(state);
     case_remove(state, "out");
@@ -137,8 +120,8 @@ static void two_writers_do_not_mix(void **state)
 {
     struct cml_error err;
     struct cml_file one, other;
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &one, &err), CML_OK);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &other, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, "out"), &one, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, "out"), &other, &err), CML_OK);
     assert_string_not_equal(one.temporary, other.temporary);
     fputs("one", one.stream);
     fputs("other", other.stream);
@@ -158,7 +141,7 @@ static void a_link_under_the_temporary_name_is_not_followed(void **state)
     char guess[256], victim[256];
     case_write(state, "victim", "precious");
     case_path(state, "victim", victim);
-    assert_int_equal(cml_file_create(in_directory(state, "out"), &file, &err), CML_OK);
+    assert_int_equal(cml_file_create(case_in_directory(state, "out"), &file, &err), CML_OK);
     strcpy(guess, file.temporary);
     cml_file_abort(&file);
     assert_int_equal(symlink(victim, guess), 0);
@@ -185,7 +168,7 @@ static void a_link_stays_and_its_target_is_replaced(void **state)
     assert_true(S_ISLNK(about.st_mode));
     case_remove(state, "target");
     assert_int_equal(cml_file_create(link, &file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "link", "cannot be written (a link to nothing)");
+    case_assert_fails_for(state, &err, CML_E_IO, "link", "cannot be written (a link to nothing)");
     case_remove(state, "link");
 }
 
@@ -194,9 +177,9 @@ static void what_is_no_regular_file_is_not_replaced(void **state)
     struct cml_error err;
     struct cml_file file;
     struct stat about;
-    assert_int_equal(mkfifo(in_directory(state, "pipe"), 0600), 0);
-    assert_int_equal(cml_file_create(in_directory(state, "pipe"), &file, &err), CML_E_IO);
-    assert_fails_for(state, &err, CML_E_IO, "pipe", "cannot be written (no regular file)");
+    assert_int_equal(mkfifo(case_in_directory(state, "pipe"), 0600), 0);
+    assert_int_equal(cml_file_create(case_in_directory(state, "pipe"), &file, &err), CML_E_IO);
+    case_assert_fails_for(state, &err, CML_E_IO, "pipe", "cannot be written (no regular file)");
     case_remove(state, "pipe");
     assert_int_equal(cml_file_create("/dev/zero", &file, &err), CML_E_IO);
     assert_int_equal(cml_file_create("/dev/null", &file, &err), CML_OK);
@@ -238,7 +221,7 @@ static void permissions_follow_the_mask(void **state)
     const mode_t before = umask(027);
     put(state, "out", "");
     umask(before);
-    assert_int_equal(stat(in_directory(state, "out"), &about), 0);
+    assert_int_equal(stat(case_in_directory(state, "out"), &about), 0);
     assert_int_equal(about.st_mode & 0777, 0640);
     case_remove(state, "out");
 }

@@ -4,23 +4,6 @@
 
 #include <sys/stat.h>
 
-static char *in_directory(void **state, const char *name)
-{
-    static char path[256];
-    case_path(state, name, path);
-    return path;
-}
-
-/* The message must be "PATH: ENDING". */
-static void assert_fails_for(void **state, const struct cml_error *err, cml_status status, const char *name,
-                             const char *ending)
-{
-    char expected[512];
-    snprintf(expected, sizeof expected, "%s: %s", in_directory(state, name), ending);
-    assert_string_equal(err->text, expected);
-    assert_int_equal(err->status, status);
-}
-
 static void lines_lose_lf_and_crlf(void **state)
 {
     struct cml_error err;
@@ -28,9 +11,9 @@ static void lines_lose_lf_and_crlf(void **state)
     static const char bytes[] = "one\ntwo\r\n\r\n\nfi\rve\r\n six";
     static const char *const lines[] = {"one", "two", "", "", "fi\rve", " six"};
     case_write_bytes(state, "in", bytes, sizeof bytes - 1);
-    assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, case_in_directory(state, "in"), &text, &err), CML_OK);
     assert_int_equal(text.size, sizeof bytes - 1);
-    assert_string_equal(text.path, in_directory(state, "in"));
+    assert_string_equal(text.path, case_in_directory(state, "in"));
     for (int i = 0; i < 6; i++) {
         const char *line = cml_text_next(&text);
         assert_non_null(line);
@@ -50,11 +33,11 @@ static void empty_and_unended_files(void **state)
     struct cml_error err;
     struct cml_text text;
     case_write_bytes(state, "in", "", 0);
-    assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, case_in_directory(state, "in"), &text, &err), CML_OK);
     assert_null(cml_text_next(&text));
     cml_text_clear(&text);
     case_write_bytes(state, "in", "last\n", 5);
-    assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
+    assert_int_equal(cml_text_read(NULL, case_in_directory(state, "in"), &text, &err), CML_OK);
     assert_string_equal(cml_text_next(&text), "last");
     assert_null(cml_text_next(&text));
     cml_text_clear(&text);
@@ -72,7 +55,7 @@ static void files_of_any_size_are_read_whole(void **state)
         struct cml_error err;
         struct cml_text text;
         case_write_bytes(state, "in", bytes, sizes[i]);
-        assert_int_equal(cml_text_read(NULL, in_directory(state, "in"), &text, &err), CML_OK);
+        assert_int_equal(cml_text_read(NULL, case_in_directory(state, "in"), &text, &err), CML_OK);
         assert_int_equal(text.size, sizes[i]);
         assert_int_equal(strlen(cml_text_next(&text)), sizes[i]);
         assert_null(cml_text_next(&text));
@@ -86,17 +69,17 @@ static void unreadable_files_are_refused(void **state)
 {
     struct cml_error err;
     struct cml_text text;
-    assert_int_equal(cml_text_read(NULL, in_directory(state, "none"), &text, &err), CML_E_INPUT);
-    assert_fails_for(state, &err, CML_E_INPUT, "none", "cannot be read (No such file or directory)");
-    assert_int_equal(mkdir(in_directory(state, "folder"), 0700), 0);
-    assert_int_equal(cml_text_read(NULL, in_directory(state, "folder"), &text, &err), CML_E_INPUT);
-    assert_fails_for(state, &err, CML_E_INPUT, "folder", "cannot be read (Is a directory)");
+    assert_int_equal(cml_text_read(NULL, case_in_directory(state, "none"), &text, &err), CML_E_INPUT);
+    case_assert_fails_for(state, &err, CML_E_INPUT, "none", "cannot be read (No such file or directory)");
+    assert_int_equal(mkdir(case_in_directory(state, "folder"), 0700), 0);
+    assert_int_equal(cml_text_read(NULL, case_in_directory(state, "folder"), &text, &err), CML_E_INPUT);
+    case_assert_fails_for(state, &err, CML_E_INPUT, "folder", "cannot be read (Is a directory)");
     assert_null(text.data);
-    rmdir(in_directory(state, "folder"));
+    rmdir(case_in_directory(state, "folder"));
     case_write_bytes(state, "nul", "1\0002\n", 4);
-    assert_int_equal(cml_text_read(NULL, in_directory(state, "nul"), &text, &err), CML_E_INPUT);
-    assert_fails_for(state, &err, CML_E_INPUT, "nul",
-                     "cannot be read (it holds a NUL byte, so it is not a text file)");
+    assert_int_equal(cml_text_read(NULL, case_in_directory(state, "nul"), &text, &err), CML_E_INPUT);
+    case_assert_fails_for(state, &err, CML_E_INPUT, "nul",
+                          "cannot be read (it holds a NUL byte, so it is not a text file)");
     assert_null(text.path);
     case_remove(state, "nul");
 }

@@ -33,12 +33,7 @@ static void represent(struct bench *bench, enum cml_surface_kind force)
 
 static struct bench set_up(void **state, const char *text, enum cml_surface_kind force)
 {
-    struct bench bench = {.options = {.seed = 5,
-                                      .threads = 1,
-                                      .lattice = true,
-                                      .roulette = {0.01, 0.03},
-                                      .reentry = true,
-                                      .absorption = true}};
+    struct bench bench = {.options = bench_options(5)};
     case_read_ok(state, text, &bench.list);
     represent(&bench, force);
     return bench;

@@ -196,12 +196,7 @@ static void fly(const struct bench *bench, const struct cml_engine *engine, stru
 
 static struct bench set_up(void **state, const char *text, struct cml_result *right)
 {
-    struct bench bench = {.options = {.seed = 5,
-                                      .threads = 1,
-                                      .lattice = true,
-                                      .roulette = {0.01, 0.03},
-                                      .reentry = true,
-                                      .absorption = true}};
+    struct bench bench = {.options = bench_options(5)};
     const struct cml_surface_options options = {.tessellation = {1e-2, CML_NORMALS_ANALYTIC, false}};
     struct cml_error err;
     case_read_ok(state, text, &bench.list);

@@ -1,7 +1,8 @@
 """What the texts (*.md) name is there: every test, as ctest names it, and every file and folder of the repository.
 
 - Tests: unit.NAME and cross.NAME stand in test_NAME.c, others in NAME.py or NAME.sh below tests/LABEL, or
-  tests/CMakeLists.txt names them in full. A name in capitals stands for any test.
+  tests/CMakeLists.txt names them in full. A name in capitals stands for any test. And the other way round:
+  tests/README.md names every test, but for its copy in double precision.
 - Files: words in backquotes or in an indented block that begin with a folder of the repository or end like a source file
   (in samples and meshes: also like a scene or mesh). A path begins at the top, in the text's own folder, or in src, as
   includes do; a name without a slash may stand anywhere below the text's folder. One with * is a pattern, one with <>,
@@ -18,12 +19,14 @@ import sys
 TESTS = {"unit": "c", "cross": "c", "stat": "py", "long": "py", "files": "py", "cli": "sh", "cluster": "sh py",
          "stability": "", "house": ""}  # the last two stand in tests/CMakeLists.txt
 REGISTRY = "tests/CMakeLists.txt"
+LIST = "tests/README.md"
 SOURCES = (".c", ".h", ".cpp", ".cl", ".py", ".sh", ".cmake", ".cases", ".supp")
 DATA = (".mci", ".obj", ".gsf", ".asc")  # where the text's own folder has some
 TOP = ("README.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE", "CMakeLists.txt", "CMakePresets.json")
 WRITTEN = ("build", "build-*", "bench/out")  # by a build or a bench
 SKIPPED = ("bench/results",)  # texts that scripts wrote once: what they name is of their time
 
+REGISTERED = re.compile(r"NAME (\w+\.\w+)\s")
 TEST = re.compile(r"(?<![\w/.-])(%s)\.(\w+)" % "|".join(TESTS))
 QUOTED = re.compile(r"`([^`]+)`")
 LINK = re.compile(r"""(?:\]\(|src=")([^)"#:\s]+)[)"]""")
@@ -38,6 +41,22 @@ def test_exists(label, name, files):
         return True
     names = [f"test_{name}.c"] if TESTS[label] == "c" else [f"{name}.{end}" for end in TESTS[label].split()]
     return any(path.startswith(f"tests/{label}/") and os.path.basename(path) in names for path in files)
+
+
+def tests_of(files):
+    """Those that stand in files of their own, and those that the registry names in full."""
+    found = set(REGISTERED.findall(files[REGISTRY]))
+    for path in files:
+        label, (name, end) = path.split("/")[1:2], os.path.splitext(os.path.basename(path))
+        ends = TESTS.get(label[0], "").split() if path.startswith("tests/") else []
+        if end[1:] in ends and (end != ".c" or name.startswith("test_")):
+            found.add(label[0] + "." + name.removeprefix("test_"))
+    return {name.removesuffix("_double") for name in found}
+
+
+def unlisted(files):
+    listed = {label + "." + name for label, name in TEST.findall(files[LIST])}
+    return [f"{LIST}: does not name the test {name}" for name in sorted(tests_of(files) - listed)]
 
 
 def words(text):
@@ -95,7 +114,7 @@ def check(files):
     """files: {path: text}; only texts and the registry of tests need theirs. Returns the complaints."""
     places = set(files) | folders_of(files)
     return [complaint for path, text in sorted(files.items()) if path.endswith(".md") and not path.startswith(SKIPPED)
-            for complaint in check_text(path, text, files, places)]
+            for complaint in check_text(path, text, files, places)] + unlisted(files)
 
 
 def check_the_check():
@@ -107,7 +126,11 @@ def check_the_check():
              "bench/results/old.md": "`src/gone.c`", "meshes/README.md": "`i.obj` `README.md` `scene.mci`\n```sh\nrun >j.obj\n```\n`j.obj`"}
     sound |= {path: "" for path in "tests/unit/room/test_a.c tests/cross/test_b.c tests/stat/coverage.py tests/long/same.sh "
               "tests/house/g.py src/room/a.c src/room/cluster.c bench/g.sh bench/h.svg meshes/i.obj".split()}
+    sound[LIST] = "`unit.a` cross.b stat.coverage stability.e long.d"
     assert check(sound) == [], check(sound)
+    for path in ("tests/unit/room/test_c.c", "tests/cli/c.sh", "tests/stat/c.py"):
+        assert len(check({**sound, path: ""})) == 1, (path, check({**sound, path: ""}))
+    assert check({**sound, "tests/unit/room/test_a_double.c": "", "tests/unit/room/a_cases.h": "", "tests/cli/c.cases": ""}) == []
     for text in ("`unit.b`", "cross.a", "stat.none", "`long.same`", "house.g", "stability.atlas", "cli.a", "unit.room",
                  "`src/room/b.c`", "`src/rooms/a.c`", "`src/none`", "`none/a.c`", "`b.c`", "    sh bench/none.sh",
                  "[x](bench/no.svg)", '<img src="bench/no.svg">', "`bench/*.py`", "`tests/unit/a.c --quick`", "a\n<<<<<<< HEAD\nb"):

@@ -2,7 +2,8 @@
 foreign libraries stay behind one file each; no room grows over 20 files.
 
 ROOMS below is the only list of rooms and of what each may use. A file in no room is an error: decide first where it
-belongs. A module is a source file with its header. Runs in the source directory."""
+belongs. A module is a source file with its header. src/README.md has the rooms in the same order in its table, and a
+paragraph on each. Runs in the source directory."""
 import fnmatch
 import os
 import re
@@ -42,6 +43,10 @@ ROOMS = {
     "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/output/files src/output/study src/exact src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
+
+MAP = "src/README.md"
+ROW = re.compile(r"^\| `([a-z/]+)` \|", re.M)
+PARAGRAPH = re.compile(r"^\*\*([a-z/, ]+)\.\*\* ", re.M)
 
 # Headers of libraries and of rarer parts of POSIX, and the only modules that may include them.
 FOREIGN = {
@@ -202,6 +207,14 @@ def check(files):
     return complaints or check_circles(files)  # an include from above often closes a circle: one complaint is enough
 
 
+def check_map(text, rooms):
+    """Complaints about the map: rooms are folders, those of src without it."""
+    rows = ROW.findall(text)
+    told = {room for rooms_told in PARAGRAPH.findall(text) for room in rooms_told.split(", ")} | {"kernels"}
+    complaints = [] if rows == rooms else [f"{MAP}: the rooms of its table are not those of tests/house/floors.py, in their order"]
+    return complaints + [f"{MAP}: no paragraph on {room}" for room in rooms if room not in told]
+
+
 def check_the_check():
     """A check that cannot fail is none. Each of these must be the only complaint."""
     sound = {"src/run/run.c": '#include "run/run.h"\n#include <stdio.h>\n',
@@ -228,6 +241,10 @@ def check_the_check():
     assert check({**sound, **calls}) == [], check({**sound, **calls})
     calls["src/run/cores.c"] = caller.format("", "three", "one")
     assert len(check({**sound, **calls})) == 1, check({**sound, **calls})
+    rooms, rows = ["kernels", "base", "plot", "cli"], "| `kernels` | a | - |\n| `base` | b | - |\n| `plot` | c | - |\n| `cli` | d | - |\n"
+    assert check_map(rows + "**base.** It.\n**plot, cli.** They.\n", rooms) == []
+    assert len(check_map(rows + "**base.** It.\n**plot.** It.\n", rooms)) == 1
+    assert len(check_map(rows + "**base.** It.\n**plot, cli.** They.\n", rooms[1:])) == 1
     crowded = {f"src/base/file{i}.h": "" for i in range(MOST_FILES + 1)}
     assert len(check(crowded)) == 1, check(crowded)
 
@@ -247,7 +264,9 @@ def read_all():
 def main():
     check_the_check()
     files = read_all()
-    complaints = check(files)
+    folders = [room.removeprefix("src/") for room in ROOMS if os.path.isdir(room)]
+    with open(MAP, encoding="utf-8") as file:
+        complaints = check(files) + check_map(file.read(), folders)
     print("\n".join(complaints) or f"{len(files)} files keep to their rooms")
     sys.exit(1 if complaints else 0)
 

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* The devices of this machine: found, listed, chosen by the user or by default. SPDX-License-Identifier: MIT
+ */
 #include "engine/opencl/opencl_parts.h"
 
 #include "base/text.h"

@@ -1,4 +1,5 @@
-/* SPDX-License-Identifier: MIT */
+/* One device with all that it holds for a scene: buffers, arguments, launches, what comes back.
+ * SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
 #include "base/clock.h"

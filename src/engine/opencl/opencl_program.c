@@ -1,4 +1,4 @@
-/* SPDX-License-Identifier: MIT */
+/* The kernels compiled for a device, or taken from the cache. SPDX-License-Identifier: MIT */
 #include "engine/opencl/opencl_parts.h"
 
 #include <stdio.h>

@@ -52,6 +52,7 @@ static void cell_range(const struct filling *f, const double lower[3], const dou
     }
 }
 
+/* Its number, x fastest. */
 static size_t cell_at(const struct filling *f, int x, int y, int z)
 {
     return ((size_t)z * (size_t)f->cells->n[1] + (size_t)y) * (size_t)f->cells->n[0] + (size_t)x;
@@ -65,6 +66,8 @@ static void cell_middle(const struct filling *f, int x, int y, int z, double mid
     middle[2] += f->depth;
 }
 
+/* Kept for later: a patch of several facets needs their mean normal before it can measure heights along it.
+ */
 static void note_facet(struct filling *f, size_t cell, int body, size_t triangle)
 {
     if (f->num_facets == f->room) {
@@ -96,6 +99,7 @@ static double distance_to(const struct part *part, const double p[3])
     return cml_vec3_length(closest);
 }
 
+/* A part's distance from the middle of a cell; and where it may pass the cell, what it looks like there. */
 static void fill_cell(struct filling *f, const struct part *part, int x, int y, int z)
 {
     double middle[3];
@@ -119,6 +123,7 @@ static void fill_band(struct filling *f, const struct part *part)
             for (int x = from[0]; x <= to[0]; x++) fill_cell(f, part, x, y, z);
 }
 
+/* A part for every triangle, with a box of its own. */
 static void add_mesh(struct filling *f, int body)
 {
     const struct cml_mesh *mesh = &f->scene->bodies[body].mesh;
@@ -194,6 +199,7 @@ static void spread_row(float *row, size_t step, int n, float *scratch)
     for (int i = 0; i < n; i++) row[(size_t)i * step] = scratch[i];
 }
 
+/* Rows along x, then y, then z. scratch: as long as the longest row. */
 static void spread(const struct filling *f, float *scratch)
 {
     const int *n = f->cells->n;
@@ -218,6 +224,7 @@ static void find_clearance(struct filling *f)
         f->near[i] = fmaxf(0, fmaxf(fminf(f->near[i], BEYOND), sqrtf(f->far[i])) - (float)CML_CELL_MARGIN);
 }
 
+/* The last step, as a ball takes in the patches of many cells. */
 static void make_near(const struct filling *f, struct cml_body_near *near)
 {
     const int *n = f->cells->n;
@@ -230,6 +237,7 @@ static void make_near(const struct filling *f, struct cml_body_near *near)
             }
 }
 
+/* All cells of a layer: distances and patches of every body in it, then what follows from them. */
 static cml_status fill(struct filling *f, int layer, struct cml_body_near *near, struct cml_error *err)
 {
     const int *n = f->cells->n;
@@ -303,7 +311,8 @@ static void lay_out(const struct cml_scene *scene, int layer, double depth, stru
     cells->corner[2] -= depth;
 }
 
-/* Which layers have a grid; their bodies have the same. */
+/* Which layers have a grid: those that hold bodies. A body's own medium has the grid of its layer, for light
+ * inside meets the same surfaces. */
 static cml_status find_media(const struct cml_scene *scene, struct cml_body_grids *grids,
                              struct cml_error *err)
 {

@@ -24,6 +24,7 @@ static void add_round(int body, const double d[3], double r, struct cml_body_pat
     patch->upper = r - D;
 }
 
+/* An end of a cylinder, from which the axis times `sign` leads outwards. height: of it over the middle. */
 static void add_plane(int body, const double axis[3], double sign, double height,
                       struct cml_body_patch *patch)
 {
@@ -129,6 +130,7 @@ struct neighbour {
     double way[3], square;
 };
 
+/* All cells that a surface may pass, and that a ball of the largest radius can reach. Returns how many. */
 static int find_neighbours(const int n[3], const struct cml_body_patch *patch, const float *clear,
                            const int at[3], struct neighbour found[CUBE * CUBE * CUBE])
 {
@@ -157,6 +159,7 @@ struct view {
     double normal[3], lower, upper, cosine;
 };
 
+/* Whether a surface within the neighbour's cell can come into the ball. */
 static bool is_near(const struct neighbour *neighbour, double radius)
 {
     return neighbour->square < (radius + CML_CELL_REACH) * (radius + CML_CELL_REACH);
@@ -200,6 +203,7 @@ static bool look(const struct neighbour *neighbour, int count, double radius, st
     return view->lower <= view->upper;
 }
 
+/* The planes moved apart by the margin, the ball made smaller by it. 2: no direction is steep enough. */
 static struct cml_body_near near_of_view(const struct view *view, double radius)
 {
     const double sine = sqrt(fmax(0, 1 - view->cosine * view->cosine)) + 1e-3;

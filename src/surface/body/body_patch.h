@@ -8,16 +8,17 @@
 
 #include <stddef.h>
 
-/* As far as a cell reaches from its middle, and more than rounding can move a packet. In cells. */
+/* In cells. How far a cell reaches from its middle: half its diagonal, sqrt(3) / 2. And what bounds leave to
+ * be safe, many times what rounding can move a packet. */
 #define CML_CELL_REACH 0.8661
 #define CML_CELL_MARGIN 0.01
 
 /* The surfaces that come within CML_CELL_REACH of the middle of a cell. */
 struct cml_body_patch {
-    int body; /* whose surface it is, or: */
-    double normal[3], lower,
-        upper;     /* unit, outwards, their mean; heights of the planes over the middle, cells */
-    double cosine; /* of the greatest angle between `normal` and a normal of the surface */
+    int body;            /* whose surface it is, or: */
+    double normal[3];    /* unit, outwards: the mean of the surface's normals */
+    double lower, upper; /* heights of the two planes over the middle, along `normal`, cells */
+    double cosine;       /* of the greatest angle between `normal` and a normal of the surface */
 };
 enum { CML_PATCH_NONE = -1, CML_PATCH_MIXED = -2 /* of several bodies, or turned too much for planes */ };
 

@@ -26,6 +26,7 @@ static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scen
     return status;
 }
 
+/* Depths from the frame of the body's layer, as the kernels count them. */
 static cml_status make_surface(const struct cml_scene *scene, int k, double depth,
                                struct cml_body_surface *surface, struct cml_error *err)
 {
@@ -41,7 +42,8 @@ static cml_status make_surface(const struct cml_scene *scene, int k, double dept
     return body->form == CML_BODY_MESH ? make_mesh(scene, body, depth, surface, err) : CML_OK;
 }
 
-/* Boxes and hosts side by side, for the tree. */
+/* A tree for every medium that bodies lie in, their host. A packet meets the bodies whose host it is in; in a
+ * body also that body, which needs no tree. */
 static cml_status make_tree(const struct cml_scene *scene, struct cml_body_surfaces *surfaces,
                             struct cml_error *err)
 {
@@ -65,6 +67,7 @@ static cml_status make_tree(const struct cml_scene *scene, struct cml_body_surfa
     return status;
 }
 
+/* depths is by layer, the grids' is by medium: a body has the frame of its layer. */
 static cml_status make_grids(const struct cml_scene *scene, const double *depths,
                              struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
@@ -110,7 +113,7 @@ static cml_status tessellate(const struct cml_scene *scene, double tolerance, st
     return CML_OK;
 }
 
-/* They may meet where the bodies do not. */
+/* Meshes in place of the bodies may meet where these do not, so they are placed and checked anew. */
 static cml_status create_tessellated(const struct cml_scene *scene, const double *depths, double tolerance,
                                      struct cml_body_surfaces *surfaces, struct cml_error *err)
 {

@@ -12,7 +12,8 @@ struct builder {
     struct cml_body_tree *tree;
 };
 
-/* Keys of the sort under way; the build has one thread. */
+/* Twice the middle of a box along an axis. Equal ones are told apart by number, so that the tree does not
+ * depend on the C library's sort. */
 struct key {
     double at;
     int body;
@@ -25,6 +26,7 @@ static int compare_keys(const void *left, const void *right)
     return a->body - b->body;
 }
 
+/* The box around the boxes of these bodies becomes the node's. */
 static void box_of(const struct builder *b, const int *bodies, int count, struct cml_body_tree_node *node)
 {
     for (int k = 0; k < 3; k++) {
@@ -54,7 +56,8 @@ static cml_status sort_bodies(const struct builder *b, const struct cml_body_tre
     return CML_OK;
 }
 
-/* Split at the median, so that the depth is log2 of the number. */
+/* Split at the median, so that the depth is log2 of the number. In preorder: the first half stands right
+ * behind the node, and whoever misses the node's box skips both. */
 static cml_status build(const struct builder *b, int *bodies, int count, struct cml_error *err)
 {
     struct cml_body_tree *tree = b->tree;
@@ -71,7 +74,7 @@ static cml_status build(const struct builder *b, int *bodies, int count, struct 
     return CML_OK;
 }
 
-/* Counting sort: offsets into index by host. */
+/* Counting sort: bodies of one host side by side in `index`, from first[host] on. */
 static void sort_by_host(const struct builder *b, int num_bodies, int num_media, int *first)
 {
     memset(first, 0, ((size_t)num_media + 1) * sizeof *first);
@@ -82,6 +85,7 @@ static void sort_by_host(const struct builder *b, int num_bodies, int num_media,
     first[0] = 0;
 }
 
+/* first[m] becomes the first node of medium m, where it was the place of its first body. */
 static cml_status build_all(const struct builder *b, int num_bodies, int num_media, struct cml_error *err)
 {
     struct cml_body_tree *tree = b->tree;

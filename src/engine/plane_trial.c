@@ -87,6 +87,7 @@ static void fold_profiles(struct cml_tally *tally)
     }
 }
 
+/* The same packets both ways, with the same draws: most differences are 0, and what is left is small. */
 static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_error *err)
 {
     for (int way = 0; way < 2; way++) {
@@ -262,6 +263,8 @@ static bool is_face_of_glass(const struct cml_scene *scene, int b)
     return b <= 1 && scene->num_layers > 1 && first->mua + first->mus == 0 && scene->beam.angle == 0;
 }
 
+/* Level rings in its place; they stay in `level` where they do no harm, for the boundaries that are tried
+ * after it. */
 static cml_status try_boundary(struct search *search, int b, struct cml_error *err)
 {
     struct cml_surface_def *level = &search->level.item[b];
@@ -322,6 +325,7 @@ static cml_status allocate(struct search *search, struct cml_error *err)
     return CML_OK;
 }
 
+/* Each boundary gets its share of the steps. None is made a plane before the last was tried. */
 static cml_status search_planes(struct search *search, struct cml_error *err)
 {
     const struct cml_surface_set *curved = search->curved;

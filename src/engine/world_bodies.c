@@ -11,6 +11,7 @@
  * or a box. */
 static const double err_box_share = 16 * (double)CML_EPSILON;
 
+/* One more of each than there are: none must not look like memory that ran out. */
 static cml_status allocate_bodies(const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
                                   struct cml_error *err)
 {
@@ -42,6 +43,8 @@ static void copy_medium(const struct cml_scene *scene, int k, struct cml_owned_w
     medium->bins = layer->bins;
 }
 
+/* Surface L + 1 + k, with the host above it and the body's own medium, L + 2 + k, below. Whether a step can
+ * meet it, the grids say, not the bounds that boundaries of layers have. */
 static void copy_body(const struct cml_scene *scene, const struct cml_body_surface *from, int k,
                       struct cml_owned_world *to)
 {
@@ -64,6 +67,7 @@ static void copy_body(const struct cml_scene *scene, const struct cml_body_surfa
     to->bodies[k].length = (real)convex.length;
 }
 
+/* Boxes in the precision of the kernels, larger by rounding. */
 static void copy_tree(const struct cml_scene *scene, const struct cml_body_tree *tree,
                       struct cml_owned_world *to)
 {
@@ -89,6 +93,7 @@ static void copy_tree(const struct cml_scene *scene, const struct cml_body_tree 
     }
 }
 
+/* Cells name a body by its medium. */
 static void copy_grids(const struct cml_scene *scene, const struct cml_body_grids *grids,
                        struct cml_owned_world *to)
 {

@@ -103,6 +103,8 @@ struct triangle_plane {
     float slope; /* infinite when it is upright or faces down */
 };
 
+/* Nearly upright triangles have no plane, as its slopes would magnify the rounding of their corners: they are
+ * bounded by their boxes. */
 static struct triangle_plane plane_of(const double p[3], const double q[3], const double r[3])
 {
     struct triangle_plane t = {.steep = false};

@@ -118,6 +118,9 @@ static cml_status make_tessellated(const struct cml_scene *scene, const struct c
     return status;
 }
 
+/* Rings on one line are merged for cones that the program chose; whoever asks for cones gets those of the
+ * file.
+ */
 static cml_status represent_field(const struct cml_scene *scene, const struct cml_boundary *boundary,
                                   const struct cml_surface_options *options, struct cml_surface_def *def,
                                   struct cml_error *err)
@@ -239,6 +242,7 @@ static const struct cml_surface_def *known_surface(const struct cml_boundary *bo
     return known->kind == CML_SURFACE_PLANE ? NULL : known;
 }
 
+/* The shape at another depth: it counts heights from the boundary's own. */
 static void borrow(const struct cml_surface_def *known, double depth, struct cml_surface_def *def)
 {
     *def = *known;

@@ -22,7 +22,7 @@ static void write_options(FILE *out, const struct cml_run_setup *setup,
             options->roulette.weight);
     fprintf(out, "target error %.17g\nre-entry %d\nabsorption %d\nflat %d\n", setup->target_error,
             options->reentry, options->absorption, flat);
-    if (setup->keep) fprintf(out, "control flat\n");
+    if (setup->controlled) fprintf(out, "control flat\n");
     cml_settings_print(out, "set ", setup->scene->settings);
     fprintf(out, "boundaries %d, tolerance %.17g, may flatten %d, normals %d, inscribed %d, search %d\n",
             surface->force, surface->tolerance, surface->may_flatten, tessellation->normals,

@@ -12,8 +12,8 @@
 CML_NODISCARD cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text,
                                              struct cml_error *err);
 
-/* Reads of `setup` engine, options, photons, target_error, keep and the settings of the scene; `inputs` are
- * the lines of cml_identity_inputs. *identity is the caller's to free. */
+/* Reads of `setup` engine, options, photons, target_error, controlled and the settings of the scene; `inputs`
+ * are the lines of cml_identity_inputs. *identity is the caller's to free. */
 CML_NODISCARD cml_status cml_identity_of(const struct cml_run_setup *setup,
                                          const struct cml_surface_options *surface, bool flat,
                                          const char *inputs, char **identity, struct cml_error *err);

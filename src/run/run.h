@@ -30,8 +30,9 @@ struct cml_run_setup {
     const char *checkpoint; /* file; NULL: none, and no signal is watched */
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
     const char *identity; /* of the run, see identity.h; with a checkpoint */
-    bool keep;   /* the complete result goes into the checkpoint, too: more is done before it is published */
-    bool resume; /* continue from the checkpoint, if there is one */
+    bool controlled;      /* a flat twin is flown before it is published, so the complete result goes into the
+                             checkpoint, too */
+    bool resume;          /* continue from the checkpoint, if there is one */
     bool result_gone; /* what a finished run has written is no longer there: its tallies are the result, or
                        * where the checkpoint has none, the run begins anew. Rank 0's word counts */
     uint64_t base;    /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from

@@ -223,7 +223,7 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(check_same(setup->identity, err));
     CML_TRY(cml_run(setup, &run, err));
-    cml_status status = setup->keep && !run.finished
+    cml_status status = setup->controlled && !run.finished
                             ? control_run(call, setup, &run, twin, record, err)
                             : publish_run(call, setup, &run, NULL, NULL, record, err);
     if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)
@@ -346,9 +346,9 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
     CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
     setup->surfaces = &run->surfaces;
-    setup->keep = options.control && !all_planes(&run->surfaces);
+    setup->controlled = options.control && !all_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
-    return setup->keep ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
+    return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
 }
 
 /* The run flies all the same, for other runs of the file may have shapes. */
@@ -403,7 +403,7 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
     *record = (struct cml_record){0};
     cml_status status = plan_photons(call, &run, err);
     if (status == CML_OK) status = cml_cluster_agree(prepare(call, &run, err), err);
-    if (status == CML_OK && options->control && !run.setup.keep) note_nothing_to_control(call->scene);
+    if (status == CML_OK && options->control && !run.setup.controlled) note_nothing_to_control(call->scene);
     if (status == CML_OK) status = fly(call, &run.setup, &run.twin, record, err);
     cml_twin_clear(&run.twin);
     cml_surfaces_free(&run.surfaces);

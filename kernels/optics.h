@@ -59,9 +59,8 @@ CML_FN void cml_reciprocals(real a, real b, real *per_a, real *per_b)
     *per_b = q * a;
 }
 
-/* Henyey-Greenstein deflection [eq. 3.22]: cosine c and sine of the polar angle. s = 2 xi - 1 in (-1, 1), g
- * in
- * [-1, 1]; a negative g gives the mirror image of -g. With d = 1 + |g| s
+/* Henyey-Greenstein deflection [eq. 3.22]: cosine c and sine of the polar angle. s = 2 xi - 1 in (-1, 1); g
+ * in [-1, 1], where a negative one gives the mirror image of -g. With d = 1 + |g| s
  *   1 - c = (1-|g|)^2 (1-s) (1+|g| + d) / (2 d^2):
  * products and sums of what is not negative, so nothing cancels near the direction that is scattered to most,
  * and g = 0 and g = +-1 need no case of their own. d^2 comes from cml_deflection_square, its reciprocal from

@@ -220,6 +220,9 @@ CML_FN void cml_region_of_ball(const CML_GLOBAL struct cml_body_grid *grid, cons
     region->least = sign * (view->above ? view->cell->upper : view->cell->lower) * size;
 }
 
+/* The share that is taken of a way that is free: the rest is more than single precision rounds it by. */
+#define CML_BODY_WAY 0.9999
+
 /* Whether a path of this length (cells) from outside of the grid ends beyond the same of its faces: that
  * which it begins furthest beyond. Then that half-space is the region. */
 CML_FN int cml_stays_beyond_grid(const CML_GLOBAL struct cml_body_grid *grid,
@@ -231,7 +234,7 @@ CML_FN int cml_stays_beyond_grid(const CML_GLOBAL struct cml_body_grid *grid,
     const int along_x = (x >= y) & (x >= z), along_y = !along_x & (y >= z), along_z = !along_x & !along_y;
     const real gap = along_x ? beyond.x : (along_y ? beyond.y : beyond.z),
                rate = along_x ? u.x : (along_y ? u.y : u.z), sign = gap < 0 ? (real)-1 : (real)1,
-               least = (real)-0.9999 * CML_FABS(gap);
+               least = (real)-CML_BODY_WAY * CML_FABS(gap);
     const struct cml_vec normal = {along_x ? sign : (real)0, along_y ? sign : (real)0,
                                    along_z ? sign : (real)0};
     if (!((least < 0) & (sign * path * rate > least))) return 0;
@@ -248,7 +251,7 @@ CML_FN real cml_way_in_ball(const struct cml_body_view *view, int medium, real p
 {
     const CML_GLOBAL struct cml_body_cell *cell = view->cell;
     const real outwards = medium == cell->inside ? -view->rate : view->rate;
-    if (path * (outwards - cell->steepest) > (real)0.01) return end;
+    if (path * (outwards - cell->steepest) > (real)CML_CELL_MARGIN) return end;
     if (!(view->above | view->below)) return 0;
     if (view->above ? view->rate >= 0 : view->rate <= 0) return end;
     const real way = ((view->above ? cell->upper : cell->lower) - view->height) / view->rate;
@@ -259,17 +262,22 @@ CML_FN real cml_way_in_ball(const struct cml_body_view *view, int medium, real p
  * packet. */
 enum cml_bodies_ahead { CML_NO_BODIES, CML_BODIES, CML_BODIES_FROM_AFAR };
 
+/* Afar is outside the grid, or beyond the planes and in the ball by a twentieth of its radius. */
 CML_FN int cml_bodies_from(const struct cml_body_view *view)
 {
     const int off_planes = (view->distance < (real)0.9 * view->square) & (view->above | view->below);
     return view->gap > 0 || off_planes ? CML_BODIES_FROM_AFAR : CML_BODIES;
 }
 
+/* From ball to ball: through so many at most, and no further than this, cells, for rounding grows with the
+ * way, and CML_CELL_MARGIN is all that cells have to spare for it. */
+#define CML_BODY_BALLS 6
+#define CML_BODY_FARTHEST 10000
+
 /* Whether (enum cml_bodies_ahead) a packet at p can meet the surface of a body within t_max along u: from
- * ball to ball along its path [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527], through at
- * most six, and not over distances whose rounding cells have nothing to spare for. *region: of a path that
- * meets none, one in which it ends, if one is known. Outside of the grid the way to it is free. What is not a
- * number may meet one. */
+ * ball to ball along its path [sphere tracing, J. C. Hart, The Visual Computer 12 (1996) 527].
+ * *region: of a path that meets none, one in which it ends, if one is known. Outside of the grid the way to
+ * it is free. What is not a number may meet one. */
 CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cml_vec p, struct cml_vec u,
                             real t_max, struct cml_body_region *region)
 {
@@ -284,7 +292,7 @@ CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cm
     const real path = t_max * grid->per_cell;
     int ahead = CML_BODIES;
     real done = 0;
-    for (int i = 0; i < 6 && done < 10000; i++) {
+    for (int i = 0; i < CML_BODY_BALLS && done < CML_BODY_FARTHEST; i++) {
         const struct cml_body_view view = cml_view_body(world, grid, cml_along(start, done, u), u);
         const real left = path - done;
         if (i == 0) ahead = cml_bodies_from(&view);
@@ -298,7 +306,7 @@ CML_FN int cml_may_hit_body(const struct cml_world *world, int medium, struct cm
         const real way = view.in_ball ? cml_way_in_ball(&view, medium, left, end) : end;
         if (left < way) return CML_NO_BODIES;
         if (way < end || !(way > 0)) return ahead;
-        done += (real)0.9999 * way;
+        done += (real)CML_BODY_WAY * way;
     }
     return ahead;
 }

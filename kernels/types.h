@@ -111,8 +111,11 @@ struct cml_body_grid {
     real cell, per_cell;   /* cm, and cells per cm */
 };
 
+/* In cells of a grid of bodies: what their bounds have to spare, more than rounding can move a packet. */
+#define CML_CELL_MARGIN 0.01
+
 /* What surfaces of bodies there are in a ball about the middle of a cell: none, or that of one body, between
- * two planes. Lengths in cells; all with more than what rounding can move a packet to spare. */
+ * two planes. Lengths in cells, all with CML_CELL_MARGIN to spare. */
 struct cml_body_cell {
     real radius;           /* of the ball; 0: nothing is known */
     int inside;            /* the body's medium; -1: no surface is in the ball */

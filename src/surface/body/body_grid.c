@@ -4,6 +4,7 @@
 #include "geometry/vec3.h"
 #include "scene/body/body_shape.h"
 #include "surface/body/body_patch.h"
+#include "types.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,6 +2,7 @@
 #include "surface/body/body_patch.h"
 
 #include "geometry/vec3.h"
+#include "types.h"
 
 #include <math.h>
 

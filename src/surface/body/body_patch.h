@@ -8,10 +8,8 @@
 
 #include <stddef.h>
 
-/* In cells. How far a cell reaches from its middle: half its diagonal, sqrt(3) / 2. And what bounds leave to
- * be safe, many times what rounding can move a packet. */
+/* How far a cell reaches from its middle, in cells: half its diagonal, sqrt(3) / 2. */
 #define CML_CELL_REACH 0.8661
-#define CML_CELL_MARGIN 0.01
 
 /* The surfaces that come within CML_CELL_REACH of the middle of a cell. */
 struct cml_body_patch {

@@ -67,6 +67,8 @@
  *   err_cell: How far, in cells, an edge may lie from where the grid says, and a ray from where it is. An
  *     edge: by the largest deviation of a vertex, twice. A ray: err_cell_least = 1e-6, see err_sine_grid.
  *     Fails: grid_walk (the first), none (the second).
+ *   err_apart: Of a sheet, in cells: how far rounding may put facet, cell and ray apart, altogether: 4
+ *     err_cell, for the three of them, and one to spare. Fails: none.
  *   err_start: In halves of the mesh's width, how far before the least distance of a crossing a traversal
  *     begins, and how far behind it hits are undecided: 1e-10, err_mesh / err_sine_grid in a square mesh.
  *     Fails: none.

@@ -42,8 +42,8 @@ static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
     return (x - grid->corner[axis]) * grid->cells_per_cm[axis];
 }
 
-/* In cells: how far rounding may put facet, cell and ray apart, altogether. */
-static double reach_of(const struct cml_grid_mesh *grid)
+/* See rounding.h. */
+static double err_apart_of(const struct cml_grid_mesh *grid)
 {
     return 4 * grid->err_cell;
 }
@@ -51,10 +51,10 @@ static double reach_of(const struct cml_grid_mesh *grid)
 /* The cells below the shadow's box. */
 static void find_range(const struct cml_grid_mesh *grid, struct shadow *s)
 {
-    const double reach = reach_of(grid);
+    const double err_apart = err_apart_of(grid);
     for (int k = 0; k < 2; k++) {
         const double a = s->corner[0][k], b = s->corner[1][k], c = s->corner[2][k];
-        const double low = fmin(a, fmin(b, c)) - reach, high = fmax(a, fmax(b, c)) + reach;
+        const double low = fmin(a, fmin(b, c)) - err_apart, high = fmax(a, fmax(b, c)) + err_apart;
         s->first[k] = low > 0 ? (int)low : 0;
         s->last[k] = high < grid->n[k] ? (int)high : grid->n[k] - 1;
     }
@@ -89,7 +89,7 @@ static struct shadow shadow_of(const struct lists *l, size_t facet)
  * the two [Gottschalk, Lin and Manocha, OBBTree, SIGGRAPH 1996]. */
 static float middle_inside(const struct cml_grid_mesh *grid, const struct shadow *s, int i, int j)
 {
-    const double half = 0.5 + reach_of(grid);
+    const double half = 0.5 + err_apart_of(grid);
     double inside = INFINITY;
     for (int c = 0; c < 3; c++) {
         const double *on = s->corner[(c + 1) % 3], *n = s->inward[c];
@@ -106,7 +106,7 @@ static void widen_cell(const struct lists *l, const struct shadow *s, int i, int
 {
     struct cml_grid_mesh_level *cells = &l->grid->level[0], *blocks = &l->grid->level[1];
     const double slope = fabs(s->slope[0]) + fabs(s->slope[1]);
-    const double pad = l->body->err_float + reach_of(l->grid) * slope;
+    const double pad = l->body->err_float + err_apart_of(l->grid) * slope;
     const double *at = s->corner[0];
     const double z = s->depth + s->slope[0] * (i + 0.5 - at[0]) + s->slope[1] * (j + 0.5 - at[1]);
     cml_grid_mesh_widen_depths(l->grid, fmax(z - 0.5 * slope, s->least) - pad,

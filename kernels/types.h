@@ -195,7 +195,7 @@ struct cml_hit {
  * next ring (0 behind the last: the outer plane). Its radius cut into as many equal parts as there are rings
  * before the last, start[k] is the last ring that begins in a part before k, or 0. Horizons, seen
  * from above and from below: a packet that stands on a ring, and from there rises or falls so steeply, meets
- * the field never again (src/surface/ring_horizon.h). */
+ * the field never again (src/surface/ring_horizon_inl.h). */
 struct cml_world {
     struct cml_setup setup;
     CML_GLOBAL const struct cml_medium *media;     /* [num_layers + 2 + num_bodies] */

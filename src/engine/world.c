@@ -7,7 +7,7 @@
 #include "lattice.h"
 #include "scene/specular.h"
 #include "surface/cell_horizon.h"
-#include "surface/ring_horizon.h"
+#include "surface/ring_horizon_inl.h"
 #include "surface/surface_facets.h"
 
 #include <math.h>

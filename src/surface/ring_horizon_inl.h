@@ -1,10 +1,10 @@
-/* The horizon angle of every ring of a heightfield, as its tangent: how steeply a packet on the ring must
- * rise, or fall, to leave the heightfield for good. The term is that of terrain rendering [Max, Horizon
- * mapping: shadows for bump-mapped surfaces, The Visual Computer 4 (2), 1988]. Exists because light that has
- * gone through a surface would else be followed past all its rings, and a single wall in it would make that
- * so for all of them. Included, like the kernel headers, once per precision. SPDX-License-Identifier: MIT */
-#ifndef CML_RING_HORIZON_H
-#define CML_RING_HORIZON_H
+/* Code, included by engine/world.c in each precision. The horizon angle of every ring of a heightfield, as
+ * its tangent: how steeply a packet on the ring must rise, or fall, to leave the heightfield for good. The
+ * term is that of terrain rendering [Max, Horizon mapping: shadows for bump-mapped surfaces, The Visual
+ * Computer 4 (2), 1988]. Exists because light that has gone through a surface would else be followed past all
+ * its rings, and a single wall in it would make that so for all of them. SPDX-License-Identifier: MIT */
+#ifndef CML_RING_HORIZON_INL_H
+#define CML_RING_HORIZON_INL_H
 
 #include "clearance.h"
 #include "types.h"

@@ -2,8 +2,8 @@
 foreign libraries stay behind one file each; no room grows over 20 files.
 
 ROOMS below is the only list of rooms and of what each may use. A file in no room is an error: decide first where it
-belongs. A module is a source file with its header. src/README.md has the rooms in the same order in its table, and a
-paragraph on each. Runs in the source directory."""
+belongs. A module is a source file with its header. A header that is code says so in its name and in its first words.
+src/README.md has the rooms in the same order in its table, and a paragraph on each. Runs in the source directory."""
 import fnmatch
 import os
 import re
@@ -44,6 +44,7 @@ ROOMS = {
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 
+CODE = "/* Code, included "
 MAP = "src/README.md"
 ROW = re.compile(r"^\| `([a-z/]+)` \|", re.M)
 PARAGRAPH = re.compile(r"^\*\*([a-z/, ]+)\.\*\* ", re.M)
@@ -124,6 +125,8 @@ def check_file(path, text, files):
     if room_of(path) is None:
         return [f"{path}: in no room (decide where it belongs: tests/house/floors.py lists them)"]
     complaints = []
+    if path.endswith("_inl.h") != text.startswith(CODE):
+        complaints.append(f"{path}: a header of code ends in _inl.h and begins with {CODE}, and no other does")
     for target, header, bracket in includes(path, text, files):
         if target is None and bracket == '"':
             complaints.append(f"{path}: includes \"{header}\", which is not here")
@@ -228,7 +231,7 @@ def check_the_check():
                        ("src/run/run.c", "#include <embree3/rtcore.h>\n"), ("src/run/run.c", "#include <jansson.h>\n"),
                        ("src/novelty.c", ""), ("src/run/run.c", '#include "run/missing.h"\n'),
                        ("kernels/rng.h", "#include <stdlib.h>\n"), ("src/run/run.c", "#include <vector>\n"),
-                       ("src/run/stop.h", '#include "run/stop.h"\n'),
+                       ("src/run/stop.h", '#include "run/stop.h"\n'), ("src/run/stop.h", CODE), ("src/run/stop_inl.h", ""),
                        ("src/run/stop.c", '#include "run/stop.h"\n#include "run/cores.h"\n')]:
         files = {**sound, path: text}
         if path == "src/run/stop.c":  # a circle by sources alone

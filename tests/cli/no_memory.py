@@ -55,12 +55,13 @@ COMMANDS = {
 
 
 def call(folder, arguments, failing):
-    """Exit code, lines of standard error, names left in the folder of results."""
+    """Exit code, lines of standard error but for notes, names left in the folder of results."""
     with tempfile.TemporaryDirectory() as out:
         arguments = [argument.replace("OUT", out) for argument in arguments]
         run = subprocess.run([PROGRAM, *arguments], cwd=folder, capture_output=True, text=True, errors="replace",
                              stdin=subprocess.DEVNULL, env={**os.environ, "FAIL_ALLOCATION": str(failing)})
-        return run.returncode, run.stderr.replace(out, "OUT").splitlines(), sorted(os.listdir(out))
+        lines = [line for line in run.stderr.replace(out, "OUT").splitlines() if not line.startswith("clustermcml: note: ")]
+        return run.returncode, lines, sorted(os.listdir(out))
 
 
 def fault(code, lines, names):

@@ -163,11 +163,10 @@ void cml_add_body_fields(struct cml_field_list *c)
     size_t facets = 0;
     if (scene->num_bodies == 0) return;
     for (int k = 0; k < bodies->count; k++) facets += bodies->item[k].primitives;
-    c->body = cml_field_bins("body", "body, from 1, in the order of the file", "1", scene->num_bodies, 1, 1);
+    c->body = cml_result_axis("body", scene->num_bodies, 1, 1);
     c->body_facet = cml_field_bins("body_facet", "facet of any body, from 0", "1", (int)facets, 0, 1);
     add_media(c);
-    cml_add_field(c, "A_body", "absorption by body", "1", shares)->cells =
-        c->report->run->result.A_l + scene->num_layers + 2;
+    cml_add_result_field(c, "A_body", shares)->cells = c->report->run->result.A_l + scene->num_layers + 2;
     cml_field_along(c, &c->body, NULL, NULL);
     if (c->report->run->result.facets) add_facets(c);
 }

@@ -102,11 +102,10 @@ static void set_axes(struct cml_field_list *c)
     const struct cml_map_def *map = &scene->map;
     const int na = scene->na;
     const double da = cml_angle_width(na), dr = scene->dr, dz = scene->dz;
-    c->layer = cml_field_bins("layer", "layer, from 1", "1", scene->num_layers, 1, 1);
-    c->r = cml_field_bins("r", "distance from the z axis, middle of the bin", "cm", scene->nr, dr / 2, dr);
-    c->z = cml_field_bins("z", "depth, middle of the bin", "cm", scene->nz, dz / 2, dz);
-    c->alpha =
-        cml_field_bins("alpha", "angle from the outward vertical, middle of the bin", "rad", na, da / 2, da);
+    c->layer = cml_result_axis("layer", scene->num_layers, 1, 1);
+    c->r = cml_result_axis("r", scene->nr, dr / 2, dr);
+    c->z = cml_result_axis("z", scene->nz, dz / 2, dz);
+    c->alpha = cml_result_axis("alpha", na, da / 2, da);
     c->x = cml_field_bins("x", "x, middle of the pixel", "cm", map->nx, (0.5 - 0.5 * map->nx) * map->dx,
                           map->dx);
     c->y = cml_field_bins("y", "y, middle of the pixel", "cm", map->ny, (0.5 - 0.5 * map->ny) * map->dy,
@@ -156,8 +155,8 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
-struct cml_field_source *cml_add_field(struct cml_field_list *c, const char *name, const char *long_name,
-                                       const char *units, cml_field_values *values)
+static struct cml_field_source *add_named(struct cml_field_list *c, const struct cml_result_name *name,
+                                          cml_field_values *values)
 {
     struct cml_field *field = &c->fields[c->num_fields];
     struct cml_field_source *source = &c->sources[c->num_fields++];
@@ -165,12 +164,23 @@ struct cml_field_source *cml_add_field(struct cml_field_list *c, const char *nam
     source->scale = 1;
     source->per_facet = 1;
     source->stride = 1;
-    snprintf(field->name, sizeof field->name, "%s", name);
-    field->long_name = long_name;
-    field->units = units;
+    cml_result_name_field(field, name);
     field->values = values;
     field->context = source;
     return source;
+}
+
+struct cml_field_source *cml_add_field(struct cml_field_list *c, const char *name, const char *long_name,
+                                       const char *units, cml_field_values *values)
+{
+    const struct cml_result_name named = {name, long_name, units};
+    return add_named(c, &named, values);
+}
+
+struct cml_field_source *cml_add_result_field(struct cml_field_list *c, const char *name,
+                                              cml_field_values *values)
+{
+    return add_named(c, cml_result_name(name), values);
 }
 
 void cml_field_along(struct cml_field_list *c, const struct cml_axis *a, const struct cml_axis *b,
@@ -188,16 +198,13 @@ void cml_add_number_field(struct cml_field_list *c, const char *name, const char
 
 struct cml_field_source *cml_add_error_field(struct cml_field_list *c, cml_field_values *values)
 {
-    struct cml_field *of = &c->fields[c->num_fields - 1];
-    char name[sizeof of->name];
-    snprintf(name, sizeof name, "%.50s_se", of->name);
-    struct cml_field_source *source = cml_add_field(c, name, "standard error", of->units, values);
-    struct cml_field *errors = &c->fields[c->num_fields - 1];
-    memcpy(errors->axis, of->axis, sizeof of->axis);
-    errors->num_axes = of->num_axes;
+    struct cml_field *of = &c->fields[c->num_fields - 1], *errors = of + 1;
+    struct cml_field_source *source = &c->sources[c->num_fields++];
+    *source = source[-1];
+    cml_result_name_errors(errors, of);
     errors->single = of->single;
-    *source = c->sources[c->num_fields - 2];
-    of->errors = errors->name;
+    errors->values = values;
+    errors->context = source;
     return source;
 }
 
@@ -212,71 +219,64 @@ static void add_control(struct cml_field_list *c, const char *total, const struc
     cml_add_error_field(c, number_value)->number = control->error;
 }
 
+static void add_number(struct cml_field_list *c, const struct cml_result_name *name, double number)
+{
+    add_named(c, name, number_value)->number = number;
+}
+
 /* Totals in double, as in the JSON line; in the .mco they have six digits. */
 static void add_totals(struct cml_field_list *c)
 {
     static const struct {
-        const char *name, *long_name;
+        const char *name;
         enum cml_total total;
-    } totals[] = {
-        {"Rsp", "specular reflectance", CML_TOTAL_SPECULAR},
-        {"Rd", "diffuse reflectance", CML_TOTAL_REFLECTED},
-        {"A", "absorbed fraction", CML_TOTAL_ABSORBED},
-        {"Tt", "transmittance", CML_TOTAL_TRANSMITTED},
-    };
+    } totals[] = {{"Rsp", CML_TOTAL_SPECULAR},
+                  {"Rd", CML_TOTAL_REFLECTED},
+                  {"A", CML_TOTAL_ABSORBED},
+                  {"Tt", CML_TOTAL_TRANSMITTED}};
     const struct cml_result *result = &c->report->run->result;
     for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        cml_add_number_field(c, totals[i].name, totals[i].long_name,
-                             cml_result_total(result, totals[i].total));
+        add_number(c, cml_result_name(totals[i].name), cml_result_total(result, totals[i].total));
         cml_add_error_field(c, number_value)->number = cml_result_error(result, totals[i].total);
         if (c->report->control) add_control(c, totals[i].name, &c->report->control[totals[i].total]);
     }
 }
 
-/* The names, after the section `books` of an .mco file, are part of the file format. */
 static void add_balance(struct cml_field_list *c)
 {
-    static const char *const names[CML_NUM_BALANCE_TERMS] = {
-        "book_launched",    "book_gained",     "book_specular",   "book_reflected",
-        "book_transmitted", "book_absorbed",   "book_roulette",   "book_trapped",
-        "book_lost",        "book_overflow_r", "book_overflow_z", "book_above"};
+    _Static_assert((int)CML_RESULT_BOOKS == (int)CML_NUM_BALANCE_TERMS, "a name for every term");
     const struct cml_result *result = &c->report->run->result;
-    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
-        cml_add_number_field(c, names[i], cml_balance_text((enum cml_balance_term)i),
-                             cml_result_share(result, (enum cml_balance_term)i));
-    cml_add_number_field(c, "residue", "launched + gained - all fates, in 2^-31 packets",
-                         cml_result_imbalance(result));
-    cml_add_number_field(c, "lost", "packets lost to numerical failure", (double)cml_result_lost(result));
+    for (int i = 0; i < CML_RESULT_BOOKS; i++)
+        add_number(c, cml_result_book(i), cml_result_share(result, (enum cml_balance_term)i));
+    add_number(c, cml_result_name("residue"), cml_result_imbalance(result));
+    add_number(c, cml_result_name("lost"), (double)cml_result_lost(result));
 }
 
 /* fast may be NULL: a profile. */
-static void add_array(struct cml_field_list *c, const char *name, const char *long_name, const char *units,
-                      const double *array, const struct cml_axis *slow, const struct cml_axis *fast)
+static void add_array(struct cml_field_list *c, const char *name, const double *array,
+                      const struct cml_axis *slow, const struct cml_axis *fast)
 {
-    cml_add_field(c, name, long_name, units, cml_field_array_values)->array = array;
+    cml_add_result_field(c, name, cml_field_array_values)->array = array;
     cml_field_along(c, slow, fast, NULL);
 }
 
 /* The numbers of the input, so that a file needs no .mci beside it. */
 static void add_layers(struct cml_field_list *c, const struct cml_mco *mco)
 {
-    static const char *const fields[5][3] = {{"layer_n", "refractive index", "1"},
-                                             {"layer_mua", "absorption coefficient", "1/cm"},
-                                             {"layer_mus", "scattering coefficient", "1/cm"},
-                                             {"layer_g", "anisotropy of scattering", "1"},
-                                             {"layer_d", "thickness", "cm"}};
-    for (int i = 0; i < 5; i++) {
-        add_array(c, fields[i][0], fields[i][1], fields[i][2], &mco->layer[0][i], &c->layer, NULL);
-        c->sources[c->num_fields - 1].stride = 5;
+    for (int i = 0; i < CML_RESULT_LAYER; i++) {
+        struct cml_field_source *source = add_named(c, cml_result_layer(i), cml_field_array_values);
+        source->array = &mco->layer[0][i];
+        source->stride = CML_RESULT_LAYER;
+        cml_field_along(c, &c->layer, NULL, NULL);
     }
 }
 
 /* A profile and its errors; nothing where it was not tallied. */
-static void add_profile(struct cml_field_list *c, const struct cml_profile *profile, const char *long_name,
-                        const double *array, const struct cml_axis *axis)
+static void add_profile(struct cml_field_list *c, const struct cml_profile *profile, const double *array,
+                        const struct cml_axis *axis)
 {
     if (!profile->batches) return;
-    add_array(c, profile->name, long_name, profile->units, array, axis, NULL);
+    add_array(c, profile->name, array, axis, NULL);
     cml_add_error_field(c, profile_errors)->profile = *profile;
 }
 
@@ -288,20 +288,15 @@ void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
     add_totals(c);
     add_balance(c);
     add_layers(c, mco);
-    add_array(c, "A_l", "absorption by layer", "1", mco->A_l, &c->layer, NULL);
-    add_profile(c, &profiles[0], "absorption by depth; what lies outside is in the outermost bins", mco->A_z,
-                &c->z);
-    add_profile(c, &profiles[1], "diffuse reflectance by radius; the last bin holds what lies beyond",
-                mco->Rd_r, &c->r);
-    add_profile(c, &profiles[2], "diffuse reflectance by angle", mco->Rd_a, &c->alpha);
-    add_profile(c, &profiles[3], "transmittance by radius; the last bin holds what lies beyond", mco->Tt_r,
-                &c->r);
-    add_profile(c, &profiles[4], "transmittance by angle", mco->Tt_a, &c->alpha);
-    if (c->report->run->result.A_rz)
-        add_array(c, "A_rz", "absorption by radius and depth", "1/cm3", mco->A_rz, &c->r, &c->z);
-    add_array(c, "Rd_ra", "diffuse reflectance by radius and angle", "1/(cm2 sr)", mco->Rd_ra, &c->r,
-              &c->alpha);
-    add_array(c, "Tt_ra", "transmittance by radius and angle", "1/(cm2 sr)", mco->Tt_ra, &c->r, &c->alpha);
+    add_array(c, "A_l", mco->A_l, &c->layer, NULL);
+    add_profile(c, &profiles[0], mco->A_z, &c->z);
+    add_profile(c, &profiles[1], mco->Rd_r, &c->r);
+    add_profile(c, &profiles[2], mco->Rd_a, &c->alpha);
+    add_profile(c, &profiles[3], mco->Tt_r, &c->r);
+    add_profile(c, &profiles[4], mco->Tt_a, &c->alpha);
+    if (c->report->run->result.A_rz) add_array(c, "A_rz", mco->A_rz, &c->r, &c->z);
+    add_array(c, "Rd_ra", mco->Rd_ra, &c->r, &c->alpha);
+    add_array(c, "Tt_ra", mco->Tt_ra, &c->r, &c->alpha);
 }
 
 /* ---- maps and volume ---- */

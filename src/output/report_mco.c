@@ -72,25 +72,6 @@ static void write_errors(FILE *out, const struct cml_report *report)
     }
 }
 
-/* Stands behind every number of the section `books`, and is the long name of the fields book_... of .h5
- * files. */
-const char *cml_balance_text(enum cml_balance_term term)
-{
-    static const char *const names[CML_NUM_BALANCE_TERMS] = {"launched",
-                                                             "gained in roulette",
-                                                             "specular (Rsp)",
-                                                             "reflected (Rd)",
-                                                             "transmitted (Tt)",
-                                                             "absorbed (A)",
-                                                             "lost in roulette",
-                                                             "trapped",
-                                                             "lost",
-                                                             "scored in the last r bin from beyond it",
-                                                             "absorbed below the last z bin",
-                                                             "absorbed above z = 0"};
-    return names[term];
-}
-
 /* Sections `books` (the terms of the weight balance, P10), `residue` (by how much they do not balance) and
  * `lost`. The names are part of the file format and older than the words of the code. */
 static void write_balance(FILE *out, const struct cml_result *result)
@@ -99,7 +80,7 @@ static void write_balance(FILE *out, const struct cml_result *result)
             "\nbooks # weight per launched packet; launched + gained = all others up to lost, exactly\n");
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
         fprintf(out, "%.17g # %s\n", cml_result_share(result, (enum cml_balance_term)i),
-                cml_balance_text((enum cml_balance_term)i));
+                cml_result_book(i)->long_name);
     fprintf(out, "\nresidue # of the books, in 2^-31 packets; 0 unless the program is wrong\n%.17g\n",
             cml_result_imbalance(result));
     fprintf(out,

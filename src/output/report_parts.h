@@ -4,6 +4,7 @@
 #define CML_REPORT_PARTS_H
 
 #include "output/files/hdf5_file.h"
+#include "output/files/result_names.h"
 #include "output/files/vtk.h"
 #include "output/report.h"
 
@@ -21,9 +22,6 @@ void cml_report_profiles(const struct cml_report *report, struct cml_profile pro
 
 /* Standard error of bin i in the profile's units. */
 double cml_profile_error(const struct cml_report *report, const struct cml_profile *profile, int i);
-
-/* What a term holds, in words. */
-const char *cml_balance_text(enum cml_balance_term term);
 
 /* Bodies drawn as triangles in the scene's coordinates (z down), and what each of these stands for. */
 struct cml_body_face {
@@ -75,6 +73,10 @@ void cml_field_list_free(struct cml_field_list *list);
  * source. */
 struct cml_field_source *cml_add_field(struct cml_field_list *list, const char *name, const char *long_name,
                                        const char *units, cml_field_values *values);
+
+/* The same of a name in the list of result_names.h. */
+struct cml_field_source *cml_add_result_field(struct cml_field_list *list, const char *name,
+                                              cml_field_values *values);
 
 /* A field without axes, of unit 1. */
 void cml_add_number_field(struct cml_field_list *list, const char *name, const char *long_name,

@@ -1,5 +1,5 @@
 """What only .h5 files hold, merged: every array of maps, volumes and facets is the mean of two runs by photons (errors: the root of the
-sum of squares), with its units and axes. A file with an array that cannot be read is refused, and nothing written."""
+sum of squares), with its units, long name and axes. A file with an array that cannot be read is refused, and nothing written."""
 import os
 import subprocess
 import sys
@@ -43,7 +43,8 @@ def check(verdict, a, b, merged):
         scale = a[name].attrs.get("CLASS") == b"DIMENSION_SCALE"
         wanted = one if scale else expected(name, one, two)
         verdict.check(name, both.dtype == one.dtype and numpy.allclose(both, wanted, rtol=1e-6, atol=1e-30), "mean of both")
-        verdict.check(name, a[name].attrs["units"] == merged[name].attrs["units"], "units")
+        for text in ("units", "long_name"):
+            verdict.check(name, a[name].attrs[text] == merged[name].attrs[text], text)
         verdict.check(name, scale or [list(axis) for axis in a[name].dims] == [list(axis) for axis in merged[name].dims], "axes")
         errors = "ancillary_variables"
         verdict.check(name, a[name].attrs.get(errors) == merged[name].attrs.get(errors), errors)

@@ -3,12 +3,13 @@
 #include "output/study/merge_parts.h"
 
 #include "base/version.h"
+#include "output/files/result_names.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_FIELDS = 48, BOOKS = 12 }; /* of what an .mco file holds */
+enum { MOST_FIELDS = 48 }; /* of what an .mco file holds */
 
 /* Numbers of a field, and how far they are apart. */
 struct source {
@@ -33,18 +34,25 @@ static void values(const void *context, size_t begin, size_t count, double *out)
     for (size_t i = 0; i < count; i++) out[i] = source->value[(begin + i) * source->stride];
 }
 
-static struct cml_field *add(struct list *l, const char *name, const char *long_name, const char *units,
-                             const double *value, const struct cml_axis *slow, const struct cml_axis *fast)
+/* values: `stride` apart. */
+static struct cml_field *add_named(struct list *l, const struct cml_result_name *name, const double *value,
+                                   size_t stride)
 {
     struct cml_field *field = &l->field[l->count];
-    l->source[l->count] = (struct source){value, 1};
-    snprintf(field->name, sizeof field->name, "%s", name);
-    field->long_name = long_name;
-    field->units = units;
-    if (slow) field->axis[field->num_axes++] = slow;
-    if (fast) field->axis[field->num_axes++] = fast;
+    l->source[l->count] = (struct source){value, stride};
+    cml_result_name_field(field, name);
     field->values = values;
     field->context = &l->source[l->count++];
+    return field;
+}
+
+/* slow and fast may be NULL. */
+static struct cml_field *add(struct list *l, const char *name, const double *value,
+                             const struct cml_axis *slow, const struct cml_axis *fast)
+{
+    struct cml_field *field = add_named(l, cml_result_name(name), value, 1);
+    if (slow) field->axis[field->num_axes++] = slow;
+    if (fast) field->axis[field->num_axes++] = fast;
     return field;
 }
 
@@ -58,55 +66,50 @@ static const double *section(struct list *l, const char *key, int count)
 }
 
 /* A value and, where they are known, its errors. */
-static void add_with_errors(struct list *l, const char *name, const char *long_name, const char *units,
-                            const double *value, const double *errors, const struct cml_axis *axis)
+static void add_with_errors(struct list *l, const char *name, const double *value, const double *errors,
+                            const struct cml_axis *axis)
 {
-    char key[32];
-    struct cml_field *field = add(l, name, long_name, units, value, axis, NULL);
+    struct cml_field *of = add(l, name, value, axis, NULL);
     if (!errors) return;
-    snprintf(key, sizeof key, "%s_se", name);
-    field->errors = add(l, key, "standard error", units, errors, axis, NULL)->name;
+    l->source[l->count] = (struct source){errors, 1};
+    cml_result_name_errors(&l->field[l->count], of);
+    l->field[l->count].values = values;
+    l->field[l->count].context = &l->source[l->count];
+    l->count++;
 }
 
 static void add_totals(struct list *l)
 {
     const struct cml_mco *m = l->mco;
     const double *errors = section(l, "se_RAT", 4);
-    add_with_errors(l, "Rsp", "specular reflectance", "1", &m->Rsp, errors, NULL);
-    add_with_errors(l, "Rd", "diffuse reflectance", "1", &m->Rd, errors ? errors + 1 : NULL, NULL);
-    add_with_errors(l, "A", "absorbed fraction", "1", &m->A, errors ? errors + 2 : NULL, NULL);
-    add_with_errors(l, "Tt", "transmittance", "1", &m->Tt, errors ? errors + 3 : NULL, NULL);
+    add_with_errors(l, "Rsp", &m->Rsp, errors, NULL);
+    add_with_errors(l, "Rd", &m->Rd, errors ? errors + 1 : NULL, NULL);
+    add_with_errors(l, "A", &m->A, errors ? errors + 2 : NULL, NULL);
+    add_with_errors(l, "Tt", &m->Tt, errors ? errors + 3 : NULL, NULL);
 }
 
 static void add_books(struct list *l)
 {
-    static const char *const names[BOOKS] = {"book_launched",   "book_gained",      "book_specular",
-                                             "book_reflected",  "book_transmitted", "book_absorbed",
-                                             "book_roulette",   "book_trapped",     "book_lost",
-                                             "book_overflow_r", "book_overflow_z",  "book_above"};
-    const double *books = section(l, "books", BOOKS), *residue = section(l, "residue", 1),
+    const double *books = section(l, "books", CML_RESULT_BOOKS), *residue = section(l, "residue", 1),
                  *lost = section(l, "lost", 1);
-    for (int i = 0; books && i < BOOKS; i++)
-        add(l, names[i], "weight per launched packet", "1", books + i, NULL, NULL);
-    if (residue) add(l, "residue", "of the books, in 2^-31 packets", "1", residue, NULL, NULL);
-    if (lost) add(l, "lost", "packets lost to numerical failure", "1", lost, NULL, NULL);
+    for (int i = 0; books && i < CML_RESULT_BOOKS; i++) add_named(l, cml_result_book(i), books + i, 1);
+    if (residue) add(l, "residue", residue, NULL, NULL);
+    if (lost) add(l, "lost", lost, NULL, NULL);
 }
 
 static void add_layers(struct list *l)
 {
-    static const char *const names[5][2] = {
-        {"layer_n", "1"}, {"layer_mua", "1/cm"}, {"layer_mus", "1/cm"}, {"layer_g", "1"}, {"layer_d", "cm"}};
-    for (int i = 0; i < 5; i++) {
-        add(l, names[i][0], "of the input", names[i][1], &l->mco->layer[0][i], &l->layer, NULL);
-        l->source[l->count - 1].stride = 5;
+    for (int i = 0; i < CML_RESULT_LAYER; i++) {
+        struct cml_field *field = add_named(l, cml_result_layer(i), &l->mco->layer[0][i], CML_RESULT_LAYER);
+        field->axis[field->num_axes++] = &l->layer;
     }
-    add(l, "A_l", "absorption by layer", "1", l->mco->A_l, &l->layer, NULL);
+    add(l, "A_l", l->mco->A_l, &l->layer, NULL);
 }
 
 static void add_bodies(struct list *l)
 {
     const double *absorbed = l->body.n > 0 ? section(l, "A_body", (int)l->body.n) : NULL;
-    if (absorbed) add(l, "A_body", "absorption by body", "1", absorbed, &l->body, NULL);
+    if (absorbed) add(l, "A_body", absorbed, &l->body, NULL);
 }
 
 /* Where no errors of A_z are known, absorption was not tallied by place. */
@@ -115,35 +118,26 @@ static void add_arrays(struct list *l)
     const struct cml_mco *m = l->mco;
     const double *errors = section(l, "se_A_z", m->nz);
     if (errors) {
-        add_with_errors(l, "A_z", "absorption by depth", "1/cm", m->A_z, errors, &l->z);
-        add(l, "A_rz", "absorption by radius and depth", "1/cm3", m->A_rz, &l->r, &l->z);
+        add_with_errors(l, "A_z", m->A_z, errors, &l->z);
+        add(l, "A_rz", m->A_rz, &l->r, &l->z);
     }
-    add_with_errors(l, "Rd_r", "diffuse reflectance by radius", "1/cm2", m->Rd_r,
-                    section(l, "se_Rd_r", m->nr), &l->r);
-    add_with_errors(l, "Rd_a", "diffuse reflectance by angle", "sr-1", m->Rd_a, section(l, "se_Rd_a", m->na),
-                    &l->alpha);
-    add_with_errors(l, "Tt_r", "transmittance by radius", "1/cm2", m->Tt_r, section(l, "se_Tt_r", m->nr),
-                    &l->r);
-    add_with_errors(l, "Tt_a", "transmittance by angle", "sr-1", m->Tt_a, section(l, "se_Tt_a", m->na),
-                    &l->alpha);
-    add(l, "Rd_ra", "diffuse reflectance by radius and angle", "1/(cm2 sr)", m->Rd_ra, &l->r, &l->alpha);
-    add(l, "Tt_ra", "transmittance by radius and angle", "1/(cm2 sr)", m->Tt_ra, &l->r, &l->alpha);
+    add_with_errors(l, "Rd_r", m->Rd_r, section(l, "se_Rd_r", m->nr), &l->r);
+    add_with_errors(l, "Rd_a", m->Rd_a, section(l, "se_Rd_a", m->na), &l->alpha);
+    add_with_errors(l, "Tt_r", m->Tt_r, section(l, "se_Tt_r", m->nr), &l->r);
+    add_with_errors(l, "Tt_a", m->Tt_a, section(l, "se_Tt_a", m->na), &l->alpha);
+    add(l, "Rd_ra", m->Rd_ra, &l->r, &l->alpha);
+    add(l, "Tt_ra", m->Tt_ra, &l->r, &l->alpha);
 }
 
 static void set_axes(struct list *l)
 {
     const struct cml_mco *m = l->mco;
     const double da = acos(-1.0) / (2.0 * m->na);
-    l->layer = (struct cml_axis){"layer", "layer, from 1", "1", (size_t)m->num_layers, 1, 1, NULL};
-    l->body = (struct cml_axis){
-        "body", "body, from 1, in the order of the file", "1", (size_t)cml_merge_bodies(m->extra), 1, 1,
-        NULL};
-    l->r = (struct cml_axis){
-        "r", "distance from the z axis, middle of the bin", "cm", (size_t)m->nr, m->dr / 2, m->dr, NULL};
-    l->z = (struct cml_axis){"z", "depth, middle of the bin", "cm", (size_t)m->nz, m->dz / 2, m->dz, NULL};
-    l->alpha = (struct cml_axis){
-        "alpha", "angle from the outward vertical, middle of the bin", "rad", (size_t)m->na, da / 2, da,
-        NULL};
+    l->layer = cml_result_axis("layer", m->num_layers, 1, 1);
+    l->body = cml_result_axis("body", cml_merge_bodies(m->extra), 1, 1);
+    l->r = cml_result_axis("r", m->nr, m->dr / 2, m->dr);
+    l->z = cml_result_axis("z", m->nz, m->dz / 2, m->dz);
+    l->alpha = cml_result_axis("alpha", m->na, da / 2, da);
 }
 
 /* A text attribute of lines of `extra`: of those that begin with either word, without `skip` characters. */
@@ -241,7 +235,7 @@ static cml_status fill_and_write(const char *path, struct list *l, const struct 
 {
     const struct cml_mco *mco = l->mco;
     const int bodies = cml_merge_bodies(mco->extra);
-    const size_t size = (size_t)(mco->nz + 2 * (mco->nr + mco->na) + bodies) + 4 + BOOKS + 2;
+    const size_t size = (size_t)(mco->nz + 2 * (mco->nr + mco->na) + bodies) + 4 + CML_RESULT_BOOKS + 2;
     l->room = calloc(size, sizeof *l->room);
     if (!l->room) return cml_fail_memory(err, 8.0 * (double)size, "a merged result");
     set_axes(l);

@@ -30,7 +30,7 @@ from frontier_scenes import Method, Scene
 TRIANGLES = 10000
 CONE, WHOLE = ["--engine", "reference", "--boundaries", "cone"], ["--engine", "reference", "--tolerance", "1e-9"]
 PROFILE_PACKETS = 1e7  # of the independent program
-FRONTIER, SPEED, MMC = "frontier-intel-xeon-2core.csv", "amd-epyc-2core.csv", "mmc-amd-epyc-2core.md"
+FRONTIER, SPEED, MMC = "frontier-intel-xeon-2core.csv", "intel-xeon-2core.csv", "mmc-intel-xeon-2core.md"
 TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "rough scan without symmetry"}
 CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
 LEAST = 1e-9  # of a bias on the chart
@@ -97,9 +97,9 @@ def printed_in_2019(shape):
 def mmc_row():
     """(ratio of photons per second, relative difference of the absorbed share, its standard error) with 1e4 triangles."""
     with open(kept(MMC)) as stream:
-        cells = [re.findall(r"[-+0-9.e]+", cell) for cell in next(line for line in stream if line.startswith("| 10082 ")).split("|")]
-    ours, theirs = [float(word) for word in cells[6]], [float(word) for word in cells[7]]
-    return float(cells[5][0]), theirs[0] / ours[0] - 1, math.hypot(ours[1], theirs[1]) / ours[0]
+        cells = [re.findall(r"[-+0-9.e]+", cell) for cell in next(line for line in stream if line.startswith("| regular | 10082 ")).split("|")]
+    ours, theirs = [float(word) for word in cells[7]], [float(word) for word in cells[8]]
+    return float(cells[6][0]), theirs[0] / ours[0] - 1, math.hypot(ours[1], theirs[1]) / ours[0]
 
 
 def mcml_ratio(scene):

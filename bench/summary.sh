@@ -1,7 +1,7 @@
 #!/bin/sh
 # The one chart of accuracy against speed, three scenes and at most six ways to fly each:
 #     summary.sh [--quick] [--program PATH] [--out DIR]
-# by default of build/clustermcml into bench/out. Leaves summary.csv and, with gnuplot, summary.svg. Ten minutes, --quick: three.
+# by default of build/clustermcml into bench/out. Leaves summary.csv and, with gnuplot, summary.svg. A minute.
 #     summary.sh --draw CSV SVG
 # draws a result again. bench/README.md says how to read it.
 # SPDX-License-Identifier: MIT

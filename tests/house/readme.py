@@ -7,12 +7,12 @@ import tempfile
 
 README = "bench/README.md"
 RESULTS = "bench/results/"
-COMMANDS = (["bench/results.py", RESULTS + "amd-epyc-2core.csv"],
-            ["bench/results.py", "--irregular", RESULTS + "irregular-intel-xeon-2core.csv"],
+COMMANDS = (["bench/results.py", RESULTS + "intel-xeon-2core.csv"],
+            ["bench/results.py", "--irregular", RESULTS + "intel-xeon-2core.csv"],
             ["bench/accuracy_table.py", RESULTS + "accuracy-amd-epyc-2core.csv"],
             ["bench/mmc.py", "--readme", RESULTS + "mmc-intel-xeon-2core.md"],
             ["bench/frontier_table.py", RESULTS + "frontier-intel-xeon-2core.csv"],
-            ["bench/limits.py", RESULTS + "amd-epyc-2core.csv", RESULTS + "parts-amd-epyc-2core.txt"],
+            ["bench/limits.py", RESULTS + "intel-xeon-2core.csv", RESULTS + "parts-intel-xeon-2core.txt"],
             ["bench/gpu_static.py", "--readme", RESULTS + "gpu-static.csv"],
             ["bench/atlas_table.py", "--readme"])
 

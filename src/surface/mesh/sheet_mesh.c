@@ -29,12 +29,20 @@ struct shadow {
     float steepness;           /* cm per cm */
 };
 
+/* A facet above a cell. */
+struct place {
+    uint32_t cell, facet;
+    float inside; /* how far inside the facet the cell's middle lies, cells */
+};
+
 /* What is needed while lists are made. */
 struct lists {
     const struct cml_mesh_body *body;
     struct cml_grid_mesh *grid;
-    uint32_t *end; /* of each cell's list; NULL while they are counted */
-    float *inside; /* of each place in a list: how far inside the facet the cell's middle lies, cells */
+    struct place *place; /* [count], facet by facet */
+    size_t count, room;
+    uint32_t *end; /* of each cell's list */
+    float *inside; /* of each facet listed, as of its place */
 };
 
 static double to_cells(const struct cml_grid_mesh *grid, double x, int axis)
@@ -75,9 +83,9 @@ static struct shadow shadow_of(const struct lists *l, size_t facet)
     }
     for (int c = 0; c < 3; c++) {
         const double *from = s.corner[(c + 1) % 3], *to = s.corner[(c + 2) % 3];
-        const double length = hypot(to[0] - from[0], to[1] - from[1]);
-        s.inward[c][0] = (to[1] - from[1]) / length;
-        s.inward[c][1] = (from[0] - to[0]) / length;
+        const double x = to[1] - from[1], y = from[0] - to[0], length = sqrt(x * x + y * y);
+        s.inward[c][0] = x / length;
+        s.inward[c][1] = y / length;
     }
     for (int k = 0; k < 2; k++) s.slope[k] = -plane[k] / plane[2] / grid->cells_per_cm[k];
     s.steepness = (float)((1 + FLT_EPSILON) * hypot(plane[0], plane[1]) / -plane[2]);
@@ -119,20 +127,34 @@ static void widen_cell(const struct lists *l, const struct shadow *s, int i, int
 
 /* Lists are filled from their ends, and hold the facet first that is most likely above a place of the cell.
  */
-static void list_facet(const struct lists *l, size_t cell, size_t facet, float inside)
+static void list_facet(const struct lists *l, const struct place *place)
 {
     struct cml_grid_mesh *grid = l->grid;
-    uint32_t k = --grid->first[cell];
-    for (; k + 1 < l->end[cell] && l->inside[k + 1] > inside; k++) {
+    uint32_t k = --grid->first[place->cell];
+    for (; k + 1 < l->end[place->cell] && l->inside[k + 1] > place->inside; k++) {
         l->inside[k] = l->inside[k + 1];
         grid->listed[k] = grid->listed[k + 1];
     }
-    l->inside[k] = inside;
-    grid->listed[k] = (uint32_t)facet;
+    l->inside[k] = place->inside;
+    grid->listed[k] = place->facet;
 }
 
-/* Counts a facet in all cells below it, and widens them; or lists it there. */
-static void enter_facet(const struct lists *l, size_t facet)
+/* false: out of memory. */
+static bool note_place(struct lists *l, struct place place)
+{
+    if (l->count == l->room) {
+        const size_t room = 2 * l->room + 1024;
+        struct place *more = realloc(l->place, room * sizeof *more);
+        if (!more) return false;
+        l->place = more;
+        l->room = room;
+    }
+    l->place[l->count++] = place;
+    return true;
+}
+
+/* Notes and counts a facet in all cells below it, and widens them. false: out of memory. */
+static bool enter_facet(struct lists *l, size_t facet)
 {
     const struct shadow s = shadow_of(l, facet);
     for (int j = s.first[1]; j <= s.last[1]; j++)
@@ -140,13 +162,11 @@ static void enter_facet(const struct lists *l, size_t facet)
             const size_t cell = cml_grid_mesh_index(&l->grid->level[0], i, j);
             const float inside = middle_inside(l->grid, &s, i, j);
             if (!(inside > -INFINITY)) continue;
-            if (l->end) {
-                list_facet(l, cell, facet, inside);
-            } else {
-                l->grid->first[cell]++;
-                widen_cell(l, &s, i, j);
-            }
+            if (!note_place(l, (struct place){(uint32_t)cell, (uint32_t)facet, inside})) return false;
+            l->grid->first[cell]++;
+            widen_cell(l, &s, i, j);
         }
+    return true;
 }
 
 /* Square cells over the mesh's box. */
@@ -243,21 +263,30 @@ static cml_status fail(double bytes, struct cml_error *err)
     return cml_fail_memory(err, bytes, "the cells of a sheet");
 }
 
-/* Counts all lists, and makes the counts the ends of lists one behind the other. Returns the mean length of
- * the lists that facets are in; INFINITY where there are too many places for 32 bits. */
-static double count_lists(const struct lists *l)
+/* Enters facets, unless there are so many places that lists are longer than longest_list in the mean over
+ * cells: then they are so over facets, too. */
+static cml_status enter_facets(struct lists *l, bool *short_enough, struct cml_error *err)
+{
+    const double most = longest_list * (double)cml_grid_mesh_places(&l->grid->level[0]);
+    for (size_t i = 0; i < l->grid->facets && (double)l->count <= most; i++)
+        if (!enter_facet(l, i)) return fail((double)l->room * sizeof *l->place, err);
+    *short_enough = (double)l->count <= most && l->count < UINT32_MAX;
+    return CML_OK;
+}
+
+/* Makes the counts of all lists their ends, one behind the other. Returns the mean length of the lists that
+ * facets are in. */
+static double join_lists(const struct lists *l)
 {
     const size_t cells = cml_grid_mesh_places(&l->grid->level[0]);
     uint32_t *first = l->grid->first, sum = 0;
-    double squares = 0, exact = 0;
-    for (size_t i = 0; i < l->grid->facets; i++) enter_facet(l, i);
+    double squares = 0;
     for (size_t i = 0; i <= cells; i++) {
         squares += (double)first[i] * first[i];
-        exact += first[i];
         sum += first[i];
         first[i] = sum;
     }
-    return exact < UINT32_MAX ? squares / exact : INFINITY;
+    return squares / (double)l->count;
 }
 
 static cml_status allocate_counts(struct cml_grid_mesh *grid, struct cml_error *err)
@@ -284,7 +313,7 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
     if (!grid->listed || !grid->facet || !l->end || !l->inside)
         return fail(8.0 * (double)listed + 64.0 * (double)grid->facets, err);
     memcpy(l->end, grid->first, cells * sizeof *l->end);
-    for (size_t i = 0; i < grid->facets; i++) enter_facet(l, i);
+    for (size_t i = 0; i < l->count; i++) list_facet(l, &l->place[i]);
     for (size_t i = 0; i < grid->facets; i++) *thin += !fill_facet(l->body, grid, i);
     return CML_OK;
 }
@@ -293,9 +322,11 @@ static cml_status fill_lists(struct lists *l, size_t *thin, struct cml_error *er
 static cml_status make_lists(struct lists *l, bool *pays, struct cml_error *err)
 {
     size_t thin = 0;
+    bool short_enough = false;
     CML_TRY(cml_grid_mesh_lay_out(l->body, l->grid, err));
     CML_TRY(allocate_counts(l->grid, err));
-    if (count_lists(l) > longest_list) return CML_OK;
+    CML_TRY(enter_facets(l, &short_enough, err));
+    if (!short_enough || join_lists(l) > longest_list) return CML_OK;
     CML_TRY(fill_lists(l, &thin, err));
     *pays = (double)thin <= most_thin * (double)l->grid->facets;
     cml_grid_mesh_build_levels(l->grid);
@@ -313,6 +344,7 @@ cml_status cml_sheet_mesh_find(const struct cml_mesh_body *body, struct cml_grid
     if (!faces_up(body)) return CML_OK;
     choose_cells(body, grid);
     const cml_status status = make_lists(&l, &pays, err);
+    free(l.place);
     free(l.end);
     free(l.inside);
     if (!pays) cml_grid_mesh_clear(grid);

@@ -1,0 +1,86 @@
+"""Bodies against curved boundaries: `check` takes what just fits and refuses, in one line with the place, what just does not. The
+boundaries are a cone and a pyramid, so the largest body that fits is known on paper, and bodies are of a share of 1e-3 more and less.
+
+Cone: depth -0.06 + 0.4 r up to r = 0.1. From (0, z) it is (z + 0.06) / sqrt(1 + 0.4^2) away. Pyramid: -0.06 + 0.2 max(|x|, |y|) up to
+0.3; sqrt(1 + 0.2^2). The second boundary is the same 0.5 cm deeper, so its tip is closest to what lies above it.
+SPDX-License-Identifier: MIT"""
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cml  # noqa: E402
+
+CONE, PYRAMID = "b 3  0.06 0.1  0.02 0.05  0 1", 'm "pyramid.obj"'
+PYRAMID_OBJ = "v 0 0 0.06\nv -0.3 -0.3 0\nv 0.3 -0.3 0\nv 0.3 0.3 0\nv -0.3 0.3 0\nf 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 2\n"
+OCTAHEDRON = ("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+              "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n")
+MEDIUM = "1.4 1 10 0.8"
+
+
+def sphere(z, r):
+    return f"i sphere 0 0 {z} {r:.9g} {MEDIUM}"
+
+
+def cylinder(z, r):
+    return f"i cylinder 0 0 {z} 0 0 {z + 0.05} {r:.9g} {MEDIUM}"
+
+
+def octahedron(z, r):
+    return f'i "octahedron.obj" {MEDIUM} scale={r:.9g} shift=0,0,{-z}'
+
+
+# boundary, its number, the body, depth, and the largest size that fits
+FITS = [
+    (CONE, 0, sphere, 0.03, 0.09 / math.hypot(1, 0.4)),
+    (CONE, 1, sphere, 0.35, 0.09),
+    (PYRAMID, 0, sphere, 0.03, 0.09 / math.hypot(1, 0.2)),
+    (PYRAMID, 1, sphere, 0.35, 0.09),
+    (CONE, 0, cylinder, -0.03, 0.03 / 0.4),
+    (PYRAMID, 0, cylinder, -0.03, 0.03 / 0.2),
+    (CONE, 0, octahedron, 0.03, 0.09),
+    (PYRAMID, 0, octahedron, 0.03, 0.09),
+    (CONE, 1, octahedron, 0.35, 0.09),
+    (PYRAMID, 1, octahedron, 0.35, 0.09),
+]
+# wholly beyond the boundary, within the depths that it has
+BEYOND = [(CONE, 0, sphere(-0.03, 0.001).replace("0 0 -0.03", "0.09 0 -0.05"), "meets"),
+          (PYRAMID, 0, sphere(-0.03, 0.001).replace("0 0 -0.03", "0.25 0 -0.05"), "lies beyond"),
+          (PYRAMID, 0, octahedron(-0.03, 0.001).replace("shift=0,0", "shift=0.25,0"), "lies beyond")]
+
+
+def check(surface, number, body):
+    lines = cml.mci(["1.4 0.1 10 0.9 0.5"], surfaces={number: surface}).splitlines()
+    layer = next(k for k, line in enumerate(lines) if line.startswith("1.4 0.1"))
+    with open("scene.mci", "w", encoding="utf-8") as file:
+        file.write("\n".join(lines[: layer + 1] + [body] + lines[layer + 1 :]) + "\n")
+    run = subprocess.run([cml.PROGRAM, "check", "scene.mci"], capture_output=True, text=True)
+    return run.returncode, run.stderr.strip(), layer + 2
+
+
+def refused(verdict, name, surface, number, body, what):
+    code, said, line = check(surface, number, body)
+    begin = f"clustermcml: scene.mci:{line}: body 1 {what} boundary {number} at ("
+    verdict.check(name, code == 2 and said.startswith(begin) and "\n" not in said, f"{body}: {code}: {said}")
+
+
+def main():
+    verdict = cml.Verdict("body_bounds")
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for name, text in (("pyramid.obj", PYRAMID_OBJ), ("octahedron.obj", OCTAHEDRON)):
+            with open(name, "w", encoding="utf-8") as file:
+                file.write(text)
+        for surface, number, body, z, size in FITS:
+            name = f"{surface} {number}"
+            code, said, _ = check(surface, number, body(z, size * 0.999))
+            verdict.check(name, code == 0, f"{body(z, size * 0.999)}: {code}: {said}")
+            refused(verdict, name, surface, number, body(z, size * 1.001), "meets")
+        for surface, number, body, what in BEYOND:
+            refused(verdict, f"beyond {surface}", surface, number, body, what)
+    verdict.finish()
+
+
+main()

@@ -1,4 +1,4 @@
-"""Bodies against curved boundaries: `check` takes what just fits and refuses, in one line with the place, what just does not. The
+"""Bodies against curved boundaries and against each other: `check` takes what just fits and refuses, in one line with the place, what just does not. The
 boundaries are a cone and a pyramid, so the largest body that fits is known on paper, and bodies are of a share of 1e-3 more and less.
 
 Cone: depth -0.06 + 0.4 r up to r = 0.1. From (0, z) it is (z + 0.06) / sqrt(1 + 0.4^2) away. Pyramid: -0.06 + 0.2 max(|x|, |y|) up to
@@ -51,11 +51,38 @@ BEYOND = [(CONE, 0, sphere(-0.03, 0.001).replace("0 0 -0.03", "0.09 0 -0.05"), "
           (PYRAMID, 0, octahedron(-0.03, 0.001).replace("shift=0,0", "shift=0.25,0"), "lies beyond")]
 
 
-def check(surface, number, body):
-    lines = cml.mci(["1.4 0.1 10 0.9 0.5"], surfaces={number: surface}).splitlines()
+def upright(x, z1, z2, r):
+    return f"i cylinder {x:.9g} 0 {z1:.9g} {x:.9g} 0 {z2:.9g} {r:.9g} {MEDIUM}"
+
+
+def octahedron_at(x, s):
+    return f'i "octahedron.obj" {MEDIUM} scale={s:.9g} shift={x:.9g},0,-0.25'
+
+
+BALL, ROD, OCTAHEDRON_1 = sphere(0.25, 0.1), upright(0, 0.2, 0.3, 0.05), octahedron_at(0, 0.1)
+# Two bodies of which the second just fits with t = 0.999, beside the first or inside it, and meets it with 1.001.
+PAIRS = [
+    ("ball, octahedron", BALL, lambda t: octahedron_at(0.15 / t, 0.05)),
+    ("ball, side of a rod", BALL, lambda t: upright(0.15 / t, 0.2, 0.3, 0.05)),
+    ("ball, end of a rod", BALL, lambda t: upright(0, 0.35 / t, 0.45, 0.05)),
+    ("rod, rod across", f"i cylinder -0.1 0 0.2 0.1 0 0.2 0.03 {MEDIUM}",
+     lambda t: f"i cylinder 0 -0.1 {0.2 + 0.06 / t:.9g} 0 0.1 {0.2 + 0.06 / t:.9g} 0.03 {MEDIUM}"),
+    ("rod, octahedron", ROD, lambda t: octahedron_at(0.1 / t, 0.05)),
+    ("octahedron, octahedron", OCTAHEDRON_1, lambda t: octahedron_at(0.15 / t, 0.05)),
+    ("octahedron in a ball", BALL, lambda t: octahedron_at(0, 0.1 * t)),
+    ("ball in an octahedron", OCTAHEDRON_1, lambda t: sphere(0.25, 0.1 / math.sqrt(3) * t)),
+    ("rod in a ball", BALL, lambda t: upright(0, 0.19, 0.31, 0.08 * t)),
+    ("ball in a rod", upright(0, 0.1, 0.4, 0.1), lambda t: sphere(0.25, 0.1 * t)),
+    ("rod in an octahedron", OCTAHEDRON_1, lambda t: upright(0, 0.22, 0.28, 0.07 / math.sqrt(2) * t)),
+    ("octahedron in an octahedron", OCTAHEDRON_1, lambda t: octahedron_at(0.05 * t, 0.05)),
+]
+
+
+def check(surface, number, *bodies):
+    lines = cml.mci(["1.4 0.1 10 0.9 0.5"], surfaces={number: surface} if surface else None).splitlines()
     layer = next(k for k, line in enumerate(lines) if line.startswith("1.4 0.1"))
     with open("scene.mci", "w", encoding="utf-8") as file:
-        file.write("\n".join(lines[: layer + 1] + [body] + lines[layer + 1 :]) + "\n")
+        file.write("\n".join(lines[: layer + 1] + list(bodies) + lines[layer + 1 :]) + "\n")
     run = subprocess.run([cml.PROGRAM, "check", "scene.mci"], capture_output=True, text=True)
     return run.returncode, run.stderr.strip(), layer + 2
 
@@ -80,6 +107,13 @@ def main():
             refused(verdict, name, surface, number, body(z, size * 1.001), "meets")
         for surface, number, body, what in BEYOND:
             refused(verdict, f"beyond {surface}", surface, number, body, what)
+        for name, first, second in PAIRS:
+            for bodies in (lambda t: (first, second(t)), lambda t: (second(t), first)):
+                code, said, _ = check(None, 0, *bodies(0.999))
+                verdict.check(name, code == 0, f"fits: {code}: {said}")
+                code, said, line = check(None, 0, *bodies(1.001))
+                begin = f"clustermcml: scene.mci:{line + 1}: body 2 meets body 1 (line {line}) at ("
+                verdict.check(name, code == 2 and said.startswith(begin) and "\n" not in said, f"meets: {code}: {said}")
     verdict.finish()
 
 

@@ -1,6 +1,8 @@
 """Sweeps that are killed or stopped in the middle and resumed, on 1 to 3 ranks, lose no row and double none: at the end the
 files of all rows and the table have the bytes of the sweep that nobody disturbed. On several ranks each flies rows of its
-own; a signal to one of them stops all. KILLS says how often (4). Same bytes for any number of ranks."""
+own; a signal to one of them stops all. KILLS says how often (4). Same bytes for any number of ranks, and the
+same lines of --json."""
+import json
 import os
 import random
 import re
@@ -16,9 +18,12 @@ ROWS = 24
 MPI = ["mpiexec", "--oversubscribe", "--bind-to", "none"] + ["--allow-run-as-root"] * (os.geteuid() == 0)
 
 
+def launcher_of(ranks):
+    return [*MPI, "-n", str(ranks)] if ranks > 1 else []
+
+
 def start(folder, table, ranks, resume):
-    launcher = [*MPI, "-n", str(ranks)] if ranks > 1 else []
-    command = [*launcher, PROGRAM, "samples/thick.mci", "--sweep", table, "--photons", "20000", "--threads", "1", "--quiet", "-o",
+    command = [*launcher_of(ranks), PROGRAM, "samples/thick.mci", "--sweep", table, "--photons", "20000", "--threads", "1", "--quiet", "-o",
                folder, "--checkpoint", "0.1"] + ["--resume"] * resume
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True)
 
@@ -66,6 +71,22 @@ def check_few(root):
     return [] if len(found[0]) == 3 and found[0] == found[1] else [f"two rows: {sorted(found[0])}, {sorted(found[1])}"]
 
 
+def objects(root, table, ranks):
+    """(row, totals) of every line of --json, in the order in which they stand there."""
+    folder = os.path.join(root, f"json{ranks}")
+    os.mkdir(folder)
+    command = [*launcher_of(ranks), PROGRAM, "samples/thick.mci", "--sweep", table, "--photons", "1000", "--threads", "1", "--json", "-o",
+               folder]
+    lines = subprocess.run(command, capture_output=True, text=True).stdout.splitlines()
+    return [[json.loads(line)[key] for key in ("row", "Rd", "A", "Tt")] for line in lines]
+
+
+def check_json(root, table):
+    one, three = objects(root, table, 1), objects(root, table, 3)
+    rows = [row for row, *_ in one]
+    return [] if len(set(rows)) == ROWS and one == three else [f"--json: rows {rows}, on 3 ranks {[row for row, *_ in three]}"]
+
+
 def main():
     dice, complaints, kills, lives = random.Random(1), [], 0, 0
     with tempfile.TemporaryDirectory() as root:
@@ -84,7 +105,7 @@ def main():
         process = start(shared, table, 3, False)
         if process.wait() or read(shared) != expected:
             complaints.append(f"3 ranks: other bytes, {process.stderr.read()}")
-        complaints += check_few(root)
+        complaints += check_few(root) + check_json(root, table)
         while kills < KILLS and not complaints:
             folder = os.path.join(root, f"killed{kills}")
             os.mkdir(folder)

@@ -20,16 +20,20 @@ OCTAHEDRON = ("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
 MEDIUM = "1.4 1 10 0.8"
 
 
-def sphere(z, r):
-    return f"i sphere 0 0 {z} {r:.9g} {MEDIUM}"
+def sphere(z, r, x=0):
+    return f"i sphere {x} 0 {z} {r:.9g} {MEDIUM}"
+
+
+def upright(z1, z2, r, x=0):
+    return f"i cylinder {x:.9g} 0 {z1:.9g} {x:.9g} 0 {z2:.9g} {r:.9g} {MEDIUM}"
 
 
 def cylinder(z, r):
-    return f"i cylinder 0 0 {z} 0 0 {z + 0.05} {r:.9g} {MEDIUM}"
+    return upright(z, z + 0.05, r)
 
 
-def octahedron(z, r):
-    return f'i "octahedron.obj" {MEDIUM} scale={r:.9g} shift=0,0,{-z}'
+def octahedron(z, r, x=0):
+    return f'i "octahedron.obj" {MEDIUM} scale={r:.9g} shift={x:.9g},0,{-z}'
 
 
 # boundary, its number, the body, depth, and the largest size that fits
@@ -46,35 +50,24 @@ FITS = [
     (PYRAMID, 1, octahedron, 0.35, 0.09),
 ]
 # wholly beyond the boundary, within the depths that it has
-BEYOND = [(CONE, 0, sphere(-0.03, 0.001).replace("0 0 -0.03", "0.09 0 -0.05"), "meets"),
-          (PYRAMID, 0, sphere(-0.03, 0.001).replace("0 0 -0.03", "0.25 0 -0.05"), "lies beyond"),
-          (PYRAMID, 0, octahedron(-0.03, 0.001).replace("shift=0,0", "shift=0.25,0"), "lies beyond")]
-
-
-def upright(x, z1, z2, r):
-    return f"i cylinder {x:.9g} 0 {z1:.9g} {x:.9g} 0 {z2:.9g} {r:.9g} {MEDIUM}"
-
-
-def octahedron_at(x, s):
-    return f'i "octahedron.obj" {MEDIUM} scale={s:.9g} shift={x:.9g},0,-0.25'
-
-
-BALL, ROD, OCTAHEDRON_1 = sphere(0.25, 0.1), upright(0, 0.2, 0.3, 0.05), octahedron_at(0, 0.1)
+BEYOND = [(CONE, 0, sphere(-0.05, 0.001, 0.09), "meets"), (PYRAMID, 0, sphere(-0.05, 0.001, 0.25), "lies beyond"),
+          (PYRAMID, 0, octahedron(-0.03, 0.001, 0.25), "lies beyond")]
+BALL, ROD, LARGE_OCTAHEDRON = sphere(0.25, 0.1), upright(0.2, 0.3, 0.05), octahedron(0.25, 0.1)
 # Two bodies of which the second just fits with t = 0.999, beside the first or inside it, and meets it with 1.001.
 PAIRS = [
-    ("ball, octahedron", BALL, lambda t: octahedron_at(0.15 / t, 0.05)),
-    ("ball, side of a rod", BALL, lambda t: upright(0.15 / t, 0.2, 0.3, 0.05)),
-    ("ball, end of a rod", BALL, lambda t: upright(0, 0.35 / t, 0.45, 0.05)),
+    ("ball, octahedron", BALL, lambda t: octahedron(0.25, 0.05, 0.15 / t)),
+    ("ball, side of a rod", BALL, lambda t: upright(0.2, 0.3, 0.05, 0.15 / t)),
+    ("ball, end of a rod", BALL, lambda t: upright(0.35 / t, 0.45, 0.05)),
     ("rod, rod across", f"i cylinder -0.1 0 0.2 0.1 0 0.2 0.03 {MEDIUM}",
      lambda t: f"i cylinder 0 -0.1 {0.2 + 0.06 / t:.9g} 0 0.1 {0.2 + 0.06 / t:.9g} 0.03 {MEDIUM}"),
-    ("rod, octahedron", ROD, lambda t: octahedron_at(0.1 / t, 0.05)),
-    ("octahedron, octahedron", OCTAHEDRON_1, lambda t: octahedron_at(0.15 / t, 0.05)),
-    ("octahedron in a ball", BALL, lambda t: octahedron_at(0, 0.1 * t)),
-    ("ball in an octahedron", OCTAHEDRON_1, lambda t: sphere(0.25, 0.1 / math.sqrt(3) * t)),
-    ("rod in a ball", BALL, lambda t: upright(0, 0.19, 0.31, 0.08 * t)),
-    ("ball in a rod", upright(0, 0.1, 0.4, 0.1), lambda t: sphere(0.25, 0.1 * t)),
-    ("rod in an octahedron", OCTAHEDRON_1, lambda t: upright(0, 0.22, 0.28, 0.07 / math.sqrt(2) * t)),
-    ("octahedron in an octahedron", OCTAHEDRON_1, lambda t: octahedron_at(0.05 * t, 0.05)),
+    ("rod, octahedron", ROD, lambda t: octahedron(0.25, 0.05, 0.1 / t)),
+    ("octahedron, octahedron", LARGE_OCTAHEDRON, lambda t: octahedron(0.25, 0.05, 0.15 / t)),
+    ("octahedron in a ball", BALL, lambda t: octahedron(0.25, 0.1 * t)),
+    ("ball in an octahedron", LARGE_OCTAHEDRON, lambda t: sphere(0.25, 0.1 / math.sqrt(3) * t)),
+    ("rod in a ball", BALL, lambda t: upright(0.19, 0.31, 0.08 * t)),
+    ("ball in a rod", upright(0.1, 0.4, 0.1), lambda t: sphere(0.25, 0.1 * t)),
+    ("rod in an octahedron", LARGE_OCTAHEDRON, lambda t: upright(0.22, 0.28, 0.07 / math.sqrt(2) * t)),
+    ("octahedron in an octahedron", LARGE_OCTAHEDRON, lambda t: octahedron(0.25, 0.05, 0.05 * t)),
 ]
 
 

@@ -50,7 +50,7 @@ FITS = [
     (PYRAMID, 1, octahedron, 0.35, 0.09),
 ]
 # wholly beyond the boundary, within the depths that it has
-BEYOND = [(CONE, 0, sphere(-0.05, 0.001, 0.09), "meets"), (PYRAMID, 0, sphere(-0.05, 0.001, 0.25), "lies beyond"),
+BEYOND = [(CONE, 0, sphere(-0.05, 0.001, 0.09), "lies beyond"), (PYRAMID, 0, sphere(-0.05, 0.001, 0.25), "lies beyond"),
           (PYRAMID, 0, octahedron(-0.03, 0.001, 0.25), "lies beyond")]
 BALL, ROD, LARGE_OCTAHEDRON = sphere(0.25, 0.1), upright(0.2, 0.3, 0.05), octahedron(0.25, 0.1)
 # Two bodies of which the second just fits with t = 0.999, beside the first or inside it, and meets it with 1.001.

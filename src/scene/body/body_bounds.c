@@ -68,12 +68,13 @@ static cml_status compare_sphere_with_field(struct encounter *e, struct cml_erro
     const double z_out = z_b - field->h[last];
     nearest = fmin(nearest, hypot(fmax(0, field->r[last] - r), c[2] - z_out));
     const double err_distance = err_share * (fabs(c[2]) + r + fabs(z_b) + e->body->radius);
-    if ((e->below ? c[2] > surface : c[2] < surface) && nearest > e->body->radius + err_distance)
-        return CML_OK;
+    const bool beyond = !(e->below ? c[2] > surface : c[2] < surface),
+               apart = nearest > e->body->radius + err_distance;
+    if (apart && !beyond) return CML_OK;
     e->at[0] = c[0];
     e->at[1] = c[1];
     e->at[2] = surface;
-    return fail_encounter(e, "meets", err);
+    return fail_encounter(e, apart ? "lies beyond" : "meets", err);
 }
 
 /* Gap and side at once (overlap_radial.h). */

@@ -40,7 +40,7 @@ class Case:
         self.options, self.threads = list(options), threads
         self.mesh = mesh  # path of a rough top
         self.grid = grid  # name of the case with a regular grid, which an irregular top is compared with
-        self.photons = self.mcml_photons = self.mcml_start = 0
+        self.photons = self.mcml_photons = self.mcml_start = self.mcml_disturbed = 0
         self.runs, self.mcml_runs = [], []
 
     def two(self):
@@ -103,13 +103,17 @@ def irregular_cases(medium, amplitude, work, quick):
     return made + [searched(case) for case in made if case.name.endswith("-moved-" + QUICK)]
 
 
-def overhanging_cases(medium, work):
-    """What only Embree can search, on a rough top; and a mesh of meshes/ that is mostly flat."""
-    name = medium + "-overhang"
+def overhang_case(medium, work):
+    """Below a mesh of meshes/ that is mostly flat."""
+    name, mesh = medium + "-overhang", os.path.join(ROOT, "meshes", "overhang.obj")
     path = os.path.join(work, name + ".mci")
-    write_scene(medium, path, surface='m "%s"' % os.path.join(ROOT, "meshes", "overhang.obj"))
-    return [top_case(medium, kind, QUICK, AMPLITUDE, work) for kind in OVERHANGING] + [
-        Case(name, medium, "overhang", path)]
+    write_scene(medium, path, surface='m "%s"' % mesh)
+    return Case(name, medium, "overhang", path, mesh=mesh)
+
+
+def overhanging_cases(medium, work):
+    """What only Embree can search."""
+    return [top_case(medium, kind, QUICK, AMPLITUDE, work) for kind in OVERHANGING] + [overhang_case(medium, work)]
 
 
 def level_case(medium, work):

@@ -2,9 +2,9 @@
 """Times clustermcml against MMC on one core: mmc.py PROGRAM MMC DIRECTORY [--rounds N].
 
 A slab with ten scatterings per cm below rough tops: regular grids of 1e3, 1e4 and 1e5 triangles, and 1e5 irregular and
-steeper ones. Both tally the absorbed light, with the same roulette, and only flights count: reading, building and
-writing are left out. They take turns, and ratios are taken within a round. Beside the speed stands the absorbed share of
-the light that entered, which must be the same.
+steeper ones; and three media below a mushroom, which overhangs. Both tally the absorbed light, with the same roulette, and only
+flights count: reading, building and writing are left out. They take turns, a run of either that others disturbed is repeated,
+and ratios are taken within a round. Beside the speed stands the absorbed share of the light that entered, which must be the same.
 Writes DIRECTORY/mmc.md. As `mmc.py --readme MMC.md README.md` it puts that into README.
 
 SPDX-License-Identifier: MIT
@@ -25,23 +25,29 @@ import results
 import speed
 import tetrahedra
 
-TOPS = (("mesh", "1e3"), ("mesh", "1e4"), ("mesh", "1e5"), ("kept", "1e5"))  # kinds of rough.py, and triangles
+# medium, kind of rough.py, triangles, MMC's tracers: the fastest, and beside it the fastest right one where they are two
+TOPS = (("A", "mesh", "1e3", "S"), ("A", "mesh", "1e4", "S"), ("A", "mesh", "1e5", "S"), ("A", "kept", "1e5", "S"),
+        *((medium, "overhang", "", tracer) for medium in ("A", "S2", "S6a") for tracer in "SB"))
+ALIKE = ["--no-reentry", "--sampling", "random", "--roulette", "mcml"]  # what leaves MMC's tetrahedra is gone; it draws at random
 SECONDS = 0.7  # of a run
 ROULETTE = "1e-4"  # the weight below which it is played, as in MCML
-TITLES = ("top", "triangles", "tetrahedra", "photons/s", "MMC's photons/s", "ratio", "absorbed of what entered", "by MMC",
+TITLES = ("medium", "top", "triangles", "tetrahedra", "photons/s", "MMC's tracer", "its photons/s", "ratio", "absorbed of what entered", "by MMC",
           "lost")
 
 
 class Pair:
     """The same slab for both programs, and what they did with it."""
 
-    def __init__(self, kind, triangles, work):
+    def __init__(self, medium, kind, triangles, tracer, work):
         self.top = "regular" if kind == "mesh" else kind
-        self.case = cases.top_case("A", kind, triangles, cases.AMPLITUDE_A, work)
-        self.stem = os.path.join(work, "slab-%s-%s" % (kind, triangles))
+        self.case = (cases.overhang_case(medium, work) if kind == "overhang" else
+                     cases.top_case(medium, kind, triangles, cases.AMPLITUDE_A, work))
+        self.case.options = ALIKE
+        self.tracer = tracer
+        self.stem = os.path.join(work, "slab-%s-%s-%s" % (medium, kind, triangles))
         self.tetrahedra = 0
         self.mmc_photons = 10000
-        self.mmc_runs = []  # (photons per second, absorbed share)
+        self.mmc_runs = []  # (photons per second, absorbed share, whether others disturbed it)
 
 
 def entry(program, scene):
@@ -53,32 +59,32 @@ def entry(program, scene):
 
 
 def prepare(program, pair):
-    layer = [float(word) for word in cases.data_lines("A")[cases.ABOVE + 1].split()]
+    layer = [float(word) for word in cases.data_lines(pair.case.medium)[cases.ABOVE + 1].split()]
     mesh = tetrahedra.fill(pair.case.mesh, layer[-1], pair.stem)
     pair.tetrahedra = len(mesh[1])
     tetrahedra.write_mmc(mesh, layer, *entry(program, pair.case.path), pair.stem + ".json")
 
 
-def plain(command, **options):
-    """What a command prints, without colours."""
-    text = subprocess.run(command, capture_output=True, text=True, **options).stdout
+def plain(text):
+    """Without colours."""
     return re.sub(r"\x1b\[[0-9;]*m", "", text)
 
 
 def version(mmc):
-    found = re.search(r"\$Rev::[ $]*(v[\w.]+)", plain([mmc, "--version"]))  # exits with 1
+    text = subprocess.run([mmc, "--version"], capture_output=True, text=True, check=False).stdout  # exits with 1
+    found = re.search(r"\$Rev::[ $]*(v[\w.]+)", plain(text))
     return found.group(1) if found else "?"
 
 
 def fly_mmc(mmc, pair, seed):
-    """(photons per second, absorbed share of the light), as MMC prints them."""
-    command = [mmc, "-f", pair.stem + ".json", "-c", "sse", "-G", "-1", "-M", "S", "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
+    """(photons per second, absorbed share of the light), as MMC prints them, and whether others disturbed it."""
+    command = [mmc, "-f", pair.stem + ".json", "-c", "sse", "-G", "-1", "-M", pair.tracer, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
                "-d", "0", "-n", str(pair.mmc_photons), "-E", str(seed)]
-    text = plain(command, cwd=os.path.dirname(pair.stem), env=dict(os.environ, OMP_NUM_THREADS="1"), check=True)
-    rate, absorbed = (re.search(pattern, text) for pattern in (r"([\d.]+) photon/ms", r"absorbed: +([\d.]+)%"))
+    text, _, disturbed = speed.run_alone(command, os.path.dirname(pair.stem), environment=dict(os.environ, OMP_NUM_THREADS="1"))
+    rate, absorbed = (re.search(pattern, plain(text)) for pattern in (r"([\d.]+) photon/ms", r"absorbed: +([\d.]+)%"))
     if not rate or not absorbed:
         sys.exit("%s: printed no photons per ms, or no absorbed share:\n%s" % (mmc, text))
-    return 1e3 * float(rate.group(1)), float(absorbed.group(1)) / 100
+    return 1e3 * float(rate.group(1)), float(absorbed.group(1)) / 100, disturbed
 
 
 def calibrate(program, mmc, pair):
@@ -98,23 +104,25 @@ def absorbed(pair):
     n = len(pair.case.runs)
     shares = [run["A"] / (1 - run["Rsp"]) for run in pair.case.runs]
     error = math.sqrt(sum((run["A_se"] / (1 - run["Rsp"])) ** 2 for run in pair.case.runs)) / n
-    theirs = [share for _, share in pair.mmc_runs]
+    theirs = [share for _, share, _ in pair.mmc_runs]
     return (statistics.fmean(shares), error), (statistics.fmean(theirs), statistics.stdev(theirs) / math.sqrt(n))
 
 
 def row(pair):
-    ours, theirs = [run["photons_per_s"] for run in pair.case.runs], [rate for rate, _ in pair.mmc_runs]
+    ours, theirs = [run["photons_per_s"] for run in pair.case.runs], [rate for rate, _, _ in pair.mmc_runs]
     ratios = [a / b for a, b in zip(ours, theirs)]
-    return [pair.top, str(pair.case.runs[0]["boundaries"][0]["primitives"]), str(pair.tetrahedra),
-            "%.3g" % statistics.median(ours), "%.3g" % statistics.median(theirs),
+    return [pair.case.medium, pair.top, str(pair.case.runs[0]["boundaries"][0]["primitives"]), str(pair.tetrahedra),
+            "%.3g" % statistics.median(ours), pair.tracer, "%.3g" % statistics.median(theirs),
             "%.1f (%.1f-%.1f)" % (statistics.median(ratios), min(ratios), max(ratios)),
             *("%.5f ± %.5f" % share for share in absorbed(pair)), str(sum(run["lost"] for run in pair.case.runs))]
 
 
 def report(program, mmc, pairs, rounds):
     about = dict(results.machine(program, pairs[0].case.runs[0]["version"], rounds))
-    yield "Measured: %s; MMC %s; %s; median (least-most) of %d rounds, one thread." % (
-        about["program"], version(mmc), about["machine"], rounds)
+    ours = sum(run["disturbed"] for pair in pairs for run in pair.case.runs)
+    theirs = sum(run[2] for pair in pairs for run in pair.mmc_runs)
+    yield "Measured: %s; MMC %s; %s; median (least-most) of %d rounds, one thread; disturbed by others: %d of our runs, %d of MMC's." % (
+        about["program"], version(mmc), about["machine"], rounds, ours, theirs)
     yield ""
     yield from block.table(TITLES, [row(pair) for pair in pairs])
 
@@ -123,7 +131,7 @@ def bench(arguments):
     with tempfile.TemporaryDirectory() as work:
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
         mmc = os.path.abspath(arguments.mmc)
-        pairs = [Pair(kind, triangles, work) for kind, triangles in TOPS]
+        pairs = [Pair(*top, work) for top in TOPS]
         for pair in pairs:
             prepare(program, pair)
             calibrate(program, mmc, pair)

@@ -35,60 +35,55 @@ def busy_seconds():
     return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")  # without idle and iowait
 
 
-def run(command, directory, environment=None):
-    """(standard output, resource usage) of a child; exit codes 0 and 4, numerical trouble, go on."""
+def run(command, directory, threads=1, environment=None):
+    """(standard output, resource usage, whether others took the cores that it needs) of a child; exit codes 0 and 4, numerical
+    trouble, go on."""
     with tempfile.TemporaryFile("w+") as out:
+        begin, before = time.monotonic(), busy_seconds()
         child = subprocess.Popen(command, cwd=directory, env=environment, stdout=out)
         _, status, usage = os.wait4(child.pid, 0)
+        wall, after = time.monotonic() - begin, busy_seconds()
         child.returncode = os.waitstatus_to_exitcode(status)
         if child.returncode not in (0, 4):
             sys.exit("%s: exit code %d" % (" ".join(command), child.returncode))
         out.seek(0)
-        return out.read(), usage
+        foreign = 0.0 if before is None or after is None else after - before - usage.ru_utime - usage.ru_stime
+        return out.read(), usage, foreign > (os.cpu_count() - threads + FOREIGN) * wall + 0.02  # ticks are 0.01 s
 
 
-def fly(program, case, photons, seed):
+def run_alone(command, directory, threads=1, environment=None):
+    """Like run, for ours and for others alike: again, a few times, when other programs took the cores that it needs."""
+    for _ in range(REPEATS):
+        result = run(command, directory, threads, environment)
+        if not result[2]:
+            break
+        time.sleep(1)
+    return result
+
+
+def fly_alone(program, case, photons, seed):
     """One run of the program: its JSON record, with the process's memory, and whether others disturbed it."""
     environment = dict(os.environ)
     if case.threads > 1:
         environment["OMP_PROC_BIND"] = "true"
     command = [program, case.path, "--json", "--threads", str(case.threads), "--seed", str(seed),
                "--photons", str(photons)] + case.options
-    begin, before = time.monotonic(), busy_seconds()
-    text, usage = run(command, os.path.dirname(case.path), environment)
-    wall, after = time.monotonic() - begin, busy_seconds()
-    record = json.loads(text)
-    record["rss"] = usage.ru_maxrss / 1024
-    record["disturbed"] = False
-    if before is not None and after is not None:
-        foreign = (after - before) - usage.ru_utime - usage.ru_stime
-        free = os.cpu_count() - case.threads
-        record["disturbed"] = foreign > (free + FOREIGN) * wall + 0.02  # ticks are 0.01 s
-    return record
-
-
-def fly_alone(program, case, photons, seed):
-    """Like fly, but again, a few times, when other programs took the cores that it needs."""
-    for _ in range(REPEATS):
-        record = fly(program, case, photons, seed)
-        if not record["disturbed"]:
-            break
-        time.sleep(1)
-    return record
+    text, usage, disturbed = run_alone(command, os.path.dirname(case.path), case.threads, environment)
+    return {**json.loads(text), "rss": usage.ru_maxrss / 1024, "disturbed": disturbed}
 
 
 def fly_mcml(mcml, case, photons):
-    """(user seconds, Rd) of original MCML on the flat scene."""
+    """(user seconds, Rd, whether others disturbed it) of original MCML on the flat scene."""
     directory = os.path.join(os.path.dirname(case.path), "mcml")
     os.makedirs(directory, exist_ok=True)
     scene = os.path.join(directory, case.name + ".mci")
     cases.write_scene(case.medium, scene, photons=photons)
-    _, usage = run([mcml, os.path.basename(scene)], directory)
+    _, usage, disturbed = run_alone([mcml, os.path.basename(scene)], directory)
     output = os.path.join(directory, cases.data_lines(case.medium)[2].split()[0])
     with open(output, errors="replace") as stream:
         rd = [line.split()[0] for line in stream if "#Diffuse reflectance" in line]
     os.remove(output)
-    return usage.ru_utime, float(rd[0])
+    return usage.ru_utime, float(rd[0]), disturbed
 
 
 def two_digits(photons):
@@ -123,8 +118,9 @@ def measure(program, mcml, todo, rounds):
             # a new seed per round: the rounds then also add up to one better Rd
             case.runs.append(fly_alone(program, case, case.photons, index + 1))
             if case.mcml_photons:
-                seconds, rd = fly_mcml(mcml, case, case.mcml_photons)
+                seconds, rd, disturbed = fly_mcml(mcml, case, case.mcml_photons)
                 case.mcml_runs.append((max(seconds - case.mcml_start, 1e-3) / case.mcml_photons, rd))
+                case.mcml_disturbed += disturbed
     print(file=sys.stderr)
 
 
@@ -156,7 +152,8 @@ def main():
         measure(program, mcml, todo, arguments.rounds)
     machine = results.machine(arguments.program, todo[0].runs[0]["version"], arguments.rounds)
     disturbed = sum(record["disturbed"] for case in todo for record in case.runs)
-    machine.append(("runs disturbed by other programs", str(disturbed)))
+    theirs = sum(case.mcml_disturbed for case in todo)
+    machine.append(("runs disturbed by other programs", "%d, original MCML's %d" % (disturbed, theirs) if mcml else str(disturbed)))
     rows = results.rows(todo)
     results.write_csv(os.path.join(arguments.directory, "speed.csv"), machine, rows)
     text = results.text(machine, rows)

@@ -1,12 +1,12 @@
-"""The slab below a rough top of rough.py, filled with tetrahedra by tetgen, as an input of MMC.
+"""The slab below a mesh, filled with tetrahedra by tetgen, as an input of MMC.
 
-The top spans 4 x 4 cm; around it, level, the slab goes on to HALF_WIDTH cm: one that ended with the top would lose light
-through its sides. Where no quality is asked of them, tetgen makes as few tetrahedra as the triangles allow, which is
+Around the mesh, level, the slab goes on to HALF_WIDTH cm: one that ended with the mesh would lose light through its sides. Where no quality is asked of them, tetgen makes as few tetrahedra as the triangles allow, which is
 what MMC flies fastest.
 
 SPDX-License-Identifier: MIT
 """
 import json
+import math
 import subprocess
 
 HALF_WIDTH = 50.0  # of the slab [cm]
@@ -14,38 +14,52 @@ NS_OF_FLIGHT = 1000  # more than any packet lives
 MM = 10.0  # in a cm
 
 
-def read_grid(obj):
-    """(vertices [cm, z down], triangles of indices from 1, cells on a side) of an OBJ file of rough.py."""
+def read_obj(path):
+    """(vertices [cm, z down], triangles of indices from 1) of an OBJ file that says no more."""
     vertices, triangles = [], []
-    with open(obj) as stream:
+    with open(path, encoding="utf-8") as stream:
         for words in map(str.split, stream):
-            if words[0] == "v":
+            if words[:1] == ["v"]:
                 x, y, up = map(float, words[1:])
                 vertices.append((x, y, 0.0 - up))
-            elif words[0] == "f":
+            elif words[:1] == ["f"]:
                 triangles.append([int(word) for word in words[1:]])
-    return vertices, triangles, round((len(triangles) / 2) ** 0.5)
+    return vertices, triangles
 
 
-def facets(triangles, cells):
-    """Polygons of indices from 1 around the slab; its eight corners follow the (cells + 1)^2 vertices of the top."""
-    row = cells + 1
-    top, bottom = ([row * row + first + k for k in range(4)] for first in (1, 5))
-    borders = [range(1, row + 1), range(row, row * row + 1, row), range(row * row, row * cells, -1),
-               range(row * cells + 1, 0, -row)]
-    around = [0, 1, 2, 3, 0]
-    skirt = [[*border, top[b], top[a]] for border, a, b in zip(borders, around, around[1:])]
-    sides = [[top[a], top[b], bottom[b], bottom[a]] for a, b in zip(around, around[1:])]
-    return triangles + skirt + sides + [bottom]
+def outline(triangles):
+    """The border as a polygon of indices from 1: the edges that only one triangle has, one behind the other."""
+    edges = {edge for a, b, c in triangles for edge in ((a, b), (b, c), (c, a))}
+    follows = {a: b for a, b in edges if (b, a) not in edges}
+    polygon = [next(iter(follows))]
+    while follows[polygon[-1]] != polygon[0]:
+        polygon.append(follows[polygon[-1]])
+    return polygon
+
+
+def skirt(border, vertices, corners):
+    """Four level polygons between the border and the square around it, cut from each corner to the vertex next to it."""
+    if sum(vertices[a - 1][0] * vertices[b - 1][1] - vertices[b - 1][0] * vertices[a - 1][1]
+           for a, b in zip(border, border[1:] + border[:1])) < 0:
+        border = border[::-1]  # as the corners go round
+    cuts = [min(range(len(border)), key=lambda i: math.dist(vertices[border[i] - 1][:2], vertices[corner - 1][:2]))
+            for corner in corners]
+    for k, first in enumerate(cuts):
+        last = cuts[(k + 1) % 4]
+        part = border[first:last + 1] if first < last else border[first:] + border[:last + 1]
+        yield [*part, corners[(k + 1) % 4], corners[k]]
 
 
 def write_poly(obj, d, path):
-    """tetgen's input: https://wias-berlin.de/software/tetgen/fformats.poly.html"""
-    vertices, triangles, cells = read_grid(obj)
+    """tetgen's input: https://wias-berlin.de/software/tetgen/fformats.poly.html. The mesh's border lies at z = 0."""
+    vertices, triangles = read_obj(obj)
     square = [(-HALF_WIDTH, -HALF_WIDTH), (HALF_WIDTH, -HALF_WIDTH), (HALF_WIDTH, HALF_WIDTH), (-HALF_WIDTH, HALF_WIDTH)]
+    top, bottom = ([len(vertices) + first + k for k in range(4)] for first in (1, 5))
     vertices = vertices + [(x, y, z) for z in (0.0, d) for x, y in square]
-    polygons = facets(triangles, cells)
-    with open(path, "w") as stream:
+    around = [0, 1, 2, 3, 0]
+    sides = [[top[a], top[b], bottom[b], bottom[a]] for a, b in zip(around, around[1:])]
+    polygons = [*triangles, *skirt(outline(triangles), vertices, top), *sides, bottom]
+    with open(path, "w", encoding="ascii") as stream:
         stream.write("%d 3 0 0\n" % len(vertices))
         stream.writelines("%d %.9g %.9g %.9g\n" % (i, *v) for i, v in enumerate(vertices, 1))
         stream.write("%d 0\n" % len(polygons))

@@ -25,9 +25,10 @@ import results
 import speed
 import tetrahedra
 
-# medium, kind of rough.py, triangles, MMC's tracers: the fastest, and beside it the fastest right one where they are two
+# medium, kind of rough.py, triangles, MMC's tracer: the fastest, and below the mushroom, where that is not right, others
 TOPS = (("A", "mesh", "1e3", "S"), ("A", "mesh", "1e4", "S"), ("A", "mesh", "1e5", "S"), ("A", "kept", "1e5", "S"),
-        *((medium, "overhang", "", tracer) for medium in ("A", "S2", "S6a") for tracer in "SB"))
+        *(("A", "overhang", "", tracer) for tracer in "SHPB"),
+        *((medium, "overhang", "", tracer) for medium in ("S2", "S6a") for tracer in "SB"))
 ALIKE = ["--no-reentry", "--sampling", "random", "--roulette", "mcml"]  # what leaves MMC's tetrahedra is gone; it draws at random
 SECONDS = 0.7  # of a run
 ROULETTE = "1e-4"  # the weight below which it is played, as in MCML

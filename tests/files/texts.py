@@ -1,6 +1,9 @@
 """What the texts for users promise: README's scene gives the summary that stands below it, every command of
-samples/tutorial.md runs, one after the other, and the readers of samples/output.md read what a run leaves."""
+samples/tutorial.md runs, one after the other, its numbers are those of the files, no beam of a scene meets a rough top at one
+point, and the readers of samples/output.md read what a run leaves."""
+import csv
 import json
+import math
 import os
 import re
 import subprocess
@@ -14,6 +17,7 @@ from fields import h5py  # noqa: E402
 TOP = os.path.dirname(cml.TESTS)
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SCENE = "samples/two_runs.mci"  # which README explains
+MOST_ERRORS = 2  # so far a number of the text may be off, beyond its rounding: another seed must not make it false
 
 
 def read(path):
@@ -67,6 +71,117 @@ def check_tutorial(verdict, folder):
             with open(os.path.join(folder, "where"), encoding="utf-8") as file:
                 here = file.read().strip()
     verdict.check("tutorial.md", os.path.basename(here) == "tutorial", here)
+    check_numbers(verdict, here)
+    check_beams(verdict, here)
+
+
+def total(path, key):
+    """(value, standard error) of a total of an .mco."""
+    sections, i = cml.read_sections(path), ("Rsp", "Rd", "A", "Tt").index(key)
+    return sections["RAT"][i], sections["se_RAT"][i]
+
+
+def change(a, b, key):
+    (old, old_error), (new, new_error) = total(a, key), total(b, key)
+    return new - old, math.hypot(old_error, new_error)
+
+
+def row_of(table, **cells):
+    """Rsp and its error in the row of a sweep with these cells."""
+    with open(table, encoding="utf-8") as file:
+        row = next(row for row in csv.DictReader(file) if all(float(row[k.replace("_", ".")]) == v for k, v in cells.items()))
+    return float(row["Rsp"]), float(row["Rsp_se"])
+
+
+def map_of(path, name):
+    with h5py.File(path) as file:
+        return file[name][:], file[name + "_se"][:], file["x"][:]
+
+
+def pixel_error(path, pixels):
+    """Mean relative error of these pixels."""
+    values, errors, _ = map_of(path, "Rd_xy")
+    return float((errors / values)[pixels].mean())
+
+
+def tutorial_numbers():
+    """(what the text says, the numbers that its groups must be, with what they may be off by). Files are in the folder."""
+    lower, higher = change("rough.mco", "level.mco", "A"), change("level.mco", "rough.mco", "Rd")
+    yield (r"A is lower by (\S+) \+- (\S+), (\S+) % of it, Rd higher by (\S+) \+- (\S+);",
+           (lower, (lower[1], 0), (100 * lower[0] / total("level.mco", "A")[0], 100 * lower[1]), higher, (higher[1], 0)))
+    last = [cml.read_sections(name)["Rd_a"][-1] for name in ("level.mco", "rough.mco")]
+    error = [cml.read_sections(name)["se_Rd_a"][-1] for name in ("level.mco", "rough.mco")]
+    ratio = last[1] / last[0]
+    yield r"the horizon (\S+) times as", ((ratio, ratio * math.hypot(error[0] / last[0], error[1] / last[1])),)
+    points = measured_points()
+    yield (r"errors, (\d+) to (\d+) %, are", tuple((100 * bound(e / v for v, e, _ in points), 0) for bound in (min, max)))
+    values, _, x = map_of("scan.h5", "Rd_xy")
+    yield r"on average (\S+) cm to the right", ((float((values * x).sum() / values.sum()), 1e-4),)
+    yield r"give an error of (\d+) % in its middle", ((100 * pixel_error("scan.h5", (slice(18, 22), slice(20, 40))), 0.5),)
+    yield r"light are known to (\d+) %, which", ((100 * pixel_error("furrows.h5", slice(14, 66)), 0.5),)
+    yield (r"plane would mirror (\S+) \(`check` prints it\), the texture mirrors (\S+),",
+           ((flat_rsp(os.path.join(TOP, "samples/furrows.mci")), 0), total("furrows.mco", "Rsp")))
+    yield r"one of 0.28 cm would lose (\d+) % of the light below", ((100 * thin_loss(), 0),)
+    at = {(a, h): row_of("heights.sweep.csv", beam_angle=a, boundary0_height=h) for a in (0, 60) for h in (0, 0.5, 1, 2)}
+    yield (r"that of a plane, (\S+), to within 2 % .* twice that: (\S+) \+- (\S+)\. At 60 degrees a plane mirrors (\S+)\. Low furrows "
+           r"mirror more, (\S+) \+- (\S+) at .* less, (\S+) \+- (\S+) as they are and (\S+) \+- (\S+) at twice",
+           (at[0, 0], at[0, 2], (at[0, 2][1], 0), at[60, 0], *(pair for h in (0.5, 1, 2) for pair in (at[60, h], (at[60, h][1], 0)))))
+
+
+def measured_points():
+    """[(value, error, the long run's value)] of the points that stand for measurements in chapter 4."""
+    curve = cml.read_sections("flat.mco")["Rd_r"]
+    with open("measured.csv", encoding="utf-8") as file:
+        return [(float(row["Rd_r"]), float(row["Rd_r_se"]), curve[int(float(row["r_mid_cm"]) / 0.01)]) for row in csv.DictReader(file)]
+
+
+def flat_rsp(scene):
+    return json.loads(run([cml.PROGRAM, "check", scene, "--json"], ".")[1])["flat"]["Rsp"]
+
+
+def thin_loss():
+    """Transmittance of the last row of chapter 9 with the dermis of chapter 1, without photons."""
+    with open("skin.csv", encoding="utf-8") as file:
+        names, *_, last = csv.reader(file, skipinitialspace=True)
+    cells = [word for name, value in zip(names, last) for word in ("--set", f"{name}={value}")]
+    return json.loads(run([cml.PROGRAM, "exact", "flat.mci", "--json", *cells], ".")[1])["Tt"]
+
+
+def agrees(said, value, error):
+    half = 0.5 * 10.0 ** -len(said.partition(".")[2])
+    return abs(float(said) - value) <= half * (1 + 1e-9) + MOST_ERRORS * error
+
+
+def check_numbers(verdict, folder):
+    """What the tutorial says of results, against the results that its commands have left, and whether it is more than noise."""
+    os.chdir(folder)
+    text = " ".join(read("samples/tutorial.md").split())
+    for pattern, numbers in tutorial_numbers():
+        said = re.search(pattern, text)
+        verdict.check("tutorial.md", said, f"has no words like {pattern}")
+        for word, (value, error) in zip(said.groups() if said else (), numbers):
+            verdict.check("tutorial.md", agrees(word, value, error), f"says {word}, files {value:.6g} +- {error:.2g}: {said[0]}")
+    for key, sign in (("A", -1), ("Rd", 1)):
+        value, error = change("level.mco", "rough.mco", key)
+        verdict.check("tutorial.md, ridges", sign * value > 3 * error, f"{key} changes by {value:.2g} +- {error:.2g}")
+    value, error = change("level.mco", "rough.mco", "Tt")
+    verdict.check("tutorial.md, ridges", abs(value) < 2 * error, f"Tt changes by {value:.2g} +- {error:.2g}")
+    off = sorted(abs(value - truth) / error for value, error, truth in measured_points())
+    verdict.check("tutorial.md, measured.csv", off[-1] < 4 and off[len(off) // 2] < 1.5, f"lies off by {off} errors")
+    with open("spectrum.sweep.csv", encoding="utf-8") as file:
+        loss = max(float(row["Tt"]) for row in csv.DictReader(file))
+    verdict.check("tutorial.md, spectrum", loss < 1e-5, f"{loss} of the light is lost below")
+
+
+def check_beams(verdict, folder):
+    """A pencil meets one point of a mesh: no scene of the samples or the tutorial has one on its top."""
+    scenes = [os.path.join(where, name) for where in (folder, os.path.join(TOP, "samples")) for name in os.listdir(where)]
+    for scene in sorted(name for name in scenes if name.endswith(".mci")):
+        status, output = run([cml.PROGRAM, "check", scene, "--json"], folder)
+        kinds = [json.loads(line)["boundaries"][0]["kind"] for line in output.splitlines()] if status == 0 else []
+        with open(scene, encoding="utf-8") as file:
+            wide = re.search("^(#@ )?beam (disk|gaussian)", file.read(), re.MULTILINE)
+        verdict.check(scene, wide or "mesh" not in kinds, "lights one point of a mesh")
 
 
 def check_readers(verdict, folder):
@@ -91,9 +206,25 @@ def check_names(verdict, folder, record):
     verdict.check("output.md", not missing, f"does not name {sorted(missing)}")
 
 
+def check_errors(verdict, folder):
+    """output.md names what has a standard error, and what is scored and has none: of a scene with maps, voxels, bodies and facets."""
+    scene = re.sub("^map .*", "map 8 8 0.1 0.1 angles volume", read("samples/vein.mci"), flags=re.MULTILINE)
+    with open(os.path.join(folder, "errors.mci"), "w", encoding="utf-8") as file:
+        file.write(scene.replace("../meshes", os.path.join(TOP, "meshes")).replace("vein.mco", "errors.mco"))
+    status, output = run([cml.PROGRAM, "errors.mci", "--photons", "1e3", "--quiet"], folder)
+    verdict.check("errors.mci", status == 0, output)
+    with h5py.File(os.path.join(folder, "errors.h5")) as file:
+        known = {name for name in file if name + "_se" in file}
+        bare = {name for name in set(file) | set(cml.read_sections(os.path.join(folder, "errors.mco")))
+                if re.match("(A|Rd|Tt|flux)_", name) and not name.endswith(("_se", "_outside"))} - known
+    has, lacks = (set(re.findall("`(\\w+)`", part)) for part in
+                  re.search(r"^\*\*Standard errors\*\* are(.*?)\*\*No other(.*?)\n\n", read("samples/output.md"), re.MULTILINE | re.DOTALL).groups())
+    verdict.check("output.md, errors", has == known and bare <= lacks, f"{sorted(has ^ known)}, {sorted(bare - lacks)}")
+
+
 def main():
     verdict = cml.Verdict("texts")
-    for check in (check_readme, check_tutorial, check_readers):
+    for check in (check_readme, check_tutorial, check_readers, check_errors):
         with tempfile.TemporaryDirectory() as folder:
             check(verdict, folder)
     verdict.finish()

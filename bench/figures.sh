@@ -45,12 +45,12 @@ draw figure9 "$kernel, its packets began at z = 0, above the crater's floor, and
 draw figure10 "$kernel, crossings were missed, and light that left could not come back, without which hinoise reflects 1.8 \
 times as much." flat50.mco lonoise.mco hinoise.mco "$curves/flat50-2019.csv" \
     "$curves/lonoise-2019.csv" "$curves/hinoise-2019.csv"
-draw skinmap "Diffuse reflectance of ridged skin in light from the left, 15 degrees above it, ${photons}0 packets; ridges are 0.01 cm high. \
-Pixels of 0.12 mm. What faces the light is three times as bright as what turns away." skinmap.map.vti --percentile 99.9 --linear \
+draw skinmap "Diffuse reflectance of ridged skin in light from the left, 15 degrees above it, ${photons}0 packets; ridges are up to 0.01 cm high. \
+Pixels of 0.12 mm: the tenth of them that faces the light most is 2.3 times as bright as the tenth that turns away most." skinmap.map.vti --percentile 99.9 --linear \
     --label "Ridges of skin, grazing light"
-draw furrows "Diffuse reflectance of furrowed skin that goes on for ever, under a disk of light of 0.2 cm from the left, 15 degrees above it, \
-$photons packets. The texture repeats every 0.16 cm; the beam does not." furrows.map.vti --percentile 99.9 --linear --label "Furrows of skin, slanting light"
+draw furrows "Diffuse reflectance of furrowed skin that goes on for ever, under a disk of light of 0.2 cm in radius from the left, 15 degrees \
+above it, $photons packets. The texture repeats every 0.16 cm; the beam does not. Slopes that face the light are a quarter brighter than those that turn away." furrows.map.vti --percentile 99.9 --linear --label "Furrows of skin, slanting light"
 draw vein "Diffuse reflectance of skin at 532 nm over a winding vein, 0.012 cm in radius and 0.014 to 0.034 cm below the surface, under a disk \
-of light of 0.35 cm, $photons packets." vein.map.vti --percentile 99.9 --linear --label "A vein under skin"
+of light of 0.35 cm in radius, $photons packets." vein.map.vti --percentile 99.9 --linear --label "A vein under skin"
 draw hill "A slab with and without a hill, $photons packets each." two_runs_hill.mco two_runs_flat.mco --label "with a hill" --label "flat"
 for figure in figure5 figure6 figure7 figure8 figure9 figure10 hill; do python3 -B "$here/shrink_svg.py" "$out/$figure.svg"; done

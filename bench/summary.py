@@ -31,7 +31,7 @@ TRIANGLES = 10000
 CONE, WHOLE = ["--engine", "reference", "--boundaries", "cone"], ["--engine", "reference", "--tolerance", "1e-9"]
 PROFILE_PACKETS = 1e7  # of the independent program
 FRONTIER, SPEED, MMC = "frontier-intel-xeon-2core.csv", "intel-xeon-2core.csv", "mmc-intel-xeon-2core.md"
-TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "rough scan without symmetry"}
+TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "one point of a rough scan"}
 CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
 LEAST = 1e-9  # of a bias on the chart
 

@@ -63,6 +63,9 @@ expect_code 0 samples/mcml_sample.mci --photons 1e3 --control flat --json -o "$w
 test "$(cat "$work/err")" = "clustermcml: note: mcml_sample.mco: --control flat has nothing to do where all boundaries are planes" ||
     complain "planes: $(cat "$work/err")"
 test "$(value Rd_control "$work/out")" = null || complain "planes: $(cat "$work/out")"
+printf '1.0\n1\nx.mco A\n20000\n0.1 0.1\n2 2 1\n1\n1.0\n1.4 0 0 0 0.5\ni sphere 0 0 0.2 0.1 1.4 1 10 0.8\n1.0\n' >"$work/x.mci"
+expect_error 2 "$work/x.mci:10: layer 1 = clear, with bodies (expected no --control flat: its twin counts other light as specular)" \
+    "$work/x.mci" --control flat --quiet -o "$work"
 expect_error 2 "--control round (expected flat)" $hill --control round
 expect_error 2 "--control flat (expected no --ignore-heightfields beside it)" $hill --control flat --ignore-heightfields
 

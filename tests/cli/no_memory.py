@@ -47,6 +47,7 @@ COMMANDS = {
     "reference": RUN + ["--engine", "reference", "-o", "OUT"],
     "rounds": ["flat.mci", "--photons", "64", "--threads", "1", "--target-error", "0.3", "--checkpoint", "1e-9", "--quiet", "-o", "OUT"],
     "threads": ["flat.mci", "--photons", "200", "--threads", "2", "--quiet", "-o", "OUT"],
+    "control": ["hill.mci", "--control", "flat", "--threads", "1", "--quiet", "-o", "OUT"],
     "trace": ["trace", "scene.mci", "3"],
     "compare": ["compare", "a.mco", "b.mco", "-o", "OUT/z.svg"],
     "plot": ["plot", "a.mco", "b.mco", "c.csv", "-o", "OUT/r.svg"],
@@ -89,6 +90,7 @@ def prepare(folder):
     flat = "1.0\n1\n%s A\n1000\n0.01 0.02\n20 20 10\n1\n1.0\n1.4 0.5 50 0.8 0.1\n1.0\n"
     for name in ("flat", "a", "b"):
         write(f"{name}.mci", flat % f"{name}.mco")
+    write("hill.mci", (flat % "hill.mco").replace("1.4 0.5", "b 2 0 0.1 0.02 0\n1.4 0.5"))
     for seed, name in enumerate("ab", 1):
         subprocess.run([PROGRAM, f"{name}.mci", "--seed", str(seed), "--quiet"], cwd=folder, check=True, capture_output=True)
     subprocess.run([PROGRAM, *RUN], cwd=folder, check=True, capture_output=True)

@@ -14,22 +14,24 @@
 /* Multiplications, some seconds of them. */
 #define MOST_WORK 1e10
 
-/* Planes without bodies, and a grid of one bin: only totals are wanted of it. */
+/* Planes without bodies, and a grid of one bin: only totals are wanted of it. *flat is untouched until it has
+ * boundaries of its own, for its owner frees them. */
 static cml_status flatten(const struct cml_scene *scene, struct cml_scene *flat, struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 1;
+    if (cml_medium_has_bodies(scene, 1) && scene->media[1].mua + scene->media[1].mus == 0)
+        return cml_fail_field(err, scene->file, scene->bodies[0].line, "layer 1", "clear, with bodies",
+                              "no --control flat: its twin counts other light as specular");
+    struct cml_boundary *own = calloc(count, sizeof *own);
+    if (!own) return cml_fail_memory(err, (double)(count * sizeof *own), "planes");
+    for (size_t b = 0; b < count; b++) own[b].z = scene->boundaries[b].z;
     *flat = *scene;
+    flat->boundaries = own;
     flat->nr = flat->nz = flat->na = 1;
     flat->map = (struct cml_map_def){0};
     flat->facets = false;
     flat->bodies = NULL;
     flat->num_bodies = 0;
-    if (cml_medium_has_bodies(scene, 1) && scene->media[1].mua + scene->media[1].mus == 0)
-        return cml_fail_field(err, scene->file, scene->bodies[0].line, "layer 1", "clear, with bodies",
-                              "no --control flat: its twin counts other light as specular");
-    flat->boundaries = calloc(count, sizeof *flat->boundaries);
-    if (!flat->boundaries) return cml_fail_memory(err, (double)(count * sizeof *flat->boundaries), "planes");
-    for (size_t b = 0; b < count; b++) flat->boundaries[b].z = scene->boundaries[b].z;
     return CML_OK;
 }
 

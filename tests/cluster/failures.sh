@@ -30,6 +30,25 @@ test $code -eq 2 && grep -q 'rank 1 has another program or other options than ra
     test "$(wc -l <"$work/said")" -eq 1 || complain "other options on rank 1: $code, $(cat "$work/err")"
 test ! -e "$work/fig5.mco" && test ! -e "$work/S6b.mco" || complain "a failed run wrote a result"
 
+# The same of a sweep, whose ranks fly rows of their own (four) or each row together (two): before the first one.
+version=$("$program" --version | sed 's/^clustermcml //')
+LC_ALL=C sed "s/$version/$(echo "$version" | tr 0-9 1-90)/g" "$program" >"$work/other"
+chmod +x "$work/other"
+mkdir "$work/rows"
+for rows in 2 4; do
+    echo layer1.g >"$work/g.csv"
+    for row in $(seq $rows); do echo 0.$row >>"$work/g.csv"; done
+    run="samples/thick.mci --photons 1000 --threads 1 --quiet -o $work/rows --sweep $work/g.csv"
+    for other in "$program $run --set layer1.mua=9" "$program $run --no-reentry" "$program $run --engine reference" \
+        "$program $run --json" "$program $run -o $work" "$program ${run% --sweep*}" "$work/other $run"; do
+        two_kinds "exec timeout 20 $program $run" "exec timeout 20 $other"
+        test $code -eq 2 && grep -q 'rank 1 has another program or other options than rank 0' "$work/said" &&
+            test "$(wc -l <"$work/said")" -eq 1 || complain "$rows rows, $other: $code, $(cat "$work/err")"
+        test "$(ls -A "$work/rows")" = "" || complain "$rows rows, $other: $(ls -A "$work/rows")"
+        rm -f "$work"/rows/*
+    done
+done
+
 # A rank whose system starts no threads: without that which answers others it cannot take part, else it flies alone.
 run="$program $sample --photons 1000 --threads 2 --quiet -o $work"
 two_kinds "$run" "LD_PRELOAD=$SYSTEM_FAULT CML_THREADS=1 $run"

@@ -13,7 +13,10 @@
 #include "run/launcher.h"
 #include "run/stop.h"
 
+#include <inttypes.h>
+#include <limits.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What all runs of one call share. */
 struct session {
@@ -94,6 +97,46 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
     return CML_OK;
 }
 
+/* What must be the same on all ranks, as text, the caller's to free. Of a sweep every rank writes rows, so
+ * there it includes where and how they are left. The files' bytes are rank 0's on all. */
+static cml_status describe(const struct cml_options *options, char **text, struct cml_error *err)
+{
+    struct cml_scene scene = {.num_layers = 0};
+    const struct cml_run_setup setup = {.scene = &scene,
+                                        .engine = options->engine,
+                                        .options = options->engine_options,
+                                        .photons = options->photons,
+                                        .target_error = options->target_error,
+                                        .controlled = options->control};
+    char rest[4 * PATH_MAX] = "";
+    if (options->sweep)
+        snprintf(rest, sizeof rest, "more %" PRIu64 ", keep %d, resume %d, json %d\n%s\n%s\n%s\n",
+                 options->more, options->keep, options->resume, options->json, options->sweep,
+                 options->output ? options->output : "", options->directory ? options->directory : "");
+    CML_TRY(cml_settings_text(&options->settings, &scene.settings, err));
+    const cml_status status =
+        cml_identity_of(&setup, &options->surface, options->ignore_heightfields, rest, text, err);
+    free(scene.settings);
+    return status;
+}
+
+/* Options that differ between ranks would mix two runs in one result, or rows of two sweeps. */
+static cml_status check_same(const struct cml_options *options, struct cml_error *err)
+{
+    char *mine = NULL, *first = NULL;
+    CML_TRY(cml_cluster_agree(describe(options, &mine, err), err));
+    size_t size = strlen(mine) + 1;
+    first = mine;
+    cml_status status = cml_cluster_share_block(&first, &size, err);
+    if (status == CML_OK && strcmp(first, mine) != 0)
+        status = cml_fail(err, CML_E_INPUT,
+                          "rank %d has another program or other options than rank 0 (expected the same)",
+                          cml_cluster_rank());
+    if (first != mine) free(first);
+    free(mine);
+    return cml_cluster_agree(status, err);
+}
+
 /* The bytes of the input are needed for the identity only, and freed before the run. */
 static cml_status run_file(struct session *session, struct cml_inputs *inputs, struct cml_error *err)
 {
@@ -111,7 +154,8 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     struct cml_options mine = *options;
     struct session session = {.options = &mine};
     struct cml_inputs inputs;
-    CML_TRY(check_options(&mine, err));
+    CML_TRY(cml_cluster_agree(check_options(&mine, err), err));
+    CML_TRY(check_same(&mine, err));
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));

@@ -115,21 +115,6 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     fflush(stdout);
 }
 
-/* Options that differ between ranks would mix two runs in one result. */
-static cml_status check_same(const char *identity, struct cml_error *err)
-{
-    char *first = (char *)identity;
-    size_t size = strlen(identity) + 1;
-    CML_TRY(cml_cluster_share_block(&first, &size, err));
-    cml_status status = CML_OK;
-    if (strcmp(first, identity) != 0)
-        status = cml_fail(err, CML_E_INPUT,
-                          "rank %d has another program or other options than rank 0 (expected the same)",
-                          cml_cluster_rank());
-    if (first != identity) free(first);
-    return cml_cluster_agree(status, err);
-}
-
 /* It will be overwritten, which may not be what the user wants. */
 static void note_old_checkpoint(const struct cml_options *options, const char *path)
 {
@@ -221,7 +206,6 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
     if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0)
         note_old_checkpoint(call->options, setup->checkpoint);
     if (call->row == 0) announce(call->options, setup);
-    CML_TRY(check_same(setup->identity, err));
     CML_TRY(cml_run(setup, &run, err));
     cml_status status = setup->controlled && !run.finished
                             ? control_run(call, setup, &run, twin, record, err)

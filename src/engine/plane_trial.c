@@ -26,7 +26,7 @@ struct series {
     const char *name;
     size_t first, count;
 };
-#define NUM_SERIES (CML_NUM_TOTALS + 5)
+#define NUM_SERIES (CML_NUM_TOTALS + 7)
 
 /* Of one value, units of weight: sums over batches of what the scene as it is scores, of what the planes
  * score more, and of the squares of the latter. Their root is the standard error of the difference, somewhat
@@ -56,16 +56,20 @@ struct verdict {
     const char *what;       /* of this total or profile */
 };
 
+/* Of all values: those of cml_tally_note, then what each medium absorbs. */
 static void list_series(const struct cml_grid *grid, struct series *series)
 {
     static const char *const totals[CML_NUM_TOTALS] = {"Rsp", "Rd", "Tt", "A"};
     const struct cml_profile_places at = cml_tally_profiles(grid);
     const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
-    const struct series profiles[] = {{"Rd_r", at.Rd_r, nr},
-                                      {"Tt_r", at.Tt_r, nr},
-                                      {"Rd_a", at.Rd_a, na},
-                                      {"Tt_a", at.Tt_a, na},
-                                      {"A_z", at.A_z, nz}};
+    const struct series profiles[] = {
+        {"Rd_r", at.Rd_r, nr},
+        {"Tt_r", at.Tt_r, nr},
+        {"Rd_a", at.Rd_a, na},
+        {"Tt_a", at.Tt_a, na},
+        {"A_z", at.A_z, nz},
+        {"A_l", at.bins + 1, (size_t)grid->num_layers},
+        {"A_body", at.bins + (size_t)grid->num_layers + 2, (size_t)grid->num_bodies}};
     for (int i = 0; i < CML_NUM_TOTALS; i++) series[i] = (struct series){totals[i], (size_t)i, 1};
     memcpy(series + CML_NUM_TOTALS, profiles, sizeof profiles);
 }
@@ -87,6 +91,16 @@ static void fold_profiles(struct cml_tally *tally)
     }
 }
 
+static void add_values(const uint64_t *as_is, const uint64_t *level, size_t count, struct value *value)
+{
+    for (size_t i = 0; i < count; i++) {
+        const double truth = (double)as_is[i], difference = (double)level[i] - truth;
+        value[i].truth += truth;
+        value[i].difference += difference;
+        value[i].squares += difference * difference;
+    }
+}
+
 /* The same packets both ways, with the same draws: most differences are 0, and what is left is small. */
 static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_error *err)
 {
@@ -99,13 +113,9 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
         trial->steps += (1 + ALONE / (double)count) * (double)(tally->count[CML_COUNT_INTERACTIONS] +
                                                                tally->count[CML_COUNT_BOUNDARY_EVENTS]);
     }
-    for (size_t i = 0; i < trial->num_values; i++) {
-        const double truth = (double)trial->tally[0].brought[i];
-        const double difference = (double)trial->tally[1].brought[i] - truth;
-        trial->value[i].truth += truth;
-        trial->value[i].difference += difference;
-        trial->value[i].squares += difference * difference;
-    }
+    const size_t bins = cml_tally_profile_bins(&trial->tally[0].grid), media = trial->num_values - bins;
+    add_values(trial->tally[0].brought, trial->tally[1].brought, bins, trial->value);
+    add_values(trial->tally[0].A_l, trial->tally[1].A_l, media, trial->value + bins);
     trial->packets += count;
     return CML_OK;
 }
@@ -154,7 +164,8 @@ static void judge_series(const struct trial *trial, const struct series *series,
 static struct verdict judge(const struct trial *trial)
 {
     struct verdict verdict = {.most = 0};
-    for (int i = 0; i < NUM_SERIES && !verdict.harmful; i++) judge_series(trial, &trial->series[i], &verdict);
+    for (int i = 0; i < NUM_SERIES && !verdict.harmful; i++)
+        if (trial->series[i].count > 0) judge_series(trial, &trial->series[i], &verdict);
     verdict.harmless = !verdict.harmful && verdict.most <= trial->tolerance;
     return verdict;
 }
@@ -201,7 +212,7 @@ static cml_status open_trial(const struct cml_scene *scene, const struct cml_eng
 {
     const struct cml_grid grid = cml_engine_grid(scene, ways[0], options);
     list_series(&grid, trial->series);
-    trial->num_values = cml_tally_profile_bins(&grid);
+    trial->num_values = cml_tally_profile_bins(&grid) + cml_grid_media(&grid);
     trial->overhead = 2 * BATCHES * CELLS_AS_STEPS * (double)cml_tally_cells(&grid);
     trial->value = calloc(trial->num_values, sizeof *trial->value);
     if (!trial->value)

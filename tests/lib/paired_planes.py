@@ -11,7 +11,7 @@ import cml
 
 RUNS = 16
 TOTALS = ("Rsp", "Rd", "A", "Tt")
-PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a", "A_z")
+PROFILES = ("Rd_r", "Tt_r", "Rd_a", "Tt_a", "A_z", "A_l")
 LEAST_SHARE = 0.01  # of the light: smaller totals and profiles are held to the tolerance of this share
 # Level up to a radius where no light comes. The bump there is for the envelope, beyond which a packet counts as leaked:
 # were it no higher than rounding, it would be one now and then.
@@ -60,6 +60,8 @@ def bins_of(scene, record, key):
     """What a profile holds in each bin, as shares of the light."""
     values = cml.read_sections(record["output"])[key]
     dz, dr = map(float, scene.grid.split())
+    if key == "A_l":
+        return values
     if key == "A_z":
         return [value * dz for value in values]
     if key in ("Rd_r", "Tt_r"):

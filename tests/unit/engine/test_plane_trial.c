@@ -153,14 +153,48 @@ static void one_profile_alone_keeps_a_boundary(void **state)
     tear_down(&bench);
 }
 
+/* Two layers of one medium and a step between them: what each absorbs is all that a plane changes. */
+static void what_a_layer_absorbs_keeps_a_boundary(void **state)
+{
+    struct bench bench = choose(state,
+                                "1.0\n1\nx.mco A\n10\n0.1 1\n2 1 1\n2\n1\n1 10 0 0 0.1\n"
+                                "b 3 0.02 0.5 0.02 0.5 0 0.5\n1 10 0 0 1\n1\n",
+                                &asked);
+    assert_int_equal(bench.surfaces.item[1].kind, CML_SURFACE_CONE);
+    assert_non_null(strstr(bench.surfaces.item[1].reason, "as a plane A_l is off by more than 0.05"));
+    tear_down(&bench);
+}
+
+/* A lens leads all light into a sphere at its focus, which absorbs 8e-4 of it, and a plane 4 % of that; the
+ * layers absorb 30 %, and nothing else is seen of it. */
+static void what_a_body_absorbs_keeps_a_boundary(void **state)
+{
+    struct cml_surface_options strict = asked;
+    char text[2048];
+    int used = snprintf(text, sizeof text, "1.0\n1\nx.mco A\n10\nbeam disk 1\n100 800\n1 1 1\n2\n1\nb 41");
+    for (int i = 0; i <= 40; i++)
+        used +=
+            snprintf(text + used, sizeof text - (size_t)used, " %.9g 0.025", 0.00225 * (1 - i * i / 1600.0));
+    snprintf(text + used, sizeof text - (size_t)used,
+             "\n1.59 0.3 0 0 1\n1.59 0 0 0 700\ni sphere 0 0 599 0.2 1.59 2e-3 0 0\n1.59\n");
+    strict.tolerance = 0.01;
+    struct bench bench = choose(state, text, &strict);
+    const struct cml_surface_def *lens = &bench.surfaces.item[0];
+    if (lens->kind != CML_SURFACE_CONE || !strstr(lens->reason, "as a plane A_body is off by more than 0.01"))
+        fail_msg("%s", lens->reason);
+    tear_down(&bench);
+}
+
 /* Light that goes straight through two layers which absorb: either hill takes away 3.4 % of what leaves
- * below, which is within the tolerance, and both together 6.8 %, which is not. */
+ * below, and changes what a layer absorbs by less, which is within the tolerance; both together take away
+ * 6.8 %, which is not. */
 static void planes_keep_the_tolerance_together(void **state)
 {
-    static const char *const text = "1.0\n1\nx.mco A\n10\n1 0.02\n1 20 1\n2\n1\n%s\n1 10 0 0 0.05\n%s\n"
-                                    "1 20 0 0 0.05\n1\n";
-    static const char *const level = "b 1 0 1", *const hill = "b 3 0.0035 0.5 0.0035 0.5 0 0.5";
-    const char *const lines[][2] = {{hill, level}, {level, hill}, {hill, hill}};
+    static const char *const text = "1.0\n1\nx.mco A\n10\n1 0.02\n1 20 1\n2\n1\n%s\n1 2 0 0 0.5\n%s\n"
+                                    "1 22 0 0 0.05\n1\n";
+    static const char *const level = "b 1 0 1", *const first = "b 3 0.0175 0.5 0.0175 0.5 0 0.5",
+                             *const second = "b 3 0.00175 0.5 0.00175 0.5 0 0.5";
+    const char *const lines[][2] = {{first, level}, {level, second}, {first, second}};
     static const enum cml_surface_kind kinds[][2] = {{CML_SURFACE_PLANE, CML_SURFACE_PLANE},
                                                      {CML_SURFACE_PLANE, CML_SURFACE_PLANE},
                                                      {CML_SURFACE_PLANE, CML_SURFACE_CONE}};
@@ -187,6 +221,8 @@ int main(void)
         cmocka_unit_test(the_outcome_depends_on_the_scene_only),
         cmocka_unit_test(faces_of_a_clear_first_layer_stay_at_normal_incidence),
         cmocka_unit_test(one_profile_alone_keeps_a_boundary),
+        cmocka_unit_test(what_a_layer_absorbs_keeps_a_boundary),
+        cmocka_unit_test(what_a_body_absorbs_keeps_a_boundary),
         cmocka_unit_test(planes_keep_the_tolerance_together),
     };
     return cmocka_run_group_tests(tests, case_setup, case_teardown);

@@ -197,8 +197,9 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 /* The order of the keys in read_mesh. */
 enum { MESH_UP, MESH_ROTATE, MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_NORMALS, MESH_SKIRT, MESH_TILE };
 
-/* Whether a heightmap is repeated, and how. */
-enum tiling { TILE_NONE, TILE_PERIODIC, TILE_MIRRORED };
+/* Whether a heightmap is repeated, and how. Two have names. */
+enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
+static const char *const tile_names[] = {"mirror", "as-is"};
 
 /* In the order of enum cml_up_axis. */
 static const char *const up_names[] = {"z", "-z", "y", "-y", "x", "-x"};
@@ -248,9 +249,9 @@ static cml_status set_mesh_option(const struct cml_mci_line_options *options, st
 
 static cml_status set_tiling(const struct cml_mci_line_options *options, enum tiling *tiling)
 {
-    *tiling = options->alone ? TILE_PERIODIC : TILE_MIRRORED;
-    if (options->alone || strcmp(options->value, "mirror") == 0) return CML_OK;
-    return cml_mci_fail_value(options, "mirror, or the word tile alone");
+    const int which = options->alone ? TILE_PERIODIC : cml_mci_choose(options->value, tile_names, 2);
+    *tiling = (enum tiling)which;
+    return which >= 0 ? CML_OK : cml_mci_fail_value(options, "mirror, as-is, or the word tile alone");
 }
 
 enum mesh_file { FILE_OBJ, FILE_GSF, FILE_ASC };
@@ -273,37 +274,41 @@ static cml_status check_mesh_name(const struct cml_mci_line_options *options, co
                                      : "an .obj file, or a .gsf or .asc heightmap");
 }
 
-/* A map whose ends do not fit would be a grating of cliffs. Heights are single precision in many files: a
+/* A map whose ends do not fit would be a grating of cliffs. The largest of all steps may by chance be that of
+ * the seam: what is up to three times as large is taken. Heights are single precision in many files: a
  * millionth of the relief is none. */
 static cml_status check_seam(const struct cml_mci_line_options *options, const struct cml_boundary *boundary)
 {
     const struct cml_tile_notes *notes = &boundary->tile_notes;
     const double err_height = 1e-6 * (notes->relief.highest - notes->relief.lowest);
+    char value[120];
     for (int k = 0; k < 2; k++) {
-        char value[80], expected[200];
         if (notes->seam[k] <= notes->inside[k] + err_height) continue;
-        snprintf(value, sizeof value, "a step of %g cm across the seam along %c", notes->seam[k], "xy"[k]);
-        snprintf(expected, sizeof expected,
-                 "at most the %g cm between neighbours inside the map; tile=mirror repeats any map",
-                 notes->inside[k]);
-        return cml_mci_fail_option(options, "tile", value, expected);
+        snprintf(value, sizeof value, "a step of %g cm across the seam along %c, %g cm inside",
+                 notes->seam[k], "xy"[k], notes -> inside[k]);
+        if (notes->seam[k] > 3 * notes->inside[k] + err_height)
+            return cml_mci_fail_option(options, "tile", value,
+                                       "at most three times the largest step inside; tile=mirror repeats any "
+                                       "map, tile=as-is this one");
+        cml_mci_note(options->reader, "%s: tile: %s", options->owner, value);
     }
     return CML_OK;
 }
 
 /* The heights become the boundary's; triangles are made of them when it is represented. */
-static cml_status make_tile(const struct cml_mci_line_options *options, bool mirrored,
+static cml_status make_tile(const struct cml_mci_line_options *options, enum tiling tiling,
                             const struct cml_obj_options *given, struct cml_heightmap *map,
                             struct cml_boundary *boundary)
 {
     struct cml_error *err = options->reader->err;
     boundary->form = CML_FORM_TILE;
     boundary->tile_normals = given->normals;
-    const cml_status status = cml_tile_make(boundary->file, mirrored, map, &boundary->tile_notes, err);
+    const cml_status status =
+        cml_tile_make(boundary->file, tiling == TILE_MIRRORED, map, &boundary->tile_notes, err);
     boundary->tile = *map;
     *map = (struct cml_heightmap){0};
     CML_TRY(status);
-    CML_TRY(check_seam(options, boundary));
+    if (tiling != TILE_AS_IS) CML_TRY(check_seam(options, boundary));
     const struct cml_tile_cells cells = cml_tile_patch_cells(&boundary->tile);
     return cml_mesh_budget_check(&given->budget, 2.0 * cells.count[0] * cells.count[1],
                                  "a coarser map or a larger --mesh-budget", err);
@@ -342,7 +347,7 @@ static cml_status read_heightmap(const struct cml_mci_line_options *options, enu
     const cml_status status = tiling == TILE_NONE
                                   ? cml_heightmap_mesh(&map, input->tolerance, given->normals, &given->budget,
                                                        &boundary->mesh, &boundary->map_notes, err)
-                                  : make_tile(options, tiling == TILE_MIRRORED, given, &map, boundary);
+                                  : make_tile(options, tiling, given, &map, boundary);
     cml_heightmap_clear(&map);
     return status;
 }
@@ -357,7 +362,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         .owner = owner,
         .keys = {"up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile"},
         .flag = "tile",
-        .list = "up=, rotate=, units=, scale=, shift=, normals=, skirt=, tile or tile=mirror"};
+        .list = "up=, rotate=, units=, scale=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is"};
     struct cml_obj_options obj = {
         .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
     enum mesh_file kind = FILE_OBJ;

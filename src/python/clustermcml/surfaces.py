@@ -71,7 +71,7 @@ class Heightmap:
 
     heights: array [ny, nx] in cm above the boundary's depth; y rises with the first index, x with the second. dx, dy: distance of grid points
     in x and y [cm], dy None: as dx. shift: x, y and up [cm] of the map's middle. The file keeps heights in single precision.
-    tile: True, the map is repeated over the whole plane; "mirror", with its mirror image.
+    tile: True, the map is repeated over the whole plane; "mirror", with its mirror image; "as-is", however its ends fit.
 
     >>> Heightmap(np.zeros((2, 3)), dx=0.01).dy is None
     True
@@ -104,8 +104,8 @@ class Heightmap:
 
 
 def _check_tile(name: str, value: object) -> None:
-    if not isinstance(value, (bool, np.bool_)) and not (isinstance(value, str) and value == "mirror"):
-        raise errors.refuse(name, value, 'True, False or "mirror"')
+    if not isinstance(value, (bool, np.bool_)) and not (isinstance(value, str) and value in ("mirror", "as-is")):
+        raise errors.refuse(name, value, 'True, False, "mirror" or "as-is"')
 
 
 def _option_words(options: dict[str, Any]) -> list[str]:
@@ -131,7 +131,8 @@ class Mesh:
     vertices: array [n, 3]; x, y and up. faces: array [m, 3] of indices into the vertices, from 0. units: of the file's or the
     array's numbers (cm mm um m). up: the axis of the file that points up (z, -z, y, -y, x, -x). rotate: degrees about the vertical.
     scale: factor on all coordinates. shift: cm; x, y and up. normals: "face" or "vertex". skirt: cm, None for none.
-    tile: of a `.gsf` or `.asc`: True: the map is repeated over the whole plane; "mirror": with its mirror image.
+    tile: of a `.gsf` or `.asc`: True: the map is repeated over the whole plane; "mirror": with its mirror image; "as-is": however
+    its ends fit.
     """
 
     path: Optional[Union[str, os.PathLike[str]]] = None

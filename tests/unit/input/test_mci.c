@@ -160,6 +160,7 @@ static void heightmaps_are_repeated(void **state)
 {
     static const char text[] = HEAD RUN "1\n1\nm \"map.asc\" units=cm shift=1,0,2 tile\n1.4 1 2 0.9 9\n1\n";
     static const char mirrored[] = HEAD RUN "1\n1\nm \"map.asc\" tile=mirror units=cm\n1.4 1 2 0.9 9\n1\n";
+    static const char as_is[] = HEAD RUN "1\n1\nm \"map.asc\" tile=as-is units=cm\n1.4 1 2 0.9 9\n1\n";
     struct cml_scene_list list;
     struct cml_error err;
     case_write(state, "map.asc", "ncols 3 nrows 2 cellsize 1\n0 2 1\n0 1 2\n");
@@ -175,11 +176,18 @@ static void heightmaps_are_repeated(void **state)
     b = list.scenes[0].boundaries;
     assert_true(cml_tile_period(&b->tile, 0) == 4 && cml_tile_period(&b->tile, 1) == 2);
     cml_scene_list_clear(&list);
-    case_write(state, "map.asc", "ncols 3 nrows 2 cellsize 1\n0 2 3\n0 1 2\n");
+    case_write(state, "map.asc", "ncols 4 nrows 2 cellsize 1\n0 2 4 6\n0 1 2 3\n");
+    case_read_ok(state, text, &list); /* three times the steps inside */
+    cml_scene_list_clear(&list);
+    case_write(state, "map.asc", "ncols 5 nrows 2 cellsize 1\n0 2 4 6 8\n0 1 2 3 2\n");
     assert_int_equal(case_read(state, text, &list, &err), CML_E_INPUT);
-    assert_string_equal(err.text,
-                        "x.mci:9: boundary 0: tile = a step of 3 cm across the seam along x (expected at "
-                        "most the 2 cm between neighbours inside the map; tile=mirror repeats any map)");
+    assert_string_equal(
+        err.text,
+        "x.mci:9: boundary 0: tile = a step of 8 cm across the seam along x, 2 cm inside (expected at most "
+        "three times the largest step inside; tile=mirror repeats any map, tile=as-is this one)");
+    case_read_ok(state, as_is, &list);
+    assert_true(cml_tile_period(&list.scenes[0].boundaries->tile, 0) == 5);
+    cml_scene_list_clear(&list);
     case_read_ok(state, mirrored, &list);
     cml_scene_list_clear(&list);
     case_remove(state, "map.asc");

@@ -243,9 +243,9 @@ static void meshes_that_cannot_be_read(void **state)
          "x.mci:9: boundary 0: file = skin (expected an .obj file, or a .gsf or .asc heightmap)"},
         {ONE "m \"a.obj\" units=inch\n", "x.mci:9: boundary 0: units = inch (expected cm, mm, um or m)"},
         {ONE "m \"a.obj\" unit=mm\n", "x.mci:9: boundary 0: option = unit=mm (expected up=, rotate=, units=, "
-                                      "scale=, shift=, normals=, skirt=, tile or tile=mirror)"},
+                                      "scale=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is)"},
         {ONE "m \"a.obj\" mm\n", "x.mci:9: boundary 0: option = mm (expected up=, rotate=, units=, scale=, "
-                                 "shift=, normals=, skirt=, tile or tile=mirror)"},
+                                 "shift=, normals=, skirt=, tile, tile=mirror or tile=as-is)"},
         {ONE "m \"a.obj\" scale=0\n", "x.mci:9: boundary 0: scale = 0 (expected a number of 1e-30..1e30)"},
         {ONE "m \"a.obj\" scale=-1\n", "x.mci:9: boundary 0: scale = -1 (expected a number of 1e-30..1e30)"},
         {ONE "m \"a.obj\" scale=\n",

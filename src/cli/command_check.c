@@ -2,9 +2,9 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "cli/load/beam_notes.h"
 #include "cli/run/outputs.h"
 #include "exact/exact.h"
-#include "geometry/footprint.h"
 #include "output/report.h"
 
 #include <math.h>
@@ -47,28 +47,6 @@ static void print_heightmap(const struct cml_heightmap_notes *notes)
            notes->triangles, 2 * notes->cells, notes->height_error, notes->tolerance, notes->slope_error);
     printf("    skirt of %g x %g cm around it to the rim's mean height %g cm: up to %.3g cm\n",
            notes->skirt[0], notes->skirt[1], notes->rim_mean, notes->rim_step);
-}
-
-/* The straight axis, not refracted, at the depth of the mesh's border. What lies beyond a mesh meets the
- * plane in which the boundary goes on, which may or may not be meant. */
-static cml_status print_reach(const struct cml_scene *scene, int b, struct cml_error *err)
-{
-    const struct cml_boundary *boundary = &scene->boundaries[b];
-    const struct cml_beam *beam = &scene->beam;
-    const struct cml_map_def *map = &scene->map;
-    const double way = (boundary->z + boundary->mesh.z_border) * tan(beam->angle);
-    const double x = beam->x + way * cos(beam->azimuth), y = beam->y + way * sin(beam->azimuth);
-    const double upper[2] = {map->nx * map->dx / 2, map->ny * map->dy / 2}, lower[2] = {-upper[0], -upper[1]};
-    struct cml_footprint *footprint;
-    CML_TRY(cml_footprint_create(&boundary->mesh, &footprint, err));
-    if (!cml_footprint_contains(footprint, x, y))
-        printf("    warning: the beam's axis passes boundary %d at x = %g, y = %g cm, beyond its mesh\n", b,
-               x, y);
-    if (map->nx > 0 && !cml_footprint_contains_box(footprint, lower, upper))
-        printf("    warning: the map, %g x %g cm, reaches beyond the mesh of boundary %d\n", 2 * upper[0],
-               2 * upper[1], b);
-    cml_footprint_free(footprint);
-    return CML_OK;
 }
 
 /* A mesh much wider or thinner than the layers was probably given in other units. */
@@ -123,15 +101,12 @@ static void print_tile(const struct cml_scene *scene, int b)
     printf("    the beam does not repeat\n");
 }
 
-static cml_status print_meshes(const struct cml_scene *scene, struct cml_error *err)
+static void print_meshes(const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
         if (scene->boundaries[b].form == CML_FORM_TILE) print_tile(scene, b);
-        if (scene->boundaries[b].form != CML_FORM_MESH) continue;
-        print_mesh(scene, b);
-        CML_TRY(print_reach(scene, b, err));
+        if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
     }
-    return CML_OK;
 }
 
 /* Only where it is asked for. */
@@ -146,8 +121,8 @@ static void print_map(const struct cml_scene *scene)
 }
 
 /* For people. */
-static cml_status print_scene(const struct cml_options *options, const struct cml_scene *scene,
-                              const struct cml_surface_set *surfaces, struct cml_error *err)
+static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
+                        const struct cml_surface_set *surfaces)
 {
     printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
     print_media(scene);
@@ -163,9 +138,8 @@ static cml_status print_scene(const struct cml_options *options, const struct cm
                    b, def->expectation.bias, def->expectation.query_ns, def->build_seconds,
                    def->bytes / 1048576);
     }
-    CML_TRY(print_meshes(scene, err));
+    print_meshes(scene);
     cml_print_memory(options, scene, surfaces);
-    return CML_OK;
 }
 
 /* What a run is to be compared with before it is worth its time. *known false: *err says why they are not. */
@@ -185,7 +159,7 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
     const double bytes = cml_most_memory(options, scene, surfaces);
     struct cml_exact exact;
     bool known = false;
-    if (!options->json) CML_TRY(print_scene(options, scene, surfaces, err));
+    if (!options->json) print_scene(options, scene, surfaces);
     cml_status status = solve_flat_twin(scene, &exact, &known, err);
     if (status == CML_OK && options->json)
         status = cml_report_check_json(stdout, scene, surfaces, bytes, known ? &exact : NULL, err);
@@ -204,7 +178,8 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 {
     struct cml_surface_set surfaces;
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
-    const cml_status status = show(options, scene, &surfaces, err);
+    cml_status status = cml_note_beam(scene, &surfaces, err);
+    if (status == CML_OK) status = show(options, scene, &surfaces, err);
     cml_surfaces_free(&surfaces);
     return status;
 }

@@ -33,6 +33,7 @@ expect_code 0 check "$work/scene.mci"
 expect_line "mesh of boundary 0: x 0..0.4, y 0..0.2, z -0.04..0 cm"
 expect_line "boundary 0: 2 faces lie in no plane and were cut into triangles, corners up to 0.00271 cm off the face's mean plane"
 grep -q warning "$work/out" && complain "a warning without reason: $(cat "$work/out")"
+grep -q beyond "$work/err" && complain "a note without reason: $(cat "$work/err")"
 expect_code 0 "$work/scene.mci" --photons 100 -o "$work"
 grep -q 'boundary 0: 2 faces lie in no plane' "$work/out" || complain "run does not say that faces were cut"
 expect_code 0 "$work/scene.mci" --photons 100 --quiet -o "$work"
@@ -42,15 +43,18 @@ test ! -s "$work/out" || complain "--quiet speaks"
 scene 'm "roof.obj" up=y units=mm rotate=90 shift=0.2,0,0.01' 'map 10 10 0.01 0.01'
 expect_code 0 check "$work/scene.mci"
 expect_line "mesh of boundary 0: x 0..0.2, y 0..0.4, z -0.05..-0.01 cm"
-expect_line "warning: the map, 0.1 x 0.1 cm, reaches beyond the mesh of boundary 0"
+grep -q "^clustermcml: note: $work/scene.mci:[0-9]*: the map, 0.1 x 0.1 cm, reaches beyond the mesh of boundary 0$" "$work/err" ||
+    complain "no note of the map: $(cat "$work/err")"
 scene 'm "roof.obj" up=y units=mm shift=-0.2,-0.1,0' 'map 40 20 0.01 0.01
 beam pencil at=-0.2,0 angle=45'
 expect_code 0 check "$work/scene.mci"
-grep -q "warning: the map" "$work/out" && complain "a map as large as the mesh lies beyond it"
+grep -q "the map" "$work/err" && complain "a map as large as the mesh lies beyond it"
 scene 'm "roof.obj" up=y units=mm shift=-0.2,-0.1,0.1' 'beam pencil at=-0.05,0 angle=60'
-expect_code 0 check "$work/scene.mci"
-grep -q "warning: the beam's axis passes boundary 0 at x = -0.223205, y = 0 cm, beyond its mesh" "$work/out" ||
-    complain "no warning of the beam: $(cat "$work/out")"
+beyond="clustermcml: note: $work/scene.mci:10: the beam's axis passes boundary 0 at x = -0.223205, y = 0 cm, beyond its mesh"
+for command in "check $work/scene.mci" "check $work/scene.mci --json" "$work/scene.mci --photons 100 --quiet -o $work"; do
+    expect_code 0 $command
+    test "$(cat "$work/err")" = "$beyond" || complain "$command: no note of the beam: $(cat "$work/err")"
+done
 
 # A border level in single precision is levelled; one that is not needs a skirt.
 sed 's/^v 4 0 0/v 4 0.000001 0/' "$work/roof.obj" >"$work/single.obj"

@@ -122,6 +122,46 @@ sed '/^second/d; /^#/d; s/50.1/50/' "$work/odd.mci" >"$work/even.mci"
 expect_code 0 check "$work/even.mci"
 test ! -s "$work/err" || complain "a number behind the last run, and nothing else, is noted: $(cat "$work/err")"
 
+# A pencil shows of a mesh or a map the point that it meets: of a roof of slope 0.5, 0.2 cm high, 0.1 cm from its ridge; in
+# slanted light where 0.25 + h = x and h = 0.2 - x / 2; of a map two periods from its middle.
+{
+    printf 'v 0.4 0.4 0\nv -0.4 0.4 0\nv -0.4 -0.4 0\nv 0.4 -0.4 0\nv 0 0.3 0.2\nv 0 -0.3 0.2\n'
+    printf 'f 1 5 6 4\nf 2 3 6 5\nf 1 2 5\nf 3 4 6\n'
+} >"$work/roof.obj"
+printf 'ncols 4 nrows 2 cellsize 0.1\n0 0.05 0.1 0.05\n0 0.05 0.1 0.05\n' >"$work/roof.asc"
+pencil() { # LINE BOUNDARY HEIGHT ARGUMENTS...: the one note
+    expected="clustermcml: note: $work/scene.mci:$1: a pencil meets boundary $2 at one point: height $3 cm, slope 0.5 \
+(for what the whole surface does: a beam over many periods, beam disk R)"
+    shift 3
+    expect_code 0 "$@"
+    test "$(cat "$work/err")" = "$expected" || complain "$*: $(cat "$work/err")"
+}
+no_pencil() { # ARGUMENTS...
+    expect_code 0 "$@"
+    test ! -s "$work/err" || complain "$*: $(cat "$work/err")"
+}
+printf 'layer1.g\n0.1\n0.2\n' >"$work/g.csv"
+scene n.mco 'm "roof.obj" units=cm' 'beam pencil at=0.1,0.05'
+for command in check "check --json" "run -o $work --photons 10 --quiet" "run -o $work --photons 10 --json" \
+    "run -o $work --photons 10 --quiet --sweep $work/g.csv"; do
+    pencil 10 0 0.15 $command "$work/scene.mci"
+done
+no_pencil check "$work/scene.mci" --boundaries plane
+scene n.mco 'm "roof.obj" units=cm' 'beam pencil at=0.25,0.05 angle=45 azimuth=180'
+pencil 10 0 0.05 check "$work/scene.mci"
+scene n.mco 'm "roof.asc" units=cm tile' 'beam pencil at=0.8,0.02'
+pencil 10 0 0.075 check "$work/scene.mci"
+scene n.mco 'm "roof.asc" units=cm tile' 'beam disk 0.1'
+no_pencil check "$work/scene.mci"
+scene n.mco 'b 2 0.1 0.1 0 0.1' 'beam pencil at=0.1,0.05'
+no_pencil check "$work/scene.mci"
+# below a clear layer, and below one that scatters
+for mus in 0 50; do
+    sed -i "10,11d; 9s/.*/1.0\n1.4 0 $mus 0 0.3\nm \"roof.obj\" units=cm\n1.4 0.5 50 0.8 0.1/; 8s/1/2/" "$work/scene.mci"
+    if test $mus -eq 0; then pencil 11 1 0.15 check "$work/scene.mci"; else no_pencil check "$work/scene.mci"; fi
+    scene n.mco 'b 2 0.1 0.1 0 0.1' 'beam pencil at=0.1,0.05'
+done
+
 # On a terminal a bar stands on one line, which is empty at the end. It is as long as the terminal is wide, less a column.
 python3 - "$program" "$work" <<'END' || complain "the progress bar"
 import fcntl, os, pty, re, struct, subprocess, sys, termios

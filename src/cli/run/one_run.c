@@ -3,6 +3,7 @@
 
 #include "base/atomic_file.h"
 #include "base/text.h"
+#include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
 #include "cli/run/progress.h"
 #include "cli/run/twin.h"
@@ -332,6 +333,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     setup->surfaces = &run->surfaces;
     setup->controlled = options.control && !all_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
+    if (call->row == 0 && cml_cluster_rank() == 0) CML_TRY(cml_note_beam(setup->scene, &run->surfaces, err));
     return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
 }
 

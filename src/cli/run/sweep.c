@@ -3,6 +3,7 @@
 
 #include "base/text.h"
 #include "base/version.h"
+#include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
@@ -184,6 +185,7 @@ static cml_status open_sweep(struct sweep *sweep, struct cml_error *err)
     CML_TRY(identify(sweep, err));
     if (cml_cluster_rank() == 0) CML_TRY(check_rows(sweep, err));
     CML_TRY(cml_surfaces_create(&sweep->base->scenes[0], &options->surface, &sweep->surfaces, err));
+    if (cml_cluster_rank() == 0) CML_TRY(cml_note_beam(&sweep->base->scenes[0], &sweep->surfaces, err));
     return cml_sweep_rows_create(sweep->table.num_rows, &sweep->rows, err);
 }
 

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/load/beam_notes.h"
+
+#include "cli/load/scenes.h"
+#include "geometry/footprint.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+
+CML_PRINTF(3, 4)
+static void note(const struct cml_scene *scene, int b, const char *format, ...)
+{
+    char text[1024];
+    const int used = snprintf(text, sizeof text, "%.500s:%d: ", scene->file, scene->boundaries[b].line);
+    va_list values;
+    va_start(values, format);
+    vsnprintf(text + used, sizeof text - (size_t)used, format, values);
+    va_end(values);
+    cml_show_note(NULL, text);
+}
+
+/* The straight axis, not refracted, at the depth of the mesh's border. What lies beyond a mesh meets the
+ * plane in which the boundary goes on, which may or may not be meant. */
+static cml_status note_reach(const struct cml_scene *scene, int b, struct cml_error *err)
+{
+    const struct cml_boundary *boundary = &scene->boundaries[b];
+    const struct cml_beam *beam = &scene->beam;
+    const struct cml_map_def *map = &scene->map;
+    const double way = (boundary->z + boundary->mesh.z_border) * tan(beam->angle);
+    const double x = beam->x + way * cos(beam->azimuth), y = beam->y + way * sin(beam->azimuth);
+    const double upper[2] = {map->nx * map->dx / 2, map->ny * map->dy / 2}, lower[2] = {-upper[0], -upper[1]};
+    struct cml_footprint *footprint;
+    CML_TRY(cml_footprint_create(&boundary->mesh, &footprint, err));
+    if (!cml_footprint_contains(footprint, x, y))
+        note(scene, b, "the beam's axis passes boundary %d at x = %g, y = %g cm, beyond its mesh", b, x, y);
+    if (map->nx > 0 && !cml_footprint_contains_box(footprint, lower, upper))
+        note(scene, b, "the map, %g x %g cm, reaches beyond the mesh of boundary %d", 2 * upper[0],
+             2 * upper[1], b);
+    cml_footprint_free(footprint);
+    return CML_OK;
+}
+
+/* The first boundary with a shape of its own that all light of a pencil meets on one straight line: nothing
+ * above it scatters, and no plane above it refracts. -1: there is none. */
+static int first_shape(const struct cml_scene *scene)
+{
+    for (int b = 0; b <= scene->num_layers; b++) {
+        if (scene->boundaries[b].form != CML_FORM_PLANE) return b;
+        if (scene->media[b + 1].mus > 0 || cml_medium_has_bodies(scene, b + 1) || scene->beam.angle > 0)
+            break;
+    }
+    return -1;
+}
+
+/* What a pencil shows of a rough surface is the point that it meets. Rings about the axis are different: who
+ * lights them by a pencil means their middle. */
+static void note_pencil(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
+{
+    const struct cml_beam *beam = &scene->beam;
+    const int b = first_shape(scene);
+    if (beam->kind != CML_BEAM_PENCIL || b < 0 || scene->boundaries[b].form == CML_FORM_RADIAL) return;
+    const struct cml_surface_def *def = &surfaces->item[b];
+    if (def->kind != CML_SURFACE_MESH) return;
+    const double room = 1 + def->highest - def->lowest, z = def->lowest - room;
+    const double u[3] = {sin(beam->angle) * cos(beam->azimuth), sin(beam->angle) * sin(beam->azimuth),
+                         cos(beam->angle)};
+    const double way = (def->depth + z) / u[2], p[3] = {way * u[0], way * u[1], z};
+    struct cml_mesh_crossing at;
+    if (!cml_mesh_surface_hit(def->mesh, p, u, 0, 4 * room / u[2], -1, 0, 1, 0, &at)) return;
+    if (at.primitive == CML_OUTER_PLANE) return;
+    note(scene, b,
+         "a pencil meets boundary %d at one point: height %.3g cm, slope %.3g (for what the whole surface "
+         "does: a "
+         "beam over many periods, beam disk R)",
+         b, scene->boundaries[b].z - def->depth - at.point[2],
+         hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]));
+}
+
+cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                         struct cml_error *err)
+{
+    for (int b = 0; b <= scene->num_layers; b++)
+        if (scene->boundaries[b].form == CML_FORM_MESH) CML_TRY(note_reach(scene, b, err));
+    note_pencil(scene, surfaces);
+    return CML_OK;
+}

@@ -151,6 +151,7 @@ static cml_status draw_maps(const struct cml_options *options, const struct cml_
                             enum cml_picture picture, struct cml_error *err)
 {
     const int count = options->num_operands;
+    const bool fluence = shown && shown->panel[0].as == CML_SHOWN_OVER_MUA;
     char quantity[QUANTITY] = "";
     struct cml_pixels *maps = calloc((size_t)count, sizeof *maps);
     const char **names = calloc((size_t)count, sizeof *names);
@@ -158,7 +159,8 @@ static cml_status draw_maps(const struct cml_options *options, const struct cml_
                                       .maps = maps,
                                       .names = names,
                                       .quantity = quantity,
-                                      .grey = shown ? "no light, or nothing absorbs" : "no light",
+                                      .grey =
+                                          fluence ? "no light, nothing absorbs, or two media" : "no light",
                                       .axes = shown ? &cml_map_rz : &cml_map_xy,
                                       .picture = picture,
                                       .style = options->style};

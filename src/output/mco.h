@@ -9,6 +9,7 @@
 
 #include "base/status.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 
@@ -29,6 +30,7 @@ struct cml_mco {
     double *Rd_a, *Tt_a;   /* [na] 1/sr */
     double *A_rz;          /* [nr][nz] 1/cm3 */
     double *Rd_ra, *Tt_ra; /* [nr][na] 1/(cm2 sr) */
+    bool curved;           /* the file's copy of its input has boundaries that are no planes */
     char *extra; /* everything behind the Tt_ra block, "" when there is nothing; ends in a line feed */
 };
 

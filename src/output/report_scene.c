@@ -29,6 +29,27 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
+/* Between which depths it lies: bins there are shared by two media. */
+static void print_depths(FILE *stream, double highest, double lowest, enum cml_report_reader reader)
+{
+    if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", z = %.9g to %.9g cm", highest, lowest);
+}
+
+/* The same of a body, and its distances from the beam's axis; of the box around it. */
+static void print_extent(FILE *stream, const struct cml_scene *scene, const struct cml_body_surface *body,
+                         enum cml_report_reader reader)
+{
+    const double axis[2] = {scene->beam.x, scene->beam.y};
+    double near[2], far[2];
+    if (reader == CML_READ_BY_PEOPLE) return;
+    for (int i = 0; i < 2; i++) {
+        near[i] = fmax(0, fmax(body->lower[i] - axis[i], axis[i] - body->upper[i]));
+        far[i] = fmax(axis[i] - body->lower[i], body->upper[i] - axis[i]);
+    }
+    print_depths(stream, body->depth + body->lower[2], body->depth + body->upper[2], reader);
+    fprintf(stream, ", r = %.9g to %.9g cm", hypot(near[0], near[1]), hypot(far[0], far[1]));
+}
+
 /* "layer 2" or "body 3". */
 static void print_host(FILE *stream, const struct cml_scene *scene, int host)
 {
@@ -60,6 +81,7 @@ static void report_body(FILE *stream, const char *prefix, const struct cml_scene
     if (body->form != CML_BODY_MESH && surface->kind == CML_SURFACE_MESH)
         fprintf(stream, ", as %llu triangles", (unsigned long long)surface->primitives);
     print_host(stream, scene, body->host);
+    print_extent(stream, scene, surface, reader);
     fprintf(stream, "; n %g, mua %g, mus %g 1/cm, g %g", medium->n, medium->mua, medium->mus, medium->g);
     print_file(stream, scene, body->file, reader);
 }
@@ -89,6 +111,8 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
         if (def->kind != CML_SURFACE_PLANE)
             fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
         fprintf(stream, " (%s)", def->reason);
+        if (def->kind != CML_SURFACE_PLANE)
+            print_depths(stream, def->depth + def->lowest, def->depth + def->highest, reader);
         if (boundary->form != CML_FORM_PLANE) print_checksum(stream, cml_boundary_checksum(boundary), reader);
         print_file(stream, scene, boundary->file, reader);
     }

@@ -308,6 +308,8 @@ static void write_note(const struct drawing *d, const struct panel *panel)
     fprintf(d->page.out, "unset label %d\n", LABEL_NOTE);
     snprintf(note, sizeof note, "%s", panel->high > 0 ? "" : "no light");
     if (panel->first > 0) snprintf(note, sizeof note, "first bin: %.3g", panel->first);
+    for (int k = 0; k < d->count; k++)
+        if (panel->curves[k].shared) snprintf(note, sizeof note, "gaps: bins that two media share");
     if (note[0]) cml_page_write(&d->page, LABEL_NOTE, &text);
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "plot/shown.h"
 
+#include "plot/files/media.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,36 +58,30 @@ struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel)
     return (struct cml_curve_columns){fluence ? "fluence" : cml_quantities[panel->quantity].name, place};
 }
 
-/* mua of the layer at this depth, 1/cm; below all layers that of the last. */
-static double absorption_at(const struct cml_mco *mco, double z)
-{
-    double bottom = 0;
-    int l = 0;
-    for (; l < mco->num_layers - 1; l++) {
-        bottom += mco->layer[l][4];
-        if (z < bottom) break;
-    }
-    return mco->layer[l][1];
-}
-
 /* A fluence without absorption is nothing that was tallied. */
-static cml_status check_absorption(const struct cml_mco *mco, const char *path, enum cml_shown_as as,
-                                   struct cml_error *err)
+static cml_status check_absorption(const struct cml_mco *mco, const char *path, struct cml_error *err)
 {
-    if (as != CML_SHOWN_OVER_MUA) return CML_OK;
     for (int l = 0; l < mco->num_layers; l++)
         if (mco->layer[l][1] > 0) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
                     "%s: mua = 0 in all layers (expected a layer that absorbs, for a fluence)", path);
 }
 
-/* What a value of `panel` at place x is multiplied by. */
-static double factor_at(const struct cml_mco *mco, enum cml_shown_as as, double x)
+/* What a value is divided by: mua of its bin. *mua is the caller's to free; NULL for what is no fluence. */
+static cml_status find_absorption(const struct cml_mco *mco, const char *path, enum cml_shown_as as,
+                                  bool by_radius, double **mua, struct cml_error *err)
 {
-    if (as == CML_SHOWN_PLAIN) return 1;
-    if (as == CML_SHOWN_TIMES_R) return x;
-    const double mua = absorption_at(mco, x);
-    return mua > 0 ? 1 / mua : NAN;
+    *mua = NULL;
+    if (as != CML_SHOWN_OVER_MUA) return CML_OK;
+    CML_TRY(check_absorption(mco, path, err));
+    return cml_media_mua(mco, path, by_radius, mua, err);
+}
+
+/* A gap where nothing absorbs, and where two media share the bin. */
+static double over(const double *mua, size_t bin)
+{
+    if (!mua) return 1;
+    return mua[bin] > 0 ? 1 / mua[bin] : NAN;
 }
 
 /* The last lit bin and the next: what lies beyond is an empty frame. Angles are shown whole. */
@@ -104,18 +100,26 @@ cml_status cml_shown_curve(const struct cml_mco *mco, const char *path, const st
     const double width = cml_quantity_width(mco, panel->quantity);
     const bool whole = is_angle(panel);
     const int bins = cml_quantity_bins(mco, panel->quantity);
+    double *mua;
     *curve = (struct cml_curve){0};
-    CML_TRY(check_absorption(mco, path, panel->as, err));
-    CML_TRY(cml_curve_create(bins, true, curve, err));
+    CML_TRY(find_absorption(mco, path, panel->as, false, &mua, err));
+    const cml_status status = cml_curve_create(bins, true, curve, err);
+    if (status != CML_OK) {
+        free(mua);
+        return status;
+    }
     const bool errors = cml_quantity_errors(mco, panel->quantity, curve->error);
     curve->n = whole ? bins : bins - 1;
     for (int i = 0; i < curve->n; i++) {
-        const double x = (i + 0.5) * width, factor = factor_at(mco, panel->as, x);
+        const double x = (i + 0.5) * width;
+        const double factor = panel->as == CML_SHOWN_TIMES_R ? x : over(mua, (size_t)i);
+        curve->shared |= mua && isnan(mua[i]);
         curve->x[i] = x;
         curve->y[i] = values[i] * factor;
         curve->error[i] = errors ? curve->error[i] * factor : 0;
     }
     curve->end = end_of(curve, width, whole);
+    free(mua);
     return CML_OK;
 }
 
@@ -137,19 +141,19 @@ cml_status cml_shown_map(const struct cml_mco *mco, const char *path, const stru
                          struct cml_pixels *map, struct cml_error *err)
 {
     const double most = 1e30; /* only a damaged file has more */
+    double *mua;
     *map = (struct cml_pixels){0};
-    CML_TRY(check_absorption(mco, path, shown->panel[0].as, err));
     if (mco->nr < 2 || mco->nz < 2)
         return cml_fail(err, CML_E_INPUT, "%s: nz, nr = %d %d (expected 2 or more of each for a map)", path,
                         mco->nz, mco->nr);
+    CML_TRY(find_absorption(mco, path, shown->panel[0].as, true, &mua, err));
     const size_t nr = (size_t)mco->nr - 1, nz = (size_t)mco->nz - 1;
     *map = (struct cml_pixels){.n = {nr, nz}, .spacing = {mco->dr, mco->dz}};
     map->value = malloc(nr * nz * sizeof *map->value);
-    if (!map->value) return cml_fail_memory(err, (double)(nr * nz * sizeof *map->value), "a map");
-    for (size_t iz = 0; iz < nz; iz++) {
-        const double factor = factor_at(mco, shown->panel[0].as, ((double)iz + 0.5) * mco->dz);
+    for (size_t iz = 0; map->value && iz < nz; iz++)
         for (size_t ir = 0; ir < nr; ir++)
-            map->value[iz * nr + ir] = (float)(factor * fmin(mco->A_rz[ir * (size_t)mco->nz + iz], most));
-    }
-    return CML_OK;
+            map->value[iz * nr + ir] =
+                (float)(over(mua, iz * (nr + 1) + ir) * fmin(mco->A_rz[ir * (size_t)mco->nz + iz], most));
+    free(mua);
+    return map->value ? CML_OK : cml_fail_memory(err, (double)(nr * nz * sizeof *map->value), "a map");
 }

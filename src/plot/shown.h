@@ -1,6 +1,6 @@
 /* What `plot --of` can show of a result: curves over r, z or the angle, and maps over (r, z).
  * Fluence is absorbed weight per volume over the absorption coefficient of the layer (MCML manual, eqs 4.27
- * and 4.28), per launched packet: [-] over z, 1/cm2 over (r, z). Layers count by their nominal depths.
+ * and 4.28), per launched packet: [-] over z, 1/cm2 over (r, z). A bin that two media share has none.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_SHOWN_H
 #define CML_SHOWN_H
@@ -36,8 +36,9 @@ const char *cml_shown_axis(const struct cml_shown_panel *panel);
 struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel);
 
 /* A result's curve at the middles of its bins, with its errors where the file has them. The last bin over r
- * and z is left out. A fluence where nothing absorbs is a gap. The caller frees it. CML_E_INPUT names `path`
- * where a fluence is asked for and no layer absorbs. */
+ * and z is left out. A fluence where nothing absorbs, or two media share the bin, is a gap. The caller frees
+ * it. CML_E_INPUT names `path` where a fluence is asked for and no layer absorbs, or the file does not say
+ * where its shapes lie. */
 CML_NODISCARD cml_status cml_shown_curve(const struct cml_mco *mco, const char *path,
                                          const struct cml_shown_panel *panel, struct cml_curve *curve,
                                          struct cml_error *err);
@@ -47,8 +48,8 @@ CML_NODISCARD cml_status cml_shown_curve_of_others(const struct cml_curve *from,
                                                    const struct cml_shown_panel *panel,
                                                    struct cml_curve *curve, struct cml_error *err);
 
-/* A map over (r, z), z from above, without the last bins; NAN where nothing absorbs and a fluence is asked
- * for. The caller clears it. CML_E_INPUT as above, and when there are fewer than 2 bins. */
+/* A map over (r, z), z from above, without the last bins; NAN where a fluence is asked for and has a gap.
+ * The caller clears it. CML_E_INPUT as above, and when there are fewer than 2 bins. */
 CML_NODISCARD cml_status cml_shown_map(const struct cml_mco *mco, const char *path,
                                        const struct cml_shown *shown, struct cml_pixels *map,
                                        struct cml_error *err);

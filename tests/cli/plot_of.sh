@@ -4,7 +4,7 @@
 . tests/lib/cli.sh
 command -v gnuplot >/dev/null || { echo "gnuplot is missing"; exit 77; }
 
-# Three layers, of which the middle one absorbs nothing.
+# Three layers, of which the middle one absorbs nothing. The first bin holds what is absorbed in the hill above z = 0, too.
 cat >"$work/scene.mci" <<'END'
 1.0
 1
@@ -67,7 +67,7 @@ def section(key, count):
     words = [word for line in lines[start + 1:] for word in line]
     return [float(word) for word in words[:count]]
 nz, nr, na, dz, dr = 60, 40, 9, 0.01, 0.02
-mua = lambda z: 2 if z < 0.1 else 0 if z < 0.2 else 4
+mua = lambda z: 0 if z < dz else 2 if z < 0.1 else 0 if z < 0.2 else 4
 text = open(script).read()
 if name.endswith("_rz"):
     grid = section("A_rz", nr * nz)
@@ -91,6 +91,7 @@ else:
             want.append((x, values[i] * f, None, (values[i] + errors[i]) * f))
     assert len(points) == len(want), (len(points), len(want))
     pairs = [(g, w) for gs, ws in zip(points, want) for g, w in zip(gs, ws) if w is not None]
+assert all(math.isnan(g) == math.isnan(w) for g, w in pairs), "other gaps"
 worst = max(0 if math.isnan(g) and math.isnan(w) else abs(g - w) / abs(w) if w == w else 9 for g, w in pairs)
 print("off by", worst)
 sys.exit(worst > 2e-4)
@@ -105,6 +106,82 @@ done
 expect_code 0 plot "$a" --of fluence -o "$work/gap.svg"
 gaps=$(sed -n '/^\$c0_0/,/^EOD/p' "$work/script" | grep -c '^$')
 test "$gaps" -ge 1 || complain "no gap where nothing absorbs"
+
+# Nor has a bin a fluence that two media share, by what the file says: a plane within bin 2, a hill within bin 5, one from edge to
+# edge over bins 7 to 9, a rod in bins 14 to 16 at 0.1 to 0.2502 cm from the beam, a mesh in bins 18 and 19 at 0.17 to 0.2256 cm,
+# the last boundary within bin 22. Layers of one mua may share bin 12; bins 10 and 20 begin with a layer.
+printf 'v 0 0 -0.185\nv 0.05 0 -0.195\nv 0 0.05 -0.195\nv 0 -0.05 -0.195\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n' >"$work/grain.obj"
+cat >"$work/shared.mci" <<'END'
+1.0
+1
+shared.mco A
+20000
+beam pencil at=-0.2,0
+map 4 4 0.1 0.1
+0.01 0.02
+30 20 1
+7
+1
+1.4 1 5 0.5 0.025
+1.4 2 5 0.5 0.03
+b 2 0.002 0.1 0 0.1
+1.4 1 5 0.5 0.045
+b 2 0.03 0.1 0 0.1
+1.4 3 5 0.5 0.025
+1.4 3 5 0.5 0.015
+1.4 3 6 0.5 0.06
+i cylinder -0.1 0 0.155 0.05 0 0.155 0.01 1.4 9 1 0
+i "grain.obj" 1.4 9 1 0 shift=-0.03,0,0
+1.4 2 6 0.5 0.025
+1
+END
+gaps() { # FILE: bins that have no fluence are those, and the pictures say why
+    for of in fluence fluence_rz; do
+        expect_code 0 plot "$1" --of $of --linear -o "$work/shared.svg"
+        cp "$work/script" "$work/$of"
+    done
+    grep -q 'gaps: bins that two media share' "$work/fluence" && grep -q 'grey: no light, nothing absorbs, or two media' "$work/fluence_rz" ||
+        complain "$1: the pictures do not say what gaps are"
+    python3 - "$work/shared.mco" "$work/fluence" "$work/fluence_rz" >"$work/wrong" <<'END' || complain "gaps of $1: $(cat "$work/wrong")"
+import math
+import sys
+mco, curve, colours = (open(name).read() for name in sys.argv[1:])
+rows = {2, 5, 7, 8, 9} | set(range(22, 29))
+points = [line.split() for line in curve.split("$c0_0 << EOD\n")[1].split("EOD")[0].split("\n") if line]
+drawn = {round(float(point[0]) / 0.01 - 0.5) for point in points}
+assert drawn == set(range(29)) - rows - {14, 15, 16, 18, 19}, sorted(drawn)
+A = [float(word) for word in mco.split("A_rz\n")[1].split("#")[0].split()[:600]]
+mua = lambda z: 1 if z < 2 or 5 < z < 7 else 2 if z < 5 or z > 19 else 3
+pixels = [line.split() for line in colours.split("$map0 << EOD\n")[1].split("EOD")[0].strip().split("\n")]
+tall, wide = len(pixels) // 29, len(pixels[0]) // 19
+for z in range(29):
+    for r in range(19):
+        shared = z in rows or (14 <= z <= 16 and 5 <= r <= 12) or (18 <= z <= 19 and 8 <= r <= 11)
+        value, want = float(pixels[z * tall][r * wide]), A[r * 30 + z] / mua(z)
+        good = math.isnan(value) if shared else abs(value - want) <= 1e-2 * want or (want == 0 and math.isnan(value))
+        assert good, (z, r, value, want)
+END
+}
+expect_code 0 "$work/shared.mci" --quiet -o "$work"
+mkdir "$work/second"
+expect_code 0 "$work/shared.mci" --quiet --seed 2 -o "$work/second"
+gaps "$work/shared.mco"
+test $h5 = 0 || gaps "$work/shared.h5"
+for ending in mco h5; do
+    test -e "$work/shared.$ending" || continue
+    expect_code 0 merge "$work/shared.$ending" "$work/second/shared.$ending" -o "$work/merged.$ending"
+    expect_code 0 plot "$work/merged.$ending" --of fluence -o "$work/told.svg"
+    told 'gaps: bins that two media share' "merged .$ending"
+done
+# Files that do not say so: those of older versions, and of the program of 2019, which has a copy of its input.
+where="(expected a result that names its depths, for a fluence: fly the scene again)"
+sed '/^# boundary/s/, z = .* to .* cm//' "$work/shared.mco" >"$work/older.mco"
+expect_error 2 "$work/older.mco: does not say where boundary 2 lies $where" plot "$work/older.mco" --of fluence -o "$work/none.svg"
+sed '/^# body/s/, z = .* to .* cm//' "$work/shared.mco" >"$work/older.mco"
+expect_error 2 "$work/older.mco: does not say where a body lies $where" plot "$work/older.mco" --of fluence_rz -o "$work/none.svg"
+sed -e 's/^InParm/InParam/' -e '/^# bo/d' -e 's/^1.4.*# layer 3/b 2 0.002 0.1 0 0.1\n&/' "$work/shared.mco" >"$work/older.mco"
+expect_error 2 "$work/older.mco: does not say where a curved boundary lies $where" plot "$work/older.mco" --of fluence -o "$work/none.svg"
+expect_code 0 plot "$work/older.mco" --of A_z -o "$work/told.svg"
 
 # Ranges, and error bars of curves of others.
 expect_code 0 plot "$a" "$work/others.csv" --of A_z --xrange 0.05:0.3 --yrange 0.1:10 -o "$work/told.svg"

@@ -17,6 +17,7 @@ struct cml_curve {
     int n;
     double *x, *y, *error; /* [n], owned; error NULL: not known */
     double end;            /* where the last bin that is worth an axis ends */
+    bool shared;           /* bins are gaps because two media share them */
 };
 
 /* Of n points at 0 with the value 0; with room for errors if asked for. CML_E_INPUT when memory runs out. */

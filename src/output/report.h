@@ -31,8 +31,8 @@ CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char 
 
 void cml_report_clear(struct cml_report *report);
 
-/* Bytes that cml_report_write holds at its peak besides the results. */
-double cml_report_bytes(const struct cml_grid *grid);
+/* Bytes that cml_report_write holds at its peak besides the results: most of them are the .h5 file. */
+double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid);
 
 /* Whether a scene asks for a .h5 file: by its format, or because maps or facets need one. */
 bool cml_report_wants_fields(const struct cml_scene *scene);

@@ -7,6 +7,7 @@
 #include "base/text.h"
 #include "base/version.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -289,10 +290,25 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
     return write_bodies(report, last_file(report), err);
 }
 
+/* The .h5 file is made in memory: at most the arrays as they are before they are deflated. Profiles have
+ * errors; so has each pixel's sum and each of its angles, in single precision; a facet has five scores, an
+ * error, an area and numbers; a body has its medium and its line of text. What grows may be copied while it
+ * is small. */
+static double image_bytes(const struct cml_grid *grid, double cells)
+{
+    const double pixels = (double)grid->nx * grid->ny, mib = 1048576.0;
+    const double voxels = grid->volume ? pixels * grid->nz : 0;
+    const double bytes = 2 * cells * sizeof(double) +
+                         4 * pixels * (1.0 + (grid->map_na > 1 ? grid->map_na : 0)) * sizeof(float) +
+                         voxels * sizeof(float) + 64.0 * (double)grid->facets + 320.0 * grid->num_bodies;
+    return 1.01 * bytes + fmin(bytes, 32 * mib);
+}
+
 /* The .mco's arrays in double precision, its text, and the writers' buffers. */
-double cml_report_bytes(const struct cml_grid *grid)
+double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid)
 {
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
                          2.0 * grid->na + grid->num_layers;
-    return cells * sizeof(double) + 8.0 * 1048576;
+    const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
+    return cells * sizeof(double) + 8.0 * 1048576 + (image ? image_bytes(grid, cells) : 0);
 }

@@ -43,6 +43,15 @@ def check_tables(verdict, file, sections, record):
     verdict.check("books", file["residue"][()] == 0 and file["lost"][()] == 0 and file["book_launched"][()] == 1)
 
 
+def check_superblock(verdict, path):
+    """HDF5 File Format Specification, II.A, version 2: no flag says that somebody is writing, and it knows its size."""
+    with open(path, "rb") as file:
+        head = file.read(36)
+    verdict.check("superblock", head[8] == 2 and head[11] == 0, f"version {head[8]}, flags {head[11]}")
+    verdict.check("superblock", int.from_bytes(head[28:36], "little") == os.path.getsize(path),
+                  f"ends at {int.from_bytes(head[28:36], 'little')} of {os.path.getsize(path)}")
+
+
 def check_map_sums(verdict, file):
     for name in ("Rd", "Tt"):
         inside = file[name + "_xy"][:].sum(dtype=float) * DX * DY
@@ -150,6 +159,7 @@ def main():
                                          "all.volume.vti"], f"{names}")
         verdict.check("files", sorted(os.listdir(keep)) == sorted(names + ["scene.mci"]), "and no others")
         stem = os.path.join(keep, "all")
+        check_superblock(verdict, stem + ".h5")
         with h5py.File(stem + ".h5") as file:
             check_tables(verdict, file, cml.read_sections(stem + ".mco"), record)
             check_map_sums(verdict, file)

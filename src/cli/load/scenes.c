@@ -211,7 +211,7 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     struct rusage usage;
     getrusage(RUSAGE_SELF, &usage);
     const struct memory memory = {1024.0 * (double)usage.ru_maxrss * ranks,
-                                  cml_run_bytes(&grid, threads) * ranks, cml_report_bytes(&grid)};
+                                  cml_run_bytes(&grid, threads) * ranks, cml_report_bytes(scene, &grid)};
     return memory;
 }
 

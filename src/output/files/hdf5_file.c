@@ -11,15 +11,20 @@
 #include <hdf5.h>
 #include <hdf5_hl.h>
 
-#define CHUNK ((size_t)1 << 17) /* values: what is in memory at a time */
+#define CHUNK ((size_t)1 << 17)  /* values: what is there as doubles at a time */
+#define GROWTH ((size_t)1 << 20) /* bytes by which the file grows in memory */
+#define NOWHERE "/dev/null/none" /* HDF5 tries to open a file of the name first: there can be none */
 
-/* The library's calls return a negative number when they fail. The first failure is remembered, and the calls
- * after it fail too, or do nothing, on the invalid handles that it left: so code runs straight on, and looks
- * once at the end. */
+/* The file is made in memory, where nothing but memory can fail, and is written like all other files: HDF5
+ * keeps what it cannot write, says so at some later call, and writes other bytes then. The library's calls
+ * return a negative number when they fail. The first failure is remembered, and the calls after it fail too,
+ * or do nothing, on the invalid handles that it left: so code runs straight on, and looks once at the end. */
 struct writer {
     hid_t file;
     bool failed;
-    double *buffer; /* [CHUNK] */
+    double *buffer;       /* [CHUNK] */
+    unsigned char *image; /* the file's bytes, which stay when the library closes it */
+    size_t size, room;    /* bytes of it; that there is memory for */
 };
 
 static void check(struct writer *w, int64_t returned)
@@ -27,29 +32,34 @@ static void check(struct writer *w, int64_t returned)
     if (returned < 0) w->failed = true;
 }
 
+static hid_t made(struct writer *w, hid_t handle)
+{
+    check(w, handle);
+    return handle;
+}
+
 /* Attributes of the file or of a data set. UTF-8, because names of files may be. */
 static void put_text(struct writer *w, hid_t object, const char *name, const char *text)
 {
-    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+    const hid_t type = made(w, H5Tcopy(H5T_C_S1)), space = made(w, H5Screate(H5S_SCALAR));
     check(w, H5Tset_size(type, strlen(text) + 1));
     check(w, H5Tset_cset(type, H5T_CSET_UTF8));
-    const hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
-    check(w, attribute);
+    const hid_t attribute = made(w, H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
     check(w, H5Awrite(attribute, type, text));
-    H5Aclose(attribute);
-    H5Sclose(space);
-    H5Tclose(type);
+    check(w, H5Aclose(attribute));
+    check(w, H5Sclose(space));
+    check(w, H5Tclose(type));
 }
 
 /* Numbers are doubles throughout: 2^53 is enough for seeds and photons, and every reader has them. */
 static void put_number(struct writer *w, hid_t object, const char *name, double number)
 {
-    const hid_t space = H5Screate(H5S_SCALAR);
-    const hid_t attribute = H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
-    check(w, attribute);
+    const hid_t space = made(w, H5Screate(H5S_SCALAR));
+    const hid_t attribute =
+        made(w, H5Acreate2(object, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT));
     check(w, H5Awrite(attribute, H5T_NATIVE_DOUBLE, &number));
-    H5Aclose(attribute);
-    H5Sclose(space);
+    check(w, H5Aclose(attribute));
+    check(w, H5Sclose(space));
 }
 
 /* The last axes whole, as far as they fit into a chunk, then part of one axis: so a chunk holds successive
@@ -70,8 +80,8 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
     hsize_t size[CML_FIELD_AXES];
     for (int i = 0; i < field->num_axes; i++) size[i] = field->axis[i]->n;
     const hid_t space =
-        field->num_axes ? H5Screate_simple(field->num_axes, size, NULL) : H5Screate(H5S_SCALAR);
-    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+        made(w, field->num_axes ? H5Screate_simple(field->num_axes, size, NULL) : H5Screate(H5S_SCALAR));
+    const hid_t properties = made(w, H5Pcreate(H5P_DATASET_CREATE));
     check(w, H5Pset_obj_track_times(properties, false));
     if (field->num_axes) {
         check(w, H5Pset_chunk(properties, field->num_axes, chunk));
@@ -79,10 +89,10 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
         check(w, H5Pset_deflate(properties, 1));
     }
     const hid_t type = field->single ? H5T_IEEE_F32LE : H5T_IEEE_F64LE;
-    const hid_t dataset = H5Dcreate2(w->file, field->name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
-    check(w, dataset);
-    H5Pclose(properties);
-    H5Sclose(space);
+    const hid_t dataset =
+        made(w, H5Dcreate2(w->file, field->name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT));
+    check(w, H5Pclose(properties));
+    check(w, H5Sclose(space));
     return dataset;
 }
 
@@ -104,11 +114,12 @@ static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_fiel
         count *= (size_t)size[i];
     }
     get_values(w, field, begin, count);
-    const hid_t there = H5Dget_space(dataset), here = H5Screate_simple(field->num_axes, size, NULL);
+    const hid_t there = made(w, H5Dget_space(dataset));
+    const hid_t here = made(w, H5Screate_simple(field->num_axes, size, NULL));
     check(w, H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, size, NULL));
     check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT, w->buffer));
-    H5Sclose(here);
-    H5Sclose(there);
+    check(w, H5Sclose(here));
+    check(w, H5Sclose(there));
     return count;
 }
 
@@ -169,7 +180,9 @@ static hid_t write_dataset(struct writer *w, const struct cml_field *field)
 /* The axis as a dimension scale, opened; made when no field before needed it. */
 static hid_t open_axis(struct writer *w, const struct cml_axis *axis)
 {
-    if (H5Lexists(w->file, axis->name, H5P_DEFAULT) > 0) return H5Dopen2(w->file, axis->name, H5P_DEFAULT);
+    const htri_t there = H5Lexists(w->file, axis->name, H5P_DEFAULT);
+    check(w, there);
+    if (there > 0) return made(w, H5Dopen2(w->file, axis->name, H5P_DEFAULT));
     struct cml_field field = {.long_name = axis->long_name,
                               .units = axis->units,
                               .num_axes = 1,
@@ -189,9 +202,9 @@ static void write_field(struct writer *w, const struct cml_field *field)
     for (int i = 0; i < field->num_axes && !w->failed; i++) {
         const hid_t scale = open_axis(w, field->axis[i]);
         check(w, H5DSattach_scale(dataset, scale, (unsigned)i));
-        H5Dclose(scale);
+        check(w, H5Dclose(scale));
     }
-    H5Dclose(dataset);
+    check(w, H5Dclose(dataset));
 }
 
 /* Contiguous data, unlike an attribute, stand in the file without a checksum that would differ, too. */
@@ -202,31 +215,29 @@ static void write_call_text(struct writer *w, hid_t group, const char *name, con
     const size_t length = strnlen(text, CML_HDF5_CALL - 1);
     memset(padded, 0, CML_HDF5_CALL);
     memcpy(padded, text, length);
-    const hid_t type = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
-    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    const hid_t type = made(w, H5Tcopy(H5T_C_S1)), space = made(w, H5Screate(H5S_SCALAR));
+    const hid_t properties = made(w, H5Pcreate(H5P_DATASET_CREATE));
     check(w, H5Tset_size(type, CML_HDF5_CALL));
     check(w, H5Tset_cset(type, H5T_CSET_UTF8));
     check(w, H5Pset_obj_track_times(properties, false));
-    const hid_t dataset = H5Dcreate2(group, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT);
-    check(w, dataset);
+    const hid_t dataset = made(w, H5Dcreate2(group, name, type, space, H5P_DEFAULT, properties, H5P_DEFAULT));
     put_text(w, dataset, "long_name", long_name);
     check(w, H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, padded));
-    H5Dclose(dataset);
-    H5Pclose(properties);
-    H5Sclose(space);
-    H5Tclose(type);
+    check(w, H5Dclose(dataset));
+    check(w, H5Pclose(properties));
+    check(w, H5Sclose(space));
+    check(w, H5Tclose(type));
 }
 
 static void write_call(struct writer *w, const struct cml_hdf5_call *call)
 {
-    const hid_t properties = H5Pcreate(H5P_GROUP_CREATE);
+    const hid_t properties = made(w, H5Pcreate(H5P_GROUP_CREATE));
     check(w, H5Pset_obj_track_times(properties, false));
-    const hid_t group = H5Gcreate2(w->file, "call", H5P_DEFAULT, properties, H5P_DEFAULT);
-    check(w, group);
+    const hid_t group = made(w, H5Gcreate2(w->file, "call", H5P_DEFAULT, properties, H5P_DEFAULT));
     write_call_text(w, group, "command", "command line", call->command);
     write_call_text(w, group, "input_file", "input file as it was named there", call->input_file);
-    H5Gclose(group);
-    H5Pclose(properties);
+    check(w, H5Gclose(group));
+    check(w, H5Pclose(properties));
 }
 
 static void write_all(struct writer *w, const struct cml_attribute *attributes, int num_attributes,
@@ -247,46 +258,98 @@ bool cml_hdf5_available(void)
     return true;
 }
 
-/* The format of HDF5 1.8, where an attribute (the input text) may be longer than 64 KiB. */
-static void create_file(struct writer *w, const char *path)
+/* What the driver calls in place of realloc, free, and copies of what they are told. */
+static void *grow_image(void *old, size_t size, H5FD_file_image_op_t why, void *writer)
 {
-    H5dont_atexit(); /* at exit HDF5 would try once more to write what a full disk did not take, and crash */
+    struct writer *w = writer;
+    (void)why;
+    unsigned char *larger = realloc(old, size);
+    if (!larger) return NULL;
+    if (size > w->room) memset(larger + w->room, 0, size - w->room); /* the library writes not all of it */
+    w->image = larger;
+    w->room = size;
+    return larger;
+}
+
+static herr_t keep_image(void *image, H5FD_file_image_op_t why, void *writer)
+{
+    (void)image, (void)why, (void)writer;
+    return 0;
+}
+
+static void *same_writer(void *writer)
+{
+    return writer;
+}
+
+static herr_t keep_writer(void *writer)
+{
+    (void)writer;
+    return 0;
+}
+
+/* The format of HDF5 1.8, where an attribute (the input text) may be longer than 64 KiB. */
+static void create_file(struct writer *w)
+{
+    H5FD_file_image_callbacks_t calls = {.image_realloc = grow_image,
+                                         .image_free = keep_image,
+                                         .udata_copy = same_writer,
+                                         .udata_free = keep_writer,
+                                         .udata = w};
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    const hid_t access = H5Pcreate(H5P_FILE_ACCESS), root = H5Pcreate(H5P_FILE_CREATE);
+    const hid_t access = made(w, H5Pcreate(H5P_FILE_ACCESS)), root = made(w, H5Pcreate(H5P_FILE_CREATE));
     check(w, H5Pset_obj_track_times(root, false));
     check(w, H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V18));
-    w->file = H5Fcreate(path, H5F_ACC_TRUNC, root, access);
-    check(w, w->file);
-    H5Pclose(root);
-    H5Pclose(access);
+    check(w, H5Pset_fapl_core(access, GROWTH, false));
+    check(w, H5Pset_file_image_callbacks(access, &calls));
+    w->file = made(w, H5Fcreate(NOWHERE, H5F_ACC_TRUNC, root, access));
+    check(w, H5Pclose(root));
+    check(w, H5Pclose(access));
 }
 
-/* Only here a failure becomes a message: HDF5 reports a full disk at a flush, that is at some later call. */
-static cml_status finish(const struct writer *w, struct cml_file *file, struct cml_error *err)
+/* The address of the file's end in its superblock, version 2 as all files of HDF5 1.8 have it (HDF5 File
+ * Format Specification, II.A). 0: it is not closed. */
+static size_t end_of_file(const struct writer *w)
 {
-    if (!w->failed) return cml_file_commit(file, err);
-    const cml_status status =
-        cml_fail(err, CML_E_IO, "%s: cannot be written (HDF5 failed: is the disk full?)", file->path);
-    cml_file_abort(file);
-    return status;
+    enum { VERSION = 8, OFFSETS = 9, WRITERS = 11, END = 28, SIZE = 48 };
+    uint64_t end = 0;
+    if (w->room < SIZE || w->image[VERSION] != 2 || w->image[OFFSETS] != sizeof end || w->image[WRITERS] != 0)
+        return 0;
+    for (size_t i = sizeof end; i > 0; i--) end = end << 8 | w->image[END + i - 1];
+    return end <= w->room ? (size_t)end : 0;
 }
 
-/* HDF5 opens the temporary file once more by its name; the commit syncs and renames that same file. */
+/* Only then it says where it ends, and that nobody writes to it any more. */
+static void close_file(struct writer *w)
+{
+    check(w, H5Fclose(w->file));
+    w->size = end_of_file(w);
+    if (w->size == 0) w->failed = true;
+}
+
+static cml_status publish(const char *path, const struct writer *w, struct cml_error *err)
+{
+    struct cml_file file;
+    if (w->failed)
+        return cml_fail(err, CML_E_IO, "%s: cannot be written (HDF5 failed: is there too little memory?)",
+                        path);
+    CML_TRY(cml_file_create(path, &file, err));
+    fwrite(w->image, 1, w->size, file.stream);
+    return cml_file_commit(&file, err);
+}
+
 cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attributes, int num_attributes,
                           const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields,
                           struct cml_error *err)
 {
-    struct cml_file file;
     struct writer w = {.buffer = malloc(CHUNK * sizeof *w.buffer)};
     if (!w.buffer) return cml_fail_memory(err, CHUNK * sizeof *w.buffer, "an HDF5 file");
-    cml_status status = cml_file_create(path, &file, err);
-    if (status == CML_OK) {
-        create_file(&w, file.temporary);
-        write_all(&w, attributes, num_attributes, call, fields, num_fields);
-        check(&w, H5Fclose(w.file));
-        status = finish(&w, &file, err);
-    }
+    create_file(&w);
+    write_all(&w, attributes, num_attributes, call, fields, num_fields);
+    close_file(&w);
     free(w.buffer);
+    const cml_status status = publish(path, &w, err);
+    free(w.image);
     return status;
 }
 

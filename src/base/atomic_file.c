@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: MIT */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* fopencookie */
+#endif
 #include "base/atomic_file.h"
 
 #include "base/text.h"
@@ -10,6 +13,14 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <zlib.h>
+
+#define OTHER_BYTES (-1) /* a reason beside those of errno */
+
+static const char *text_of(int reason)
+{
+    return reason == OTHER_BYTES ? "what stands there is not what was written" : strerror(reason);
+}
 
 static cml_status fail_write(const char *path, const char *reason, struct cml_error *err)
 {
@@ -57,10 +68,42 @@ static int open_new(const char *path, char *name, size_t size)
     int file = -1;
     for (int n = 0; file < 0 && n < MOST_TRIES; n++) {
         temporary_name(path, n, name, size);
-        file = open(name, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+        file = open(name, O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
         if (file < 0 && errno != EEXIST) return -1;
     }
     return file;
+}
+
+/* What a stream calls: all of it, or the reason why not. After a failure nothing more is written, so that no
+ * later success hides it. */
+static ssize_t write_all(void *context, const char *data, size_t size)
+{
+    struct cml_file *file = context;
+    for (size_t done = 0; done < size && file->reason == 0;) {
+        const ssize_t wrote = write(file->descriptor, data + done, size - done);
+        if (wrote <= 0)
+            file->reason = wrote < 0 ? errno : EIO;
+        else
+            done += (size_t)wrote;
+    }
+    if (file->reason != 0) return 0;
+    file->sum = crc32_z(file->sum, (const Bytef *)data, size);
+    file->size += size;
+    return (ssize_t)size;
+}
+
+static int close_descriptor(void *context)
+{
+    return close(((struct cml_file *)context)->descriptor);
+}
+
+static cml_status open_stream(struct cml_file *file, struct cml_error *err)
+{
+    const cookie_io_functions_t calls = {.write = write_all, .close = close_descriptor};
+    file->stream = fopencookie(file, "w", calls);
+    if (file->stream) return CML_OK;
+    close(file->descriptor);
+    return fail_write(file->path, strerror(ENOMEM), err);
 }
 
 static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
@@ -68,25 +111,22 @@ static cml_status create_temporary(struct cml_file *file, struct cml_error *err)
     const size_t size = strlen(file->path) + 32;
     char *name = malloc(size);
     if (!name) return cml_fail_memory(err, (double)size, "a name");
-    const int descriptor = open_new(file->path, name, size);
-    if (descriptor < 0) {
+    file->descriptor = open_new(file->path, name, size);
+    if (file->descriptor < 0) {
         const int reason = errno;
         free(name);
         return fail_write(file->path, strerror(reason), err);
     }
     file->temporary = name;
-    file->stream = fdopen(descriptor, "wb");
-    if (file->stream) return CML_OK;
-    close(descriptor);
-    return fail_write(file->path, strerror(ENOMEM), err);
+    return open_stream(file, err);
 }
 
 static cml_status create(const char *path, struct cml_file *file, struct cml_error *err)
 {
     if (cml_file_is_device(path)) {
         CML_TRY(cml_text_copy(path, &file->path, err));
-        file->stream = fopen(path, "wb");
-        return file->stream ? CML_OK : fail_write(path, strerror(errno), err);
+        file->descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+        return file->descriptor >= 0 ? open_stream(file, err) : fail_write(path, strerror(errno), err);
     }
     CML_TRY(follow_links(path, &file->path, err));
     CML_TRY(check_target(file->path, err));
@@ -95,31 +135,110 @@ static cml_status create(const char *path, struct cml_file *file, struct cml_err
 
 cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err)
 {
-    *file = (struct cml_file){0};
+    *file = (struct cml_file){.sum = crc32(0, NULL, 0)};
     const cml_status status = create(path, file, err);
     if (status != CML_OK) cml_file_abort(file);
     return status;
 }
 
-/* Why an earlier write failed: the next one fails for the same reason. EIO where it does not. */
-static int reason_of_error(FILE *stream)
+/* ---- safe from a crash of the machine ---- */
+
+/* Files that are committed and not synced; used by the thread that writes files. */
+static struct {
+    bool on;
+    size_t count, capacity;
+    char **path; /* [count] */
+} deferred;
+
+void cml_file_defer_sync(bool on)
 {
-    clearerr(stream);
-    errno = EIO;
-    return fputc('\n', stream) == EOF || fflush(stream) != 0 ? errno : EIO;
+    deferred.on = on;
 }
 
-static bool sync_deferred; /* set and read by the thread that writes files */
-
-void cml_file_defer_sync(bool deferred)
+/* False without memory. */
+static bool defer(const char *path)
 {
-    sync_deferred = deferred;
+    if (deferred.count == deferred.capacity) {
+        const size_t capacity = deferred.capacity ? 2 * deferred.capacity : 64;
+        char **larger = realloc(deferred.path, capacity * sizeof *larger);
+        if (!larger) return false;
+        deferred.path = larger;
+        deferred.capacity = capacity;
+    }
+    deferred.path[deferred.count] = strdup(path);
+    return deferred.path[deferred.count] && ++deferred.count;
 }
 
-/* Of all file systems, as nobody has noted on which of them the files are. */
-void cml_file_sync_deferred(void)
+/* Of a file, or of a directory in which a name is to last. 0: done, or gone, or the file system does not know
+ * what that means. */
+static int sync_path(const char *path)
 {
-    if (sync_deferred) sync();
+    const int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0) return errno == ENOENT || errno == EACCES ? 0 : errno;
+    const int reason = fsync(file) == 0 || errno == EINVAL ? 0 : errno;
+    close(file);
+    return reason;
+}
+
+static int sync_folder(const char *path)
+{
+    char folder[PATH_MAX];
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, sizeof folder, "%.*s.", slash ? (int)(slash - path + 1) : 0, path);
+    return sync_path(folder);
+}
+
+/* Nobody knows what a file holds that could not be synced. */
+static int sync_file(const char *path)
+{
+    const int reason = sync_path(path);
+    if (reason != 0) remove(path);
+    return reason;
+}
+
+static bool same_folder(const char *path, const char *other)
+{
+    const char *slash = strrchr(path, '/'), *others = strrchr(other, '/');
+    if (!slash || !others) return slash == others;
+    return slash - path == others - other && strncmp(path, other, (size_t)(slash - path)) == 0;
+}
+
+static void note_reason(const char *path, int reason, cml_status *status, struct cml_error *err)
+{
+    if (reason != 0 && *status == CML_OK) *status = fail_write(path, strerror(reason), err);
+}
+
+cml_status cml_file_sync_deferred(struct cml_error *err)
+{
+    cml_status status = CML_OK;
+    char **path = deferred.path;
+    for (size_t i = 0; i < deferred.count; i++) note_reason(path[i], sync_file(path[i]), &status, err);
+    for (size_t i = 0; i < deferred.count; i++)
+        if (i == 0 || !same_folder(path[i], path[i - 1]))
+            note_reason(path[i], sync_folder(path[i]), &status, err);
+    for (size_t i = 0; i < deferred.count; i++) free(path[i]);
+    free(path);
+    deferred.path = NULL;
+    deferred.count = deferred.capacity = 0;
+    return status;
+}
+
+/* ---- commit ---- */
+
+/* Another program may have written to the descriptor: then nobody knows what. */
+static int compare_with_written(const struct cml_file *file)
+{
+    unsigned char block[16384];
+    unsigned long sum = crc32(0, NULL, 0);
+    uint64_t size = 0;
+    ssize_t got;
+    if (file->size == 0) return 0;
+    while ((got = pread(file->descriptor, block, sizeof block, (off_t)size)) > 0) {
+        sum = crc32_z(sum, block, (size_t)got);
+        size += (uint64_t)got;
+    }
+    if (got < 0) return errno;
+    return size == file->size && sum == file->sum ? 0 : OTHER_BYTES;
 }
 
 /* All of it on the disk, or the reason why not; a device need not know what that means. 0: done. */
@@ -127,10 +246,10 @@ static int finish_stream(struct cml_file *file)
 {
     FILE *stream = file->stream;
     file->stream = NULL;
-    errno = EIO;
-    const bool synced = fflush(stream) == 0 && !ferror(stream) &&
-                        (!file->temporary || sync_deferred || fsync(fileno(stream)) == 0);
-    const int reason = synced ? 0 : (ferror(stream) ? reason_of_error(stream) : errno);
+    const bool flushed = fflush(stream) == 0 && !ferror(stream);
+    int reason = file->reason != 0 || flushed ? file->reason : EIO;
+    if (reason == 0 && file->temporary && !deferred.on && fsync(file->descriptor) != 0) reason = errno;
+    if (reason == 0 && file->temporary) reason = compare_with_written(file);
     return fclose(stream) != 0 && reason == 0 ? errno : reason;
 }
 
@@ -141,7 +260,8 @@ static int take_place(struct cml_file *file)
     if (file->keep && rename(file->path, file->keep) != 0 && errno != ENOENT) return errno;
     if (rename(file->temporary, file->path) != 0) return errno;
     file->temporary[0] = '\0';
-    return 0;
+    if (!deferred.on) return sync_folder(file->path);
+    return defer(file->path) ? 0 : sync_file(file->path);
 }
 
 cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
@@ -149,7 +269,7 @@ cml_status cml_file_commit(struct cml_file *file, struct cml_error *err)
     int reason = finish_stream(file);
     if (reason == 0) reason = take_place(file);
     cml_status status = CML_OK;
-    if (reason != 0) status = fail_write(file->path, strerror(reason), err);
+    if (reason != 0) status = fail_write(file->path, text_of(reason), err);
     cml_file_abort(file);
     return status;
 }

@@ -6,17 +6,24 @@
 #include "base/status.h"
 
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /* A file that appears under its name only when it is complete: written beside it under a name of its own
- * ("NAME.PID-N.tmp", created by this process and nobody else), synced, then renamed. What stood under the
- * name stays until the rename. Where the name is a symbolic link, its target is replaced and the link stays.
- * /dev/null and /dev/stdout are written to directly. */
+ * ("NAME.PID-N.tmp", created by this process and nobody else), synced, read again and compared with what was
+ * written, then renamed; then its folder is synced, so that the name lasts. What stood under the name stays
+ * until the rename. The file must stay where it is in memory, as its stream knows it. Where the name is a
+ * symbolic link, its target is replaced and the link stays. /dev/null and /dev/stdout are written to
+ * directly. */
 struct cml_file {
-    FILE *stream;     /* write here; check nothing, cml_file_commit sees every error */
-    char *path;       /* final name, links followed */
-    char *temporary;  /* name until the commit; NULL: written to directly */
-    const char *keep; /* borrowed; the commit keeps under this name what stood under PATH; NULL: it goes */
+    FILE *stream;      /* write here, without seeking; check nothing, cml_file_commit sees every error */
+    char *path;        /* final name, links followed */
+    char *temporary;   /* name until the commit; NULL: written to directly */
+    const char *keep;  /* borrowed; the commit keeps under this name what stood under PATH; NULL: it goes */
+    int descriptor;    /* the stream's; for another program that writes in place of the stream */
+    int reason;        /* errno of the first write that failed; 0: none */
+    uint64_t size;     /* bytes written to the stream */
+    unsigned long sum; /* their CRC-32 */
 };
 
 /* /dev/null and /dev/stdout: a rename would put a file in their place. */
@@ -26,14 +33,18 @@ bool cml_file_is_device(const char *path);
  * which would be lost by the rename; or of a link to nothing. */
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
 
-/* Flush, fsync, close, rename. On failure (CML_E_IO) the temporary file goes, and what stood under PATH
- * still does, or stands under `keep`. */
+/* Flush, fsync, compare, close, rename, fsync of the folder. On failure (CML_E_IO) the temporary file goes,
+ * and what stood under PATH still does, or stands under `keep`; where only the folder could not be synced,
+ * the new file stands there. */
 CML_NODISCARD cml_status cml_file_commit(struct cml_file *file, struct cml_error *err);
 
 /* While it is deferred, cml_file_commit does not sync: a file is complete for everyone at once, but it is
- * safe from a crash of the machine only after cml_file_sync_deferred. For many small files. */
-void cml_file_defer_sync(bool deferred);
-void cml_file_sync_deferred(void);
+ * safe from a crash of the machine only after cml_file_sync_deferred. For many small files, by one thread. */
+void cml_file_defer_sync(bool on);
+
+/* Syncs what was committed since, and the folders. CML_E_IO: the first file that could not be synced. Such
+ * files are removed, since nobody knows what they hold; all others are synced. */
+CML_NODISCARD cml_status cml_file_sync_deferred(struct cml_error *err);
 
 /* Drops the temporary file. Does nothing after a commit. */
 void cml_file_abort(struct cml_file *file);

@@ -205,7 +205,7 @@ static cml_status converse(const struct script *script, int picture, int in[2], 
 }
 
 /* The picture goes straight into the file; only the script and the messages pass through pipes. */
-static cml_status run_gnuplot(const struct script *script, FILE *picture, struct cml_error *err)
+static cml_status run_gnuplot(const struct script *script, int picture, struct cml_error *err)
 {
     int in[2], messages[2];
     if (!open_pipe(in)) return cml_fail(err, CML_E_IO, "no pipe to gnuplot (%s)", strerror(errno));
@@ -214,7 +214,7 @@ static cml_status run_gnuplot(const struct script *script, FILE *picture, struct
         close(in[1]);
         return cml_fail(err, CML_E_IO, "no pipe to gnuplot (%s)", strerror(errno));
     }
-    return converse(script, fileno(picture), in, messages, err);
+    return converse(script, picture, in, messages, err);
 }
 
 /* A failure of `write` counts before that of memory. */
@@ -239,7 +239,7 @@ cml_status cml_gnuplot_draw(cml_status (*write)(FILE *, const void *, struct cml
     cml_status status = make_script(write, what, &script, err);
     if (status == CML_OK) status = cml_file_create(path, &file, err);
     if (status == CML_OK) {
-        status = run_gnuplot(&script, file.stream, err);
+        status = run_gnuplot(&script, file.descriptor, err);
         if (status == CML_OK)
             status = cml_file_commit(&file, err);
         else

@@ -65,7 +65,7 @@ FOREIGN = {
     "mpi.h": "src/run/cluster_parts",
     "pthread.h": "src/engine/engine src/engine/threads src/run/cluster_parts src/run/run src/run/work_ranges",
     "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",
-    "zlib.h": "src/run/checkpoint src/run/identity src/scene/checksum",
+    "zlib.h": "src/base/atomic_file src/run/checkpoint src/run/identity src/scene/checksum",
     "sys/wait.h": "src/plot/gnuplot",
     "dirent.h": "src/cli/run/outputs",
 }

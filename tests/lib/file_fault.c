@@ -1,17 +1,17 @@
 /* Preloaded: a file system that fails, and power that goes off. What counts are calls on files whose names
- are in CML_FAULT_FOLDER (absolute, no links, "/" at its end). CML_FAULT="CALL N ACTION [NAME]" hits the N-th
- call
- * ("N+": and all later ones) of CALL: open (for writing), write, fsync, close, rename, unlink or ftruncate;
+ * are in CML_FAULT_FOLDER (absolute, no links, "/" at its end), and on that folder, whose name is ".".
+ * CML_FAULT="CALL N ACTION [NAME]" hits the N-th call ("N+": and all later ones) of CALL: open (for writing),
+ * write, fsync, close, rename, unlink or ftruncate;
  * with NAME only calls on that file, for rename the new name. A temporary file ("FILE.PID-N.tmp") is called
  * "FILE.tmp". ACTION:
  *   before, after   SIGKILL before the call, or when it has been made
  *   stop            SIGSTOP before the call, which is made after SIGCONT
  *   half            SIGKILL when half of a write has been made
  *   short           half of a write is made, and its caller is told so
+ *   lost            a write is not made, and its caller is told that it was
  *   a number        the call is not made and fails with this errno; close closes all the same
  * CML_FAULT_LOG names a file to which each call is appended: "CALL NAME".
- * The C library writes buffered streams by calls of its own that nobody can stand in for: so a stream that is
- * opened for writing becomes one that calls write and close as below. SPDX-License-Identifier: MIT */
+ * SPDX-License-Identifier: MIT */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -60,8 +60,10 @@ static const char *action_for(const char *call, const char *path)
     static char action[16];
     char named[16], number[16], aimed[256] = "", name[300];
     const char *folder = getenv("CML_FAULT_FOLDER"), *text = getenv("CML_FAULT");
-    if (!folder || strncmp(path, folder, strlen(folder)) != 0) return NULL;
-    plain_name(path + strlen(folder), name);
+    const size_t length = folder ? strlen(folder) : 0;
+    if (length == 0 || strncmp(path, folder, length - 1) != 0) return NULL;
+    if (path[length - 1] != '/' && path[length - 1] != '\0') return NULL;
+    plain_name(path[length - 1] ? path + length : ".", name);
     note_call(call, name);
     if (!text || sscanf(text, "%15s %15s %15s %255s", named, number, action, aimed) < 3) return NULL;
     if (strcmp(named, call) != 0 || (aimed[0] && strcmp(aimed, name) != 0)) return NULL;
@@ -138,6 +140,7 @@ static ssize_t write_named(int file, const void *data, size_t size, off64_t plac
     const int half = action && (strcmp(action, "half") == 0 || strcmp(action, "short") == 0);
     const size_t part = half ? (size + 1) / 2 : size;
     if (!begin_call(action)) return -1;
+    if (action && strcmp(action, "lost") == 0) return (ssize_t)size;
     const ssize_t done = place < 0 ? REAL(write)(file, data, part) : REAL(pwrite64)(file, data, part, place);
     if (half && strcmp(action, "half") == 0) die();
     end_call(action);
@@ -198,49 +201,4 @@ int unlink(const char *path)
 int remove(const char *path)
 {
     ON_NAME("unlink", path, REAL(remove)(path));
-}
-
-/* ---- streams ---- */
-
-#define MOST_STREAMS 16
-static struct stream {
-    FILE *stream;
-    int file;
-} streams[MOST_STREAMS];
-
-/* As the C library does: until all is written, or a write fails. */
-static ssize_t write_stream(void *context, const char *data, size_t size)
-{
-    const struct stream *mine = context;
-    size_t done = 0;
-    while (done < size) {
-        const ssize_t n = write(mine->file, data + done, size - done);
-        if (n < 0) break;
-        done += (size_t)n;
-    }
-    return (ssize_t)done;
-}
-
-static int close_stream(void *context)
-{
-    struct stream *mine = context;
-    mine->stream = NULL;
-    return close(mine->file);
-}
-
-FILE *fdopen(int file, const char *mode)
-{
-    const cookie_io_functions_t calls = {.write = write_stream, .close = close_stream};
-    struct stream *mine = streams;
-    if (mode[0] != 'w') return REAL(fdopen)(file, mode);
-    while (mine < streams + MOST_STREAMS - 1 && mine->stream) mine++;
-    mine->file = file;
-    return mine->stream = fopencookie(mine, mode, calls);
-}
-
-int fileno(FILE *stream)
-{
-    for (int i = 0; i < MOST_STREAMS; i++)
-        if (streams[i].stream == stream) return streams[i].file;
-    return REAL(fileno)(stream);
 }

@@ -3,6 +3,7 @@
 
 #include "base/atomic_file.h"
 #include "base/clock.h"
+#include "cli/load/scenes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -59,30 +60,40 @@ cml_status cml_pending_add(struct cml_pending *pending, const char *checkpoint, 
     return CML_OK;
 }
 
-/* The results are on the disk before anything says so. */
-void cml_pending_flush(struct cml_pending *pending, bool now)
+/* A row that cannot be marked will be flown again. */
+static void mark(const struct cml_pending_row *row)
 {
-    struct cml_error ignored;
+    struct cml_error why;
+    if (cml_checkpoint_finish(row->checkpoint, row->identity, &row->state, &row->record, NULL, &why) ==
+        CML_OK)
+        return;
+    cml_show_note(NULL, why.text);
+    cml_checkpoint_remove(row->checkpoint);
+}
+
+/* The results are on the disk before anything says so. */
+cml_status cml_pending_flush(struct cml_pending *pending, bool now, struct cml_error *err)
+{
+    struct cml_error why;
     const double begin = cml_now();
-    if (pending->count == 0 || (!now && begin - pending->flushed < fmax(1, 20 * pending->took))) return;
-    cml_file_sync_deferred();
-    for (int i = 0; i < pending->count; i++) {
-        const struct cml_pending_row *row = &pending->row[i];
-        if (cml_checkpoint_finish(row->checkpoint, row->identity, &row->state, &row->record, NULL,
-                                  &ignored) != CML_OK)
-            cml_checkpoint_remove(row->checkpoint);
-    }
-    cml_file_sync_deferred();
+    if (pending->count == 0 || (!now && begin - pending->flushed < fmax(1, 20 * pending->took)))
+        return CML_OK;
+    const cml_status status = cml_file_sync_deferred(err);
+    for (int i = 0; status == CML_OK && i < pending->count; i++) mark(&pending->row[i]);
+    if (cml_file_sync_deferred(&why) != CML_OK) cml_show_note(NULL, why.text);
     clear_all(pending);
     pending->flushed = cml_now();
     pending->took = pending->flushed - begin;
+    return status;
 }
 
-void cml_pending_end(struct cml_pending *pending)
+cml_status cml_pending_end(struct cml_pending *pending, bool marks, struct cml_error *err)
 {
-    cml_file_sync_deferred();
+    cml_status status = marks ? cml_pending_flush(pending, true, err) : CML_OK;
+    if (status == CML_OK) status = cml_file_sync_deferred(err);
     cml_file_defer_sync(false);
     clear_all(pending);
     free(pending->row);
     *pending = (struct cml_pending){0};
+    return status;
 }

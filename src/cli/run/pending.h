@@ -24,10 +24,11 @@ CML_NODISCARD cml_status cml_pending_add(struct cml_pending *pending, const char
                                          const struct cml_record *record, struct cml_error *err);
 
 /* Syncs all results, then says in the checkpoints that they are finished; now, or where that was not done for
- * a second, nor for twenty times as long as it takes. A row that cannot be marked will be flown again. */
-void cml_pending_flush(struct cml_pending *pending, bool now);
+ * a second, nor for twenty times as long as it takes. CML_E_IO: a result that could not be synced, and is
+ * gone; then no checkpoint says that. A row that cannot be marked is noted and will be flown again. */
+CML_NODISCARD cml_status cml_pending_flush(struct cml_pending *pending, bool now, struct cml_error *err);
 
-/* Forgets what is left. */
-void cml_pending_end(struct cml_pending *pending);
+/* marks: a last flush. Syncs what is left, and forgets the rows. CML_E_IO as above. */
+CML_NODISCARD cml_status cml_pending_end(struct cml_pending *pending, bool marks, struct cml_error *err);
 
 #endif

@@ -207,11 +207,22 @@ static void print_row(const struct sweep *sweep, int row, const struct cml_recor
     fflush(stdout);
 }
 
+/* On all ranks: that a result is not safe counts more than that a row's weight does not balance. */
+static cml_status add_safety(cml_status status, cml_status safe, struct cml_error *why, struct cml_error *err)
+{
+    safe = cml_cluster_agree(safe, why);
+    if (safe == CML_OK || (status != CML_OK && status != CML_E_NUMERIC && status != CML_E_STOPPED))
+        return status;
+    *err = *why;
+    return safe;
+}
+
 /* A cml_sweep_fly_function. */
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
     struct sweep *sweep = context;
     struct cml_scene_list list;
+    struct cml_error why = {CML_OK, ""};
     uint64_t seed = 0;
     cml_status status = row_seed(sweep, row, &seed, err);
     if (status == CML_OK) status = read_row(sweep, row, &list, err);
@@ -225,7 +236,7 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
                                       .pending = &sweep->pending,
                                       .stays = true};
     status = cml_run_one(&call, record, err);
-    cml_pending_flush(&sweep->pending, false);
+    status = add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
     if (status == CML_OK || status == CML_E_NUMERIC) print_row(sweep, row, record);
     cml_scene_list_clear(&list);
     return status;
@@ -314,6 +325,7 @@ static cml_status finish(const struct sweep *sweep, cml_status flown, struct cml
 static cml_status fly(struct sweep *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
+    struct cml_error why = {CML_OK, ""};
     if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
         printf("clustermcml %s, %d rank%s: %d rows of %s\n", cml_version(), cml_cluster_size(),
@@ -321,8 +333,8 @@ static cml_status fly(struct sweep *sweep, struct cml_error *err)
     cml_pending_begin(&sweep->pending);
     cml_status status = cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
     const bool complete = status == CML_OK || status == CML_E_NUMERIC;
-    if (!complete || cml_run_leaves_checkpoints(options)) cml_pending_flush(&sweep->pending, true);
-    cml_pending_end(&sweep->pending);
+    const bool marks = !complete || cml_run_leaves_checkpoints(options);
+    status = add_safety(status, cml_pending_end(&sweep->pending, marks, &why), &why, err);
     if (cml_cluster_rank() == 0) status = finish(sweep, status, err);
     return cml_cluster_agree(status, err);
 }

@@ -65,10 +65,9 @@ static cml_status check_output(const struct cml_options *options, struct cml_err
 }
 
 /* All are in memory at a time. */
-cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
+static cml_status read_and_merge(const struct cml_options *options, struct cml_error *err)
 {
     const int count = options->num_operands;
-    CML_TRY(check_output(options, err));
     struct cml_mco *mco = calloc((size_t)count, sizeof *mco);
     struct cml_merge_input *inputs = calloc((size_t)count, sizeof *inputs);
     cml_status status = mco && inputs ? CML_OK : cml_fail_memory(err, count * (double)sizeof *mco, "results");
@@ -80,5 +79,15 @@ cml_status cml_command_merge(const struct cml_options *options, struct cml_error
     for (int i = 0; mco && i < count; i++) cml_mco_clear(&mco[i]);
     free(mco);
     free(inputs);
+    return status;
+}
+
+cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err)
+{
+    struct cml_outputs outputs;
+    CML_TRY(check_output(options, err));
+    CML_TRY(cml_output_claim(options->output, &outputs, err));
+    const cml_status status = read_and_merge(options, err);
+    cml_outputs_release(&outputs);
     return status;
 }

@@ -17,6 +17,10 @@ expect_code 0 merge part1/skinmap.mco part2/skinmap.mco part3/skinmap.mco -o all
 grep -q '^{"output":"all.mco","inputs":\["part1/skinmap.mco",.*"photons":60000,"Rsp":.*"Tt_se":[0-9.e-]*,"version":' out || complain "--json: $(cat out)"
 expect_code 0 merge part1/skinmap.mco part2/skinmap.mco -o two.mco --quiet
 expect_code 0 merge two.mco part3/skinmap.mco -o steps.mco --quiet
+# What a killed merge left goes, what is another file's stays.
+touch all.mco.123-0.tmp other.mco.123-0.tmp
+expect_code 0 merge part1/skinmap.mco part2/skinmap.mco part3/skinmap.mco -o all.mco --quiet
+test ! -e all.mco.123-0.tmp && test -e other.mco.123-0.tmp && test ! -e all.lock || complain "left: $(ls)"
 files="all.mco steps.mco"
 if test $h5 = yes; then
     expect_code 0 merge part1/skinmap.h5 part2/skinmap.h5 part3/skinmap.h5 -o all.h5 --quiet

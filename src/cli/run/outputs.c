@@ -177,17 +177,25 @@ static cml_status add_lock(struct cml_outputs *outputs, const char *path, struct
     return CML_OK;
 }
 
+static cml_status lock_stem(const char *path, struct cml_outputs *outputs, struct cml_error *err)
+{
+    char *beside = NULL, *name = NULL;
+    if (cml_file_is_device(path)) return CML_OK;
+    cml_status status = cml_report_path(path, ".lock", &beside, err);
+    if (status == CML_OK) status = resolve(beside, &name, err);
+    if (status == CML_OK) status = add_lock(outputs, name, err);
+    free(beside);
+    free(name);
+    return status;
+}
+
 static cml_status lock_run(const struct cml_options *options, const struct cml_scene *scene,
                            struct cml_outputs *outputs, struct cml_error *err)
 {
-    char *path = NULL, *beside = NULL, *name = NULL;
+    char *path = NULL;
     CML_TRY(cml_output_path(options, scene->output, &path, err));
-    cml_status status = cml_report_path(path, ".lock", &beside, err);
-    if (status == CML_OK) status = resolve(beside, &name, err);
-    if (status == CML_OK && !cml_file_is_device(path)) status = add_lock(outputs, name, err);
+    const cml_status status = lock_stem(path, outputs, err);
     free(path);
-    free(beside);
-    free(name);
     return status;
 }
 
@@ -340,6 +348,19 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
     if (status == CML_OK)
         note_elsewhere(options, outputs, note);
+    else
+        cml_outputs_release(outputs);
+    return status;
+}
+
+cml_status cml_output_claim(const char *path, struct cml_outputs *outputs, struct cml_error *err)
+{
+    *outputs = (struct cml_outputs){0};
+    CML_TRY(check_writable(path, NULL, err));
+    cml_status status = add(outputs, path, 0, true, err);
+    if (status == CML_OK) status = lock_stem(path, outputs, err);
+    if (status == CML_OK)
+        remove_leftovers(outputs);
     else
         cml_outputs_release(outputs);
     return status;

@@ -1,5 +1,5 @@
-/* The files that a call of `run` will write: claimed before the first packet flies, held until the last is
- * written. SPDX-License-Identifier: MIT */
+/* The files that a call of `run` or `merge` will write: claimed before the first packet flies, held until the
+ * last is written. SPDX-License-Identifier: MIT */
 #ifndef CML_OUTPUTS_H
 #define CML_OUTPUTS_H
 
@@ -30,6 +30,10 @@ CML_NODISCARD cml_status cml_outputs_claim(const struct cml_options *options,
                                            const struct cml_inputs *inputs,
                                            void (*note)(void *context, const char *text),
                                            struct cml_outputs *outputs, struct cml_error *err);
+
+/* The same for one file. CML_E_IO as above. */
+CML_NODISCARD cml_status cml_output_claim(const char *path, struct cml_outputs *outputs,
+                                          struct cml_error *err);
 
 void cml_outputs_release(struct cml_outputs *outputs);
 

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -21,7 +22,7 @@ except ImportError as error:
     print(error)
     sys.exit(77)
 import clustermcml as mc  # noqa: E402
-from clustermcml.program import _listen, find_program  # noqa: E402
+from clustermcml.program import _listen, find_program, fly, result_of  # noqa: E402
 from clustermcml.progress import Progress  # noqa: E402
 
 SLAB = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
@@ -303,6 +304,64 @@ class Runs(unittest.TestCase):
         os.remove(path)
         for photons in (100, 200):
             self.assertEqual(mc.run(mc.Scene([SLAB], photons=photons), output_dir=self.folder).photons, photons)
+
+    def test_two_calls_of_one_folder_at_a_time(self):
+        """Threads: a call gives its own scene's result or is refused."""
+        got, refused = [], []
+
+        def call(mua):
+            try:
+                result = mc.run(mc.Scene([mc.Layer(1.4, mua, 100, 0.9, 0.1)], photons=200), output_dir=self.folder)
+                got.append(float(result.layer_mua[0]) == mua)
+            except mc.ClustermcmlError as error:
+                refused.append(str(error))
+        for _ in range(10):
+            threads = [threading.Thread(target=call, args=(mua,)) for mua in (1, 2, 3)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+        self.assertTrue(len(got) >= 10 and all(got), got)
+        self.assertEqual([text for text in refused if "scene.mci: locked by another call" not in text], [])
+
+    def test_another_process_in_the_folder(self):
+        """Is waited for by nobody, and no obstacle when it was killed."""
+        script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"
+                  "mc.run(mc.Scene([mc.Layer(1.4, 0, 1000, 0.9, 1)], photons=1e8), output_dir=sys.argv[2])")
+        scene = mc.Scene([SLAB], photons=200)
+        with subprocess.Popen([sys.executable, "-c", script, sys.path[0], self.folder]) as process:
+            while not os.path.exists(os.path.join(self.folder, "scene.lock")) and process.poll() is None:
+                time.sleep(0.02)
+            with open(f"/proc/{process.pid}/task/{process.pid}/children", encoding="utf-8") as children:
+                program = int(children.read())
+            with self.assertRaises(mc.ClustermcmlError) as caught:
+                mc.run(scene, output_dir=self.folder)
+            process.kill()
+        os.kill(program, signal.SIGKILL)
+        self.assertRegex(str(caught.exception), "scene.mci: locked by another call")
+        while True:  # until the program's own lock has gone with it
+            try:
+                self.assertEqual(float(mc.run(scene, output_dir=self.folder).layer_mua[0]), 1)
+                break
+            except mc.ClustermcmlError as error:
+                self.assertRegex(str(error), "scene.lock: locked by another process")
+
+    def test_killed_before_its_scene_was_written(self):
+        with open(os.path.join(self.folder, "scene.mci"), "w", encoding="utf-8"):
+            pass
+        self.assertEqual(mc.run(mc.Scene([SLAB], photons=200), output_dir=self.folder).photons, 200)
+
+    def test_a_result_that_was_replaced(self):
+        """By a run of another scene, between the end of the program and the reading of its result."""
+        for kind in "AB":
+            paths = [os.path.join(self.folder, name + ".mci") for name in "ab"]
+            for path, layer in zip(paths, (SLAB, mc.Layer(1.4, 2, 100, 0.9, 0.1))):
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(mc.Scene([layer], photons=200, format=kind).text("same.mco"))
+            told = [fly(path, self.folder, [], False)[0] for path in paths]
+            self.assertEqual(float(result_of(told[1]).layer_mua[0]), 2)
+            with self.assertRaisesRegex(mc.ClustermcmlError, "same.*: replaced by another call"):
+                result_of(told[0])
 
     def test_what_cannot_be_written_or_run(self):
         os.mkdir(os.path.join(self.folder, "scene.mci"))

@@ -6,6 +6,8 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 import codecs
+import contextlib
+import fcntl
 import importlib.resources
 import json
 import os
@@ -17,7 +19,7 @@ import sys
 import tempfile
 import threading
 import warnings
-from typing import Any, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
+from typing import IO, Any, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
 
 import numpy as np
 import xarray as xr
@@ -30,6 +32,7 @@ from .scene import Scene
 
 PREFIX = "clustermcml: "
 OWN = "# written by clustermcml.run or sweep\n"
+FATES = {"Rsp": "specular", "Rd": "reflected", "A": "absorbed", "Tt": "transmitted"}  # keys of --json, and of the books
 MEASURED = ("seconds", "cpu_s", "steps", "photons_per_s", "threads", "ranks")  # keys of --json that become attributes
 
 
@@ -129,27 +132,44 @@ def _read_objects(process: subprocess.Popen[str], progress: Progress, rows: int)
     return told
 
 
-def _is_own(path: str) -> bool:
-    """Whether there is nothing, or a file that scene_file has written, which may be written anew."""
+def _locked(path: str, folder: str) -> IO[bytes]:
+    """The scene's file, opened and locked. The kernel ends the lock with the process, so that nothing stale is left."""
+    file = open(path, "a+b")
     try:
-        with open(path, "rb") as file:
-            return file.read(len(OWN)) == OWN.encode()
-    except FileNotFoundError:
-        return True
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        file.close()
+        raise errors.ClustermcmlError(f"{path}: locked by another call (expected an output_dir of its own for each)", 5) from None
+    except OSError:  # a file system that knows no locks
+        pass
+    file.seek(0)
+    if file.read(len(OWN)) not in (b"", OWN.encode()):
+        file.close()
+        raise errors.refuse("output_dir", folder, "a folder without another scene.mci, which would be overwritten")
+    return file
 
 
-def scene_file(scene: Union[Scene, str, os.PathLike[str]], folder: str) -> str:
-    """The path of the scene's file: of one in the folder where it is an object."""
+def _unlock(file: IO[bytes]) -> None:
+    """Closing alone is not enough: a fork that was made meanwhile has the file open, too."""
+    with contextlib.suppress(OSError):
+        fcntl.flock(file, fcntl.LOCK_UN)
+
+
+@contextlib.contextmanager
+def scene_file(scene: Union[Scene, str, os.PathLike[str]], folder: str) -> Iterator[str]:
+    """The path of the scene's file; of one in the folder where it is an object. Until its result is read, no other call writes there."""
     if not isinstance(scene, Scene):
-        return errors.existing_file("scene", scene)
+        yield errors.existing_file("scene", scene)
+        return
     path = os.path.join(folder, "scene.mci")
-    try:
-        if not _is_own(path):
-            raise errors.refuse("output_dir", folder, "a folder without another scene.mci, which would be overwritten")
-        scene.write(path, OWN)
-    except OSError as error:
-        raise errors.ClustermcmlError(f"{error.filename}: cannot be written ({error.strerror})", 5) from error
-    return path
+    with contextlib.ExitStack() as held:
+        try:
+            file = held.enter_context(_locked(path, folder))
+            held.callback(_unlock, file)
+            scene.write(path, OWN)
+        except OSError as error:
+            raise errors.ClustermcmlError(f"{error.filename}: cannot be written ({error.strerror})", 5) from error
+        yield path
 
 
 def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
@@ -189,12 +209,15 @@ def fly(scene: str, folder: str, options: list[str], show: Optional[bool], rows:
 
 
 def result_of(told: dict[str, Any]) -> xr.Dataset:
-    """The Dataset of a run: of its .h5, which has more, else of its .mco, whatever the name of that."""
+    """The Dataset of a run: of its .h5, which has more, else of its .mco, whatever the name of that. Whether it is that of this very run,
+    its totals say, which the program has told to all digits."""
     h5 = next((path for path in told["files"] if path.endswith(".h5")), None)
     path = h5 or told["files"][0]
     if not os.path.isfile(path):
         raise errors.refuse("scene", path, "a scene whose result is a file")
     data = read_h5(path) if h5 else read_mco(path)
+    if any(float(data["book_" + fate]) != told[total] for total, fate in FATES.items()):
+        raise errors.ClustermcmlError(f"{path}: replaced by another call (expected an output_dir of its own for each)", 5)
     data.attrs.update({key: told[key] for key in MEASURED if told.get(key) is not None})
     return data
 
@@ -204,17 +227,17 @@ def run(scene: Union[Scene, str, os.PathLike[str]], *, output_dir: Union[None, s
     """Flies a scene and returns its result, as `read` does, with how long it took among the attributes.
 
     scene: a Scene, or the path of an `.mci` file with one run. output_dir: a folder that is there, in which results and checkpoints
-    stay; None: they are read and removed. progress: whether to show how far the run is; None: in notebooks and terminals.
-    Everything else is an option of the program, with underscores: photons=1e6, seed=2, threads=4, target_error=1e-3,
-    engine="reference", no_reentry=True; `clustermcml help run` lists them.
+    stay; None: they are read and removed. Calls at the same time need folders of their own. progress: whether to show how far the run
+    is; None: in notebooks and terminals. Everything else is an option of the program, with underscores: photons=1e6, seed=2,
+    threads=4, target_error=1e-3, engine="reference", no_reentry=True; `clustermcml help run` lists them.
 
     Raises InputError for what is refused, ClustermcmlError for what fails later; the text is the program's. Notes of the program are
     warnings. A KeyboardInterrupt stops the program cleanly: with output_dir its checkpoint stays, and resume=True continues.
     """
     with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
-        path = scene_file(scene, folder)
-        told = fly(path, folder, option_words(options), progress)
-        if len(told) != 1:
-            raise errors.refuse("scene", path, f"a file with one run, this one has {len(told)}")
-        return result_of(told[0])
+        with scene_file(scene, folder) as path:
+            told = fly(path, folder, option_words(options), progress)
+            if len(told) != 1:
+                raise errors.refuse("scene", path, f"a file with one run, this one has {len(told)}")
+            return result_of(told[0])

@@ -90,12 +90,12 @@ def sweep(scene: Union[Scene, str, os.PathLike[str]], parameters: Mapping[str, S
         table = os.path.join(scratch, "sweep.csv")
         _write_table(table, checked)
         words = ["--sweep", table, *option_words(options)]
-        told = fly(scene_file(scene, folder), folder, words, progress, math.prod(map(len, checked.values())))
         rows = []
-        for one in sorted(told, key=lambda one: int(one["row"])):
-            result = result_of(one)
-            missing = [name for name in variables or () if name not in result]
-            if missing:
-                raise errors.refuse("variables", missing[0], "one of " + " ".join(map(str, result.data_vars)))
-            rows.append(result if variables is None else result[list(variables)])
+        with scene_file(scene, folder) as path:
+            for one in sorted(fly(path, folder, words, progress, math.prod(map(len, checked.values()))), key=lambda one: int(one["row"])):
+                result = result_of(one)
+                missing = [name for name in variables or () if name not in result]
+                if missing:
+                    raise errors.refuse("variables", missing[0], "one of " + " ".join(map(str, result.data_vars)))
+                rows.append(result if variables is None else result[list(variables)])
     return _stack(rows, checked)

@@ -43,6 +43,11 @@ def refuse(name: str, value: object, expected: str) -> InputError:
     return InputError(f"{name} = {_shown(value)} (expected {expected})")
 
 
+def unreadable(path: str, expected: str, error: Exception) -> InputError:
+    """The error of a file whose reading has failed, in one line."""
+    return InputError(f"{path}: not {expected} ({type(error).__name__}: {' '.join(str(error).split())[:200]})")
+
+
 def number(name: str, value: Any, least: float, most: float, expected: str) -> float:
     """The value as a float, if it is a number from `least` to `most`.
 

@@ -1,11 +1,17 @@
 """Reads `.h5` files.
 
+They may come from strangers. What is read is first asked for its type, its shape and its size, nothing is followed out of the file,
+and nothing of variable length is read, for the HDF5 library trusts the lengths that stand in the file.
+
 SPDX-License-Identifier: MIT
 """
 
 from __future__ import annotations
 
-from typing import Any
+import functools
+import math
+import os
+from typing import Any, Callable
 
 import h5py
 import xarray as xr
@@ -14,6 +20,12 @@ from . import errors
 
 
 WHOLE = ("photons", "seed", "run")  # attributes that are whole numbers; the file has floating-point ones
+MOST_DEFLATED = 1032  # deflate makes at most so many bytes of one
+
+
+def _need(holds: bool, what: str, expected: str) -> None:
+    if not holds:
+        raise ValueError(f"{what} (expected {expected})")
 
 
 def _plain(value: Any) -> Any:
@@ -22,28 +34,97 @@ def _plain(value: Any) -> Any:
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else value
 
 
-def _attributes(item: Any) -> dict[str, Any]:
-    return {name: _plain(item.attrs[name]) for name in ("units", "long_name", "ancillary_variables") if name in item.attrs}
+def _is_plain(kind: h5py.h5t.TypeID) -> bool:
+    """Whether values of the type are numbers, or texts of fixed length."""
+    text = isinstance(kind, h5py.h5t.TypeStringID) and not kind.is_variable_str()
+    return text or isinstance(kind, (h5py.h5t.TypeFloatID, h5py.h5t.TypeIntegerID))
 
 
-def _variable(item: h5py.Dataset, name: str) -> xr.DataArray:
-    """An array with its axes, which are the dimension scales; a scale is its own axis."""
-    is_scale = item.attrs.get("CLASS") == b"DIMENSION_SCALE"
-    dims = [name] if is_scale else [scales.keys()[0] for scales in item.dims]
-    return xr.DataArray(item[()], dims=dims, attrs=_attributes(item))
+def _sorted(iterate: Callable[..., None]) -> list[str]:
+    """Names. Sorted here, for HDF5 1.10 ends by a signal where it has to sort names that are damaged."""
+    found: list[bytes] = []
+    iterate(found.append, order=h5py.h5.ITER_NATIVE)
+    return sorted(name.decode() for name in found)
+
+
+class _File:
+    """A file that is read once. left: how many bytes it can still hold that were not promised yet."""
+
+    def __init__(self, file: h5py.File, size: int) -> None:
+        self.file, self.left = file, size
+
+    def _take(self, what: str, size: int) -> None:
+        _need(size <= self.left, f"{what} takes {size} bytes", f"at most {self.left}, which the file has left")
+        self.left -= size
+
+    def names(self, group: h5py.Group) -> list[str]:
+        """What the group holds itself: links could lead into other files, or a pipe."""
+        names = _sorted(group.id.links.iterate)
+        for name in names:
+            _need(group.id.links.get_info(name.encode()).type == h5py.h5l.TYPE_HARD, f"{name} is a link", "none")
+        return names
+
+    def attribute(self, item: h5py.HLObject, name: str) -> Any:
+        held = h5py.h5a.open(item.id, name.encode())
+        _need(held.shape == () and _is_plain(held.get_type()), f"attribute {name} is an array or of a strange type",
+              "a number or a text of fixed length")
+        self._take("attribute " + name, held.get_storage_size())
+        return _plain(item.attrs[name])
+
+    def attributes(self, item: h5py.Dataset) -> dict[str, Any]:
+        return {name: self.attribute(item, name) for name in ("units", "long_name", "ancillary_variables") if name in item.attrs}
+
+    def values(self, item: h5py.Dataset, name: str) -> Any:
+        """The array. Its bytes stand in this file, or deflate can make them of those that do."""
+        plan = item.id.get_create_plist()
+        filters = [plan.get_filter(i)[0] for i in range(plan.get_nfilters())]
+        known = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE}
+        _need(not item.is_virtual and not item.external, f"{name} lies in other files", "its values in this one")
+        _need(len(filters) == len(set(filters) & known), f"{name} has the filters {filters}", "deflate and shuffle at most")
+        _need(item.shape is not None and _is_plain(item.id.get_type()), f"{name} is of a strange type", "numbers, or texts of fixed length")
+        _need(all(part <= whole for part, whole in zip(item.chunks or (), item.shape)), f"{name} has chunks of {item.chunks}",
+              f"at most its shape {item.shape}")
+        stored = item.id.get_storage_size()
+        self._take(name, stored)
+        size, most = math.prod(item.shape) * item.id.get_type().get_size(), stored * (MOST_DEFLATED if filters else 1)
+        _need(size <= most, f"{name} promises {size} bytes", f"at most {most}, as {stored} are stored")
+        return item[()]
+
+    def scaled(self, scale: h5py.Dataset) -> list[tuple[int, int]]:
+        """The arrays, by their addresses, and which of their dimensions the scale is the axis of."""
+        if "REFERENCE_LIST" not in scale.attrs:
+            return []
+        held = h5py.h5a.open(scale.id, b"REFERENCE_LIST")
+        kind = held.dtype
+        _need(len(held.shape) == 1 and kind.names == ("dataset", "dimension") and kind["dimension"].kind == "i"
+              and h5py.check_ref_dtype(kind["dataset"]) is h5py.Reference, "attribute REFERENCE_LIST is of a strange type", "references")
+        self._take("attribute REFERENCE_LIST", held.get_storage_size())
+        return [(h5py.h5o.get_info(h5py.h5r.dereference(reference, self.file.id)).addr, int(dimension))
+                for reference, dimension in scale.attrs["REFERENCE_LIST"] if reference]
+
+    def dataset(self) -> xr.Dataset:
+        file, names = self.file, self.names(self.file)
+        _need("Rd" in names, "not a result", "the array Rd in it")
+        items = {name: item for name, item in ((name, file[name]) for name in names) if isinstance(item, h5py.Dataset)}
+        scales = [name for name, item in items.items() if "CLASS" in item.attrs and self.attribute(item, "CLASS") == "DIMENSION_SCALE"]
+        axes = {place: name for name in scales for place in self.scaled(items[name])}
+        data = {}
+        for name, item in items.items():
+            values, address = self.values(item, name), h5py.h5o.get_info(item.id).addr
+            dims = [name] if name in scales else [axes.get((address, i), "") for i in range(values.ndim)]
+            _need(all(dims), f"{name} has an axis without a name", "dimension scales")
+            data[name] = xr.DataArray(values, dims=dims, attrs=self.attributes(item))
+        attributes = {name: self.attribute(file, name) for name in _sorted(functools.partial(h5py.h5a.iterate, file.id))}
+        attributes.update({name: int(attributes[name]) for name in WHOLE if name in attributes})
+        if "call" in names:
+            attributes.update({"call_" + name: _plain(self.values(file["call"][name], name)) for name in self.names(file["call"])})
+        return xr.Dataset(data, attrs=attributes)
 
 
 def read_h5(path: str) -> xr.Dataset:
     """The Dataset of an `.h5` file: all its arrays, and as attributes those of the file and how the program was called."""
     try:
         with h5py.File(path, "r") as file:
-            if "Rd" not in file:
-                raise errors.InputError(f"{path}: not a result (expected the array Rd in it)")
-            data = xr.Dataset({name: _variable(item, name) for name, item in file.items() if isinstance(item, h5py.Dataset)})
-            attributes = {name: _plain(value) for name, value in file.attrs.items()}
-            call = {"call_" + name: _plain(item[()]) for name, item in file["call"].items()} if "call" in file else {}
-    except OSError as error:
-        raise errors.InputError(f"{path}: not an .h5 file ({error})") from error
-    attributes.update({name: int(attributes[name]) for name in WHOLE if name in attributes})
-    data.attrs = {**attributes, **call}
-    return data
+            return _File(file, os.path.getsize(path)).dataset()
+    except Exception as error:  # the libraries have many of their own for bytes that are not what they should be
+        raise errors.unreadable(path, "an .h5 file of a result", error) from error

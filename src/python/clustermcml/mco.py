@@ -63,10 +63,10 @@ def _sections(text: str) -> dict[str, list[str]]:
     """{key: the words of its lines}; comments are left out. The name of the output, with which InParm begins, is one word."""
     sections: dict[str, list[str]] = {}
     key = ""
-    for line in text.splitlines():
+    for line in text.split("\n"):
         words = line.split("#")[0].split()
         if key == "InParm" and words and not sections[key]:
-            sections[key] = [re.sub(r"\s+[A-Za-z]\s*(#.*)?$", "", line)]
+            sections[key] = [re.sub(r"(?<!\s)\s+[A-Za-z]\s*(#.*)?$", "", line)]
             continue
         if words and re.fullmatch(r"[A-Za-z]\w*", words[0]) and (words[0] != "A" or key):
             key = words.pop(0)
@@ -80,11 +80,18 @@ def _middles(bins: int, width: float) -> Any:
     return (np.arange(bins) + 0.5) * width
 
 
-def _grid(words: Iterator[str]) -> tuple[dict[str, Any], list[list[float]], float, float]:
+def _count(name: str, word: str, most: int) -> int:
+    """A whole number of bins or layers: the file has at least a digit and a blank for each."""
+    if not 1 <= int(word) <= most:
+        raise ValueError(f"{name} = {word} (expected a whole number from 1 to {most}, which the file can hold)")
+    return int(word)
+
+
+def _grid(words: Iterator[str], most: int) -> tuple[dict[str, Any], list[list[float]], float, float]:
     """Axes, layers and the indices beyond them from the words of InParm, which original MCML writes: name, format, photons, dz,
-    dr, nz, nr, na, number of layers, n above, five numbers for each layer, n below."""
+    dr, nz, nr, na, number of layers, n above, five numbers for each layer, n below. most: as many bins, or layers, as the file can hold."""
     dz, dr = float(next(words)), float(next(words))
-    nz, nr, na, layers = (int(next(words)) for _ in range(4))
+    nz, nr, na, layers = (_count(name, next(words), most) for name in ("nz", "nr", "na", "number of layers"))
     above = float(next(words))
     media = [[float(next(words)) for _ in LAYER] for _ in range(layers)]
     below = float(next(words))
@@ -138,20 +145,22 @@ def _numbers(sections: dict[str, list[str]], axes: dict[str, Any]) -> dict[str, 
 
 def read_mco(path: str) -> xr.Dataset:
     """The Dataset of an `.mco` file, with the names, axes and units of an `.h5` file."""
-    with open(path, encoding="utf-8", errors="replace") as file:
-        text = file.read()
-    if not text.startswith("A1"):
-        raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
     try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            text = file.read()
+        if not text.startswith("A1"):
+            raise errors.InputError(f"{path}: not an .mco file (expected A1 at its beginning)")
         return _dataset(text, _sections(text))
-    except (KeyError, ValueError, StopIteration, IndexError) as error:
-        raise errors.InputError(f"{path}: not a whole .mco file ({type(error).__name__}: {error})") from error
+    except errors.InputError:
+        raise
+    except Exception as error:  # whatever Python and its libraries say of words that are not what they should be
+        raise errors.unreadable(path, "a whole .mco file", error) from error
 
 
 def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     words = iter(sections["InParm"])
     title, photons = next(words), float(next(words))
-    axes, media, above, below = _grid(words)
+    axes, media, above, below = _grid(words, len(text) // 2)
     if "A_body" in sections:
         axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
     data = xr.Dataset(_numbers(sections, axes))

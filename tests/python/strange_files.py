@@ -1,0 +1,210 @@
+"""Files that are no results of ours: `read` gives a Dataset or an InputError of one line, whatever stands in the file. It follows
+nothing out of the file, reads no pipe, and takes no more memory than the file can hold. Crafted files with their messages, then
+files that are mangled at random. strange_files.py [NUMBER of mangled files of each kind]"""
+import os
+import random
+import re
+import resource
+import sys
+import tempfile
+import unittest
+import warnings
+
+TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
+sys.path.insert(0, os.path.join(TOP, "src", "python"))
+try:
+    import h5py
+    import numpy as np
+    import xarray as xr
+except ImportError as error:
+    print(error)
+    sys.exit(77)
+import clustermcml as mc  # noqa: E402
+
+MANGLED = 1000
+WORDS = "0 -1 1 2 1e999 nan 2000000000 99999999999999999999 1e-320 # A RAT InParm se_RAT A_z body \x00 \u2028 ;".split(" ")
+SECRET = 12345.678
+
+
+def replace(file, name, **what):
+    """A data set in the place of another, without axes."""
+    del file[name]
+    return file.create_dataset(name, **what)
+
+
+def promise(file, name, shape, layout):
+    """A data set of that shape of which nothing is stored."""
+    del file[name]
+    plan = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    if layout == "chunked":
+        plan.set_chunk((1000, 1000))
+        plan.set_deflate(1)
+    h5py.h5d.create(file.id, name.encode(), h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple(shape), plan)
+
+
+def virtual(file, other):
+    layout = h5py.VirtualLayout(shape=(7,), dtype="f8")
+    layout[:] = h5py.VirtualSource(other, "Rd_r", shape=(7,))
+    del file["Rd_r"]
+    file.create_virtual_dataset("Rd_r", layout)
+
+
+def link(name, made):
+    def change(file):
+        del file[name]
+        file[name] = made(file)
+    return change
+
+
+class Crafted(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        resource.setrlimit(resource.RLIMIT_AS, (4 * 2**30, 4 * 2**30))
+        cls.folder = tempfile.TemporaryDirectory()
+        sphere = mc.Sphere(0, 0, 0.05, 0.01, 1.5, 3, 40, 0.5)
+        scene = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=[sphere])], photons=300, nr=7, nz=5, na=2, map=mc.Map(3, 2, 0.1, 0.2), format="A")
+        mc.run(scene, output_dir=cls.folder.name)
+        cls.sound = {}
+        for end in ("mco", "h5"):
+            with open(os.path.join(cls.folder.name, "scene." + end), "rb") as file:
+                cls.sound[end] = file.read()
+        cls.other = os.path.join(cls.folder.name, "other.h5")
+        with h5py.File(cls.other, "w") as file:
+            file["Rd_r"] = np.full(7, SECRET)
+        cls.pipe = os.path.join(cls.folder.name, "pipe.h5")
+        os.mkfifo(cls.pipe)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def write(self, end, content):
+        path = os.path.join(self.folder.name, "strange." + end)
+        with open(path, "wb") as file:
+            file.write(content)
+        return path
+
+    def refused(self, path, text):
+        with self.assertRaisesRegex(mc.InputError, text) as caught:
+            mc.read(path)
+        self.assertNotIn("\n", str(caught.exception))
+
+    def test_h5(self):
+        raw = os.path.join(self.folder.name, "raw")
+        with open(raw, "wb") as file:
+            file.write(np.full(7, SECRET).tobytes())
+        variable = h5py.string_dtype()
+        changes = (
+                (link("Rd", lambda file: h5py.ExternalLink(self.other, "Rd_r")), "Rd is a link"),
+                (link("Rd_r", lambda file: h5py.ExternalLink(self.other, "Rd_r")), "Rd_r is a link"),
+                (link("Rd_r", lambda file: h5py.ExternalLink(self.pipe, "Rd_r")), "Rd_r is a link"),
+                (link("Rd_r", lambda file: h5py.SoftLink("/Tt_r")), "Rd_r is a link"),
+                (link("call/command", lambda file: h5py.ExternalLink(self.other, "Rd_r")), "command is a link"),
+                (lambda file: virtual(file, self.other), "Rd_r lies in other files"),
+                (lambda file: replace(file, "Rd_r", shape=(7,), dtype="f8", external=[(raw, 0, 56)]), "Rd_r lies in other files"),
+                (lambda file: replace(file, "Rd_r", data=np.zeros(7), compression="lzf"), "Rd_r has the filters"),
+                (lambda file: replace(file, "Rd_r", data=np.zeros(7), fletcher32=True), "Rd_r has the filters"),
+                (lambda file: replace(file, "Rd_r", data=["a"] * 7, dtype=variable), "Rd_r is of a strange type"),
+                (lambda file: replace(file, "Rd_r", data=np.zeros(7, "f8,f8")), "Rd_r is of a strange type"),
+                (lambda file: replace(file, "Rd_r", data=h5py.Empty("f8")), "Rd_r is of a strange type"),
+                (lambda file: file.create_dataset("more", data=np.zeros(7)), "more has an axis without a name"),
+                (lambda file: replace(file, "Rd_r", shape=(7,), maxshape=(None,), chunks=(10**8,), dtype="f8"), "Rd_r has chunks of"),
+                (lambda file: promise(file, "Rd_r", (32000, 32000), "chunked"), "Rd_r promises 8192000000 bytes"),
+                (lambda file: promise(file, "Rd_r", (2**30, 2**30), "contiguous"), "Rd_r promises 9223372036854775808 bytes"),
+                (lambda file: file.attrs.create("photons", np.arange(10**4)), "attribute photons is an array"),
+                (lambda file: file.attrs.create("title", np.array([b"a", b"b"])), "attribute title is an array"),
+                (lambda file: file.attrs.create("title", "text", dtype=variable), "attribute title is an array or of a strange type"),
+                (lambda file: file.attrs.create("photons", np.inf), "infinity"), (lambda file: file.attrs.create("run", np.bytes_("one")), "int"),
+                (lambda file: file["Rd"].attrs.create("units", np.zeros(3)), "attribute units is an array"),
+                (lambda file: file["r"].attrs.create("CLASS", np.zeros(3)), "attribute CLASS is an array"),
+                (lambda file: file["r"].attrs.create("REFERENCE_LIST", "text"), "attribute REFERENCE_LIST is of a strange type"),
+                (lambda file: file["r"].attrs.create("REFERENCE_LIST", 3), "attribute REFERENCE_LIST is of a strange type"),
+                (lambda file: file.pop("Rd"), "expected the array Rd"), (lambda file: file.pop("r"), "A_rz has an axis without a name"))
+        for change, text in changes:
+            path = self.write("h5", self.sound["h5"])
+            with h5py.File(path, "r+") as file:
+                change(file)
+            with self.subTest(text):
+                self.refused(path, r"strange\.h5: not an \.h5 file of a result .*" + text)
+
+    def test_a_value_many_times(self):
+        """The sum of what is promised is bounded, too."""
+        path = self.write("h5", self.sound["h5"])
+        with h5py.File(path, "r+") as file:
+            big = file.create_dataset("big", data=np.zeros(100000), chunks=(100000,), compression=9)
+            big.dims[0].label = "big"
+            for i in range(1000):
+                file[f"big{i}"] = big
+            file["big"].make_scale("big")
+        self.refused(path, "bytes .expected at most")
+
+    def test_mco(self):
+        text = self.sound["mco"].decode()
+        for change, said in ((lambda: text.replace("5\t7\t2\t", "2000000000\t7\t2\t"), r"nz = 2000000000 .expected a whole number from 1 to \d+,"),
+                             (lambda: text.replace("5\t7\t2\t", "5\t7\t0\t"), "na = 0"), (lambda: text.replace("5\t7\t2\t", "5\t-7\t2\t"), "nr = -7"),
+                             (lambda: text.replace("\n1\t\t\t\t\t#", "\n900000000\t\t\t\t\t#"), "number of layers = 900000000"),
+                             (lambda: text.replace("\n300 ", "\n1e999 "), "infinity"), (lambda: "A1\nInParm\nname" + " " * 10**6 + ".", "StopIteration")):
+            self.assertNotEqual(change(), text)
+            self.refused(self.write("mco", change().encode()), r"strange\.mco: not a whole \.mco file .*" + said)
+
+    def test_no_files(self):
+        os.mkdir(os.path.join(self.folder.name, "folder.h5"))
+        for name in ("pipe.h5", "folder.h5", "none.mco"):
+            self.refused(os.path.join(self.folder.name, name), "expected the path of a file that is there")
+
+    def test_names_with_strange_ends_of_lines(self):
+        path = self.write("mco", self.sound["mco"].replace(b"\nscene.mco \tA", "\na\u2028b\x0c.mco \tA".encode()))
+        self.assertEqual(mc.read(path).title, "a\u2028b\x0c.mco")
+
+    def mangle(self, dice, content):
+        """A few bytes or words changed, a piece cut out, doubled, or moved."""
+        changed = bytearray(content)
+        for _ in range(dice.choice((1, 1, 2, 8))):
+            at, to = sorted(dice.randrange(len(changed) + 1) for _ in range(2))
+            to = min(to, at + dice.choice((1, 8, 8, 64, len(changed))))
+            kind = dice.randrange(7)
+            if kind == 0:
+                changed[at:to] = b""
+            elif kind == 1:
+                changed[at:to] *= 2
+            elif kind == 2:
+                changed[at:to] = bytes(to - at)
+            elif kind == 3:
+                changed[at:to] = b"\xff" * (to - at)
+            elif kind == 4:
+                start = dice.randrange(len(changed) + 1)
+                changed[at:to] = changed[start:start + to - at]
+            else:
+                for _ in range(3):
+                    changed[dice.randrange(len(changed))] = dice.randrange(256)
+        return bytes(changed)
+
+    def mangle_words(self, dice, content):
+        words = re.split(r"(\s+)", content.decode())
+        for _ in range(dice.choice((1, 1, 3, 10))):
+            words[2 * dice.randrange(dice.choice((40, len(words))) // 2)] = dice.choice(WORDS)
+        return "".join(words).encode()
+
+    def survives(self, end, content):
+        try:
+            self.assertIsInstance(mc.read(self.write(end, content)), xr.Dataset)
+            return 1
+        except mc.InputError as error:
+            self.assertNotIn("\n", str(error))
+            return 0
+
+    def test_mangled(self):
+        dice, kinds = random.Random(1), {"bytes of .mco": ("mco", self.mangle), "words of .mco": ("mco", self.mangle_words), "bytes of .h5": ("h5", self.mangle)}
+        for name, (end, change) in kinds.items():
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                read = sum(self.survives(end, change(dice, self.sound[end])) for _ in range(MANGLED))
+            print(f"{name}: {MANGLED} files, {read} of them read")
+            self.assertTrue(0 < read < MANGLED)
+
+
+
+if __name__ == "__main__":
+    if len(sys.argv) > 1:
+        MANGLED = int(sys.argv.pop())
+    unittest.main()

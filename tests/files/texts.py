@@ -12,10 +12,12 @@ import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
+import svg_text  # noqa: E402
 from fields import h5py  # noqa: E402
 
 TOP = os.path.dirname(cml.TESTS)
 FENCED = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+os.environ["PYTHONPATH"] = os.path.join(TOP, "src", "python")  # as if the package were installed; long.pip installs it
 SCENE = "samples/two_runs.mci"  # which README explains
 MOST_ERRORS = 2  # so far a number of the text may be off, beyond its rounding: another seed must not make it false
 
@@ -73,6 +75,7 @@ def check_tutorial(verdict, folder):
     verdict.check("tutorial.md", os.path.basename(here) == "tutorial", here)
     check_numbers(verdict, here)
     check_beams(verdict, here)
+    check_pictures(verdict, here)
 
 
 def total(path, key):
@@ -182,6 +185,13 @@ def check_beams(verdict, folder):
         with open(scene, encoding="utf-8") as file:
             wide = re.search("^(#@ )?beam (disk|gaussian)", file.read(), re.MULTILINE)
         verdict.check(scene, wide or "mesh" not in kinds, "lights one point of a mesh")
+
+
+def check_pictures(verdict, folder):
+    """Can be read, on a dark page, too."""
+    for name in sorted(name for name in os.listdir(folder) if name.endswith(".svg")):
+        faults, texts = svg_text.faults_of(svg_text.tree.parse(os.path.join(folder, name)).getroot())
+        verdict.check(name, texts > 0 and not faults, "; ".join(faults))
 
 
 def check_readers(verdict, folder):

@@ -1,4 +1,4 @@
-"""Texts of SVG pictures must not overlap, nor leave the picture: svg_text.py FILE.svg [...].
+"""Texts of SVG pictures must not overlap, nor leave the picture, and stand on white, whatever is behind: svg_text.py FILE.svg [...].
 
 A text's box is as wide as its characters times WIDTH of the size of its letters, for no fonts are at hand: about the mean of
 Helvetica, in which digits take 0.556. It reaches from the baseline up to the capitals, and down to the tails of letters.
@@ -64,10 +64,17 @@ def texts_of(element, m=SAME, size=12.0, anchor="start"):
     return [found for child in element if child.tag != SVG + "defs" for found in texts_of(child, m, size, anchor)]
 
 
+def on_white(root, view):
+    """Whether a white rectangle fills the picture."""
+    return any(part.get("fill", "").lower() == "#ffffff" and [float(part.get(key)) for key in ("x", "y", "width", "height")] == view
+               for part in root.iter(SVG + "rect"))
+
+
 def faults_of(root):
     view = [float(word) for word in LENGTH.findall(root.get("viewBox"))]
     texts = texts_of(root)
-    faults = [f"{words!r} leaves the picture" for words, box in texts
+    faults = [] if on_white(root, view) else ["has no white background"]
+    faults += [f"{words!r} leaves the picture" for words, box in texts
               if box[0] < view[0] - SLACK or box[1] < view[1] - SLACK or box[2] > view[2] + SLACK or box[3] > view[3] + SLACK]
     for i, (words, a) in enumerate(texts):
         for other, b in texts[:i]:
@@ -78,14 +85,15 @@ def faults_of(root):
 
 def check_the_check():
     """Pictures made up: two texts apart, and one fault of each kind."""
-    def faults(*texts):
-        body = "".join(f'<g transform="{where}" font-size="10" text-anchor="middle"><text>{text}</text></g>' for where, text in texts)
+    def faults(*texts, paper='<rect x="0" y="0" width="100" height="100" fill="#FFFFFF"/>'):
+        body = paper + "".join(f'<g transform="{where}" font-size="10" text-anchor="middle"><text>{text}</text></g>' for where, text in texts)
         return len(faults_of(tree.fromstring(f'<svg xmlns="{SVG[1:-1]}" viewBox="0 0 100 100">{body}</svg>'))[0])
     first = ("translate(50,50)", "aaaaa")
     assert faults(first, ("translate(50,62)", "bbbbb")) == 0 and faults(first, ("translate(80,50)", "bbbbb")) == 0
     assert faults(first, ("translate(50,55)", "bbbbb")) == 1 and faults(first, ("translate(75,50)", "bbbbb")) == 1
     assert faults(first, ("translate(72,50) rotate(-90)", "bbbbb")) == 0
     assert faults(first, ("translate(66,50) rotate(-90)", "bbbbb")) == 1
+    assert faults(first, paper="") == 1
     assert faults(("translate(10,50)", "aaaaa")) == 1 and faults(("translate(50,5)", "aaaaa")) == 1
 
 

@@ -1,5 +1,6 @@
 #!/bin/sh
-# pip install . into clean virtual environments, of every Python from 3.9 on that is here; then five lines and a picture.
+# pip install . into clean virtual environments, of every Python from 3.9 on that is here; then five lines and a picture, and the first
+# reader of samples/output.md, which needs nothing else.
 # Skipped without a package registry.
 # SPDX-License-Identifier: MIT
 set -u
@@ -19,6 +20,9 @@ result = mc.run(mc.Scene([skin], photons=1e4))
 result.Rd_r.plot()[0].figure.savefig("picture.png")
 ') && test -s "$work/picture.png" || { echo "$python: no picture"; exit 1; }
     "$work/$python/bin/clustermcml" --version | grep -q '^clustermcml ' || { echo "$python: no program"; exit 1; }
+    sed -n '/^```python$/,/^```$/p' samples/output.md | sed -e 1d -e '/^```$/,$d' >"$work/reader.py"
+    "$work/$python/bin/clustermcml" samples/skinmap.mci --photons 2e4 --quiet -o "$work" || exit 1
+    (cd "$work" && "$work/$python/bin/python" reader.py) || { echo "$python: no result read"; exit 1; }
     echo "$python: installed, flown, drawn"
     rm "$work/picture.png"
     tried=1

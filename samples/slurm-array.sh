@@ -3,6 +3,7 @@
 # with checkpoints, and is requeued until it is done. Then the parts become one.
 #     sbatch --array=1-8 samples/slurm-array.sh DIR scene.mci --sweep table.csv [options of clustermcml]
 #     sh samples/slurm-array.sh DIR                   in a job of its own, when all tasks are done: all parts to DIR/*.mco and *.h5
+# A part that lacks a result of another one is named, and nothing merged (exit code 2): it is flown again, or removed.
 # DIR/merged.json gets an object a file, with totals and their errors. CLUSTERMCML names the program.
 #SBATCH --job-name=clustermcml
 #SBATCH --array=1-8
@@ -18,13 +19,37 @@ program=${CLUSTERMCML:-clustermcml}
 directory=$1
 shift
 
+fail() {
+    echo "slurm-array.sh: $1" >&2
+    exit 2
+}
+
+# Names of the results of all parts.
+results() {
+    find "$directory"/part-*/ -maxdepth 1 \( -name '*.mco' -o -name '*.h5' ! -name '*.sweep.h5' \) -exec basename {} \; | sort -u
+}
+
+# Every part has every result, and none that was begun is missing.
+check_parts() {
+    for part in "$directory"/part-*/; do
+        test -d "$part" || fail "$directory: no parts (expected the folders part-SEED of the tasks)"
+        results | while IFS= read -r name; do
+            test -e "$part$name" || fail "$part$name: missing (expected the results of all parts)"
+        done || exit
+        for checkpoint in "$part"*.checkpoint; do
+            begun=${checkpoint%.checkpoint}
+            test ! -e "$checkpoint" || test -e "$begun" || test -e "${begun%.*}.h5" || fail "$begun: not finished (expected it done in all parts)"
+        done
+    done
+    test -n "$(results)" || fail "$directory: no results in the parts (expected .mco or .h5 files)"
+}
+
 # No scene: the parts become one, result by result. Parts of other scenes, and seeds that are there twice, are refused.
 if test $# -eq 0; then
-    : >"$directory/merged.json"
-    find "$directory"/part-* -maxdepth 1 \( -name '*.mco' -o -name '*.h5' ! -name '*.sweep.h5' \) -exec basename {} \; | sort -u |
-        while IFS= read -r name; do
-            "$program" merge "$directory"/part-*/"$name" -o "$directory/$name" --json >>"$directory/merged.json" || exit
-        done
+    check_parts
+    results | while IFS= read -r name; do
+        "$program" merge "$directory"/part-*/"$name" -o "$directory/$name" --json || exit
+    done >"$directory/merged.json"
     exit
 fi
 

@@ -39,6 +39,33 @@ for file in "$work/both.mco" "$work/study/thick-0002.mco"; do
 done
 cmp -s "$work/both.mco.bare" "$work/study/thick-0002.mco.bare" || complain "the joined row is not what merge makes"
 test "$(wc -l <"$work/study/merged.json")" -eq 2 || complain "merged.json: $(cat "$work/study/merged.json")"
+
+# parts that lack something, and no parts: said, and nothing written
+refuses() { # EXPECTED TEXT
+    code=0
+    cp "$work/study/merged.json" "$work/before.json"
+    CLUSTERMCML=$program sh samples/slurm-array.sh "$work/study" >"$work/out" 2>"$work/err" || code=$?
+    test $code -eq 2 && grep -qF "$1" "$work/err" && test "$(wc -l <"$work/err")" -eq 1 || complain "exit $code: $(cat "$work/err") (expected $1)"
+    cmp -s "$work/study/merged.json" "$work/before.json" || complain "merged.json was written"
+}
+mv "$work/study/part-2/thick-0002.mco" "$work/kept.mco"
+refuses "part-2/thick-0002.mco: missing (expected the results of all parts)"
+mv "$work/kept.mco" "$work/study/part-2/thick-0002.mco"
+mkdir "$work/study/part-4"
+refuses "part-4/thick-0001.mco: missing"
+rmdir "$work/study/part-4"
+touch "$work/study/part-2/thick-0003.mco.checkpoint"
+refuses "part-2/thick-0003.mco: not finished (expected it done in all parts)"
+touch "$work/study/part-1/thick-0002.mco.checkpoint" # of a finished run that keeps it
+rm "$work/study/part-2/thick-0003.mco.checkpoint"
+join
+mkdir "$work/hidden"
+mv "$work/study/part-1" "$work/study/part-2" "$work/hidden"
+refuses "study: no parts (expected the folders part-SEED of the tasks)"
+mkdir "$work/study/part-1"
+refuses "study: no results in the parts (expected .mco or .h5 files)"
+rmdir "$work/study/part-1"
+mv "$work/hidden"/part-* "$work/study"
 test ! -e "$work/asked" || complain "a finished task was requeued"
 
 # stopped in the middle

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Without --threads as many threads as the process may use cores, even where OpenMP binds its threads before main begins;
-# a note where more are asked for than the process may use, or the system starts fewer; small stacks and huge ones.
+# a note where more are asked for than the process may use, or the system starts fewer; small stacks and huge ones,
+# and one that is too small.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 unset OMP_NUM_THREADS OMP_PLACES OMP_PROC_BIND
@@ -55,5 +56,11 @@ for limit in 256 1000000 unlimited; do
         finish
     ) || complain "ulimit -s $limit"
     test "$(bits)" = "$expected" || complain "ulimit -s $limit: other bytes"
+done
+for limit in 64 128 255; do
+    code=0
+    (ulimit -s $limit && exec "$program" samples/fig5.mci --photons 1e3 --quiet -o "$work") 2>"$work/err" || code=$?
+    test $code -eq 2 && test "$(cat "$work/err")" = "clustermcml: ulimit -s is $limit KiB (expected 256 or more)" ||
+        complain "ulimit -s $limit: exit $code: $(cat "$work/err")"
 done
 finish

@@ -58,6 +58,7 @@ static cml_status work(int argc, char **argv, struct cml_error *err)
     CML_TRY(cml_cluster_agree(cml_options_parse(argc, argv, &options, err), err));
     cml_cluster_set_timeout(options.timeout);
     cml_announce_meshes(&options);
+    options.engine_options.on_note = cml_show_note;
     cml_status status = answer(&options, err);
     if ((fflush(stdout) != 0 || ferror(stdout)) && status == CML_OK)
         status = cml_fail(err, CML_E_IO, "standard output cannot be written");

@@ -35,6 +35,7 @@ struct cml_engine_options {
     const char *build_options; /* for the device's compiler, behind ours; NULL: none */
     int group;                 /* work-items per group; 0: chosen by the device */
     bool loose_division; /* division and root as on devices that cannot round them correctly; for tests */
+    void (*on_note)(void *context, const char *text); /* one line for people; context NULL. NULL: silent */
 };
 
 /* How one packet ended. */

@@ -88,6 +88,44 @@ for spoil in 'printf broken >' 'truncate -s -1' 'truncate -s 0'; do
     same_as_cpu fig5.mco $sample --photons 1001
     test "$(wc -c <"$binary")" -gt 1000 || complain "a spoilt binary was not replaced"
 done
+# What another user could have written, or written to, is not run: not used, and said once.
+refuses_cache() { # WHAT NAME
+    rm -f "$work/fig5.mco"
+    expect_code 0 $sample --engine opencl --photons 1001 --quiet -o "$work"
+    test "$(cat "$work/err")" = "clustermcml: note: $2 in the cache of OpenCL binaries is not used (expected one of your own that others may not write)" ||
+        complain "$1: $(cat "$work/err")"
+    test -s "$work/fig5.mco" || complain "$1: nothing was flown"
+}
+name=${binary##*/} folder=${binary%/*}
+chmod 666 "$binary"
+refuses_cache "a file that others may write" "$name"
+expect_code 0 $sample --engine opencl --photons 1001 --quiet -o "$work"
+test ! -s "$work/err" && test "$(stat -c %a "$binary")" = 600 || complain "a binary was not written anew: $(cat "$work/err")"
+mv "$binary" "$work/target"
+ln -s "$work/target" "$binary"
+refuses_cache "a link" "$name"
+rm "$binary" "$work/target"
+mkfifo "$binary"
+refuses_cache "a pipe" "$name"
+rm "$binary"
+for rights in 777 720; do
+    chmod $rights "$folder"
+    refuses_cache "a folder that others may write" "$folder"
+    test -z "$(ls "$folder")" || complain "a binary was written into a folder that others may write"
+done
+chmod 700 "$folder"
+mv "$folder" "$work/elsewhere"
+ln -s "$work/elsewhere" "$folder"
+refuses_cache "a link to a folder" "$folder"
+rm "$folder"
+mkdir "$folder"
+if chown 12345 "$folder" 2>"$work/out"; then
+    refuses_cache "a folder of another user" "$folder"
+    chown "$(id -u)" "$folder"
+    expect_code 0 $sample --engine opencl --photons 1001 --quiet -o "$work"
+    chown 12345 "$folder/$name"
+    refuses_cache "a file of another user" "$name"
+fi
 unset XDG_CACHE_HOME HOME
 same_as_cpu fig5.mco $sample --photons 1001
 finish

@@ -91,6 +91,7 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
         .only_planes = true,
         .cells = cml_tally_cells(grid),
         .build_options = options->build_options,
+        .on_note = options->on_note,
         .group = options->group,
         .loose_division = options->loose_division,
     };

@@ -7,10 +7,12 @@
 #include "base/text.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #define MAGIC "clustermcml-opencl-1"
 
@@ -24,28 +26,57 @@ static uint64_t hash(const void *data, size_t size)
     return h;
 }
 
-/* Only the user may write what will be run. */
 static bool ensure_directory(const char *path)
 {
     return mkdir(path, 0700) == 0 || errno == EEXIST;
 }
 
-/* The file of a key; makes its directory. False where there is no place for a cache. */
-static bool cache_path(const char *key, char path[1024])
+/* Makes the folder. False where there is no place for a cache. */
+static bool find_folder(char folder[960])
 {
     const char *base = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
-    char directory[960];
     int length = -1;
     if (base && base[0] == '/')
-        length = snprintf(directory, sizeof directory, "%s", base);
+        length = snprintf(folder, 960, "%s", base);
     else if (home && home[0] == '/')
-        length = snprintf(directory, sizeof directory, "%s/.cache", home);
-    if (length < 0 || (size_t)length + sizeof "/clustermcml" > sizeof directory) return false;
-    if (!ensure_directory(directory)) return false;
-    strcat(directory, "/clustermcml");
-    if (!ensure_directory(directory)) return false;
-    snprintf(path, 1024, "%s/%016llx.bin", directory, (unsigned long long)hash(key, strlen(key)));
-    return true;
+        length = snprintf(folder, 960, "%s/.cache", home);
+    if (length < 0 || (size_t)length + sizeof "/clustermcml" > 960) return false;
+    if (!ensure_directory(folder)) return false;
+    strcat(folder, "/clustermcml");
+    return ensure_directory(folder);
+}
+
+static void name_file(const char *key, char name[32])
+{
+    snprintf(name, 32, "%016llx.bin", (unsigned long long)hash(key, strlen(key)));
+}
+
+/* What is in the cache will be run, so only the user may write there. Asked of what has been opened: a name
+ * may mean something else the next moment. */
+static bool is_own(int file, mode_t kind)
+{
+    struct stat about;
+    return fstat(file, &about) == 0 && (about.st_mode & S_IFMT) == kind && about.st_uid == geteuid() &&
+           (about.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/* A descriptor, -1 where there is nothing, or nothing that may be used: then with a note, one for all devices
+ * and runs of a process. Never follows a link, nor waits for a pipe. */
+static int open_own(int folder, const char *name, mode_t kind, cml_opencl_note *on_note)
+{
+    static bool told;
+    const int file = openat(folder, name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+    if (file < 0 && errno == ENOENT) return -1;
+    if (file >= 0 && is_own(file, kind)) return file;
+    if (file >= 0) close(file);
+    char text[1200];
+    snprintf(
+        text, sizeof text,
+        "%s in the cache of OpenCL binaries is not used (expected one of your own that others may not write)",
+        name);
+    if (on_note && !told) on_note(NULL, text);
+    told = true;
+    return -1;
 }
 
 /* The binary of a file, if the file is whole and of this very key; else NULL, and it is built anew. */
@@ -68,26 +99,41 @@ static unsigned char *read_binary(FILE *file, const char *key, size_t *size)
     return data;
 }
 
-/* Whatever fails here only costs a compilation, so nothing is reported. */
-unsigned char *cml_opencl_cache_load(const char *key, size_t *size)
+/* Whatever else fails here only costs a compilation, so nothing is reported. */
+unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, size_t *size)
 {
-    char path[1024];
-    if (!cache_path(key, path)) return NULL;
-    FILE *file = fopen(path, "rb");
-    if (!file) return NULL;
+    char path[960], name[32];
+    if (!find_folder(path)) return NULL;
+    const int folder = open_own(AT_FDCWD, path, S_IFDIR, on_note);
+    if (folder < 0) return NULL;
+    name_file(key, name);
+    const int opened = open_own(folder, name, S_IFREG, on_note);
+    close(folder);
+    FILE *file = opened < 0 ? NULL : fdopen(opened, "rb");
+    if (!file) {
+        if (opened >= 0) close(opened);
+        return NULL;
+    }
     unsigned char *binary = read_binary(file, key, size);
     fclose(file);
     return binary;
 }
 
-/* Written under another name first, so that another process never reads half a file. */
+/* Written under another name first, so that another process never reads half a file. The rights do not depend
+ * on the umask. */
 void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t size)
 {
-    char path[1024];
+    char path[960 + 32], name[32];
     struct cml_error ignored;
     struct cml_file file;
-    if (!cache_path(key, path)) return;
+    if (!find_folder(path)) return;
+    const int folder = open_own(AT_FDCWD, path, S_IFDIR, NULL);
+    if (folder < 0) return;
+    close(folder);
+    name_file(key, name);
+    strcat(strcat(path, "/"), name);
     if (cml_file_create(path, &file, &ignored) != CML_OK) return;
+    fchmod(fileno(file.stream), 0600);
     fprintf(file.stream, MAGIC " %zu %zu %llx\n", strlen(key), size, (unsigned long long)hash(binary, size));
     fputs(key, file.stream);
     fwrite(binary, 1, size, file.stream);

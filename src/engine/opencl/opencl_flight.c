@@ -109,7 +109,7 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
              info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
              scene->setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES", extra);
     const cml_status status =
-        cml_opencl_program(&flight->device, flight->context, options, &flight->program, err);
+        cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program, err);
     free(options);
     return status;
 }

@@ -43,15 +43,19 @@ CML_NODISCARD cml_status cml_opencl_fail(const struct cml_opencl_device *device,
 extern const char cml_opencl_text[];
 extern const size_t cml_opencl_text_size;
 
+typedef void cml_opencl_note(void *context, const char *text); /* as in cml_engine_options; NULL: silent */
+
 /* Builds the kernel text for one device, or takes the binary that an earlier run left in the user's cache
  * directory. A compiler's complaint goes to standard error in full, its first line into err. */
 CML_NODISCARD cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context,
-                                            const char *options, cl_program *program, struct cml_error *err);
+                                            const char *options, cml_opencl_note *on_note,
+                                            cl_program *program, struct cml_error *err);
 
 /* The cache of program binaries: one file per key, $XDG_CACHE_HOME/clustermcml or ~/.cache/clustermcml. A
- * file of another key, cut short or changed, is as good as none. load returns NULL, else size bytes for the
- * caller to free; store says nothing when it fails. */
-unsigned char *cml_opencl_cache_load(const char *key, size_t *size);
+ * file of another key, cut short or changed, is as good as none; so is, with a note, a file or a folder of
+ * another user, or that others may write: what stands there is run. load returns NULL, else size bytes for
+ * the caller to free; store says nothing when it fails. */
+unsigned char *cml_opencl_cache_load(const char *key, cml_opencl_note *on_note, size_t *size);
 void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t size);
 
 /* What all devices are given of a scene; arrays are borrowed. */
@@ -70,8 +74,9 @@ struct cml_opencl_scene {
     bool only_planes;          /* no curved boundaries and no bodies */
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
     const char *build_options; /* NULL: none */
-    int group;                 /* 0: chosen */
-    bool loose_division;       /* even where the device can round correctly */
+    cml_opencl_note *on_note;
+    int group;           /* 0: chosen */
+    bool loose_division; /* even where the device can round correctly */
 };
 
 /* Buffers of a device, in the order of the kernel's arguments. Those of the scene are written once; control,

@@ -44,10 +44,10 @@ static char *key_of(const struct cml_opencl_device *device, const char *options)
 
 /* A driver may refuse the binary, for instance after an update that left its version the same: then false. */
 static bool build_from_cache(const struct cml_opencl_device *device, cl_context context, const char *key,
-                             const char *options, cl_program *program)
+                             const char *options, cml_opencl_note *on_note, cl_program *program)
 {
     size_t size = 0;
-    unsigned char *binary = cml_opencl_cache_load(key, &size);
+    unsigned char *binary = cml_opencl_cache_load(key, on_note, &size);
     const unsigned char *binaries[] = {binary};
     cl_int sound = CL_SUCCESS, code = CL_SUCCESS;
     if (!binary) return false;
@@ -90,11 +90,11 @@ static cml_status build_from_text(const struct cml_opencl_device *device, cl_con
 
 /* Without memory for a key the program is built and not kept. */
 cml_status cml_opencl_program(const struct cml_opencl_device *device, cl_context context, const char *options,
-                              cl_program *program, struct cml_error *err)
+                              cml_opencl_note *on_note, cl_program *program, struct cml_error *err)
 {
     char *key = key_of(device, options);
     cml_status status = CML_OK;
-    if (!key || !build_from_cache(device, context, key, options, program)) {
+    if (!key || !build_from_cache(device, context, key, options, on_note, program)) {
         status = build_from_text(device, context, options, program, err);
         if (key && status == CML_OK) keep(key, *program);
     }

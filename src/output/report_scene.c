@@ -81,8 +81,8 @@ static void report_body(FILE *stream, const char *prefix, const struct cml_scene
     if (body->form != CML_BODY_MESH && surface->kind == CML_SURFACE_MESH)
         fprintf(stream, ", as %llu triangles", (unsigned long long)surface->primitives);
     print_host(stream, scene, body->host);
-    print_extent(stream, scene, surface, reader);
     fprintf(stream, "; n %g, mua %g, mus %g 1/cm, g %g", medium->n, medium->mua, medium->mus, medium->g);
+    print_extent(stream, scene, surface, reader);
     print_file(stream, scene, body->file, reader);
 }
 
@@ -111,9 +111,9 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
         if (def->kind != CML_SURFACE_PLANE)
             fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
         fprintf(stream, " (%s)", def->reason);
+        if (boundary->form != CML_FORM_PLANE) print_checksum(stream, cml_boundary_checksum(boundary), reader);
         if (def->kind != CML_SURFACE_PLANE)
             print_depths(stream, def->depth + def->lowest, def->depth + def->highest, reader);
-        if (boundary->form != CML_FORM_PLANE) print_checksum(stream, cml_boundary_checksum(boundary), reader);
         print_file(stream, scene, boundary->file, reader);
     }
     report_bodies(stream, prefix, scene, &surfaces->bodies, reader);

@@ -25,6 +25,7 @@ struct writer {
     double *buffer;       /* [CHUNK] */
     unsigned char *image; /* the file's bytes, which stay when the library closes it */
     size_t size, room;    /* bytes of it; that there is memory for */
+    size_t refused;       /* bytes that there was no memory for; 0: none */
 };
 
 static void check(struct writer *w, int64_t returned)
@@ -264,7 +265,10 @@ static void *grow_image(void *old, size_t size, H5FD_file_image_op_t why, void *
     struct writer *w = writer;
     (void)why;
     unsigned char *larger = realloc(old, size);
-    if (!larger) return NULL;
+    if (!larger) {
+        w->refused = size;
+        return NULL;
+    }
     if (size > w->room) memset(larger + w->room, 0, size - w->room); /* the library writes not all of it */
     w->image = larger;
     w->room = size;
@@ -330,6 +334,7 @@ static void close_file(struct writer *w)
 static cml_status publish(const char *path, const struct writer *w, struct cml_error *err)
 {
     struct cml_file file;
+    if (w->refused > 0) return cml_fail_memory(err, (double)w->refused, "an HDF5 file");
     if (w->failed)
         return cml_fail(err, CML_E_IO, "%s: cannot be written (HDF5 failed: is there too little memory?)",
                         path);

@@ -1,20 +1,23 @@
 /* A binary tree of axis-parallel boxes, as of a bounding volume hierarchy, without links: its shape follows
- * from the number of triangles alone. SPDX-License-Identifier: MIT */
+ * from the number of its leaves alone. SPDX-License-Identifier: MIT */
 #include "geometry/box_tree.h"
 
 #include <math.h>
 #include <stdlib.h>
 
+/* As double[2][3], by which boxes are given. */
 struct box {
     double lower[3], upper[3];
 };
 
-/* Nodes in preorder, split at the middle of their range of `index`; a leaf is one triangle. So neither links
- * nor ranges are stored: see left_of and right_of. */
+/* Nodes in preorder, split at the middle of their range of `index`; a leaf is one triangle, or one of the
+ * boxes. So neither links nor ranges are stored: see left_of and right_of. */
 struct cml_boxtree {
     size_t n;
-    uint32_t *index; /* [n] */
-    struct box *box; /* [2 n - 1] */
+    uint32_t *index;         /* [n] */
+    struct box *box;         /* [2 n - 1] */
+    uint32_t *least;         /* [2 n - 1] of a tree over boxes: the least index below a node */
+    const struct box *given; /* [n] of a tree over boxes */
 };
 
 /* A node and the range of `index` below it. */
@@ -55,8 +58,14 @@ struct builder {
     struct cml_boxtree *tree;
     const double (*vertex)[3];
     const uint32_t (*triangle)[3];
-    double (*centre)[3]; /* [n], three times the centroid */
+    int num_keys;      /* of a leaf, by which nodes are split */
+    const double *key; /* [n][num_keys]: three times the centroid of a triangle; the six sides of a box */
 };
+
+static double key_of(const struct builder *builder, uint32_t i, int k)
+{
+    return builder->key[(size_t)i * (size_t)builder->num_keys + (size_t)k];
+}
 
 /* Closed boxes of the exact coordinates: triangles that touch have boxes that touch. */
 static struct box box_of_triangle(const struct builder *builder, uint32_t i)
@@ -82,21 +91,23 @@ static struct box box_of_both(const struct box *a, const struct box *b)
     return box;
 }
 
-/* Halving along the widest axis keeps boxes compact. */
-static int widest_axis(const struct builder *builder, struct node node)
+/* Halving by the key that differs most keeps boxes compact. With both sides of a box as keys, boxes around
+ * the same place are parted by their size. */
+static int widest_key(const struct builder *builder, struct node node)
 {
-    double width[3];
-    for (int k = 0; k < 3; k++) {
+    double widest = -1;
+    int key = 0;
+    for (int k = 0; k < builder->num_keys; k++) {
         double lower = INFINITY, upper = -INFINITY;
         for (size_t i = node.first; i < node.first + node.count; i++) {
-            const double centre = builder->centre[builder->tree->index[i]][k];
-            lower = lesser(lower, centre);
-            upper = greater(upper, centre);
+            const double value = key_of(builder, builder->tree->index[i], k);
+            lower = lesser(lower, value);
+            upper = greater(upper, value);
         }
-        width[k] = upper - lower;
+        if (upper - lower > widest) key = k;
+        widest = greater(widest, upper - lower);
     }
-    const int xy = width[1] > width[0];
-    return width[2] > width[xy] ? 2 : xy;
+    return key;
 }
 
 static void swap_index(uint32_t *a, uint32_t *b)
@@ -108,17 +119,17 @@ static void swap_index(uint32_t *a, uint32_t *b)
 
 /* Hoare's selection [Algorithm 65: Find, Comm. ACM 4 (1961) 321]: afterwards no key before `middle` is above
  * any key from it on. The pivot comes from the middle of the range, so that sorted input is no bad case. */
-static void select_middle(const struct builder *builder, size_t first, size_t count, size_t middle, int axis)
+static void select_middle(const struct builder *builder, size_t first, size_t count, size_t middle, int key)
 {
     uint32_t *index = builder->tree->index;
     ptrdiff_t low = (ptrdiff_t)first, high = (ptrdiff_t)(first + count) - 1;
     const ptrdiff_t target = (ptrdiff_t)middle;
     while (low < high) {
-        const double pivot = builder->centre[index[low + (high - low) / 2]][axis];
+        const double pivot = key_of(builder, index[low + (high - low) / 2], key);
         ptrdiff_t i = low, j = high;
         while (i <= j) {
-            while (builder->centre[index[i]][axis] < pivot) i++;
-            while (builder->centre[index[j]][axis] > pivot) j--;
+            while (key_of(builder, index[i], key) < pivot) i++;
+            while (key_of(builder, index[j], key) > pivot) j--;
             if (i <= j) swap_index(&index[i++], &index[j--]);
         }
         if (target > j && target < i) return;
@@ -134,47 +145,66 @@ static void build(const struct builder *builder, struct node node)
 {
     struct cml_boxtree *tree = builder->tree;
     if (node.count == 1) {
-        tree->box[node.at] = box_of_triangle(builder, tree->index[node.first]);
+        const uint32_t i = tree->index[node.first];
+        tree->box[node.at] = tree->given ? tree->given[i] : box_of_triangle(builder, i);
+        if (tree->least) tree->least[node.at] = i;
         return;
     }
     const struct node left = left_of(node), right = right_of(node);
-    select_middle(builder, node.first, node.count, right.first, widest_axis(builder, node));
+    select_middle(builder, node.first, node.count, right.first, widest_key(builder, node));
     build(builder, left);
     build(builder, right);
     tree->box[node.at] = box_of_both(&tree->box[left.at], &tree->box[right.at]);
+    if (tree->least)
+        tree->least[node.at] =
+            tree->least[left.at] < tree->least[right.at] ? tree->least[left.at] : tree->least[right.at];
 }
 
-static void fill_centres(const struct builder *builder)
+static cml_status allocate(size_t n, bool boxes, struct cml_boxtree **tree, struct cml_error *err)
 {
-    for (size_t i = 0; i < builder->tree->n; i++) {
-        const uint32_t *t = builder->triangle[i];
-        for (int k = 0; k < 3; k++)
-            builder->centre[i][k] =
-                builder->vertex[t[0]][k] + builder->vertex[t[1]][k] + builder->vertex[t[2]][k];
-        builder->tree->index[i] = (uint32_t)i;
+    struct cml_boxtree *made = calloc(1, sizeof *made);
+    *tree = made;
+    if (made) {
+        made->n = n;
+        made->index = malloc(n * sizeof *made->index);
+        made->box = malloc((2 * n - 1) * sizeof *made->box);
+        if (boxes) made->least = malloc((2 * n - 1) * sizeof *made->least);
     }
+    if (made && made->index && made->box && (made->least || !boxes)) {
+        for (size_t i = 0; i < n; i++) made->index[i] = (uint32_t)i;
+        return CML_OK;
+    }
+    cml_boxtree_free(made);
+    *tree = NULL;
+    return cml_fail_memory(err, (double)n * 100.0, "the overlap check");
 }
 
 cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3], size_t num_triangles,
                               struct cml_boxtree **tree, struct cml_error *err)
 {
-    const size_t n = num_triangles;
-    struct cml_boxtree *made = calloc(1, sizeof *made);
-    struct builder builder = {made, vertex, triangle, malloc(n * sizeof *builder.centre)};
-    if (made) {
-        made->n = n;
-        made->index = malloc(n * sizeof *made->index);
-        made->box = malloc((2 * n - 1) * sizeof *made->box);
+    double(*centre)[3] = malloc(num_triangles * sizeof *centre);
+    if (!centre)
+        return cml_fail_memory(err, (double)(num_triangles * sizeof *centre), "the overlap check of a mesh");
+    for (size_t i = 0; i < num_triangles; i++) {
+        const uint32_t *t = triangle[i];
+        for (int k = 0; k < 3; k++) centre[i][k] = vertex[t[0]][k] + vertex[t[1]][k] + vertex[t[2]][k];
     }
-    if (!made || !builder.centre || !made->index || !made->box) {
-        free(builder.centre);
-        cml_boxtree_free(made);
-        return cml_fail_memory(err, (double)n * 124.0, "the overlap check of a mesh");
+    const cml_status status = allocate(num_triangles, false, tree, err);
+    if (status == CML_OK) {
+        const struct builder builder = {*tree, vertex, triangle, 3, (const double *)centre};
+        build(&builder, root_of(*tree));
     }
-    fill_centres(&builder);
-    build(&builder, root_of(made));
-    free(builder.centre);
-    *tree = made;
+    free(centre);
+    return status;
+}
+
+cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n, struct cml_boxtree **tree,
+                                    struct cml_error *err)
+{
+    CML_TRY(allocate(n, true, tree, err));
+    const struct builder builder = {.tree = *tree, .num_keys = 6, .key = (const double *)box};
+    (*tree)->given = (const struct box *)box;
+    build(&builder, root_of(*tree));
     return CML_OK;
 }
 
@@ -183,6 +213,7 @@ void cml_boxtree_free(struct cml_boxtree *tree)
     if (!tree) return;
     free(tree->index);
     free(tree->box);
+    free(tree->least);
     free(tree);
 }
 
@@ -262,4 +293,72 @@ void cml_boxtree_column(const struct cml_boxtree *tree, double x, double y, cml_
 {
     const struct column column = {tree, {x, y}, visit, context};
     search_column(&column, root_of(tree));
+}
+
+/* One search for what touches a box. */
+struct touching {
+    const struct cml_boxtree *tree;
+    struct box box;
+    cml_boxtree_visit *visit;
+    void *context;
+};
+
+static void search_touching(const struct touching *touching, struct node node)
+{
+    if (!boxes_touch(&touching->tree->box[node.at], &touching->box)) return;
+    if (node.count == 1) {
+        touching->visit(touching->context, touching->tree->index[node.first]);
+        return;
+    }
+    search_touching(touching, left_of(node));
+    search_touching(touching, right_of(node));
+}
+
+void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
+                          cml_boxtree_visit *visit, void *context)
+{
+    const struct touching touching = {
+        tree, {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}, visit, context};
+    search_touching(&touching, root_of(tree));
+}
+
+/* One search for what lies around a box. */
+struct around {
+    const struct cml_boxtree *tree;
+    uint32_t inner, best;
+    cml_boxtree_accept *accept;
+    void *context;
+};
+
+static bool holds(const struct box *outer, const struct box *inner)
+{
+    for (int k = 0; k < 3; k++)
+        if (inner->lower[k] < outer->lower[k] || inner->upper[k] > outer->upper[k]) return false;
+    return true;
+}
+
+/* Branch and bound [A. H. Land, A. G. Doig, Econometrica 28 (1960) 497]: the side with the smaller box first,
+ * and no side whose boxes are all larger than the best so far. */
+static void search_around(struct around *around, struct node node)
+{
+    const struct cml_boxtree *tree = around->tree;
+    if (tree->least[node.at] >= around->best) return;
+    if (!holds(&tree->box[node.at], &tree->given[around->inner])) return;
+    if (node.count == 1) {
+        const uint32_t i = tree->index[node.first];
+        if (i > around->inner && around->accept(around->context, around->inner, i)) around->best = i;
+        return;
+    }
+    const struct node left = left_of(node), right = right_of(node);
+    const bool left_first = tree->least[left.at] < tree->least[right.at];
+    search_around(around, left_first ? left : right);
+    search_around(around, left_first ? right : left);
+}
+
+uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
+                                  void *context)
+{
+    struct around around = {tree, i, (uint32_t)tree->n, accept, context};
+    search_around(&around, root_of(tree));
+    return around.best;
 }

@@ -1,6 +1,7 @@
-/* A tree of boxes over a mesh's triangles: which triangles may meet, and which stand in a vertical column.
- * Exists because the overlap check must stay near linear whatever the triangles' sizes and shapes (walls,
- * needles, local refinement). Knows no scene. SPDX-License-Identifier: MIT */
+/* A tree of boxes, over a mesh's triangles or any boxes: which may meet, which stand in a vertical column,
+ * and which lies around another. Exists because the overlap check must stay near linear whatever the
+ * triangles' sizes and shapes (walls, needles, local refinement), and whatever bodies lie in each other.
+ * Knows no scene. SPDX-License-Identifier: MIT */
 #ifndef CML_BOX_TREE_H
 #define CML_BOX_TREE_H
 
@@ -16,6 +17,11 @@ struct cml_boxtree;
 CML_NODISCARD cml_status cml_boxtree_create(const double (*vertex)[3], const uint32_t (*triangle)[3],
                                             size_t num_triangles, struct cml_boxtree **tree,
                                             struct cml_error *err);
+
+/* Over boxes, given by their lower and upper corners, which must outlive the tree. n >= 1. CML_E_INPUT only
+ * when memory runs out. */
+CML_NODISCARD cml_status cml_boxtree_create_boxes(const double (*box)[2][3], size_t n,
+                                                  struct cml_boxtree **tree, struct cml_error *err);
 
 void cml_boxtree_free(struct cml_boxtree *tree);
 
@@ -33,5 +39,15 @@ bool cml_boxtree_own_pairs(const struct cml_boxtree *tree, cml_boxtree_pair *pai
 typedef void cml_boxtree_visit(void *context, uint32_t i);
 void cml_boxtree_column(const struct cml_boxtree *tree, double x, double y, cml_boxtree_visit *visit,
                         void *context);
+
+/* Every triangle whose box touches this one. */
+void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
+                          cml_boxtree_visit *visit, void *context);
+
+/* Of a tree over boxes that are sorted by size: the first box behind number i that holds the box i and that
+ * `accept` takes; n where there is none. Called with i and few of the boxes that hold it, in any order. */
+typedef bool cml_boxtree_accept(void *context, uint32_t i, uint32_t j);
+uint32_t cml_boxtree_first_around(const struct cml_boxtree *tree, uint32_t i, cml_boxtree_accept *accept,
+                                  void *context);
 
 #endif

@@ -11,27 +11,31 @@
 /* A body as the comparison sees it. */
 struct solid {
     const struct cml_scene_body *body;
-    int number;               /* of the body, from 0 */
-    struct cml_convex convex; /* unless it is a mesh */
-    struct cml_sheet sheet;   /* of a mesh */
-    double lower[3], upper[3], volume;
-    int inside; /* number of the smallest body found around it, -1: none */
-    double inside_volume;
+    struct cml_sheet *sheet; /* of a mesh, else NULL */
+    double volume;
+    int number; /* of the body, from 0 */
+    int host;   /* medium */
 };
 
-static bool is_mesh(const struct solid *solid)
-{
-    return solid->body->form == CML_BODY_MESH;
-}
+/* All bodies, sorted by layer and volume, or later by host; and what has been found. */
+struct placing {
+    const struct cml_scene *scene;
+    size_t count;
+    struct solid *solid; /* [count] */
+    double (*box)[2][3]; /* [count] */
+    size_t first;        /* of the solids whose tree is searched */
+    cml_status status;   /* of the comparisons; it ends them */
+    struct cml_error *err;
+};
 
-static cml_status make_solid(const struct cml_scene *scene, int k, struct solid *solid, struct cml_error *err)
+static cml_status make_solid(const struct cml_scene *scene, int k, struct cml_sheet *sheet,
+                             struct solid *solid, struct cml_error *err)
 {
-    *solid = (struct solid){.body = &scene->bodies[k], .number = k, .inside = -1, .inside_volume = INFINITY};
-    cml_body_box(solid->body, solid->lower, solid->upper);
-    solid->volume = cml_body_volume(solid->body);
-    if (is_mesh(solid)) return cml_sheet_create(&solid->body->mesh, 0, &solid->sheet, err);
-    solid->convex = cml_body_convex(solid->body);
-    return CML_OK;
+    const struct cml_scene_body *body = &scene->bodies[k];
+    *solid = (struct solid){.body = body, .number = k, .host = body->layer, .volume = cml_body_volume(body)};
+    if (body->form != CML_BODY_MESH) return CML_OK;
+    solid->sheet = sheet;
+    return cml_sheet_create(&body->mesh, 0, sheet, err);
 }
 
 static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a, const struct solid *b,
@@ -43,118 +47,193 @@ static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a
                     at[1], at[2]);
 }
 
-static void put_inside(struct solid *inner, const struct solid *outer)
+/* What a sphere or cylinder meets of a mesh. */
+struct facets {
+    const struct cml_sheet *sheet;
+    const struct cml_convex *convex;
+    size_t inside; /* triangles */
+    bool meets;
+    double *at;
+};
+
+static void compare_with_facet(void *context, uint32_t t)
 {
-    if (!(outer->volume < inner->inside_volume)) return;
-    inner->inside = outer->number;
-    inner->inside_volume = outer->volume;
+    struct facets *facets = context;
+    struct cml_convex triangle = {.form = CML_CONVEX_TRIANGLE};
+    if (facets->meets) return;
+    for (int k = 0; k < 3; k++)
+        triangle.corner[k] = facets->sheet->vertex[facets->sheet->mesh->triangle[t][k]];
+    const enum cml_convex_order order = cml_convex_compare(&triangle, facets->convex, facets->at);
+    facets->meets = order == CML_CONVEX_MEET;
+    facets->inside += order == CML_CONVEX_FIRST_INSIDE;
 }
 
 /* How a sphere or cylinder lies to a mesh: no triangle may meet its surface; then all of them lie inside it,
  * or it lies wholly on one side of the mesh. */
-static enum cml_convex_order compare_with_mesh(const struct cml_convex *convex, const struct cml_sheet *sheet,
-                                               const double lower[3], const double upper[3], double at[3])
+static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body,
+                                               const struct cml_sheet *sheet, double at[3])
 {
-    const struct cml_mesh *mesh = sheet->mesh;
-    size_t inside = 0;
-    for (size_t t = 0; t < mesh->num_triangles; t++) {
-        struct cml_convex triangle = {.form = CML_CONVEX_TRIANGLE};
-        bool near = true;
-        for (int k = 0; k < 3; k++) triangle.corner[k] = sheet->vertex[mesh->triangle[t][k]];
-        for (int k = 0; k < 3; k++) {
-            const double a = triangle.corner[0][k], b = triangle.corner[1][k], c = triangle.corner[2][k];
-            near = near && fmin(a, fmin(b, c)) <= upper[k] && fmax(a, fmax(b, c)) >= lower[k];
-        }
-        if (!near) continue;
-        const enum cml_convex_order order = cml_convex_compare(&triangle, convex, at);
-        if (order == CML_CONVEX_MEET) return order;
-        inside += order == CML_CONVEX_FIRST_INSIDE;
-    }
-    if (inside > 0) return CML_CONVEX_SECOND_INSIDE;
-    return cml_sheet_is_below(sheet, convex->centre) ? CML_CONVEX_FIRST_INSIDE : CML_CONVEX_APART;
+    const struct cml_convex convex = cml_body_convex(body);
+    struct facets facets = {.sheet = sheet, .convex = &convex, .at = at};
+    double lower[3], upper[3];
+    cml_body_box(body, lower, upper);
+    cml_boxtree_touching(sheet->tree, lower, upper, compare_with_facet, &facets);
+    if (facets.meets) return CML_CONVEX_MEET;
+    if (facets.inside > 0) return CML_CONVEX_SECOND_INSIDE;
+    return cml_sheet_is_below(sheet, convex.centre) ? CML_CONVEX_FIRST_INSIDE : CML_CONVEX_APART;
 }
 
 static enum cml_convex_order compare_meshes(const struct solid *a, const struct solid *b, double at[3])
 {
     struct cml_sheet_overlap overlap;
-    cml_sheet_contact(&a->sheet, &b->sheet, &overlap);
+    cml_sheet_contact(a->sheet, b->sheet, &overlap);
     if (overlap.contact != CML_APART) {
         cml_vec3_copy(overlap.at, at);
         return CML_CONVEX_MEET;
     }
-    if (cml_sheet_is_below(&b->sheet, a->sheet.vertex[0])) return CML_CONVEX_FIRST_INSIDE;
-    return cml_sheet_is_below(&a->sheet, b->sheet.vertex[0]) ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_APART;
+    if (cml_sheet_is_below(b->sheet, a->sheet->vertex[0])) return CML_CONVEX_FIRST_INSIDE;
+    return cml_sheet_is_below(a->sheet, b->sheet->vertex[0]) ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_APART;
 }
 
 static enum cml_convex_order compare_solids(const struct solid *a, const struct solid *b, double at[3])
 {
-    if (is_mesh(a) && is_mesh(b)) return compare_meshes(a, b, at);
-    if (is_mesh(b)) return compare_with_mesh(&a->convex, &b->sheet, a->lower, a->upper, at);
-    if (!is_mesh(a)) return cml_convex_compare(&a->convex, &b->convex, at);
-    const enum cml_convex_order order = compare_with_mesh(&b->convex, &a->sheet, b->lower, b->upper, at);
+    if (a->sheet && b->sheet) return compare_meshes(a, b, at);
+    if (b->sheet) return compare_with_mesh(a->body, b->sheet, at);
+    if (!a->sheet) {
+        const struct cml_convex one = cml_body_convex(a->body), other = cml_body_convex(b->body);
+        return cml_convex_compare(&one, &other, at);
+    }
+    const enum cml_convex_order order = compare_with_mesh(b->body, a->sheet, at);
     return order == CML_CONVEX_FIRST_INSIDE    ? CML_CONVEX_SECOND_INSIDE
            : order == CML_CONVEX_SECOND_INSIDE ? CML_CONVEX_FIRST_INSIDE
                                                : order;
 }
 
-static cml_status compare_pair(const struct cml_scene *scene, struct solid *a, struct solid *b,
-                               struct cml_error *err)
-{
-    double at[3] = {0};
-    for (int k = 0; k < 3; k++)
-        if (a->lower[k] > b->upper[k] || b->lower[k] > a->upper[k]) return CML_OK;
-    const enum cml_convex_order order = compare_solids(a, b, at);
-    if (order == CML_CONVEX_MEET) return fail_pair(scene, a, b, at, err);
-    if (order == CML_CONVEX_FIRST_INSIDE) put_inside(a, b);
-    if (order == CML_CONVEX_SECOND_INSIDE) put_inside(b, a);
-    return CML_OK;
-}
-
 static cml_status check_self(const struct cml_scene *scene, const struct solid *solid, struct cml_error *err)
 {
     struct cml_sheet_overlap overlap;
-    if (!is_mesh(solid)) return CML_OK;
-    cml_sheet_against_itself(&solid->sheet, &overlap);
+    if (!solid->sheet) return CML_OK;
+    cml_sheet_against_itself(solid->sheet, &overlap);
     if (overlap.contact == CML_APART) return CML_OK;
     return cml_fail(err, CML_E_INPUT, "%s:%d: body %d meets itself at (%g %g %g) cm: triangles %u and %u",
                     scene->file, solid->body->line, solid->number + 1, overlap.at[0], overlap.at[1],
                     overlap.at[2], (unsigned)overlap.triangle[0], (unsigned)overlap.triangle[1]);
 }
 
-static int compare_starts(const void *left, const void *right)
+/* Layer after layer, small before large: no body lies in one before it. */
+static int compare_volumes(const void *left, const void *right)
 {
     const struct solid *a = left, *b = right;
-    if (a->lower[0] != b->lower[0]) return a->lower[0] < b->lower[0] ? -1 : 1;
+    if (a->body->layer != b->body->layer) return a->body->layer - b->body->layer;
+    if (a->volume != b->volume) return a->volume < b->volume ? -1 : 1;
     return a->number - b->number;
 }
 
-/* Sorted along x, a body is compared with those that begin before it ends [sweep and prune]. */
-static cml_status compare_all(const struct cml_scene *scene, struct solid *solids, struct cml_error *err)
+static int compare_hosts(const void *left, const void *right)
 {
-    const size_t n = (size_t)scene->num_bodies;
-    for (size_t i = 0; i < n; i++) CML_TRY(make_solid(scene, (int)i, &solids[i], err));
-    for (size_t i = 0; i < n; i++) CML_TRY(check_self(scene, &solids[i], err));
-    qsort(solids, n, sizeof *solids, compare_starts);
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = i + 1; j < n && solids[j].lower[0] <= solids[i].upper[0]; j++)
-            if (solids[i].body->layer == solids[j].body->layer)
-                CML_TRY(compare_pair(scene, &solids[i], &solids[j], err));
+    const struct solid *a = left, *b = right;
+    return a->host != b->host ? a->host - b->host : a->number - b->number;
+}
+
+static void sort(struct placing *p, int (*compare)(const void *, const void *))
+{
+    qsort(p->solid, p->count, sizeof *p->solid, compare);
+    for (size_t i = 0; i < p->count; i++) cml_body_box(p->solid[i].body, p->box[i][0], p->box[i][1]);
+}
+
+/* A cml_boxtree_accept. */
+static bool lies_in(void *context, uint32_t i, uint32_t j)
+{
+    struct placing *p = context;
+    const struct solid *inner = &p->solid[p->first + i], *outer = &p->solid[p->first + j];
+    double at[3];
+    if (p->status != CML_OK) return true;
+    const enum cml_convex_order order = compare_solids(inner, outer, at);
+    if (order == CML_CONVEX_MEET) p->status = fail_pair(p->scene, inner, outer, at, p->err);
+    return order == CML_CONVEX_FIRST_INSIDE || order == CML_CONVEX_MEET;
+}
+
+/* A cml_boxtree_pair. */
+static bool fails_beside(void *context, uint32_t i, uint32_t j)
+{
+    struct placing *p = context;
+    const struct solid *a = &p->solid[p->first + i], *b = &p->solid[p->first + j];
+    double at[3];
+    cml_body_point(a->body, at);
+    if (compare_solids(a, b, at) == CML_CONVEX_APART) return false;
+    p->status = fail_pair(p->scene, a, b, at, p->err);
+    return true;
+}
+
+/* The smallest body around each of a layer. */
+static void find_hosts(struct placing *p, const struct cml_boxtree *tree, size_t count)
+{
+    for (uint32_t i = 0; i < count && p->status == CML_OK; i++) {
+        const uint32_t j = cml_boxtree_first_around(tree, i, lies_in, p);
+        if (j < count) p->solid[p->first + i].host = cml_body_medium(p->scene, p->solid[p->first + j].number);
+    }
+}
+
+/* Solids that share a layer, or a host. */
+static cml_status compare_range(struct placing *p, size_t count, bool hosts)
+{
+    struct cml_boxtree *tree;
+    if (count < 2) return CML_OK;
+    CML_TRY(cml_boxtree_create_boxes((const double(*)[2][3])p->box + p->first, count, &tree, p->err));
+    if (hosts)
+        find_hosts(p, tree, count);
+    else
+        cml_boxtree_own_pairs(tree, fails_beside, p);
+    cml_boxtree_free(tree);
+    return p->status;
+}
+
+/* A body lies in its host and in what that lies in, and beside all that lies beside one of those: so it is
+ * compared with its host, and with what shares that. */
+static cml_status compare_all(struct placing *p)
+{
+    size_t end;
+    sort(p, compare_volumes);
+    for (p->first = 0; p->first < p->count; p->first = end) {
+        for (end = p->first; end < p->count && p->solid[end].body->layer == p->solid[p->first].body->layer;)
+            end++;
+        CML_TRY(compare_range(p, end - p->first, true));
+    }
+    sort(p, compare_hosts);
+    for (p->first = 0; p->first < p->count; p->first = end) {
+        for (end = p->first; end < p->count && p->solid[end].host == p->solid[p->first].host;) end++;
+        CML_TRY(compare_range(p, end - p->first, false));
+    }
     return CML_OK;
+}
+
+static cml_status place(struct placing *p, struct cml_sheet *sheets)
+{
+    for (size_t i = 0, meshes = 0; i < p->count; i++) {
+        CML_TRY(make_solid(p->scene, (int)i, &sheets[meshes], &p->solid[i], p->err));
+        meshes += p->solid[i].sheet != NULL;
+    }
+    for (size_t i = 0; i < p->count; i++) CML_TRY(check_self(p->scene, &p->solid[i], p->err));
+    return compare_all(p);
 }
 
 cml_status cml_scene_place_bodies(struct cml_scene *scene, struct cml_error *err)
 {
-    const size_t n = (size_t)scene->num_bodies;
-    if (n == 0) return CML_OK;
-    struct solid *solids = calloc(n, sizeof *solids);
-    if (!solids) return cml_fail_memory(err, (double)(n * sizeof *solids), "the check of bodies");
-    const cml_status status = compare_all(scene, solids, err);
-    for (size_t i = 0; i < n; i++) {
-        struct cml_scene_body *body = &scene->bodies[solids[i].number];
-        if (status == CML_OK)
-            body->host = solids[i].inside < 0 ? body->layer : cml_body_medium(scene, solids[i].inside);
-        cml_sheet_clear(&solids[i].sheet);
-    }
-    free(solids);
+    struct placing p = {.scene = scene, .count = (size_t)scene->num_bodies, .status = CML_OK, .err = err};
+    size_t meshes = 0;
+    if (p.count == 0) return CML_OK;
+    for (size_t i = 0; i < p.count; i++) meshes += scene->bodies[i].form == CML_BODY_MESH;
+    struct cml_sheet *sheets = calloc(meshes + 1, sizeof *sheets);
+    p.solid = calloc(p.count, sizeof *p.solid);
+    p.box = malloc(p.count * sizeof *p.box);
+    const double bytes = (double)(p.count * (sizeof *p.solid + sizeof *p.box));
+    const cml_status status =
+        sheets && p.solid && p.box ? place(&p, sheets) : cml_fail_memory(err, bytes, "the check of bodies");
+    for (size_t i = 0; status == CML_OK && i < p.count; i++)
+        scene->bodies[p.solid[i].number].host = p.solid[i].host;
+    for (size_t i = 0; sheets && i < meshes; i++) cml_sheet_clear(&sheets[i]);
+    free(sheets);
+    free(p.solid);
+    free(p.box);
     return status;
 }

@@ -145,13 +145,15 @@ static bool are_apart(const struct cml_convex *a, const struct cml_convex *b, do
 
 /* How far the rim of a cylinder around `middle` gets from the axis of another one, at most: the greatest of
  * many places |v + r (q1 cos t + q2 sin t)| with what can lie between two of them, and never more than |v| +
- * r, which it is where the axes are parallel. */
+ * r, which it is where the axes are parallel, and which is taken where it will do. */
 static double farthest_across(const struct cml_convex *outer, const struct cml_convex *inner,
                               const double middle[3])
 {
     const int places = 720;
     double v[3], e1[3], e2[3], q1[3], q2[3], best = 0;
     along_axis(outer, middle, v);
+    const double most = inner->radius + cml_vec3_length(v);
+    if (most < outer->radius) return most;
     const int thin = fabs(inner->axis[0]) < 0.6 ? 0 : 1;
     const double unit[3] = {thin == 0, thin == 1, 0};
     cml_vec3_cross(inner->axis, unit, e1);
@@ -168,7 +170,7 @@ static double farthest_across(const struct cml_convex *outer, const struct cml_c
     }
     /* between two places the square bends by at most 4 r (r + |v|) per radian^2 */
     const double half = CML_PI / places, r = inner->radius;
-    return fmin(sqrt(best * best + 2 * r * (r + cml_vec3_length(v)) * half * half), r + cml_vec3_length(v));
+    return fmin(sqrt(best * best + 2 * r * most * half * half), most);
 }
 
 /* Closed form for a sphere, else as above. */
@@ -182,7 +184,7 @@ static bool is_clear_of(const struct cml_convex *sphere, const struct cml_convex
 }
 
 /* How far beyond the surface of a sphere or cylinder the farthest point of the other set is: below 0 all of
- * it lies inside. */
+ * it lies inside. Above 0 it may be less than that. */
 static double reach_beyond(const struct cml_convex *outer, const struct cml_convex *inner)
 {
     if (inner->form == CML_CONVEX_SPHERE) return cml_convex_distance(outer, inner->centre) + inner->radius;
@@ -194,6 +196,8 @@ static double reach_beyond(const struct cml_convex *outer, const struct cml_conv
     for (int end = 0; end < 2; end++) {
         double middle[3], d[3], across[3];
         cml_vec3_add_scaled(inner->centre, end * inner->length, inner->axis, middle);
+        most = fmax(most, cml_convex_distance(outer, middle));
+        if (most > 0) return most; /* of most pairs, long before the search */
         cml_vec3_subtract(middle, outer->centre, d);
         if (outer->form == CML_CONVEX_SPHERE) {
             const double rise = cml_vec3_dot(d, inner->axis);

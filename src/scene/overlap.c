@@ -230,24 +230,47 @@ static cml_status check_self(const struct cml_scene *scene, const struct shape *
     return overlap.contact == CML_APART ? CML_OK : fail_self(scene, shape, &overlap, err);
 }
 
-/* All shapes are made once, and compared pair by pair. */
-static cml_status check(const struct cml_scene *scene, struct shape *shapes, struct cml_error *err)
+/* What a boundary is held against: of those above it the last that is no plane, and the deepest plane. */
+struct above {
+    struct shape curved, plane; /* boundary NULL: none */
+};
+
+/* Whatever lies above a boundary lies above all that is below it. Only planes may touch: so it is the deepest
+ * of them that counts. The nearer of the two comes first, as that is where the user must look. */
+static cml_status compare_with_above(const struct cml_scene *scene, const struct above *above,
+                                     const struct shape *shape, struct cml_error *err)
 {
-    const int n = scene->num_layers + 1;
-    for (int i = 0; i < n; i++) CML_TRY(make_shape(&scene->boundaries[i], i, &shapes[i], err));
-    for (int i = 0; i < n; i++) CML_TRY(check_self(scene, &shapes[i], err));
-    for (int apart = 1; apart < n; apart++) /* neighbours first: they are what the user must look at */
-        for (int i = 0; i + apart < n; i++) CML_TRY(compare(scene, &shapes[i], &shapes[i + apart], err));
+    const bool plane_first = above->plane.number > above->curved.number;
+    for (int i = 0; i < 2; i++) {
+        const struct shape *upper = (i == 0) == plane_first ? &above->plane : &above->curved;
+        if (upper->boundary) CML_TRY(compare(scene, upper, shape, err));
+    }
     return CML_OK;
+}
+
+/* Takes over the shape where it replaces one of those above. */
+static void keep_above(struct above *above, struct shape *shape)
+{
+    if (!shape->is_plane) {
+        cml_sheet_clear(&above->curved.sheet);
+        above->curved = *shape;
+        return;
+    }
+    cml_sheet_clear(&shape->sheet); /* of a flat mesh */
+    if (!above->plane.boundary || shape->bottom >= above->plane.bottom) above->plane = *shape;
 }
 
 cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err)
 {
-    const size_t n = (size_t)scene->num_layers + 1;
-    struct shape *shapes = calloc(n, sizeof *shapes);
-    if (!shapes) return cml_fail_memory(err, (double)(n * sizeof *shapes), "the overlap check");
-    const cml_status status = check(scene, shapes, err);
-    for (size_t i = 0; i < n; i++) cml_sheet_clear(&shapes[i].sheet);
-    free(shapes);
+    struct above above = {.curved.boundary = NULL};
+    cml_status status = CML_OK;
+    for (int i = 0; status == CML_OK && i <= scene->num_layers; i++) {
+        struct shape shape;
+        status = make_shape(&scene->boundaries[i], i, &shape, err);
+        if (status == CML_OK) status = check_self(scene, &shape, err);
+        if (status == CML_OK) status = compare_with_above(scene, &above, &shape, err);
+        keep_above(&above, &shape);
+    }
+    cml_sheet_clear(&above.curved.sheet);
     return status;
 }

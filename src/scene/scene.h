@@ -131,12 +131,12 @@ void cml_boundary_flatten(struct cml_boundary *boundary);
 double cml_radial_height(const struct cml_radial *radial, double r);
 
 /* Boundaries must not cross or touch each other, nor themselves; boundary b lies above b+1 everywhere. Planes
- * (flat fields and meshes too) may touch: layers of no thickness. All pairs are looked at, whatever lies
- * between. Exact for the coordinates as given (overlap.c). CML_E_INPUT:
- * "FILE: boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1", "FILE: boundaries
- * 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm: triangles i and j". A
- * tile is compared with planes and with tiles of the same cells; where its depths overlap those of anything
- * else it is refused. */
+ * (flat fields and meshes too) may touch: layers of no thickness. What holds for neighbours holds for all, so
+ * only those are compared, and the next ones beyond planes. Exact for the coordinates as given (overlap.c).
+ * CML_E_INPUT: "FILE: boundaries 0 and 1 cross at (x y z) cm: boundary 0 reaches D cm below boundary 1",
+ * "FILE: boundaries 0 and 1 touch at (x y z) cm", "FILE:LINE: boundary 0 crosses itself at (x y z) cm:
+ * triangles i and j". A tile is compared with planes and with tiles of the same cells; where its depths
+ * overlap those of anything else it is refused. */
 CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err);
 
 #endif

@@ -252,7 +252,7 @@ static bool is_curved(const struct cml_surface_def *def)
 /* Bodies stand in the frame of the layer above which the boundary lies, and a plane might cut through one. */
 static bool has_bodies_beside(const struct cml_scene *scene, int b)
 {
-    return cml_medium_has_bodies(scene, b) || cml_medium_has_bodies(scene, b + 1);
+    return cml_layer_has_bodies(scene, b) || cml_layer_has_bodies(scene, b + 1);
 }
 
 static cml_status try_level(const struct search *search, struct verdict *verdict, struct cml_error *err)

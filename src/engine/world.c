@@ -212,7 +212,7 @@ static void set_specular(const struct cml_scene *scene, const struct cml_surface
                          struct cml_setup *setup)
 {
     const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE &&
-                        !cml_medium_has_bodies(scene, 1);
+                        !cml_layer_has_bodies(scene, 1);
     const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
     setup->launch_medium = split.glass ? 2 : 1;
     setup->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);

@@ -55,8 +55,8 @@ static void compare_at_point(const struct comparison *c, double x, double y, dou
         keep_closest(c->closest, x, y, field, mesh, size);
 }
 
-/* The first sample with r_i >= r; n when there is none. Bisection. */
-static int first_sample_from(const struct cml_radial *radial, double r)
+/* Bisection. */
+int cml_radial_sample_from(const struct cml_radial *radial, double r)
 {
     int low = 0, high = radial->n;
     while (low < high) {
@@ -125,7 +125,7 @@ static void compare_edge(const struct comparison *c, const double *a, const doub
     const double r_a = hypot(a[0], a[1]), r_b = hypot(b[0], b[1]), to = fmax(r_a, r_b);
     const double from = edge.foot > 0.0 && edge.foot < 1.0 ? edge.distance : fmin(r_a, r_b);
     const int n = c->radial->n;
-    const int first = first_sample_from(c->radial, from);
+    const int first = cml_radial_sample_from(c->radial, from);
     for (int i = first > 0 ? first - 1 : 0; i < n && c->radial->r[i] <= to; i++) {
         compare_at_ring(c, &edge, c->radial->r[i]);
         if (i + 1 < n) compare_where_parallel(c, &edge, i);
@@ -176,7 +176,7 @@ static void compare_section(const struct comparison *c, const struct section *se
     const double s_0 = side * section->s[0], s_1 = side * section->s[1];
     const double from = fmin(s_0, s_1), to = fmax(s_0, s_1);
     const struct cml_radial *radial = c->radial;
-    for (int i = first_sample_from(radial, from); i < radial->n && radial->r[i] <= to; i++) {
+    for (int i = cml_radial_sample_from(radial, from); i < radial->n && radial->r[i] <= to; i++) {
         const double s = side * radial->r[i], t = (radial->r[i] - s_0) / (s_1 - s_0);
         compare_at_point(c, s * section->direction[0], s * section->direction[1],
                          section->z[0] + t * (section->z[1] - section->z[0]));

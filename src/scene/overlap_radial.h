@@ -15,6 +15,9 @@ struct cml_radial_surface {
     double z;
 };
 
+/* The first sample with r_i >= r; n when there is none. */
+int cml_radial_sample_from(const struct cml_radial *radial, double r);
+
 /* The place where two surfaces come closest in the vertical, over all places that were looked at. */
 struct cml_closest {
     double gap;     /* z of the lower surface minus z of the upper one, cm; INFINITY at first */

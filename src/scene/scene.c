@@ -41,11 +41,29 @@ void cml_scene_clear(struct cml_scene *scene)
     *scene = (struct cml_scene){0};
 }
 
-bool cml_medium_has_bodies(const struct cml_scene *scene, int m)
+/* The first body of layer l or of one below it. */
+static int first_body_from(const struct cml_scene *scene, int l)
 {
-    for (int k = 0; k < scene->num_bodies; k++)
-        if (scene->bodies[k].host == m) return true;
-    return false;
+    int low = 0, high = scene->num_bodies;
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (scene->bodies[middle].layer < l)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l)
+{
+    return (struct cml_body_range){first_body_from(scene, l), first_body_from(scene, l + 1)};
+}
+
+bool cml_layer_has_bodies(const struct cml_scene *scene, int l)
+{
+    const struct cml_body_range range = cml_layer_bodies(scene, l);
+    return range.first < range.end;
 }
 
 void cml_scene_list_clear(struct cml_scene_list *list)

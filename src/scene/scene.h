@@ -98,7 +98,7 @@ struct cml_scene {
     int num_bodies;
     struct cml_medium_def *media;    /* [L+2+num_bodies], layers, outer media and bodies: body k is L+2+k */
     struct cml_boundary *boundaries; /* [L+1] */
-    struct cml_scene_body *bodies;   /* [num_bodies] */
+    struct cml_scene_body *bodies;   /* [num_bodies], layer after layer */
     struct cml_beam beam;
     struct cml_map_def map;
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
@@ -120,8 +120,14 @@ static inline int cml_body_medium(const struct cml_scene *scene, int k)
     return scene->num_layers + 2 + k;
 }
 
-/* Whether any body lies in medium m. */
-bool cml_medium_has_bodies(const struct cml_scene *scene, int m);
+/* The bodies of layer l, at whatever depth of nesting: those from number `first` to before `end`. */
+struct cml_body_range {
+    int first, end;
+};
+struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l);
+
+/* Whether any body lies in layer l; the media above and below, 0 and L + 1, have none. */
+bool cml_layer_has_bodies(const struct cml_scene *scene, int l);
 
 /* For readers, of a scene that is not complete yet: frees the boundary's shape and leaves its nominal plane,
  * and where it stands in the file. */

@@ -13,6 +13,8 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
+TILE, TILE_ASC = 'm "tile.asc" tile units=cm', ("ncols 3\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 0.1\n"
+                                               "0 0.1 0\n0 0 0\n0 0 0\n")
 CONE, PYRAMID = "b 3  0.06 0.1  0.02 0.05  0 1", 'm "pyramid.obj"'
 PYRAMID_OBJ = "v 0 0 0.06\nv -0.3 -0.3 0\nv 0.3 -0.3 0\nv 0.3 0.3 0\nv -0.3 0.3 0\nf 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 2\n"
 OCTAHEDRON = ("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
@@ -49,6 +51,9 @@ FITS = [
     (CONE, 1, octahedron, 0.35, 0.09),
     (PYRAMID, 1, octahedron, 0.35, 0.09),
 ]
+# A tile 0.1 cm high, of which only the depths count: what just fits beside it with t = 0.999, and does not with 1.001.
+TILED = [(0, lambda t: (sphere(0.25, 0.25 * t), octahedron(0.25, 0.25 * t), upright(0.25 * (1 - t), 0.3, 0.1))),
+         (1, lambda t: (sphere(0.25, 0.15 * t), octahedron(0.25, 0.15 * t), upright(0.2, 0.4 * t, 0.1)))]
 # wholly beyond the boundary, within the depths that it has
 BEYOND = [(CONE, 0, sphere(-0.05, 0.001, 0.09), "lies beyond"), (PYRAMID, 0, sphere(-0.05, 0.001, 0.25), "lies beyond"),
           (PYRAMID, 0, octahedron(-0.03, 0.001, 0.25), "lies beyond")]
@@ -90,7 +95,7 @@ def main():
     verdict = cml.Verdict("body_bounds")
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        for name, text in (("pyramid.obj", PYRAMID_OBJ), ("octahedron.obj", OCTAHEDRON)):
+        for name, text in (("pyramid.obj", PYRAMID_OBJ), ("octahedron.obj", OCTAHEDRON), ("tile.asc", TILE_ASC)):
             with open(name, "w", encoding="utf-8") as file:
                 file.write(text)
         for surface, number, body, z, size in FITS:
@@ -100,6 +105,13 @@ def main():
             refused(verdict, name, surface, number, body(z, size * 1.001), "meets")
         for surface, number, body, what in BEYOND:
             refused(verdict, f"beyond {surface}", surface, number, body, what)
+        for number, bodies in TILED:
+            for t in (0.999, 1.001):
+                for body in bodies(t):
+                    code, said, line = check(TILE, number, body)
+                    begin = f"clustermcml: scene.mci:{line}: body 1 lies at depths of "
+                    ok = code == 0 if t < 1 else code == 2 and said.startswith(begin) and "\n" not in said
+                    verdict.check(f"tile {number}", ok, f"{body}: {code}: {said}")
         for name, first, second in PAIRS:
             for bodies in (lambda t: (first, second(t)), lambda t: (second(t), first)):
                 code, said, _ = check(None, 0, *bodies(0.999))

@@ -13,11 +13,14 @@
 /* One body beside one boundary. */
 struct encounter {
     const struct cml_scene *scene;
-    const struct cml_scene_body *body;
     const struct cml_boundary *boundary;
-    int number;   /* of the boundary */
-    bool below;   /* the body must lie below it */
-    double at[3]; /* where it does not */
+    struct cml_sheet sheet; /* of a mesh */
+    double top, bottom;     /* least and greatest z of the boundary */
+    int number;             /* of the boundary */
+    bool below;             /* the body must lie below it */
+    const struct cml_scene_body *body;
+    double lower[3], upper[3]; /* its box */
+    double at[3];              /* where it does not */
 };
 
 static cml_status fail_encounter(const struct encounter *e, const char *what, struct cml_error *err)
@@ -33,8 +36,7 @@ static const double err_share = 64 * DBL_EPSILON;
 /* The place is the body's closest to the plane, or farthest beyond. */
 static cml_status compare_with_plane(struct encounter *e, double z, struct cml_error *err)
 {
-    double lower[3], upper[3];
-    cml_body_box(e->body, lower, upper);
+    const double *lower = e->lower, *upper = e->upper;
     const double err_depth = err_share * (fabs(z) + fabs(lower[2]) + fabs(upper[2]));
     if (e->below ? lower[2] > z + err_depth : upper[2] < z - err_depth) return CML_OK;
     for (int k = 0; k < 2; k++) e->at[k] = 0.5 * (lower[k] + upper[k]);
@@ -54,20 +56,23 @@ static double distance_to_segment(double r, double z, double r0, double z0, doub
     return hypot(r - r0 - s * dr, z - z0 - s * dz);
 }
 
-/* The closest place of a surface of revolution lies in the half-plane of the sphere's centre. */
+/* The closest place of a surface of revolution lies in the half-plane of the sphere's centre. Samples that
+ * are further away than the sphere reaches need not be looked at. */
 static cml_status compare_sphere_with_field(struct encounter *e, struct cml_error *err)
 {
     const struct cml_radial *field = &e->boundary->radial;
     const double *c = e->body->centre, r = hypot(c[0], c[1]), z_b = e->boundary->z;
     const int last = field->n - 1;
     const double surface = z_b - cml_radial_height(field, r);
+    const double err_distance = err_share * (fabs(c[2]) + r + fabs(z_b) + e->body->radius);
+    const double reach = e->body->radius + 2 * err_distance;
     double nearest = INFINITY;
-    for (int i = 0; i < last; i++)
+    const int from = cml_radial_sample_from(field, r - reach);
+    for (int i = from > 0 ? from - 1 : 0; i < last && field->r[i] <= r + reach; i++)
         nearest = fmin(nearest, distance_to_segment(r, c[2], field->r[i], z_b - field->h[i], field->r[i + 1],
                                                     z_b - field->h[i + 1]));
     const double z_out = z_b - field->h[last];
     nearest = fmin(nearest, hypot(fmax(0, field->r[last] - r), c[2] - z_out));
-    const double err_distance = err_share * (fabs(c[2]) + r + fabs(z_b) + e->body->radius);
     const bool beyond = !(e->below ? c[2] > surface : c[2] < surface),
                apart = nearest > e->body->radius + err_distance;
     if (apart && !beyond) return CML_OK;
@@ -89,20 +94,39 @@ static cml_status compare_mesh_with_field(struct encounter *e, const struct cml_
     return fail_encounter(e, "meets", err);
 }
 
+/* Triangles whose boxes touch a sphere's. */
+struct facets {
+    struct encounter *e;
+    struct cml_convex convex;
+    bool meets;
+};
+
+/* A cml_boxtree_visit. */
+static void compare_with_facet(void *context, uint32_t t)
+{
+    struct facets *facets = context;
+    const struct cml_sheet *sheet = &facets->e->sheet;
+    struct cml_convex triangle = {.form = CML_CONVEX_TRIANGLE};
+    if (facets->meets) return;
+    for (int k = 0; k < 3; k++) triangle.corner[k] = sheet->vertex[sheet->mesh->triangle[t][k]];
+    facets->meets = cml_convex_compare(&triangle, &facets->convex, facets->e->at) != CML_CONVEX_APART;
+}
+
 /* A sphere that crosses the outer plane's depth must do so inside the border, whose edges it does not meet.
  */
-static cml_status compare_sphere_with_sheet(struct encounter *e, const struct cml_sheet *sheet,
-                                            struct cml_error *err)
+static cml_status compare_sphere_with_sheet(struct encounter *e, struct cml_error *err)
 {
-    const struct cml_convex convex = cml_body_convex(e->body);
-    const struct cml_mesh *mesh = sheet->mesh;
+    struct facets facets = {.e = e, .convex = cml_body_convex(e->body)};
+    const struct cml_sheet *sheet = &e->sheet;
     const double *c = e->body->centre;
-    for (size_t t = 0; t < mesh->num_triangles; t++) {
-        struct cml_convex triangle = {.form = CML_CONVEX_TRIANGLE};
-        for (int k = 0; k < 3; k++) triangle.corner[k] = sheet->vertex[mesh->triangle[t][k]];
-        if (cml_convex_compare(&triangle, &convex, e->at) != CML_CONVEX_APART)
-            return fail_encounter(e, "meets", err);
+    const double margin = 4 * err_share * (fabs(c[0]) + fabs(c[1]) + fabs(c[2]) + e->body->radius);
+    double lower[3], upper[3];
+    for (int k = 0; k < 3; k++) {
+        lower[k] = e->lower[k] - margin;
+        upper[k] = e->upper[k] + margin;
     }
+    cml_boxtree_touching(sheet->tree, lower, upper, compare_with_facet, &facets);
+    if (facets.meets) return fail_encounter(e, "meets", err);
     cml_vec3_copy(c, e->at);
     e->at[2] = sheet->z_plane;
     if (fabs(c[2] - sheet->z_plane) <= e->body->radius &&
@@ -113,8 +137,9 @@ static cml_status compare_sphere_with_sheet(struct encounter *e, const struct cm
 }
 
 static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_mesh *mesh,
-                                          const struct cml_sheet *sheet, struct cml_error *err)
+                                          struct cml_error *err)
 {
+    const struct cml_sheet *sheet = &e->sheet;
     struct cml_sheet body;
     struct cml_sheet_overlap overlap;
     CML_TRY(cml_sheet_create(mesh, 0, &body, err));
@@ -127,63 +152,81 @@ static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_
 }
 
 /* Meshes, and cylinders as prisms, against what is no plane. */
-static cml_status compare_mesh(struct encounter *e, const struct cml_sheet *sheet, struct cml_error *err)
+static cml_status compare_mesh(struct encounter *e, struct cml_error *err)
 {
     struct cml_mesh mesh;
     CML_TRY(cml_body_mesh(e->body, SIDES, true, &mesh, err));
-    const cml_status status =
-        sheet ? compare_mesh_with_sheet(e, &mesh, sheet, err) : compare_mesh_with_field(e, &mesh, err);
+    const cml_status status = e->boundary->form == CML_FORM_MESH ? compare_mesh_with_sheet(e, &mesh, err)
+                                                                 : compare_mesh_with_field(e, &mesh, err);
     cml_mesh_clear(&mesh);
     return status;
 }
 
-/* Where the body's box ends before the boundary begins nothing else is looked at. */
-static bool is_clear(const struct encounter *e, double top, double bottom)
+/* A tile has no triangles to compare a body with. */
+static cml_status fail_at_tile(const struct encounter *e, struct cml_error *err)
 {
-    double lower[3], upper[3];
-    cml_body_box(e->body, lower, upper);
-    return e->below ? lower[2] > bottom : upper[2] < top;
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s:%d: body %d lies at depths of %g..%g cm and boundary %d, a tile, at %g..%g cm (expected "
+        "a body wholly %s the tile's depths)",
+        e->scene->file, e->body->line, (int)(e->body - e->scene->bodies) + 1, e->lower[2], e->upper[2],
+        e->number, e->top, e->bottom, e->below ? "below" : "above");
 }
 
-static cml_status compare_with_field(struct encounter *e, struct cml_error *err)
+/* Where the body's box ends before the boundary begins nothing else is looked at. */
+static cml_status compare(struct encounter *e, struct cml_error *err)
 {
-    const struct cml_radial *field = &e->boundary->radial;
-    double top = INFINITY, bottom = -INFINITY;
-    for (int i = 0; i < field->n; i++) {
-        top = fmin(top, e->boundary->z - field->h[i]);
-        bottom = fmax(bottom, e->boundary->z - field->h[i]);
+    const enum cml_boundary_form form = e->boundary->form;
+    cml_body_box(e->body, e->lower, e->upper);
+    if (form != CML_FORM_MESH && e->top == e->bottom) return compare_with_plane(e, e->top, err);
+    if (e->below ? e->lower[2] > e->bottom : e->upper[2] < e->top) return CML_OK;
+    if (form == CML_FORM_TILE) return fail_at_tile(e, err);
+    if (e->body->form != CML_BODY_SPHERE) return compare_mesh(e, err);
+    return form == CML_FORM_MESH ? compare_sphere_with_sheet(e, err) : compare_sphere_with_field(e, err);
+}
+
+static void take_heights(struct encounter *e, const double *h, size_t n)
+{
+    e->top = INFINITY;
+    e->bottom = -INFINITY;
+    for (size_t i = 0; i < n; i++) {
+        e->top = fmin(e->top, e->boundary->z - h[i]);
+        e->bottom = fmax(e->bottom, e->boundary->z - h[i]);
     }
-    if (top == bottom) return compare_with_plane(e, top, err);
-    if (is_clear(e, top, bottom)) return CML_OK;
-    return e->body->form == CML_BODY_SPHERE ? compare_sphere_with_field(e, err) : compare_mesh(e, NULL, err);
+}
+
+static cml_status prepare(struct encounter *e, struct cml_error *err)
+{
+    const struct cml_boundary *boundary = e->boundary;
+    const struct cml_heightmap *tile = &boundary->tile;
+    e->top = e->bottom = boundary->z;
+    if (boundary->form == CML_FORM_RADIAL) take_heights(e, boundary->radial.h, (size_t)boundary->radial.n);
+    if (boundary->form == CML_FORM_TILE) take_heights(e, tile->h, (size_t)tile->nx * (size_t)tile->ny);
+    if (boundary->form != CML_FORM_MESH) return CML_OK;
+    CML_TRY(cml_sheet_create(&boundary->mesh, boundary->z, &e->sheet, err));
+    e->top = e->sheet.top;
+    e->bottom = e->sheet.bottom;
+    return CML_OK;
 }
 
 /* All bodies that lie right in a layer, against one of its boundaries. */
 static cml_status check_boundary(const struct cml_scene *scene, int layer, int number, struct cml_error *err)
 {
-    const struct cml_boundary *boundary = &scene->boundaries[number];
-    struct cml_sheet sheet = {0};
-    if (boundary->form == CML_FORM_MESH) CML_TRY(cml_sheet_create(&boundary->mesh, boundary->z, &sheet, err));
-    cml_status status = CML_OK;
-    for (int k = 0; status == CML_OK && k < scene->num_bodies; k++) {
-        struct encounter e = {scene, &scene->bodies[k], boundary, number, number < layer, {0}};
-        if (e.body->host != layer) continue;
-        if (boundary->form == CML_FORM_PLANE)
-            status = compare_with_plane(&e, boundary->z, err);
-        else if (boundary->form == CML_FORM_RADIAL)
-            status = compare_with_field(&e, err);
-        else if (!is_clear(&e, sheet.top, sheet.bottom))
-            status = e.body->form == CML_BODY_SPHERE ? compare_sphere_with_sheet(&e, &sheet, err)
-                                                     : compare_mesh(&e, &sheet, err);
+    const struct cml_body_range bodies = cml_layer_bodies(scene, layer);
+    struct encounter e = {
+        .scene = scene, .boundary = &scene->boundaries[number], .number = number, .below = number < layer};
+    cml_status status = bodies.first < bodies.end ? prepare(&e, err) : CML_OK;
+    for (int k = bodies.first; status == CML_OK && k < bodies.end; k++) {
+        e.body = &scene->bodies[k];
+        if (e.body->host == layer) status = compare(&e, err);
     }
-    cml_sheet_clear(&sheet);
+    cml_sheet_clear(&e.sheet);
     return status;
 }
 
 cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_error *err)
 {
     for (int layer = 1; layer <= scene->num_layers; layer++) {
-        if (!cml_medium_has_bodies(scene, layer)) continue;
         CML_TRY(check_boundary(scene, layer, layer - 1, err));
         CML_TRY(check_boundary(scene, layer, layer, err));
     }

@@ -10,11 +10,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define MOST_CELLS 8192 /* of a layer: 256 KiB, which a core's cache holds beside all else */
+#define MOST_CELLS 8192                /* of a layer: 256 KiB, which a core's cache holds beside all else */
+#define MOST_OF_ALL (512 * MOST_CELLS) /* of all layers: 128 MiB */
 #define CELLS_PER_MFP 8
 #define BAND 1      /* whole cells around the box of a triangle or a body that know their distance from it */
 #define BEYOND 1.5f /* cells: so far at least are the middles of all others */
 #define PAD 2       /* cells around the box of all bodies */
+#define BLOCK 4     /* cells along the edge of a cube of them that a body may pass over */
 
 /* One layer whose cells are being filled. In cells: */
 struct filling {
@@ -24,6 +26,7 @@ struct filling {
     float *near; /* distance of the middle from the closest surface whose band it is in */
     float *far;  /* a lower bound of it from all: between cells that surfaces pass; squared at first */
     struct cml_body_patch *patch;
+    int *open;                /* of every row along x: its cells that another body may change */
     struct cell_facet *facet; /* [num_facets], with room for more */
     size_t num_facets, room;
     bool out_of_memory;
@@ -59,10 +62,18 @@ static size_t cell_at(const struct filling *f, int x, int y, int z)
     return ((size_t)z * (size_t)f->cells->n[1] + (size_t)y) * (size_t)f->cells->n[0] + (size_t)x;
 }
 
-/* Scene coordinates. */
-static void cell_middle(const struct filling *f, int x, int y, int z, double middle[3])
+/* The number of a block of cells. */
+static size_t block_at(const struct filling *f, int x, int y, int z)
 {
-    const int at[3] = {x, y, z};
+    const size_t nx = ((size_t)f->cells->n[0] + BLOCK - 1) / BLOCK,
+                 ny = ((size_t)f->cells->n[1] + BLOCK - 1) / BLOCK;
+    return ((size_t)z * ny + (size_t)y) * nx + (size_t)x;
+}
+
+/* Scene coordinates; of a place between cells, too. */
+static void cell_middle(const struct filling *f, double x, double y, double z, double middle[3])
+{
+    const double at[3] = {x, y, z};
     for (int k = 0; k < 3; k++) middle[k] = f->cells->corner[k] + (at[k] + 0.5) * f->cells->cell;
     middle[2] += f->depth;
 }
@@ -100,12 +111,20 @@ static double distance_to(const struct part *part, const double p[3])
     return cml_vec3_length(closest);
 }
 
-/* A part's distance from the middle of a cell; and where it may pass the cell, what it looks like there. */
+/* Surfaces of several bodies that pass its very middle: no further body can change what is known of it. */
+static bool is_closed(const struct filling *f, size_t cell)
+{
+    return f->patch[cell].body == CML_PATCH_MIXED && f->near[cell] <= (float)CML_CELL_MARGIN;
+}
+
+/* A part's distance from the middle of a cell; and where it may pass the cell, what it looks like there.
+ */
 static void fill_cell(struct filling *f, const struct part *part, int x, int y, int z)
 {
     double middle[3];
-    cell_middle(f, x, y, z, middle);
     const size_t cell = cell_at(f, x, y, z);
+    if (is_closed(f, cell)) return;
+    cell_middle(f, x, y, z, middle);
     const double distance = distance_to(part, middle) / f->cells->cell;
     f->near[cell] = fminf(f->near[cell], (float)distance);
     if (distance > CML_CELL_REACH) return;
@@ -113,15 +132,41 @@ static void fill_cell(struct filling *f, const struct part *part, int x, int y, 
         note_facet(f, cell, part->body, part->triangle);
     else
         cml_patch_add_convex(part->body, &part->convex, middle, f->cells->cell, &f->patch[cell]);
+    f->open[block_at(f, x / BLOCK, y / BLOCK, z / BLOCK)] -= is_closed(f, cell);
+}
+
+/* The cells of a block that are in range. */
+static void fill_block(struct filling *f, const struct part *part, const int block[3], const int from[3],
+                       const int to[3])
+{
+    int first[3], last[3];
+    for (int k = 0; k < 3; k++) {
+        first[k] = from[k] > block[k] * BLOCK ? from[k] : block[k] * BLOCK;
+        last[k] = to[k] < block[k] * BLOCK + BLOCK - 1 ? to[k] : block[k] * BLOCK + BLOCK - 1;
+    }
+    for (int z = first[2]; z <= last[2]; z++)
+        for (int y = first[1]; y <= last[1]; y++)
+            for (int x = first[0]; x <= last[0]; x++) fill_cell(f, part, x, y, z);
+}
+
+/* Whether the part is so far from all middles of a block that its distance does not count. */
+static bool is_far(const struct filling *f, const struct part *part, const int block[3])
+{
+    const double half = 0.5 * (BLOCK - 1), reach = BEYOND + 1.7321 * half;
+    double middle[3];
+    cell_middle(f, block[0] * BLOCK + half, block[1] * BLOCK + half, block[2] * BLOCK + half, middle);
+    return distance_to(part, middle) > reach * f->cells->cell;
 }
 
 static void fill_band(struct filling *f, const struct part *part)
 {
-    int from[3], to[3];
+    int from[3], to[3], block[3];
     cell_range(f, part->lower, part->upper, from, to);
-    for (int z = from[2]; z <= to[2]; z++)
-        for (int y = from[1]; y <= to[1]; y++)
-            for (int x = from[0]; x <= to[0]; x++) fill_cell(f, part, x, y, z);
+    for (block[2] = from[2] / BLOCK; block[2] <= to[2] / BLOCK; block[2]++)
+        for (block[1] = from[1] / BLOCK; block[1] <= to[1] / BLOCK; block[1]++)
+            for (block[0] = from[0] / BLOCK; block[0] <= to[0] / BLOCK; block[0]++)
+                if (f->open[block_at(f, block[0], block[1], block[2])] > 0 && !is_far(f, part, block))
+                    fill_block(f, part, block, from, to);
 }
 
 /* A part for every triangle, with a box of its own. */
@@ -238,6 +283,42 @@ static void make_near(const struct filling *f, struct cml_body_near *near)
             }
 }
 
+/* A number without a common divisor with n, near its golden section: multiples of it modulo n visit all
+ * numbers below n, and the first few of them are already spread over all [H. Weyl, Math. Ann. 77 (1916) 313].
+ */
+static uint64_t stride_of(uint64_t n)
+{
+    for (uint64_t stride = (uint64_t)(0.6180339887498949 * (double)n);; stride++) {
+        uint64_t a = n, b = stride;
+        while (b > 0) {
+            const uint64_t rest = a % b;
+            a = b;
+            b = rest;
+        }
+        if (a == 1) return stride;
+    }
+}
+
+/* The order does not show in what comes out. Of bodies inside each other, which a file often lists by size, a
+ * few from everywhere close most cells to the others. */
+static void add_bodies(struct filling *f, const struct cml_body_range bodies)
+{
+    const uint64_t count = (uint64_t)(bodies.end - bodies.first), stride = stride_of(count);
+    for (uint64_t i = 0; i < count; i++) add_body(f, bodies.first + (int)(i * stride % count));
+}
+
+static void prepare_cells(struct filling *f)
+{
+    const int *n = f->cells->n;
+    for (size_t i = 0; i < cells_of(f->cells); i++) {
+        f->near[i] = INFINITY;
+        f->patch[i].body = CML_PATCH_NONE;
+    }
+    for (int z = 0; z < n[2]; z++)
+        for (int y = 0; y < n[1]; y++)
+            for (int x = 0; x < n[0]; x++) f->open[block_at(f, x / BLOCK, y / BLOCK, z / BLOCK)]++;
+}
+
 /* All cells of a layer: distances and patches of every body in it, then what follows from them. */
 static cml_status fill(struct filling *f, int layer, struct cml_body_near *near, struct cml_error *err)
 {
@@ -246,13 +327,12 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_near *near,
     f->near = malloc(count * sizeof *f->near);
     f->far = malloc((count + longest) * sizeof *f->far);
     f->patch = malloc(count * sizeof *f->patch);
-    f->out_of_memory = !f->near || !f->far || !f->patch;
-    for (size_t i = 0; !f->out_of_memory && i < count; i++) {
-        f->near[i] = INFINITY;
-        f->patch[i].body = CML_PATCH_NONE;
+    f->open = calloc(count, sizeof *f->open); /* more than there are blocks */
+    f->out_of_memory = !f->near || !f->far || !f->patch || !f->open;
+    if (!f->out_of_memory) {
+        prepare_cells(f);
+        add_bodies(f, cml_layer_bodies(f->scene, layer));
     }
-    for (int k = 0; !f->out_of_memory && k < f->scene->num_bodies; k++)
-        if (f->scene->bodies[k].layer == layer) add_body(f, k);
     if (!f->out_of_memory) {
         make_mesh_patches(f);
         find_clearance(f);
@@ -261,6 +341,7 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_near *near,
     free(f->near);
     free(f->far);
     free(f->patch);
+    free(f->open);
     free(f->facet);
     if (!f->out_of_memory) return CML_OK;
     return cml_fail_memory(err, (double)(count * sizeof *f->patch), "the clearance of bodies");
@@ -270,9 +351,10 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_near *near,
 static double shortest_path(const struct cml_scene *scene, int layer)
 {
     double mut = scene->media[layer].mua + scene->media[layer].mus;
-    for (int k = 0; k < scene->num_bodies; k++) {
+    const struct cml_body_range bodies = cml_layer_bodies(scene, layer);
+    for (int k = bodies.first; k < bodies.end; k++) {
         const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
-        if (scene->bodies[k].layer == layer) mut = fmax(mut, medium->mua + medium->mus);
+        mut = fmax(mut, medium->mua + medium->mus);
     }
     return 1 / mut;
 }
@@ -283,9 +365,9 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
         lower[i] = INFINITY;
         upper[i] = -INFINITY;
     }
-    for (int k = 0; k < scene->num_bodies; k++) {
+    const struct cml_body_range bodies = cml_layer_bodies(scene, layer);
+    for (int k = bodies.first; k < bodies.end; k++) {
         double a[3], b[3];
-        if (scene->bodies[k].layer != layer) continue;
         cml_body_box(&scene->bodies[k], a, b);
         for (int i = 0; i < 3; i++) {
             lower[i] = fmin(lower[i], a[i]);
@@ -294,8 +376,9 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
     }
 }
 
-/* The box around all bodies of the layer and a little more; cubes, about MOST_CELLS of them. */
-static void lay_out(const struct cml_scene *scene, int layer, double depth, struct cml_body_cells *cells)
+/* The box around all bodies of the layer and a little more; cubes, about `most` of them. */
+static void lay_out(const struct cml_scene *scene, int layer, double depth, double most,
+                    struct cml_body_cells *cells)
 {
     double lower[3], upper[3], volume = 1, widest = 0;
     box_of_bodies(scene, layer, lower, upper);
@@ -303,7 +386,7 @@ static void lay_out(const struct cml_scene *scene, int layer, double depth, stru
         volume *= upper[i] - lower[i];
         widest = fmax(widest, upper[i] - lower[i]);
     }
-    const double least = fmax(cbrt(volume / MOST_CELLS), widest / 1000);
+    const double least = fmax(cbrt(volume / most), widest / 1000);
     cells->cell = fmin(widest, fmax(least, shortest_path(scene, layer) / CELLS_PER_MFP));
     for (int i = 0; i < 3; i++) {
         cells->n[i] = (int)ceil((upper[i] - lower[i]) / cells->cell * (1 + 1e-6)) + 2 * PAD;
@@ -337,10 +420,11 @@ cml_status cml_body_grids_create(const struct cml_scene *scene, const double *de
 {
     *grids = (struct cml_body_grids){0};
     CML_TRY(find_media(scene, grids, err));
+    const double most = fmin(MOST_CELLS, MOST_OF_ALL / fmax(1, grids->count));
     for (int l = 1; l <= scene->num_layers; l++) {
         if (grids->of_medium[l] < 0) continue;
         struct cml_body_cells *cells = &grids->item[grids->of_medium[l]];
-        lay_out(scene, l, depths[l], cells);
+        lay_out(scene, l, depths[l], most, cells);
         cells->first = grids->num_cells;
         grids->num_cells += cells_of(cells);
     }

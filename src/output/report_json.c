@@ -18,21 +18,31 @@ static void set_real(json_t *object, const char *key, double value)
     json_object_set_new(object, key, json_real(value));
 }
 
+/* What lists are about; run NULL: nothing has been flown. */
+struct subject {
+    const struct cml_scene *scene;
+    const struct cml_surface_set *surfaces;
+    const struct cml_run_result *run;
+};
+
+/* A list that may be long: its elements are made while they are written, one at a time. In the object `key`
+ * holds its place. */
+struct list {
+    const char *key;
+    int count;
+    json_t *(*element)(const struct subject *subject, int i);
+};
+
 /* An unknown bias is infinite, which JSON cannot say: null. */
-static json_t *boundaries_json(const struct cml_surface_set *surfaces)
+static json_t *boundary_json(const struct subject *subject, int b)
 {
-    json_t *list = json_array();
-    for (int b = 0; b < surfaces->count; b++) {
-        const struct cml_surface_def *def = &surfaces->item[b];
-        const struct cml_expectation *expect = &def->expectation;
-        json_t *bias = isfinite(expect->bias) ? json_real(expect->bias) : json_null();
-        json_array_append_new(list, json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind",
-                                              cml_surface_kind_name(def->kind), "reason", def->reason,
-                                              "primitives", (json_int_t)def->primitives, "build_s",
-                                              def->build_seconds, "MiB", def->bytes / 1048576, "bias", bias,
-                                              "query_ns", expect->query_ns, "deviation", expect->deviation));
-    }
-    return list;
+    const struct cml_surface_def *def = &subject->surfaces->item[b];
+    const struct cml_expectation *expect = &def->expectation;
+    json_t *bias = isfinite(expect->bias) ? json_real(expect->bias) : json_null();
+    return json_pack("{s:s, s:s, s:I, s:f, s:f, s:o, s:f, s:f}", "kind", cml_surface_kind_name(def->kind),
+                     "reason", def->reason, "primitives", (json_int_t)def->primitives, "build_s",
+                     def->build_seconds, "MiB", def->bytes / 1048576, "bias", bias, "query_ns",
+                     expect->query_ns, "deviation", expect->deviation);
 }
 
 /* "layer" or "body", and its number from 1. */
@@ -42,23 +52,22 @@ static json_t *host_json(const struct cml_scene *scene, int host)
     return body > 0 ? json_pack("{s:i}", "body", body) : json_pack("{s:i}", "layer", host);
 }
 
-/* result NULL: nothing has been flown. */
-static json_t *bodies_json(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                           const struct cml_result *result)
+static json_t *body_json(const struct subject *subject, int k)
 {
-    json_t *list = json_array();
-    for (int k = 0; k < scene->num_bodies; k++) {
-        const int m = cml_body_medium(scene, k);
-        const struct cml_medium_def *medium = &scene->media[m];
-        json_t *body = json_pack(
-            "{s:s, s:s, s:I, s:o, s:f, s:f, s:f, s:f}", "form", cml_body_form_name(scene->bodies[k].form),
-            "kind", cml_surface_kind_name(surfaces->bodies.item[k].kind), "primitives",
-            (json_int_t)surfaces->bodies.item[k].primitives, "in", host_json(scene, scene->bodies[k].host),
-            "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
-        if (result) set_real(body, "A", (double)result->A_l[m] * CML_WEIGHT_UNIT / (double)result->photons);
-        json_array_append_new(list, body);
+    const struct cml_scene *scene = subject->scene;
+    const struct cml_body_surface *surface = &subject->surfaces->bodies.item[k];
+    const int m = cml_body_medium(scene, k);
+    const struct cml_medium_def *medium = &scene->media[m];
+    json_t *body = json_pack("{s:s, s:s, s:I, s:o, s:f, s:f, s:f, s:f}", "form",
+                             cml_body_form_name(scene->bodies[k].form), "kind",
+                             cml_surface_kind_name(surface->kind), "primitives",
+                             (json_int_t)surface->primitives, "in", host_json(scene, scene->bodies[k].host),
+                             "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
+    if (subject->run) {
+        const struct cml_result *result = &subject->run->result;
+        set_real(body, "A", (double)result->A_l[m] * CML_WEIGHT_UNIT / (double)result->photons);
     }
-    return list;
+    return body;
 }
 
 /* The main result comes first, as it was written first. */
@@ -184,17 +193,49 @@ static void set_control(json_t *object, const struct cml_report *report)
                         control ? json_real(report->control_processor) : json_null());
 }
 
-/* Ends the object. */
+static int print_list(FILE *stream, const struct list *list, const struct subject *subject)
+{
+    int failed = 0;
+    fputc('[', stream);
+    for (int i = 0; i < list->count && !failed; i++) {
+        json_t *element = list->element(subject, i);
+        if (i > 0) fputc(',', stream);
+        failed = !element || json_dumpf(element, stream, JSON_COMPACT);
+        json_decref(element);
+    }
+    fputc(']', stream);
+    return failed;
+}
+
+/* Ends the object. lists: [num_lists] */
+static cml_status print_with_lists(FILE *stream, json_t *object, const struct list *lists, size_t num_lists,
+                                   const struct subject *subject, struct cml_error *err)
+{
+    const char *key;
+    json_t *value;
+    int failed = 0;
+    char before = '{';
+    json_object_set_new(object, "version", json_string(cml_version()));
+    json_object_foreach(object, key, value)
+    {
+        size_t i = 0;
+        while (i < num_lists && strcmp(lists[i].key, key) != 0) i++;
+        fprintf(stream, "%c\"%s\":", before, key);
+        if (!failed && i < num_lists)
+            failed = print_list(stream, &lists[i], subject);
+        else if (!failed)
+            failed = json_dumpf(value, stream, JSON_COMPACT | JSON_ENCODE_ANY);
+        before = ',';
+    }
+    fputs("}\n", stream);
+    fflush(stream);
+    json_decref(object);
+    return failed ? cml_fail_memory(err, 1, "the JSON record") : CML_OK;
+}
+
 static cml_status print_object(FILE *stream, json_t *object, struct cml_error *err)
 {
-    json_object_set_new(object, "version", json_string(cml_version()));
-    char *text = json_dumps(object, JSON_COMPACT);
-    json_decref(object);
-    if (!text) return cml_fail_memory(err, 1, "the JSON record");
-    fprintf(stream, "%s\n", text);
-    fflush(stream);
-    free(text);
-    return CML_OK;
+    return print_with_lists(stream, object, NULL, 0, NULL, err);
 }
 
 cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact,
@@ -207,15 +248,11 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
     return print_object(stream, object, err);
 }
 
-static json_t *layers_json(const struct cml_scene *scene)
+static json_t *layer_json(const struct subject *subject, int l)
 {
-    json_t *list = json_array();
-    for (int l = 1; l <= scene->num_layers; l++) {
-        const struct cml_medium_def *medium = &scene->media[l];
-        json_array_append_new(list, json_pack("{s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua,
-                                              "mus", medium->mus, "g", medium->g, "d", medium->d));
-    }
-    return list;
+    const struct cml_medium_def *medium = &subject->scene->media[l + 1];
+    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g",
+                     medium->g, "d", medium->d);
 }
 
 /* null where the scene asks for no map. */
@@ -239,23 +276,27 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                  const struct cml_exact *flat, struct cml_error *err)
 {
     const char format[] = {scene->format, '\0'};
+    const struct subject subject = {.scene = scene, .surfaces = surfaces};
+    const struct list lists[] = {{"layers", scene->num_layers, layer_json},
+                                 {"boundaries", surfaces->count, boundary_json},
+                                 {"bodies", scene->num_bodies, body_json}};
     json_t *object = json_pack("{s:o, s:i, s:o, s:s}", "scene", cml_json_name(scene->file), "line",
                                scene->line, "output", cml_json_name(scene->output), "format", format);
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
     set_integer(object, "photons", scene->photons);
     set_real(object, "n_above", scene->media[0].n);
-    json_object_set_new(object, "layers", layers_json(scene));
+    json_object_set_new(object, "layers", json_null());
     set_real(object, "n_below", scene->media[scene->num_layers + 1].n);
     json_object_set_new(object, "grid",
                         json_pack("{s:f, s:f, s:i, s:i, s:i}", "dz", scene->dz, "dr", scene->dr, "nz",
                                   scene->nz, "nr", scene->nr, "na", scene->na));
     json_object_set_new(object, "map", map_json(&scene->map));
     json_object_set_new(object, "facets", json_boolean(scene->facets));
-    json_object_set_new(object, "boundaries", boundaries_json(surfaces));
-    if (scene->num_bodies > 0) json_object_set_new(object, "bodies", bodies_json(scene, surfaces, NULL));
+    json_object_set_new(object, "boundaries", json_null());
+    if (scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     set_integer(object, "memory_bytes", (uint64_t)bytes);
     json_object_set_new(object, "flat", flat_json(flat));
-    return print_object(stream, object, err);
+    return print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
 }
 
 /* What was set from outside the file: all of it are numbers. */
@@ -275,6 +316,9 @@ static json_t *settings_json(const char *text)
 /* One object on one line. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
+    const struct subject subject = {report->scene, report->surfaces, report->run};
+    const struct list lists[] = {{"boundaries", report->surfaces->count, boundary_json},
+                                 {"bodies", report->scene->num_bodies, body_json}};
     json_t *object = json_pack("{s:o, s:o, s:s}", "scene", cml_json_name(report->scene->file), "output",
                                cml_json_name(report->files[0]), "engine", report->engine->name);
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
@@ -283,16 +327,14 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     json_object_set_new(object, "row", report->row > 0 ? json_integer(report->row) : json_null());
     json_object_set_new(object, "set", settings_json(report->scene->settings));
     json_object_set_new(object, "sampling", json_string(cml_sampling_name(report->options)));
-    json_object_set_new(object, "boundaries", boundaries_json(report->surfaces));
-    if (report->scene->num_bodies > 0)
-        json_object_set_new(object, "bodies",
-                            bodies_json(report->scene, report->surfaces, &report->run->result));
+    json_object_set_new(object, "boundaries", json_null());
+    if (report->scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     json_object_set_new(object, "files", files_json(report));
     set_results(object, report);
     set_exact_totals(object, report->exact);
     set_control(object, report);
     set_speed(object, report);
-    return print_object(stream, object, err);
+    return print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
 }
 
 /* ---- a finished run's ---- */

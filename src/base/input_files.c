@@ -27,22 +27,34 @@ static cml_status append(struct cml_inputs *inputs, const char *path, const char
     return cml_fail_memory(err, (double)size, "a copy of an input file");
 }
 
+/* Paths are compared as they were asked for: both ranks read the same .mci, so they ask alike. NULL: none. */
+static const struct cml_input *find(const struct cml_inputs *inputs, const char *path)
+{
+    for (size_t i = 0; i < inputs->count; i++)
+        if (strcmp(inputs->item[i].path, path) == 0) return &inputs->item[i];
+    return NULL;
+}
+
+static cml_status give_copy(const struct cml_input *input, char **data, size_t *size, struct cml_error *err)
+{
+    *size = input->size;
+    *data = copy_data(input->data, *size);
+    return *data ? CML_OK : cml_fail_memory(err, (double)*size, "an input file");
+}
+
+/* A file that is asked for again, as the mesh of many bodies is, is kept once. */
 static cml_status record(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
 {
+    const struct cml_input *known = find(context, path);
+    if (known) return give_copy(known, data, size, err);
     CML_TRY(cml_text_read_file(path, data, size, err));
     return append(context, path, *data, *size, err);
 }
 
-/* Paths are compared as they were asked for: both ranks read the same .mci, so they ask alike. */
 static cml_status replay(void *context, const char *path, char **data, size_t *size, struct cml_error *err)
 {
-    const struct cml_inputs *inputs = context;
-    for (size_t i = 0; i < inputs->count; i++) {
-        if (strcmp(inputs->item[i].path, path) != 0) continue;
-        *size = inputs->item[i].size;
-        *data = copy_data(inputs->item[i].data, *size);
-        return *data ? CML_OK : cml_fail_memory(err, (double)*size, "an input file");
-    }
+    const struct cml_input *known = find(context, path);
+    if (known) return give_copy(known, data, size, err);
     return cml_fail(err, CML_E_INPUT, "%s: rank 0 did not read this file", cml_text_name(path));
 }
 

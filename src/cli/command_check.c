@@ -70,8 +70,7 @@ static void print_mesh(const struct cml_scene *scene, int b)
                "turned %zu triangles\n",
                notes->welded, notes->degenerate, notes->unused, notes->flipped);
     cml_print_mesh_repairs(scene, b);
-    double thickness = 0;
-    for (int l = 1; l <= scene->num_layers; l++) thickness += scene->media[l].d;
+    const double thickness = scene->boundaries[scene->num_layers].z;
     const double width = fmax(mesh->upper[0] - mesh->lower[0], mesh->upper[1] - mesh->lower[1]);
     if (width > 100 * thickness || s.peak_to_valley > thickness)
         printf("    warning: the mesh is %g cm wide and %g cm high over layers of %g cm: is units= right?\n",
@@ -187,16 +186,18 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
 cml_status cml_command_check(const struct cml_options *options, struct cml_error *err)
 {
     struct cml_scene_list list;
+    struct cml_inputs inputs;
     enum cml_picture picture = CML_PICTURE_SVG;
     if (options->output) {
         CML_TRY(cml_picture_of(options->output, &picture, err));
         CML_TRY(cml_check_overwrite("check", options->output, options->operands, options->num_operands, err));
     }
-    CML_TRY(cml_load_scenes(options, &list, err));
+    CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
     cml_status status = CML_OK;
     for (int i = 0; status == CML_OK && i < list.count; i++)
         status = check_scene(options, &list.scenes[i], err);
     if (status == CML_OK) status = cml_draw_section(options, &list, picture, err);
     cml_scene_list_clear(&list);
+    cml_inputs_clear(&inputs);
     return status;
 }

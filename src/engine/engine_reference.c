@@ -79,5 +79,6 @@ const struct cml_engine cml_engine_reference = {
     .trace = reference_trace,
     .fates = reference_fates,
     .threads = reference_threads,
+    .bytes = cml_world_bytes,
     .close = reference_close,
 };

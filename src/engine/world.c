@@ -71,6 +71,19 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
         err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
 }
 
+double cml_world_bytes(const struct cml_surface_set *surfaces)
+{
+    const double bodies = surfaces->bodies.count, boundaries = surfaces->count + bodies,
+                 cells = (double)count_clearance_cells(surfaces) + (double)count_horizon_cells(surfaces);
+    return (boundaries + 1) *
+               (sizeof(struct cml_medium) + sizeof(struct cml_surface) + sizeof(struct cml_mesh_surface *)) +
+           (double)count_rings(surfaces) * (CML_RING_ROWS * sizeof(real) + sizeof(int)) +
+           2 * cells * sizeof(real) + bodies * sizeof(struct cml_body) +
+           surfaces->bodies.tree.count * (double)sizeof(struct cml_body_node) +
+           surfaces->bodies.grids.count * (double)sizeof(struct cml_body_grid) +
+           (double)surfaces->bodies.grids.num_cells * sizeof(struct cml_body_cell);
+}
+
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        struct cml_medium *media)
 {

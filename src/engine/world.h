@@ -13,6 +13,7 @@
 #define cml_copy_bodies cml_copy_bodies_double
 #define cml_owned_world_create cml_owned_world_create_double
 #define cml_owned_world_free cml_owned_world_free_double
+#define cml_world_bytes cml_world_bytes_double
 #endif
 
 /* A world and the arrays it points into. The meshes belong to the surfaces it was made from. */
@@ -40,6 +41,9 @@ CML_NODISCARD cml_status cml_owned_world_create(const struct cml_scene *scene,
                                                 const struct cml_engine_options *options,
                                                 struct cml_owned_world *to, struct cml_error *err);
 void cml_owned_world_free(struct cml_owned_world *to);
+
+/* Bytes that a world of these surfaces takes. */
+double cml_world_bytes(const struct cml_surface_set *surfaces);
 
 /* world_bodies.c's part of cml_owned_world_create: allocates and fills what a world has of bodies, and their
  * media and surfaces, which come behind those of the layers. */

@@ -1,9 +1,11 @@
-"""Large maps and volumes stay within the memory that is printed before the run; larger ones are refused with the figure.
+"""Runs stay within the memory that is printed before them, and scenes of many bodies, layers and triangles come close to it; what is
+larger is refused with the figure.
 
-A wide beam on a slab, so that pixels all over the map are touched. Peak resident memory against the printed line."""
+Maps: a wide beam on a slab, so that pixels all over the map are touched. Peak resident memory, as the system counts it for the one
+process, against the printed line of `run` and of `check`."""
+import math
 import os
 import re
-import resource
 import subprocess
 import sys
 import tempfile
@@ -13,33 +15,91 @@ import cml  # noqa: E402
 from fields import h5py  # noqa: E402
 
 
+# The system counts for a process what the one held that started it: this one holds little.
+STARTER = """import os, sys
+_, status, usage = os.wait4(os.spawnv(os.P_NOWAIT, sys.argv[2], sys.argv[2:]), 0)
+open(sys.argv[1], "w").write(str(usage.ru_maxrss))
+sys.exit(os.waitstatus_to_exitcode(status))"""
+
+
 def scene(line, nz=1):
     return cml.mci(["1 1 9 0 0.4"], photons=100000, bins=f"{nz} 1 1", grid=f"{0.4 / nz} 1", extra=["beam disk 2", line])
 
 
-def run(text, keep):
+def run(text, keep, command="run"):
+    """What it said, and its peak in MiB."""
     path = os.path.join(keep, "scene.mci")
     with open(path, "w", encoding="utf-8") as file:
         file.write(text)
-    return subprocess.run([cml.PROGRAM, "run", path, "--threads", "2", "-o", keep], capture_output=True, text=True,
+    where = ["--threads", "2", "-o", keep] if command == "run" else []
+    peak = os.path.join(keep, "peak")
+    done = subprocess.run([sys.executable, "-c", STARTER, peak, cml.PROGRAM, command, path, *where], capture_output=True, text=True,
                           check=False)
+    with open(peak, encoding="utf-8") as file:
+        mib = int(file.read()) / 1024
+    os.remove(peak)
+    return done, mib
 
 
-def peak_mib():
-    """Of all children so far: the cases below rise."""
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+def printed(verdict, name, done):
+    found = re.search(r"memory: at most (\d+) MiB", done.stdout)
+    verdict.check(name, done.returncode == 0 and found, done.stderr)
+    return int(found[1])
 
 
 def check(verdict, name, line, nz, least, dataset, shape):
     with tempfile.TemporaryDirectory() as keep:
-        done = run(scene(line, nz), keep)
-        printed = re.search(r"memory: at most (\d+) MiB", done.stdout)
-        verdict.check(name, done.returncode == 0 and printed, done.stderr)
-        peak, most = peak_mib(), int(printed[1])
+        done, peak = run(scene(line, nz), keep)
+        most = printed(verdict, name, done)
         print(f"{name}: printed {most} MiB, peak {peak:.0f} MiB")
         verdict.check(name, least < peak <= most, f"peak {peak:.0f} MiB, printed {most} MiB")
         with h5py.File(os.path.join(keep, "out.h5")) as file:
             verdict.check(name, file[dataset].shape == shape)
+
+
+def spheres(edge, shells):
+    """On a cubic grid below the surface, each with others in it."""
+    step = 0.9 / edge
+    return [f"i sphere {(x + 0.5) * step - 0.45:.9g} {(y + 0.5) * step - 0.45:.9g} {(z + 0.5) * step + 0.05:.9g} "
+            f"{0.45 * step * (s + 1) / shells:.9g} 1.3 1 10 0.8"
+            for x in range(edge) for y in range(edge) for z in range(edge) for s in range(shells)]
+
+
+def with_bodies(bodies):
+    lines = cml.mci(["1.4 1 10 0.8 1"], photons=100).splitlines()
+    return "\n".join(lines[:-1] + bodies + lines[-1:]) + "\n"
+
+
+def write_waves(path, cells):
+    """A sheet of 2 x 2 cm with its border at 0."""
+    with open(path, "w", encoding="utf-8") as file:
+        for j in range(cells + 1):
+            for i in range(cells + 1):
+                inside = 0 < i < cells and 0 < j < cells
+                file.write(f"v {2 * i / cells - 1} {2 * j / cells - 1} {0.01 * math.sin(0.3 * i) if inside else 0}\n")
+        for j in range(cells):
+            for i in range(cells):
+                a = j * (cells + 1) + i + 1
+                file.write(f"f {a} {a + 1} {a + cells + 2} {a + cells + 1}\n")
+
+
+def check_scenes(verdict):
+    """Neither more than is printed, nor much less: by check 0.7 of it at least."""
+    scenes = {
+        "spheres side by side": with_bodies(spheres(50, 1)),
+        "spheres in each other": with_bodies(spheres(5, 1000)),
+        "layers": cml.mci(["1.4 1 10 0.8 1e-5"] * 100000, photons=100),
+        "mesh": cml.mci(["1.4 1 10 0.8 1"], photons=100, surfaces={0: 'm "waves.obj"'}),
+    }
+    for name, text in scenes.items():
+        with tempfile.TemporaryDirectory() as keep:
+            write_waves(os.path.join(keep, "waves.obj"), 400)
+            before = printed(verdict, name, run(text, keep, "check")[0])
+            done, peak = run(text, keep)
+            most = printed(verdict, name, done)
+            print(f"{name}: check printed {before} MiB, run {most} MiB, peak {peak:.0f} MiB")
+            for said in (before, most):
+                verdict.check(name, 0.7 * said < peak <= said, f"peak {peak:.0f} MiB, printed {said} MiB")
 
 
 def check_refusal(verdict):
@@ -47,10 +107,10 @@ def check_refusal(verdict):
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**30
     with tempfile.TemporaryDirectory() as keep:
         if memory < 52:
-            done = run(scene("map 23000 23000 1e-4 1e-4"), keep)
+            done, _ = run(scene("map 23000 23000 1e-4 1e-4"), keep)
             verdict.check("refusal", done.returncode == 2 and re.search(r"takes 55\.\d GiB", done.stderr), done.stderr)
             verdict.check("refusal", os.listdir(keep) == ["scene.mci"], "and nothing written")
-        done = run(scene("map 24000 24000 1e-4 1e-4"), keep)
+        done, _ = run(scene("map 24000 24000 1e-4 1e-4"), keep)
         verdict.check("refusal", done.returncode == 2 and "2.3e+09, 51.5 GiB" in done.stderr, done.stderr)
 
 
@@ -58,6 +118,7 @@ def main():
     verdict = cml.Verdict("memory")
     check(verdict, "volume", "map 200 200 0.02 0.02 volume", 200, 150, "A_xyz", (200, 200, 200))
     check(verdict, "map", "map 2000 2000 0.002 0.002", 1, 300, "Rd_xy", (2000, 2000))
+    check_scenes(verdict)
     check_refusal(verdict)
     verdict.finish()
 

@@ -11,10 +11,10 @@
 #include "base/text.h"
 #include "scene/body/body_place.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 /* What is checked is what will fly. */
@@ -134,6 +134,16 @@ cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_l
     return load(options, NULL, list, err);
 }
 
+cml_status cml_load_scenes_as_run(const struct cml_options *options, struct cml_scene_list *list,
+                                  struct cml_inputs *inputs, struct cml_error *err)
+{
+    *inputs = (struct cml_inputs){0};
+    const struct cml_text_source record = cml_inputs_recorder(inputs);
+    const cml_status status = load(options, &record, list, err);
+    if (status != CML_OK) cml_inputs_clear(inputs);
+    return status;
+}
+
 static cml_status share_inputs(struct cml_inputs *inputs, struct cml_error *err)
 {
     char *block = NULL;
@@ -197,9 +207,27 @@ cml_status cml_output_path(const struct cml_options *options, const char *name, 
 }
 
 struct memory {
-    double held, tallies, output; /* bytes on this machine: so far, by the photons' flight, by writing
-                                   * the results */
+    double most, tallies, output; /* bytes on this machine: ever, by the photons' flight, by writing the
+                                   * results */
 };
+
+/* Bytes that this process holds, and the most that it has held. Not getrusage: that begins with what the
+ * process held that started this one. */
+static void find_held(double *now, double *most)
+{
+    FILE *file = fopen("/proc/self/status", "r"); /* proc(5): kB */
+    char line[256];
+    double kibibytes;
+    *now = *most = 0;
+    while (file && fgets(line, sizeof line, file)) {
+        if (sscanf(line, "VmHWM: %lf", &kibibytes) == 1) *most = 1024 * kibibytes;
+        if (sscanf(line, "VmRSS: %lf", &kibibytes) == 1) *now = 1024 * kibibytes;
+    }
+    if (file) fclose(file);
+}
+
+/* What reading took for a while is given back before the flight, and what the engine took before results are
+ * written. */
 
 static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces)
@@ -207,19 +235,19 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
     const int asked = options->engine_options.threads;
     const int threads = asked > 0 ? asked : options->engine->threads(NULL);
-    const double ranks = cml_cluster_local_size();
-    struct rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    const struct memory memory = {1024.0 * (double)usage.ru_maxrss * ranks,
-                                  cml_run_bytes(&grid, threads) * ranks, cml_report_bytes(scene, &grid)};
+    const double ranks = cml_cluster_local_size(), world = surfaces ? options->engine->bytes(surfaces) : 0;
+    double now, so_far;
+    find_held(&now, &so_far);
+    struct memory memory = {.tallies = cml_run_bytes(&grid, threads) * ranks,
+                            .output = cml_report_bytes(scene, &grid)};
+    memory.most = fmax(so_far * ranks, now * ranks + memory.tallies + fmax(world * ranks, memory.output));
     return memory;
 }
 
 double cml_most_memory(const struct cml_options *options, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces)
 {
-    const struct memory memory = memory_of(options, scene, surfaces);
-    return memory.held + memory.tallies + memory.output;
+    return memory_of(options, scene, surfaces).most;
 }
 
 cml_status cml_check_memory(const struct cml_options *options, const struct cml_scene *scene,
@@ -237,8 +265,8 @@ void cml_print_memory(const struct cml_options *options, const struct cml_scene 
 {
     const struct memory memory = memory_of(options, scene, surfaces);
     const double mib = 1048576;
-    printf("  memory: at most %.0f MiB (tallies %.3g MiB, writing %.3g MiB)\n",
-           (memory.held + memory.tallies + memory.output) / mib, memory.tallies / mib, memory.output / mib);
+    printf("  memory: at most %.0f MiB (tallies %.3g MiB, writing %.3g MiB)\n", memory.most / mib,
+           memory.tallies / mib, memory.output / mib);
 }
 
 void cml_print_mesh_repairs(const struct cml_scene *scene, int b)

@@ -20,6 +20,12 @@ void cml_show_note(void *context, const char *text);
 CML_NODISCARD cml_status cml_load_scenes(const struct cml_options *options, struct cml_scene_list *list,
                                          struct cml_error *err);
 
+/* The same, with the bytes that were read, as a run holds them: they count in its memory. *inputs are the
+ * caller's to clear. */
+CML_NODISCARD cml_status cml_load_scenes_as_run(const struct cml_options *options,
+                                                struct cml_scene_list *list, struct cml_inputs *inputs,
+                                                struct cml_error *err);
+
 /* The same on all ranks: rank 0 reads the files and sends their bytes to the others. *inputs are the bytes,
  * the caller's to clear. Collective. */
 CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *options,

@@ -220,6 +220,12 @@ static int cpu_threads(const void *self)
     return self ? ((const struct cpu_engine *)self)->threads : choose_threads(0);
 }
 
+static double cpu_bytes(const struct cml_surface_set *surfaces)
+{
+    const double media = (double)surfaces->count + 1 + surfaces->bodies.count;
+    return cml_world_bytes(surfaces) + media * sizeof(struct cml_lane_medium);
+}
+
 #define CML_PASTE(a, b) a##b
 #define CML_LEVELED(name, level) CML_PASTE(name, level)
 
@@ -233,5 +239,6 @@ const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
     .trace = cpu_trace,
     .fates = cpu_fates,
     .threads = cpu_threads,
+    .bytes = cpu_bytes,
     .close = cpu_close,
 };

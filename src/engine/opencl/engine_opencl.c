@@ -360,6 +360,12 @@ static int opencl_threads(const void *self)
     return (int)units;
 }
 
+/* A device that is the processor keeps its buffers in the same memory. */
+static double opencl_bytes(const struct cml_surface_set *surfaces)
+{
+    return 2 * cml_world_bytes(surfaces);
+}
+
 const struct cml_engine cml_engine_opencl = {
     .name = "opencl",
     .description = "single precision, planes and heightfields on OpenCL devices",
@@ -368,5 +374,6 @@ const struct cml_engine cml_engine_opencl = {
     .trace = opencl_trace,
     .fates = opencl_fates,
     .threads = opencl_threads,
+    .bytes = opencl_bytes,
     .close = opencl_close,
 };

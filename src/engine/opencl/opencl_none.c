@@ -21,6 +21,12 @@ static int none_threads(const void *self)
     return 0;
 }
 
+static double none_bytes(const struct cml_surface_set *surfaces)
+{
+    (void)surfaces;
+    return 0;
+}
+
 static void none_close(void *self)
 {
     (void)self;
@@ -31,6 +37,7 @@ const struct cml_engine cml_engine_opencl = {
     .description = "not in this program",
     .open = none_open,
     .threads = none_threads,
+    .bytes = none_bytes,
     .close = none_close,
 };
 

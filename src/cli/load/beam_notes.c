@@ -47,8 +47,7 @@ static int first_shape(const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
         if (scene->boundaries[b].form != CML_FORM_PLANE) return b;
-        if (scene->media[b + 1].mus > 0 || cml_medium_has_bodies(scene, b + 1) || scene->beam.angle > 0)
-            break;
+        if (scene->media[b + 1].mus > 0 || cml_layer_has_bodies(scene, b + 1) || scene->beam.angle > 0) break;
     }
     return -1;
 }

@@ -13,7 +13,6 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/resource.h>
 
 static cml_status help(const struct cml_options *options, struct cml_error *err)
 {
@@ -79,18 +78,6 @@ static void open_standard_streams(void)
         if (fcntl(file, F_GETFD) == -1 && errno == EBADF) (void)!open("/dev/null", O_RDWR);
 }
 
-/* KiB. All samples and commands, with the compiler of PoCL, did with 192 (x86-64, gcc 12). */
-enum { LEAST_STACK = 256 };
-
-/* The stack of this thread; others have one of their own size. Before MPI begins, which needs one, too. */
-static cml_status check_stack(struct cml_error *err)
-{
-    struct rlimit stack;
-    if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= LEAST_STACK * (rlim_t)1024) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "ulimit -s is %llu KiB (expected %d or more)",
-                    (unsigned long long)stack.rlim_cur / 1024, LEAST_STACK);
-}
-
 /* One message for all ranks; when contact was lost, others than rank 0 speak only if the launcher has not
  * ended them: it may be rank 0 that is lost. */
 int main(int argc, char **argv)
@@ -98,7 +85,7 @@ int main(int argc, char **argv)
     struct cml_error err = {CML_OK, ""};
     open_standard_streams();
     cml_stop_ignore();
-    cml_status status = check_stack(&err);
+    cml_status status = cml_check_stack(&err);
     if (status == CML_OK) status = cml_cluster_begin(&argc, &argv, &err);
     if (status != CML_OK) {
         complain(status, &err);

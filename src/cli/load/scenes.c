@@ -24,6 +24,17 @@ static cml_status check_all(const struct cml_scene_list *list, struct cml_error 
     return CML_OK;
 }
 
+/* KiB. All samples and commands, with the compiler of PoCL, did with 192 (x86-64, gcc 12). */
+enum { LEAST_STACK = 256 };
+
+cml_status cml_check_stack(struct cml_error *err)
+{
+    struct rlimit stack;
+    if (getrlimit(RLIMIT_STACK, &stack) != 0 || stack.rlim_cur >= LEAST_STACK * (rlim_t)1024) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "ulimit -s is %llu KiB (expected %d or more)",
+                    (unsigned long long)stack.rlim_cur / 1024, LEAST_STACK);
+}
+
 void cml_show_note(void *context, const char *text)
 {
     (void)context;

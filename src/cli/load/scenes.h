@@ -12,6 +12,10 @@
  * quiet. They must stay where they are. */
 void cml_announce_meshes(struct cml_options *options);
 
+/* CML_E_INPUT where the system allows the main thread, which flies, too, less stack than it may need. Before
+ * MPI begins, which needs some as well; other threads have stacks of a size of their own. */
+CML_NODISCARD cml_status cml_check_stack(struct cml_error *err);
+
 /* A cml_note_function: one line on standard error, from any rank. context is not looked at. */
 void cml_show_note(void *context, const char *text);
 

@@ -79,7 +79,16 @@ void cml_page_write(const struct cml_page *page, int number, const struct cml_pa
             text->size == CML_PAGE_SMALL ? " textcolor rgb '#404040'" : "");
 }
 
-/* Bytes of a UTF-8 sequence that begins at p; 0 when it is none, or a control character. */
+/* The code of a UTF-8 sequence of that length. */
+static unsigned long code_of(const unsigned char *p, int length)
+{
+    unsigned long code = length == 1 ? p[0] : p[0] & (0x7Fu >> length);
+    for (int i = 1; i < length; i++) code = code << 6 | (p[i] & 0x3F);
+    return code;
+}
+
+/* Bytes of a UTF-8 sequence that begins at p; 0 when it is none, or of a character that XML does not have: a
+ * control character, half a surrogate, one beyond the last. Too long a sequence is none. */
 static int utf8_length(const unsigned char *p)
 {
     const int length = p[0] < 0x80                   ? 1
@@ -89,7 +98,10 @@ static int utf8_length(const unsigned char *p)
                                                      : 0;
     for (int i = 1; i < length; i++)
         if ((p[i] & 0xC0) != 0x80) return 0;
-    return p[0] < 0x20 || p[0] == 0x7F ? 0 : length;
+    static const unsigned long least[] = {0, 0x20, 0x80, 0x800, 0x10000};
+    const unsigned long code = length ? code_of(p, length) : 0;
+    if (code < least[length] || code == 0x7F || (code >= 0xD800 && code < 0xE000)) return 0;
+    return code == 0xFFFE || code == 0xFFFF || code > 0x10FFFF ? 0 : length;
 }
 
 /* Double quotes: in single ones gnuplot 5.4 misreads an apostrophe that comes first or twice. */
@@ -99,7 +111,7 @@ void cml_gnuplot_quote(FILE *out, const char *text)
     for (const unsigned char *p = (const unsigned char *)text; *p;) {
         const int length = utf8_length(p);
         if (*p == '"' || *p == '\\') fputc('\\', out);
-        if (length == 0)
+        if (length == 0 || strncmp((const char *)p, "]]>", 3) == 0)
             fputc('?', out);
         else if (*p == '`')
             fputs("\\140", out);

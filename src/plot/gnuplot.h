@@ -42,8 +42,8 @@ struct cml_page_text {
 void cml_page_write(const struct cml_page *page, int number, const struct cml_page_text *text);
 
 /* The text as a string of gnuplot, in double quotes. A backslash stands before quotes and backslashes; what
- * stands in backquotes, gnuplot would run as a command, so these are written by their octal number. Control
- * characters and what is not UTF-8 become '?'. */
+ * stands in backquotes, gnuplot would run as a command, so these are written by their octal number. What an
+ * SVG may not hold becomes "?": control characters, what is not UTF-8, the first bracket of "]]>". */
 void cml_gnuplot_quote(FILE *out, const char *text);
 
 /* Lets write(out, what, err) write a script that leaves the picture on gnuplot's standard output, and draws

@@ -171,7 +171,7 @@ static void widen(struct panel *panel, double y)
 
 /* Over r the first bin holds the light that never scattered: often a thousand times the rest. It may leave
  * the frame rather than flatten every other curve. */
-static void find_range(const struct drawing *d, struct panel *panel)
+static cml_status find_range(const struct drawing *d, struct panel *panel, struct cml_error *err)
 {
     const double headroom = 1.5, linear_headroom = 1.05, spike = 8, decades = 1e8;
     const bool radial = cml_quantity_is_radial(panel->shown->quantity);
@@ -195,7 +195,8 @@ static void find_range(const struct drawing *d, struct panel *panel)
     panel->first = first;
     panel->low = linear(d) ? 0 : fmax(panel->low, panel->high / decades) / headroom;
     panel->high *= linear(d) ? linear_headroom : headroom;
-    if (panel->high > 0) cml_axis_range_apply(&d->plot->style.y, &panel->low, &panel->high);
+    if (panel->high == 0) return CML_OK;
+    return cml_axis_range_apply(&d->plot->style.y, "--yrange", &panel->low, &panel->high, err);
 }
 
 /* The strip for the heights lies below the curves. */
@@ -207,11 +208,11 @@ static double bottom_of(const struct drawing *d, const struct panel *panel)
 }
 
 /* Up to the last light of any curve. */
-static void find_axis(struct drawing *d, int num_panels)
+static cml_status find_axis(struct drawing *d, int num_panels, struct cml_error *err)
 {
     for (int i = 0; i < num_panels; i++)
         for (int k = 0; k < d->count; k++) d->to = fmax(d->to, d->panels[i].curves[k].end);
-    cml_axis_range_apply(&d->plot->style.x, &d->from, &d->to);
+    return cml_axis_range_apply(&d->plot->style.x, "--xrange", &d->from, &d->to, err);
 }
 
 /* ---- data ---- */
@@ -408,19 +409,20 @@ static void lay_out(struct drawing *d, int num_panels)
 }
 
 /* The caption comes with the last panel: a label that is set earlier would be drawn twice. */
-static void write_panels(struct drawing *d, int num_panels)
+static cml_status write_panels(struct drawing *d, int num_panels, struct cml_error *err)
 {
     lay_out(d, num_panels);
-    find_axis(d, num_panels);
+    CML_TRY(find_axis(d, num_panels, err));
     write_frame(d);
     for (int i = 0; i < num_panels; i++) {
         const bool last = i == num_panels - 1;
         find_heights(d, &d->panels[i]);
-        find_range(d, &d->panels[i]);
+        CML_TRY(find_range(d, &d->panels[i], err));
         if (last) (void)cml_plot_caption(&d->page, d->plot->style.caption, d->foot - FOOT);
         write_panel(d, &d->panels[i], last);
     }
     fputs("unset multiplot\n", d->page.out);
+    return CML_OK;
 }
 
 cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
@@ -435,7 +437,7 @@ cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
         d.panels[i] = (struct panel){.shown = &plot->shown->panel[i], .place = i};
         if (status == CML_OK) status = make_curves(&d, &d.panels[i], err);
     }
-    if (status == CML_OK) write_panels(&d, plot->shown->num_panels);
+    if (status == CML_OK) status = write_panels(&d, plot->shown->num_panels, err);
     for (int i = 0; i < plot->shown->num_panels; i++) free_curves(&d, &d.panels[i]);
     free(d.heights);
     return status;

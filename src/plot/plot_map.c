@@ -133,17 +133,17 @@ static cml_status find_colours(struct drawing *d, struct cml_error *err)
         d->low = fmax((double)values[count / 100], d->high / decades);
     }
     free(values);
-    d->log = style->scale == CML_SCALE_LOG || (style->scale == CML_SCALE_AUTO && d->high > large * d->low);
+    d->log = style->scale == CML_SCALE_LOG ||
+             (style->scale == CML_SCALE_AUTO && d->high > large * d->low && !(style->colour.from <= 0));
     if (!d->log)
         d->low = 0;
     else if (d->low > 0.5 * d->high)
         d->low = 0.5 * d->high;
-    if (d->high > 0) cml_axis_range_apply(&style->colour, &d->low, &d->high);
-    return CML_OK;
+    return d->high > 0 ? cml_axis_range_apply(&style->colour, "--crange", &d->low, &d->high, err) : CML_OK;
 }
 
 /* The least piece of the plane that has all maps. */
-static void find_extent(struct drawing *d)
+static cml_status find_extent(struct drawing *d, struct cml_error *err)
 {
     for (int axis = 0; axis < 2; axis++) {
         d->from[axis] = INFINITY;
@@ -155,8 +155,8 @@ static void find_extent(struct drawing *d)
             d->to[axis] = fmax(d->to[axis], end);
         }
     }
-    cml_axis_range_apply(&d->plot->style.x, &d->from[0], &d->to[0]);
-    cml_axis_range_apply(&d->plot->style.y, &d->from[1], &d->to[1]);
+    CML_TRY(cml_axis_range_apply(&d->plot->style.x, "--xrange", &d->from[0], &d->to[0], err));
+    return cml_axis_range_apply(&d->plot->style.y, "--yrange", &d->from[1], &d->to[1], err);
 }
 
 /* Very long panels get more of the plane than there is map. */
@@ -321,7 +321,7 @@ cml_status cml_map_script(FILE *out, const void *plot, struct cml_error *err)
     const struct cml_map_plot *map = plot;
     struct drawing d = {.page = {.out = out, .picture = map->picture, .width = WIDTH}, .plot = map};
     CML_TRY(find_colours(&d, err));
-    find_extent(&d);
+    CML_TRY(find_extent(&d, err));
     lay_out(&d);
     write_frame(&d);
     for (int k = 0; k < d.plot->count; k++) write_panel(&d, k);

@@ -10,10 +10,19 @@ enum { LINE = 17, LINE_LETTERS = 112 };
 
 const struct cml_axis_range cml_axis_range_any = {NAN, NAN};
 
-void cml_axis_range_apply(const struct cml_axis_range *range, double *from, double *to)
+/* gnuplot draws axes of 1e-6 of their ends; it cannot number those that overflow. */
+cml_status cml_axis_range_apply(const struct cml_axis_range *range, const char *option, double *from,
+                                double *to, struct cml_error *err)
 {
+    if (isnan(range->from) && isnan(range->to)) return CML_OK;
     if (!isnan(range->from)) *from = range->from;
     if (!isnan(range->to)) *to = range->to;
+    const double size = fmax(fabs(*from), fabs(*to));
+    if (size >= 1e-30 && size <= 1e30 && *to - *from >= 1e-4 * size) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: the axis would go from %g to %g (expected a length of 1e-4 of its ends or more, and "
+                    "ends of 1e-30..1e30)",
+                    option, *from, *to);
 }
 
 /* A path that ends in a slash keeps it, so that the name is never empty. */

@@ -16,8 +16,10 @@ struct cml_axis_range {
 };
 extern const struct cml_axis_range cml_axis_range_any;
 
-/* Takes what is given in place of *from and *to. */
-void cml_axis_range_apply(const struct cml_axis_range *range, double *from, double *to);
+/* Takes what is given in place of *from and *to. CML_E_INPUT, with the option's name, where that leaves no
+ * axis that can be drawn. */
+CML_NODISCARD cml_status cml_axis_range_apply(const struct cml_axis_range *range, const char *option,
+                                              double *from, double *to, struct cml_error *err);
 
 /* What every picture of results may be told. */
 struct cml_plot_style {

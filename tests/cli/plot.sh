@@ -60,6 +60,25 @@ for text in "'at both ends'" "''two'' '''three'''" "'" "a \"quoted\" word\"" 'ba
     expect_code 0 plot "$work/$(printf %s "$text" | tr / :).mco" -o "$work/text.svg"
 done
 test ! -e "$work/called" || complain "a caption was run as a command"
+
+# But for what XML does not have: the end of CDATA, controls, halves of surrogates, characters too long or beyond the last.
+while read -r bytes drawn; do
+    text=$(printf "$bytes") drawn=$(printf "$drawn")
+    expect_code 0 plot "$work/fig5.mco" -o "$work/text.svg" --caption "$text" --title "$text" --label "$text"
+    test "$(grep -Fc ">$drawn</text>" "$work/text.svg")" -ge 2 || complain "the caption $bytes is not drawn as $drawn"
+    ! command -v xmllint >/dev/null || xmllint --noout "$work/text.svg" 2>"$work/xml" || complain "$bytes: the svg is not XML: $(cat "$work/xml")"
+done <<'END'
+a]]>b a?]>b
+a]]]>b a]?]>b
+a\355\240\200b a???b
+a\355\277\277b a???b
+a\340\237\277b a???b
+a\360\217\277\277b a????b
+a\364\220\200\200b a????b
+a\357\277\276b a???b
+a\001b\177 a?b?
+\355\237\277\356\200\200\364\217\277\277\357\277\275 \355\237\277\356\200\200\364\217\277\277\357\277\275
+END
 bad_curve() { # MESSAGE TEXT
     printf "$2" >"$work/bad.csv"
     expect_error 2 "$work/bad.csv$1" plot "$work/bad.csv" -o "$work/none.svg"

@@ -211,6 +211,22 @@ range="A:B with A below B; A: and :B leave the other end open"
 for value in 1 1:1 2:1 : a:b ''; do
     expect_error 2 "--xrange $value (expected $range)" plot "$a" --xrange "$value" -o "$work/none.svg"
 done
+# An axis that gnuplot cannot draw, told or with the end that the data have.
+ends="expected a length of 1e-4 of its ends or more, and ends of 1e-30..1e30"
+no_axis() { # "FROM to TO" OPTION RANGE FILE...
+    axis=$1 option=$2 told=$3
+    shift 3
+    expect_error 2 "$option: the axis would go from $axis ($ends)" plot "$@" "$option" "$told" -o "$work/none.svg"
+}
+no_axis "-1e+308 to 1e+308" --xrange -1e308:1e308 "$a"
+no_axis "1 to 1" --xrange 1:1.00000001 "$a"
+no_axis "0 to -5" --xrange :-5 "$a"
+no_axis "1e+31 to 1e+32" --yrange 1e31:1e32 "$a"
+no_axis "-1e+308 to 1e+308" --xrange -1e308:1e308 "$work/scene.map.vti"
+no_axis "5 to 0.2" --yrange 5: "$work/scene.map.vti"
+no_axis "0 to 9.99989e-321" --crange 0:1e-320 "$work/scene.map.vti"
+expect_code 0 plot "$a" --xrange -1e30:1e30 -o "$work/told.svg"
+expect_code 0 plot "$work/scene.map.vti" --crange 0:1e-30 -o "$work/told.svg" # from 0: not on a log scale
 expect_error 2 "--percentile 0 (expected a number above 0, up to 100)" plot "$a" --percentile 0 -o "$work/none.svg"
 expect_error 2 "--label given 1 times (expected once for each of 2 files)" plot "$a" "$a" --label x -o "$work/none.svg"
 expect_error 2 "--crange (expected with maps only)" plot "$a" --crange 1:2 -o "$work/none.svg"

@@ -16,6 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <sys/resource.h>
 
 /* What is checked is what will fly. */
 static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)

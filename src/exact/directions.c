@@ -103,12 +103,18 @@ double cml_directions_cosine(const struct cml_directions *directions, int i, dou
     return refracted_cosine(directions->index[i], directions->cosine[i], n);
 }
 
-/* Directions that exist in a medium; those of a lower index come first. */
+/* Directions that exist in a medium; those of a lower index come first. Bisection. */
 static int count_directions(const struct cml_directions *directions, double n)
 {
-    int count = 0;
-    while (count < directions->count && cml_directions_cosine(directions, count, n) > 0) count++;
-    return count;
+    int low = 0, high = directions->count;
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (cml_directions_cosine(directions, middle, n) > 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
 }
 
 /* So little that what is scattered into all directions does not count; exactly on or back is no change of

@@ -367,6 +367,24 @@ static void too_much_work_is_refused_or_cut_short(void **state)
     cml_exact_clear(&exact);
 }
 
+/* For each, all directions would be looked at: hours. */
+static void a_million_indices_are_refused_at_once(void **state)
+{
+    enum { LAYERS = 1000000 };
+    (void)state;
+    const struct cml_exact_light light = {.angle = 0};
+    const struct cml_exact_options options = {1e-7, 1e9};
+    struct cml_medium_def *media = calloc(LAYERS + 2, sizeof *media);
+    struct cml_exact exact;
+    struct cml_error err;
+    assert_non_null(media);
+    for (int m = 0; m < LAYERS + 2; m++)
+        media[m] = (struct cml_medium_def){.n = 1 + 1e-7 * m, .mua = 1, .mus = 10, .d = 1};
+    assert_int_equal(cml_exact_solve(media, LAYERS, &light, &options, &exact, &err), CML_E_NUMERIC);
+    assert_null(exact.value);
+    free(media);
+}
+
 static void numbers_beyond_double_precision_are_refused(void **state)
 {
     (void)state;
@@ -394,6 +412,7 @@ int main(void)
         cmocka_unit_test(limits_are_finite_and_keep_all_light),
         cmocka_unit_test(stated_errors_are_no_smaller_than_true_ones),
         cmocka_unit_test(too_much_work_is_refused_or_cut_short),
+        cmocka_unit_test(a_million_indices_are_refused_at_once),
         cmocka_unit_test(numbers_beyond_double_precision_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

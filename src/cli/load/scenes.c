@@ -15,8 +15,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 /* What is checked is what will fly. */
 static cml_status check_all(const struct cml_scene_list *list, struct cml_error *err)
@@ -240,7 +240,6 @@ static void find_held(double *now, double *most)
 
 /* What reading took for a while is given back before the flight, and what the engine took before results are
  * written. */
-
 static struct memory memory_of(const struct cml_options *options, const struct cml_scene *scene,
                                const struct cml_surface_set *surfaces)
 {
@@ -248,11 +247,14 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     const int asked = options->engine_options.threads;
     const int threads = asked > 0 ? asked : options->engine->threads(NULL);
     const double ranks = cml_cluster_local_size(), world = surfaces ? options->engine->bytes(surfaces) : 0;
+    const double mib = 1048576;
     double now, so_far;
     find_held(&now, &so_far);
     struct memory memory = {.tallies = cml_run_bytes(&grid, threads) * ranks,
                             .output = cml_report_bytes(scene, &grid)};
-    memory.most = fmax(so_far * ranks, now * ranks + memory.tallies + fmax(world * ranks, memory.output));
+    const double flight =
+        ranks * (world + mib * (4 + threads)); /* stacks and bundles of threads, libraries */
+    memory.most = fmax(so_far * ranks, now * ranks + memory.tallies + fmax(flight, memory.output));
     return memory;
 }
 

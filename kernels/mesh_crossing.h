@@ -12,6 +12,10 @@
 
 #ifndef __OPENCL_VERSION__
 
+/* P5: of the shortest height of the facet that a packet meets: how far it may have come from the facet before
+ * to be in the bottom of a groove. */
+#define CML_GROOVE_SHARE 0.0009765625
+
 struct cml_mesh_surface;
 
 /* Number of the outer plane among the primitives of a mesh; the others are its triangles. */
@@ -20,7 +24,7 @@ struct cml_mesh_surface;
 struct cml_mesh_crossing {
     double t;            /* distance, cm */
     double point[3];     /* in the boundary's frame, x and y from the beam's axis, cm */
-    double normal[3];    /* unit, up: what Fresnel and Snell see */
+    double normal[3];    /* unit, up: what Fresnel and Snell see; in a groove the facet's */
     double facet[3];     /* unit, up: the facet's own */
     int primitive;       /* triangle, or CML_OUTER_PLANE */
     int ends_near_facet; /* without a crossing: 1 where the path was looked at as a whole line, and ends

@@ -239,6 +239,23 @@ static void interpolated_normal(const struct cml_mesh_query *q, double normal[3]
     cml_vec3_normalise(normal);
 }
 
+/* Rule P5: whether the packet comes from another facet in the bottom of a groove. */
+static bool is_in_groove(const struct cml_mesh_query *q)
+{
+    double area[3], longest = 0;
+    if (q->exclude < 0) return false;
+    for (int k = 0; k < 3; k++) {
+        double edge[3];
+        cml_vec3_subtract(cml_body_corner(q->body, q->primitive, (k + 1) % 3),
+                          cml_body_corner(q->body, q->primitive, k), edge);
+        longest = fmax(longest, cml_vec3_dot(edge, edge));
+    }
+    cml_vec3_area(cml_body_corner(q->body, q->primitive, 0), cml_body_corner(q->body, q->primitive, 1),
+                  cml_body_corner(q->body, q->primitive, 2), area);
+    const double height = sqrt(cml_vec3_dot(area, area) / longest);
+    return q->t <= fmax(CML_GROOVE_SHARE * height, q->err_query);
+}
+
 /* Rule P1: at a vertex the angle-weighted mean normal, on an edge the mean of its facets. That is the facet's
  * normal too, for no single facet can decide there. A mean may turn away from the ray, which would reflect
  * the packet into the boundary: then the facet's own is taken. */
@@ -261,7 +278,7 @@ static void fill_normals(const struct cml_mesh_query *q, const double point[3],
     if (q->hits_edge) return;
     if (mesh->normals == CML_NORMALS_ANALYTIC)
         analytic_normal(q, point, crossing->normal);
-    else if (mesh->normals == CML_NORMALS_VERTEX)
+    else if (mesh->normals == CML_NORMALS_VERTEX && !is_in_groove(q))
         interpolated_normal(q, crossing->normal);
 }
 

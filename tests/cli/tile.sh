@@ -32,6 +32,17 @@ plain "$work/level.mco" >"$work/a"
 plain "$work/plane.mco" >"$work/b"
 cmp -s "$work/a" "$work/b" || complain "a level tile is not the plane: $(diff "$work/a" "$work/b" | head -5)"
 
+# Steeper than light in its grooves can be followed; as a heightmap with a skirt, too.
+printf 'ncols 3 nrows 2 cellsize 1e-4\n0 0.3 0.79\n0 0.3 0.79\n' >"$work/steep.asc"
+scene steep 'm "steep.asc" units=cm tile=mirror'
+expect_code 0 check "$work/steep.mci"
+printf 'ncols 3 nrows 2 cellsize 1e-4\n0 0.3 0.81\n0 0.3 0.81\n' >"$work/steep.asc"
+where="$work/steep.mci:11: boundary 0, $work/steep.asc"
+why="(expected at most 5000: light that a steeper groove turns back would count as trapped)"
+expect_error 2 "$where: slope 5100 at x = 0, y = -5e-05 cm $why" check "$work/steep.mci"
+scene steep 'm "steep.asc" units=cm'
+expect_error 2 "$where: slope 5100 at x = 0.0001, y = 5e-05 cm $why" check "$work/steep.mci"
+
 # Found by Embree's triangles instead of the walk over cells; statistics must not tell.
 expect_code 0 "$work/mirror.mci" --quiet --photons 1e5 --seed 4 -o "$work"
 mv "$work/mirror.mco" "$work/walked.mco"

@@ -156,6 +156,8 @@ def fields():
     yield Situation("cone-tip", slab(rings([0.5, 0.0], 0.05)), AIMED)
     yield Situation("pit-tip", slab(rings([-0.5, 0.0], 0.05)), AIMED)
     yield Situation("walls-1e3", slab(rings([0.1 * (i % 2) for i in range(40)] + [0.0], 1e-4)), AIMED)
+    yield Situation("walls-5e3", slab(rings([0.1 * (i % 2) for i in range(40)] + [0.0], 2e-5)), AIMED)
+    yield Situation("walls-1e4", slab(rings([0.1 * (i % 2) for i in range(40)] + [0.0], 1e-5)), refused="slope")
     yield Situation("rings-1e-6cm", slab(rings(fine, 1e-6), (1.4, 1e5, 1e6, 0.9, 1e-3)), AIMED)
     yield Situation("rings-1e-6cm-far", scene([TURBID], {0: rings(noise(200, 1e-6, 3) + [0.0, 0.0],
                                                                     [1e-6] * 200 + [1.0, 1.0])}), AIMED)
@@ -197,6 +199,8 @@ def mesh_lines(directory):
         "wide": grid_mesh(40, 40, 1e3, 1e3, 10.0, 8),
         "flat": grid_mesh(20, 20, 2.0, 2.0, 0.0),
         "walls": grid_mesh(40, 40, 4e-3, 4e-3, 0.05, 9),
+        "walls-steepest": grid_mesh(40, 40, 4e-3, 4e-3, 0.17, 9),
+        "walls-beyond": grid_mesh(40, 40, 4e-3, 4e-3, 0.5, 9),
         "twice": (wedge[0], wedge[1] + wedge[1][:1]),
         "degenerate": (wedge[0], wedge[1] + [(0, 0, 5), (7, 7, 7)]),
         "hole": (wedge[0], wedge[1][:300] + wedge[1][301:]),
@@ -219,6 +223,8 @@ def sheets(line):
     yield Situation("needles-1e4", slab(line["needles"]), AIMED)
     yield Situation("grooves-1e3", slab(line["grooves"]), AIMED)
     yield Situation("mesh-walls-1e3", slab(line["walls"]), AIMED)
+    yield Situation("mesh-walls-5e3", slab(line["walls-steepest"]), AIMED)
+    yield Situation("mesh-walls-1e4", slab(line["walls-beyond"]), refused="slope")
     yield Situation("mesh-layer-1e-5cm", scene([(1.4, 0.1, 10.0, 0.5, 1e-5), (1.5, 0.1, 10.0, 0.5, 1.0)],
                                                {0: line["rough"], 1: line["rough"]}), AIMED)
     yield Situation("features-1e-4cm-at-1e2cm", slab(line["fine"], (1.4, 30.0, 1e3, 0.5, 1.0),

@@ -235,6 +235,7 @@ cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_erro
 
 cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err)
 {
+    CML_TRY(cml_scene_check_steepness(scene, err));
     CML_TRY(cml_scene_check_overlap(scene, err));
     return cml_scene_check_bodies(scene, err);
 }

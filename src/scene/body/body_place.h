@@ -16,8 +16,8 @@ CML_NODISCARD cml_status cml_scene_place_bodies(struct cml_scene *scene, struct 
  * prisms of 512 sides around them. */
 CML_NODISCARD cml_status cml_scene_check_bodies(const struct cml_scene *scene, struct cml_error *err);
 
-/* All that a reader leaves to its caller, as it costs time: cml_scene_check_overlap, then
- * cml_scene_check_bodies. Only a scene that has passed may fly. */
+/* All that a reader leaves to its caller, as it costs time: cml_scene_check_steepness,
+ * cml_scene_check_overlap, then cml_scene_check_bodies. Only a scene that has passed may fly. */
 CML_NODISCARD cml_status cml_scene_check_shapes(const struct cml_scene *scene, struct cml_error *err);
 
 #endif

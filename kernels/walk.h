@@ -467,12 +467,18 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
         cml_leave_scene(world, packet);
 }
 
+CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
+                           CML_PACKET struct cml_packet *packet)
+{
+    cml_launch(world, index, packet);
+    if (cml_has_facets(to)) cml_score_launch(world, to, packet);
+}
+
 /* The whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */
 CML_FN void cml_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
                      CML_PACKET struct cml_packet *packet)
 {
-    cml_launch(world, index, packet);
-    if (cml_has_facets(to)) cml_score_launch(world, to, packet);
+    cml_begin_walk(world, to, index, packet);
     while (packet->fate == CML_FATE_ALIVE) cml_step(world, to, packet);
     CML_ASSERT(cml_packet_balances(world, packet));
     cml_event(world, "end", packet);

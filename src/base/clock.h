@@ -1,4 +1,4 @@
-/* Wall time. Only how long something took may follow from it, never a result.
+/* Wall time, and a thread's own. Only how long something took may follow from it, never a result.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_CLOCK_H
 #define CML_CLOCK_H
@@ -10,6 +10,14 @@ static inline double cml_now(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Of the processor, that the calling thread has had. */
+static inline double cml_thread_seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/engine.h"
 
+#include "base/clock.h"
 #include "surface/surface_facets.h"
 #include "types.h"
 
@@ -39,6 +40,22 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left)
         size = fair < least ? least : fair < most ? fair : most;
     }
     return size < left ? size : left;
+}
+
+#define PATIENCE 0.3 /* s */
+
+/* Its own time, not the wall's: on a machine that is busy otherwise packets get their time to end. */
+bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience)
+{
+    if (!work->stops || !work->stops(work->context)) return false;
+    const double now = cml_thread_seconds();
+    if (patience->since <= 0) patience->since = now;
+    return now - patience->since > PATIENCE;
+}
+
+cml_status cml_engine_given_up(struct cml_error *err)
+{
+    return cml_fail(err, CML_E_STOPPED, "packets that do not end were given up");
 }
 
 /* One range of photons as the work of an engine. */
@@ -84,7 +101,7 @@ cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uin
                                 struct cml_tally *tally, struct cml_error *err)
 {
     struct range_work range = {.begin = first, .end = first + count, .place = first, .tally = tally};
-    const struct cml_work work = {&range, next_of_range, note_nothing, add_to_range, NULL};
+    const struct cml_work work = {&range, next_of_range, note_nothing, add_to_range, NULL, NULL};
     pthread_mutex_init(&range.lock, NULL);
     const cml_status status = engine->run(self, &work, err);
     pthread_mutex_destroy(&range.lock);

@@ -74,7 +74,22 @@ struct cml_work {
     void (*add)(void *context, struct cml_tally *tally);
     /* The system refused to start all threads of the engine: so many fly. NULL: not told. */
     void (*fewer)(void *context, int threads);
+    /* Whether the run is to stop: next has no more pieces then. NULL: never. */
+    bool (*stops)(void *context);
 };
+
+/* Of a thread that flies packets: its own time when it first saw that the run is to stop, s; 0 before. */
+struct cml_patience {
+    double since;
+};
+
+/* Whether a thread has flown for 0.3 seconds of its own time since the run was to stop. Packets live for
+ * moments, but one may make 10^7 boundary events in a row between interactions: it is given up, and with it
+ * all that this call of run has flown. To be asked every few hundred events. */
+bool cml_engine_gives_up(const struct cml_work *work, struct cml_patience *patience);
+
+/* What run returns then: CML_E_STOPPED. */
+CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
     const char *name, *description;
@@ -82,7 +97,8 @@ struct cml_engine {
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);
     /* Flies pieces of the work until there are no more, and hands in their tallies; together at most
-     * CML_TALLY_MAX_PHOTONS. On failure some are flown, and not all of that is handed in. */
+     * CML_TALLY_MAX_PHOTONS. On failure some are flown, and not all of that is handed in: the engine is only
+     * to be closed then. CML_E_STOPPED when packets were given up. */
     cml_status (*run)(void *self, const struct cml_work *work, struct cml_error *err);
     /* Flies packet `index` alone. on_event may be NULL. */
     cml_status (*trace)(void *self, uint64_t index, cml_trace_function *on_event, void *context,

@@ -38,15 +38,20 @@ static cml_status reference_open(const struct cml_scene *scene, const struct cml
     return status;
 }
 
+/* Little at a time, so that a run which is to stop has little to end; noted batch by batch. */
 static cml_status reference_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
-    (void)err;
     struct reference_engine *engine = self;
+    struct cml_patience patience = {0};
     struct cml_piece piece;
-    while (work->next(work->context, CML_TALLY_MAX_PHOTONS, 1, &piece)) {
-        run_piece(&engine->owned.world, &piece, &engine->tally);
-        work->note(work->context, piece.batch, &engine->tally);
+    int batch = -1;
+    while (work->next(work->context, 64, 1, &piece)) {
+        if (batch >= 0 && piece.batch != batch) work->note(work->context, batch, &engine->tally);
+        batch = piece.batch;
+        if (!run_piece(&engine->owned.world, work, &piece, &patience, &engine->tally))
+            return cml_engine_given_up(err);
     }
+    if (batch >= 0) work->note(work->context, batch, &engine->tally);
     work->add(work->context, &engine->tally);
     return CML_OK;
 }

@@ -9,20 +9,31 @@
 #include "engine/terminated_packets_inl.h"
 #include "walk.h"
 
-/* Flies the packets of a piece, one after the other, into the tally. */
-static inline void run_piece(const struct cml_world *world, const struct cml_piece *piece,
+/* Steps between two looks at whether to give up. */
+#define CML_STEPS_PER_LOOK 256
+
+/* Flies the packets of a piece, one after the other, into the tally. Returns false when it gave one up. */
+static inline bool run_piece(const struct cml_world *world, const struct cml_work *work,
+                             const struct cml_piece *piece, struct cml_patience *patience,
                              struct cml_tally *tally)
 {
     const struct cml_deposits to = cml_deposits_of(tally);
     struct cml_terminated terminated = {0};
+    uint32_t steps = 0;
     for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
-        cml_walk(world, &to, piece->first + CML_NUM_BATCHES * i, &packet);
+        cml_begin_walk(world, &to, piece->first + CML_NUM_BATCHES * i, &packet);
+        while (packet.fate == CML_FATE_ALIVE) {
+            if (++steps % CML_STEPS_PER_LOOK == 0 && cml_engine_gives_up(work, patience)) return false;
+            cml_step(world, &to, &packet);
+        }
+        CML_ASSERT(cml_packet_balances(world, &packet));
         cml_tally_events(&packet, tally);
         const struct cml_termination end = cml_termination_of(&packet);
         cml_terminated_push(&world->setup, &terminated, &end, tally);
     }
     cml_terminated_flush(&world->setup, &terminated, tally);
+    return true;
 }
 
 /* Whoever listens to the events of a packet; scene coordinates need the world. */

@@ -69,6 +69,10 @@ CML_NODISCARD cml_status cml_cluster_sum(struct cml_result *result, struct cml_e
 void cml_cluster_request_sync(void);
 bool cml_cluster_sync_requested(void);
 
+/* The same of a synchronisation after which the run stops. */
+void cml_cluster_request_stop(void);
+bool cml_cluster_stop_requested(void);
+
 /* Waits until all ranks have come. */
 CML_NODISCARD cml_status cml_cluster_synchronise(struct cml_error *err);
 

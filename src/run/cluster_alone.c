@@ -7,7 +7,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-static atomic_bool sync_requested;
+static atomic_int sync_requested; /* 1, or 2: and a stop */
 
 /* A launcher that started several of these would have each write the same files. */
 cml_status cml_cluster_begin(int *argc, char ***argv, struct cml_error *err)
@@ -99,18 +99,28 @@ cml_status cml_cluster_sum(struct cml_result *result, struct cml_error *err)
 
 void cml_cluster_request_sync(void)
 {
-    atomic_store(&sync_requested, true);
+    atomic_fetch_or(&sync_requested, 1);
 }
 
 bool cml_cluster_sync_requested(void)
 {
-    return atomic_load(&sync_requested);
+    return atomic_load(&sync_requested) != 0;
+}
+
+void cml_cluster_request_stop(void)
+{
+    atomic_fetch_or(&sync_requested, 2);
+}
+
+bool cml_cluster_stop_requested(void)
+{
+    return atomic_load(&sync_requested) & 2;
 }
 
 cml_status cml_cluster_synchronise(struct cml_error *err)
 {
     (void)err;
-    atomic_store(&sync_requested, false);
+    atomic_store(&sync_requested, 0);
     return CML_OK;
 }
 

@@ -20,7 +20,7 @@ struct cml_ranks {
     pthread_mutex_t lock;        /* around every call of MPI once the service thread runs */
     _Atomic double timeout;      /* s */
     atomic_bool alone;           /* this rank works by itself */
-    atomic_bool alone_sync;      /* and wants to synchronise with itself */
+    atomic_int alone_sync;       /* and wants to synchronise with itself: 1, or to stop then: 2 */
     atomic_int lost_rank;        /* that contact was lost with; -1: none */
 };
 extern struct cml_ranks cml_ranks;

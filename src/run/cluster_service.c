@@ -83,7 +83,8 @@ cml_status cml_cluster_complete(int code, MPI_Request *call, struct cml_error *e
 
 /* ---- the service thread ---- */
 
-/* Synchronisations are numbered, so that a request that arrives late, or twice, asks for nothing new. */
+/* Synchronisations are numbered, so that a request that arrives late, or twice, asks for nothing new. A
+ * request is twice the number, and one more where the run is to stop. */
 static void raise_requested(uint64_t number)
 {
     uint64_t known = atomic_load(&service.syncs_requested);
@@ -235,25 +236,39 @@ void cml_service_stop(void)
 void cml_cluster_request_sync(void)
 {
     if (atomic_load(&cml_ranks.alone))
-        atomic_store(&cml_ranks.alone_sync, true);
+        atomic_fetch_or(&cml_ranks.alone_sync, 1);
     else
         cml_cluster_recall();
 }
 
 void cml_cluster_recall(void)
 {
-    raise_requested(atomic_load(&service.syncs_done) + 1);
+    raise_requested(2 * (atomic_load(&service.syncs_done) + 1));
 }
 
 static bool all_requested(void)
 {
-    return atomic_load(&service.syncs_requested) > atomic_load(&service.syncs_done);
+    return atomic_load(&service.syncs_requested) / 2 > atomic_load(&service.syncs_done);
+}
+
+void cml_cluster_request_stop(void)
+{
+    if (atomic_load(&cml_ranks.alone))
+        atomic_fetch_or(&cml_ranks.alone_sync, 2);
+    else
+        raise_requested(2 * (atomic_load(&service.syncs_done) + 1) + 1);
+}
+
+bool cml_cluster_stop_requested(void)
+{
+    if (atomic_load(&cml_ranks.alone)) return atomic_load(&cml_ranks.alone_sync) & 2;
+    return all_requested() && atomic_load(&service.syncs_requested) % 2 == 1;
 }
 
 void cml_cluster_alone(bool alone)
 {
     atomic_store(&cml_ranks.alone, alone);
-    atomic_store(&cml_ranks.alone_sync, false);
+    atomic_store(&cml_ranks.alone_sync, 0);
 }
 
 bool cml_cluster_recalled(void)
@@ -263,7 +278,7 @@ bool cml_cluster_recalled(void)
 
 bool cml_cluster_sync_requested(void)
 {
-    return atomic_load(&cml_ranks.alone) ? atomic_load(&cml_ranks.alone_sync) : all_requested();
+    return atomic_load(&cml_ranks.alone) ? atomic_load(&cml_ranks.alone_sync) != 0 : all_requested();
 }
 
 /* It counts as requested here as well, since another rank may have asked without this one having heard.
@@ -272,7 +287,7 @@ cml_status cml_cluster_synchronise(struct cml_error *err)
 {
     MPI_Request call;
     if (atomic_load(&cml_ranks.alone)) {
-        atomic_store(&cml_ranks.alone_sync, false);
+        atomic_store(&cml_ranks.alone_sync, 0);
         return CML_OK;
     }
     cml_cluster_request_sync();

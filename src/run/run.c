@@ -110,8 +110,19 @@ static bool must_stop(const struct flight *flight)
 /* This rank requests a synchronisation when it got a signal and, on rank 0, when a checkpoint is due. */
 static bool must_synchronise(struct flight *flight)
 {
-    if (must_stop(flight) || cml_now() > flight->due) cml_cluster_request_sync();
+    if (must_stop(flight))
+        cml_cluster_request_stop();
+    else if (cml_now() > flight->due)
+        cml_cluster_request_sync();
     return cml_cluster_sync_requested();
+}
+
+/* For struct cml_work: this rank got a signal, or another one did. */
+static bool stops(void *context)
+{
+    const struct flight *flight = context;
+    if (must_stop(flight)) cml_cluster_request_stop();
+    return cml_cluster_stop_requested();
 }
 
 /* Whether there are packets in hand for the engine to take. */
@@ -124,12 +135,18 @@ static bool find_range(struct flight *flight)
     return hand->status == CML_OK && hand->left.count > 0;
 }
 
+/* A range is half a second's work of all threads: those that ask for little get no more than a quarter of
+ * their share, so that a run of slow packets stops as soon as any other. But so many at least. */
+#define LEAST_SHARE 16
+
 /* A piece of the range in hand, within one batch. */
 static struct cml_piece cut_piece(struct flight *flight, uint64_t most, int takers)
 {
     struct hand *hand = &flight->hand;
-    const uint64_t largest = cml_work_piece(&flight->work);
+    const uint64_t largest = cml_work_piece(&flight->work),
+                   share = hand->range.count / (4 * (uint64_t)takers);
     struct cml_piece piece = cml_piece_at(flight->state.begin, flight->state.end, hand->left.first);
+    if (most < largest && most > share) most = share > LEAST_SHARE ? share : LEAST_SHARE;
     uint64_t count = cml_piece_size(most < largest ? most : largest, takers,
                                     hand->left.count + cml_work_open_count(&flight->work));
     if (count > hand->left.count) count = hand->left.count;
@@ -192,18 +209,30 @@ static void note_fewer_threads(void *context, int threads)
     flight->out->threads = threads;
 }
 
+/* No tally knows which part of it is of packets that were given up: nothing of this flight counts, and the
+ * checkpoint stays as it is. */
+static cml_status fail_given_up(const struct flight *flight, struct cml_error *err)
+{
+    return cml_fail(err, CML_E_STOPPED,
+                    "%s: stopped, and gave up packets that would not end, with all that flew since the last "
+                    "checkpoint; --resume continues from that (%s), or begins anew without one",
+                    flight->setup->scene->output, flight->setup->checkpoint);
+}
+
 /* The engine flies until a synchronisation is requested; it is called again only when its tallies were full.
  * hand.left is then what was not flown of the last range. */
 static cml_status fly(struct flight *flight, struct cml_error *err)
 {
     struct hand *hand = &flight->hand;
-    const struct cml_work work = {flight, next_piece, note_batch, add_tally, note_fewer_threads};
+    const struct cml_work work = {flight, next_piece, note_batch, add_tally, note_fewer_threads, stops};
     const double begin = cml_now(), asking = flight->mine.asking;
     hand->status = CML_OK;
     hand->error = err;
     do {
         hand->room = room_of_tallies(&flight->out->result.grid);
-        CML_TRY(flight->setup->engine->run(flight->engine, &work, err));
+        const cml_status status = flight->setup->engine->run(flight->engine, &work, err);
+        if (status == CML_E_STOPPED) return fail_given_up(flight, err);
+        CML_TRY(status);
     } while (hand->status == CML_OK && hand->room == 0);
     flight->mine.flying += cml_now() - begin - (flight->mine.asking - asking);
     return hand->status;

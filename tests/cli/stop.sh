@@ -51,6 +51,27 @@ wait $run || code=$?
 test $code -eq 143 || test $code -eq 138 || complain "two signals: exit $code"
 test ! -e "$work/thick.mco.checkpoint" || complain "two signals: there is a checkpoint"
 
+# A packet that makes 5e6 boundary events, totally reflected below the flank of a cone: a signal is not put off until it ends,
+# and what it scored by then counts for nothing.
+printf '1.0\n1\nlong.mco A\n1\nbeam pencil at=0.05,0\n0.01 0.01\n1 1 1\n1\n1\nb 2 0.17320508075688773 0.1 0 0\n2 2e-7 0 0 0.5\n1\n' \
+    >"$work/long.mci"
+expect_code 0 "$work/long.mci" --quiet -o "$work"
+mv "$work/long.mco" "$work/expected.mco"
+begin "  boundary 1" "$work/long.mci"
+kill -TERM $run
+code=0
+wait $run || code=$?
+test $code -eq 75 || complain "a long-lived packet: exit $code"
+test "$(cat "$work/err")" = "clustermcml: long.mco: stopped, and gave up packets that would not end, with all that flew since the last \
+checkpoint; --resume continues from that ($work/long.mco.checkpoint), or begins anew without one" ||
+    complain "a long-lived packet: $(cat "$work/err")"
+test ! -e "$work/long.mco" || complain "a long-lived packet: a result of a stopped run"
+expect_code 0 "$work/long.mci" --resume --quiet -o "$work"
+sed '/^# User time/d' "$work/long.mco" >"$work/a"
+sed '/^# User time/d' "$work/expected.mco" >"$work/b"
+cmp -s "$work/a" "$work/b" || complain "a long-lived packet: other bits after a stop"
+rm -f "$work"/long.mco*
+
 begin "  boundary 1" $long --checkpoint off
 kill -TERM $run
 code=0

@@ -66,7 +66,8 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
     for (uint64_t place = 1000, end = 1000 + photons; place < end;) {
         const struct cml_piece piece = cml_piece_at(1000, end, place);
-        run_piece(&world.world, &piece, &scalar);
+        struct cml_patience patience = {0};
+        assert_true(run_piece(&world.world, &(struct cml_work){0}, &piece, &patience, &scalar));
         place += piece.count;
     }
     struct cml_tally bundles = fly_bundles(scene, &surfaces, &options, &grid, photons);
@@ -253,6 +254,12 @@ static void note_nothing(void *context, int batch, struct cml_tally *tally)
     (void)tally;
 }
 
+static int give_nothing_up(void *context)
+{
+    (void)context;
+    return 0;
+}
+
 /* A bundle to be looked into, of one layer. */
 struct bundle_flight {
     struct flight flight;
@@ -271,7 +278,8 @@ static void bundle_flight_take_off(const char *text, enum cml_surface_kind kind,
     struct cml_error err;
     const struct cml_engine_options options = {.seed = 12, .threads = 1, .reentry = true};
     const struct flight_options with = {.engine = "cpu", .kind = kind};
-    *b = (struct bundle_flight){.photons = photons, .source = {take_all, note_nothing, &b->photons}};
+    *b = (struct bundle_flight){.photons = photons,
+                                .source = {take_all, note_nothing, give_nothing_up, &b->photons}};
     flight_open(text, &with, &b->flight);
     const struct cml_scene *scene = &b->flight.list.scenes[0];
     const struct cml_grid grid = cml_engine_grid(scene, &b->flight.surfaces, &options);

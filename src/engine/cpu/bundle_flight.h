@@ -9,10 +9,12 @@
 
 /* next hands out the next photons *first, *first + 64, *first + 128 and so on, *count of them, all of one
  * batch (tally/places.h); 0 when there are no more. note is told when the tally has all that came since it
- * was last called: of this batch, and of late packets. */
+ * was last called: of this batch, and of late packets. gives_up: whether the packets under way are not to be
+ * flown to their ends (cml_engine_gives_up); the tally is worth nothing then. */
 struct cml_range_source {
     int (*next)(void *context, uint64_t *first, uint64_t *count);
     void (*note)(void *context, int batch, struct cml_tally *tally);
+    int (*gives_up)(void *context);
     void *context;
 };
 
@@ -56,6 +58,8 @@ struct cml_flight {
     uint64_t absorbed[CML_LANES]; /* by the lane's packet, up to when its deposits were last booked */
     int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
     int wait_at_curved;           /* the same of lanes at curved boundaries */
+    cml_u32 rounds;               /* passes, and rounds over boundaries within them */
+    int given_up;
     /* batches */
     struct cml_profile_places profiles; /* of the tally */
     int batch;                          /* under way: packets of it are launched; -1 before the first */

@@ -180,6 +180,16 @@ static void cml_process_curved_boundaries(struct cml_flight *f)
     CML_HOOK_END(CML_HOOK_CURVED);
 }
 
+/* Rounds between two looks at whether to give up: some 0.1 ms, with queries of all lanes 20 ms. */
+#define CML_ROUNDS_PER_LOOK 256
+
+/* Asked in every round: a packet may live for many passes, or go to and fro between planes within one. */
+static int cml_is_given_up(struct cml_flight *f)
+{
+    if (++f->rounds % CML_ROUNDS_PER_LOOK == 0) f->given_up |= f->source->gives_up(f->source->context);
+    return f->given_up;
+}
+
 /* All that lanes meet in this pass before they interact. tails: lanes whose optical depth lies in the tail;
  * they are dealt with one by one. After planes, lanes may meet a curved boundary next, or a plane again:
  * round and round until the planes' loops have nothing to do or wait for more lanes. */
@@ -190,7 +200,7 @@ static void cml_process_boundaries(struct cml_flight *f, uint64_t tails)
     do {
         if (f->world->setup.num_bodies) cml_process_bodies(f);
         if (f->curves) cml_process_curved_boundaries(f);
-    } while (cml_process_planes(f));
+    } while (cml_process_planes(f) && !cml_is_given_up(f));
 }
 
 /* Deposits of the pass into the thread's own A_rz, or with atomic additions into one that all threads share,
@@ -309,11 +319,11 @@ static void cml_flight_begin(struct cml_flight *f)
     cml_refill(f);
 }
 
-/* Passes until the last packet has ended. */
+/* Passes until the last packet has ended, or is given up. */
 static void cml_flight_run(struct cml_flight *f)
 {
-    while (f->live) cml_flight_pass(f);
-    cml_note_batch(f);
+    while (f->live && !cml_is_given_up(f)) cml_flight_pass(f);
+    if (!f->given_up) cml_note_batch(f);
 }
 
 /* Flies all packets that the source hands out. Everything goes into `tally`, which no other thread writes but

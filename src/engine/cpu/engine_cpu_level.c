@@ -94,7 +94,8 @@ struct supply {
     const struct cml_work *work;
     uint64_t chunk;
     int threads;
-    bool ended;
+    bool ended, given_up;
+    struct cml_patience patience;
 };
 
 /* For struct cml_range_source. Which thread flies which photons does not matter: a photon owns its random
@@ -118,26 +119,35 @@ static void note_batch(void *context, int batch, struct cml_tally *tally)
     work->note(work->context, batch, tally);
 }
 
-/* Batch after batch into the thread's tally. */
-static void fly_thread(const struct cpu_engine *cpu, const struct cml_work *work, struct cml_tally *tally)
+static int gives_up(void *context)
+{
+    struct supply *supply = context;
+    supply->given_up = cml_engine_gives_up(supply->work, &supply->patience);
+    return supply->given_up;
+}
+
+/* Batch after batch into the thread's tally. Returns false when packets were given up. */
+static bool fly_thread(const struct cpu_engine *cpu, const struct cml_work *work, struct cml_tally *tally)
 {
     struct supply supply = {.work = work, .chunk = cpu->chunk, .threads = cpu->threads};
-    const struct cml_range_source source = {next_photons, note_batch, &supply};
+    const struct cml_range_source source = {next_photons, note_batch, gives_up, &supply};
     cml_bundle_walk(&cpu->owned.world, cpu->media, &source, tally);
+    return !supply.given_up;
 }
 
 /* What the threads of one call of cpu_run do. */
 struct cpu_flight {
     struct cpu_engine *cpu;
     const struct cml_work *work;
+    atomic_bool given_up;
 };
 
 static void fly_and_add(void *context, int number)
 {
-    const struct cpu_flight *flight = context;
+    struct cpu_flight *flight = context;
     struct cpu_engine *cpu = flight->cpu;
     struct cml_tally *mine = &cpu->tallies[number + cpu->num_tallies - cpu->threads];
-    fly_thread(cpu, flight->work, mine);
+    if (!fly_thread(cpu, flight->work, mine)) atomic_store(&flight->given_up, true);
     if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
 }
 
@@ -151,10 +161,10 @@ static void tell_fewer(void *context, int count)
  * What they share is handed in after that. */
 static cml_status cpu_run(void *self, const struct cml_work *work, struct cml_error *err)
 {
-    (void)err;
     struct cpu_engine *cpu = self;
-    struct cpu_flight flight = {cpu, work};
+    struct cpu_flight flight = {cpu, work, false};
     cml_run_threads(cpu->threads, &(struct cml_thread_task){&flight, fly_and_add, tell_fewer});
+    if (atomic_load(&flight.given_up)) return cml_engine_given_up(err);
     work->add(work->context, cpu->tallies);
     return CML_OK;
 }

@@ -6,6 +6,7 @@
 #include "engine/world.h"
 
 #include "engine/opencl/engine_opencl.h"
+#include "base/clock.h"
 #include "engine/opencl/opencl_parts.h"
 
 #include <stdlib.h>
@@ -219,16 +220,28 @@ static void add_cells(const uint64_t *cells, uint32_t lanes, struct cml_tally *t
     if (tally->grid.absorption) add_absorption(cells + CML_CELL_LAYER + others, lanes, tally);
 }
 
+/* What devices fly for longer, once the run is to stop, is given up. The launches are those of a busy
+ * machine, the seconds those of a fast one. */
+#define MOST_LATE_LAUNCHES 6
+#define MOST_LATE_SECONDS 0.3
+
 /* Launches until all packets of the piece have ended, then collects each device's cells: its tally is
  * complete when this returns, so a checkpoint needs to know nothing of devices. */
-static cml_status fly_piece(struct opencl_engine *engine, const struct cml_piece *piece,
-                            struct cml_error *err)
+static cml_status fly_piece(struct opencl_engine *engine, const struct cml_work *work,
+                            const struct cml_piece *piece, struct cml_error *err)
 {
     struct pool pool = {piece->first, piece->count};
-    int active = 1;
+    int active = 1, late = 0;
+    double since = 0;
     for (int i = 0; i < engine->count; i++)
         CML_TRY(cml_opencl_flight_begin(&engine->flights[i], piece->count, 0, err));
-    while (active > 0) CML_TRY(launch_all(engine, &pool, &active, &engine->tally, err));
+    while (active > 0) {
+        CML_TRY(launch_all(engine, &pool, &active, &engine->tally, err));
+        if (!work->stops || !work->stops(work->context)) continue;
+        if (late++ == 0) since = cml_now();
+        if (late > MOST_LATE_LAUNCHES && cml_now() - since > MOST_LATE_SECONDS)
+            return cml_engine_given_up(err);
+    }
     for (int i = 0; i < engine->count; i++) {
         CML_TRY(cml_opencl_flight_collect(&engine->flights[i], engine->cells, err));
         add_cells(engine->cells, engine->flights[i].lanes, &engine->tally);
@@ -242,7 +255,7 @@ static cml_status opencl_run(void *self, const struct cml_work *work, struct cml
     struct opencl_engine *engine = self;
     struct cml_piece piece;
     while (work->next(work->context, CML_TALLY_MAX_PHOTONS, 1, &piece)) {
-        CML_TRY(fly_piece(engine, &piece, err));
+        CML_TRY(fly_piece(engine, work, &piece, err));
         work->note(work->context, piece.batch, &engine->tally);
     }
     work->add(work->context, &engine->tally);

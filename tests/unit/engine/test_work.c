@@ -5,8 +5,10 @@
 
 #include "engine/cpu/engine_cpu.h"
 #include "engine/engine_reference.h"
+#include "engine/engines.h"
 
 #include <pthread.h>
+#include <stdatomic.h>
 #include <time.h>
 
 #define BLOCK 47 /* packets, all of one batch */
@@ -154,7 +156,7 @@ static struct cml_result fly_by_batch(const struct bench *bench, const struct cm
     void *self = open_engine(bench, engine);
     for (int batch = 0; batch < CML_NUM_BATCHES; batch++) {
         struct single single = {batch, &result};
-        const struct cml_work work = {&single, next_single, note_single, add_single, NULL};
+        const struct cml_work work = {&single, next_single, note_single, add_single, NULL, NULL};
         require_ok(engine->run(self, &work, &err), &err);
     }
     engine->close(self);
@@ -178,7 +180,7 @@ static void fly(const struct bench *bench, const struct cml_engine *engine, stru
                 struct ledger *ledger)
 {
     struct cml_error err;
-    const struct cml_work work = {ledger, next, note, add, NULL};
+    const struct cml_work work = {ledger, next, note, add, NULL, NULL};
     ledger->result = empty_result(bench);
     pthread_mutex_init(&ledger->lock, NULL);
     pthread_cond_init(&ledger->changed, NULL);
@@ -257,12 +259,83 @@ static void a_thread_that_is_held_up_keeps_no_other_from_its_work(void **state)
     }
 }
 
+/* Totally reflected below the flank of a cone, 1e7 times before it counts as lost. */
+static const char *const stuck = "1.0\n1\ns.mco A\n1000\nbeam pencil at=0.05,0\n0.01 0.01\n1 1 1\n1\n1\n"
+                                 "b 2 0.17320508075688773 0.1 0 0\n2 1e-30 0 0 0.5\n1\n";
+
+/* One piece of packets without end, for a run that is to stop. */
+static bool next_of_many(void *context, uint64_t most, int takers, struct cml_piece *piece)
+{
+    (void)takers;
+    atomic_int *pieces = context;
+    *piece = (struct cml_piece){0};
+    if (atomic_fetch_add(pieces, 1) > 0) return false;
+    *piece = (struct cml_piece){.first = 0, .count = most < 1000 ? most : 1000, .batch = 0};
+    return true;
+}
+
+static void note_nothing(void *context, int batch, struct cml_tally *tally)
+{
+    (void)context;
+    (void)batch;
+    (void)tally;
+}
+
+static void add_nothing(void *context, struct cml_tally *tally)
+{
+    (void)context;
+    cml_tally_zero(tally);
+}
+
+static bool stops_now(void *context)
+{
+    (void)context;
+    return true;
+}
+
+/* By every engine that there is. */
+static void expect_run_to_end_with(const struct bench *bench, cml_status expected)
+{
+    static const char *const names[] = {"cpu", "reference", "opencl"};
+    for (int i = 0; i < 3; i++) {
+        const struct cml_engine *engine = cml_engine_find(names[i]);
+        struct cml_error err;
+        atomic_int pieces = 0;
+        const struct cml_work work = {&pieces, next_of_many, note_nothing, add_nothing, NULL, stops_now};
+        void *self;
+        const cml_status opened =
+            engine->open(bench->list.scenes, &bench->surfaces, &bench->options, &self, &err);
+        if (opened == CML_E_DEVICE) continue;
+        require_ok(opened, &err);
+        assert_int_equal(engine->run(self, &work, &err), expected);
+        engine->close(self);
+    }
+}
+
+/* Those of any other scene are flown to their ends. */
+static void packets_without_end_are_given_up_when_the_run_is_to_stop(void **state)
+{
+    const struct cml_surface_options options = {.force = CML_SURFACE_AUTO};
+    const char *const texts[] = {stuck, plane};
+    for (int s = 0; s < 2; s++) {
+        struct bench bench = {.options = bench_options(5)};
+        struct cml_error err;
+        case_read_ok(state, texts[s], &bench.list);
+        require_ok(cml_surfaces_create(bench.list.scenes, &options, &bench.surfaces, &err), &err);
+        bench.options.threads = 2;
+        expect_run_to_end_with(&bench, s == 0 ? CML_E_STOPPED : CML_OK);
+        tear_down(&bench);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(every_packet_is_flown_once_in_its_batch, case_setup, case_teardown),
         cmocka_unit_test_setup_teardown(the_reference_engine_takes_the_same_work, case_setup, case_teardown),
         cmocka_unit_test_setup_teardown(a_thread_that_is_held_up_keeps_no_other_from_its_work, case_setup,
+                                        case_teardown),
+        cmocka_unit_test_setup_teardown(packets_without_end_are_given_up_when_the_run_is_to_stop, case_setup,
                                         case_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

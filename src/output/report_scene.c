@@ -29,13 +29,14 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
-/* Between which depths it lies: bins there are shared by two media. */
-static void print_depths(FILE *stream, double highest, double lowest, enum cml_report_reader reader)
+/* Between which depths a boundary lies: bins there are shared by two media. */
+static void print_depths(FILE *stream, const struct cml_surface_def *def, enum cml_report_reader reader)
 {
-    if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", z = %.9g to %.9g cm", highest, lowest);
+    if (reader != CML_READ_BY_PEOPLE)
+        fprintf(stream, " (z = %.9g to %.9g cm)", def->depth + def->lowest, def->depth + def->highest);
 }
 
-/* The same of a body, and its distances from the beam's axis; of the box around it. */
+/* The same of the box around a body, and its distances from the beam's axis. */
 static void print_extent(FILE *stream, const struct cml_scene *scene, const struct cml_body_surface *body,
                          enum cml_report_reader reader)
 {
@@ -46,8 +47,8 @@ static void print_extent(FILE *stream, const struct cml_scene *scene, const stru
         near[i] = fmax(0, fmax(body->lower[i] - axis[i], axis[i] - body->upper[i]));
         far[i] = fmax(axis[i] - body->lower[i], body->upper[i] - axis[i]);
     }
-    print_depths(stream, body->depth + body->lower[2], body->depth + body->upper[2], reader);
-    fprintf(stream, ", r = %.9g to %.9g cm", hypot(near[0], near[1]), hypot(far[0], far[1]));
+    fprintf(stream, " (z = %.9g to %.9g cm, r = %.9g to %.9g cm)", body->depth + body->lower[2],
+            body->depth + body->upper[2], hypot(near[0], near[1]), hypot(far[0], far[1]));
 }
 
 /* "layer 2" or "body 3". */
@@ -112,8 +113,7 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
             fprintf(stream, ", %llu %s", (unsigned long long)def->primitives, unit_of[def->kind]);
         fprintf(stream, " (%s)", def->reason);
         if (boundary->form != CML_FORM_PLANE) print_checksum(stream, cml_boundary_checksum(boundary), reader);
-        if (def->kind != CML_SURFACE_PLANE)
-            print_depths(stream, def->depth + def->lowest, def->depth + def->highest, reader);
+        if (def->kind != CML_SURFACE_PLANE) print_depths(stream, def, reader);
         print_file(stream, scene, boundary->file, reader);
     }
     report_bodies(stream, prefix, scene, &surfaces->bodies, reader);

@@ -29,8 +29,8 @@ static cml_status fail_unknown(const char *path, const char *what, struct cml_er
 /* A body, or what is no plane: "z = A to B cm", of a body also "r = C to D cm" about the beam's axis. */
 static bool read_extent(const char *line, double extent[4], int count)
 {
-    const char *at = strstr(line, ", z = ");
-    if (!at || sscanf(at, ", z = %lf to %lf cm, r = %lf to %lf cm", &extent[0], &extent[1], &extent[2],
+    const char *at = strstr(line, " (z = ");
+    if (!at || sscanf(at, " (z = %lf to %lf cm, r = %lf to %lf cm", &extent[0], &extent[1], &extent[2],
                       &extent[3]) < count)
         return false;
     for (int i = 0; i < count; i++)

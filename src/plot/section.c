@@ -15,6 +15,7 @@ static const double room_above = 0.30, room_below = 0.10;
 static const double map_bar = 0.965, map_text = 0.925, beam_tail = 0.835, beam_text_above = 0.03;
 
 static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"};
+enum { COLOURS = sizeof colours / sizeof *colours };
 
 struct frame {
     const struct cml_section *section;
@@ -157,22 +158,23 @@ static void write_labels(struct frame *f)
 
 /* ---- the boundaries ---- */
 
-/* A name for each, and data that are read by it; an empty line behind every piece parts it from the next. */
+/* A name for each colour, as gnuplot looks for a name among all, and the data of all lines that have it; an
+ * empty line behind every piece parts it from the next. */
 static void write_lines(const struct frame *f)
 {
     const struct cml_section *s = f->section;
     FILE *out = f->page.out;
-    for (int b = 0; b < s->num_lines; b++) {
-        fprintf(out, "$b%d << EOD\n", b);
-        for (size_t i = 0; i < s->lines[b].count; i++) {
-            const double *piece = s->lines[b].piece[i];
-            fprintf(out, "%.9g %.9g\n%.9g %.9g\n\n", piece[0], piece[1], piece[2], piece[3]);
-        }
+    for (int c = 0; c < COLOURS && c < s->num_lines; c++) {
+        fprintf(out, "$b%d << EOD\n", c);
+        for (int b = c; b < s->num_lines; b += COLOURS)
+            for (size_t i = 0; i < s->lines[b].count; i++) {
+                const double *piece = s->lines[b].piece[i];
+                fprintf(out, "%.9g %.9g\n%.9g %.9g\n\n", piece[0], piece[1], piece[2], piece[3]);
+            }
         fputs("EOD\n", out);
     }
-    for (int b = 0; b < s->num_lines; b++)
-        fprintf(out, "%s$b%d with lines lw 2 lc rgb '%s'", b == 0 ? "plot " : ", ", b,
-                colours[(size_t)b % (sizeof colours / sizeof *colours)]);
+    for (int c = 0; c < COLOURS && c < s->num_lines; c++)
+        fprintf(out, "%s$b%d with lines lw 2 lc rgb '%s'", c == 0 ? "plot " : ", ", c, colours[c]);
     fputc('\n', out);
 }
 

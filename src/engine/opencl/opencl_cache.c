@@ -133,7 +133,7 @@ void cml_opencl_cache_store(const char *key, const unsigned char *binary, size_t
     name_file(key, name);
     strcat(strcat(path, "/"), name);
     if (cml_file_create(path, &file, &ignored) != CML_OK) return;
-    fchmod(fileno(file.stream), 0600);
+    fchmod(file.descriptor, 0600);
     fprintf(file.stream, MAGIC " %zu %zu %llx\n", strlen(key), size, (unsigned long long)hash(binary, size));
     fputs(key, file.stream);
     fwrite(binary, 1, size, file.stream);

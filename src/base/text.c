@@ -138,12 +138,13 @@ bool cml_parse_double(const char *word, double *value)
     return true;
 }
 
-/* Up to 2^53, to which every whole number is a double. */
+/* Up to 2^53, to which every whole number is a double. A double would round 2^53 + 1 to that. */
 bool cml_parse_count(const char *word, uint64_t *value)
 {
-    double number = 0;
-    if (!cml_parse_double(word, &number)) return false;
-    if (number < 0 || number > 9007199254740992.0 || number != floor(number)) return false;
+    double rounded = 0;
+    if (!cml_parse_double(word, &rounded)) return false;
+    const long double number = strtold(word, NULL);
+    if (number < 0 || number > 9007199254740992.0L || number != floorl(number)) return false;
     *value = (uint64_t)number;
     return true;
 }

@@ -94,6 +94,7 @@ wrong ":1: column 2 is missing (expected a name like layer1.mua)" 'layer1.mua,\n
 wrong ":1: the first row is missing (expected a value for every name)" 'layer1.mua\n'
 wrong ":2: the line of names is missing (expected layer1.mua, photons or others)" '# nothing\n\n'
 wrong ":2: column 1, seed = -3 (expected a whole number from 0 to 9007199254740992)" 'seed\n-3\n'
+wrong ":2: column 1, seed = 9007199254740993 (expected a whole number from 0 to 9007199254740992)" 'seed\n9007199254740993\n'
 wrong ":3: column 1, boundary0.scale = 0 (expected a number of 1e-30..1e30)" 'boundary0.scale\n1\n0\n'
 printf 'layer1.x\n1\n' >"$work/wrong.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"

@@ -132,7 +132,18 @@ static void counts_are_whole_and_exact(void **state)
         uint64_t value;
     } good[] = {{"0", 0},        {"1", 1},  {"1e7", 10000000},
                 {"2.5e3", 2500}, {"+3", 3}, {"9007199254740992", 1ull << 53}};
-    static const char *const bad[] = {"", "-1", "0.5", "1e-1", "1e16", "1e300", "nan", "ten", "1 000"};
+    static const char *const bad[] = {"",
+                                      "-1",
+                                      "0.5",
+                                      "1e-1",
+                                      "1e16",
+                                      "1e300",
+                                      "nan",
+                                      "ten",
+                                      "1 000",
+                                      "9007199254740993",
+                                      "9007199254740991.5",
+                                      "0.9007199254740993e16"};
     for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
         uint64_t value = 77;
         assert_true(cml_parse_count(good[i].word, &value));

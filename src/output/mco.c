@@ -9,6 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* The writer, and what it shares with the reader: where each section of the file stands in struct cml_mco. */
 
@@ -209,8 +210,9 @@ static const char *find_values(const char *text, const char *key)
     return NULL;
 }
 
-/* Its first word as a number; what follows on the line is a comment. */
-static bool leading_number(const char *line, double *value)
+/* Its first word as a number; what follows on the line is a comment. An error may be "nan": that of one
+ * packet. */
+static bool leading_number(const char *line, bool error, double *value)
 {
     char word[64];
     const char *start = line + strspn(line, " \t");
@@ -218,15 +220,18 @@ static bool leading_number(const char *line, double *value)
     if (length >= sizeof word) return false;
     memcpy(word, start, length);
     word[length] = '\0';
-    return cml_parse_double(word, value);
+    if (!error || strcasecmp(word, "nan") != 0) return cml_parse_double(word, value);
+    *value = NAN;
+    return true;
 }
 
 /* The values end with the first line that does not begin with a number: an empty line, or the next key. */
 int cml_mco_extra(const struct cml_mco *mco, const char *key, double *values, int capacity)
 {
     int count = 0;
+    const bool errors = strncmp(key, "se_", 3) == 0;
     const char *line = mco->extra ? find_values(mco->extra, key) : NULL;
-    while (line && count < capacity && leading_number(line, &values[count])) {
+    while (line && count < capacity && leading_number(line, errors, &values[count])) {
         count++;
         line = line_after(line);
     }

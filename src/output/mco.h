@@ -54,7 +54,8 @@ CML_NODISCARD cml_status cml_mco_read(const char *path, struct cml_mco *mco, str
 #define CML_MCO_FIRST_EXIT "packets are scored at their first exit"
 
 /* Values of one of our own sections in `extra`: a line that begins with `key` and a blank, then numbers, one
- * per line. Returns how many were found, at most `capacity`; 0 when there is no such section. */
+ * per line, of errors NaN, too. Returns how many were found, at most `capacity`; 0 when there is no such
+ * section. */
 int cml_mco_extra(const struct cml_mco *mco, const char *key, double *values, int capacity);
 
 #endif

@@ -12,8 +12,12 @@ static void print_total(FILE *stream, enum cml_exact_share share, const struct c
                         enum cml_total total)
 {
     const struct cml_result *result = &report->run->result;
-    fprintf(stream, "  %-4s %.6f +- %.6f", exact_names[share], cml_result_total(result, total),
-            cml_result_error(result, total));
+    const double error = cml_result_error(result, total);
+    fprintf(stream, "  %-4s %.6f ", exact_names[share], cml_result_total(result, total));
+    if (isnan(error))
+        fputs("(one packet: no standard error)", stream);
+    else
+        fprintf(stream, "+- %.6f", error);
     if (report->control)
         fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
                 report->control[total].error);

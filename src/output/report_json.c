@@ -13,9 +13,10 @@
 #include <string.h>
 
 /* Keys keep the order in which they are set (jansson 2.8 and later). */
+/* JSON cannot say NaN, the error of one packet: null. */
 static void set_real(json_t *object, const char *key, double value)
 {
-    json_object_set_new(object, key, json_real(value));
+    json_object_set_new(object, key, isfinite(value) ? json_real(value) : json_null());
 }
 
 /* What lists are about; run NULL: nothing has been flown. */

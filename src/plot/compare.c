@@ -52,7 +52,10 @@ static double measure_of(const struct cml_mco *mco, enum cml_quantity which, int
 static bool has_errors(const struct cml_mco *mco)
 {
     double totals[NUM_TOTALS];
-    return mco->photons >= BATCHES && cml_mco_extra(mco, "se_RAT", totals, NUM_TOTALS) == NUM_TOTALS;
+    if (mco->photons < BATCHES || cml_mco_extra(mco, "se_RAT", totals, NUM_TOTALS) < NUM_TOTALS) return false;
+    for (int i = 0; i < NUM_TOTALS; i++)
+        if (isnan(totals[i])) return false;
+    return true;
 }
 
 /* Fills errors[bins]; false when the file has none. */

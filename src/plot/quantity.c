@@ -3,6 +3,8 @@
 
 #include "output/scaling.h"
 
+#include <math.h>
+
 const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {
     {"Rsp", "-", NULL},          {"Rd", "-", NULL},           {"A", "-", NULL},
     {"Tt", "-", NULL},           {"A_z", "1/cm", "z [cm]"},   {"Rd_r", "1/cm2", "r [cm]"},
@@ -49,5 +51,8 @@ bool cml_quantity_errors(const struct cml_mco *mco, enum cml_quantity which, dou
                                                          [CML_QUANTITY_Tt_r] = "se_Tt_r",
                                                          [CML_QUANTITY_Tt_a] = "se_Tt_a"};
     const int bins = cml_quantity_bins(mco, which);
-    return keys[which] && cml_mco_extra(mco, keys[which], errors, bins) == bins;
+    if (!keys[which] || cml_mco_extra(mco, keys[which], errors, bins) < bins) return false;
+    for (int i = 0; i < bins; i++)
+        if (isnan(errors[i])) return false;
+    return true;
 }

@@ -240,7 +240,7 @@ double cml_result_share(const struct cml_result *result, enum cml_balance_term t
  */
 static double error_of_mean(long double n, long double sum, long double squares)
 {
-    if (n < 2) return 0;
+    if (n < 2) return NAN;
     const long double variance = (squares - sum * sum / n) / (n - 1) / n;
     return variance > 0 ? (double)sqrtl(variance) : 0;
 }
@@ -301,7 +301,7 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
         squares += size * deviation * deviation;
         batches += 1;
     }
-    return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : 0;
+    return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : NAN;
 }
 
 /* The causes of loss are neighbours in enum cml_count. */

@@ -86,13 +86,14 @@ double cml_result_relative_error(const struct cml_result *result, enum cml_total
 double cml_result_times_to(const struct cml_result *result, enum cml_total total, double error);
 
 /* Of bin i of a profile [64][n]: the sum over its batches, units of weight; and the standard error of the
- * weight per photon, as a share of a packet, from the spread of the batches (method of batch means), 0 for
- * fewer than two batches with packets. */
+ * weight per photon, as a share of a packet, from the spread of the batches (method of batch means). One
+ * packet alone has none: NaN. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
 
 /* Standard error, as a share of a packet, of a mean weight that every packet adds to at most once, from its
- * sum in units of weight and the sum of its squares in CML_SQUARE_UNIT^2 (Rd_xya2 and the like). */
+ * sum in units of weight and the sum of its squares in CML_SQUARE_UNIT^2 (Rd_xya2 and the like). NaN for one
+ * packet. */
 double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares);
 
 uint64_t cml_result_lost(const struct cml_result *result); /* packets, all causes */

@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "lib/mco_case.h"
 
+#include <math.h>
+
 #include <sys/stat.h>
 
 static const char extra[] = "\n# clustermcml 1.0\n# engine cpu, seed 1, run 1\n"
@@ -300,6 +302,17 @@ static void extra_sections_that_hold_nothing(void **state)
     assert_int_equal(cml_mco_extra(&none, "key", &value, 1), 0);
 }
 
+/* Of one packet there is none. */
+static void an_error_may_be_no_number(void **state)
+{
+    (void)state;
+    struct cml_mco mco = {.extra = "\nse_RAT #\nNAN\nnan\n1\n\nbooks #\nnan\n"};
+    double values[3] = {0};
+    assert_int_equal(cml_mco_extra(&mco, "se_RAT", values, 3), 3);
+    assert_true(isnan(values[0]) && isnan(values[1]) && values[2] == 1);
+    assert_int_equal(cml_mco_extra(&mco, "books", values, 3), 0);
+}
+
 static void a_word_of_any_length_ends_an_extra_section(void **state)
 {
     (void)state;
@@ -377,6 +390,7 @@ int main(void)
         cmocka_unit_test(a_reader_that_searches_keys),
         cmocka_unit_test(extra_sections_are_found_by_their_whole_key),
         cmocka_unit_test(extra_sections_that_hold_nothing),
+        cmocka_unit_test(an_error_may_be_no_number),
         cmocka_unit_test(a_word_of_any_length_ends_an_extra_section),
         cmocka_unit_test(what_cannot_be_written_is_named),
         cmocka_unit_test(a_read_only_directory_is_reported),

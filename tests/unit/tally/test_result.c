@@ -245,15 +245,17 @@ static void the_error_of_a_total_is_that_of_its_bins(void **state)
     cml_result_free(&result);
 }
 
-static void one_photon_has_no_error_yet(void **state)
+static void one_photon_has_no_error(void **state)
 {
     (void)state;
     struct cml_result result = make_result(&grid, 1);
     struct cml_tally tally = make_tally(&grid);
     score(&tally, 1, 1, 1, true);
     add_to_batch(&result, 63, &tally);
-    assert_true(cml_result_error(&result, CML_TOTAL_REFLECTED) == 0);
-    assert_true(cml_result_bin_error(&result, result.Rd_r, 3, 1) == 0);
+    assert_true(isnan(cml_result_error(&result, CML_TOTAL_REFLECTED)));
+    assert_true(isnan(cml_result_bin_error(&result, result.Rd_r, 3, 1)));
+    result.summary.count[CML_COUNT_PHOTONS] = 1;
+    assert_true(isnan(cml_result_once_error(&result, 1, 1)));
     cml_result_free(&result);
     cml_tally_free(&tally);
 }
@@ -318,7 +320,7 @@ int main(void)
         cmocka_unit_test(a_broken_cell_does_not_balance),
         cmocka_unit_test(the_error_of_a_total_is_that_of_its_bins),
         cmocka_unit_test(errors_are_the_spread_of_batches),
-        cmocka_unit_test(one_photon_has_no_error_yet),
+        cmocka_unit_test(one_photon_has_no_error),
         cmocka_unit_test(a_result_does_not_overflow),
         cmocka_unit_test(summaries_merge_in_any_order),
     };

@@ -159,5 +159,51 @@ if test $h5 = yes; then
     section A_body again.mco | awk '{ sum += $1 } END { exit !(NR == 25 && sum > 0) }' || complain "A_body of again.mco"
 fi
 
+# One packet has no error; three of them have that of their spread, and beside more packets one counts as they do.
+scene '' '' '' >a.mci
+for seed in 1 2 3; do
+    expect_code 0 a.mci --photons 1 --seed $seed -o .
+    test "$(grep -c '(one packet: no standard error)' out)" -eq 4 || complain "the summary of one packet: $(cat out)"
+    test "$(grep -c '^ *NAN$' s.mco)" -eq 19 || complain "errors of one packet: $(grep -c NAN s.mco), expected 4 + 3 + 2 (4 + 2)"
+    mv s.mco one$seed.mco
+done
+expect_code 0 a.mci --photons 1 --quiet --json -o .
+grep -q '"Rd_se":null' out || complain "--json of one packet: $(cat out)"
+expect_code 0 merge one1.mco one2.mco one3.mco -o three.mco --quiet
+expect_code 0 a.mci --photons 3 --seed 4 --quiet -o .
+expect_code 0 merge one1.mco s.mco -o four.mco --quiet
+cat >spread.py <<'END'
+import math, re, sys
+
+def section(path, key):
+    with open(path) as file:
+        return [float(line.split()[0]) for line in re.search(rf"\n{key} [^\n]*\n((?:[^\n]+\n)+)", file.read()).group(1).splitlines()]
+
+for key in ("RAT", "A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a"):
+    values = [section(f"one{i}.mco", key)[-4 if key == "RAT" else 0:] for i in (1, 2, 3)]
+    wanted = [math.sqrt(sum((x - sum(column) / 3) ** 2 for x in column) / 2 / 3) for column in zip(*values)]
+    found = section("three.mco", "se_" + key)
+    assert len(found) == len(wanted) and all(math.isclose(a, b, rel_tol=3e-4, abs_tol=1e-12) for a, b in zip(found, wanted)), (key, found, wanted)
+    own, four = section("s.mco", "se_" + key), section("four.mco", "se_" + key)
+    assert all(math.isclose(a, b * math.sqrt(3 / 4), rel_tol=3e-4, abs_tol=1e-12) for a, b in zip(four, own)), (key, four, own)
+END
+python3 spread.py 2>texts || complain "errors of single packets: $(cat texts)"
+
+# Numbers that no run writes.
+damaged() { # SED MESSAGE
+    sed "$1" one2.mco >damaged.mco
+    cmp -s one2.mco damaged.mco && complain "$1 changed nothing"
+    expect_error 2 "damaged.mco: $2" merge s.mco damaged.mco -o out.mco
+}
+sed 's/^1 # launched/nan # launched/' s.mco >damaged.mco
+expect_error 2 "damaged.mco: books[0] = nan (expected one of 12 numbers)" merge one1.mco damaged.mco -o out.mco
+damaged '/^se_Rd_a /{n;s/.*/inf/;}' "se_Rd_a[0] = inf (expected one of 2 numbers)"
+damaged '/^se_Rd_a /{n;d;}' "se_Rd_a[1] = nothing (expected one of 2 numbers)"
+damaged '/^se_Rd_a /{n;s/.*/-1/;}' "se_Rd_a[0] = -1 (expected a number from 0 to 1e+100)"
+damaged '/^lost /{n;s/.*/-1/;}' "lost[0] = -1 (expected a number from 0 to 1e+100)"
+damaged '/^A_l /{n;s/.*/-0.5/;}' "A_l[0] = -0.5 (expected a number from 0 to 1e+100)"
+sed '/^se_Rd_a /{n;s/.*/nan/;}' s.mco >damaged.mco
+expect_error 2 "damaged.mco: se_Rd_a[0] = nan (expected a number from 0 to 1e+100)" merge one1.mco damaged.mco -o out.mco
+
 test ! -e out.mco && test ! -e out.h5 || complain "a refused merge wrote"
 finish

@@ -1,210 +1,145 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/files/hdf5_arrays.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #ifdef CML_HDF5
-#include <hdf5.h>
-#include <hdf5_hl.h>
 
-/* A text attribute of fixed length, the caller's to free; "" where there is none, NULL without memory. */
-static char *text_of(hid_t object, const char *name)
+static cml_status read_scale(const struct cml_hdf5_dataset *dataset, struct cml_hdf5_scale *scale,
+                             struct cml_error *err)
 {
-    const hid_t attribute = H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
-    if (attribute < 0) return strdup("");
-    const hid_t type = H5Aget_type(attribute), wanted = H5Tcopy(H5T_C_S1);
-    const size_t length = H5Tget_size(type);
-    char *text = calloc(length + 1, 1);
-    (void)H5Tset_size(wanted, length + 1);
-    (void)H5Tset_cset(wanted, H5Tget_cset(type));
-    if (text && (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0 ||
-                 H5Aread(attribute, wanted, text) < 0))
-        text[0] = '\0';
-    H5Tclose(wanted);
-    H5Tclose(type);
-    H5Aclose(attribute);
-    return text;
-}
-
-/* The first scale of an axis: its name and its places. */
-static herr_t read_scale(hid_t dataset, unsigned number, hid_t scale, void *context)
-{
-    (void)dataset, (void)number;
-    struct cml_axis *axis = context;
-    char name[64] = "";
-    double *places = calloc(axis->n ? axis->n : 1, sizeof *places);
-    const hid_t space = H5Dget_space(scale);
-    const bool fits = H5Sget_simple_extent_npoints(space) == (hssize_t)axis->n;
-    H5Sclose(space);
+    const struct cml_hdf5 *file = dataset->file;
+    struct cml_axis *axis = &scale->axis;
+    double *places = calloc(dataset->size, sizeof *places);
+    strcpy(scale->name, dataset->name);
+    axis->name = scale->name;
+    axis->n = dataset->size;
     axis->places = places;
-    if (H5DSget_scale_name(scale, name, sizeof name) <= 0 || !places || !fits) return -1;
-    if (H5Dread(scale, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, places) < 0) return -1;
-    axis->name = strdup(name);
-    axis->long_name = text_of(scale, "long_name");
-    axis->units = text_of(scale, "units");
-    return axis->name && axis->long_name && axis->units ? 1 : -1;
+    if (!places) return cml_fail_memory(err, 8.0 * (double)dataset->size, dataset->name);
+    CML_TRY(cml_hdf5_values(dataset, 0, dataset->size, places, err));
+    CML_TRY(cml_hdf5_text(file, dataset, "long_name", (char **)&axis->long_name, err));
+    CML_TRY(cml_hdf5_text(file, dataset, "units", (char **)&axis->units, err));
+    return cml_hdf5_uses(dataset, &scale->uses, &scale->num_uses, err);
 }
 
-static bool read_axes(hid_t dataset, struct cml_hdf5_array *array)
+static const struct cml_axis *find_axis(const struct cml_hdf5_arrays *arrays, uint64_t dataset, int number,
+                                        size_t n)
 {
-    hsize_t size[CML_FIELD_AXES];
-    const hid_t space = H5Dget_space(dataset);
-    const int axes = H5Sget_simple_extent_ndims(space);
-    const bool good =
-        axes >= 0 && axes <= CML_FIELD_AXES && H5Sget_simple_extent_dims(space, size, NULL) >= 0;
-    H5Sclose(space);
-    for (int i = 0; good && i < axes; i++) {
-        array->axis[i].n = (size_t)size[i];
-        array->field.axis[array->field.num_axes++] = &array->axis[i];
-        if (H5DSiterate_scales(dataset, (unsigned)i, NULL, read_scale, &array->axis[i]) <= 0) return false;
+    for (int i = 0; i < arrays->num_scales; i++) {
+        const struct cml_hdf5_scale *scale = &arrays->scale[i];
+        for (size_t k = 0; scale->axis.n == n && k < scale->num_uses; k++)
+            if (scale->uses[k].dataset == dataset && scale->uses[k].axis == number) return &scale->axis;
     }
-    return good;
+    return NULL;
 }
 
-static bool read_array(hid_t dataset, const char *name, struct cml_hdf5_array *array)
+static cml_status read_array(const struct cml_hdf5_arrays *arrays, const struct cml_hdf5_dataset *dataset,
+                             struct cml_field *field, struct cml_error *err)
 {
-    struct cml_field *field = &array->field;
-    const hid_t type = H5Dget_type(dataset);
-    char *errors = text_of(dataset, "ancillary_variables");
-    snprintf(field->name, sizeof field->name, "%s", name);
-    field->single = H5Tget_size(type) == sizeof(float);
-    field->long_name = text_of(dataset, "long_name");
-    field->units = text_of(dataset, "units");
+    const struct cml_hdf5 *file = dataset->file;
+    char *errors;
+    strcpy(field->name, dataset->name);
+    field->single = dataset->single;
+    CML_TRY(cml_hdf5_text(file, dataset, "long_name", (char **)&field->long_name, err));
+    CML_TRY(cml_hdf5_text(file, dataset, "units", (char **)&field->units, err));
+    CML_TRY(cml_hdf5_text(file, dataset, "ancillary_variables", &errors, err));
     field->errors = errors;
-    H5Tclose(type);
-    if (errors && !errors[0]) {
+    if (!errors[0]) {
         free(errors);
         field->errors = NULL;
     }
-    return field->long_name && field->units && errors && read_axes(dataset, array);
-}
-
-static bool is_array(hid_t dataset)
-{
-    const hid_t type = H5Dget_type(dataset);
-    const bool numbers = H5Tget_class(type) == H5T_FLOAT;
-    H5Tclose(type);
-    return numbers && H5DSis_scale(dataset) == 0;
-}
-
-/* One link of the root: an array is added to the list, whose memory grows by one at a time, as there are
- * dozens. */
-static herr_t add_link(hid_t root, const char *name, const H5L_info_t *info, void *context)
-{
-    (void)info;
-    struct cml_hdf5_arrays *arrays = context;
-    const hid_t object = H5Oopen(root, name, H5P_DEFAULT);
-    bool good = object >= 0;
-    if (good && H5Iget_type(object) == H5I_DATASET && is_array(object)) {
-        struct cml_hdf5_array *larger = realloc(arrays->item, (size_t)(arrays->count + 1) * sizeof *larger);
-        good = larger != NULL;
-        if (good) {
-            arrays->item = larger;
-            larger[arrays->count] = (struct cml_hdf5_array){0};
-            good = read_array(object, name, &larger[arrays->count++]);
-        }
+    for (int i = 0; i < dataset->num_axes; i++) {
+        field->axis[i] = find_axis(arrays, cml_hdf5_address(dataset), i, dataset->n[i]);
+        if (!field->axis[i])
+            return cml_fail(err, CML_E_INPUT,
+                            "%.400s: %s has an axis without a scale (expected one for each)", file->path,
+                            field->name);
+        field->num_axes++;
     }
-    if (object >= 0) H5Oclose(object);
-    return good ? 0 : -1;
+    return CML_OK;
 }
 
-/* Arrays have moved while the list grew. */
-static void point_to_axes(struct cml_hdf5_arrays *arrays)
+static cml_status is_scale(const struct cml_hdf5_dataset *dataset, bool *is, struct cml_error *err)
 {
-    for (int i = 0; i < arrays->count; i++)
-        for (int k = 0; k < arrays->item[i].field.num_axes; k++)
-            arrays->item[i].field.axis[k] = &arrays->item[i].axis[k];
+    char *class;
+    CML_TRY(cml_hdf5_text(dataset->file, dataset, "CLASS", &class, err));
+    *is = strcmp(class, "DIMENSION_SCALE") == 0;
+    free(class);
+    return CML_OK;
+}
+
+/* All scales, then all arrays, which point to them. */
+static cml_status read_all(struct cml_hdf5_arrays *arrays, const struct cml_hdf5_dataset *list, int count,
+                           struct cml_error *err)
+{
+    arrays->item = calloc((size_t)count + 1, sizeof *arrays->item);
+    arrays->scale = calloc((size_t)count + 1, sizeof *arrays->scale);
+    if (!arrays->item || !arrays->scale) return cml_fail_memory(err, 1, "a list of arrays");
+    for (int scales = 1; scales >= 0; scales--)
+        for (int i = 0; i < count; i++) {
+            bool scale;
+            CML_TRY(is_scale(&list[i], &scale, err));
+            if (scale != (scales == 1)) continue;
+            CML_TRY(scale ? read_scale(&list[i], &arrays->scale[arrays->num_scales++], err)
+                          : read_array(arrays, &list[i], &arrays->item[arrays->count++].field, err));
+        }
+    return CML_OK;
 }
 
 cml_status cml_hdf5_arrays_open(const char *path, struct cml_hdf5_arrays *arrays, struct cml_error *err)
 {
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    *arrays = (struct cml_hdf5_arrays){.file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT)};
-    if (arrays->file >= 0 &&
-        H5Literate(arrays->file, H5_INDEX_NAME, H5_ITER_INC, NULL, add_link, arrays) >= 0) {
-        point_to_axes(arrays);
-        return CML_OK;
-    }
-    cml_hdf5_arrays_close(arrays);
-    return cml_fail(err, CML_E_INPUT, "%s: its arrays cannot be read (expected the .h5 file of a run)", path);
-}
-
-static void clear(struct cml_hdf5_array *array)
-{
-    free((char *)array->field.long_name);
-    free((char *)array->field.units);
-    free((char *)array->field.errors);
-    for (int k = 0; k < array->field.num_axes; k++) {
-        free((char *)array->axis[k].name);
-        free((char *)array->axis[k].long_name);
-        free((char *)array->axis[k].units);
-        free((double *)array->axis[k].places);
-    }
+    struct cml_hdf5_dataset *list = NULL;
+    int count = 0;
+    *arrays = (struct cml_hdf5_arrays){0};
+    CML_TRY(cml_hdf5_open(path, &arrays->file, err));
+    cml_status status = cml_hdf5_datasets(&arrays->file, &list, &count, err);
+    if (status == CML_OK) status = read_all(arrays, list, count, err);
+    for (int i = 0; i < count; i++) cml_hdf5_dataset_close(&list[i]);
+    free(list);
+    if (status != CML_OK) cml_hdf5_arrays_close(arrays);
+    return status;
 }
 
 void cml_hdf5_arrays_close(struct cml_hdf5_arrays *arrays)
 {
-    for (int i = 0; i < arrays->count; i++) clear(&arrays->item[i]);
+    for (int i = 0; i < arrays->count; i++) {
+        const struct cml_field *field = &arrays->item[i].field;
+        free((char *)field->long_name);
+        free((char *)field->units);
+        free((char *)field->errors);
+        cml_hdf5_dataset_close(&arrays->item[i].dataset);
+    }
+    for (int i = 0; i < arrays->num_scales; i++) {
+        const struct cml_axis *axis = &arrays->scale[i].axis;
+        free((char *)axis->long_name);
+        free((char *)axis->units);
+        free((double *)axis->places);
+        free(arrays->scale[i].uses);
+    }
     free(arrays->item);
-    if (arrays->file >= 0) H5Fclose((hid_t)arrays->file);
-    *arrays = (struct cml_hdf5_arrays){.file = -1};
+    free(arrays->scale);
+    cml_hdf5_close(&arrays->file);
+    *arrays = (struct cml_hdf5_arrays){0};
 }
 
-/* The largest block of successive values from number `begin` on: part of one axis, and all later ones whole.
- */
-static size_t choose_block(const struct cml_field *field, size_t begin, size_t count,
-                           hsize_t start[CML_FIELD_AXES], hsize_t size[CML_FIELD_AXES])
+/* Closed behind the last value: results may be many, and each array that is open holds a chunk. */
+cml_status cml_hdf5_array_read(const struct cml_hdf5_arrays *arrays, struct cml_hdf5_array *array,
+                               size_t begin, size_t count, double *out, struct cml_error *err)
 {
-    size_t values = 1; /* of a step along the axis */
-    bool whole = true;
-    for (int i = field->num_axes - 1; i >= 0; i--) {
-        const size_t n = field->axis[i]->n, at = begin / values % n, left = count / values;
-        start[i] = at;
-        size[i] = !whole || left == 0 ? 1 : left < n - at ? left : n - at;
-        whole = whole && at == 0 && size[i] == n;
-        values *= n;
-    }
-    size_t block = 1;
-    for (int i = 0; i < field->num_axes; i++) block *= (size_t)size[i];
-    return block;
-}
-
-static bool read_block(hid_t dataset, int axes, const hsize_t *start, const hsize_t *size, double *out)
-{
-    const hid_t there = H5Dget_space(dataset), here = H5Screate_simple(axes, size, NULL);
-    const bool good = H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, size, NULL) >= 0 &&
-                      H5Dread(dataset, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT, out) >= 0;
-    H5Sclose(here);
-    H5Sclose(there);
-    return good;
-}
-
-bool cml_hdf5_array_read(const struct cml_hdf5_arrays *arrays, const struct cml_hdf5_array *array,
-                         size_t begin, size_t count, double *out)
-{
-    const struct cml_field *field = &array->field;
-    const hid_t dataset = H5Dopen2((hid_t)arrays->file, field->name, H5P_DEFAULT);
-    bool good = dataset >= 0;
-    if (good && field->num_axes == 0)
-        good = H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, out) >= 0;
-    for (size_t done = 0; good && field->num_axes > 0 && done < count;) {
-        hsize_t start[CML_FIELD_AXES], size[CML_FIELD_AXES];
-        const size_t block = choose_block(field, begin + done, count - done, start, size);
-        good = read_block(dataset, field->num_axes, start, size, out + done);
-        done += block;
-    }
-    if (dataset >= 0) H5Dclose(dataset);
-    return good;
+    struct cml_hdf5_dataset *dataset = &array->dataset;
+    if (dataset->id == 0) CML_TRY(cml_hdf5_dataset_open(&arrays->file, array->field.name, dataset, err));
+    CML_TRY(cml_hdf5_values(dataset, begin, count, out, err));
+    if (begin + count == dataset->size) cml_hdf5_dataset_close(dataset);
+    return CML_OK;
 }
 
 #else
 
 cml_status cml_hdf5_arrays_open(const char *path, struct cml_hdf5_arrays *arrays, struct cml_error *err)
 {
-    *arrays = (struct cml_hdf5_arrays){.file = -1};
-    return cml_fail(err, CML_E_INPUT, "%s: this program was built without HDF5", path);
+    *arrays = (struct cml_hdf5_arrays){0};
+    return cml_hdf5_open(path, &arrays->file, err);
 }
 
 void cml_hdf5_arrays_close(struct cml_hdf5_arrays *arrays)
@@ -212,16 +147,16 @@ void cml_hdf5_arrays_close(struct cml_hdf5_arrays *arrays)
     (void)arrays;
 }
 
-bool cml_hdf5_array_read(const struct cml_hdf5_arrays *arrays, const struct cml_hdf5_array *array,
-                         size_t begin, size_t count, double *out)
+cml_status cml_hdf5_array_read(const struct cml_hdf5_arrays *arrays, struct cml_hdf5_array *array,
+                               size_t begin, size_t count, double *out, struct cml_error *err)
 {
-    (void)arrays, (void)array, (void)begin, (void)count, (void)out;
-    return false;
+    (void)array, (void)begin, (void)count, (void)out;
+    return cml_hdf5_open(arrays->file.path, &(struct cml_hdf5){0}, err);
 }
 
 #endif
 
-const struct cml_hdf5_array *cml_hdf5_arrays_find(const struct cml_hdf5_arrays *arrays, const char *name)
+struct cml_hdf5_array *cml_hdf5_arrays_find(const struct cml_hdf5_arrays *arrays, const char *name)
 {
     for (int i = 0; i < arrays->count; i++)
         if (strcmp(arrays->item[i].field.name, name) == 0) return &arrays->item[i];

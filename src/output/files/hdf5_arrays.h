@@ -3,36 +3,43 @@
 #ifndef CML_HDF5_ARRAYS_H
 #define CML_HDF5_ARRAYS_H
 
-#include "output/files/field.h"
-#include "base/status.h"
+#include "output/files/hdf5_read.h"
 
-#include <stdint.h>
-
-/* An array of numbers of the file's root. What the field and its axes point to is its own. */
+/* An array of numbers of the file's root. The texts of the field are its own. */
 struct cml_hdf5_array {
-    struct cml_field field; /* `values` is NULL */
-    struct cml_axis axis[CML_FIELD_AXES];
+    struct cml_field field;          /* `values` is NULL */
+    struct cml_hdf5_dataset dataset; /* open from the first value that is read to the last */
 };
 
+/* A data set that is an axis of others. */
+struct cml_hdf5_scale {
+    char name[64];
+    struct cml_axis axis;
+    struct cml_hdf5_use *uses; /* [num_uses] */
+    size_t num_uses;
+};
+
+/* Must stay where it is while it is open. */
 struct cml_hdf5_arrays {
-    int64_t file; /* the library's handle */
-    int count;
+    struct cml_hdf5 file;
+    int count, num_scales;
     struct cml_hdf5_array *item; /* [count] by name; axes are not among them */
+    struct cml_hdf5_scale *scale;
 };
 
-/* Opens the file and lists its arrays; the caller closes it. CML_E_INPUT when it cannot be read, an array has
- * more than CML_FIELD_AXES axes or one without a name, or memory runs out; then nothing is left to close. */
+/* Opens the file and lists its arrays; the caller closes it. CML_E_INPUT as hdf5_read.h has it, and where an
+ * array has an axis without a scale; then nothing is left to close. `path` must outlive it. */
 CML_NODISCARD cml_status cml_hdf5_arrays_open(const char *path, struct cml_hdf5_arrays *arrays,
                                               struct cml_error *err);
 
 void cml_hdf5_arrays_close(struct cml_hdf5_arrays *arrays);
 
 /* NULL: the file has none of this name. */
-const struct cml_hdf5_array *cml_hdf5_arrays_find(const struct cml_hdf5_arrays *arrays, const char *name);
+struct cml_hdf5_array *cml_hdf5_arrays_find(const struct cml_hdf5_arrays *arrays, const char *name);
 
-/* Fills out[count] with values from number `begin` on, the last axis fastest; false when they cannot be
- * read. */
-bool cml_hdf5_array_read(const struct cml_hdf5_arrays *arrays, const struct cml_hdf5_array *array,
-                         size_t begin, size_t count, double *out);
+/* Fills out[count] with values from number `begin` on, the last axis fastest. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_hdf5_array_read(const struct cml_hdf5_arrays *arrays,
+                                             struct cml_hdf5_array *array, size_t begin, size_t count,
+                                             double *out, struct cml_error *err);
 
 #endif

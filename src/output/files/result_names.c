@@ -94,3 +94,9 @@ void cml_result_name_errors(struct cml_field *errors, struct cml_field *of)
     errors->num_axes = of->num_axes;
     of->errors = errors->name;
 }
+
+bool cml_result_is_errors(const char *name)
+{
+    const size_t length = strlen(name);
+    return length > 3 && strcmp(name + length - 3, "_se") == 0;
+}

@@ -30,4 +30,7 @@ void cml_result_name_field(struct cml_field *field, const struct cml_result_name
  * it is. */
 void cml_result_name_errors(struct cml_field *errors, struct cml_field *of);
 
+/* Whether a field of this name holds standard errors. */
+bool cml_result_is_errors(const char *name);
+
 #endif

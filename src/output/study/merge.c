@@ -50,6 +50,25 @@ static double weight_of(const struct cml_merge_input *input, const struct cml_mc
     return (double)input->mco->photons / (double)merged->photons;
 }
 
+double cml_merge_error_weight(const struct cml_merge_input *inputs, int count, int k)
+{
+    double photons = 0, with_error = 0;
+    for (int i = 0; i < count; i++) {
+        photons += (double)inputs[i].mco->photons;
+        if (inputs[i].mco->photons > 1) with_error += (double)inputs[i].mco->photons;
+    }
+    const double own = (double)inputs[k].mco->photons;
+    return own > 1 ? own / photons * sqrt(photons / with_error) : 0;
+}
+
+void cml_merge_add_spread(double *squares, const double *value, const double *mean, size_t n, int count)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double deviation = value[i] - mean[i];
+        squares[i] += deviation * deviation / (count - 1) / count;
+    }
+}
+
 static void add_weighted(double *to, const double *from, size_t count, double weight)
 {
     for (size_t i = 0; i < count; i++) to[i] += weight * from[i];
@@ -69,19 +88,99 @@ static void add_values(const struct cml_merge_input *input, struct cml_mco *merg
                      cml_mco_cells(mco, &cml_mco_sections[s]), weight);
 }
 
+/* What the errors of a section belong to. */
+static const double *values_of(const struct cml_mco *mco, const struct section *section, double totals[4])
+{
+    const double all[] = {mco->Rsp, mco->Rd, mco->A, mco->Tt};
+    memcpy(totals, all, sizeof all);
+    for (int s = 0; s < CML_MCO_SECTIONS; s++)
+        if (strcmp(section->key + strlen("se_"), cml_mco_sections[s].key) == 0)
+            return cml_mco_values(mco, &cml_mco_sections[s]);
+    return totals;
+}
+
+static void add_spread(const struct cml_mco *mco, int num_inputs, const struct cml_mco *merged,
+                       const struct section *section, double *out)
+{
+    double totals[2][4];
+    cml_merge_add_spread(out, values_of(mco, section, totals[0]), values_of(merged, section, totals[1]),
+                         (size_t)section->count, num_inputs);
+}
+
 static bool merge_section(const struct cml_merge_input *inputs, int num_inputs, const struct cml_mco *merged,
                           const struct section *section, double *out, double *room)
 {
-    const bool errors = section->how == AS_ERRORS;
-    memset(out, 0, (size_t)section->count * sizeof *out);
+    const bool errors = section->how == AS_ERRORS, spread = errors && merged->photons == (uint64_t)num_inputs;
+    const size_t count = (size_t)section->count;
+    memset(out, 0, count * sizeof *out);
     for (int k = 0; k < num_inputs; k++) {
-        const double weight = section->how == AS_SUMS ? 1 : weight_of(&inputs[k], merged);
+        const double error_weight = cml_merge_error_weight(inputs, num_inputs, k);
         if (cml_mco_extra(inputs[k].mco, section->key, room, section->count) < section->count) return false;
-        for (int i = 0; i < section->count; i++)
-            out[i] += errors ? weight * room[i] * weight * room[i] : weight * room[i];
+        for (size_t i = 0; error_weight > 0 && errors && i < count; i++)
+            out[i] += error_weight * room[i] * error_weight * room[i];
+        if (spread) add_spread(inputs[k].mco, num_inputs, merged, section, out);
+        if (!errors)
+            add_weighted(out, room, count, section->how == AS_SUMS ? 1 : weight_of(&inputs[k], merged));
     }
-    for (int i = 0; errors && i < section->count; i++) out[i] = sqrt(out[i]);
+    for (size_t i = 0; errors && i < count; i++) out[i] = sqrt(out[i]);
     return section->count > 0;
+}
+
+/* ---- what no run writes ---- */
+
+/* Squares of larger numbers would overflow. */
+static cml_status check_numbers(const struct cml_merge_input *input, const char *name, const double *numbers,
+                                size_t count, bool error, struct cml_error *err)
+{
+    const bool unknown = error && input->mco->photons == 1;
+    const double most = CML_MERGE_MOST, least = strcmp(name, "residue") == 0 ? -most : 0;
+    for (size_t i = 0; i < count; i++)
+        if (!(numbers[i] >= least && numbers[i] <= most) && !(unknown && isnan(numbers[i])))
+            return cml_fail(err, CML_E_INPUT, "%.200s: %s[%zu] = %g (expected a number from %g to %g)",
+                            input->name, name, i, numbers[i], least, most);
+    return CML_OK;
+}
+
+/* The word in place of number `found` of a section that begins at `text`. */
+static cml_status fail_word(const struct cml_merge_input *input, const struct section *section,
+                            const char *text, int found, struct cml_error *err)
+{
+    for (int i = 0; text && i <= found; i++) text = strchr(text + 1, '\n');
+    if (text) text += 1 + strspn(text + 1, " \t");
+    const int length = text ? (int)strcspn(text, " \t\r\n") : 0;
+    return cml_fail(err, CML_E_INPUT, "%.200s: %s[%d] = %.*s (expected one of %d numbers)", input->name,
+                    section->key, found, length ? length < 40 ? length : 40 : 7, length ? text : "nothing",
+                    section->count);
+}
+
+/* A section is there whole or not at all. room: [section->count + 1] */
+static cml_status check_section(const struct cml_merge_input *input, const struct section *section,
+                                double *room, struct cml_error *err)
+{
+    char line[32];
+    snprintf(line, sizeof line, "\n%s ", section->key);
+    const char *text = strstr(input->mco->extra, line);
+    if (section->count == 0 || !text) return CML_OK;
+    const int found = cml_mco_extra(input->mco, section->key, room, section->count + 1);
+    if (found < section->count) return fail_word(input, section, text, found, err);
+    if (found > section->count)
+        return cml_fail(err, CML_E_INPUT, "%.200s: %s has more numbers (expected %d)", input->name,
+                        section->key, section->count);
+    return check_numbers(input, section->key, room, (size_t)found, section->how == AS_ERRORS, err);
+}
+
+static cml_status check_input(const struct cml_merge_input *input, const struct section sections[SECTIONS],
+                              double *room, struct cml_error *err)
+{
+    const struct cml_mco *mco = input->mco;
+    const double totals[] = {mco->Rsp, mco->Rd, mco->A, mco->Tt};
+    CML_TRY(check_numbers(input, "user time", &mco->user_time, 1, false, err));
+    CML_TRY(check_numbers(input, "RAT", totals, 4, false, err));
+    for (int s = 0; s < CML_MCO_SECTIONS; s++)
+        CML_TRY(check_numbers(input, cml_mco_sections[s].key, cml_mco_values(mco, &cml_mco_sections[s]),
+                              cml_mco_cells(mco, &cml_mco_sections[s]), false, err));
+    for (int s = 0; s < SECTIONS; s++) CML_TRY(check_section(input, &sections[s], room, err));
+    return CML_OK;
 }
 
 /* ---- our sections ---- */
@@ -155,8 +254,11 @@ static cml_status fill_extra(const struct cml_merge_input *inputs, int count, st
     list_sections(inputs[0].mco, sections);
     for (int s = 0; s < SECTIONS; s++)
         if ((size_t)sections[s].count > most) most = (size_t)sections[s].count;
-    double *numbers = calloc(2 * most, sizeof *numbers);
-    FILE *out = numbers ? open_memstream(&merged->extra, &size) : NULL;
+    double *numbers = calloc(2 * most + 1, sizeof *numbers);
+    cml_status status = numbers ? CML_OK : cml_fail_memory(err, 16.0 * (double)most, "a merged result");
+    for (int k = 0; status == CML_OK && k < count; k++)
+        status = check_input(&inputs[k], sections, numbers, err);
+    FILE *out = status == CML_OK ? open_memstream(&merged->extra, &size) : NULL;
     int failed = 1;
     if (out) {
         write_extra(out, inputs, count, merged, sections, numbers, numbers + most);
@@ -164,7 +266,7 @@ static cml_status fill_extra(const struct cml_merge_input *inputs, int count, st
         if (fclose(out) != 0) failed = 1;
     }
     free(numbers);
-    return failed ? cml_fail_memory(err, (double)(2 * most) * sizeof *numbers, "a merged result") : CML_OK;
+    return failed && status == CML_OK ? cml_fail_memory(err, (double)size, "a merged result") : status;
 }
 
 static cml_status fill(const struct cml_merge_input *inputs, int count, const char *title,

@@ -224,8 +224,10 @@ static cml_status write_all(const char *path, const struct list *l, const struct
     for (int i = 0; i < arrays->count; i++)
         if (!has_field(l, arrays->field[i].name)) fields[count++] = arrays->field[i];
     cml_status status = write_with_words(path, l->mco, fields, count, call, err);
-    if (arrays->broken)
-        status = cml_fail(err, CML_E_INPUT, "%s: not written, as an array of an input cannot be read", path);
+    if (arrays->broken) {
+        *err = arrays->err;
+        status = err->status;
+    }
     free(fields);
     return status;
 }

@@ -27,14 +27,27 @@ bool cml_merge_next_seed(const char **text, uint64_t seed[2]);
 CML_NODISCARD cml_status cml_merge_check(const struct cml_merge_input *inputs, int count,
                                          struct cml_error *err);
 
+/* The largest number of an input. */
+#define CML_MERGE_MOST 1e100
+
+/* What the standard errors of input k count in those of the mean: its share of the packets. One packet has no
+ * error of its own: it counts 0, and the others for it, as if it scattered like them. Where all count 0,
+ * errors come from the spread between inputs (cml_merge_add_spread). */
+double cml_merge_error_weight(const struct cml_merge_input *inputs, int count, int k);
+
+/* Adds to squares[n] what one of `count` inputs of one packet adds to the variance of the mean. */
+void cml_merge_add_spread(double *squares, const double *value, const double *mean, size_t n, int count);
+
 /* Arrays that all inputs have, where these are .h5 files, as fields of their means. */
 struct cml_merge_arrays {
     int num_files, count;
     struct cml_hdf5_arrays *file; /* [num_files] */
     double *weight;               /* [num_files] share of all photons */
+    double *error_weight;         /* [num_files] cml_merge_error_weight */
     struct cml_merge_array *item; /* [count] where the fields' values come from */
     struct cml_field *field;      /* [count] */
-    bool broken;                  /* an array could not be read */
+    bool broken;                  /* an array could not be read, as err says */
+    struct cml_error err;
 };
 
 /* Of none where an input is no .h5 file. The caller closes them; on failure nothing is left open. */

@@ -1,136 +1,82 @@
 /* SPDX-License-Identifier: MIT */
 #include "plot/files/hdf5_result.h"
 
+#include "output/files/hdf5_read.h"
+#include "output/files/result_names.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #ifdef CML_HDF5
-#include <hdf5.h>
-
-enum { MOST_AXES = 3, LAYER_COLUMNS = 5 };
 
 /* A data set in memory. */
 struct array {
     int num_axes;
-    hsize_t n[MOST_AXES];
+    size_t n[CML_FIELD_AXES], size;
     double *value; /* owned, NULL: the file has none of this name */
 };
 
 struct reader {
-    hid_t file;
-    const char *path;
+    struct cml_hdf5 file;
     struct cml_error *err;
 };
 
-static size_t size_of(const struct array *array)
-{
-    size_t size = 1;
-    for (int i = 0; i < array->num_axes; i++) size *= (size_t)array->n[i];
-    return size;
-}
-
 /* ---- the file ---- */
 
-/* The library prints nothing: what failed, our line says. */
-static cml_status open_file(const char *path, struct reader *r, struct cml_error *err)
+/* Errors may be unknown, of one packet: NaN. */
+static cml_status read_values(const struct reader *r, const struct cml_hdf5_dataset *dataset, double *out)
 {
-    H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
-    *r = (struct reader){.file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), .path = path, .err = err};
-    if (r->file >= 0) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "%s: cannot be read as an HDF5 file", path);
-}
-
-/* Compressed data can promise more than there is memory for; then the request fails here. */
-static cml_status read_values(const struct reader *r, const char *name, hid_t dataset, struct array *array)
-{
-    const size_t size = size_of(array);
-    array->value = malloc((size ? size : 1) * sizeof *array->value);
-    if (!array->value) return cml_fail_memory(r->err, 8.0 * (double)size, name);
-    if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, array->value) < 0)
-        return cml_fail(r->err, CML_E_INPUT, "%s: %s cannot be read (expected numbers)", r->path, name);
-    for (size_t i = 0; i < size; i++)
-        if (!isfinite(array->value[i]))
-            return cml_fail(r->err, CML_E_INPUT, "%s: %s has %g (expected finite numbers)", r->path, name,
-                            array->value[i]);
+    const bool errors = cml_result_is_errors(dataset->name);
+    CML_TRY(cml_hdf5_values(dataset, 0, dataset->size, out, r->err));
+    for (size_t i = 0; i < dataset->size; i++)
+        if (!isfinite(out[i]) && !(errors && isnan(out[i])))
+            return cml_fail(r->err, CML_E_INPUT, "%.400s: %s[%zu] = %g (expected a finite number)",
+                            r->file.path, dataset->name, i, out[i]);
     return CML_OK;
 }
 
 /* The caller frees array->value, which is NULL where the file has no data set of this name. */
 static cml_status read_array(const struct reader *r, const char *name, struct array *array)
 {
+    struct cml_hdf5_dataset dataset;
     *array = (struct array){0};
-    const hid_t dataset = H5Dopen2(r->file, name, H5P_DEFAULT);
-    if (dataset < 0) return CML_OK;
-    const hid_t space = H5Dget_space(dataset);
-    cml_status status = CML_OK;
-    array->num_axes = H5Sget_simple_extent_ndims(space);
-    if (array->num_axes < 0 || array->num_axes > MOST_AXES)
-        status = cml_fail(r->err, CML_E_INPUT, "%s: %s has %d axes (expected at most %d)", r->path, name,
-                          array->num_axes, MOST_AXES);
-    else if (array->num_axes > 0)
-        (void)H5Sget_simple_extent_dims(space, array->n, NULL);
-    if (status == CML_OK) status = read_values(r, name, dataset, array);
-    H5Sclose(space);
-    H5Dclose(dataset);
+    CML_TRY(cml_hdf5_dataset_open(&r->file, name, &dataset, r->err));
+    if (dataset.id == 0) return CML_OK;
+    array->num_axes = dataset.num_axes;
+    array->size = dataset.size;
+    memcpy(array->n, dataset.n, sizeof array->n);
+    array->value = malloc(dataset.size * sizeof *array->value);
+    const cml_status status = array->value ? read_values(r, &dataset, array->value)
+                                           : cml_fail_memory(r->err, 8.0 * (double)dataset.size, name);
+    cml_hdf5_dataset_close(&dataset);
     if (status != CML_OK) free(array->value);
     return status;
 }
 
-/* Copies a data set of `count` numbers; where the file has none, `out` stays as it is if it may. */
+/* A data set of `count` numbers; where the file has none, `out` stays as it is if it may. */
 static cml_status read_numbers(const struct reader *r, const char *name, double *out, size_t count,
                                bool may_miss)
 {
-    struct array array;
-    CML_TRY(read_array(r, name, &array));
-    const size_t size = array.value ? size_of(&array) : 0;
-    if (size == count) memcpy(out, array.value, count * sizeof *out);
-    free(array.value);
-    if (size == count || (size == 0 && may_miss)) return CML_OK;
-    return cml_fail(r->err, CML_E_INPUT, "%s: %s has %zu numbers (expected %zu)", r->path, name, size, count);
+    struct cml_hdf5_dataset dataset;
+    CML_TRY(cml_hdf5_dataset_open(&r->file, name, &dataset, r->err));
+    if (dataset.id == 0 && may_miss) return CML_OK;
+    const cml_status status =
+        dataset.size == count ? read_values(r, &dataset, out)
+                              : cml_fail(r->err, CML_E_INPUT, "%.400s: %.80s has %zu numbers (expected %zu)",
+                                         r->file.path, name, dataset.size, count);
+    cml_hdf5_dataset_close(&dataset);
+    return status;
 }
 
-/* An attribute of the file; 0 where it has none. */
-static double read_attribute(const struct reader *r, const char *name)
+/* An attribute of the file, cut at `size`; "" where there is none. */
+static cml_status read_text(const struct reader *r, const char *name, char *text, size_t size)
 {
-    double number = 0;
-    const hid_t attribute = H5Aopen(r->file, name, H5P_DEFAULT);
-    if (attribute < 0) return 0;
-    if (H5Aread(attribute, H5T_NATIVE_DOUBLE, &number) < 0) number = 0;
-    H5Aclose(attribute);
-    return number;
-}
-
-/* A text of fixed length, as our writer has them, the caller's to free; NULL where there is none. */
-static char *read_whole_text(hid_t object, const char *name)
-{
-    const hid_t attribute = H5Aopen(object, name, H5P_DEFAULT);
-    if (attribute < 0) return NULL;
-    const hid_t type = H5Aget_type(attribute), wanted = H5Tcopy(H5T_C_S1);
-    const size_t length = H5Tget_size(type);
-    bool good = H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0;
-    char *whole = good ? calloc(length + 1, 1) : NULL;
-    if (whole) {
-        (void)H5Tset_size(wanted, length + 1);
-        (void)H5Tset_cset(wanted, H5Tget_cset(type));
-        good = H5Aread(attribute, wanted, whole) >= 0;
-    }
-    if (!good) {
-        free(whole);
-        whole = NULL;
-    }
-    H5Tclose(wanted);
-    H5Tclose(type);
-    H5Aclose(attribute);
-    return whole;
-}
-
-/* The same, cut at `size`; "" where there is none. */
-static void read_text(hid_t object, const char *name, char *text, size_t size)
-{
-    char *whole = read_whole_text(object, name);
-    snprintf(text, size, "%s", whole ? whole : "");
+    char *whole;
+    CML_TRY(cml_hdf5_text(&r->file, NULL, name, &whole, r->err));
+    snprintf(text, size, "%s", whole);
     free(whole);
+    return CML_OK;
 }
 
 /* ---- a result ---- */
@@ -140,9 +86,9 @@ static void read_text(hid_t object, const char *name, char *text, size_t size)
 static cml_status read_axis(const struct reader *r, const char *name, bool may_miss, int *n, double *width)
 {
     struct array axis;
-    const double most = 1e8;
+    const size_t most = 100000000;
     CML_TRY(read_array(r, name, &axis));
-    *n = axis.value && axis.num_axes == 1 && (double)axis.n[0] <= most ? (int)axis.n[0] : 0;
+    *n = axis.value && axis.num_axes == 1 && axis.size <= most ? (int)axis.size : 0;
     *width = *n > 0 ? 2 * axis.value[0] : 0;
     const bool missing = !axis.value;
     free(axis.value);
@@ -152,7 +98,8 @@ static cml_status read_axis(const struct reader *r, const char *name, bool may_m
         return CML_OK;
     }
     if (*n > 0 && *width > 0) return CML_OK;
-    return cml_fail(r->err, CML_E_INPUT, "%s: no axis %s (expected the .h5 file of a run)", r->path, name);
+    return cml_fail(r->err, CML_E_INPUT, "%.400s: no axis %s (expected the .h5 file of a run)", r->file.path,
+                    name);
 }
 
 static cml_status read_grid(const struct reader *r, struct cml_mco *mco)
@@ -162,18 +109,28 @@ static cml_status read_grid(const struct reader *r, struct cml_mco *mco)
     CML_TRY(read_axis(r, "alpha", false, &mco->na, &width));
     CML_TRY(read_axis(r, "z", true, &mco->nz, &mco->dz));
     CML_TRY(read_axis(r, "layer", false, &mco->num_layers, &width));
-    CML_TRY(cml_mco_allocate(mco, r->err));
-    char title[1024];
-    read_text(r->file, "title", title, sizeof title);
-    mco->output = strdup(title);
-    if (!mco->output) return cml_fail_memory(r->err, 1, "a name");
-    const double photons = read_attribute(r, "photons");
-    if (!(photons >= 1 && photons <= 0x1p53))
-        return cml_fail(r->err, CML_E_INPUT, "%s: photons = %g (expected a number of 1 or more)", r->path,
-                        photons);
+    const double nz = mco->nz, nr = mco->nr, na = mco->na, most = (double)cml_hdf5_most_numbers(&r->file);
+    if (nr * nz + 2 * nr * na + 6.0 * mco->num_layers > most)
+        return cml_fail(
+            r->err, CML_E_INPUT,
+            "%.400s: nz nr na = %g %g %g (expected no more than the %.0f numbers the file can hold)",
+            r->file.path, nz, nr, na, most);
+    return cml_mco_allocate(mco, r->err);
+}
+
+static cml_status read_head(const struct reader *r, struct cml_mco *mco)
+{
+    double photons = 0;
+    CML_TRY(cml_hdf5_text(&r->file, NULL, "title", &mco->output, r->err));
+    CML_TRY(cml_hdf5_number(&r->file, NULL, "photons", &photons, r->err));
+    if (!(photons >= 1 && photons <= 0x1p53 && photons == floor(photons)))
+        return cml_fail(r->err, CML_E_INPUT, "%.400s: photons = %g (expected a whole number of 1 or more)",
+                        r->file.path, photons);
     mco->photons = (uint64_t)photons;
     return CML_OK;
 }
+
+enum { LAYER_COLUMNS = 5 };
 
 /* Older files have no media. */
 static cml_status read_layers(const struct reader *r, struct cml_mco *mco)
@@ -228,7 +185,7 @@ static cml_status write_section(const struct reader *r, const char *key, const c
     CML_TRY(read_array(r, dataset, &array));
     if (array.value) {
         fprintf(out, "\n%s # from %s\n", key, dataset);
-        for (size_t i = 0; i < size_of(&array); i++) fprintf(out, "%.17g\n", array.value[i]);
+        for (size_t i = 0; i < array.size; i++) fprintf(out, "%.17g\n", array.value[i]);
     }
     free(array.value);
     return CML_OK;
@@ -244,36 +201,46 @@ static cml_status write_errors(const struct reader *r, const char *name, FILE *o
 }
 
 /* Every line of a text attribute behind the prefix; those from number `first` on. */
-static void write_lines(const struct reader *r, const char *name, const char *prefix, int first, FILE *out)
+static cml_status write_lines(const struct reader *r, const char *name, const char *prefix, int first,
+                              FILE *out)
 {
-    char *text = read_whole_text(r->file, name);
+    char *text;
     int number = 0;
-    for (const char *line = text; line && *line; number++) {
+    CML_TRY(cml_hdf5_text(&r->file, NULL, name, &text, r->err));
+    for (const char *line = text; *line; number++) {
         const size_t length = strcspn(line, "\n");
         if (number >= first && length > 0) fprintf(out, "%s%.*s\n", prefix, (int)length, line);
         line += length + (line[length] == '\n');
     }
     free(text);
+    return CML_OK;
+}
+
+/* Whose random numbers a run has; a merged result says so itself. */
+static cml_status write_seed(const struct reader *r, FILE *out)
+{
+    double seed = 0, run = 0;
+    CML_TRY(cml_hdf5_number(&r->file, NULL, "seed", &seed, r->err));
+    CML_TRY(cml_hdf5_number(&r->file, NULL, "run", &run, r->err));
+    fprintf(out, "# engine -, seed %.0f, run %.0f\n", seed, run);
+    return CML_OK;
 }
 
 /* Whose random numbers it has, and what the scene is: of a run by its input, whose first two lines are its
  * name and most often its photons; of a merged result by what that says itself. */
-static void write_origin(const struct reader *r, FILE *out)
+static cml_status write_origin(const struct reader *r, FILE *out)
 {
     char merged[2];
-    read_text(r->file, "merged", merged, sizeof merged);
-    if (merged[0])
-        write_lines(r, "merged", "# ", 0, out);
-    else
-        fprintf(out, "# engine -, seed %.0f, run %.0f\n", read_attribute(r, "seed"),
-                read_attribute(r, "run"));
-    if (H5Aexists(r->file, "reentry") > 0 && read_attribute(r, "reentry") == 0)
-        fprintf(out, "# %s\n", CML_MCO_FIRST_EXIT);
-    write_lines(r, "settings", "# set ", 0, out);
-    write_lines(r, "beam", "# ", 0, out);
-    write_lines(r, "boundaries", "# ", 0, out);
-    write_lines(r, "input", "# scene ", 2, out);
-    write_lines(r, "scene", "# scene ", 0, out);
+    double reentry = 1;
+    CML_TRY(read_text(r, "merged", merged, sizeof merged));
+    CML_TRY(merged[0] ? write_lines(r, "merged", "# ", 0, out) : write_seed(r, out));
+    CML_TRY(cml_hdf5_number(&r->file, NULL, "reentry", &reentry, r->err));
+    if (reentry == 0) fprintf(out, "# %s\n", CML_MCO_FIRST_EXIT);
+    CML_TRY(write_lines(r, "settings", "# set ", 0, out));
+    CML_TRY(write_lines(r, "beam", "# ", 0, out));
+    CML_TRY(write_lines(r, "boundaries", "# ", 0, out));
+    CML_TRY(write_lines(r, "input", "# scene ", 2, out));
+    return write_lines(r, "scene", "# scene ", 0, out);
 }
 
 /* Sections books, residue and lost. */
@@ -301,8 +268,8 @@ static cml_status write_extra(const struct reader *r, FILE *out)
     static const char *const profiles[] = {"A_z", "Rd_r", "Rd_a", "Tt_r", "Tt_a"};
     char sampling[16];
     double error[4];
-    read_text(r->file, "sampling", sampling, sizeof sampling);
-    write_origin(r, out);
+    CML_TRY(read_text(r, "sampling", sampling, sizeof sampling));
+    CML_TRY(write_origin(r, out));
     fprintf(out, "\nlattice #\n%d\n", strcmp(sampling, "lattice") == 0);
     fputs("\nse_RAT #\n", out);
     for (int i = 0; i < 4; i++) {
@@ -329,14 +296,15 @@ static cml_status read_extra(const struct reader *r, struct cml_mco *mco)
 
 cml_status cml_hdf5_read_result(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
-    struct reader r;
+    struct reader r = {.err = err};
     *mco = (struct cml_mco){0};
-    CML_TRY(open_file(path, &r, err));
+    CML_TRY(cml_hdf5_open(path, &r.file, err));
     cml_status status = read_grid(&r, mco);
+    if (status == CML_OK) status = read_head(&r, mco);
     if (status == CML_OK) status = read_layers(&r, mco);
     if (status == CML_OK) status = read_values_of_result(&r, mco);
     if (status == CML_OK) status = read_extra(&r, mco);
-    H5Fclose(r.file);
+    cml_hdf5_close(&r.file);
     if (status != CML_OK) cml_mco_clear(mco);
     return status;
 }
@@ -354,17 +322,17 @@ static cml_status read_pixel_axis(const struct reader *r, const char *name, size
     *origin = middle[0] - *width / 2;
     free(middle);
     if (status != CML_OK || (*width >= 1e-12 && *width <= 1e12)) return status;
-    return cml_fail(r->err, CML_E_INPUT, "%s: %s has a step of %g (expected one of 1e-12..1e12)", r->path,
-                    name, *width);
+    return cml_fail(r->err, CML_E_INPUT, "%.400s: %s has a step of %g (expected one of 1e-12..1e12)",
+                    r->file.path, name, *width);
 }
 
 static cml_status fill_map(const struct reader *r, const char *name, const struct array *array,
                            struct cml_pixels *map)
 {
-    if (!array->value || array->num_axes != 2 || size_of(array) == 0)
-        return cml_fail(r->err, CML_E_INPUT, "%s: no map %.80s (expected a data set over y and x)", r->path,
-                        name);
-    const size_t n[2] = {(size_t)array->n[1], (size_t)array->n[0]};
+    if (!array->value || array->num_axes != 2)
+        return cml_fail(r->err, CML_E_INPUT, "%.400s: no map %.80s (expected a data set over y and x)",
+                        r->file.path, name);
+    const size_t n[2] = {array->n[1], array->n[0]};
     *map = (struct cml_pixels){.n = {n[0], n[1]}, .spacing = {1, 1}};
     CML_TRY(read_pixel_axis(r, "x", n[0], &map->origin[0], &map->spacing[0]));
     if (n[1] == 1) map->spacing[1] = map->spacing[0];
@@ -375,46 +343,50 @@ static cml_status fill_map(const struct reader *r, const char *name, const struc
         map->value[i] = (float)array->value[i];
         if (!(array->value[i] >= 0 && array->value[i] <= 1e30))
             return cml_fail(r->err, CML_E_INPUT,
-                            "%s: %s of pixel %zu %zu = %g (expected a number of 0 or more)", r->path, name,
-                            i % n[0], i / n[0], array->value[i]);
+                            "%.400s: %.80s of pixel %zu %zu = %g (expected a number of 0 or more)",
+                            r->file.path, name, i % n[0], i / n[0], array->value[i]);
     }
+    return CML_OK;
+}
+
+static cml_status read_unit(const struct reader *r, const char *name, char unit[CML_HDF5_UNIT])
+{
+    struct cml_hdf5_dataset dataset;
+    char *text;
+    CML_TRY(cml_hdf5_dataset_open(&r->file, name, &dataset, r->err));
+    const cml_status status = cml_hdf5_text(&r->file, &dataset, "units", &text, r->err);
+    cml_hdf5_dataset_close(&dataset);
+    if (status != CML_OK) return status;
+    snprintf(unit, CML_HDF5_UNIT, "%s", text);
+    free(text);
     return CML_OK;
 }
 
 cml_status cml_hdf5_read_map(const char *path, const char *name, struct cml_pixels *map,
                              char unit[CML_HDF5_UNIT], struct cml_error *err)
 {
-    struct reader r;
+    struct reader r = {.err = err};
     struct array array;
     *map = (struct cml_pixels){0};
     unit[0] = '\0';
-    CML_TRY(open_file(path, &r, err));
+    CML_TRY(cml_hdf5_open(path, &r.file, err));
     cml_status status = read_array(&r, name, &array);
     if (status == CML_OK) {
         status = fill_map(&r, name, &array, map);
         free(array.value);
     }
-    const hid_t dataset = H5Dopen2(r.file, name, H5P_DEFAULT);
-    if (dataset >= 0) {
-        read_text(dataset, "units", unit, CML_HDF5_UNIT);
-        H5Dclose(dataset);
-    }
-    H5Fclose(r.file);
+    if (status == CML_OK) status = read_unit(&r, name, unit);
+    cml_hdf5_close(&r.file);
     if (status != CML_OK) cml_pixels_clear(map);
     return status;
 }
 
 #else
 
-static cml_status refuse(const char *path, struct cml_error *err)
-{
-    return cml_fail(err, CML_E_INPUT, "%s: this program was built without HDF5", path);
-}
-
 cml_status cml_hdf5_read_result(const char *path, struct cml_mco *mco, struct cml_error *err)
 {
     *mco = (struct cml_mco){0};
-    return refuse(path, err);
+    return cml_hdf5_open(path, &(struct cml_hdf5){0}, err);
 }
 
 cml_status cml_hdf5_read_map(const char *path, const char *name, struct cml_pixels *map,
@@ -423,7 +395,7 @@ cml_status cml_hdf5_read_map(const char *path, const char *name, struct cml_pixe
     (void)name;
     *map = (struct cml_pixels){0};
     unit[0] = '\0';
-    return refuse(path, err);
+    return cml_hdf5_open(path, &(struct cml_hdf5){0}, err);
 }
 
 #endif

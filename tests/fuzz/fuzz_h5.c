@@ -190,7 +190,6 @@ static hid_t properties_of(struct input *in, int count, const hsize_t *n)
     if (filters & 4) H5Pset_fletcher32(properties);
     if (filters & 8) H5Pset_deflate(properties, 1);
     if (filters & 16) H5Pset_filter(properties, 32000, H5Z_FLAG_OPTIONAL, 0, NULL);
-    if (filters & 32) H5Pset_nbit(properties);
     return properties;
 }
 

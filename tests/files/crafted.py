@@ -140,8 +140,8 @@ def an_external_link(file):
 @case("plot merge", f"Rd_xy {LINK}")
 def a_soft_link_that_leaves(file):
     del file["Rd_xy"]
-    file["other"] = h5py.ExternalLink("good.h5", "/")
-    file["Rd_xy"] = h5py.SoftLink("/other/Rd_xy")
+    file["call/other"] = h5py.ExternalLink("good.h5", "/")
+    file["Rd_xy"] = h5py.SoftLink("/call/other/Rd_xy")
 
 
 ELSEWHERE = "has its values in other files (expected values of its own)"

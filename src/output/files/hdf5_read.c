@@ -229,11 +229,18 @@ static herr_t add_link(hid_t root, const char *name, const H5L_info_t *info, voi
     return list->status == CML_OK ? 0 : -1;
 }
 
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(((const struct cml_hdf5_dataset *)a)->name, ((const struct cml_hdf5_dataset *)b)->name);
+}
+
+/* In the order of the file: where HDF5 sorts links itself and meets a bad one, it frees pointers that it
+ * never set. */
 cml_status cml_hdf5_datasets(const struct cml_hdf5 *file, struct cml_hdf5_dataset **items, int *count,
                              struct cml_error *err)
 {
     struct listing list = {.file = file, .err = err};
-    const herr_t result = H5Literate(file->id, H5_INDEX_NAME, H5_ITER_INC, NULL, add_link, &list);
+    const herr_t result = H5Literate(file->id, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, add_link, &list);
     if (result < 0 && list.status == CML_OK)
         list.status = refuse(file, "the list of its arrays", "cannot be read", "the .h5 file of a run", err);
     for (int i = 0; list.status != CML_OK && i < list.count; i++) cml_hdf5_dataset_close(&list.item[i]);
@@ -241,6 +248,7 @@ cml_status cml_hdf5_datasets(const struct cml_hdf5 *file, struct cml_hdf5_datase
         free(list.item);
         return list.status;
     }
+    if (list.count > 0) qsort(list.item, (size_t)list.count, sizeof *list.item, by_name);
     *items = list.item;
     *count = list.count;
     return CML_OK;

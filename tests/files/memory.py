@@ -22,6 +22,10 @@ open(sys.argv[1], "w").write(str(usage.ru_maxrss))
 sys.exit(os.waitstatus_to_exitcode(status))"""
 
 
+OCTAHEDRON = ("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
+              "f 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n")
+
+
 def scene(line, nz=1):
     return cml.mci(["1 1 9 0 0.4"], photons=100000, bins=f"{nz} 1 1", grid=f"{0.4 / nz} 1", extra=["beam disk 2", line])
 
@@ -89,11 +93,15 @@ def check_scenes(verdict):
         "spheres side by side": with_bodies(spheres(50, 1)),
         "spheres in each other": with_bodies(spheres(5, 1000)),
         "layers": cml.mci(["1.4 1 10 0.8 1e-5"] * 100000, photons=100),
+        "bodies of meshes": with_bodies([f'i "ball.obj" 1.3 1 10 0.8 scale=1e-3 shift={0.01 * (k % 50)},{0.01 * (k // 50)},-0.5'
+                                         for k in range(2000)]),
         "mesh": cml.mci(["1.4 1 10 0.8 1"], photons=100, surfaces={0: 'm "waves.obj"'}),
     }
     for name, text in scenes.items():
         with tempfile.TemporaryDirectory() as keep:
             write_waves(os.path.join(keep, "waves.obj"), 400)
+            with open(os.path.join(keep, "ball.obj"), "w", encoding="utf-8") as file:
+                file.write(OCTAHEDRON)
             before = printed(verdict, name, run(text, keep, "check")[0])
             done, peak = run(text, keep)
             most = printed(verdict, name, done)

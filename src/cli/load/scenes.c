@@ -253,8 +253,10 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     struct memory memory = {.tallies = cml_run_bytes(&grid, threads) * ranks,
                             .output = cml_report_bytes(scene, &grid)};
     const double flight =
-        ranks * (world + mib * (4 + threads)); /* stacks and bundles of threads, libraries */
-    memory.most = fmax(so_far * ranks, now * ranks + memory.tallies + fmax(flight, memory.output));
+        ranks * (world + mib * (4 + threads));  /* stacks and bundles of threads, libraries */
+    const double counted = mib * (1 + threads); /* or not yet: each thread adds up some pages first */
+    memory.most =
+        fmax((so_far + counted) * ranks, now * ranks + memory.tallies + fmax(flight, memory.output));
     return memory;
 }
 

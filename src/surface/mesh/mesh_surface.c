@@ -22,7 +22,6 @@ typedef struct RTCIntersectContext query_context;
 
 struct cml_mesh_surface {
     struct cml_mesh_body body;
-    RTCDevice device;
     _Atomic ssize_t embree_bytes;  /* kept by Embree's threads */
     RTCScene exact;                /* boxes around triangles that are tested in double */
     RTCScene fast;                 /* Embree's own single-precision triangles; NULL where there are cells */
@@ -141,8 +140,7 @@ static void query_exact(const struct cml_mesh_surface *surface, struct query *qu
 
 /* Contact test around the packet: whether one that stands on no facet lies within rounding of one. A ray at a
  * small angle to that facet may be told nothing of it by Embree, in whose single precision it lies behind the
- * ray's beginning. Only boxes at the origin are asked for: the ray has no length but that of their err_float.
- */
+ * ray's beginning. Only boxes at the origin are asked for: the ray's length is that of their err_float. */
 static void test_contact_around(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
@@ -231,8 +229,8 @@ static bool ends_beside_facet(const struct cml_mesh_surface *surface, const stru
  * where the hit is at a small angle, near an edge, or where nothing was found although the path is endless,
  * passes the border, or leaves the mesh's depths. The whole line decides where an entering crossing comes
  * first: an exit before it was missed, at an edge from which the packet starts, which no float can tell from
- * a place beside it. The ray starts a little behind the packet, because rounding may have put it beyond a
- * facet. */
+ * a place beside it. The ray starts a little behind the packet, which rounding may have put beyond a facet.
+ */
 static void query_embree(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct cml_mesh_query *q = &query->ray;
@@ -347,6 +345,9 @@ const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface 
     return cml_grid_mesh_places(&grid->level[0]) < (size_t)1 << 27 ? grid : NULL;
 }
 
+/* One for all, kept to the end: Embree takes a pthread key for each, of which a process has 1024. */
+static RTCDevice device;
+
 static bool count_memory(void *context, ssize_t bytes, bool post)
 {
     (void)post;
@@ -357,7 +358,7 @@ static bool count_memory(void *context, ssize_t bytes, bool post)
 
 static RTCScene new_scene(const struct cml_mesh_surface *surface)
 {
-    RTCScene scene = rtcNewScene(surface->device);
+    RTCScene scene = rtcNewScene(device);
     rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | FILTER_FLAG);
     rtcSetSceneBuildQuality(scene, surface->body.mesh.num_triangles > 1000000 ? RTC_BUILD_QUALITY_MEDIUM
                                                                               : RTC_BUILD_QUALITY_HIGH);
@@ -376,7 +377,7 @@ static void commit(RTCScene scene, RTCGeometry geometry)
 static void build_exact(struct cml_mesh_surface *surface)
 {
     surface->exact = new_scene(surface);
-    RTCGeometry geometry = rtcNewGeometry(surface->device, RTC_GEOMETRY_TYPE_USER);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)surface->body.mesh.num_triangles);
     rtcSetGeometryUserData(geometry, surface);
     rtcSetGeometryBoundsFunction(geometry, triangle_bounds, NULL);
@@ -389,7 +390,7 @@ static bool build_fast(struct cml_mesh_surface *surface)
 {
     const struct cml_mesh *mesh = &surface->body.mesh;
     surface->fast = new_scene(surface);
-    RTCGeometry geometry = rtcNewGeometry(surface->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                                               3 * sizeof(float), 3 * mesh->num_triangles);
     uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
@@ -406,12 +407,12 @@ static bool build_fast(struct cml_mesh_surface *surface)
 
 static cml_status build_trees(struct cml_mesh_surface *surface, struct cml_error *err)
 {
-    surface->device = rtcNewDevice(NULL);
-    if (!surface->device)
+    if (!device && !(device = rtcNewDevice(NULL)))
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
-    rtcSetDeviceMemoryMonitorFunction(surface->device, count_memory, surface);
+    rtcSetDeviceMemoryMonitorFunction(device, count_memory, surface);
     if (surface->grid.levels || build_fast(surface)) build_exact(surface);
-    const enum RTCError error = rtcGetDeviceError(surface->device);
+    rtcSetDeviceMemoryMonitorFunction(device, NULL, NULL);
+    const enum RTCError error = rtcGetDeviceError(device);
     if (error == RTC_ERROR_NONE) return CML_OK;
     return cml_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? CML_E_INPUT : CML_E_DEVICE,
                     "Embree cannot build a tree of %zu triangles (error %d)",
@@ -453,7 +454,6 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     if (!surface) return;
     if (surface->exact) rtcReleaseScene(surface->exact);
     if (surface->fast) rtcReleaseScene(surface->fast);
-    if (surface->device) rtcReleaseDevice(surface->device);
     cml_grid_mesh_clear(&surface->grid);
     cml_mesh_body_clear(&surface->body);
     free(surface);

@@ -4,6 +4,7 @@ refuse each in one line that is written out here, with exit code 2, in 2 GB and 
 import os
 import resource
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -37,7 +38,7 @@ CASES = []
 
 
 def case(commands, message):
-    """The function changes the file bad.h5; the message follows the name of the file."""
+    """The function changes the file bad.h5, and may return bytes to replace in it; the message follows the file's name."""
     def add(change):
         CASES.append((change.__name__, change, commands.split(), message))
         return change
@@ -222,6 +223,15 @@ def a_chunk_that_is_too_long(file):
 
 
 @case("plot merge", f"Rd_xy {CHUNK}")
+def a_chunk_longer_than_its_array(file):
+    values = file["Rd_xy"][()]
+    replace(file, "Rd_xy", (20, 30), "<f4", chunks=(20, 30), data=values)
+    file["Rd_xy"].dims[0].attach_scale(file["y"])
+    file["Rd_xy"].dims[1].attach_scale(file["x"])
+    return [struct.pack("<IIQQQ", size, 0, 0, 0, 0) for size in (2400, 60000)]  # the key of the chunk in its tree
+
+
+@case("plot merge", f"Rd_xy {CHUNK}")
 def a_chunk_without_its_filters(file):
     put_chunk(file, bytes(16), 3)
 
@@ -315,7 +325,13 @@ def main():
         for name, change, commands, message in CASES:
             shutil.copy("2/maps.h5", "bad.h5")
             with h5py.File("bad.h5", "r+") as file:
-                change(file)
+                patch = change(file)
+            if patch:
+                with open("bad.h5", "r+b") as file:
+                    data = file.read()
+                    assert patch[0] in data
+                    file.seek(0)
+                    file.write(data.replace(*patch))
             for command in commands:
                 check(verdict, name, command, message)
         os.remove("bad.h5")

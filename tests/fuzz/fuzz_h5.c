@@ -131,6 +131,10 @@ static size_t fill(hid_t type, hid_t space, struct input *in, void *room, size_t
     const hssize_t count = H5Sget_simple_extent_npoints(space);
     const size_t size = H5Tget_size(type);
     static const double numbers[] = {0.5, 0, -1, 1, 1e300, INFINITY, NAN, 3};
+    hsize_t n[H5S_MAX_RANK];
+    const int count_axes = H5Sget_simple_extent_dims(space, n, NULL);
+    for (int i = 0; i < count_axes; i++)
+        if (n[i] > room_size) return 0; /* the product of sizes may have wrapped */
     if (count <= 0 || size == 0 || (size_t)count > room_size / size) return 0;
     const double number = numbers[next(in) % 8];
     const float single = (float)number;

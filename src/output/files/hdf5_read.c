@@ -5,8 +5,10 @@
 #include <string.h>
 
 #ifdef CML_HDF5
+#include <fcntl.h>
 #include <hdf5.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
 /* Deflate makes no more than 1032 bytes of one (Deutsch, RFC 1951: 258 bytes of two bits). */
@@ -32,25 +34,34 @@ static cml_status refuse(const struct cml_hdf5 *file, const char *name, const ch
 
 /* ---- the file ---- */
 
-/* The library prints nothing and loads no filters from other places; what failed, our line says. */
+/* The library prints nothing and loads no filters from other places; what failed, our line says. O_NONBLOCK:
+ * a FIFO would be waited for. */
 cml_status cml_hdf5_open(const char *path, struct cml_hdf5 *file, struct cml_error *err)
 {
     struct stat status;
+    (void)H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     (void)H5PLset_loading_state(0);
-    *file = (struct cml_hdf5){.path = path};
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+    *file = (struct cml_hdf5){.path = path, .descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+    const bool there = file->descriptor >= 0 && fstat(file->descriptor, &status) == 0;
+    const bool regular = there && S_ISREG(status.st_mode);
+    file->id = regular ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
+    if (file->id >= 0) {
+        file->bytes = (size_t)status.st_size;
+        return CML_OK;
+    }
+    if (file->descriptor >= 0) (void)close(file->descriptor);
+    if (there && !regular)
         return cml_fail(err, CML_E_INPUT, "%s: is no regular file (expected an .h5 file)", path);
-    const hid_t id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
-    if (id < 0) return cml_fail(err, CML_E_INPUT, "%s: cannot be read as an HDF5 file", path);
-    file->id = id;
-    file->bytes = (size_t)status.st_size;
-    return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "%s: cannot be read as an HDF5 file", path);
 }
 
 void cml_hdf5_close(struct cml_hdf5 *file)
 {
-    if (file->id > 0) H5Fclose(file->id);
+    if (file->id > 0) {
+        H5Fclose(file->id);
+        (void)close(file->descriptor);
+    }
     *file = (struct cml_hdf5){0};
 }
 
@@ -103,11 +114,10 @@ static bool read_filters(struct cml_hdf5_dataset *dataset, hid_t properties)
     struct cml_hdf5_chunks *chunks = dataset->chunks;
     const int count = H5Pget_nfilters(properties);
     for (int i = 0; i < count; i++) {
-        unsigned flags = 0, parameter = 0, config = 0;
+        unsigned flags = 0, parameter = 0;
         size_t parameters = 1;
-        char name[2];
-        const H5Z_filter_t filter = H5Pget_filter2(properties, (unsigned)i, &flags, &parameters, &parameter,
-                                                   sizeof name, name, &config);
+        const H5Z_filter_t filter =
+            H5Pget_filter2(properties, (unsigned)i, &flags, &parameters, &parameter, 0, NULL, NULL);
         if (filter == H5Z_FILTER_SHUFFLE && i == 0 && parameter == bytes_of_value(dataset))
             chunks->shuffled = true;
         else if (filter == H5Z_FILTER_DEFLATE && i == count - 1)
@@ -243,46 +253,57 @@ cml_status cml_hdf5_datasets(const struct cml_hdf5 *file, struct cml_hdf5_datase
     const herr_t result = H5Literate(file->id, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, add_link, &list);
     if (result < 0 && list.status == CML_OK)
         list.status = refuse(file, "the list of its arrays", "cannot be read", "the .h5 file of a run", err);
-    for (int i = 0; list.status != CML_OK && i < list.count; i++) cml_hdf5_dataset_close(&list.item[i]);
-    if (list.status != CML_OK) {
-        free(list.item);
-        return list.status;
-    }
     if (list.count > 0) qsort(list.item, (size_t)list.count, sizeof *list.item, by_name);
     *items = list.item;
     *count = list.count;
-    return CML_OK;
+    return list.status;
 }
 
 /* ---- values ---- */
 
-/* IEEE numbers, lowest byte first; shuffled, all first bytes come first. */
-static double value_of(const struct cml_hdf5_dataset *dataset, size_t i)
+/* The number in bytes `stride` apart, lowest first. */
+static double decode(const unsigned char *bytes, size_t stride, bool is_single)
 {
-    const struct cml_hdf5_chunks *chunks = dataset->chunks;
-    const size_t size = bytes_of_value(dataset);
     uint64_t bits = 0;
-    for (size_t b = 0; b < size; b++)
-        bits |= (uint64_t)chunks->bytes[chunks->shuffled ? b * chunks->size + i : i * size + b] << 8 * b;
+    for (size_t b = 0; b < (is_single ? 4 : 8); b++) bits |= (uint64_t)bytes[b * stride] << 8 * b;
     const uint32_t half = (uint32_t)bits;
     double number;
     float single;
     memcpy(&number, &bits, sizeof number);
     memcpy(&single, &half, sizeof single);
-    return dataset->single ? (double)single : number;
+    return is_single ? (double)single : number;
 }
 
-/* Stored bytes of the chunk as the filters left them, none left out; false when that is not what they make.
- */
-static bool inflate_chunk(const struct cml_hdf5_dataset *dataset, const hsize_t *start, unsigned char *stored,
-                          size_t stored_size, unsigned char *bytes)
+/* Shuffled, all first bytes come first. */
+static double value_of(const struct cml_hdf5_dataset *dataset, size_t i)
 {
     const struct cml_hdf5_chunks *chunks = dataset->chunks;
-    const size_t size = chunks->size * bytes_of_value(dataset);
-    uint32_t left_out = 0;
+    return chunks->shuffled ? decode(chunks->bytes + i, chunks->size, dataset->single)
+                            : decode(chunks->bytes + i * bytes_of_value(dataset), 1, dataset->single);
+}
+
+static bool read_bytes(const struct cml_hdf5 *file, haddr_t at, unsigned char *bytes, size_t size)
+{
+    return at < file->bytes && size <= file->bytes - at &&
+           pread(file->descriptor, bytes, size, (off_t)at) == (ssize_t)size;
+}
+
+static cml_status read_number(const struct cml_hdf5_dataset *dataset, double *out, struct cml_error *err)
+{
+    unsigned char bytes[8] = {0};
+    const bool good = read_bytes(dataset->file, H5Dget_offset(dataset->id), bytes, bytes_of_value(dataset));
+    *out = decode(bytes, 1, dataset->single);
+    return good ? CML_OK : refuse(dataset->file, dataset->name, "cannot be read", "a number", err);
+}
+
+/* Stored bytes as the filters left them; false when they are not what they make. */
+static bool inflate_chunk(const struct cml_hdf5_dataset *dataset, haddr_t at, unsigned char *stored,
+                          size_t stored_size, unsigned char *bytes)
+{
+    const size_t size = dataset->chunks->size * bytes_of_value(dataset);
     uLongf inflated = (uLongf)size;
-    if (H5Dread_chunk(dataset->id, H5P_DEFAULT, start, &left_out, stored) < 0 || left_out != 0) return false;
-    if (chunks->deflated)
+    if (!read_bytes(dataset->file, at, stored, stored_size)) return false;
+    if (dataset->chunks->deflated)
         return uncompress(bytes, &inflated, stored, (uLong)stored_size) == Z_OK && inflated == size;
     if (stored_size == size) memcpy(bytes, stored, size);
     return stored_size == size;
@@ -295,16 +316,19 @@ static cml_status hold_chunk(const struct cml_hdf5_dataset *dataset, const hsize
     struct cml_hdf5_chunks *chunks = dataset->chunks;
     const size_t size = chunks->size * bytes_of_value(dataset), axes = (size_t)dataset->num_axes;
     hsize_t stored_size = 0;
+    unsigned left_out = 0;
+    haddr_t at = HADDR_UNDEF;
     if (chunks->bytes && memcmp(start, chunks->start, axes * sizeof *start) == 0) return CML_OK;
     free(chunks->bytes);
     chunks->bytes = NULL;
-    if (H5Dget_chunk_storage_size(dataset->id, start, &stored_size) < 0 || stored_size == 0 ||
-        stored_size > dataset->file->bytes)
+    if (H5Dget_chunk_info_by_coord(dataset->id, start, &left_out, &at, &stored_size) < 0 ||
+        stored_size == 0 || stored_size > dataset->file->bytes)
         return refuse(dataset->file, dataset->name, "has a chunk that is not there", "all of them", err);
     unsigned char *stored = malloc((size_t)stored_size), *bytes = malloc(size);
     cml_status status =
         stored && bytes ? CML_OK : cml_fail_memory(err, (double)stored_size + (double)size, dataset->name);
-    if (status == CML_OK && !inflate_chunk(dataset, start, stored, (size_t)stored_size, bytes))
+    if (status == CML_OK &&
+        (left_out != 0 || !inflate_chunk(dataset, at, stored, (size_t)stored_size, bytes)))
         status =
             refuse(dataset->file, dataset->name, "cannot be read", "chunks of the size that it names", err);
     free(stored);
@@ -342,10 +366,8 @@ cml_status cml_hdf5_values(const struct cml_hdf5_dataset *dataset, size_t begin,
     hsize_t start[CML_FIELD_AXES] = {0};
     if (begin > dataset->size || count > dataset->size - begin)
         return refuse(dataset->file, dataset->name, "has fewer numbers", "more of them", err);
-    if (dataset->num_axes == 0 && count > 0 &&
-        H5Dread(dataset->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, out) < 0)
-        return refuse(dataset->file, dataset->name, "cannot be read", "a number", err);
-    for (size_t done = 0; dataset->num_axes > 0 && done < count;) {
+    if (dataset->num_axes == 0) return count > 0 ? read_number(dataset, out, err) : CML_OK;
+    for (size_t done = 0; done < count;) {
         size_t inside;
         const size_t left = find_in_chunk(dataset, begin + done, start, &inside), more = count - done;
         const size_t values = left < more ? left : more;
@@ -377,10 +399,10 @@ static hssize_t elements_of(hid_t attribute, int axes)
     return count;
 }
 
-cml_status cml_hdf5_number(const struct cml_hdf5 *file, const struct cml_hdf5_dataset *dataset,
-                           const char *name, double *number, struct cml_error *err)
+cml_status cml_hdf5_number(const struct cml_hdf5 *file, const char *name, double *number,
+                           struct cml_error *err)
 {
-    const hid_t attribute = open_attribute(file, dataset, name);
+    const hid_t attribute = open_attribute(file, NULL, name);
     if (attribute < 0) return CML_OK;
     const hid_t type = H5Aget_type(attribute);
     const bool good = elements_of(attribute, 0) == 1 && H5Tequal(type, H5T_IEEE_F64LE) > 0 &&
@@ -421,8 +443,6 @@ cml_status cml_hdf5_text(const struct cml_hdf5 *file, const struct cml_hdf5_data
     *text = NULL;
     return status;
 }
-
-/* ---- scales ---- */
 
 uint64_t cml_hdf5_address(const struct cml_hdf5_dataset *dataset)
 {

@@ -1,9 +1,9 @@
 /* Reads from .h5 files that may come from anybody. Every read asks type, shape and size first and refuses
  * what hdf5_file.h does not write: links to other places, values that lie in other files or are not stored at
  * all, filters but shuffle and deflate, and sizes that the file cannot hold. Of the HDF5 library only what
- * finds objects is used: chunks are inflated here, because the library trusts their sizes. What it does with
- * crafted metadata is its own. Failures are CML_E_INPUT with file, object, what it is and what was expected.
- * SPDX-License-Identifier: MIT */
+ * finds objects is used: their bytes are read and inflated here, because the library trusts their sizes. What
+ * it does with crafted metadata is its own. Failures are CML_E_INPUT with file, object, what it is and what
+ * was expected. SPDX-License-Identifier: MIT */
 #ifndef CML_HDF5_READ_H
 #define CML_HDF5_READ_H
 
@@ -14,6 +14,7 @@
 
 struct cml_hdf5 {
     int64_t id; /* the library's handle */
+    int descriptor;
     const char *path;
     size_t bytes; /* of the file */
 };
@@ -48,7 +49,8 @@ CML_NODISCARD cml_status cml_hdf5_dataset_open(const struct cml_hdf5 *file, cons
                                                struct cml_hdf5_dataset *dataset, struct cml_error *err);
 void cml_hdf5_dataset_close(struct cml_hdf5_dataset *dataset);
 
-/* All data sets of the root by name, opened. The caller closes each and frees *list. */
+/* All data sets of the root by name, opened, or those up to the one that failed. In either case the caller
+ * closes each and frees *list. */
 CML_NODISCARD cml_status cml_hdf5_datasets(const struct cml_hdf5 *file, struct cml_hdf5_dataset **list,
                                            int *count, struct cml_error *err);
 
@@ -56,10 +58,12 @@ CML_NODISCARD cml_status cml_hdf5_datasets(const struct cml_hdf5 *file, struct c
 CML_NODISCARD cml_status cml_hdf5_values(const struct cml_hdf5_dataset *dataset, size_t begin, size_t count,
                                          double *out, struct cml_error *err);
 
-/* Attributes of the file or, where it is not NULL, of the data set. Where there is
- * none, *number stays as it is and *text is ""; *text is the caller's to free. */
-CML_NODISCARD cml_status cml_hdf5_number(const struct cml_hdf5 *file, const struct cml_hdf5_dataset *dataset,
-                                         const char *name, double *number, struct cml_error *err);
+/* An attribute of the file; where it has none, *number stays as it is. */
+CML_NODISCARD cml_status cml_hdf5_number(const struct cml_hdf5 *file, const char *name, double *number,
+                                         struct cml_error *err);
+
+/* An attribute of the data set, or of the file where that is NULL; "" where there is none. *text is the
+ * caller's to free. */
 CML_NODISCARD cml_status cml_hdf5_text(const struct cml_hdf5 *file, const struct cml_hdf5_dataset *dataset,
                                        const char *name, char **text, struct cml_error *err);
 

@@ -122,7 +122,7 @@ static cml_status read_head(const struct reader *r, struct cml_mco *mco)
 {
     double photons = 0;
     CML_TRY(cml_hdf5_text(&r->file, NULL, "title", &mco->output, r->err));
-    CML_TRY(cml_hdf5_number(&r->file, NULL, "photons", &photons, r->err));
+    CML_TRY(cml_hdf5_number(&r->file, "photons", &photons, r->err));
     if (!(photons >= 1 && photons <= 0x1p53 && photons == floor(photons)))
         return cml_fail(r->err, CML_E_INPUT, "%.400s: photons = %g (expected a whole number of 1 or more)",
                         r->file.path, photons);
@@ -220,8 +220,8 @@ static cml_status write_lines(const struct reader *r, const char *name, const ch
 static cml_status write_seed(const struct reader *r, FILE *out)
 {
     double seed = 0, run = 0;
-    CML_TRY(cml_hdf5_number(&r->file, NULL, "seed", &seed, r->err));
-    CML_TRY(cml_hdf5_number(&r->file, NULL, "run", &run, r->err));
+    CML_TRY(cml_hdf5_number(&r->file, "seed", &seed, r->err));
+    CML_TRY(cml_hdf5_number(&r->file, "run", &run, r->err));
     fprintf(out, "# engine -, seed %.0f, run %.0f\n", seed, run);
     return CML_OK;
 }
@@ -234,7 +234,7 @@ static cml_status write_origin(const struct reader *r, FILE *out)
     double reentry = 1;
     CML_TRY(read_text(r, "merged", merged, sizeof merged));
     CML_TRY(merged[0] ? write_lines(r, "merged", "# ", 0, out) : write_seed(r, out));
-    CML_TRY(cml_hdf5_number(&r->file, NULL, "reentry", &reentry, r->err));
+    CML_TRY(cml_hdf5_number(&r->file, "reentry", &reentry, r->err));
     if (reentry == 0) fprintf(out, "# %s\n", CML_MCO_FIRST_EXIT);
     CML_TRY(write_lines(r, "settings", "# set ", 0, out));
     CML_TRY(write_lines(r, "beam", "# ", 0, out));

@@ -225,14 +225,12 @@ cml_status cml_file_sync_deferred(struct cml_error *err)
 
 /* ---- commit ---- */
 
-/* Another program may have written to the descriptor: then nobody knows what. */
 static int compare_with_written(const struct cml_file *file)
 {
     unsigned char block[16384];
     unsigned long sum = crc32(0, NULL, 0);
     uint64_t size = 0;
     ssize_t got;
-    if (file->size == 0) return 0;
     while ((got = pread(file->descriptor, block, sizeof block, (off_t)size)) > 0) {
         sum = crc32_z(sum, block, (size_t)got);
         size += (uint64_t)got;

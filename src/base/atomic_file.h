@@ -20,7 +20,7 @@ struct cml_file {
     char *path;        /* final name, links followed */
     char *temporary;   /* name until the commit; NULL: written to directly */
     const char *keep;  /* borrowed; the commit keeps under this name what stood under PATH; NULL: it goes */
-    int descriptor;    /* the stream's; for another program that writes in place of the stream */
+    int descriptor;    /* the stream's, which has none of its own: for fchmod */
     int reason;        /* errno of the first write that failed; 0: none */
     uint64_t size;     /* bytes written to the stream */
     unsigned long sum; /* their CRC-32 */

@@ -1,4 +1,7 @@
 /* SPDX-License-Identifier: MIT */
+#ifndef _GNU_SOURCE
+#define _GNU_SOURCE /* memfd_create */
+#endif
 #include "plot/gnuplot.h"
 
 #include "base/atomic_file.h"
@@ -11,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -216,7 +220,7 @@ static cml_status converse(const struct script *script, int picture, int in[2], 
     return wait_for(child, said, err);
 }
 
-/* The picture goes straight into the file; only the script and the messages pass through pipes. */
+/* The script and the messages pass through pipes, the picture into a file. */
 static cml_status run_gnuplot(const struct script *script, int picture, struct cml_error *err)
 {
     int in[2], messages[2];
@@ -242,21 +246,31 @@ static cml_status make_script(cml_status (*write)(FILE *, const void *, struct c
     return status;
 }
 
-/* The file is created before gnuplot starts: where it cannot be written nothing need be drawn. */
+/* Of a picture that gnuplot has drawn. */
+static cml_status publish(int picture, const char *path, struct cml_error *err)
+{
+    char part[16384];
+    struct cml_file file;
+    CML_TRY(cml_file_create(path, &file, err));
+    for (off_t done = 0;;) {
+        const ssize_t got = pread(picture, part, sizeof part, done);
+        if (got <= 0) break;
+        done += (off_t)fwrite(part, 1, (size_t)got, file.stream);
+    }
+    return cml_file_commit(&file, err);
+}
+
+/* gnuplot draws into memory: of a disk that is full it would say nothing. */
 cml_status cml_gnuplot_draw(cml_status (*write)(FILE *, const void *, struct cml_error *), const void *what,
                             const char *path, struct cml_error *err)
 {
     struct script script = {NULL, 0};
-    struct cml_file file;
+    const int picture = memfd_create("picture", MFD_CLOEXEC);
+    if (picture < 0) return cml_fail(err, CML_E_IO, "no memory for a picture (%s)", strerror(errno));
     cml_status status = make_script(write, what, &script, err);
-    if (status == CML_OK) status = cml_file_create(path, &file, err);
-    if (status == CML_OK) {
-        status = run_gnuplot(&script, file.descriptor, err);
-        if (status == CML_OK)
-            status = cml_file_commit(&file, err);
-        else
-            cml_file_abort(&file);
-    }
+    if (status == CML_OK) status = run_gnuplot(&script, picture, err);
+    if (status == CML_OK) status = publish(picture, path, err);
+    close(picture);
     free(script.text);
     return status;
 }

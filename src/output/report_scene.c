@@ -36,16 +36,14 @@ static void print_depths(FILE *stream, const struct cml_surface_def *def, enum c
         fprintf(stream, " (z = %.9g to %.9g cm)", def->depth + def->lowest, def->depth + def->highest);
 }
 
-/* The same of the box around a body, and its distances from the beam's axis. */
-static void print_extent(FILE *stream, const struct cml_scene *scene, const struct cml_body_surface *body,
-                         enum cml_report_reader reader)
+/* The same of the box around a body, and its distances from the z axis. */
+static void print_extent(FILE *stream, const struct cml_body_surface *body, enum cml_report_reader reader)
 {
-    const double axis[2] = {scene->beam.x, scene->beam.y};
     double near[2], far[2];
     if (reader == CML_READ_BY_PEOPLE) return;
     for (int i = 0; i < 2; i++) {
-        near[i] = fmax(0, fmax(body->lower[i] - axis[i], axis[i] - body->upper[i]));
-        far[i] = fmax(axis[i] - body->lower[i], body->upper[i] - axis[i]);
+        near[i] = fmax(0, fmax(body->lower[i], 0.0 - body->upper[i]));
+        far[i] = fmax(0.0 - body->lower[i], body->upper[i]);
     }
     fprintf(stream, " (z = %.9g to %.9g cm, r = %.9g to %.9g cm)", body->depth + body->lower[2],
             body->depth + body->upper[2], hypot(near[0], near[1]), hypot(far[0], far[1]));
@@ -83,7 +81,7 @@ static void report_body(FILE *stream, const char *prefix, const struct cml_scene
         fprintf(stream, ", as %llu triangles", (unsigned long long)surface->primitives);
     print_host(stream, scene, body->host);
     fprintf(stream, "; n %g, mua %g, mus %g 1/cm, g %g", medium->n, medium->mua, medium->mus, medium->g);
-    print_extent(stream, scene, surface, reader);
+    print_extent(stream, surface, reader);
     print_file(stream, scene, body->file, reader);
 }
 

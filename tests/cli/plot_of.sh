@@ -108,7 +108,7 @@ gaps=$(sed -n '/^\$c0_0/,/^EOD/p' "$work/script" | grep -c '^$')
 test "$gaps" -ge 1 || complain "no gap where nothing absorbs"
 
 # Nor has a bin a fluence that two media share, by what the file says: a plane within bin 2, a hill within bin 5, one from edge to
-# edge over bins 7 to 9, a rod in bins 14 to 16 at 0.1 to 0.2502 cm from the beam, a mesh in bins 18 and 19 at 0.17 to 0.2256 cm,
+# edge over bins 7 to 9, a rod in bins 14 to 16 at 0.1 to 0.2502 cm from the axis, where the beam is not, a mesh in bins 18 and 19 at 0.17 to 0.2256 cm,
 # the last boundary within bin 22. Layers of one mua may share bin 12; bins 10 and 20 begin with a layer.
 printf 'v 0 0 -0.185\nv 0.05 0 -0.195\nv 0 0.05 -0.195\nv 0 -0.05 -0.195\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n' >"$work/grain.obj"
 cat >"$work/shared.mci" <<'END'
@@ -130,8 +130,8 @@ b 2 0.03 0.1 0 0.1
 1.4 3 5 0.5 0.025
 1.4 3 5 0.5 0.015
 1.4 3 6 0.5 0.06
-i cylinder -0.1 0 0.155 0.05 0 0.155 0.01 1.4 9 1 0
-i "grain.obj" 1.4 9 1 0 shift=-0.03,0,0
+i cylinder 0.1 0 0.155 0.25 0 0.155 0.01 1.4 9 1 0
+i "grain.obj" 1.4 9 1 0 shift=0.17,0,0
 1.4 2 6 0.5 0.025
 1
 END

@@ -26,7 +26,7 @@ static cml_status fail_unknown(const char *path, const char *what, struct cml_er
         path, what);
 }
 
-/* A body, or what is no plane: "z = A to B cm", of a body also "r = C to D cm" about the beam's axis. */
+/* A body, or what is no plane: "z = A to B cm", of a body also "r = C to D cm" about the z axis. */
 static bool read_extent(const char *line, double extent[4], int count)
 {
     const char *at = strstr(line, " (z = ");

@@ -145,9 +145,9 @@ double cml_radial_height(const struct cml_radial *radial, double r);
  * overlap those of anything else it is refused. */
 CML_NODISCARD cml_status cml_scene_check_overlap(const struct cml_scene *scene, struct cml_error *err);
 
-/* The steepest slope of radial heightfields, of tiles, and of facets of meshes that rise as much over their
- * shortest height; why: steepness.c. CML_E_INPUT: "FILE:LINE: boundary 0: slope 6000 at x = 0.1, y = 0 cm
- * (expected at most 5000: ...)". */
+/* The steepest slope of radial heightfields and heightmaps, and the most that a mesh may be higher than it is
+ * wide; why: steepness.c. CML_E_INPUT: "FILE:LINE: boundary 0: slope 6000 at x = 0.1, y = 0 cm (expected at
+ * most 5000: ...)". */
 #define CML_STEEPEST 5000.0
 CML_NODISCARD cml_status cml_scene_check_steepness(const struct cml_scene *scene, struct cml_error *err);
 

@@ -36,28 +36,27 @@ static cml_status check_radial(const struct cml_scene *scene, int b, struct cml_
     return CML_OK;
 }
 
-/* A wall may be steeper, or upright, where it is wide: needles alone make narrow grooves, facets that rise
- * that much over their own width, the shortest height. */
+/* Of a heightmap every facet. Those of an .obj may be as steep as they are, for a pit has upright walls, and
+ * no facet tells whether another one faces it closely; but no sheet is that much higher than it is wide. */
 static cml_status check_mesh(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_mesh *mesh = &scene->boundaries[b].mesh;
+    double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
     for (size_t t = 0; t < mesh->num_triangles; t++) {
         const double *v[3];
-        double area[3], longest = 0, rise = 0;
+        double area[3];
         for (int k = 0; k < 3; k++) v[k] = mesh->vertex[mesh->triangle[t][k]];
+        for (int k = 0; k < 9; k++) {
+            low[k % 3] = fmin(low[k % 3], v[k / 3][k % 3]);
+            high[k % 3] = fmax(high[k % 3], v[k / 3][k % 3]);
+        }
         cml_vec3_area(v[0], v[1], v[2], area);
         const double across = hypot(area[0], area[1]);
-        if (!is_too_steep(across, fabs(area[2]))) continue;
-        for (int k = 0; k < 3; k++) {
-            double edge[3];
-            cml_vec3_subtract(v[(k + 1) % 3], v[k], edge);
-            longest = fmax(longest, cml_vec3_length(edge));
-            rise = fmax(rise, fabs(edge[2]));
-        }
-        if (is_too_steep(rise, cml_vec3_length(area) / longest))
+        if (scene->boundaries[b].map_notes.nx > 0 && is_too_steep(across, fabs(area[2])))
             return refuse(scene, b, across / fabs(area[2]), v[0], err);
     }
-    return CML_OK;
+    const double rise = high[2] - low[2], width = fmax(high[0] - low[0], high[1] - low[1]);
+    return is_too_steep(rise, width) ? refuse(scene, b, rise / width, low, err) : CML_OK;
 }
 
 static cml_status check_tile(const struct cml_scene *scene, int b, struct cml_error *err)

@@ -200,7 +200,6 @@ def mesh_lines(directory):
         "flat": grid_mesh(20, 20, 2.0, 2.0, 0.0),
         "walls": grid_mesh(40, 40, 4e-3, 4e-3, 0.05, 9),
         "walls-steepest": grid_mesh(40, 40, 4e-3, 4e-3, 0.17, 9),
-        "walls-beyond": grid_mesh(40, 40, 4e-3, 4e-3, 0.5, 9),
         "twice": (wedge[0], wedge[1] + wedge[1][:1]),
         "degenerate": (wedge[0], wedge[1] + [(0, 0, 5), (7, 7, 7)]),
         "hole": (wedge[0], wedge[1][:300] + wedge[1][301:]),
@@ -224,7 +223,6 @@ def sheets(line):
     yield Situation("grooves-1e3", slab(line["grooves"]), AIMED)
     yield Situation("mesh-walls-1e3", slab(line["walls"]), AIMED)
     yield Situation("mesh-walls-5e3", slab(line["walls-steepest"]), AIMED)
-    yield Situation("mesh-walls-1e4", slab(line["walls-beyond"]), refused="slope")
     yield Situation("mesh-layer-1e-5cm", scene([(1.4, 0.1, 10.0, 0.5, 1e-5), (1.5, 0.1, 10.0, 0.5, 1.0)],
                                                {0: line["rough"], 1: line["rough"]}), AIMED)
     yield Situation("features-1e-4cm-at-1e2cm", slab(line["fine"], (1.4, 30.0, 1e3, 0.5, 1.0),

@@ -107,6 +107,8 @@ class Crafted(unittest.TestCase):
                 (lambda file: replace(file, "Rd_r", data=["a"] * 7, dtype=variable), "Rd_r is of a strange type"),
                 (lambda file: replace(file, "Rd_r", data=np.zeros(7, "f8,f8")), "Rd_r is of a strange type"),
                 (lambda file: replace(file, "Rd_r", data=h5py.Empty("f8")), "Rd_r is of a strange type"),
+                (lambda file: replace(file, "Rd_r", shape=(8,), chunks=(1,), fillvalue=7.0, dtype="f8", compression=1)
+                 .write_direct(np.ones(1), np.s_[:], np.s_[:1]), "Rd_r lacks chunks"),
                 (lambda file: file.create_dataset("more", data=np.zeros(7)), "more has an axis without a name"),
                 (lambda file: replace(file, "Rd_r", shape=(7,), maxshape=(None,), chunks=(10**8,), dtype="f8"), "Rd_r has chunks of"),
                 (lambda file: promise(file, "Rd_r", (32000, 32000), "chunked"), "Rd_r promises 8192000000 bytes"),

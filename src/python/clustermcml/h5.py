@@ -88,6 +88,8 @@ class _File:
         self._take(name, stored)
         size, most = math.prod(item.shape) * item.id.get_type().get_size(), stored * (MOST_DEFLATED if filters else 1)
         _need(size <= most, f"{name} promises {size} bytes", f"at most {most}, as {stored} are stored")
+        chunks = math.prod(-(-whole // part) for part, whole in zip(item.chunks or (), item.shape))
+        _need(not item.chunks or item.id.get_num_chunks() == chunks, f"{name} lacks chunks", f"{chunks} of them: no values are made up")
         return item[()]
 
     def scaled(self, scale: h5py.Dataset) -> list[tuple[int, int]]:

@@ -30,6 +30,15 @@ CML_FN struct cml_vec cml_renormalise(struct cml_vec u)
     return v;
 }
 
+/* The same of any length but 0. Within the reach of the Newton step it is that, bit for bit. */
+CML_FN struct cml_vec cml_normalise(struct cml_vec u)
+{
+    const real square = cml_dot(u, u), off = square - 1;
+    const real k = off * off < CML_EPSILON ? CML_FMA((real)-0.5, square, (real)1.5) : 1 / CML_SQRT(square);
+    const struct cml_vec v = {k * u.x, k * u.y, k * u.z};
+    return v;
+}
+
 /* P2: optical depth to the next interaction: -ln(u), exponential with mean 1 [eq. 3.9, dimensionless].
  * A word of 0 stands for all u < 2^-32: by the lack of memory its depth is 32 ln 2 plus a fresh draw, so the
  * tail has no end at 22 mean free paths. */
@@ -134,11 +143,13 @@ CML_FN struct cml_vec cml_reflect(struct cml_vec u, struct cml_vec normal)
 }
 
 /* Refracted direction [Snell's law in vector form]: normal is a unit vector against u (dot(u, normal) = -ci),
- * ct from cml_fresnel, ratio = n1 / n2. */
+ * ct from cml_fresnel, ratio = n1 / n2. Its length is off by the rounding of ci times the square of the
+ * ratio.
+ */
 CML_FN struct cml_vec cml_refract(struct cml_vec u, struct cml_vec normal, real ratio, real ci, real ct)
 {
     const struct cml_vec scaled = {ratio * u.x, ratio * u.y, ratio * u.z};
-    return cml_renormalise(cml_along(scaled, ratio * ci - ct, normal));
+    return cml_normalise(cml_along(scaled, ratio * ci - ct, normal));
 }
 
 #endif

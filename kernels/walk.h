@@ -279,7 +279,7 @@ CML_FN struct cml_vec cml_plane_direction(struct cml_vec u, real n1, real n2, re
     real ct;
     const real R = cml_fresnel(n1, n2, ci, &ct);
     const struct cml_vec bent = {ratio * u.x, ratio * u.y, CML_COPYSIGN(ct, u.z)};
-    const struct cml_vec refracted = cml_renormalise(bent);
+    const struct cml_vec refracted = cml_normalise(bent);
     const int through = !(xi <= R);
     const struct cml_vec v = {through ? refracted.x : u.x, through ? refracted.y : u.y,
                               through ? refracted.z : -u.z};

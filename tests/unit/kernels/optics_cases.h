@@ -171,6 +171,21 @@ static void directions_obey_snell_and_the_mirror(void **state)
         }
 }
 
+/* The rounding of ci becomes longer by the square of the ratio. */
+static void any_ratio_of_indices_gives_a_direction(void **state)
+{
+    (void)state;
+    struct dice dice = dice_new(29);
+    for (int n = 0; n < 20000; n++) {
+        const double ratio = pow(10, dice_between(&dice, -4, 4));
+        const double s = dice_uniform(&dice) / fmax(1, ratio), a = dice_between(&dice, 0, 2 * PI);
+        const struct cml_vec normal = {0, 0, -1}, u = vec(s * cos(a), s * sin(a), sqrt(1 - s * s));
+        real ct;
+        if (cml_fresnel((real)ratio, 1, u.z, &ct) == 1) continue;
+        assert_near("length", length(cml_refract(u, normal, (real)ratio, u.z, ct)), 1, 8 * eps);
+    }
+}
+
 static void normal_incidence_goes_straight_on(void **state)
 {
     (void)state;
@@ -466,6 +481,7 @@ int main(void)
         cmocka_unit_test(total_reflection_is_exactly_one),
         cmocka_unit_test(the_reflectance_is_symmetric),
         cmocka_unit_test(directions_obey_snell_and_the_mirror),
+        cmocka_unit_test(any_ratio_of_indices_gives_a_direction),
         cmocka_unit_test(normal_incidence_goes_straight_on),
         cmocka_unit_test(deflections_are_those_of_the_inverted_distribution),
         cmocka_unit_test(g_of_plus_or_minus_one_is_exactly_forward_or_backward),

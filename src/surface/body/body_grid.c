@@ -6,6 +6,7 @@
 #include "surface/body/body_patch.h"
 #include "types.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,9 @@
 #define BEYOND 1.5f /* cells: so far at least are the middles of all others */
 #define PAD 2       /* cells around the box of all bodies */
 #define BLOCK 4     /* cells along the edge of a cube of them that a body may pass over */
+/* A cell is at least so many roundings of the largest coordinate: then what it has to spare, CML_CELL_MARGIN,
+ * is eight of them, of which a packet's place, its path and the corner take one or two each. */
+#define LEAST_ROUNDINGS (8 / CML_CELL_MARGIN)
 
 /* One layer whose cells are being filled. In cells: */
 struct filling {
@@ -380,14 +384,17 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
 static void lay_out(const struct cml_scene *scene, int layer, double depth, double most,
                     struct cml_body_cells *cells)
 {
-    double lower[3], upper[3], volume = 1, widest = 0;
+    const double origin[3] = {scene->beam.x, scene->beam.y, depth};
+    double lower[3], upper[3], volume = 1, widest = 0, farthest = 0;
     box_of_bodies(scene, layer, lower, upper);
     for (int i = 0; i < 3; i++) {
         volume *= upper[i] - lower[i];
         widest = fmax(widest, upper[i] - lower[i]);
+        farthest = fmax(farthest, fmax(fabs(lower[i] - origin[i]), fabs(upper[i] - origin[i])));
     }
     const double least = fmax(cbrt(volume / most), widest / 1000);
     cells->cell = fmin(widest, fmax(least, shortest_path(scene, layer) / CELLS_PER_MFP));
+    cells->cell = fmax(cells->cell, LEAST_ROUNDINGS * FLT_EPSILON * farthest);
     for (int i = 0; i < 3; i++) {
         cells->n[i] = (int)ceil((upper[i] - lower[i]) / cells->cell * (1 + 1e-6)) + 2 * PAD;
         cells->corner[i] = 0.5 * (lower[i] + upper[i]) - 0.5 * cells->n[i] * cells->cell;

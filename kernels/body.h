@@ -16,134 +16,148 @@
 
 /* A crossing with a sphere or a cylinder. */
 struct cml_body_hit {
-    real t; /* distance, cm */
-    int primitive;
+    real t, along;      /* cm: distance; of a cylinder, place along its axis */
+    int primitive;      /* of a cylinder: 0 the side, 1 the first end, 2 the other; of a sphere 0 */
+    struct cml_vec off; /* place from the centre, or from the axis, not yet on the surface but for rounding */
 };
 
-/* Roots t of |d + t v|^2 = r^2, v of any length but 0: first and last crossing of a circle, cylinder or
- * sphere about the origin. c = |d|^2 - r^2 as (|d| - r) (|d| + r), and the discriminant from the distance at
- * which the line passes the centre: neither cancels far from the centre or close to the surface [E. Haines,
- * J. Guenther, T. Akenine-Moeller, Precision Improvements for Ray/Sphere Intersection, Ray Tracing Gems,
- * chapter 7, 2019]. passes: the line does. Where it does not, both are its closest approach. */
-struct cml_roots {
+/* A line d + t v, v of any length but 0, and a circle, cylinder or sphere about the origin: it is closest to
+ * it at t = middle, and inside from middle - reach to middle + reach. What is counted from there is as sharp
+ * as the body is small, however long the way is. The discriminant from the distance at which the line passes
+ * does not cancel far from the centre [E. Haines, J. Guenther, T. Akenine-Moeller, Precision Improvements for
+ * Ray/Sphere Intersection, Ray Tracing Gems, chapter 7, 2019]. Where the line does not pass, reach is 0. */
+struct cml_pass {
     int passes;
-    real first, last;
+    real middle, reach;
+    struct cml_vec foot; /* d + middle v */
 };
 
-CML_FN struct cml_roots cml_quadric_roots(struct cml_vec d, struct cml_vec v, real r)
+CML_FN struct cml_pass cml_pass_quadric(struct cml_vec d, struct cml_vec v, real r)
 {
-    const real a = cml_dot(v, v), b = cml_dot(d, v), size = CML_SQRT(cml_dot(d, d));
-    const real c = (size - r) * (size + r);
-    const struct cml_vec foot = cml_along(d, -b / a, v);
-    const real square = a * ((r * r) - cml_dot(foot, foot)), root = CML_SQRT(square > 0 ? square : (real)0);
-    const real sum = b > 0 ? -(b + root) : root - b; /* no difference */
-    struct cml_roots roots = {square > 0, -b / a, -b / a};
-    if (square > 0) {
-        roots.first = b > 0 ? sum / a : c / sum;
-        roots.last = b > 0 ? c / sum : sum / a;
-    }
-    return roots;
+    const real a = cml_dot(v, v), middle = -cml_dot(d, v) / a;
+    const struct cml_vec foot = cml_along(d, middle, v);
+    const real square = r * r - cml_dot(foot, foot);
+    const struct cml_pass pass = {square > 0, middle, CML_SQRT(square > 0 ? square / a : (real)0), foot};
+    return pass;
+}
+
+/* The same from a place d on the surface: a chord. So stands a packet that rounding has put beyond the
+ * surface that it is to leave: where its line passes beside, the closest approach would be a crossing without
+ * an angle, from which no chord leads on. */
+CML_FN struct cml_pass cml_pass_chord(struct cml_vec d, struct cml_vec v)
+{
+    const real middle = -cml_dot(d, v) / cml_dot(v, v);
+    const struct cml_pass pass = {1, middle, CML_FABS(middle), cml_along(d, middle, v)};
+    return pass;
 }
 
 /* A sphere from outside. d: the packet from its centre. */
 CML_FN int cml_enter_sphere(struct cml_vec d, struct cml_vec u, real r, struct cml_body_hit *hit)
 {
     if (!(cml_dot(d, u) < 0)) return 0;
-    const struct cml_roots roots = cml_quadric_roots(d, u, r);
-    hit->t = roots.first > 0 ? roots.first : (real)0;
-    hit->primitive = 0;
-    return roots.passes;
+    const struct cml_pass pass = cml_pass_quadric(d, u, r);
+    const real t = pass.middle - pass.reach;
+    hit->t = t > 0 ? t : (real)0;
+    hit->off = t > 0 ? cml_along(pass.foot, -pass.reach, u) : d;
+    return pass.passes;
 }
 
-/* From inside. stands: on the sphere itself. */
+/* From inside. stands: on the sphere. */
 CML_FN void cml_leave_sphere(struct cml_vec d, struct cml_vec u, real r, int stands, struct cml_body_hit *hit)
 {
-    const real t = stands ? -2 * cml_dot(d, u) : cml_quadric_roots(d, u, r).last;
+    const int on = stands | (cml_dot(d, d) >= r * r);
+    const struct cml_pass pass = on ? cml_pass_chord(d, u) : cml_pass_quadric(d, u, r);
+    const real t = pass.middle + pass.reach;
     hit->t = t > 0 ? t : (real)0;
-    hit->primitive = 0;
+    hit->off = cml_along(pass.foot, pass.reach, u);
 }
 
-/* A line and a cylinder with flat ends, seen from the middle of its first end: where the line is within the
- * infinite cylinder, and where between the planes of both ends. Primitives: 0 the side, 1 the first end, 2
- * the other. */
+/* A packet as a cylinder with flat ends sees it: along its axis from the middle of its first end, and across
+ * it; and where its line is within the infinite cylinder and where between the planes of both ends, both
+ * counted from the side's middle. */
 struct cml_cylinder_line {
+    struct cml_vec across, v; /* place and direction across the axis */
+    real rise;                /* direction along it */
+    struct cml_pass side;
+    real along; /* of the side's foot */
     int misses; /* one of both altogether */
-    real side_in, side_out, end_in, end_out;
+    real end_in, end_out;
     int first_end, last_end; /* primitives */
 };
 
+/* d: the packet from the cylinder. on_primitive: what of the cylinder it stands on, or -1; off: then its
+ * place across the axis. leaves: it is inside. */
 CML_FN struct cml_cylinder_line cml_cylinder_line_of(const CML_GLOBAL struct cml_body *body, struct cml_vec d,
-                                                     struct cml_vec u, int on_primitive)
+                                                     struct cml_vec u, int on_primitive, struct cml_vec off,
+                                                     int leaves)
 {
-    const real along = cml_dot(d, body->axis), rise = cml_dot(u, body->axis);
-    const struct cml_vec across = cml_along(d, -along, body->axis), v = cml_along(u, -rise, body->axis);
-    const real flat = cml_dot(v, v), far = body->length - along;
+    const real seen = cml_dot(d, body->axis), rise = cml_dot(u, body->axis), r = body->radius;
+    const struct cml_vec v = cml_along(u, -rise, body->axis),
+                         across = on_primitive < 0 ? cml_along(d, -seen, body->axis) : off;
+    const real along = on_primitive > 0 ? (on_primitive == 1 ? (real)0 : body->length) : seen;
+    const int on = leaves & ((on_primitive == 0) | (cml_dot(across, across) >= r * r));
+    const struct cml_pass beside = {cml_dot(across, across) < r * r, 0, CML_INFINITY, across};
     struct cml_cylinder_line line = {
-        0, -CML_INFINITY, CML_INFINITY, -CML_INFINITY, CML_INFINITY, rise > 0 ? 1 : 2, rise > 0 ? 2 : 1};
-    if (flat > 0) {
-        const struct cml_roots roots = cml_quadric_roots(across, v, body->radius);
-        line.misses = !roots.passes;
-        line.side_in = roots.first;
-        line.side_out = on_primitive == 0 ? -2 * cml_dot(across, v) / flat : roots.last;
-    } else {
-        line.misses = cml_dot(across, across) >= body->radius * body->radius;
-    }
+        across, v, rise, beside, along, 0, -CML_INFINITY, CML_INFINITY, rise > 0 ? 1 : 2, rise > 0 ? 2 : 1};
+    if (cml_dot(v, v) > 0) line.side = on ? cml_pass_chord(across, v) : cml_pass_quadric(across, v, r);
+    line.along = CML_FMA(line.side.middle, rise, along);
+    line.misses = !line.side.passes;
     if (rise != 0) {
-        const real a = -along / rise, b = far / rise;
+        const real a = -line.along / rise, b = (body->length - line.along) / rise;
         line.end_in = rise > 0 ? a : b;
         line.end_out = rise > 0 ? b : a;
     } else {
-        line.misses |= !((along > 0) & (far > 0));
+        line.misses |= !((along > 0) & (along < body->length));
     }
     return line;
 }
 
+/* The crossing `from_middle` behind the side's middle. */
+CML_FN void cml_cross_cylinder(const struct cml_cylinder_line *line, real from_middle, int primitive,
+                               struct cml_body_hit *hit)
+{
+    const real t = line->side.middle + from_middle;
+    hit->t = t > 0 ? t : (real)0;
+    hit->primitive = primitive;
+    hit->along = CML_FMA(from_middle, line->rise, line->along);
+    hit->off = t > 0 ? cml_along(line->side.foot, from_middle, line->v) : line->across;
+}
+
 /* From outside. A packet that rounding has put inside crosses at once where it has come in rather than where
  * it goes out. */
-CML_FN int cml_enter_cylinder(const CML_GLOBAL struct cml_body *body, struct cml_vec d, struct cml_vec u,
-                              struct cml_body_hit *hit)
+CML_FN int cml_enter_cylinder(const struct cml_cylinder_line *line, struct cml_body_hit *hit)
 {
-    const struct cml_cylinder_line line = cml_cylinder_line_of(body, d, u, -1);
-    const int side = line.side_in > line.end_in;
-    const real in = side ? line.side_in : line.end_in;
-    const real out = line.side_out < line.end_out ? line.side_out : line.end_out;
-    hit->t = in > 0 ? in : (real)0;
-    hit->primitive = side ? 0 : line.first_end;
-    return !line.misses & (in < out) & (in + out > 0);
+    const real reach = line->side.reach;
+    const int side = -reach > line->end_in;
+    const real in = side ? -reach : line->end_in, out = reach < line->end_out ? reach : line->end_out;
+    cml_cross_cylinder(line, in, side ? 0 : line->first_end, hit);
+    return !line->misses & (in < out) & (2 * line->side.middle + in + out > 0);
 }
 
-CML_FN void cml_leave_cylinder(const CML_GLOBAL struct cml_body *body, struct cml_vec d, struct cml_vec u,
-                               int on_primitive, struct cml_body_hit *hit)
+CML_FN void cml_leave_cylinder(const struct cml_cylinder_line *line, struct cml_body_hit *hit)
 {
-    const struct cml_cylinder_line line = cml_cylinder_line_of(body, d, u, on_primitive);
-    const int side = line.side_out < line.end_out;
-    const real t = side ? line.side_out : line.end_out;
-    hit->t = t > 0 ? t : (real)0;
-    hit->primitive = side ? 0 : line.last_end;
+    const int side = line->side.reach < line->end_out;
+    cml_cross_cylinder(line, side ? line->side.reach : line->end_out, side ? 0 : line->last_end, hit);
 }
 
-/* Place and normal of a crossing, put onto the surface exactly but for rounding. p: where the packet is. */
-CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, int kind, struct cml_vec p,
-                              struct cml_vec u, struct cml_body_hit at, struct cml_hit *hit)
+/* Place and normal of a crossing, put onto the surface exactly but for rounding; and across the axis, which
+ * a long way to the cylinder may have lost. */
+CML_FN void cml_place_on_body(const CML_GLOBAL struct cml_body *body, const struct cml_body_hit *at,
+                              struct cml_hit *hit)
 {
-    const struct cml_vec there = cml_along(p, at.t, u), d = cml_along(there, -1, body->centre);
-    const real along = kind == CML_SURFACE_SPHERE ? (real)0 : cml_dot(d, body->axis);
-    const struct cml_vec across = cml_along(d, -along, body->axis);
-    const struct cml_vec outwards = kind == CML_SURFACE_SPHERE ? d : across;
-    const real size = CML_SQRT(cml_dot(outwards, outwards)), per_size = size > 0 ? 1 / size : (real)0;
-    const struct cml_vec radial = {per_size * outwards.x, per_size * outwards.y, per_size * outwards.z};
-    hit->t = at.t;
-    hit->primitive = at.primitive;
-    if (at.primitive == 0) {
-        hit->normal = radial;
-        hit->point = cml_along(cml_along(body->centre, along, body->axis), body->radius, radial);
-    } else {
-        const real sign = at.primitive == 1 ? (real)-1 : (real)1;
-        const struct cml_vec normal = {sign * body->axis.x, sign * body->axis.y, sign * body->axis.z};
-        hit->normal = normal;
-        hit->point = cml_along(there, (at.primitive == 1 ? (real)0 : body->length) - along, body->axis);
-    }
+    const struct cml_vec off = cml_along(at->off, -cml_dot(at->off, body->axis), body->axis);
+    const real size = CML_SQRT(cml_dot(off, off)), per_size = size > 0 ? 1 / size : (real)0;
+    const real sign = at->primitive == 1 ? (real)-1 : (real)1;
+    const struct cml_vec none = {0, 0, 0}, radial = {per_size * off.x, per_size * off.y, per_size * off.z},
+                         outwards = {sign * body->axis.x, sign * body->axis.y, sign * body->axis.z};
+    const int side = at->primitive == 0;
+    const real along = side ? at->along : (at->primitive == 1 ? (real)0 : body->length);
+    hit->t = at->t;
+    hit->primitive = at->primitive;
+    hit->normal = side ? radial : outwards;
     hit->facet = hit->normal;
+    hit->off = side ? cml_along(none, body->radius, radial) : off;
+    hit->point = cml_along(cml_along(body->centre, along, body->axis), 1, hit->off);
 }
 
 /* Part of a ball that no surface of a body passes: what lies higher than `least` over its middle along

@@ -259,6 +259,17 @@ CML_FN int cml_intersect_surface(const struct cml_world *world, CML_PACKET struc
     return found;
 }
 
+/* The packet as a sphere or a cylinder sees it. From a sphere on which it stands, `off` is known better than
+ * p, and so is its place from what lies close to that. */
+CML_FN struct cml_vec cml_from_body(const struct cml_world *world, CML_PACKET const struct cml_packet *packet,
+                                    const CML_GLOBAL struct cml_body *body)
+{
+    const int on = packet->on_boundary, first = world->setup.num_layers + 1;
+    if (on < first || packet->on_primitive < 0 || world->surfaces[on].kind != CML_SURFACE_SPHERE)
+        return cml_along(packet->p, -1, body->centre);
+    return cml_along(cml_along(world->bodies[on - first].centre, -1, body->centre), 1, packet->off);
+}
+
 /* The surface of a body, from inside (side +1) or outside: whether the packet crosses it before t_max. afar:
  * it is away from all bodies. Without a crossing *hit stays as it is. */
 CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
@@ -266,33 +277,40 @@ CML_FN int cml_intersect_body(const struct cml_world *world, CML_PACKET struct c
 {
     const CML_GLOBAL struct cml_body *body = &world->bodies[boundary - world->setup.num_layers - 1];
     const int kind = world->surfaces[boundary].kind, on_primitive = cml_on_primitive(packet, boundary);
-    const struct cml_vec p = packet->p, u = packet->u, d = cml_along(p, -1, body->centre);
-    struct cml_body_hit at = {0, 0};
+    const struct cml_vec u = packet->u;
+    struct cml_body_hit at = {0};
     int found = 1;
     packet->queries++;
 #ifndef __OPENCL_VERSION__
     if (kind == CML_SURFACE_MESH) {
         int near_facet;
         const int on = afar && on_primitive == -1 ? CML_OFF_FACETS : on_primitive;
-        found =
-            cml_intersect_mesh(world, boundary, p, u, side, t_max, on, packet->undeflected, hit, &near_facet);
+        found = cml_intersect_mesh(world, boundary, packet->p, u, side, t_max, on, packet->undeflected, hit,
+                                   &near_facet);
         if (near_facet) packet->near_boundary = boundary + 1;
         if (found) hit->boundary = boundary;
+        if (found) hit->off = at.off;
         return found;
     }
 #endif
     (void)afar;
     if (side < 0 && on_primitive >= 0) return 0; /* convex */
-    if (kind == CML_SURFACE_SPHERE && side > 0)
-        cml_leave_sphere(d, u, body->radius, on_primitive >= 0, &at);
-    else if (kind == CML_SURFACE_SPHERE)
-        found = cml_enter_sphere(d, u, body->radius, &at);
-    else if (side > 0)
-        cml_leave_cylinder(body, d, u, on_primitive, &at);
-    else
-        found = cml_enter_cylinder(body, d, u, &at);
+    const struct cml_vec d = cml_from_body(world, packet, body);
+    if (kind == CML_SURFACE_SPHERE) {
+        if (side > 0)
+            cml_leave_sphere(d, u, body->radius, on_primitive >= 0, &at);
+        else
+            found = cml_enter_sphere(d, u, body->radius, &at);
+    } else {
+        const struct cml_cylinder_line line =
+            cml_cylinder_line_of(body, d, u, on_primitive, packet->off, side > 0);
+        if (side > 0)
+            cml_leave_cylinder(&line, &at);
+        else
+            found = cml_enter_cylinder(&line, &at);
+    }
     if (!found || !(at.t < t_max)) return 0;
-    cml_place_on_body(body, kind, p, u, at, hit);
+    cml_place_on_body(body, &at, hit);
     hit->boundary = boundary;
     return 1;
 }

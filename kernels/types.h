@@ -167,10 +167,11 @@ struct cml_packet {
     cml_u32 boundary_events; /* all of them */
     int medium;
     int on_boundary, on_primitive; /* what the packet stands on, -1: nothing, or CML_NEAR_FACETS */
-    int near_boundary; /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none
-                        */
-    int undeflected;   /* it came there without a turn: equal indices */
-    int entered;       /* has been in the material */
+    struct cml_vec off; /* where that is a sphere or a cylinder: place from its centre or its axis, cm */
+    int near_boundary;  /* 1 + the boundary that the path last looked along ends at, within rounding; 0: none
+                         */
+    int undeflected;    /* it came there without a turn: equal indices */
+    int entered;        /* has been in the material */
     int fate, cause;
     real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
     /* terms of this packet in the weight balance, in weight units */
@@ -186,6 +187,7 @@ struct cml_hit {
     struct cml_vec point;  /* in the boundary's frame, x and y from the beam's axis */
     struct cml_vec normal; /* unit, up: what Fresnel and Snell see */
     struct cml_vec facet;  /* unit, up: decides on which side a direction goes */
+    struct cml_vec off;    /* of a sphere or a cylinder: place from its centre or its axis */
 };
 
 /* Body k is medium num_layers + 2 + k, and its surface boundary num_layers + 1 + k: as for layers, the medium

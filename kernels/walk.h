@@ -373,6 +373,7 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
     packet->tau = left > 0 ? left : (real)0;
     packet->on_boundary = boundary;
     packet->on_primitive = hit->primitive;
+    if (CML_MAY_HAVE_BODIES && boundary > world->setup.num_layers) packet->off = hit->off;
     packet->undeflected = n1 == n2;
     const int transmitted =
         packet->undeflected || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);

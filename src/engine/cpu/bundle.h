@@ -91,6 +91,7 @@ struct cml_bundle {
     int cell[CML_LANES]; /* of A_rz, for dw */
     int task[CML_LANES]; /* enum cml_lane_task */
     int medium[CML_LANES], entered[CML_LANES];
+    real off_x[CML_LANES], off_y[CML_LANES], off_z[CML_LANES]; /* as in cml_packet; no loop reads them */
     real of_medium[CML_LANE_MEDIUM_MEMBERS]
                   [CML_LANES]; /* columns of struct cml_lane_medium, of the lane's medium */
 };

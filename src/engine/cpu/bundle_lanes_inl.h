@@ -83,6 +83,9 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->medium = b->medium[i];
     packet->on_boundary = on_surface ? b->on_boundary[i] : -1;
     packet->on_primitive = b->on_primitive[i];
+    packet->off.x = b->off_x[i];
+    packet->off.y = b->off_y[i];
+    packet->off.z = b->off_z[i];
     packet->undeflected = b->undeflected[i];
     packet->near_boundary = 0;
     packet->entered = b->entered[i];
@@ -116,6 +119,9 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     b->boundary_events[i] = packet->boundary_events;
     b->on_boundary[i] = packet->on_boundary;
     b->on_primitive[i] = packet->on_primitive;
+    b->off_x[i] = packet->off.x;
+    b->off_y[i] = packet->off.y;
+    b->off_z[i] = packet->off.z;
     b->undeflected[i] = packet->undeflected;
     b->entered[i] = packet->entered;
     if (packet->medium == b->medium[i]) return;

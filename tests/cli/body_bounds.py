@@ -91,6 +91,21 @@ def refused(verdict, name, surface, number, body, what):
     verdict.check(name, code == 2 and said.startswith(begin) and "\n" not in said, f"{body}: {code}: {said}")
 
 
+def too_small(verdict):
+    """Of 32 steps of single precision at the body's farthest coordinate: half a width of a thousandth more is taken, of one less refused."""
+    step = 2.0**-23 * 0.5
+    for what, body in (("radius", lambda size: sphere(0.3, size, x=0.5 - size)), ("radius", lambda size: upright(0.2, 0.3, size, x=0.5 - size)),
+                       ("half the length", lambda size: upright(0.3, 0.3 + 2 * size, 0.1, x=0.4)),
+                       ("half a width", lambda size: octahedron(0.3, size, x=0.5 - size))):
+        code, said, line = check(None, 0, body(32.03 * step))
+        verdict.check(f"{what} fits", code == 0, f"{code}: {said}")
+        code, said, line = check(None, 0, body(31.97 * step))
+        begin = f"clustermcml: scene.mci:{line}: body 1: {what} 1.905"
+        why = (" cm, expected at least 1.90735e-06 cm: single precision has steps of 5.96046e-08 cm there, 0.5 cm from the beam's axis or the "
+               "top of the layer, and smaller bodies than 32 steps are not proven")
+        verdict.check(f"{what} too small", code == 2 and said.startswith(begin) and said.endswith(why) and "\n" not in said, f"{code}: {said}")
+
+
 def main():
     verdict = cml.Verdict("body_bounds")
     with tempfile.TemporaryDirectory() as folder:
@@ -119,6 +134,7 @@ def main():
                 code, said, line = check(None, 0, *bodies(1.001))
                 begin = f"clustermcml: scene.mci:{line + 1}: body 2 meets body 1 (line {line}) at ("
                 verdict.check(name, code == 2 and said.startswith(begin) and "\n" not in said, f"meets: {code}: {said}")
+        too_small(verdict)
     verdict.finish()
 
 

@@ -7,6 +7,7 @@
 #include "scene/body/body_place.h"
 #include "scene/body/body_shape.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -26,6 +27,37 @@ static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scen
     return status;
 }
 
+/* Spheres and cylinders of this many roundings of their largest coordinate fly as exact ones do
+ * (cross.small_bodies). Meshes were seen to from 30 on. */
+#define LEAST_ROUNDINGS 32
+
+/* Below that no body is flown. Roundings are those of single precision, for all engines alike. */
+static cml_status check_size(const struct cml_scene *scene, int k, const struct cml_body_surface *surface,
+                             struct cml_error *err)
+{
+    const struct cml_scene_body *body = &scene->bodies[k];
+    const double *lower = surface->lower, *upper = surface->upper,
+                 origin[3] = {scene->beam.x, scene->beam.y, 0};
+    double farthest = 0, size = INFINITY;
+    const char *what = body->form == CML_BODY_MESH ? "half a width" : "radius";
+    for (int i = 0; i < 3; i++) {
+        farthest = fmax(farthest, fmax(fabs(lower[i] - origin[i]), fabs(upper[i] - origin[i])));
+        size = fmin(size, 0.5 * (upper[i] - lower[i]));
+    }
+    if (body->form != CML_BODY_MESH) size = body->radius;
+    if (body->form == CML_BODY_CYLINDER && 0.5 * cml_body_convex(body).length < size) {
+        size = 0.5 * cml_body_convex(body).length;
+        what = "half the length";
+    }
+    const double step = FLT_EPSILON * farthest, least = LEAST_ROUNDINGS * step;
+    if (size >= least) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: body %d: %s %g cm, expected at least %g cm: single precision has steps of %g cm "
+                    "there, %g cm from the beam's axis or the top of the layer, and smaller bodies than %d "
+                    "steps are not proven",
+                    scene->file, body->line, k + 1, what, size, least, step, farthest, LEAST_ROUNDINGS);
+}
+
 /* Depths from the frame of the body's layer, as the kernels count them. */
 static cml_status make_surface(const struct cml_scene *scene, int k, double depth,
                                struct cml_body_surface *surface, struct cml_error *err)
@@ -38,6 +70,7 @@ static cml_status make_surface(const struct cml_scene *scene, int k, double dept
     cml_body_box(body, surface->lower, surface->upper);
     surface->lower[2] -= depth;
     surface->upper[2] -= depth;
+    CML_TRY(check_size(scene, k, surface, err));
     surface->primitives = body->form == CML_BODY_MESH ? body->mesh.num_triangles : facets[body->form];
     return body->form == CML_BODY_MESH ? make_mesh(scene, body, depth, surface, err) : CML_OK;
 }

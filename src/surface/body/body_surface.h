@@ -30,7 +30,8 @@ struct cml_body_surfaces {
 
 /* depths: [num_layers] of the frames of layers 1..L, cm. tolerance: spheres and cylinders become meshes that
  * are off by no more than this share of their radius; 0: they stay what they are. CML_E_INPUT when memory
- * runs out or such meshes meet, CML_E_DEVICE when Embree fails; then nothing is left to free. */
+ * runs out, such meshes meet or a body is too small for where it lies, CML_E_DEVICE when Embree fails; then
+ * nothing is left to free. */
 CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths,
                                                   double tolerance, struct cml_body_surfaces *surfaces,
                                                   struct cml_error *err);

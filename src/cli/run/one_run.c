@@ -262,6 +262,9 @@ static cml_status plan_more(const struct cml_options *options, struct cml_run_se
     const struct cml_checkpoint_about about = cml_checkpoint_look(path);
     const bool same = options->resume && about.begin > 0 && about.end - about.begin == options->more;
     setup->photons = about.end;
+    if (about.kind == CML_CHECKPOINT_NONE && access(path, F_OK) == 0)
+        return fail_more(path, "is damaged (expected the checkpoint of a run that was flown with --keep)",
+                         err);
     if (about.kind == CML_CHECKPOINT_NONE)
         return fail_more(path, "is not there (expected the checkpoint of a run that was flown with --keep)",
                          err);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "output/files/hdf5_read.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,16 +44,14 @@ cml_status cml_hdf5_open(const char *path, struct cml_hdf5 *file, struct cml_err
     H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
     (void)H5PLset_loading_state(0);
     *file = (struct cml_hdf5){.path = path, .descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-    const bool there = file->descriptor >= 0 && fstat(file->descriptor, &status) == 0;
-    const bool regular = there && S_ISREG(status.st_mode);
+    if (file->descriptor < 0)
+        return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
+    const bool regular = fstat(file->descriptor, &status) == 0 && S_ISREG(status.st_mode);
     file->id = regular ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
-    if (file->id >= 0) {
-        file->bytes = (size_t)status.st_size;
-        return CML_OK;
-    }
-    if (file->descriptor >= 0) (void)close(file->descriptor);
-    if (there && !regular)
-        return cml_fail(err, CML_E_INPUT, "%s: is no regular file (expected an .h5 file)", path);
+    file->bytes = regular ? (size_t)status.st_size : 0;
+    if (file->id >= 0) return CML_OK;
+    (void)close(file->descriptor);
+    if (!regular) return cml_fail(err, CML_E_INPUT, "%s: is no regular file (expected an .h5 file)", path);
     return cml_fail(err, CML_E_INPUT, "%s: cannot be read as an HDF5 file", path);
 }
 

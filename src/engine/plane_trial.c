@@ -327,7 +327,7 @@ static void adopt(const struct search *search, int b)
 static cml_status allocate(struct search *search, struct cml_error *err)
 {
     const size_t count = (size_t)search->curved->count;
-    search->level.count = search->curved->count;
+    search->level = *search->curved; /* with its bodies */
     search->level.item = malloc(count * sizeof *search->level.item);
     search->verdict = calloc(count, sizeof *search->verdict);
     if (!search->level.item || !search->verdict)

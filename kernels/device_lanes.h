@@ -38,30 +38,19 @@ struct cml_device_lanes {
     cml_u32 cell[CML_DEVICE_LANES]; /* of A_rz */
 };
 
-/* What the lanes of a GPU that go on together wait for, if one of them does it. bench/gpu_static.py defines
- * it to count the instructions of each, and counts those that the lattice takes. */
-#ifndef CML_STAGE
-#define CML_STAGE CML_FN
-#endif
-#ifdef CML_NO_LATTICE
-#define CML_LATTICE 0
-#else
-#define CML_LATTICE 1
-#endif
-
 #if CML_DEVICE_LANES > 1
 #define CML_DEVICE_LOOP static __attribute__((noinline)) /* by itself the loop is made a vector loop */
 #define CML_AT_ONCE _Pragma("clang loop vectorize_width(16)")
 #define CML_FORGET_REGISTERS ((void)0)
 #pragma clang diagnostic ignored "-Wpass-failed" /* PoCL makes vectors later than it looks for them */
 #else
-#define CML_DEVICE_LOOP CML_STAGE
+#define CML_DEVICE_LOOP CML_FN
 #define CML_AT_ONCE
 #define CML_ONE_COPY _Pragma("unroll 1")
 /* What has been stored is read again from memory, rather than kept in a register as well. */
 #define CML_FORGET_REGISTERS mem_fence(CLK_LOCAL_MEM_FENCE)
-/* Interactions that a lane may have before those that have come to a boundary go there: what
- * bench/divergence.sh finds best. */
+/* Interactions that a lane may have before those that have come to a boundary go there: at
+ * these 32 lanes waited least for each other, counted over S1 to S6 and a hill. */
 #define CML_DEVICE_PASSES (CML_ALL_PLANES ? 8u : 2u)
 #endif
 
@@ -135,10 +124,9 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
 }
 #else
 /* The only lane; one that was cleared meets no boundary. */
-CML_STAGE cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
+CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes *restrict l)
 {
-    const cml_u32 near =
-        cml_device_fly_lane(stream, CML_LATTICE && l->interactions[0] < stream.lattice, l, 0);
+    const cml_u32 near = cml_device_fly_lane(stream, l->interactions[0] < stream.lattice, l, 0);
     const cml_u32 stops = near & !l->cleared[0];
     l->mine[0] = !stops;
     l->cleared[0] = 0;
@@ -177,7 +165,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
     return low_lanes;
 }
 
-CML_STAGE void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
+CML_FN void cml_device_deposit(const struct cml_deposits *to, const struct cml_device_lanes *l)
 {
     for (cml_u32 i = 0; i < CML_DEVICE_LANES; i++)
         if (l->mine[i]) cml_add_to_cell(to, (int)l->cell[i], l->dw[i]);

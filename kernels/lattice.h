@@ -27,8 +27,8 @@
 #define CML_LATTICE_DIMENSIONS 13u
 #define CML_LATTICE_BLOCKS 4u /* of four dimensions, the last one not full */
 
-/* z_d: found by `bench/lattice.c`, which says by what criterion. Selects, because vector loops have no
- * tables. */
+/* z_d: found by `bench/choices/lattice.c`, which says by what criterion. Selects, because vector loops have
+ * no tables. */
 CML_FN cml_u32 cml_lattice_generator(cml_u32 dimension)
 {
     const cml_u32 e = dimension / 4u, k = dimension % 4u;

@@ -200,9 +200,9 @@ CML_FN void cml_device_restore_lane(const struct cml_world *world, struct cml_de
 }
 
 /* The lane's flight into the tallies, and the next packet into the lane if there is one. */
-CML_STAGE void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
-                                  struct cml_launch launch, __global struct cml_device_fate *fates,
-                                  struct cml_device_flight *f, cml_u32 i)
+CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_deposits *to,
+                               struct cml_launch launch, __global struct cml_device_fate *fates,
+                               struct cml_device_flight *f, cml_u32 i)
 {
     CML_PACKET struct cml_packet *packet = &f->packets[i];
     cml_u64 index;
@@ -279,8 +279,8 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
 
 /* A lane that may meet a boundary has its event there, or is to interact after all. Returns 1 when its packet
  * has ended. */
-CML_STAGE cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
-                                          struct cml_device_flight *f, cml_u32 i)
+CML_FN cml_u32 cml_device_process_lane(const struct cml_world *world, const struct cml_deposits *to,
+                                       struct cml_device_flight *f, cml_u32 i)
 {
     CML_PACKET struct cml_packet *packet = &f->packets[i];
     const int medium = packet->medium;
@@ -297,8 +297,8 @@ CML_STAGE cml_u32 cml_device_process_lane(const struct cml_world *world, const s
 }
 
 /* P8, likewise. */
-CML_STAGE cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
-                                      struct cml_device_flight *f, cml_u32 i)
+CML_FN cml_u32 cml_device_roulette(struct cml_roulette_rule rule, const struct cml_deposits *to,
+                                   struct cml_device_flight *f, cml_u32 i)
 {
     CML_PACKET struct cml_packet *packet = &f->packets[i];
     cml_device_read_lane(f, i);

@@ -1,5 +1,5 @@
 #!/bin/sh
-# What a user of bench/*.sh types wrong: one line, exit code 2, nothing measured or written.
+# What a user of the scripts of bench types wrong: one line, exit code 2, nothing measured or written.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 
@@ -7,7 +7,8 @@ expect_refusal() { # "TEXT" SCRIPT ARGUMENTS...
     text=$1
     shift
     code=0
-    sh "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
+    case $1 in *.py) shell="python3 -B" ;; *) shell=sh ;; esac
+    $shell "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
     test "$code" -eq 2 || complain "$*: exit $code, not 2"
     test "$(wc -l <"$work/err")" -eq 1 || complain "$*: not one line: $(cat "$work/err")"
     grep -qF -- "$text" "$work/err" || complain "$*: not \"$text\": $(cat "$work/err")"
@@ -15,12 +16,12 @@ expect_refusal() { # "TEXT" SCRIPT ARGUMENTS...
 }
 
 scripts=0
-for script in bench/*.sh; do
+for script in bench/*/*.sh; do
     case $script in */lib.sh) continue ;; esac # has no options of its own
     scripts=$((scripts + 1))
     case $script in
     */figure.sh) expect_refusal usage "$script" --nonsense && continue ;;
-    */atlas.sh | */divergence.sh | */parts.sh | */unbiased.sh) place=--build ;;
+    */atlas.sh | */parts.sh | */unbiased.sh) place=--build ;;
     */gpu_static.sh) place=--kernels ;;
     *) place=--program ;;
     esac
@@ -32,25 +33,36 @@ for script in bench/*.sh; do
     sh "$script" --help >"$work/out" || complain "$script --help: exit $?"
     grep -q "$(basename "$script") .*--" "$work/out" || complain "$script --help: no usage: $(cat "$work/out")"
 done
-test "$scripts" -ge 8 || complain "only $scripts scripts in bench"
-expect_refusal "--photons 1e: not a number" bench/scaling.sh --photons 1e
-expect_refusal "--rounds 0: not a number" bench/speed.sh --rounds 0
-expect_refusal "--runs x: not a number" bench/unbiased.sh --runs x
-expect_refusal "--mmc is missing" bench/mmc.sh --program "$program"
-expect_refusal "$work/none is no program" bench/mmc.sh --program "$program" --mmc "$work/none"
-expect_refusal "$work is no program" bench/speed.sh --program "$work"
-expect_refusal "$work/none is no program" bench/frontier.sh --program "$program" --mcml "$work/none"
-for chart in accuracy frontier summary; do
-    expect_refusal "none.csv: cannot be read" bench/$chart.sh --draw none.csv "$work/none.svg"
+for script in $(grep -l '^import command$' bench/*/*.py); do
+    scripts=$((scripts + 1))
+    peer=
+    case $script in bench/peers/*) peer="--mmc $program" ;; esac
+    expect_refusal "unrecognized arguments: --nonsense" "$script" --program "$program" $peer --nonsense
+    expect_refusal "--program: expected one argument" "$script" --program
+    expect_refusal "$work/none is no program" "$script" --program "$work/none"
+    python3 -B "$script" --help >"$work/out" || complain "$script --help: exit $?"
+    grep -q "$(basename "$script") .*--" "$work/out" || complain "$script --help: no usage: $(cat "$work/out")"
 done
-expect_refusal "--draw needs CSV and DIRECTORY" bench/accuracy.sh --draw none.csv
-expect_refusal "--only ripples: no scene" bench/accuracy.sh --only lens,ripples --program "$program" --out "$work/none"
+test "$scripts" -ge 16 || complain "only $scripts scripts in bench"
+expect_refusal "--photons: 1e: not a number" bench/speed/scaling.py --program "$program" --photons 1e
+expect_refusal "--rounds 0: not a number" bench/speed/speed.sh --rounds 0
+expect_refusal "--runs x: not a number" bench/accuracy/unbiased.sh --runs x
+expect_refusal "--only S9: no scene; there are S1" bench/choices/roulette.py --program "$program" --only S1,S9
+expect_refusal "arguments are required: --mmc" bench/peers/mmc.py --program "$program"
+expect_refusal "$work/none is no program" bench/peers/mmc.py --program "$program" --mmc "$work/none"
+expect_refusal "$work is no program" bench/speed/speed.sh --program "$work"
+expect_refusal "$work/none is no program" bench/accuracy/frontier.sh --program "$program" --mcml "$work/none"
+for chart in accuracy frontier summary; do
+    expect_refusal "none.csv: cannot be read" bench/accuracy/$chart.sh --draw none.csv "$work/none.svg"
+done
+expect_refusal "--draw needs CSV and DIRECTORY" bench/accuracy/accuracy.sh --draw none.csv
+expect_refusal "--only ripples: no scene" bench/accuracy/accuracy.sh --only lens,ripples --program "$program" --out "$work/none"
 test ! -e "$work/none" || complain "accuracy.sh --only ripples: wrote $(ls "$work/none")"
 
 # the charts of a result: a page per scene with three panels, 18 cm wide, letters of 9 pt (exponents: 7) and small enough to keep
 if command -v gnuplot >/dev/null; then
-    csv=bench/results/accuracy-amd-epyc-2core.csv
-    sh bench/accuracy.sh --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.sh --draw: $(cat "$work/out")"
+    csv=bench/accuracy/results/accuracy-amd-epyc-2core.csv
+    sh bench/accuracy/accuracy.sh --draw $csv "$work/pages" >"$work/out" 2>&1 || complain "accuracy.sh --draw: $(cat "$work/out")"
     python3 - $csv "$work"/pages/*.svg <<'END' || complain "accuracy.sh --draw: wrong charts"
 import csv
 import os
@@ -70,7 +82,7 @@ for path in sys.argv[2:]:
 END
 
     # a panel per scene, and every mark of the key
-    sh bench/frontier.sh --draw bench/results/frontier-intel-xeon-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
+    sh bench/accuracy/frontier.sh --draw bench/accuracy/results/frontier-intel-xeon-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
         complain "frontier.sh --draw: $(cat "$work/out")"
     python3 - "$work/frontier.svg" <<'END' || complain "frontier.sh --draw: wrong chart"
 import sys

@@ -1,11 +1,11 @@
 #!/bin/sh
-# Every program of bench/*.c runs through: one table on standard output, as many columns in every row as in its heading,
+# Every program of bench/*/*.c runs through: one table on standard output, as many columns in every row as in its heading,
 # and numbers above 0 where something is counted or timed. The numbers themselves are judged by nobody here. Skipped
 # where they are not built: cmake --build build --target benches.
 # SPDX-License-Identifier: MIT
 . tests/lib/cli.sh
 build=$(dirname "$program")
-for source in bench/*.c; do
+for source in bench/*/*.c; do
     test -x "$build/bench_$(basename "$source" .c)" || { echo "bench_$(basename "$source" .c) is not built"; exit 77; }
 done
 
@@ -31,11 +31,6 @@ for kind in cone mesh; do
     expect_table scene,queries,ns,classify,intervals,search,reflect,cross 1 3 bench_curved samples/shapes/hihill.mci $kind
 done
 expect_table scene,steps,asked,met 2 4 bench_asked samples/shapes/hihill.mci samples/shapes/hinoise.mci
-stages="fly,fly share,fly again,fly again share,lattice,lattice share,boundary,boundary share,interact,interact share"
-stages="$stages,deposit,deposit share,roulette,roulette share,replace,replace share"
-bins="near,cells,in local memory,layer,sums,lanes,one bin,busiest,collision"
-expect_table "scene and order,only planes,instructions,least,$stages,$bins" 9 3 bench_divergence bench/results/gpu-stages.csv \
-    samples/fig5.mci
 expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci
 expect_table part,share,ns 4 3 bench_queries samples/shapes/hihill.mci --mesh
 expect_table stage,ns_alone,ns_saved_when_left_out 11 2 bench_stages

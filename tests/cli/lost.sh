@@ -23,7 +23,7 @@ expect_sound() { # NAME: $work/out is the JSON line of a run without loss
     grep -q '"lost":0,' "$work/out" && grep -q '"residue":0[,.}]' "$work/out" || complain "$1: $(cat "$work/out")"
 }
 
-python3 bench/rough.py mesh 1e5 0.03 "$work/rough.obj" || complain "no rough mesh"
+python3 bench/lib/rough.py mesh 1e5 0.03 "$work/rough.obj" || complain "no rough mesh"
 scene rough 'm "rough.obj"' "1.34 0.1 10 0.5 0.5"
 for options in "" "--mesh-search embree"; do
     # shellcheck disable=SC2086 # several options on purpose

@@ -19,7 +19,7 @@ two_kinds() { # COMMAND OF RANK 0 and of rank 1, each one word to sh -c
     grep '^clustermcml' "$work/err" >"$work/said"
 }
 big=$work/big.mci
-sed 's/^5*[0-9]* [0-9]* 1  *# nz.*/1000 5000 1/' bench/scenes/S6b.mci >"$big"
+sed 's/^5*[0-9]* [0-9]* 1  *# nz.*/1000 5000 1/' bench/lib/scenes/S6b.mci >"$big"
 grep -q '^1000 5000 1' "$big" || complain "no big grid"
 run="$program $big --photons 100 --quiet -o $work --threads 1"
 two_kinds "$run" "ulimit -v 300000; $run"

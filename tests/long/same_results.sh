@@ -9,7 +9,7 @@
 #   tests/long/same_results.sh OLD NEW [SAMPLE...]
 #   PHOTONS=2000 MASK='s/MiB//' tests/long/same_results.sh old/build/clustermcml build/clustermcml samples/fig7.mci
 #
-# Without SAMPLE: all of samples, samples/shapes and bench/scenes, each as it is and with maps, a volume and facets.
+# Without SAMPLE: all of samples, samples/shapes and bench/lib/scenes, each as it is and with maps, a volume and facets.
 # - run: engines cpu, reference and opencl, with 1 and 2 threads on 1 and 2 ranks; every option that changes a result
 # - check, mesh, trace, crosscheck, exact, merge, compare and plot; devices, --help and --version
 # Left out is what depends on time: plan, and when checkpoints are written (--keep, --more).
@@ -48,7 +48,7 @@ for sample; do
 done
 cd "$(dirname "$0")/../.." || exit 2
 root=$PWD
-[ "$samples" ] || samples=$(ls "$root"/samples/*.mci "$root"/samples/shapes/*.mci "$root"/bench/scenes/*.mci)
+[ "$samples" ] || samples=$(ls "$root"/samples/*.mci "$root"/samples/shapes/*.mci "$root"/bench/lib/scenes/*.mci)
 
 photons=${PHOTONS:-20000}
 case $photons in '' | *[!0-9]*) fail "PHOTONS=$photons: not a whole number" ;; esac

@@ -11,7 +11,7 @@ import tempfile
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
 
-ROUGH = os.path.join(cml.TESTS, "..", "bench", "rough.py")
+ROUGH = os.path.join(cml.TESTS, "..", "bench", "lib", "rough.py")
 RINGS, AMPLITUDE, PHOTONS = 10000, 0.018, 4000000
 
 

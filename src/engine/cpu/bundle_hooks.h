@@ -1,6 +1,6 @@
 /* Where a bench may look into the CPU engine. Without a bench the hooks compile to nothing. A bench defines
- * those it needs before it includes engine_cpu_level.c: bench/busy.c counts lanes, bench/curved.c takes
- * times, bench/asked.c counts hits. SPDX-License-Identifier: MIT */
+ * those it needs before it includes engine_cpu_level.c: bench/parts/busy.c counts lanes, bench/parts/curved.c
+ * takes times, bench/parts/asked.c counts hits. SPDX-License-Identifier: MIT */
 #ifndef CML_BUNDLE_HOOKS_H
 #define CML_BUNDLE_HOOKS_H
 

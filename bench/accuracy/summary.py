@@ -1,0 +1,258 @@
+#!/usr/bin/env python3
+"""The one chart of accuracy against speed: summary.py measure PROGRAM DIRECTORY [--quick], or summary.py series CSV FOLDER.
+
+Three scenes, each flown by at most six methods. x: core seconds to a standard error of 0.1 % of Rd; y: the bias of Rd against
+the `reference` engine (double precision, exact cones, or the whole mesh), from the same packets in 16 streams. How far that
+engine itself can be trusted, an independent program says: tests/reference/profiles for the shapes, MMC for the scan.
+What others take comes from results that were kept (bench/results): original MCML and MMC, per photon. Of the program of 2019 its
+printed curves are known, and no times.
+SPDX-License-Identifier: MIT
+"""
+import argparse
+import concurrent.futures
+import itertools
+import math
+import os
+import re
+import shutil
+import statistics
+import sys
+import tempfile
+import time
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cases
+import frontier
+import rough
+import tables
+from frontier_scenes import Method, Scene
+
+TRIANGLES = 10000
+CONE, WHOLE = ["--engine", "reference", "--boundaries", "cone"], ["--engine", "reference", "--tolerance", "1e-9"]
+PROFILE_PACKETS = 1e7  # of the independent program
+FRONTIER, SPEED = "accuracy/results/frontier-intel-xeon-2core.csv", "speed/results/intel-xeon-2core.csv"
+MMC = "peers/results/mmc-intel-xeon-2core.md"
+TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "one point of a rough scan"}
+CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
+LEAST = 1e-9  # of a bias on the chart
+
+
+def kept(name):
+    return os.path.join(cases.BENCH, name)
+
+
+# ---- scenes
+
+def shape_scene(shape):
+    methods = [Method("plane", ["--boundaries", "plane"]), Method("cone", ["--boundaries", "cone"]),
+               Method("mesh 1e-2", ["--boundaries", "mesh", "--tolerance", "1e-2"]),
+               Method("mesh 1e-3", ["--boundaries", "mesh", "--tolerance", "1e-3"]), Method("auto")]
+    return Scene(shape, cases.shape_path(shape), None, methods, Method("truth", CONE))
+
+
+def write_heightmap(path):
+    """The rough top of the other benches as an ESRI grid: rows from the largest y down."""
+    cells = round(math.sqrt(TRIANGLES / 2))
+    _, grid = rough.heights(cells, float(cases.AMPLITUDE_A))
+    with open(path, "w") as stream:
+        stream.write("ncols %d\nnrows %d\nxllcorner 0\nyllcorner 0\ncellsize %.9g\nNODATA_value -9999\n"
+                     % (cells + 1, cells + 1, rough.SIDE / cells))
+        for row in reversed(grid):
+            stream.write(" ".join("%.6f" % h for h in row) + "\n")
+
+
+def scan_scene(work):
+    path = os.path.join(work, "scan.mci")
+    write_heightmap(os.path.join(work, "scan.asc"))
+    cases.write_scene("A", path, surface='m "scan.asc" units=cm')
+    methods = [Method("plane", ["--boundaries", "plane"]), Method("heightmap 1e-1", ["--boundaries", "mesh", "--tolerance", "1e-1"]),
+               Method("heightmap 1e-2", ["--boundaries", "mesh", "--tolerance", "1e-2"]),
+               Method("mesh", ["--boundaries", "mesh", "--tolerance", "1e-9", "--mesh-search", "embree"]), Method("auto")]
+    return Scene("scan", path, None, methods, Method("truth", WHOLE))
+
+
+# ---- what others know
+
+def independent(shape):
+    """(Rd, standard error) of the program behind tests/reference/profiles; at most that of as many packets of weight 1."""
+    rows = cases.rows_of("profiles/%s.reentry.csv" % shape)
+    width = 2 * float(rows[0]["r_mid_cm"])
+    Rd = sum(2 * math.pi * (int(row["bin"]) + 0.5) * width ** 2 * float(row["Rd_r_per_cm2"]) for row in rows)
+    return Rd, math.sqrt(Rd * (1 - Rd) / PROFILE_PACKETS)
+
+
+def printed_in_2019(shape):
+    """|bias| of the Rd that the report of 2019 printed, over the bins of its curve, against the same independent program."""
+    curve, known = ({int(row["bin"]): float(row["r_mid_cm"]) * float(row["Rd_r_per_cm2"]) for row in cases.rows_of(path)}
+                    for path in (kept("accuracy/figures/%s-2019.csv" % shape), "profiles/%s.reentry.csv" % shape))
+    both = curve.keys() & known.keys()
+    return abs(sum(curve[i] for i in both) / sum(known[i] for i in both) - 1)
+
+
+def mmc_row():
+    """(ratio of photons per second, relative difference of the absorbed share, its standard error) with 1e4 triangles."""
+    with open(kept(MMC)) as stream:
+        cells = [re.findall(r"[-+0-9.e]+", cell) for cell in next(line for line in stream if line.startswith("| A | regular | 10082 ")).split("|")]
+    ours, theirs = [float(word) for word in cells[9]], [float(word) for word in cells[10]]
+    return float(cells[8][0]), theirs[0] / ours[0] - 1, math.hypot(ours[1], theirs[1]) / ours[0]
+
+
+def mcml_ratio(scene):
+    """Time per photon of original MCML over ours, on the scene's media below planes, with its own roulette and random numbers."""
+    if scene == "scan":
+        row = next(row for row in tables.read_csv(kept(SPEED))[1] if row["case"] == "A" and row["mcml_to_ours"])
+        return float(row["mcml_to_ours"])
+    rows = {row["variant"]: row for row in tables.read_csv(kept(FRONTIER))[1] if row["scene"] == "lonoise" and row["method"] == "plane"}
+    return float(rows["mcml"]["ns_per_photon"]) / float(rows["before"]["ns_per_photon"])
+
+
+# ---- measuring
+
+def row_of(series):
+    after, before = series.runs["after"], series.runs["before"]
+    boundary = after[0]["boundaries"][0]
+    bias, error = series.bias["after"]["Rd"]
+    return {"scene": series.scene.name, "method": series.method.name, "kind": boundary["kind"], "primitives": boundary["primitives"],
+            "s_Rd": statistics.median(frontier.seconds_to(run, "Rd") for run in after),
+            "s_Rd_random": statistics.median(frontier.seconds_to(run, "Rd") for run in before), "bias": bias, "bias_se": error,
+            "from": "measured"}
+
+
+def rows_of_others(scene, rows):
+    """Original MCML has the plane's bias, MMC that of a total which both know; both draw at random."""
+    plane = next(row for row in rows if row["method"] == "plane")
+    others = [{**plane, "method": "original MCML", "s_Rd": mcml_ratio(scene) * plane["s_Rd_random"], "s_Rd_random": "",
+               "from": SPEED if scene == "scan" else FRONTIER}]
+    if scene == "scan":
+        mesh = next(row for row in rows if row["method"] == "mesh")
+        ratio, bias, error = mmc_row()
+        others.append({**mesh, "method": "MMC", "s_Rd": ratio * mesh["s_Rd_random"], "s_Rd_random": "", "bias": bias, "bias_se": error,
+                       "from": MMC})
+    return others
+
+
+def check_row(scene, truth):
+    """How far the reference engine is off what an independent program found: of Rd, or of A for MMC."""
+    if scene == "scan":
+        _, bias, error = mmc_row()
+        bias, source = -bias, MMC
+    else:
+        value, error = independent(scene)
+        bias, error = truth["Rd"] / value - 1, math.hypot(truth["Rd_se"], error) / value
+        source = "tests/reference/profiles/%s.reentry.csv" % scene
+    return {"scene": scene, "method": "independent", "kind": "", "primitives": "", "s_Rd": "", "s_Rd_random": "", "bias": bias,
+            "bias_se": error, "from": source}
+
+
+def measure(program, scenes, quick):
+    target, rounds, budget = (0.1, 2, 2) if quick else (0.15, 3, 12)
+    begin, table = time.time(), []
+    for scene in scenes:
+        everything = [frontier.Series(scene, method) for method in scene.methods]
+        for series in everything:
+            frontier.calibrate(program, series, target)
+        for index in range(rounds):
+            for series in everything if index % 2 == 0 else everything[::-1]:
+                frontier.measure_round(program, None, series, index)
+        with concurrent.futures.ThreadPoolExecutor(frontier.CORES) as pool:
+            frontier.paired(program, scene, everything, budget, pool)
+        cone = frontier.fly(program, scene, scene.methods[1], "after", everything[1].photons["after"] * (2 if quick else 10), 1, False)
+        rows = [row_of(series) for series in everything]
+        table += rows + rows_of_others(scene.name, rows) + [check_row(scene.name, cone)]
+        print("%4.0f s  %s" % (time.time() - begin, scene.name), file=sys.stderr, flush=True)
+    return table, rounds
+
+
+def main_measure(arguments):
+    begin = time.time()
+    with tempfile.TemporaryDirectory() as work:
+        program = shutil.copy(arguments.program, work)  # nobody rebuilds it between two rounds
+        scenes = [shape_scene("lohill"), shape_scene("lonoise"), scan_scene(work)]
+        table, rounds = measure(program, scenes, arguments.quick)
+    header = tables.machine(arguments.program, rounds)
+    header += [("length", "quick" if arguments.quick else "full"), ("seconds", "%.0f" % (time.time() - begin)),
+               ("load", "%.1f of %d cores" % (os.getloadavg()[1], os.cpu_count()))]
+    tables.write_csv(os.path.join(arguments.directory, "summary.csv"), header, table)
+
+
+# ---- the chart
+
+def shown_bias(row):
+    """(height of the mark, whether it is a limit): what noise hides stands at two standard errors, with an arrow."""
+    bias, error = abs(float(row["bias"])), float(row["bias_se"])
+    return (max(2 * error, LEAST), True) if bias < 2 * error else (max(bias, LEAST), bias < LEAST)
+
+
+def merged(rows):
+    """Methods that cannot be told apart on the chart share a mark: auto is always one of the others, or nearly."""
+    out = []
+    for row in rows:
+        x, (y, limit) = float(row["s_Rd"]), shown_bias(row)
+        for place in out:
+            if abs(math.log10(x / place["x"])) < 0.1 and abs(math.log10(y / place["y"])) < 0.25:
+                place["names"].append(row["method"])
+                break
+        else:
+            out.append({"x": x, "y": y, "limit": limit, "names": [row["method"]]})
+    return out
+
+
+def label_places(places):
+    """(side, decades above the mark) of every name, so that no two names meet: summary.gp draws 156 points per decade of x, 18 of
+    y, and letters of 7.3 x 15 points. Names that would leave the panel stand to the left of their mark."""
+    at = [(156 * math.log10(place["x"] / 0.03), 18 * math.log10(place["y"])) for place in places]
+    taken, out = [(x - 5, y - (26 if place["limit"] else 6), x + 5, y + 6) for place, (x, y) in zip(places, at)], []
+    for place, (x, y) in zip(places, at):
+        width = 7.3 * len(" = ".join(place["names"]))
+        for side, up in itertools.product((-1,) if x + width > 452 else (1, -1), (0, 0.9, -0.9)):
+            left = x + 8 if side > 0 else x - 8 - width
+            box = (left, y + 18 * up - 6, left + width, y + 18 * up + 8)
+            if not any(box[0] < b[2] and b[0] < box[2] and box[1] < b[3] and b[1] < box[3] for b in taken):
+                break
+        taken.append(box)
+        out.append((side, up))
+    return out
+
+
+def main_series(arguments):
+    header, rows = tables.read_csv(arguments.csv)
+    with open(os.path.join(arguments.folder, "scenes"), "w") as stream:
+        stream.write("\n".join(TITLES) + "\n")
+    with open(os.path.join(arguments.folder, "machine"), "w") as stream:
+        stream.write(dict(header)["machine"])
+    for scene, title in TITLES.items():
+        mine = [row for row in rows if row["scene"] == scene]
+        check = next(row for row in mine if row["method"] == "independent")
+        flown = [row for row in mine if row["method"] != "independent"]
+        with open(os.path.join(arguments.folder, scene), "w") as stream:
+            places = merged([row for row in flown if row["method"] in CHARTED])
+            for place, (side, up) in zip(places, label_places(places)):
+                others = place["names"][0] in ("original MCML", "MMC")
+                stream.write('%.4g %.4g %d %d "%s" %.4g %d\n' % (place["x"], place["y"], place["limit"], others,
+                                                                " = ".join(place["names"]), 10 ** up, side))
+        with open(os.path.join(arguments.folder, scene + ".title"), "w") as stream:
+            stream.write(title)
+        with open(os.path.join(arguments.folder, scene + ".known"), "w") as stream:
+            stream.write("%.4g" % (abs(float(check["bias"])) + 2 * float(check["bias_se"])))
+        with open(os.path.join(arguments.folder, scene + ".2019"), "w") as stream:
+            stream.write("%.4g" % (0 if scene == "scan" else printed_in_2019(scene)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Measures and charts accuracy against speed.")
+    commands = parser.add_subparsers(required=True)
+    one = commands.add_parser("measure")
+    one.add_argument("program")
+    one.add_argument("directory")
+    one.add_argument("--quick", action="store_true")
+    one.set_defaults(run=main_measure)
+    two = commands.add_parser("series")
+    two.add_argument("csv")
+    two.add_argument("folder")
+    two.set_defaults(run=main_series)
+    arguments = parser.parse_args()
+    arguments.run(arguments)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,111 @@
+"""The table of the top README: each question of the benches with its answer, one number from a result that was kept, its command
+and its figure. answers.py README.md writes it there.
+
+SPDX-License-Identifier: MIT
+"""
+import os
+import re
+import sys
+
+import tables
+
+
+def kept(path):
+    return os.path.join(tables.BENCH, path)
+
+
+def rows(path, **wanted):
+    return [row for row in tables.read_csv(kept(path))[1] if all(row[key] == value for key, value in wanted.items())]
+
+
+def cells(path, *first):
+    """The cells of the row of a table in a text that begins with these words."""
+    with open(kept(path), encoding="utf-8") as stream:
+        found = [line.strip().strip("|").split("|") for line in stream if line.startswith("| " + " | ".join(first) + " |")]
+    return [cell.strip() for cell in found[0]]
+
+
+def speed(case, key):
+    return float(rows("speed/results/intel-xeon-2core.csv", case=case, threads="1")[0][key])
+
+
+def efficiency(ranks):
+    with open(kept("speed/results/scaling-amd-epyc-2core.txt"), encoding="utf-8") as stream:
+        return next(line.split()[-1] for line in stream if line.split()[:2] == [ranks, "1e+08"])
+
+
+def reading(path, pattern):
+    """A number of the sentences that a script wrote into a README."""
+    with open(kept(path), encoding="utf-8") as stream:
+        return re.search(pattern, stream.read())[1]
+
+
+def worst_z(path):
+    """(numbers that were compared, the largest deviate) of a table of unbiased.py."""
+    with open(kept(path), encoding="utf-8") as stream:
+        scenes = [line.split("|") for line in stream if re.match(r"\| \w+ \| (yes)? *\|", line)]
+    return sum(int(scene[3]) for scene in scenes), max(abs(float(scene[5].split()[0])) for scene in scenes)
+
+
+def natural_events():
+    flown = [row for name in ("natural", "natural-irregular", "natural-bodies-tiles")
+             for row in rows("stability/results/atlas-%s.csv" % name, status="flown")]
+    events = sum(int(row[key] or 0) for row in flown for key in ("lost", "wrong", "missed", "spurious", "nan"))
+    return "%d events in %.2g crossings" % (events, sum(int(row["crossings"]) for row in flown))
+
+
+FRONTIER, ACCURACY = "accuracy/README.md", "accuracy/accuracy.sh"
+
+
+def answers():
+    """(question, answer, command, minutes, figure)"""
+    yield ("How fast is it?", "%.0f times original MCML (S6a, one thread)" % speed("S6a", "mcml_to_ours"),
+           "sh bench/speed/speed.sh", "9", "speed/results/intel-xeon-2core.svg")
+    yield ("What does a rough mesh cost?", "%.1f times a plane's step (S6a, 1e5 triangles)" % speed("S6a-rough-1e5", "to_flat"),
+           "sh bench/speed/speed.sh --irregular", "9", "")
+    yield ("What do bodies cost?", "%s of the speed without (S6a, 1e5 triangles)" % cells(
+        "speed/results/bodies-intel-xeon-2core.md", "S6a-mesh-1e5")[2], "python3 bench/speed/bodies.py", "3", "")
+    yield ("What do ranks cost each other?", "%s %% of 1000 ranks' time is flight (model, 1e8 bins)" % efficiency("1000"),
+           "python3 bench/speed/scaling.py", "1", "")
+    yield ("How accurate is it for its time?", "%s of the automatic choices exceed the tolerance" % reading(
+        "accuracy/README.md", r"cases (\w+) exceed"), "sh bench/accuracy/accuracy.sh", "30", "accuracy/results/accuracy-amd-epyc-2core/lohill.svg")
+    yield ("How long does an error take?", "%s times less than with MCML's sampling (mean of all)" % reading(
+        "accuracy/README.md", r"error of Rd, A, Tt, ([\d.]+) in their geometric mean"), "sh bench/accuracy/frontier.sh", "4",
+        "accuracy/results/frontier-intel-xeon-2core.svg")
+    yield ("Both in one picture?", "%.2g core seconds to 0.1 %% of Rd (a hill, auto)" % float(
+        rows("accuracy/results/summary-intel-xeon-2core.csv", scene="lohill", method="auto")[0]["s_Rd"]),
+        "sh bench/accuracy/summary.sh", "1", "accuracy/results/summary-intel-xeon-2core.svg")
+    yield ("Are results unbiased, and their errors true?", "of %d numbers the worst is %.1f errors off" % worst_z(
+        "accuracy/results/unbiased.md"), "sh bench/accuracy/unbiased.sh", "30", "")
+    yield ("How far off are bodies as meshes?", "%s at the default tolerance (black sphere)" % cells(
+        "accuracy/results/body_bias.md", "", "14580", "1e-3")[3], "python3 bench/accuracy/body_bias.py", "4", "")
+    yield ("Are the report's figures right?", "its flat scenes are", "sh bench/accuracy/figures.sh", "10",
+           "accuracy/results/figure8.svg")
+    yield ("Where do methods fail?", natural_events(), "sh bench/stability/atlas.sh", "30", "")
+    yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % cells(
+        "peers/results/mmc-intel-xeon-2core.md", "A", "regular", "10082")[7].split()[0], "python3 bench/peers/mmc.py --mmc PATH", "4", "")
+    yield ("What does MMC say of a vessel?", "the same: %s errors apart" % cells(
+        "peers/results/vessel-intel-xeon-2core.md", "vessel")[3], "python3 bench/peers/vessel.py --mmc PATH", "2", "")
+    yield ("Which roulette?", "a window of %s" % reading("choices/results/roulette.md", r"figure: ([\d.,]+)\."),
+           "python3 bench/choices/roulette.py", "2", "")
+    yield ("What does the flat twin gain?", "%s in the time of Rd, Tt, A (hihill, random)" % rows(
+        "choices/results/control.csv", scene="hihill")[0]["random, 1e4"], "python3 bench/choices/control.py", "2", "")
+    yield ("Which generating vector for the lattice?", "its worst error is 1/%s of random's (1e6 photons)" % rows(
+        "choices/results/lattice.csv", photons="1e6")[0]["random points over it"], "build/bench_lattice", "1", "")
+    yield ("Where does the time go?", "%s %% of the rays asked meet the boundary (S6a, rough)" % (
+        100 - int(reading("parts/README.md", r"\| S6a-rough-1e5 \|.*\| (\d+) % \|"))), "sh bench/parts/parts.sh", "6", "")
+    yield ("What does the kernel need on a GPU?", "%s registers (H100, all kinds of boundaries)" % rows(
+        "parts/results/gpu-static.csv", device="sm_90", boundaries="cones, bodies")[0]["registers"],
+        "sh bench/parts/gpu_static.sh", "1", "")
+    yield ("How fast is an OpenCL device?", "prints a table; none is kept", "sh bench/speed/opencl.sh", "5", "")
+    yield ("What do threads cost on a busy machine?", "prints a table; none is kept", "python3 bench/speed/busy_machine.py", "1", "")
+
+
+def lines():
+    return tables.table(("question", "answer", "command", "minutes", "figure"), [
+        [question, answer, "`%s`" % command, minutes, "[figure](%s)" % figure if figure else ""]
+        for question, answer, command, minutes, figure in answers()])
+
+
+if __name__ == "__main__":
+    tables.replace(sys.argv[1], "lib/answers.py", list(lines()))

@@ -1,0 +1,107 @@
+"""Runs of the programs that are compared: alone on the cores that they need, and of a wanted length.
+
+SPDX-License-Identifier: MIT
+"""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+CALIBRATE_S = 0.1  # a run shorter than this says too little about the photons per second
+FOREIGN = 0.05  # of a core that others may take from a run before it is repeated
+REPEATS = 3
+MOST_PHOTONS = 50000000
+
+
+def busy_seconds():
+    """Core seconds that the whole machine has worked so far, or None where no /proc/stat tells."""
+    try:
+        with open("/proc/stat") as stream:
+            ticks = [int(word) for word in stream.readline().split()[1:9]]
+    except (OSError, ValueError):
+        return None
+    return (sum(ticks) - ticks[3] - ticks[4]) / os.sysconf("SC_CLK_TCK")  # without idle and iowait
+
+
+def run(command, directory, threads=1, environment=None):
+    """(standard output, resource usage, whether others took the cores that it needs) of a child; exit codes 0 and 4, numerical
+    trouble, go on."""
+    with tempfile.TemporaryFile("w+") as out:
+        begin, before = time.monotonic(), busy_seconds()
+        child = subprocess.Popen(command, cwd=directory, env=environment, stdout=out)
+        _, status, usage = os.wait4(child.pid, 0)
+        wall, after = time.monotonic() - begin, busy_seconds()
+        child.returncode = os.waitstatus_to_exitcode(status)
+        if child.returncode not in (0, 4):
+            sys.exit("%s: exit code %d" % (" ".join(command), child.returncode))
+        out.seek(0)
+        foreign = 0.0 if before is None or after is None else after - before - usage.ru_utime - usage.ru_stime
+        return out.read(), usage, foreign > (os.cpu_count() - threads + FOREIGN) * wall + 0.02  # ticks are 0.01 s
+
+
+def run_alone(command, directory, threads=1, environment=None):
+    """Like run, for ours and for others alike: again, a few times, when other programs took the cores that it needs."""
+    for _ in range(REPEATS):
+        result = run(command, directory, threads, environment)
+        if not result[2]:
+            break
+        time.sleep(1)
+    return result
+
+
+def fly_alone(program, case, photons, seed):
+    """One run of the program: its JSON record, with the process's memory, and whether others disturbed it."""
+    environment = dict(os.environ)
+    if case.threads > 1:
+        environment["OMP_PROC_BIND"] = "true"
+    command = [program, case.path, "--json", "--threads", str(case.threads), "--seed", str(seed),
+               "--photons", str(photons)] + case.options
+    text, usage, disturbed = run_alone(command, os.path.dirname(case.path), case.threads, environment)
+    return {**json.loads(text), "rss": usage.ru_maxrss / 1024, "disturbed": disturbed}
+
+
+def records(command, cwd=None, allowed=(0, 4)):
+    """What --json prints, a record for each run; exit code 4, numerical trouble, goes on, for the results are to show it."""
+    done = subprocess.run(command, cwd=cwd, capture_output=True, text=True, check=False)
+    if done.returncode not in allowed:
+        sys.exit("%s: exit code %d: %s" % (" ".join(command), done.returncode, done.stderr.strip()))
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def two_digits(photons):
+    digits = "%.1e" % min(max(photons, 100), MOST_PHOTONS)
+    return int(float(digits))
+
+
+def calibrate(program, case, target):
+    """Sets the number of photons that take about target seconds."""
+    photons = 2000
+    while True:
+        seconds = fly_alone(program, case, photons, 1)["seconds"]
+        if seconds > CALIBRATE_S or photons >= MOST_PHOTONS:
+            break
+        photons = min(MOST_PHOTONS, int(photons * min(20.0, 1.5 * CALIBRATE_S / max(seconds, 1e-4))) + 1)
+    case.photons = two_digits(photons * target / seconds)
+
+
+def fly_mcml(mcml, lines, photons):
+    """(user seconds, Rd, whether others disturbed it) of original MCML on the data lines of a flat scene."""
+    with tempfile.TemporaryDirectory() as work:
+        with open(os.path.join(work, "x.mci"), "w") as stream:
+            stream.write("\n".join(lines[:3] + [str(int(photons))] + lines[4:]) + "\n")
+        _, usage, disturbed = run_alone([mcml, "x.mci"], work)
+        with open(os.path.join(work, lines[2].split()[0]), errors="replace") as stream:
+            rd = [line.split()[0] for line in stream if "#Diffuse reflectance" in line]
+    return usage.ru_utime, float(rd[0]), disturbed
+
+
+def calibrate_mcml(mcml, lines, target):
+    """(seconds that it takes to start and to write its file, which is no flight, photons that take about target seconds)"""
+    start = min(fly_mcml(mcml, lines, 1)[0] for _ in range(3))
+    photons, seconds = 500, 0.0
+    while seconds < CALIBRATE_S:
+        photons *= 4
+        seconds = fly_mcml(mcml, lines, photons)[0] - start
+    return start, two_digits(photons * target / seconds)

@@ -1,0 +1,66 @@
+"""Writes the tables of all READMEs of the benches anew from the results that were kept: write_tables.py [--check]. With --check
+nothing is written; exit code 1 where a table is not what its command writes. Runs in any folder.
+
+SPDX-License-Identifier: MIT
+"""
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import tables
+
+BENCH = tables.BENCH
+SPEED, PARTS = "speed/results/intel-xeon-2core.csv", "parts/results/parts-intel-xeon-2core.txt"
+# by folder: the scripts with their arguments, to which the README is added; a result alone is put there as it is
+COMMANDS = {
+    "speed": (["speed/results.py", SPEED], ["speed/results.py", "--irregular", SPEED], ["speed/results/bodies-intel-xeon-2core.md"]),
+    "accuracy": (["accuracy/accuracy_table.py", "accuracy/results/accuracy-amd-epyc-2core.csv"],
+                 ["accuracy/frontier_table.py", "accuracy/results/frontier-intel-xeon-2core.csv"],
+                 ["accuracy/results/unbiased.md"]),
+    "stability": (["stability/atlas_table.py", "--readme"],),
+    "peers": (["peers/mmc.py", "--readme", "peers/results/mmc-intel-xeon-2core.md"], ["peers/results/vessel-intel-xeon-2core.md"]),
+    "choices": tuple(["choices/results/" + name] for name in ("roulette.md", "control.csv", "lattice.csv", "lattice-tried.csv",
+                                                             "tried.csv")),
+    "parts": (["parts/limits.py", SPEED, PARTS], ["parts/gpu_static.py", "--readme", "parts/results/gpu-static.csv"],
+              ["parts/results/lanes.csv"]),
+    "": (["lib/answers.py"],),
+}
+
+
+def full(words):
+    """A command as it is called: paths from the top, what puts a result in front of a result."""
+    script = [] if words[0].endswith(".py") else ["lib/tables.py"]
+    return [os.path.join(BENCH, word) if "/" in word else word for word in script + words]
+
+
+def write(folder, readme):
+    for words in COMMANDS[folder]:
+        done = subprocess.run([sys.executable, "-B", *full(words), readme], stdout=subprocess.DEVNULL, check=False)
+        if done.returncode:
+            sys.exit("%s failed for %s" % (" ".join(words), readme))
+
+
+def is_written(folder, readme):
+    """Whether writing changes nothing."""
+    with tempfile.TemporaryDirectory() as work:
+        copy = shutil.copy(readme, work)
+        write(folder, copy)
+        with open(readme, encoding="utf-8") as ours, open(copy, encoding="utf-8") as fresh:
+            return ours.read() == fresh.read()
+
+
+def main():
+    wrong = []
+    for folder in COMMANDS:
+        readme = os.path.join(BENCH, folder, "README.md")
+        if sys.argv[1:] != ["--check"]:
+            write(folder, readme)
+        elif not is_written(folder, readme):
+            wrong.append(readme)
+            print("%s: tables are not what `python3 bench/lib/write_tables.py` writes" % os.path.relpath(readme))
+    sys.exit(1 if wrong else 0)
+
+
+main()

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+"""Compiles the OpenCL kernel for NVIDIA's GPUs and says what it needs there: gpu_static.py WORK CLANG LIBRARY PTXAS CSV, with
+WORK/kernel.cl; gpu_static.py --readme CSV README writes the table into a text.
+
+SPDX-License-Identifier: MIT
+"""
+import csv
+import os
+import re
+import subprocess
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import tables
+
+GROUP = 128  # work-items: GPU_GROUP of src/engine/opencl/opencl_flight.c
+NEAR_KB = 16  # local memory of a group: NEAR_BYTES_SHARED there
+INSTRUCTION = 16  # bytes, from sm_70 on
+# Of a multiprocessor: registers, warps, local memory [KiB] (CUDA C++ Programming Guide 12.9, table "Technical Specifications
+# per Compute Capability"); registers are handed out to warps by the 256
+REGISTERS, WARPS, WARP = 65536, 64, 32
+LOCAL_KB = {"sm_70": 96, "sm_80": 164, "sm_90": 228}
+KINDS = (("planes", ["-D", "CML_ONLY_PLANES", "-D", "CML_WITHOUT_BODIES"]), ("cones", ["-D", "CML_WITHOUT_BODIES"]), ("cones, bodies", []))
+LIMITS = (0, 96, 80)  # registers that ptxas may take at most; 0: as many as it wants
+TITLES = ("device", "boundaries", "registers at most", "registers", "spilled to memory [bytes]", "stack [bytes]", "instructions",
+          "warps of 64", "occupancy")
+
+# clang's headers declare the 64-bit additions for no device of this target
+ATOMICS = """
+__attribute__((overloadable)) static inline ulong atom_add(volatile __%s ulong *cell, ulong amount)
+{
+    ulong old;
+    __asm__ volatile("atom.%s.add.u64 %%0, [%%1], %%2;" : "=l"(old) : "l"(cell), "l"(amount) : "memory");
+    return old;
+}
+"""
+
+
+def call(command):
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit("gpu_static.py: %s\n%s" % (" ".join(command), done.stdout))
+    return done.stdout
+
+
+def to_ptx(work, clang, library, device, options):
+    ptx = os.path.join(work, "kernel.ptx")
+    call([clang, "-x", "cl", "-cl-std=CL1.2", "-O3", "-w", "-target", "nvptx64-nvidia-nvcl", "-cl-single-precision-constant",
+          "-Xclang", "-mlink-bitcode-file", "-Xclang", library, "-Xclang", "-target-cpu", "-Xclang", device,
+          "-include", os.path.join(work, "atomics.h"), "-D", "CML_GROUP_SIZE=%d" % GROUP, "-D", "CML_DEVICE_LANES=1",
+          "-D", "__OPENCL_VERSION__=120", *options, "-S", os.path.join(work, "kernel.cl"), "-o", ptx])
+    return ptx
+
+
+def instructions(cubin):
+    """Of the kernel, padding included."""
+    sizes = re.findall(r"\.text\.cml_transport\s+PROGBITS\s+\S+\s+\S+\s+([0-9a-f]+)", call(["readelf", "-SW", cubin]))
+    return int(sizes[0], 16) // INSTRUCTION
+
+
+def resident_warps(registers, device):
+    """Warps of a multiprocessor that can be in flight together, by registers and local memory."""
+    of_warp = (registers * WARP + 255) // 256 * 256
+    by_registers = REGISTERS // of_warp // (GROUP // WARP)
+    groups = min(by_registers, LOCAL_KB[device] // (NEAR_KB + 1), WARPS // (GROUP // WARP))  # a KiB of each is the system's
+    return groups * (GROUP // WARP)
+
+
+def row_of(work, ptxas, ptx, device, kind, limit):
+    cubin = os.path.join(work, "kernel.cubin")
+    said = call([ptxas, "-v", "-arch=" + device, *(["--maxrregcount=%d" % limit] if limit else []), ptx, "-o", cubin])
+    part = said[said.index("properties for cml_transport"):]
+    stack, stores, loads = (int(n) for n in re.search(
+        r"(\d+) bytes stack frame, (\d+) bytes spill stores, (\d+) bytes spill loads", part).groups())
+    registers = int(re.search(r"Used (\d+) registers", part)[1])
+    warps = resident_warps(registers, device)
+    return [device, kind, limit or "any", registers, "%d + %d" % (stores, loads), stack, instructions(cubin), warps,
+            "%.0f %%" % (100 * warps / WARPS)]
+
+
+def measure(work, clang, library, ptxas):
+    with open(os.path.join(work, "atomics.h"), "w", encoding="ascii") as file:
+        file.write(ATOMICS % ("global", "global") + ATOMICS % ("local", "shared"))
+    rows = []
+    for device in LOCAL_KB:
+        for kind, options in KINDS:
+            ptx = to_ptx(work, clang, library, device, options)
+            rows += [row_of(work, ptxas, ptx, device, kind, limit) for limit in LIMITS]
+    return rows
+
+
+def main():
+    if sys.argv[1] == "--readme":
+        with open(sys.argv[2], encoding="utf-8") as file:
+            titles, *rows = csv.reader(file)
+        tables.replace(sys.argv[3], "parts/gpu_static.py", list(tables.table(titles, rows)))
+        return
+    work, clang, library, ptxas, target = sys.argv[1:6]
+    rows = measure(work, clang, library, ptxas)
+    with open(target, "w", encoding="utf-8", newline="") as file:
+        csv.writer(file).writerows([TITLES, *rows])
+    print("%s; %s" % (call([clang, "--version"]).splitlines()[0], call([ptxas, "--version"]).splitlines()[-1]))
+    print("\n".join(tables.table(TITLES, rows)))
+
+
+main()

@@ -30,8 +30,8 @@ from frontier_scenes import Method, Scene
 TRIANGLES = 10000
 CONE, WHOLE = ["--engine", "reference", "--boundaries", "cone"], ["--engine", "reference", "--tolerance", "1e-9"]
 PROFILE_PACKETS = 1e7  # of the independent program
-FRONTIER, SPEED = "accuracy/results/frontier-intel-xeon-2core.csv", "speed/results/intel-xeon-2core.csv"
-MMC = "peers/results/mmc-intel-xeon-2core.md"
+FRONTIER, SPEED = "accuracy/results/frontier-amd-epyc-2core.csv", "speed/results/speed-amd-epyc-2core.csv"
+MMC = "peers/results/mmc-amd-epyc-2core.md"
 TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "one point of a rough scan"}
 CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
 LEAST = 1e-9  # of a bias on the chart

@@ -12,18 +12,18 @@ import tempfile
 import tables
 
 BENCH = tables.BENCH
-SPEED, PARTS = "speed/results/intel-xeon-2core.csv", "parts/results/parts-intel-xeon-2core.txt"
+SPEED, PARTS = "speed/results/speed-amd-epyc-2core.csv", "parts/results/parts-intel-xeon-2core.txt"
 # by folder: the scripts with their arguments, to which the README is added; a result alone is put there as it is
 COMMANDS = {
     "speed": (["speed/results.py", SPEED], ["speed/results.py", "--irregular", SPEED], ["speed/results/bodies-intel-xeon-2core.md"]),
     "accuracy": (["accuracy/accuracy_table.py", "accuracy/results/accuracy-amd-epyc-2core.csv"],
-                 ["accuracy/frontier_table.py", "accuracy/results/frontier-intel-xeon-2core.csv"],
+                 ["accuracy/frontier_table.py", "accuracy/results/frontier-amd-epyc-2core.csv"],
                  ["accuracy/results/unbiased.md"]),
     "stability": (["stability/atlas_table.py", "--readme"],),
-    "peers": (["peers/mmc.py", "--readme", "peers/results/mmc-intel-xeon-2core.md"], ["peers/results/vessel-intel-xeon-2core.md"]),
+    "peers": (["peers/mmc.py", "--readme", "peers/results/mmc-amd-epyc-2core.md"], ["peers/results/vessel-intel-xeon-2core.md"]),
     "choices": tuple(["choices/results/" + name] for name in ("roulette.md", "control.csv", "lattice.csv", "lattice-tried.csv",
                                                              "tried.csv")),
-    "parts": (["parts/limits.py", SPEED, PARTS], ["parts/gpu_static.py", "--readme", "parts/results/gpu-static.csv"],
+    "parts": (["parts/limits.py", "parts/results/speed-intel-xeon-2core.csv", PARTS], ["parts/gpu_static.py", "--readme", "parts/results/gpu-static.csv"],
               ["parts/results/lanes.csv"]),
     "": (["lib/answers.py"],),
 }

@@ -82,7 +82,7 @@ for path in sys.argv[2:]:
 END
 
     # a panel per scene, and every mark of the key
-    sh bench/accuracy/frontier.sh --draw bench/accuracy/results/frontier-intel-xeon-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
+    sh bench/accuracy/frontier.sh --draw bench/accuracy/results/frontier-amd-epyc-2core.csv "$work/frontier.svg" >"$work/out" 2>&1 ||
         complain "frontier.sh --draw: $(cat "$work/out")"
     python3 - "$work/frontier.svg" <<'END' || complain "frontier.sh --draw: wrong chart"
 import sys

@@ -2,6 +2,9 @@
  * from the number of its leaves alone. SPDX-License-Identifier: MIT */
 #include "geometry/box_tree.h"
 
+#include "geometry/predicate.h"
+#include "geometry/vec3.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -293,6 +296,65 @@ void cml_boxtree_column(const struct cml_boxtree *tree, double x, double y, cml_
 {
     const struct column column = {tree, {x, y}, visit, context};
     search_column(&column, root_of(tree));
+}
+
+struct through {
+    const struct cml_column_mesh *mesh;
+    uint32_t without;
+    const double *point;
+    struct cml_column column;
+};
+
+/* Does the edge, seen from above, pass the point on its right? Half open, and exact: a column through an edge
+ * or a vertex counts exactly one of the triangles that meet there. */
+static bool passes_right(const double *a, const double *b, const double *point)
+{
+    if ((a[1] > point[1]) == (b[1] > point[1])) return false;
+    return (a[1] < b[1] ? cml_orient2d(a, b, point) : cml_orient2d(b, a, point)) > 0;
+}
+
+/* The depth of a triangle over a point, from barycentric coordinates; only for the message, so rounding does
+ * not matter. */
+static double depth_in_column(const double *const v[3], const double *point)
+{
+    double weight[3], sum = 0.0, z = 0.0;
+    for (int k = 0; k < 3; k++) {
+        const double *a = v[(k + 1) % 3], *b = v[(k + 2) % 3];
+        weight[k] = fabs(cml_vec2_area(point, a, b));
+        sum += weight[k];
+    }
+    for (int k = 0; k < 3; k++) z += weight[k] * v[k][2];
+    return sum > 0.0 ? z / sum : v[0][2];
+}
+
+/* A cml_boxtree_visit. A triangle is above the point when the point is on its lower side: the exact 3D
+ * orientation, with the sign that the triangle's turn seen from above gives it. */
+static void visit_through(void *context, uint32_t i)
+{
+    struct through *through = context;
+    const struct cml_column_mesh *mesh = through->mesh;
+    struct cml_column *column = &through->column;
+    const double *v[3], *point = through->point;
+    bool inside = false;
+    if (mesh->part && mesh->part[i] == through->without) return;
+    for (int k = 0; k < 3; k++) v[k] = mesh->vertex[mesh->triangle[i][k]];
+    for (int k = 0; k < 3; k++) inside ^= passes_right(v[k], v[(k + 1) % 3], point);
+    if (!inside) return;
+    const int turn = cml_orient2d(v[0], v[1], v[2]);
+    const int side = cml_orient3d(v[0], v[1], v[2], point) * turn;
+    column->crossings++;
+    column->above += side < 0;
+    column->winding -= side < 0 ? turn : 0;
+    column->touches |= side == 0;
+    column->nearest = fmin(column->nearest, fabs(depth_in_column(v, point) - point[2]));
+}
+
+struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_t without,
+                                     const double point[3])
+{
+    struct through through = {mesh, without, point, {.nearest = INFINITY}};
+    cml_boxtree_column(mesh->tree, point[0], point[1], visit_through, &through);
+    return through.column;
 }
 
 /* One search for what touches a box. */

@@ -40,6 +40,28 @@ typedef void cml_boxtree_visit(void *context, uint32_t i);
 void cml_boxtree_column(const struct cml_boxtree *tree, double x, double y, cml_boxtree_visit *visit,
                         void *context);
 
+/* A mesh in a tree; all borrowed. part: of each triangle, NULL where all count. */
+struct cml_column_mesh {
+    const double (*vertex)[3];
+    const uint32_t (*triangle)[3];
+    const uint32_t *part;
+    const struct cml_boxtree *tree;
+};
+
+struct cml_column {
+    int crossings, above; /* triangles in the column, and those above the point */
+    int winding;          /* of those above: facing up (mesh.h) less facing down */
+    bool touches;         /* the point lies on one */
+    double nearest;       /* cm to the next in the vertical, rounded; INFINITY: there is none */
+};
+
+/* What of a mesh stands over and under a point in the vertical, by exact signs (predicate.h): on which side
+ * of a sheet, or in which part of a body it lies. Of all triangles but those of part `without`. A column
+ * through an edge or a vertex counts one of the triangles on each of its sides. */
+struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_t without,
+                                     const double point[3]);
+#define CML_WITHOUT_NONE UINT32_MAX
+
 /* Every triangle whose box touches this one. */
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context);

@@ -13,6 +13,8 @@ void cml_mesh_clear(struct cml_mesh *mesh)
     free(mesh->border);
     free(mesh->vertex_normal);
     free(mesh->slope);
+    free(mesh->part);
+    free(mesh->part_start);
     *mesh = (struct cml_mesh){0};
 }
 
@@ -37,9 +39,11 @@ cml_status cml_mesh_copy(const struct cml_mesh *from, struct cml_mesh *to, struc
     to->border = duplicate(from->border, from->num_border * sizeof *from->border, &good);
     to->vertex_normal = duplicate(from->vertex_normal, from->num_vertices * sizeof *from->vertex, &good);
     to->slope = duplicate(from->slope, from->num_triangles * sizeof *from->slope, &good);
+    to->part = duplicate(from->part, from->num_triangles * sizeof *from->part, &good);
+    to->part_start = duplicate(from->part_start, from->num_parts * sizeof *from->part_start, &good);
     if (good) return CML_OK;
     cml_mesh_clear(to);
-    return cml_fail_memory(err, 48.0 * (double)from->num_vertices + 12.0 * (double)from->num_triangles,
+    return cml_fail_memory(err, 48.0 * (double)from->num_vertices + 16.0 * (double)from->num_triangles,
                            "a copy of a mesh");
 }
 

@@ -30,7 +30,10 @@ struct cml_mesh {
     double z_border;           /* depth of the border's plane in the boundary's frame, cm */
     double lower[3], upper[3]; /* bounding box, cm */
     enum cml_normals normals;
-    bool closed;  /* a body without a border, instead of a sheet: asked of cml_mesh_prepare */
+    bool closed;          /* a body without a border, instead of a sheet: asked of cml_mesh_prepare */
+    size_t num_parts;     /* of a body: closed surfaces without a common corner, or 0 */
+    uint32_t *part;       /* [num_triangles] which of them a triangle belongs to; of a sheet NULL */
+    uint32_t *part_start; /* [num_parts] the first triangle of each, rising; of a sheet NULL */
     double skirt; /* cm: width of the skirt that cml_mesh_prepare adds to a border that is not level; 0: none,
                    * such a border is refused */
     double (*vertex_normal)[3]; /* [num_vertices] unit, angle-weighted, pointing up; at the border the outer
@@ -57,6 +60,7 @@ struct cml_mesh_notes {
     size_t degenerate; /* triangles of zero area that were dropped */
     size_t unused;     /* vertices that no triangle uses, dropped */
     size_t flipped;    /* triangles whose winding was turned */
+    size_t cavities;   /* of a body: parts that are one */
     size_t bent;       /* polygons whose corners lie in no plane, cut into triangles by their reader */
     double bend;       /* cm: largest distance of such a corner from its polygon's mean plane */
     double levelled;   /* cm: span of the border's heights before it was levelled, where that is more than
@@ -79,7 +83,9 @@ CML_NODISCARD cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cm
                                           struct cml_mesh_notes *notes, struct cml_error *err);
 
 /* The same of a closed body (mesh->closed): no border, which is refused with an edge of it; triangles turned
- * so that their normals point outwards; num_border is 0 and z_border the body's highest depth. */
+ * so that their normals point outwards; num_border is 0 and z_border the body's highest depth. It may have
+ * several parts: one inside another is a cavity, whose normals point into it, one inside a cavity is solid
+ * again, and so on. That parts cross is not looked for; one without a volume is refused. */
 
 /* True when every vertex lies at the same depth: the boundary is then the plane z = *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);

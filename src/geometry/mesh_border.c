@@ -1,9 +1,12 @@
-/* The border of a mesh: one loop, horizontal, simple; and which side of the sheet is up.
+/* The border of a mesh: one loop, horizontal, simple; and which side of the sheet is up. Of a body: that it
+ * has none, which of its parts lie in which, and which side of each is outside of what it bounds.
  * SPDX-License-Identifier: MIT */
+#include "geometry/box_tree.h"
 #include "geometry/mesh_parts.h"
 #include "geometry/polygon.h"
 #include "geometry/vec3.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -201,21 +204,6 @@ static cml_status check_simple(const struct cml_mesh_work *work, const uint32_t 
     return status;
 }
 
-/* Six times the signed volume, about a vertex: of a closed surface the same about any point, and above 0 when
- * the triangles turn counter-clockwise seen from outside. */
-static double signed_volume(const struct cml_mesh *mesh)
-{
-    const double *origin = mesh->vertex[0];
-    double volume = 0;
-    for (size_t t = 0; t < mesh->num_triangles; t++) {
-        double corner[3][3], normal[3];
-        for (int k = 0; k < 3; k++) cml_vec3_subtract(mesh->vertex[mesh->triangle[t][k]], origin, corner[k]);
-        cml_vec3_cross(corner[1], corner[2], normal);
-        volume += cml_vec3_dot(corner[0], normal);
-    }
-    return volume;
-}
-
 /* All triangles and the border change their sense; depths and places stay. */
 static void flip_sheet(struct cml_mesh_work *work)
 {
@@ -231,26 +219,6 @@ static void flip_sheet(struct cml_mesh_work *work)
         mesh->border[j - 1] = swap;
     }
     work->notes.flipped = mesh->num_triangles - work->notes.flipped;
-}
-
-cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
-{
-    struct cml_mesh *mesh = work->mesh;
-    for (uint32_t e = 0; e < 3 * mesh->num_triangles; e++) {
-        char from[112], to[112];
-        if (work->opposite[e] != CML_NO_OPPOSITE) continue;
-        return cml_mesh_fail(work, cml_mesh_triangle_line(work, e / 3), err,
-                             "the body is open: the edge from %s to %s belongs to one face only (expected a "
-                             "closed surface)",
-                             cml_mesh_place(mesh->vertex[cml_half_edge_from(mesh, e)], from),
-                             cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, e)], to));
-    }
-    const double volume = signed_volume(mesh);
-    if (volume == 0)
-        return cml_mesh_fail(work, 0, err, "the body has no volume (expected a closed surface around one)");
-    mesh->z_border = mesh->lower[2];
-    if (volume < 0) flip_sheet(work);
-    return CML_OK;
 }
 
 /* The border that the outer plane begins at, on one depth: the sheet's own, or that of a skirt. A skirt of a
@@ -280,5 +248,120 @@ cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *er
      * plane. */
     if (status == CML_OK && border.area > 0) flip_sheet(work);
     free(leaving);
+    return status;
+}
+
+/* ---- bodies ---- */
+
+/* What is known of a part. */
+struct part {
+    double volume; /* six times the signed one: above 0 when triangles turn counter-clockwise seen from
+                      outside */
+    double size;   /* of the terms of that sum */
+    double terms;
+    bool cavity;
+};
+
+static cml_status refuse_open_edges(const struct cml_mesh_work *work, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    for (uint32_t e = 0; e < 3 * mesh->num_triangles; e++) {
+        char from[112], to[112];
+        if (work->opposite[e] != CML_NO_OPPOSITE) continue;
+        return cml_mesh_fail(work, cml_mesh_triangle_line(work, e / 3), err,
+                             "the body is open: the edge from %s to %s belongs to one face only (expected a "
+                             "closed surface)",
+                             cml_mesh_place(mesh->vertex[cml_half_edge_from(mesh, e)], from),
+                             cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, e)], to));
+    }
+    return CML_OK;
+}
+
+/* A corner of the part: of a closed surface the volume is the same about any point. */
+static const double *start_of(const struct cml_mesh *mesh, uint32_t part)
+{
+    return mesh->vertex[mesh->triangle[mesh->part_start[part]][0]];
+}
+
+static void sum_volumes(const struct cml_mesh *mesh, struct part *parts)
+{
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        struct part *part = &parts[mesh->part[t]];
+        double corner[3][3], normal[3], size = 1;
+        for (int k = 0; k < 3; k++) {
+            cml_vec3_subtract(mesh->vertex[mesh->triangle[t][k]], start_of(mesh, mesh->part[t]), corner[k]);
+            size *= cml_vec3_length(corner[k]);
+        }
+        cml_vec3_cross(corner[1], corner[2], normal);
+        part->volume += cml_vec3_dot(corner[0], normal);
+        part->size += size;
+        part->terms++;
+    }
+}
+
+/* The sign must be that of the volume itself. A determinant of three vectors rounds by at most 7 halves of an
+ * epsilon of the product of their lengths, times 1.2 for its six terms without their signs, and 3 more for
+ * the vectors; a sum of n by n halves of what it adds up. */
+static cml_status check_volumes(const struct cml_mesh_work *work, const struct part *parts,
+                                struct cml_error *err)
+{
+    for (uint32_t k = 0; k < work->mesh->num_parts; k++) {
+        const double err_volume = DBL_EPSILON * (parts[k].terms + 10) * parts[k].size;
+        char place[112];
+        if (fabs(parts[k].volume) > err_volume) continue;
+        return cml_mesh_fail(work, cml_mesh_triangle_line(work, work->mesh->part_start[k]), err,
+                             "the body has no volume from %s on: %.3g cm3, of which rounding may be %.3g "
+                             "(expected a closed surface around one)",
+                             cml_mesh_place(start_of(work->mesh, k), place), fabs(parts[k].volume) / 6,
+                             err_volume / 6);
+    }
+    return CML_OK;
+}
+
+/* A part lies in every other one that stands an odd number of times above one of its corners. */
+static cml_status find_cavities(struct cml_mesh_work *work, struct part *parts, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    struct cml_column_mesh column = {(const double(*)[3])mesh->vertex, (const uint32_t(*)[3])mesh->triangle,
+                                     mesh->part, NULL};
+    struct cml_boxtree *tree;
+    if (mesh->num_parts == 1) return CML_OK;
+    CML_TRY(cml_boxtree_create(column.vertex, column.triangle, mesh->num_triangles, &tree, err));
+    column.tree = tree;
+    for (uint32_t k = 0; k < mesh->num_parts; k++) {
+        parts[k].cavity = cml_column_through(&column, k, start_of(mesh, k)).above % 2 == 1;
+        work->notes.cavities += parts[k].cavity;
+    }
+    cml_boxtree_free(tree);
+    return CML_OK;
+}
+
+static void turn_parts(struct cml_mesh_work *work, const struct part *parts)
+{
+    struct cml_mesh *mesh = work->mesh;
+    for (size_t t = 0; t < mesh->num_triangles; t++) {
+        const struct part *part = &parts[mesh->part[t]];
+        if ((part->volume < 0) == part->cavity) continue;
+        const uint32_t second = mesh->triangle[t][1];
+        mesh->triangle[t][1] = mesh->triangle[t][2];
+        mesh->triangle[t][2] = second;
+        work->notes.flipped += work->turned[t] ? (size_t)-1 : 1;
+    }
+}
+
+cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err)
+{
+    struct cml_mesh *mesh = work->mesh;
+    struct part *parts = calloc(mesh->num_parts, sizeof *parts);
+    if (!parts) return cml_fail_memory(err, (double)(mesh->num_parts * sizeof *parts), "the parts of a body");
+    cml_status status = refuse_open_edges(work, err);
+    if (status == CML_OK) {
+        sum_volumes(mesh, parts);
+        status = check_volumes(work, parts, err);
+    }
+    if (status == CML_OK) status = find_cavities(work, parts, err);
+    if (status == CML_OK) turn_parts(work, parts);
+    mesh->z_border = mesh->lower[2];
+    free(parts);
     return status;
 }

@@ -14,6 +14,7 @@ struct cml_mesh_work {
     struct cml_mesh_notes notes;
     uint32_t *origin;   /* [num_triangles] number of the triangle before any was dropped */
     uint32_t *opposite; /* [3 num_triangles] half-edge on the other side, or CML_NO_OPPOSITE at the border */
+    uint8_t *turned;    /* [num_triangles] whether cml_mesh_orient has turned it */
 };
 
 /* Refuses what is not finite or out of range; welds; drops degenerate triangles and unused vertices. */
@@ -25,7 +26,8 @@ bool cml_mesh_is_degenerate(const struct cml_mesh *mesh, size_t t);
 /* Finds the opposites; refuses an edge with more than two triangles. */
 CML_NODISCARD cml_status cml_mesh_pair_edges(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Turns triangles until all agree with the first; refuses several parts and sheets with one side. */
+/* Turns triangles until all of a part agree with its first; refuses parts with one side, and several of a
+ * sheet; of a body mesh->part and part_start. */
 CML_NODISCARD cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Refuses a vertex whose triangles are not one fan. */
@@ -35,7 +37,8 @@ CML_NODISCARD cml_status cml_mesh_check_fans(const struct cml_mesh_work *work, s
  * given) or crosses itself; turns the whole sheet when its border says that it is upside down. */
 CML_NODISCARD cml_status cml_mesh_find_border(struct cml_mesh_work *work, struct cml_error *err);
 
-/* Of a closed mesh: refuses an edge of one triangle only, turns all triangles outwards. */
+/* Of a closed mesh: refuses an edge of one triangle only and a part without volume, turns all triangles
+ * outwards of what they bound. */
 CML_NODISCARD cml_status cml_mesh_turn_outwards(struct cml_mesh_work *work, struct cml_error *err);
 
 /* Adds mesh->skirt around the simple loop mesh->border: two triangles per edge, wound like the sheet, and as

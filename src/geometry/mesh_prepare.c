@@ -39,9 +39,14 @@ cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cml_mesh_source 
     free(mesh->vertex_normal);
     mesh->border = NULL;
     mesh->vertex_normal = NULL;
+    free(mesh->part);
+    free(mesh->part_start);
+    mesh->part = mesh->part_start = NULL;
+    mesh->num_parts = 0;
     const cml_status status = prepare_steps(&work, err);
     free(work.origin);
     free(work.opposite);
+    free(work.turned);
     if (notes) *notes = work.notes;
     return status;
 }

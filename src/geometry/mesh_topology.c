@@ -120,22 +120,10 @@ static cml_status visit_neighbours(const struct cml_mesh_work *work, uint32_t t,
     return CML_OK;
 }
 
-/* Breadth first from triangle to triangle over common edges. A sheet is orientable when no triangle is asked
- * to run both ways, and connected when one start reaches all. */
-static cml_status visit_all(const struct cml_mesh_work *work, uint8_t *state, uint32_t *queue,
-                            struct cml_error *err)
+static cml_status refuse_parts(const struct cml_mesh_work *work, size_t parts, uint32_t second,
+                               struct cml_error *err)
 {
     const struct cml_mesh *mesh = work->mesh;
-    size_t head = 0, tail = 0, parts = 0;
-    uint32_t second = 0;
-    for (uint32_t seed = 0; seed < mesh->num_triangles; seed++) {
-        if (state[seed] != UNVISITED) continue;
-        if (++parts == 2) second = seed;
-        state[seed] = KEPT;
-        queue[tail++] = seed;
-        while (head < tail) CML_TRY(visit_neighbours(work, queue[head++], state, queue, &tail, err));
-    }
-    if (parts == 1) return CML_OK;
     char place[112];
     return cml_mesh_fail(work, cml_mesh_triangle_line(work, second), err,
                          "the mesh falls into %zu separate parts, the second from %s on (expected one "
@@ -143,13 +131,45 @@ static cml_status visit_all(const struct cml_mesh_work *work, uint8_t *state, ui
                          parts, cml_mesh_place(mesh->vertex[mesh->triangle[second][0]], place));
 }
 
+/* Breadth first from triangle to triangle over common edges. A sheet is orientable when no triangle is asked
+ * to run both ways, and connected when one start reaches all. Returns in *parts how many starts it took, and
+ * the second one in *second; of a body notes which triangle each start reaches. */
+static cml_status visit_all(const struct cml_mesh_work *work, uint32_t *queue, size_t *parts,
+                            uint32_t *second, struct cml_error *err)
+{
+    const struct cml_mesh *mesh = work->mesh;
+    uint8_t *state = work->turned;
+    size_t head = 0, tail = 0;
+    for (uint32_t seed = 0; seed < mesh->num_triangles; seed++) {
+        if (state[seed] != UNVISITED) continue;
+        if (++*parts == 2) *second = seed;
+        state[seed] = KEPT;
+        queue[tail++] = seed;
+        for (; head < tail; head++) {
+            CML_TRY(visit_neighbours(work, queue[head], state, queue, &tail, err));
+            if (mesh->part) mesh->part[queue[head]] = (uint32_t)(*parts - 1);
+        }
+    }
+    return CML_OK;
+}
+
+/* Parts are numbered in the order of their first triangles. */
+static cml_status list_parts(struct cml_mesh *mesh, size_t parts, struct cml_error *err)
+{
+    mesh->part_start = malloc(parts * sizeof *mesh->part_start);
+    if (!mesh->part_start) return no_memory(mesh, err);
+    for (uint32_t t = 0; t < mesh->num_triangles; t++)
+        if (mesh->part[t] == mesh->num_parts) mesh->part_start[mesh->num_parts++] = t;
+    return CML_OK;
+}
+
 /* A turned triangle (a, c, b) has its half-edges 0 and 2 exchanged. */
-static void flip_triangles(struct cml_mesh_work *work, const uint8_t *state)
+static void flip_triangles(struct cml_mesh_work *work)
 {
     struct cml_mesh *mesh = work->mesh;
     uint32_t *opposite = work->opposite;
     for (size_t t = 0; t < mesh->num_triangles; t++) {
-        if (state[t] != FLIPPED) continue;
+        if (work->turned[t] != FLIPPED) continue;
         work->notes.flipped++;
         uint32_t *corner = mesh->triangle[t];
         const uint32_t second = corner[1], edge = opposite[3 * t];
@@ -159,27 +179,31 @@ static void flip_triangles(struct cml_mesh_work *work, const uint8_t *state)
         opposite[3 * t + 2] = edge;
     }
     for (size_t e = 0; e < 3 * mesh->num_triangles; e++)
-        if (opposite[e] != CML_NO_OPPOSITE && state[opposite[e] / 3] == FLIPPED)
+        if (opposite[e] != CML_NO_OPPOSITE && work->turned[opposite[e] / 3] == FLIPPED)
             opposite[e] = opposite[e] / 3 * 3 + 2 - opposite[e] % 3;
 }
 
 /* The first triangle sets the sense; which side is up, the border says later (cml_mesh_find_border). */
 cml_status cml_mesh_orient(struct cml_mesh_work *work, struct cml_error *err)
 {
-    const size_t num_triangles = work->mesh->num_triangles;
-    uint8_t *state = malloc(num_triangles);
-    uint32_t *queue = malloc(num_triangles * sizeof *queue);
+    struct cml_mesh *mesh = work->mesh;
+    const size_t num_triangles = mesh->num_triangles;
+    size_t parts = 0;
+    uint32_t second = 0, *queue = malloc(num_triangles * sizeof *queue);
+    work->turned = malloc(num_triangles);
+    if (mesh->closed) mesh->part = malloc(num_triangles * sizeof *mesh->part);
     cml_status status = CML_OK;
-    if (!state || !queue) {
-        status = no_memory(work->mesh, err);
+    if (!work->turned || !queue || (mesh->closed && !mesh->part)) {
+        status = no_memory(mesh, err);
     } else {
-        memset(state, UNVISITED, num_triangles);
-        status = visit_all(work, state, queue, err);
-        if (status == CML_OK) flip_triangles(work, state);
+        memset(work->turned, UNVISITED, num_triangles);
+        status = visit_all(work, queue, &parts, &second, err);
     }
-    free(state);
     free(queue);
-    return status;
+    CML_TRY(status);
+    flip_triangles(work);
+    if (mesh->closed) return list_parts(mesh, parts, err);
+    return parts == 1 ? CML_OK : refuse_parts(work, parts, second, err);
 }
 
 /* Marks the corners of the fan around the vertex of corner `start`: over incoming half-edges one way round,

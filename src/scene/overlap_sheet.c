@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "scene/overlap_sheet.h"
 
-#include "geometry/predicate.h"
 #include "geometry/vec3.h"
 
 #include <float.h>
@@ -168,78 +167,29 @@ void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_ov
     }
 }
 
-/* What of a sheet stands over and under a point. */
-struct column {
-    const struct cml_sheet *sheet;
-    const double *point;
-    int crossings, above; /* triangles in the column, and those above the point */
-    bool touches;         /* the point lies on the sheet */
-    double nearest;       /* distance to the next triangle in the vertical */
-};
-
-/* Does the edge, seen from above, pass the point on its right? Half open, and exact: a column through an edge
- * or a vertex counts exactly one of the triangles that meet there. */
-static bool passes_right(const double *a, const double *b, const double *point)
-{
-    if ((a[1] > point[1]) == (b[1] > point[1])) return false;
-    return (a[1] < b[1] ? cml_orient2d(a, b, point) : cml_orient2d(b, a, point)) > 0;
-}
-
-/* The depth of a triangle over a point, from barycentric coordinates; only for the message, so rounding does
- * not matter. */
-static double depth_in_column(const double *const v[3], const double *point)
-{
-    double weight[3], sum = 0.0, z = 0.0;
-    for (int k = 0; k < 3; k++) {
-        const double *a = v[(k + 1) % 3], *b = v[(k + 2) % 3];
-        weight[k] = fabs(cml_vec2_area(point, a, b));
-        sum += weight[k];
-    }
-    for (int k = 0; k < 3; k++) z += weight[k] * v[k][2];
-    return sum > 0.0 ? z / sum : v[0][2];
-}
-
-/* A triangle is above the point when the point is on its lower side: the exact 3D orientation, with the sign
- * that the triangle's turn seen from above gives it. */
-static void visit_column(void *context, uint32_t i)
-{
-    struct column *column = context;
-    const double *v[3];
-    corners(column->sheet, i, v);
-    bool inside = false;
-    for (int k = 0; k < 3; k++) inside ^= passes_right(v[k], v[(k + 1) % 3], column->point);
-    if (!inside) return;
-    const int side = cml_orient3d(v[0], v[1], v[2], column->point) * cml_orient2d(v[0], v[1], v[2]);
-    column->crossings++;
-    column->above += side < 0;
-    column->touches |= side == 0;
-    column->nearest = fmin(column->nearest, fabs(depth_in_column(v, column->point) - column->point[2]));
-}
-
 /* The outer plane stands in the column where the triangles alone would not close the sheet. */
-static void add_outer_plane(struct column *column)
+static struct cml_column column_through(const struct cml_sheet *sheet, const double *point)
 {
-    if (column->crossings % 2 == 1 || column->sheet->mesh->closed) return;
-    const double distance = column->point[2] - column->sheet->z_plane;
-    column->above += distance > 0.0;
-    column->touches |= distance == 0.0;
-    column->nearest = fmin(column->nearest, fabs(distance));
+    const struct cml_column_mesh mesh = {(const double(*)[3])sheet->vertex,
+                                         (const uint32_t(*)[3])sheet->mesh->triangle, NULL, sheet->tree};
+    struct cml_column column = cml_column_through(&mesh, CML_WITHOUT_NONE, point);
+    if (column.crossings % 2 == 1 || sheet->mesh->closed) return column;
+    const double distance = point[2] - sheet->z_plane;
+    column.above += distance > 0.0;
+    column.touches |= distance == 0.0;
+    column.nearest = fmin(column.nearest, fabs(distance));
+    return column;
 }
 
 bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3])
 {
-    struct column column = {sheet, point, 0, 0, false, INFINITY};
-    cml_boxtree_column(sheet->tree, point[0], point[1], visit_column, &column);
-    add_outer_plane(&column);
-    return column.above % 2 == 1;
+    return column_through(sheet, point).above % 2 == 1;
 }
 
 /* How far the point is on the wrong side of the sheet in the vertical; 0 when it is on the right one. */
 static double depth_on_wrong_side(const struct cml_sheet *sheet, const double *point, bool should_be_below)
 {
-    struct column column = {sheet, point, 0, 0, false, INFINITY};
-    cml_boxtree_column(sheet->tree, point[0], point[1], visit_column, &column);
-    add_outer_plane(&column);
+    const struct cml_column column = column_through(sheet, point);
     const double err_depth = 8.0 * DBL_EPSILON * fabs(point[2]);
     const bool is_below = column.above % 2 == 1;
     if (column.touches || is_below == should_be_below || column.nearest <= err_depth) return 0.0;

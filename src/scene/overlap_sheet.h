@@ -53,6 +53,12 @@ void cml_sheet_against_sheet(const struct cml_sheet *upper, const struct cml_she
 void cml_sheet_contact(const struct cml_sheet *a, const struct cml_sheet *b,
                        struct cml_sheet_overlap *overlap);
 
+/* A corner of a part of a closed mesh. */
+static inline const double *cml_sheet_part_start(const struct cml_sheet *sheet, size_t part)
+{
+    return sheet->vertex[sheet->mesh->triangle[sheet->mesh->part_start[part]][0]];
+}
+
 /* Whether a point (scene's frame, cm) that is not on the sheet lies below it; of a closed mesh: inside. */
 bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3]);
 

@@ -22,6 +22,14 @@ OCTAHEDRON = ("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\n"
 MEDIUM = "1.4 1 10 0.8"
 
 
+def octahedra(*places):
+    """One mesh of octahedra: x, size of each."""
+    return ("".join(f"v {x + r * a} {r * b} {r * c}\n" for x, r in places
+                    for a, b, c in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))) +
+            "".join("f " + " ".join(str(int(i) + 6 * k) for i in face.split()[1:]) + "\n" for k in range(len(places))
+                    for face in OCTAHEDRON.splitlines() if face[0] == "f"))
+
+
 def sphere(z, r, x=0):
     return f"i sphere {x} 0 {z} {r:.9g} {MEDIUM}"
 
@@ -76,13 +84,41 @@ PAIRS = [
 ]
 
 
+def parts(name, size, x=0, z=0.25):
+    return f'i "{name}.obj" {MEDIUM} scale={size:.9g} shift={x:.9g},0,{-z}'
+
+
+# Meshes of several parts: a shell 0.1 cm wide around a cavity of half of that, and two octahedra beside each other.
+SHELL, TWO = parts("shell", 0.1), parts("two", 0.1)
+PAIRS += [
+    ("octahedron in a cavity", SHELL, lambda t: octahedron(0.25, 0.02, 0.03 * t)),
+    ("ball in a cavity", SHELL, lambda t: sphere(0.25, 0.05 / math.sqrt(3) * t)),
+    ("shell in a cavity", SHELL, lambda t: parts("shell", 0.02, 0.03 * t)),
+    ("ball between parts", TWO, lambda t: sphere(0.25, 0.1 * t)),
+    ("two in a ball", sphere(0.25, 0.15), lambda t: parts("two", 0.05 * t)),
+]
+# where the second lies, as `check` says it
+HOSTS = [(SHELL, octahedron(0.25, 0.04), "layer 1"), (SHELL, sphere(0.25, 0.02), "layer 1"), (SHELL, octahedron(0.25, 0.01, 0.07), "body 1"),
+         (SHELL, sphere(0.25, 0.01, 0.07), "body 1"), (TWO, sphere(0.25, 0.05, 0.2), "body 1"), (TWO, sphere(0.25, 0.05), "layer 1"),
+         (sphere(0.25, 0.11), SHELL, "body 1"), (octahedron(0.25, 0.2), parts("two", 0.05), "body 1"),
+         (parts("shell", 0.24), parts("two", 0.03), "layer 1")]
+# neither inside of the other nor apart
+OVERLAPS = [(SHELL, octahedron(0.25, 0.07)), (SHELL, sphere(0.25, 0.054)), (TWO, octahedron(0.25, 0.12, 0.2)),
+            (TWO, sphere(0.25, 0.11, -0.2)), (parts("shell", 0.2), parts("shell", 0.15))]
+# the body alone: what is said of it
+ALONE = [(None, parts("touching", 0.1), "touching.obj:22: the mesh touches itself at the vertex (0.1, 0, height -0.25) cm "),
+         (None, parts("crossing", 0.1), "scene.mci:{}: body 1 meets itself at ("),
+         (PYRAMID, parts("far", 0.005, 0.05, -0.04), "scene.mci:{}: body 1 lies beyond boundary 0 at ("),
+         (None, parts("small", 0.1), "scene.mci:{}: body 1: half a width of a part 1e-09 cm, expected at least ")]
+
+
 def check(surface, number, *bodies):
     lines = cml.mci(["1.4 0.1 10 0.9 0.5"], surfaces={number: surface} if surface else None).splitlines()
     layer = next(k for k, line in enumerate(lines) if line.startswith("1.4 0.1"))
     with open("scene.mci", "w", encoding="utf-8") as file:
         file.write("\n".join(lines[: layer + 1] + list(bodies) + lines[layer + 1 :]) + "\n")
     run = subprocess.run([cml.PROGRAM, "check", "scene.mci"], capture_output=True, text=True)
-    return run.returncode, run.stderr.strip(), layer + 2
+    return run.returncode, run.stderr.strip() or run.stdout, layer + 2
 
 
 def refused(verdict, name, surface, number, body, what):
@@ -106,11 +142,30 @@ def too_small(verdict):
         verdict.check(f"{what} too small", code == 2 and said.startswith(begin) and said.endswith(why) and "\n" not in said, f"{code}: {said}")
 
 
+def of_parts(verdict):
+    """Which body lies in which, where one has several parts, and what is refused."""
+    for first, second, host in HOSTS:
+        code, said, _ = check(None, 0, first, second)
+        body = next((line for line in said.splitlines() if line.strip().startswith("body 2: ")), said)
+        verdict.check("host", code == 0 and f", in {host};" in body, f"{first}\n{second}: {code}: {body}")
+    for first, second in OVERLAPS:
+        for bodies in ((first, second), (second, first)):
+            code, said, line = check(None, 0, *bodies)
+            begin = f"clustermcml: scene.mci:{line + 1}: body 2 overlaps body 1 (line {line}) at ("
+            end = ") cm (expected all parts of one inside the other, or none)"
+            verdict.check("overlap", code == 2 and said.startswith(begin) and said.endswith(end), f"{bodies}: {code}: {said}")
+    for surface, body, what in ALONE:
+        code, said, line = check(surface, 0, body)
+        verdict.check("parts", code == 2 and said.startswith("clustermcml: " + what.format(line)) and "\n" not in said, f"{body}: {code}: {said}")
+
+
 def main():
     verdict = cml.Verdict("body_bounds")
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        for name, text in (("pyramid.obj", PYRAMID_OBJ), ("octahedron.obj", OCTAHEDRON), ("tile.asc", TILE_ASC)):
+        for name, text in (("pyramid.obj", PYRAMID_OBJ), ("octahedron.obj", OCTAHEDRON), ("tile.asc", TILE_ASC), ("shell.obj", octahedra((0, 1), (0, 0.5))),
+                           ("two.obj", octahedra((2, 1), (-2, 1))), ("touching.obj", octahedra((0, 1), (1.5, 0.5))),
+                           ("crossing.obj", octahedra((0, 1), (1.5, 1))), ("far.obj", octahedra((0, 1), (40, 1))), ("small.obj", octahedra((0, 1), (2, 1e-8)))):
             with open(name, "w", encoding="utf-8") as file:
                 file.write(text)
         for surface, number, body, z, size in FITS:
@@ -135,6 +190,7 @@ def main():
                 begin = f"clustermcml: scene.mci:{line + 1}: body 2 meets body 1 (line {line}) at ("
                 verdict.check(name, code == 2 and said.startswith(begin) and "\n" not in said, f"meets: {code}: {said}")
         too_small(verdict)
+        of_parts(verdict)
     verdict.finish()
 
 

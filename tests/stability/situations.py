@@ -354,16 +354,36 @@ def closed(mesh, depth):
     return vertices + [(0.0, 0.0, -depth)], triangles + [(b, a, len(vertices)) for a, b in sorted(border)]
 
 
+def mushroom_body(cap):
+    return closed(mushroom(24, 0.05, cap, 0.2), 0.1)
+
+
+def joined(*meshes):
+    """One mesh of several parts: each of them moved by (x, y, z)."""
+    vertices, triangles = [], []
+    for (points, faces), (dx, dy, dz) in meshes:
+        triangles += [tuple(i + len(vertices) for i in t) for t in faces]
+        vertices += [(x + dx, y + dy, z + dz) for x, y, z in points]
+    return vertices, triangles
+
+
 def body_files(directory):
     """Writes closed meshes; their names without .obj. They lie in the middle of a layer of 1 cm."""
     needles = [(x * 30, y, z) for x, y, z in stone(16, 0.01, 0.002)[0]]
+    here = (0.0, 0.0, 0.0)
+    inner = [(x * (1 - 1e-6), y * (1 - 1e-6), z * (1 - 1e-6)) for x, y, z in stone(12, 0.3, 0.05)[0]]
     meshes = {
+        "parts": joined((stone(12, 0.15, 0.03), (-0.2, 0.0, 0.1)), (box(0.1), (0.2, 0.05, 0.0)), (stone(6, 0.1, 0.03, 2), (0.0, 0.3, -0.2)),
+                        (mushroom_body(0.1), (0.0, -0.35, 0.0))),
+        "shells": joined((stone(12, 0.3, 0.03), here), (stone(8, 0.2, 0.03, 2), here), (box(0.07), here), (stone(6, 0.04, 0.01, 3), here)),
+        "shell-1e-6": joined((stone(12, 0.3, 0.05), here), ((inner, stone(12, 0.3, 0.05)[1]), here)),
+        "boxes-1e-9": joined((box(0.1), (-0.1, 0.0, 0.0)), (box(0.1), (0.1 + 1e-9, 0.03, 0.02)), (box(0.1), (-0.12, 0.05, 0.2 + 1e-9))),
+        "crossing": joined((box(0.1), here), (box(0.1), (0.05, 0.03, 0.02))),
         "box": box(0.2),
         "stone": stone(12, 0.3, 0.05),
-        "stone-inside": ([(x * (1 - 1e-6), y * (1 - 1e-6), z * (1 - 1e-6)) for x, y, z in stone(12, 0.3, 0.05)[0]],
-                         stone(12, 0.3, 0.05)[1]),
+        "stone-inside": (inner, stone(12, 0.3, 0.05)[1]),
         "needle": (needles, stone(16, 0.01, 0.002)[1]),
-        "bottle": closed(mushroom(24, 0.05, 0.3, 0.2), 0.1),
+        "bottle": mushroom_body(0.3),
         "torn": (stone(12, 0.3, 0.05)[0], stone(12, 0.3, 0.05)[1][:-1]),
     }
     for name, (vertices, triangles) in meshes.items():
@@ -434,6 +454,12 @@ def mesh_bodies(line, body):
         inside(body["box"]), sphere(0.0, 0.0, 0.5, 0.15, (1.0, 0.0, 0.0, 0.0))]), AIMED)
     yield Situation("body-below-tile", scene([TURBID], {0: line["tile"]}, bodies=[
         inside(body["stone"]), cylinder((-2.0, 0.5, 0.3, 2.0, 0.5, 0.3), 0.1)]), AIMED)
+    yield Situation("body-parts", of([inside(body["parts"])]), AIMED + GRAZING[::2])
+    yield Situation("body-shells", of([inside(body["shells"]), sphere(0.0, 0.0, 0.5, 0.02, (1.0, 0.0, 0.0, 0.0))]), AIMED + GRAZING[::2])
+    yield Situation("body-shells-air", of([inside(body["shells"], (1.0, 0.0, 0.0, 0.0))], (1.5, 0.1, 2.0, 0.5, 1.0)), AIMED)
+    yield Situation("body-shell-1e-6cm", of([inside(body["shell-1e-6"])]), AIMED + GRAZING[::2])
+    yield Situation("body-boxes-1e-9cm", of([inside(body["boxes-1e-9"])]), AIMED + GRAZING[::2])
+    yield Situation("body-crossing-parts", of([inside(body["crossing"])]), refused="itself")
     yield Situation("body-torn", of([inside(body["torn"])]), refused="edge")
     yield Situation("body-through-mesh", scene([TURBID], {0: line["rough"]}, bodies=[sphere(0.0, 0.0, 0.3, 0.3)]),
                     refused="meets")

@@ -136,19 +136,30 @@ static cml_status compare_sphere_with_sheet(struct encounter *e, struct cml_erro
     return CML_OK;
 }
 
+/* Every part lies wholly on one side of a sheet that it does not meet. */
+static bool lies_beyond(struct encounter *e, const struct cml_sheet *body)
+{
+    for (size_t k = 0; k < body->mesh->num_parts; k++) {
+        const double *corner = cml_sheet_part_start(body, k);
+        if (cml_sheet_is_below(&e->sheet, corner) == e->below) continue;
+        cml_vec3_copy(corner, e->at);
+        return true;
+    }
+    return false;
+}
+
 static cml_status compare_mesh_with_sheet(struct encounter *e, const struct cml_mesh *mesh,
                                           struct cml_error *err)
 {
-    const struct cml_sheet *sheet = &e->sheet;
     struct cml_sheet body;
     struct cml_sheet_overlap overlap;
     CML_TRY(cml_sheet_create(mesh, 0, &body, err));
-    cml_sheet_contact(&body, sheet, &overlap);
-    const bool below = cml_sheet_is_below(sheet, body.vertex[0]);
-    cml_vec3_copy(overlap.contact == CML_APART ? body.vertex[0] : overlap.at, e->at);
+    cml_sheet_contact(&body, &e->sheet, &overlap);
+    if (overlap.contact != CML_APART) cml_vec3_copy(overlap.at, e->at);
+    const bool beyond = overlap.contact == CML_APART && lies_beyond(e, &body);
     cml_sheet_clear(&body);
     if (overlap.contact != CML_APART) return fail_encounter(e, "meets", err);
-    return below == e->below ? CML_OK : fail_encounter(e, "lies beyond", err);
+    return beyond ? fail_encounter(e, "lies beyond", err) : CML_OK;
 }
 
 /* Meshes, and cylinders as prisms, against what is no plane. */

@@ -12,9 +12,9 @@
 struct solid {
     const struct cml_scene_body *body;
     struct cml_sheet *sheet; /* of a mesh, else NULL */
-    double volume;
-    int number; /* of the body, from 0 */
-    int host;   /* medium */
+    double volume;           /* of its box, cm^3 */
+    int number;              /* of the body, from 0 */
+    int host;                /* medium */
 };
 
 /* All bodies, sorted by layer and volume, or later by host; and what has been found. */
@@ -32,19 +32,24 @@ static cml_status make_solid(const struct cml_scene *scene, int k, struct cml_sh
                              struct solid *solid, struct cml_error *err)
 {
     const struct cml_scene_body *body = &scene->bodies[k];
-    *solid = (struct solid){.body = body, .number = k, .host = body->layer, .volume = cml_body_volume(body)};
+    double lower[3], upper[3];
+    cml_body_box(body, lower, upper);
+    *solid = (struct solid){.body = body, .number = k, .host = body->layer, .volume = 1};
+    for (int i = 0; i < 3; i++) solid->volume *= upper[i] - lower[i];
     if (body->form != CML_BODY_MESH) return CML_OK;
     solid->sheet = sheet;
     return cml_sheet_create(&body->mesh, 0, sheet, err);
 }
 
 static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a, const struct solid *b,
-                            const double at[3], struct cml_error *err)
+                            enum cml_convex_order order, const double at[3], struct cml_error *err)
 {
     const struct solid *later = a->number > b->number ? a : b, *earlier = later == a ? b : a;
-    return cml_fail(err, CML_E_INPUT, "%s:%d: body %d meets body %d (line %d) at (%g %g %g) cm", scene->file,
-                    later->body->line, later->number + 1, earlier->number + 1, earlier->body->line, at[0],
-                    at[1], at[2]);
+    const bool overlap = order == CML_CONVEX_OVERLAP;
+    return cml_fail(err, CML_E_INPUT, "%s:%d: body %d %s body %d (line %d) at (%g %g %g) cm%s", scene->file,
+                    later->body->line, later->number + 1, overlap ? "overlaps" : "meets", earlier->number + 1,
+                    earlier->body->line, at[0], at[1], at[2],
+                    overlap ? " (expected all parts of one inside the other, or none)" : "");
 }
 
 /* What a sphere or cylinder meets of a mesh. */
@@ -69,7 +74,7 @@ static void compare_with_facet(void *context, uint32_t t)
 }
 
 /* How a sphere or cylinder lies to a mesh: no triangle may meet its surface; then all of them lie inside it,
- * or it lies wholly on one side of the mesh. */
+ * or none, and it lies wholly on one side of the mesh. */
 static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body,
                                                const struct cml_sheet *sheet, double at[3])
 {
@@ -79,10 +84,27 @@ static enum cml_convex_order compare_with_mesh(const struct cml_scene_body *body
     cml_body_box(body, lower, upper);
     cml_boxtree_touching(sheet->tree, lower, upper, compare_with_facet, &facets);
     if (facets.meets) return CML_CONVEX_MEET;
-    if (facets.inside > 0) return CML_CONVEX_SECOND_INSIDE;
+    if (facets.inside == sheet->mesh->num_triangles) return CML_CONVEX_SECOND_INSIDE;
+    cml_vec3_copy(convex.centre, at);
+    if (facets.inside > 0) return CML_CONVEX_OVERLAP;
     return cml_sheet_is_below(sheet, convex.centre) ? CML_CONVEX_FIRST_INSIDE : CML_CONVEX_APART;
 }
 
+/* How many parts of a lie inside of b, which they do not meet; at: of one of them. */
+static size_t count_inside(const struct cml_sheet *a, const struct cml_sheet *b, double at[3])
+{
+    size_t inside = 0;
+    for (size_t k = 0; k < a->mesh->num_parts; k++) {
+        const double *corner = cml_sheet_part_start(a, k);
+        if (!cml_sheet_is_below(b, corner)) continue;
+        cml_vec3_copy(corner, at);
+        inside++;
+    }
+    return inside;
+}
+
+/* Surfaces apart, a lies inside of b when all of its surface does and none of b's lies inside of a: a part of
+ * a could else be around a part, or a cavity, of b. What lies in a cavity of the other is apart from it. */
 static enum cml_convex_order compare_meshes(const struct solid *a, const struct solid *b, double at[3])
 {
     struct cml_sheet_overlap overlap;
@@ -91,8 +113,10 @@ static enum cml_convex_order compare_meshes(const struct solid *a, const struct 
         cml_vec3_copy(overlap.at, at);
         return CML_CONVEX_MEET;
     }
-    if (cml_sheet_is_below(b->sheet, a->sheet->vertex[0])) return CML_CONVEX_FIRST_INSIDE;
-    return cml_sheet_is_below(a->sheet, b->sheet->vertex[0]) ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_APART;
+    const size_t of_a = count_inside(a->sheet, b->sheet, at), of_b = count_inside(b->sheet, a->sheet, at);
+    if (of_a == 0 && of_b == 0) return CML_CONVEX_APART;
+    if (of_a == a->sheet->mesh->num_parts && of_b == 0) return CML_CONVEX_FIRST_INSIDE;
+    return of_b == b->sheet->mesh->num_parts && of_a == 0 ? CML_CONVEX_SECOND_INSIDE : CML_CONVEX_OVERLAP;
 }
 
 static enum cml_convex_order compare_solids(const struct solid *a, const struct solid *b, double at[3])
@@ -120,7 +144,7 @@ static cml_status check_self(const struct cml_scene *scene, const struct solid *
                     overlap.at[2], (unsigned)overlap.triangle[0], (unsigned)overlap.triangle[1]);
 }
 
-/* Layer after layer, small before large: no body lies in one before it. */
+/* Layer after layer, small before large: no body lies in one before it, whose box is smaller. */
 static int compare_volumes(const void *left, const void *right)
 {
     const struct solid *a = left, *b = right;
@@ -149,8 +173,9 @@ static bool lies_in(void *context, uint32_t i, uint32_t j)
     double at[3];
     if (p->status != CML_OK) return true;
     const enum cml_convex_order order = compare_solids(inner, outer, at);
-    if (order == CML_CONVEX_MEET) p->status = fail_pair(p->scene, inner, outer, at, p->err);
-    return order == CML_CONVEX_FIRST_INSIDE || order == CML_CONVEX_MEET;
+    const bool fails = order == CML_CONVEX_MEET || order == CML_CONVEX_OVERLAP;
+    if (fails) p->status = fail_pair(p->scene, inner, outer, order, at, p->err);
+    return order == CML_CONVEX_FIRST_INSIDE || fails;
 }
 
 /* A cml_boxtree_pair. */
@@ -160,8 +185,9 @@ static bool fails_beside(void *context, uint32_t i, uint32_t j)
     const struct solid *a = &p->solid[p->first + i], *b = &p->solid[p->first + j];
     double at[3];
     cml_body_point(a->body, at);
-    if (compare_solids(a, b, at) == CML_CONVEX_APART) return false;
-    p->status = fail_pair(p->scene, a, b, at, p->err);
+    const enum cml_convex_order order = compare_solids(a, b, at);
+    if (order == CML_CONVEX_APART) return false;
+    p->status = fail_pair(p->scene, a, b, order, at, p->err);
     return true;
 }
 

@@ -19,7 +19,8 @@ enum cml_convex_order {
     CML_CONVEX_APART,        /* no common point */
     CML_CONVEX_FIRST_INSIDE, /* the first lies inside the second, and not on its surface */
     CML_CONVEX_SECOND_INSIDE,
-    CML_CONVEX_MEET /* surfaces cross or touch, or come closer than rounding can tell */
+    CML_CONVEX_MEET,   /* surfaces cross or touch, or come closer than rounding can tell */
+    CML_CONVEX_OVERLAP /* never of convex sets: surfaces are apart, but only parts of one lie in the other */
 };
 
 /* How a and b lie to each other; at: with CML_CONVEX_MEET a place near both surfaces, else untouched. A

@@ -31,6 +31,28 @@ static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scen
  * (cross.small_bodies). Meshes were seen to from 30 on. */
 #define LEAST_ROUNDINGS 32
 
+/* Half the smallest width of the boxes around the parts of a mesh. */
+static cml_status size_of_parts(const struct cml_mesh *mesh, double *size, struct cml_error *err)
+{
+    double(*box)[2][3] = malloc(mesh->num_parts * sizeof *box);
+    if (!box) return cml_fail_memory(err, (double)(mesh->num_parts * sizeof *box), "the parts of a body");
+    for (size_t k = 0; k < mesh->num_parts; k++)
+        for (int i = 0; i < 3; i++)
+            box[k][0][i] = box[k][1][i] = mesh->vertex[mesh->triangle[mesh->part_start[k]][0]][i];
+    for (size_t c = 0; c < 3 * mesh->num_triangles; c++) {
+        double(*own)[3] = box[mesh->part[c / 3]];
+        for (int i = 0; i < 3; i++) {
+            own[0][i] = fmin(own[0][i], mesh->vertex[mesh->triangle[c / 3][c % 3]][i]);
+            own[1][i] = fmax(own[1][i], mesh->vertex[mesh->triangle[c / 3][c % 3]][i]);
+        }
+    }
+    *size = INFINITY;
+    for (size_t k = 0; k < mesh->num_parts; k++)
+        for (int i = 0; i < 3; i++) *size = fmin(*size, 0.5 * (box[k][1][i] - box[k][0][i]));
+    free(box);
+    return CML_OK;
+}
+
 /* Below that no body is flown. Roundings are those of single precision, for all engines alike. */
 static cml_status check_size(const struct cml_scene *scene, int k, const struct cml_body_surface *surface,
                              struct cml_error *err)
@@ -38,13 +60,13 @@ static cml_status check_size(const struct cml_scene *scene, int k, const struct 
     const struct cml_scene_body *body = &scene->bodies[k];
     const double *lower = surface->lower, *upper = surface->upper,
                  origin[3] = {scene->beam.x, scene->beam.y, 0};
-    double farthest = 0, size = INFINITY;
-    const char *what = body->form == CML_BODY_MESH ? "half a width" : "radius";
-    for (int i = 0; i < 3; i++) {
+    double farthest = 0, size = body->radius;
+    const char *what = body->form != CML_BODY_MESH ? "radius"
+                       : body->mesh.num_parts > 1  ? "half a width of a part"
+                                                   : "half a width";
+    for (int i = 0; i < 3; i++)
         farthest = fmax(farthest, fmax(fabs(lower[i] - origin[i]), fabs(upper[i] - origin[i])));
-        size = fmin(size, 0.5 * (upper[i] - lower[i]));
-    }
-    if (body->form != CML_BODY_MESH) size = body->radius;
+    if (body->form == CML_BODY_MESH) CML_TRY(size_of_parts(&body->mesh, &size, err));
     if (body->form == CML_BODY_CYLINDER && 0.5 * cml_body_convex(body).length < size) {
         size = 0.5 * cml_body_convex(body).length;
         what = "half the length";

@@ -1,0 +1,317 @@
+/* Bodies of several closed parts: which side of each is outside, and what lines cross that are aimed at
+ * vertices, edges and places where parts come close, against solid angles and all triangles in long double.
+ * SPDX-License-Identifier: MIT */
+#include "lib/part_shapes.h"
+
+#include "surface/mesh/mesh_surface.h"
+
+static struct soup soup;
+static struct dice dice;
+
+/* A stone, and in it often one or two others, or one that leaves it a wall of a millionth, to a depth of
+ * three. */
+static void add_nested(const double centre[3], double radius, int depth)
+{
+    if (soup.parts > SOUP_PARTS - 3) return;
+    soup_stone(&soup, &dice, centre, 3 + dice_below(&dice, 2), 0.8 * radius, radius);
+    if (dice_below(&dice, 3) == 0) soup_repeat(&soup, centre, 1 - 1e-6);
+    const double room = 0.95 * soup_distance(&soup, centre);
+    const int inner = depth < 3 ? dice_below(&dice, 3) : 0;
+    double u[3], at[3];
+    dice_direction(&dice, u);
+    for (int k = 0; k < inner; k++) {
+        cml_vec3_add_scaled(centre, inner == 1 ? 0 : (k ? 0.5 : -0.5) * room, u, at);
+        add_nested(at, inner == 1 ? room : 0.45 * room, depth + 1);
+    }
+}
+
+static void make_nested(uint32_t seed)
+{
+    soup = (struct soup){0};
+    dice = dice_new(seed);
+    for (int i = -1; i <= 1; i++) {
+        const double centre[3] = {2.01 * i, dice_between(&dice, -0.5, 0.5), dice_between(&dice, 0, 1)};
+        add_nested(centre, 1, 1);
+    }
+}
+
+static int parts_around(int part)
+{
+    const double *corner = soup.vertex[soup.triangle[soup.first[part]][0]];
+    int around = 0;
+    for (int k = 0; k < soup.parts; k++) around += k != part && soup_winding(&soup, k, corner) != 0;
+    return around;
+}
+
+static void facets_look_out_of_what_they_bound(void **state)
+{
+    (void)state;
+    int cavities = 0, solids_in_cavities = 0;
+    for (uint32_t seed = 1; seed <= 20; seed++) {
+        struct cml_mesh_notes notes = {0};
+        int wrong = 0, odd = 0;
+        make_nested(seed);
+        struct cml_mesh mesh = soup_mesh(&soup, &dice, &notes);
+        for (int k = 0; k < soup.parts; k++) odd += parts_around(k) % 2;
+        for (int k = 0; k < soup.parts; k++) solids_in_cavities += parts_around(k) == 2;
+        assert_int_equal(mesh.num_parts, soup.parts);
+        assert_int_equal(notes.cavities, odd);
+        cavities += odd;
+        for (size_t t = 0; t < mesh.num_triangles; t++) {
+            double normal[3], side[3], middle[3] = {0, 0, 0};
+            for (int k = 0; k < 3; k++)
+                cml_vec3_add_scaled(middle, 1.0 / 3, mesh.vertex[mesh.triangle[t][k]], middle);
+            cml_vec3_area(mesh.vertex[mesh.triangle[t][0]], mesh.vertex[mesh.triangle[t][1]],
+                          mesh.vertex[mesh.triangle[t][2]], normal);
+            cml_vec3_normalise(normal);
+            cml_vec3_add_scaled(middle, 1e-8, normal, side);
+            wrong += soup_holds(&soup, side);
+            cml_vec3_add_scaled(middle, -1e-8, normal, side);
+            wrong += !soup_holds(&soup, side);
+            wrong += mesh.part[t] != (uint32_t)soup.part[t];
+        }
+        assert_int_equal(wrong, 0);
+        cml_mesh_clear(&mesh);
+    }
+    assert_true(cavities > 20 && solids_in_cavities > 5);
+}
+
+static struct cml_mesh_surface *surface_of_soup(void)
+{
+    struct cml_mesh mesh = soup_mesh(&soup, &dice, NULL);
+    struct cml_mesh_surface *surface = NULL;
+    struct cml_error err = {CML_OK, ""};
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_EMBREE, &surface, &err), CML_OK);
+    return surface;
+}
+
+/* Where a line crosses a triangle, if it does. */
+static bool crosses(int t, const double p[3], const double u[3], double *at)
+{
+    long double d[3][3], side[3], weight = 0, height = 0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++)
+            d[i][k] = (long double)soup.vertex[soup.triangle[t][i]][k] - (long double)p[k];
+    for (int i = 0; i < 3; i++) {
+        const long double *a = d[(i + 1) % 3], *b = d[(i + 2) % 3];
+        side[i] = (long double)u[0] * (a[1] * b[2] - a[2] * b[1]) +
+                  (long double)u[1] * (a[2] * b[0] - a[0] * b[2]) +
+                  (long double)u[2] * (a[0] * b[1] - a[1] * b[0]);
+    }
+    if (!((side[0] > 0 && side[1] > 0 && side[2] > 0) || (side[0] < 0 && side[1] < 0 && side[2] < 0)))
+        return false;
+    for (int i = 0; i < 3; i++) {
+        weight += side[i];
+        height += side[i] *
+                  (d[i][0] * (long double)u[0] + d[i][1] * (long double)u[1] + d[i][2] * (long double)u[2]);
+    }
+    *at = (double)(height / weight);
+    return true;
+}
+
+/* The first boundary ahead of p: the parts around a place change in number; those of cavities from even to
+ * odd, of a union from none to some. */
+static double first_boundary(const double p[3], const double u[3], int *triangle)
+{
+    enum { MOST = 4 * SOUP_PARTS };
+    double at[MOST];
+    int of[MOST], count = 0;
+    bool around[SOUP_PARTS];
+    int parts = 0;
+    for (int k = 0; k < soup.parts; k++) parts += around[k] = soup_winding(&soup, k, p) != 0;
+    for (int t = 0; t < soup.num_triangles; t++)
+        if (count < MOST && crosses(t, p, u, &at[count]) && at[count] > 0) of[count++] = t;
+    for (double done = 0;;) {
+        int next = -1;
+        for (int i = 0; i < count; i++)
+            if (at[i] > done && (next < 0 || at[i] < at[next])) next = i;
+        if (next < 0) return INFINITY;
+        const int part = soup.part[of[next]], before = parts;
+        around[part] = !around[part];
+        parts += around[part] ? 1 : -1;
+        done = at[next];
+        *triangle = of[next];
+        if (!soup.unite || (before == 0) != (parts == 0)) return done;
+    }
+}
+
+/* Anywhere around, or at a vertex, on an edge or on a facet. */
+static void choose_target(double p[3])
+{
+    const int t = dice_below(&dice, soup.num_triangles), kind = dice_below(&dice, 4);
+    const double *a = soup.vertex[soup.triangle[t][0]], *b = soup.vertex[soup.triangle[t][1]],
+                 *c = soup.vertex[soup.triangle[t][2]];
+    const double s = kind > 0 ? dice_uniform(&dice) : 0, r = kind > 1 ? dice_uniform(&dice) * (1 - s) : 0;
+    for (int k = 0; k < 3; k++) p[k] = a[k] + s * (b[k] - a[k]) + r * (c[k] - a[k]);
+    if (kind < 3) return;
+    dice_direction(&dice, p);
+    for (int k = 0; k < 3; k++) p[k] *= k == 0 ? 3 : 1;
+}
+
+/* Lines at random, none within rounding of an edge: the same crossing, the fast and the exact way. */
+static void compare_lines(int lines)
+{
+    struct cml_mesh_surface *surface = surface_of_soup();
+    int met = 0, wrong = 0;
+    for (int i = 0; i < lines; i++) {
+        struct cml_mesh_crossing crossing;
+        double p[3], u[3];
+        int triangle = -1;
+        choose_target(p);
+        dice_direction(&dice, u);
+        for (int k = 0; k < 3; k++) p[k] += dice_between(&dice, -0.3, 0.3);
+        const bool inside = soup_holds(&soup, p);
+        const double t = first_boundary(p, u, &triangle);
+        met += t < INFINITY;
+        const double err_position = 4 * DBL_EPSILON * (fabs(p[0]) + fabs(p[1]) + fabs(p[2]));
+        const int hit =
+            cml_mesh_surface_hit(surface, p, u, inside, INFINITY, -1, 0, i % 2, err_position, &crossing);
+        wrong += (hit != 0) != (t < INFINITY) ||
+                 (hit && (fabs(crossing.t - t) > 1e-12 || crossing.primitive != triangle));
+    }
+    cml_mesh_surface_free(surface);
+    assert_true(met > lines / 3);
+    if (wrong) fail_msg("%d of %d lines", wrong, lines);
+}
+
+static void lines_meet_what_long_double_says(void **state)
+{
+    (void)state;
+    for (uint32_t seed = 1; seed <= 10; seed++) {
+        make_nested(seed);
+        compare_lines(1000);
+    }
+}
+
+/* What rounding may hide of a place: 32 steps of single precision, or 1024 of double, at its coordinates. */
+struct walk {
+    const struct cml_mesh_surface *surface;
+    bool single;
+    double p[3], u[3];
+    bool inside;
+    int on;
+    int wrong, crossings;
+};
+
+static double rounding_at(const struct walk *walk, double steps)
+{
+    const double size = fabs(walk->p[0]) + fabs(walk->p[1]) + fabs(walk->p[2]);
+    return steps * (walk->single ? (double)FLT_EPSILON : DBL_EPSILON) * size;
+}
+
+static void round_to(const struct walk *walk, const double from[3], double to[3])
+{
+    for (int k = 0; k < 3; k++) to[k] = walk->single ? (double)(float)from[k] : from[k];
+}
+
+/* Whether a place can be on the walk's side. */
+static void check_side(struct walk *walk, const double at[3])
+{
+    if (soup_holds(&soup, at) == walk->inside) return;
+    if (soup_distance(&soup, at) > rounding_at(walk, walk->single ? 32 : 1024)) walk->wrong++;
+}
+
+/* A path of this length, to its end or to what it crosses, where half of the packets are turned back. */
+static void take_step(struct walk *walk, double length)
+{
+    struct cml_mesh_crossing crossing = {.t = length, .primitive = -1};
+    double middle[3], end[3];
+    const int hit = cml_mesh_surface_hit(walk->surface, walk->p, walk->u, walk->inside, length, walk->on, 0,
+                                         0, rounding_at(walk, 4), &crossing);
+    const double t = hit ? crossing.t : length;
+    cml_vec3_add_scaled(walk->p, t * dice_uniform(&dice), walk->u, middle);
+    check_side(walk, middle);
+    cml_vec3_add_scaled(walk->p, t, walk->u, end);
+    round_to(walk, hit ? crossing.point : end, walk->p);
+    walk->on = hit ? crossing.primitive : (crossing.ends_near_facet ? CML_NEAR_FACETS : -1);
+    if (!hit) return;
+    walk->crossings++;
+    if (dice_below(&dice, 2)) {
+        walk->inside = !walk->inside;
+        return;
+    }
+    double turned[3];
+    cml_vec3_add_scaled(walk->u, -2 * cml_vec3_dot(walk->u, crossing.facet), crossing.facet, turned);
+    cml_vec3_normalise(turned);
+    round_to(walk, turned, walk->u);
+}
+
+/* Starts somewhere, aims at a target, goes to it or through it, is scattered there, and so on. */
+static void wander(struct walk *walk)
+{
+    double start[3];
+    do {
+        choose_target(start);
+        for (int k = 0; k < 3; k++) start[k] += dice_between(&dice, -0.1, 0.1);
+        round_to(walk, start, walk->p);
+    } while (soup_distance(&soup, walk->p) < 1e-4);
+    walk->inside = soup_holds(&soup, walk->p);
+    walk->on = -1;
+    for (int step = 0; step < 12 && !walk->wrong; step++) {
+        double target[3], u[3], distance;
+        choose_target(target);
+        cml_vec3_subtract(target, walk->p, u);
+        distance = cml_vec3_length(u);
+        if (!(distance > 0) || dice_below(&dice, 4) == 0) dice_direction(&dice, u);
+        cml_vec3_normalise(u);
+        round_to(walk, u, walk->u);
+        take_step(walk, distance * (dice_below(&dice, 3) ? 1 : dice_between(&dice, 0.5, 2)));
+        while (walk->on >= 0) take_step(walk, dice_between(&dice, 0, 1));
+        check_side(walk, walk->p);
+    }
+}
+
+static void wander_often(int walks)
+{
+    struct cml_mesh_surface *surface = surface_of_soup();
+    int wrong = 0, crossings = 0;
+    for (int i = 0; i < walks; i++) {
+        struct walk walk = {.surface = surface, .single = i % 2};
+        wander(&walk);
+        wrong += walk.wrong > 0;
+        crossings += walk.crossings;
+    }
+    cml_mesh_surface_free(surface);
+    assert_true(crossings > walks);
+    if (wrong) fail_msg("%d of %d walks, %d crossings", wrong, walks, crossings);
+}
+
+static void packets_stay_on_their_side(void **state)
+{
+    (void)state;
+    for (uint32_t seed = 1; seed <= 8; seed++) {
+        make_nested(seed);
+        wander_often(300);
+    }
+}
+
+/* Boxes side by side, much closer than what single precision tells apart, and around each other. */
+static void parts_may_be_closer_than_rounding(void **state)
+{
+    (void)state;
+    static const double gaps[] = {1e-4, 1e-7, 1e-9, 1e-12, 1e-15};
+    for (int i = 0; i < COUNT(gaps); i++) {
+        const double gap = gaps[i], a[3] = {0.1, 0.2, 0.3}, b[3] = {0.7, 0.8, 0.9},
+                     c[3] = {0.7 + gap, 0.1, 0.3}, d[3] = {1.4, 0.8 + gap, 1.1},
+                     e[3] = {0.1 + gap, 0.2 + gap, 0.3 + gap}, f[3] = {0.5, 0.6, 0.9 - gap},
+                     g[3] = {0.1, 0.8 + gap, 0.3}, h[3] = {0.7, 1.1, 1};
+        soup = (struct soup){0};
+        dice = dice_new((uint32_t)i);
+        soup_box(&soup, a, b);
+        soup_box(&soup, c, d);
+        soup_box(&soup, e, f); /* a cavity of the first, open to all but three of its sides */
+        soup_box(&soup, g, h);
+        wander_often(3000);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(facets_look_out_of_what_they_bound),
+        cmocka_unit_test(lines_meet_what_long_double_says),
+        cmocka_unit_test(packets_stay_on_their_side),
+        cmocka_unit_test(parts_may_be_closer_than_rounding),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -6,6 +6,7 @@
 
 #include "base/text.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -141,6 +142,56 @@ cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_e
     return status;
 }
 
+/* ---- alone ---- */
+
+/* Length of NAME in "NAME.PID-N.tmp", a temporary file's name; 0: it is none. */
+static size_t name_length(const char *entry)
+{
+    const size_t length = strlen(entry), end = length > 4 ? length - 4 : 0;
+    size_t begin = end;
+    if (end == 0 || strcmp(entry + end, ".tmp") != 0) return 0;
+    while (begin > 0 && strchr("0123456789-", entry[begin - 1])) begin--;
+    return begin > 1 && begin < end && entry[begin - 1] == '.' ? begin - 1 : 0;
+}
+
+void cml_file_remove_leftovers(const char *path, size_t folder,
+                               bool (*is_ours)(const void *context, const char *name, const char *left),
+                               const void *context)
+{
+    char place[PATH_MAX] = ".", name[PATH_MAX + NAME_MAX], left[PATH_MAX + NAME_MAX];
+    if (folder > 0) snprintf(place, sizeof place, "%.*s", (int)folder, path);
+    DIR *directory = opendir(place);
+    if (!directory) return;
+    for (struct dirent *entry; (entry = readdir(directory));) {
+        const size_t length = name_length(entry->d_name);
+        snprintf(name, sizeof name, "%.*s%.*s", (int)folder, path, (int)length, entry->d_name);
+        snprintf(left, sizeof left, "%.*s%s", (int)folder, path, entry->d_name);
+        if (length > 0 && is_ours(context, name, left)) remove(left);
+    }
+    closedir(directory);
+}
+
+static bool was_this(const void *context, const char *name, const char *left)
+{
+    const struct cml_file *file = context;
+    return strcmp(name, file->path) == 0 && strcmp(left, file->temporary) != 0;
+}
+
+cml_status cml_file_create_alone(const char *path, struct cml_file *file, struct cml_error *err)
+{
+    char name[PATH_MAX];
+    CML_TRY(cml_file_create(path, file, err));
+    if (!file->temporary) return CML_OK;
+    snprintf(name, sizeof name, "%s.lock", file->path);
+    const cml_status status = cml_file_lock_take(name, &file->lock, err);
+    const char *slash = strrchr(file->path, '/');
+    if (status == CML_OK)
+        cml_file_remove_leftovers(file->path, slash ? (size_t)(slash - file->path) + 1 : 0, was_this, file);
+    else
+        cml_file_abort(file);
+    return status;
+}
+
 /* ---- safe from a crash of the machine ---- */
 
 /* Files that are committed and not synced; used by the thread that writes files. */
@@ -251,11 +302,20 @@ static int finish_stream(struct cml_file *file)
     return fclose(stream) != 0 && reason == 0 ? errno : reason;
 }
 
+/* A second name for the old file, so that it stands under its own until the new one does; where the file
+ * system knows no second names, under the second alone for a moment. 0: done, or there is no old file. */
+static int keep_old(const struct cml_file *file)
+{
+    if (access(file->path, F_OK) != 0) return 0;
+    remove(file->keep);
+    return link(file->path, file->keep) == 0 || rename(file->path, file->keep) == 0 ? 0 : errno;
+}
+
 /* The new file takes the old one's place, which may be kept. 0: done. */
 static int take_place(struct cml_file *file)
 {
-    if (!file->temporary) return 0;
-    if (file->keep && rename(file->path, file->keep) != 0 && errno != ENOENT) return errno;
+    const int reason = file->temporary && file->keep ? keep_old(file) : 0;
+    if (!file->temporary || reason != 0) return reason;
     if (rename(file->temporary, file->path) != 0) return errno;
     file->temporary[0] = '\0';
     if (!deferred.on) return sync_folder(file->path);
@@ -276,6 +336,7 @@ void cml_file_abort(struct cml_file *file)
 {
     if (file->stream) fclose(file->stream);
     if (file->temporary && file->temporary[0]) remove(file->temporary);
+    cml_file_lock_release(&file->lock);
     free(file->path);
     free(file->temporary);
     *file = (struct cml_file){0};

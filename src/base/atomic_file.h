@@ -3,6 +3,7 @@
 #ifndef CML_ATOMIC_FILE_H
 #define CML_ATOMIC_FILE_H
 
+#include "base/file_lock.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -24,6 +25,7 @@ struct cml_file {
     int reason;        /* errno of the first write that failed; 0: none */
     uint64_t size;     /* bytes written to the stream */
     unsigned long sum; /* their CRC-32 */
+    struct cml_file_lock lock; /* held until the commit; zeroed: none */
 };
 
 /* /dev/null and /dev/stdout: a rename would put a file in their place. */
@@ -33,9 +35,21 @@ bool cml_file_is_device(const char *path);
  * which would be lost by the rename; or of a link to nothing. */
 CML_NODISCARD cml_status cml_file_create(const char *path, struct cml_file *file, struct cml_error *err);
 
+/* The same for a file that one call of a command writes: alone, as "PATH.lock" is held until the commit, and
+ * without what killed processes have left of it. CML_E_IO also where another process holds the lock. */
+CML_NODISCARD cml_status cml_file_create_alone(const char *path, struct cml_file *file,
+                                               struct cml_error *err);
+
+/* Removes the temporary files of killed processes from a folder, the first `folder` bytes of `path` with the
+ * slash at their end, 0: the current one. is_ours: whether nobody writes the file NAME of which the temporary
+ * file LEFT was one; both begin with the folder. */
+void cml_file_remove_leftovers(const char *path, size_t folder,
+                               bool (*is_ours)(const void *context, const char *name, const char *left),
+                               const void *context);
+
 /* Flush, fsync, compare, close, rename, fsync of the folder. On failure (CML_E_IO) the temporary file goes,
- * and what stood under PATH still does, or stands under `keep`; where only the folder could not be synced,
- * the new file stands there. */
+ * and what stood under PATH still does (without hard links it may stand under `keep`); where only the folder
+ * could not be synced, the new file stands there. */
 CML_NODISCARD cml_status cml_file_commit(struct cml_file *file, struct cml_error *err);
 
 /* While it is deferred, cml_file_commit does not sync: a file is complete for everyone at once, but it is

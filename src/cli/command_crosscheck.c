@@ -94,7 +94,7 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
     struct dump dump = {NULL, setup};
     struct cml_check_result result;
     if (options->dump) {
-        CML_TRY(cml_file_create(options->dump, &file, err));
+        CML_TRY(cml_file_create_alone(options->dump, &file, err));
         dump.stream = file.stream;
         dump_head(&dump);
         setup->on_difference = dump_packet;

@@ -251,7 +251,7 @@ static cml_status publish(int picture, const char *path, struct cml_error *err)
 {
     char part[16384];
     struct cml_file file;
-    CML_TRY(cml_file_create(path, &file, err));
+    CML_TRY(cml_file_create_alone(path, &file, err));
     for (off_t done = 0;;) {
         const ssize_t got = pread(picture, part, sizeof part, done);
         if (got <= 0) break;

@@ -1,4 +1,4 @@
-"""Every kind of call (open, write, fsync, close, rename, unlink) on every file that a run touches fails once, the first
+"""Every kind of call (open, write, fsync, close, rename, link, unlink) on every file that a run touches fails once, the first
 or the last one, with an older result in the folder or without. Where a result cannot be written the exit code is 5 and
 one line names the file; what stood there stays, nothing half written does, and --resume brings the bytes of the run
 without faults. A checkpoint that cannot be written is noted, and the run goes on. Short writes are no failure.
@@ -14,7 +14,7 @@ from file_faults import NAMES, Folder, fault  # noqa: E402
 
 REASONS = {"open": ["ENOSPC", "EROFS", "ENOENT", "EINTR"], "write": ["EIO", "ENOSPC", "short", "EINTR"],
            "fsync": ["EIO", "EINTR"], "close": ["EIO"], "rename": ["EIO", "EROFS", "ENOENT", "ENOSPC"],
-           "unlink": ["EROFS"]}
+           "link": ["EPERM", "EEXIST"], "unlink": ["EROFS"]}
 
 
 def aims(folder):

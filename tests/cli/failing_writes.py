@@ -96,7 +96,7 @@ class Work:
     def faults(self, whole):
         """(call, which of all calls of its kind, + or nothing, reason)"""
         for call, reasons in CALLS.items():
-            names = [name for made, name in self.calls if made == call and name != "small.lock"]
+            names = [name for made, name in self.calls if made == call and not name.endswith(".lock")]
             ends = {names.index(name) for name in names} | {len(names) - 1 - names[::-1].index(name) for name in names}
             for i in range(len(names)) if whole else sorted(ends):
                 for many in ("", "+") if whole else ("+",) if i % 2 else ("",):

@@ -1,4 +1,4 @@
-"""SIGKILL aimed at every kind of call (open, write, fsync, close, rename, unlink) on every file that a run touches,
+"""SIGKILL aimed at every kind of call (open, write, fsync, close, rename, link, unlink) on every file that a run touches,
 before the first such call and after the last one, and in the middle of a write; with an older result in the folder
 or without. What stands under a final name is then a whole file, old or new; --resume on other threads or ranks, or a
 run from the beginning, leaves the bytes of the run that nobody stopped, and nothing else.

@@ -68,7 +68,7 @@ FOREIGN = {
     "zlib.h": "src/base/atomic_file src/output/files/hdf5_read src/run/checkpoint src/run/identity src/scene/checksum",
     "sys/mman.h": "src/plot/gnuplot",
     "sys/wait.h": "src/plot/gnuplot",
-    "dirent.h": "src/cli/run/outputs",
+    "dirent.h": "src/base/atomic_file",
 }
 COMMON = set("""assert.h ctype.h errno.h float.h inttypes.h limits.h math.h stdarg.h stdatomic.h stdbool.h stddef.h
     stdint.h stdio.h stdlib.h string.h strings.h time.h fcntl.h sys/stat.h sys/types.h unistd.h""".split())

@@ -1,12 +1,10 @@
 /* Preloaded: a file system that fails, and power that goes off. What counts are calls on files whose names
  * are in CML_FAULT_FOLDER (absolute, no links, "/" at its end), and on that folder, whose name is ".".
  * CML_FAULT="CALL N ACTION [NAME]" hits the N-th call ("N+": and all later ones) of CALL: open (for writing),
- * write, fsync, close, rename, unlink or ftruncate;
- * with NAME only calls on that file, for rename the new name. A temporary file ("FILE.PID-N.tmp") is called
- * "FILE.tmp". ACTION:
- *   before, after   SIGKILL before the call, or when it has been made
- *   stop            SIGSTOP before the call, which is made after SIGCONT
- *   half            SIGKILL when half of a write has been made
+ * write, fsync, close, rename, link, unlink or ftruncate;
+ * with NAME only calls on that file, for rename and link the new name. A temporary file ("FILE.PID-N.tmp") is
+ * called "FILE.tmp". ACTION: before, after   SIGKILL before the call, or when it has been made stop SIGSTOP
+ * before the call, which is made after SIGCONT half            SIGKILL when half of a write has been made
  *   short           half of a write is made, and its caller is told so
  *   lost            a write is not made, and its caller is told that it was
  *   a number        the call is not made and fails with this errno; close closes all the same
@@ -191,6 +189,11 @@ int close(int file)
 int rename(const char *from, const char *to)
 {
     ON_NAME("rename", to, REAL(rename)(from, to));
+}
+
+int link(const char *from, const char *to)
+{
+    ON_NAME("link", to, REAL(link)(from, to));
 }
 
 int unlink(const char *path)

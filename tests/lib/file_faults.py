@@ -32,7 +32,7 @@ class Folder:
         self.expected = self.read()
         with open(log, encoding="utf-8") as file:
             self.calls = [tuple(line.split()) for line in file]  # (call, file); temporary ones are NAME.tmp
-        if sorted(self.expected) != NAMES or ("rename", "skinmap.mco.checkpoint.old") not in self.calls:
+        if sorted(self.expected) != NAMES or ("link", "skinmap.mco.checkpoint.old") not in self.calls:
             raise RuntimeError(f"left {sorted(self.expected)} by {self.calls}")
 
     def __enter__(self):

@@ -8,7 +8,6 @@
 #include "output/report.h"
 #include "run/checkpoint.h"
 
-#include <dirent.h>
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -268,32 +267,13 @@ static int compare_names(const void *a, const void *b)
     return strcmp(((const struct cml_output_file *)a)->name, ((const struct cml_output_file *)b)->name);
 }
 
-/* Length of NAME in "NAME.PID-N.tmp", a temporary file's name (atomic_file.h); 0: it is none. */
-static size_t name_length(const char *entry)
+/* What our outputs leave belongs to nobody, because we hold the locks. */
+static bool is_ours(const void *context, const char *name, const char *left)
 {
-    const size_t length = strlen(entry), end = length > 4 ? length - 4 : 0;
-    size_t begin = end;
-    if (end == 0 || strcmp(entry + end, ".tmp") != 0) return 0;
-    while (begin > 0 && strchr("0123456789-", entry[begin - 1])) begin--;
-    return begin > 1 && begin < end && entry[begin - 1] == '.' ? begin - 1 : 0;
-}
-
-/* One directory's entries; those of our outputs belong to nobody, because we hold the locks. */
-static void remove_leftovers_in(const struct cml_outputs *outputs, const char *folder, size_t folder_length)
-{
-    char path[PATH_MAX], name[PATH_MAX + NAME_MAX + 2];
-    snprintf(path, sizeof path, "%.*s", (int)folder_length, folder);
-    DIR *directory = opendir(folder_length > 0 ? path : "/");
-    if (!directory) return;
-    for (struct dirent *entry; (entry = readdir(directory));) {
-        const struct cml_output_file key = {.name = name};
-        const size_t length = name_length(entry->d_name);
-        snprintf(name, sizeof name, "%s/%.*s", path, (int)length, entry->d_name);
-        if (length == 0 || !bsearch(&key, outputs->file, outputs->count, sizeof key, compare_names)) continue;
-        snprintf(name, sizeof name, "%s/%s", path, entry->d_name);
-        remove(name);
-    }
-    closedir(directory);
+    const struct cml_outputs *outputs = context;
+    const struct cml_output_file key = {.name = (char *)name};
+    (void)left;
+    return bsearch(&key, outputs->file, outputs->count, sizeof key, compare_names) != NULL;
 }
 
 /* Directory by directory: the outputs are sorted, so those of one mostly follow each other. */
@@ -305,7 +285,7 @@ static void remove_leftovers(const struct cml_outputs *outputs)
         const size_t length = slash ? (size_t)(slash - name) : 0;
         const bool same =
             i > 0 && length == before && strncmp(name, outputs->file[i - 1].name, length + 1) == 0;
-        if (slash && !same) remove_leftovers_in(outputs, name, length);
+        if (slash && !same) cml_file_remove_leftovers(name, length + 1, is_ours, outputs);
         before = length;
     }
 }

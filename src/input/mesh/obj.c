@@ -199,7 +199,7 @@ cml_status cml_obj_write(const char *path, const struct cml_mesh *mesh, const ch
                          struct cml_error *err)
 {
     struct cml_file file;
-    CML_TRY(cml_file_create(path, &file, err));
+    CML_TRY(cml_file_create_alone(path, &file, err));
     if (comment && *comment) write_comment(file.stream, comment);
     /* 0.0 - z, because -z would write a height of zero as -0. */
     for (size_t i = 0; i < mesh->num_vertices; i++)

@@ -118,6 +118,28 @@ static void a_full_disk_keeps_the_old_file(void **state)
     case_remove(state, "out");
 }
 
+/* Kept under another name; where the new one cannot take its place, what stood there still does. */
+static void the_old_file_is_kept_and_not_lost(void **state)
+{
+    struct cml_error err;
+    struct cml_file file;
+    char keep[256];
+    case_path(state, "keep", keep);
+    for (int round = 1; round <= 3; round++) {
+        assert_int_equal(cml_file_create(case_in_directory(state, "out"), &file, &err), CML_OK);
+        file.keep = keep;
+        fprintf(file.stream, "%d", round);
+        if (round == 3) assert_int_equal(unlink(file.temporary), 0);
+        assert_int_equal(cml_file_commit(&file, &err), round == 3 ? CML_E_IO : CML_OK);
+        case_assert_holds(state, "out", round == 1 ? "1" : "2");
+        if (round == 1) assert_absent(state, "keep");
+        if (round == 2) case_assert_holds(state, "keep", "1");
+    }
+    assert_nothing_is_left(state);
+    case_remove(state, "out");
+    case_remove(state, "keep");
+}
+
 /* A disk that says that it has written, and has not. */
 static void what_is_there_is_compared_with_what_was_written(void **state)
 {
@@ -275,6 +297,7 @@ int main(void)
         cmocka_unit_test(places_that_cannot_be_written),
         cmocka_unit_test(a_read_only_directory_is_reported),
         cmocka_unit_test(a_full_disk_keeps_the_old_file),
+        cmocka_unit_test(the_old_file_is_kept_and_not_lost),
         cmocka_unit_test(what_is_there_is_compared_with_what_was_written),
         cmocka_unit_test(syncs_may_wait),
         cmocka_unit_test(two_writers_do_not_mix),

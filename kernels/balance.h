@@ -45,12 +45,12 @@ enum cml_count {
     CML_NUM_COUNTS
 };
 
-/* Totals that have standard errors. */
+/* Totals that have standard errors, in the order in which they stand everywhere: Rsp, Rd, A, Tt. */
 enum cml_total {
     CML_TOTAL_SPECULAR,
     CML_TOTAL_REFLECTED,
-    CML_TOTAL_TRANSMITTED,
     CML_TOTAL_ABSORBED,
+    CML_TOTAL_TRANSMITTED,
     CML_NUM_TOTALS
 };
 

@@ -4,7 +4,7 @@
 #include "cli/run/outputs.h"
 
 #include "plot/compare_report.h"
-#include "plot/files/result_file.h"
+#include "result/h5.h"
 
 /* The picture first: where it fails the exit code says so, and nothing has been claimed yet. */
 static cml_status show(const struct cml_options *options, struct cml_compare_report *report,
@@ -32,15 +32,15 @@ static cml_status verdict(const struct cml_compare_report *report, struct cml_er
 }
 
 /* The picture's format is checked before the work, as everything that the user may have mistyped. */
-static cml_status compare(const struct cml_options *options, const struct cml_mco mco[2],
+static cml_status compare(const struct cml_options *options, const struct cml_outcome outcome[2],
                           struct cml_error *err)
 {
     const char *const *names = (const char *const *)options->operands;
     struct cml_comparison comparison;
     struct cml_compare_report report = {
-        .names = names, .mco = mco, .comparison = &comparison, .alpha = options->alpha};
+        .names = names, .outcome = outcome, .comparison = &comparison, .alpha = options->alpha};
     if (options->output) CML_TRY(cml_picture_of(options->output, &report.picture, err));
-    CML_TRY(cml_compare(&mco[0], &mco[1], names, &comparison, err));
+    CML_TRY(cml_compare(&outcome[0], &outcome[1], names, &comparison, err));
     cml_status status = show(options, &report, err);
     if (status == CML_OK) status = verdict(&report, err);
     cml_comparison_clear(&comparison);
@@ -50,14 +50,14 @@ static cml_status compare(const struct cml_options *options, const struct cml_mc
 /* Both are read before anything is said of either. */
 cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_mco mco[2];
+    struct cml_outcome outcome[2];
     if (options->output) CML_TRY(cml_check_overwrite("compare", options->output, options->operands, 2, err));
-    CML_TRY(cml_result_file_read(options->operands[0], &mco[0], err));
-    cml_status status = cml_result_file_read(options->operands[1], &mco[1], err);
+    CML_TRY(cml_result_read(options->operands[0], &outcome[0], err));
+    cml_status status = cml_result_read(options->operands[1], &outcome[1], err);
     if (status == CML_OK) {
-        status = compare(options, mco, err);
-        cml_mco_clear(&mco[1]);
+        status = compare(options, outcome, err);
+        cml_outcome_clear(&outcome[1]);
     }
-    cml_mco_clear(&mco[0]);
+    cml_outcome_clear(&outcome[0]);
     return status;
 }

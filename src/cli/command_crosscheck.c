@@ -3,6 +3,7 @@
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
+#include "result/quantity.h"
 #include "run/cluster.h"
 #include "run/crosscheck.h"
 #include "engine/engines.h"
@@ -50,7 +51,6 @@ static void print_side(const struct cml_check_side *side, const struct cml_resul
 
 static void print_pair(const struct cml_check_setup *setup, int s, const struct cml_check_pair *pair)
 {
-    static const char *const names[CML_NUM_TOTALS] = {"Rsp", "Rd", "Tt", "A"};
     const uint64_t differ = setup->photons - pair->equal;
     printf("%s against %s: %s\n", setup->sides[s].name, setup->sides[0].name,
            pair->agrees ? "agree" : "DISAGREE");
@@ -59,8 +59,8 @@ static void print_pair(const struct cml_check_setup *setup, int s, const struct 
            (unsigned long long)setup->photons,
            setup->sides[s].same_geometry ? ", at most 0.01 % may" : "; another geometry");
     for (int t = 0; t < CML_NUM_TOTALS; t++)
-        printf("  %-3s %+.3e +- %.1e  z = %+.2f\n", names[t], pair->total[t].mean, pair->total[t].error,
-               pair->total[t].z);
+        printf("  %-3s %+.3e +- %.1e  z = %+.2f\n", cml_quantities[t].name, pair->total[t].mean,
+               pair->total[t].error, pair->total[t].z);
     if (pair->worst_profile)
         printf("  worst bin: %s[%d], z = %+.2f, of %d values\n", pair->worst_profile, pair->worst_bin,
                pair->worst_z, pair->values);

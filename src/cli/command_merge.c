@@ -5,7 +5,8 @@
 #include "cli/run/outputs.h"
 #include "output/study/merge.h"
 #include "base/text.h"
-#include "plot/files/result_file.h"
+#include "result/h5.h"
+#include "result/mco.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,19 +17,16 @@ static const char *name_of(const char *path)
     return slash ? slash + 1 : path;
 }
 
-static void print_summary(const struct cml_mco *merged, const char *path, int count)
+static void print_summary(const struct cml_outcome *merged, const char *path, int count)
 {
-    static const char *const names[] = {"Rsp", "Rd", "A", "Tt"};
-    const double values[] = {merged->Rsp, merged->Rd, merged->A, merged->Tt};
-    double errors[4] = {0};
-    (void)cml_mco_extra(merged, "se_RAT", errors, 4);
     printf("%d results, %llu photons\n", count, (unsigned long long)merged->photons);
-    for (int i = 0; i < 4; i++) printf("  %-4s %.6f +- %.6f\n", names[i], values[i], errors[i]);
+    for (int i = 0; i < CML_TOTALS; i++)
+        printf("  %-4s %.6f +- %.6f\n", cml_quantities[i].name, merged->value[i][0], merged->error[i][0]);
     printf("  -> %s\n", path);
 }
 
 static cml_status write_merged(const struct cml_options *options, const struct cml_merge_input *inputs,
-                               int count, const struct cml_mco *merged, struct cml_error *err)
+                               int count, const struct cml_outcome *merged, struct cml_error *err)
 {
     const struct cml_hdf5_call call = {options->command, options->operands[0]};
     const char *path = options->output;
@@ -46,10 +44,10 @@ static cml_status write_merged(const struct cml_options *options, const struct c
 static cml_status merge(const struct cml_options *options, const struct cml_merge_input *inputs, int count,
                         struct cml_error *err)
 {
-    struct cml_mco merged;
+    struct cml_outcome merged;
     CML_TRY(cml_merge(inputs, count, name_of(options->output), &merged, err));
     const cml_status status = write_merged(options, inputs, count, &merged, err);
-    cml_mco_clear(&merged);
+    cml_outcome_clear(&merged);
     return status;
 }
 
@@ -68,16 +66,17 @@ static cml_status check_output(const struct cml_options *options, struct cml_err
 static cml_status read_and_merge(const struct cml_options *options, struct cml_error *err)
 {
     const int count = options->num_operands;
-    struct cml_mco *mco = calloc((size_t)count, sizeof *mco);
+    struct cml_outcome *outcomes = calloc((size_t)count, sizeof *outcomes);
     struct cml_merge_input *inputs = calloc((size_t)count, sizeof *inputs);
-    cml_status status = mco && inputs ? CML_OK : cml_fail_memory(err, count * (double)sizeof *mco, "results");
+    cml_status status =
+        outcomes && inputs ? CML_OK : cml_fail_memory(err, count * (double)sizeof *outcomes, "results");
     for (int i = 0; status == CML_OK && i < count; i++) {
-        inputs[i] = (struct cml_merge_input){options->operands[i], &mco[i]};
-        status = cml_result_file_read(options->operands[i], &mco[i], err);
+        inputs[i] = (struct cml_merge_input){options->operands[i], &outcomes[i]};
+        status = cml_result_read(options->operands[i], &outcomes[i], err);
     }
     if (status == CML_OK) status = merge(options, inputs, count, err);
-    for (int i = 0; mco && i < count; i++) cml_mco_clear(&mco[i]);
-    free(mco);
+    for (int i = 0; outcomes && i < count; i++) cml_outcome_clear(&outcomes[i]);
+    free(outcomes);
     free(inputs);
     return status;
 }

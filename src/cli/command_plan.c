@@ -6,6 +6,7 @@
 #include "base/json_name.h"
 #include "base/version.h"
 #include "engine/engines.h"
+#include "result/quantity.h"
 #include "run/cluster.h"
 
 #include <jansson.h>
@@ -106,7 +107,8 @@ static void print_plan(const struct plan *plan)
            plan->scene->output, 100 * plan->error, ranks, ranks == 1 ? "" : "s", threads,
            threads == 1 ? "" : "s");
     printf("  %-10s %-9s %9s", "engine", "sampling", "photons/s");
-    for (int goal = 0; goal < CML_NUM_GOALS; goal++) printf("  %9s %-11s", cml_goals[goal].name, "");
+    for (int goal = 0; goal < CML_NUM_GOALS; goal++)
+        printf("  %9s %-11s", cml_quantities[cml_goals[goal]].name, "");
     putchar('\n');
     for (int engine = 0; engine < ENGINES; engine++)
         for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
@@ -131,7 +133,7 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
                             sampling_names[lattice], "photons_per_s", speed);
     for (int goal = 0; goal < CML_NUM_GOALS; goal++) {
         const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
-        json_object_set_new(row, cml_goals[goal].name,
+        json_object_set_new(row, cml_quantities[cml_goals[goal]].name,
                             json_pack("{s:o, s:o}", "photons", number_json(photons), "seconds",
                                       number_json(photons / speed)));
     }

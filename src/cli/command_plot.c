@@ -3,11 +3,11 @@
 #include "cli/command.h"
 #include "cli/run/outputs.h"
 
-#include "plot/files/hdf5_result.h"
 #include "base/text.h"
-#include "plot/files/result_file.h"
+#include "plot/files/map_h5.h"
 #include "plot/plot.h"
 #include "plot/plot_map.h"
+#include "result/h5.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -44,18 +44,18 @@ static const char *name_of(const struct cml_options *options, int i)
 /* All that a plot of curves borrows. */
 struct curves {
     struct cml_plot plot;
-    struct cml_mco *results;
+    struct cml_outcome *results;
     struct cml_curve (*others)[2];
     const char **paths, **names;
 };
 
 /* Two bins, of which the last is not drawn, make no curve. */
-static cml_status read_result(const char *path, struct cml_mco *mco, struct cml_error *err)
+static cml_status read_result(const char *path, struct cml_outcome *outcome, struct cml_error *err)
 {
-    CML_TRY(cml_result_file_read(path, mco, err));
-    if (mco->nr >= 3) return CML_OK;
-    const int nr = mco->nr;
-    cml_mco_clear(mco);
+    CML_TRY(cml_result_read(path, outcome, err));
+    if (outcome->nr >= 3) return CML_OK;
+    const int nr = outcome->nr;
+    cml_outcome_clear(outcome);
     return cml_fail(err, CML_E_INPUT, "%s: nr = %d (expected 3 or more bins for a curve over r)", path, nr);
 }
 
@@ -100,7 +100,7 @@ static cml_status draw_curves(const struct cml_options *options, const struct cm
     c.plot.paths = c.paths;
     c.plot.names = c.names;
     if (status == CML_OK) status = cml_gnuplot_draw(cml_plot_script, &c.plot, picture_path(options), err);
-    for (int i = 0; i < c.plot.num_results; i++) cml_mco_clear(&c.results[i]);
+    for (int i = 0; i < c.plot.num_results; i++) cml_outcome_clear(&c.results[i]);
     for (int i = 0; i < 2 * c.plot.num_curves; i++) cml_curve_free(&c.others[i / 2][i % 2]);
     free(c.results);
     free(c.others);
@@ -128,12 +128,12 @@ static cml_status read_map(const char *path, const char *of, const struct cml_sh
 {
     const char *array = array_of(of);
     char unit[CML_HDF5_UNIT] = "1/cm2";
-    struct cml_mco mco;
+    struct cml_outcome outcome;
     if (shown) {
         snprintf(quantity, QUANTITY, "%s", shown->map);
-        CML_TRY(cml_result_file_read(path, &mco, err));
-        const cml_status status = cml_shown_map(&mco, path, shown, map, err);
-        cml_mco_clear(&mco);
+        CML_TRY(cml_result_read(path, &outcome, err));
+        const cml_status status = cml_shown_map(&outcome, path, shown, map, err);
+        cml_outcome_clear(&outcome);
         return status;
     }
     CML_TRY(is_map(path) ? cml_vti_read(path, array, map, err)

@@ -15,9 +15,9 @@ static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot 
     CML_TRY(cml_run(setup, &run, err));
     round->photons = setup->photons;
     for (int i = 0; i < CML_NUM_GOALS && cml_cluster_rank() == 0; i++)
-        round->error[i] = cml_result_relative_error(&run.result, cml_goals[i].total);
-    pilot->photons_per_s = (double)setup->photons / run.seconds;
-    pilot->threads = run.threads;
+        round->error[i] = cml_result_relative_error(&run.result, cml_goals[i]);
+    pilot->photons_per_s = (double)setup->photons / run.timing.seconds;
+    pilot->threads = run.timing.threads;
     pilot->num_rounds++;
     cml_run_result_free(&run);
     return CML_OK;

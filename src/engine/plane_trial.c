@@ -59,7 +59,7 @@ struct verdict {
 /* Of all values: those of cml_tally_note, then what each medium absorbs. */
 static void list_series(const struct cml_grid *grid, struct series *series)
 {
-    static const char *const totals[CML_NUM_TOTALS] = {"Rsp", "Rd", "Tt", "A"};
+    static const char *const totals[CML_NUM_TOTALS] = {"Rsp", "Rd", "A", "Tt"};
     const struct cml_profile_places at = cml_tally_profiles(grid);
     const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
     const struct series profiles[] = {

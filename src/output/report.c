@@ -4,16 +4,12 @@
 #include <math.h>
 #include <string.h>
 
-static const char *const exact_names[CML_EXACT_LAYERS] = {"Rsp", "Rd", "A", "Tt"};
-
 /* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
  */
-static void print_total(FILE *stream, enum cml_exact_share share, const struct cml_report *report,
-                        enum cml_total total)
+static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
 {
-    const struct cml_result *result = &report->run->result;
-    const double error = cml_result_error(result, total);
-    fprintf(stream, "  %-4s %.6f ", exact_names[share], cml_result_total(result, total));
+    const double error = cml_result_error(report->sums, total);
+    fprintf(stream, "  %-4s %.6f ", cml_quantities[total].name, cml_result_total(report->sums, total));
     if (isnan(error))
         fputs("(one packet: no standard error)", stream);
     else
@@ -22,7 +18,7 @@ static void print_total(FILE *stream, enum cml_exact_share share, const struct c
         fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
                 report->control[total].error);
     if (report->exact)
-        fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[share], report->exact->error[share]);
+        fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[total], report->exact->error[total]);
     fputc('\n', stream);
 }
 
@@ -40,7 +36,7 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
     print_flattened(stream, scene);
     for (int i = 0; i < exact->count; i++) {
         if (i < CML_EXACT_LAYERS)
-            fprintf(stream, "  %-4s", exact_names[i]);
+            fprintf(stream, "  %-4s", cml_quantities[i].name);
         else
             fprintf(stream, "  A of layer %d", i - CML_EXACT_LAYERS + 1);
         fprintf(stream, " %.9f +- %.1g\n", exact->value[i], exact->error[i]);
@@ -52,12 +48,13 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
 void cml_report_flat_twin(FILE *stream, const struct cml_exact *exact)
 {
     fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
-    for (int i = 0; i < CML_EXACT_LAYERS; i++) fprintf(stream, " %s %.7f", exact_names[i], exact->value[i]);
+    for (int i = 0; i < CML_EXACT_LAYERS; i++)
+        fprintf(stream, " %s %.7f", cml_quantities[i].name, exact->value[i]);
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
 /* What happened that should be rare: one line each, only when it did. */
-static void print_rarities(FILE *stream, const struct cml_result *result, uint32_t run_index)
+static void print_rarities(FILE *stream, const struct cml_result *result, double run)
 {
     static const struct {
         enum cml_count count;
@@ -76,8 +73,8 @@ static void print_rarities(FILE *stream, const struct cml_result *result, uint32
             fprintf(stream, "  %.0f %s\n", (double)result->summary.count[rarities[i].count],
                     rarities[i].text);
     for (int i = 0; i < result->summary.lost.count; i++)
-        fprintf(stream, "  lost: clustermcml trace ... %llu --run %u\n",
-                (unsigned long long)result->summary.lost.index[i], run_index + 1);
+        fprintf(stream, "  lost: clustermcml trace ... %llu --run %.0f\n",
+                (unsigned long long)result->summary.lost.index[i], run);
     const double overflow = cml_result_share(result, CML_BALANCE_OVERFLOW_R);
     if (overflow > 0)
         fprintf(stream, "  %.4g of the weight was scored beyond r = nr dr, in the last bin\n", overflow);
@@ -90,13 +87,14 @@ static void print_rarities(FILE *stream, const struct cml_result *result, uint32
 }
 
 /* What an error costs on this machine, from this run's. Totals that were not seen are left out. */
-static void print_seconds_to(FILE *stream, const struct cml_run_result *run)
+static void print_seconds_to(FILE *stream, const struct cml_report *report)
 {
     const char *before = "  an error of 1 % takes: ";
     for (size_t i = 0; i < CML_NUM_GOALS; i++) {
-        const double seconds = run->seconds * cml_result_times_to(&run->result, cml_goals[i].total, 0.01);
+        const double seconds =
+            report->timing->seconds * cml_result_times_to(report->sums, cml_goals[i], 0.01);
         if (!isfinite(seconds)) continue;
-        fprintf(stream, "%s%s %.2g s", before, cml_goals[i].name, seconds);
+        fprintf(stream, "%s%s %.2g s", before, cml_quantities[cml_goals[i]].name, seconds);
         before = ", ";
     }
     if (before[0] == ',') fputc('\n', stream);
@@ -106,37 +104,34 @@ static void print_seconds_to(FILE *stream, const struct cml_run_result *run)
  * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
-    const struct cml_result *result = &report->run->result;
-    const double seconds = report->run->seconds, steps = cml_run_steps(report->run);
-    print_total(stream, CML_EXACT_RSP, report, CML_TOTAL_SPECULAR);
-    print_total(stream, CML_EXACT_RD, report, CML_TOTAL_REFLECTED);
-    print_total(stream, CML_EXACT_A, report, CML_TOTAL_ABSORBED);
-    print_total(stream, CML_EXACT_TT, report, CML_TOTAL_TRANSMITTED);
+    const struct cml_result *result = report->sums;
+    const double seconds = report->timing->seconds, steps = cml_result_steps(result);
+    for (int i = 0; i < CML_NUM_TOTALS; i++) print_total(stream, report, (enum cml_total)i);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));
-    print_rarities(stream, result, report->options->run);
+    print_rarities(stream, result, report->provenance->value[CML_DECIDES_run]);
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps, %.3g ns/step on %d thread%s\n", seconds,
-            (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->run->threads,
-            report->run->threads == 1 ? "" : "s");
-    print_seconds_to(stream, report->run);
+            (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->timing->threads,
+            report->timing->threads == 1 ? "" : "s");
+    print_seconds_to(stream, report);
     if (report->control)
         fprintf(stream, "  control: the flat twin took %.3g s of processor time\n",
                 report->control_processor);
 }
 
 /* Shares of each rank's own time. */
-void cml_report_ranks(FILE *stream, const struct cml_run_result *run)
+void cml_report_ranks(FILE *stream, const struct cml_timing *timing)
 {
     fprintf(stream, "  %4s %14s %8s %8s %8s %8s\n", "rank", "photons", "flying %", "idle %", "asking %",
             "sums %");
-    for (int i = 0; i < run->ranks; i++) {
-        const struct cml_rank_report *rank = &run->rank[i];
+    for (int i = 0; i < timing->ranks; i++) {
+        const struct cml_rank_report *rank = &timing->rank[i];
         const double percent = 100 / rank->elapsed;
         fprintf(stream, "  %4d %14llu %8.2f %8.2f %8.2f %8.2f\n", i, (unsigned long long)rank->photons,
                 percent * rank->flying, percent * rank->waiting, percent * rank->asking,
                 percent * rank->summing);
     }
-    fprintf(stream, "  all ranks: idle %.2f %%, communication %.2f %%\n", 100 * cml_run_idle(run),
-            100 * cml_run_communication(run));
+    fprintf(stream, "  all ranks: idle %.2f %%, communication %.2f %%\n", 100 * cml_timing_idle(timing),
+            100 * cml_timing_communication(timing));
 }

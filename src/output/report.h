@@ -4,16 +4,17 @@
 #define CML_REPORT_H
 
 #include "exact/exact.h"
-#include "output/mco.h"
-#include "run/run.h"
+#include "result/outcome.h"
+#include "result/timing.h"
+#include "surface/surface.h"
 #include "tally/control.h"
 
 struct cml_report {
     const struct cml_scene *scene;
     const struct cml_surface_set *surfaces;
-    const struct cml_run_result *run;
-    const struct cml_engine *engine;
-    const struct cml_engine_options *options;
+    const struct cml_result *sums;
+    const struct cml_timing *timing;
+    const struct cml_provenance *provenance;
     const char *command;                  /* line, for provenance */
     int row;                              /* of a sweep, from 1; 0: of none */
     const struct cml_controlled *control; /* [CML_NUM_TOTALS] with the flat twin; NULL: none */
@@ -42,12 +43,6 @@ bool cml_report_wants_fields(const struct cml_scene *scene);
 CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,
                                          struct cml_error *err);
 
-/* Scales the tallies as original MCML does and adds our own sections behind Tt_ra: boundaries, seed, engine,
- * standard errors, weight balance. Nothing in it depends on time, threads or chunks but `user_time`. *mco is
- * the caller's to clear. */
-CML_NODISCARD cml_status cml_report_mco(const struct cml_report *report, struct cml_mco *mco,
-                                        struct cml_error *err);
-
 /* Whom a description of the scene is for. People see files by their path as they were opened, and at most 20
  * bodies. Results hold all bodies, and checksums of all shapes; an .h5 names files as the scene does, so that
  * it does not depend on the folder from which the program was called. */
@@ -65,7 +60,7 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_beam *be
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
 /* One line per rank: packets, and where its time went; and the shares of all together. */
-void cml_report_ranks(FILE *stream, const struct cml_run_result *run);
+void cml_report_ranks(FILE *stream, const struct cml_timing *timing);
 
 /* One object on one line, keys as in samples/output.md. */
 CML_NODISCARD cml_status cml_report_json(FILE *stream, const struct cml_report *report,

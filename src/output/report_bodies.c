@@ -7,14 +7,6 @@
 
 /* ---- where values come from ---- */
 
-/* Shares of the launched weight. */
-static void shares(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++)
-        out[i] = (double)source->cells[begin + i] * cml_field_per_photon(source);
-}
-
 /* A facet among those of all bodies. */
 struct place {
     int body;
@@ -88,85 +80,72 @@ static void face_densities(const void *context, size_t begin, size_t count, doub
 
 /* ---- fields ---- */
 
-static void add_media(struct cml_field_list *c)
-{
-    const struct cml_scene *scene = c->report->scene;
-    const struct cml_medium_def *first = &scene->media[scene->num_layers + 2];
-    const struct {
-        const char *name, *long_name, *units;
-        const double *value;
-    } fields[] = {{"body_n", "refractive index", "1", &first->n},
-                  {"body_mua", "absorption coefficient", "1/cm", &first->mua},
-                  {"body_mus", "scattering coefficient", "1/cm", &first->mus},
-                  {"body_g", "anisotropy of scattering", "1", &first->g}};
-    for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
-        struct cml_field_source *source =
-            cml_add_field(c, fields[i].name, fields[i].long_name, fields[i].units, cml_field_array_values);
-        source->array = fields[i].value;
-        source->stride = sizeof *first / sizeof(double);
-        cml_field_along(c, &c->body, NULL, NULL);
-    }
-}
-
 /* The scores of the first facet of the first body: they follow those of all boundaries. */
 static const cml_u128 *first_scores(const struct cml_report *report)
 {
     size_t facets = 0;
     for (int b = 0; b < report->surfaces->count; b++)
         facets += cml_surface_facets(&report->surfaces->item[b], &report->scene->map);
-    return report->run->result.facets + facets * CML_FACET_SCORES;
+    return report->sums->facets + facets * CML_FACET_SCORES;
 }
 
-static const struct {
-    const char *name, *long_name;
-    enum cml_facet_score score;
-} scores[] = {
-    {"body_irradiance_outside", "irradiance from outside the body", CML_FACET_IRRADIANCE_ABOVE},
-    {"body_irradiance_inside", "irradiance from inside the body", CML_FACET_IRRADIANCE_BELOW},
-    {"body_exitance_outside", "radiant exitance out of the body", CML_FACET_EXITANCE_ABOVE},
-    {"body_exitance_inside", "radiant exitance into the body", CML_FACET_EXITANCE_BELOW},
-};
-
-/* Of facets, or of faces that stand for them. */
-static struct cml_field_source *add_score(struct cml_field_list *c, size_t i, const char *name,
-                                          cml_field_values *values)
+/* Of facets, or, without the word body in their names, of faces that stand for them. */
+static void add_scores(struct cml_field_list *c, cml_field_values *values, const struct cml_body_face *face)
 {
-    struct cml_field_source *source = cml_add_field(c, name, scores[i].long_name, "1/cm2", values);
-    source->cells = first_scores(c->report) + scores[i].score;
-    cml_field_along(c, &c->body_facet, NULL, NULL);
-    c->fields[c->num_fields - 1].single = true;
-    return source;
+    static const enum cml_facet_score scores[] = {CML_FACET_IRRADIANCE_ABOVE, CML_FACET_IRRADIANCE_BELOW,
+                                                  CML_FACET_EXITANCE_ABOVE, CML_FACET_EXITANCE_BELOW};
+    for (int i = 0; i < (int)(sizeof scores / sizeof *scores); i++) {
+        const enum cml_quantity quantity = (enum cml_quantity)(CML_QUANTITY_body_irradiance_outside + i);
+        struct cml_field_source *source = cml_add_field(c, quantity, values);
+        struct cml_field *field = cml_last_field(c);
+        source->cells = first_scores(c->report) + scores[i];
+        source->face = face;
+        field->single = true;
+        if (face)
+            snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name + strlen("body_"));
+    }
 }
 
-static void add_facets(struct cml_field_list *c)
+static void set_facets(struct cml_field_list *c, enum cml_axis_kind kind, size_t count)
 {
-    cml_add_field(c, "body_of_facet", "body, from 1", "1", numbers);
-    cml_field_along(c, &c->body_facet, NULL, NULL);
-    cml_add_field(c, "body_area", "area of the facet", "cm2", areas);
-    cml_field_along(c, &c->body_facet, NULL, NULL);
-    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) add_score(c, i, scores[i].name, densities);
+    c->axis[CML_AXIS_body_facet] = cml_quantity_axis(kind, count, 0, 1);
 }
 
 void cml_add_body_face_fields(struct cml_field_list *c, const struct cml_body_faces *drawn)
 {
-    c->body_facet = cml_field_bins("face", "face", "1", (int)drawn->faces.num_faces, 0, 1);
-    cml_add_field(c, "body", "body, from 1", "1", face_numbers)->face = drawn->face;
-    cml_field_along(c, &c->body_facet, NULL, NULL);
-    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++)
-        add_score(c, i, scores[i].name + strlen("body_"), face_densities)->face = drawn->face;
+    set_facets(c, CML_AXIS_face, drawn->faces.num_faces);
+    cml_add_field(c, CML_QUANTITY_body_of_facet, face_numbers)->face = drawn->face;
+    snprintf(cml_last_field(c)->name, sizeof cml_last_field(c)->name, "body");
+    add_scores(c, face_densities, drawn->face);
 }
 
 void cml_add_body_fields(struct cml_field_list *c)
 {
-    const struct cml_scene *scene = c->report->scene;
     const struct cml_body_surfaces *bodies = &c->report->surfaces->bodies;
     size_t facets = 0;
-    if (scene->num_bodies == 0) return;
+    if (c->report->scene->num_bodies == 0) return;
     for (int k = 0; k < bodies->count; k++) facets += bodies->item[k].primitives;
-    c->body = cml_result_axis("body", scene->num_bodies, 1, 1);
-    c->body_facet = cml_field_bins("body_facet", "facet of any body, from 0", "1", (int)facets, 0, 1);
-    add_media(c);
-    cml_add_result_field(c, "A_body", shares)->cells = c->report->run->result.A_l + scene->num_layers + 2;
-    cml_field_along(c, &c->body, NULL, NULL);
-    if (c->report->run->result.facets) add_facets(c);
+    set_facets(c, CML_AXIS_body_facet, facets);
+    if (!c->report->sums->facets) return;
+    cml_add_field(c, CML_QUANTITY_body_of_facet, numbers);
+    cml_add_field(c, CML_QUANTITY_body_area, areas);
+    add_scores(c, densities, NULL);
+}
+
+/* Facets of bodies follow those of all boundaries. */
+cml_status cml_report_body_fluxes(const struct cml_report *report, struct cml_outcome *o,
+                                  struct cml_error *err)
+{
+    const struct cml_body_surfaces *bodies = &report->surfaces->bodies;
+    if (!report->sums->facets || bodies->count == 0) return CML_OK;
+    CML_TRY(cml_outcome_add(o, CML_QUANTITY_flux_body, false, err));
+    const cml_u128 *scores = first_scores(report);
+    double *to = o->value[CML_QUANTITY_flux_body];
+    for (int k = 0; k < bodies->count; k++, to += CML_FACET_EXITANCE_BELOW + 1) {
+        for (uint64_t i = 0; i < bodies->item[k].primitives; i++, scores += CML_FACET_SCORES)
+            for (int s = 0; s <= CML_FACET_EXITANCE_BELOW; s++) to[s] += (double)scores[s];
+        for (int s = 0; s <= CML_FACET_EXITANCE_BELOW; s++)
+            to[s] = to[s] * CML_WEIGHT_UNIT / (double)report->sums->photons;
+    }
+    return CML_OK;
 }

@@ -3,6 +3,7 @@
 #include "surface/surface_facets.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* ---- where values come from ---- */
 
@@ -36,9 +37,8 @@ static void facet_errors(const void *context, size_t begin, size_t count, double
     const struct cml_field_source *source = context;
     for (size_t i = 0; i < count; i++) {
         const size_t facet = (begin + i) / source->per_facet, cell = facet * CML_FACET_SCORES;
-        out[i] =
-            cml_result_once_error(&source->report->run->result, source->cells[cell], source->squares[cell]) /
-            facet_area(source, facet);
+        out[i] = cml_result_once_error(source->report->sums, source->cells[cell], source->squares[cell]) /
+                 facet_area(source, facet);
     }
 }
 
@@ -54,9 +54,9 @@ static size_t num_facets(const struct cml_report *report, int b)
 static const cml_u128 *facets_of(const struct cml_report *report, int b)
 {
     size_t first = 0;
-    if (!report->run->result.facets || num_facets(report, b) == 0) return NULL;
+    if (!report->sums->facets || num_facets(report, b) == 0) return NULL;
     for (int i = 0; i < b; i++) first += num_facets(report, i);
-    return report->run->result.facets + first * CML_FACET_SCORES;
+    return report->sums->facets + first * CML_FACET_SCORES;
 }
 
 /* Facets of planes are the pixels of the map. */
@@ -66,58 +66,62 @@ static bool is_plane(const struct cml_report *report, int b)
 }
 
 /* Irradiance and radiant exitance as in radiometry: power per area that arrives at, or leaves, a surface.
- * The last row is reflectance or transmittance and has its name from the boundary. */
+ * The last row is reflectance or transmittance, where anything can escape and no map has it. */
 static const struct {
-    const char *name, *long_name;
+    enum cml_quantity quantity;
     enum cml_facet_score score;
 } scores[] = {
-    {"irradiance_above", "irradiance from the medium above", CML_FACET_IRRADIANCE_ABOVE},
-    {"irradiance_below", "irradiance from the medium below", CML_FACET_IRRADIANCE_BELOW},
-    {"exitance_above", "radiant exitance into the medium above", CML_FACET_EXITANCE_ABOVE},
-    {"exitance_below", "radiant exitance into the medium below", CML_FACET_EXITANCE_BELOW},
-    {"", "", CML_FACET_ESCAPED},
+    {CML_QUANTITY_irradiance_above, CML_FACET_IRRADIANCE_ABOVE},
+    {CML_QUANTITY_irradiance_below, CML_FACET_IRRADIANCE_BELOW},
+    {CML_QUANTITY_exitance_above, CML_FACET_EXITANCE_ABOVE},
+    {CML_QUANTITY_exitance_below, CML_FACET_EXITANCE_BELOW},
+    {CML_QUANTITY_Rd_facet, CML_FACET_ESCAPED},
+    {CML_QUANTITY_Tt_facet, CML_FACET_ESCAPED},
 };
+enum { SCORES = sizeof scores / sizeof *scores };
 
-/* Name of a score of boundary b; NULL where nothing can escape, or the map has it. */
-static const char *score_name(const struct cml_report *report, int b, size_t i)
+static bool has_score(const struct cml_report *report, int b, size_t i)
 {
-    if (scores[i].score != CML_FACET_ESCAPED) return scores[i].name;
-    if (is_plane(report, b)) return NULL;
-    return b == 0 ? "Rd" : (b == report->scene->num_layers ? "Tt" : NULL);
+    if (scores[i].score != CML_FACET_ESCAPED) return true;
+    if (is_plane(report, b)) return false;
+    return scores[i].quantity == CML_QUANTITY_Rd_facet ? b == 0 : b > 0 && b == report->scene->num_layers;
 }
 
-static const char *score_text(int b, size_t i)
+/* Names the field added last; reflectance and transmittance by facet are Rd and Tt of the boundary. */
+static void name_field(const struct cml_field_list *c, const char *prefix, const char *outer,
+                       enum cml_quantity quantity)
 {
-    if (scores[i].score != CML_FACET_ESCAPED) return scores[i].long_name;
-    return b == 0 ? "diffuse reflectance by what it touched last" : "transmittance by what it touched last";
+    struct cml_field *field = cml_last_field(c);
+    const char *name = cml_quantities[quantity].name, *end = strstr(name, "_facet");
+    snprintf(field->name, sizeof field->name, "%s%s%.*s", prefix, outer,
+             (int)(end ? (size_t)(end - name) : strlen(name)), name);
 }
 
 /* Axes of the field added last. */
 static void along_facets(struct cml_field_list *c, int b)
 {
-    if (is_plane(c->report, b))
-        cml_field_along(c, &c->y, &c->x, NULL);
-    else
-        cml_field_along(c, &c->facet[b], NULL, NULL);
+    struct cml_field *field = cml_last_field(c);
+    field->axis[0] = is_plane(c->report, b) ? &c->axis[CML_AXIS_y] : &c->facet[b];
+    field->axis[1] = &c->axis[CML_AXIS_x];
+    field->num_axes = is_plane(c->report, b) ? 2 : 1;
 }
 
 /* The axis is as long as the drawing has faces, in which tables and pictures differ. */
 void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, size_t per_facet)
 {
     const cml_u128 *first = facets_of(c->report, b);
-    char name[64];
     if (!first) return;
     c->facet[b].n = (num_facets(c->report, b) - 1) * per_facet;
-    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) {
-        if (!score_name(c->report, b, i)) continue;
-        snprintf(name, sizeof name, "%s%s", prefix, score_name(c->report, b, i));
-        struct cml_field_source *source = cml_add_field(c, name, score_text(b, i), "1/cm2", facet_values);
+    for (size_t i = 0; i < SCORES; i++) {
+        if (!has_score(c->report, b, i)) continue;
+        struct cml_field_source *source = cml_add_field(c, scores[i].quantity, facet_values);
         source->cells = first + scores[i].score;
         source->squares = first + CML_FACET_ESCAPED_SQUARES;
         source->surface = &c->report->surfaces->item[b];
         source->per_facet = per_facet;
+        name_field(c, prefix, "", scores[i].quantity);
         along_facets(c, b);
-        c->fields[c->num_fields - 1].single = true;
+        cml_last_field(c)->single = true;
         if (scores[i].score == CML_FACET_ESCAPED) cml_add_error_field(c, facet_errors);
     }
 }
@@ -125,20 +129,20 @@ void cml_add_facet_fields(struct cml_field_list *c, int b, const char *prefix, s
 /* The plane around a boundary has no area to divide by, so it has shares of the launched weight. */
 void cml_add_outer_plane_fields(struct cml_field_list *c, int b, const char *prefix)
 {
-    const struct cml_surface_def *surface = &c->report->surfaces->item[b];
     const cml_u128 *first = facets_of(c->report, b);
-    char name[64];
     if (!first) return;
     const cml_u128 *outer = first + (num_facets(c->report, b) - 1) * CML_FACET_SCORES;
-    for (size_t i = 0; i < sizeof scores / sizeof *scores; i++) {
-        if (!score_name(c->report, b, i)) continue;
-        snprintf(name, sizeof name, "%souter_%s", prefix, score_name(c->report, b, i));
-        cml_add_number_field(c, name, score_text(b, i),
+    for (size_t i = 0; i < SCORES; i++) {
+        if (!has_score(c->report, b, i)) continue;
+        cml_add_number_field(c, scores[i].quantity,
                              (double)outer[scores[i].score] * CML_WEIGHT_UNIT /
-                                 (double)c->report->run->result.photons);
+                                 (double)c->report->sums->photons);
+        cml_last_field(c)->units = "1";
+        cml_last_field(c)->num_axes = 0;
+        name_field(c, prefix, "outer_", scores[i].quantity);
     }
     if (is_plane(c->report, b)) return;
-    snprintf(name, sizeof name, "%sarea", prefix);
-    cml_add_field(c, name, "area of the facet", "cm2", facet_areas)->surface = surface;
-    cml_field_along(c, &c->facet[b], NULL, NULL);
+    cml_add_field(c, CML_QUANTITY_area, facet_areas)->surface = &c->report->surfaces->item[b];
+    name_field(c, prefix, "", CML_QUANTITY_area);
+    along_facets(c, b);
 }

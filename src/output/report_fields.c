@@ -1,7 +1,7 @@
 /* Tallies as fields: names, units, axes, and the arithmetic from weights to densities.
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
-#include "output/scaling.h"
+#include "result/scaling.h"
 #include "surface/surface_facets.h"
 
 #include <stdlib.h>
@@ -11,13 +11,7 @@
 
 double cml_field_per_photon(const struct cml_field_source *source)
 {
-    return CML_WEIGHT_UNIT / (double)source->report->run->result.photons;
-}
-
-void cml_field_array_values(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++) out[i] = source->array[(begin + i) * source->stride];
+    return CML_WEIGHT_UNIT / (double)source->report->sums->photons;
 }
 
 /* There is one value, whatever part is asked for. */
@@ -25,14 +19,6 @@ static void number_value(const void *context, size_t begin, size_t count, double
 {
     (void)begin, (void)count;
     *out = ((const struct cml_field_source *)context)->number;
-}
-
-/* Computed when they are written: each takes a loop over 64 batches. */
-static void profile_errors(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct cml_field_source *source = context;
-    for (size_t i = 0; i < count; i++)
-        out[i] = cml_profile_error(source->report, &source->profile, (int)(begin + i));
 }
 
 /* Over the angle bins of a pixel, as integers: so a map without angles is the exact sum. */
@@ -57,7 +43,7 @@ static void pixel_values(const void *context, size_t begin, size_t count, double
 static void pixel_errors(const void *context, size_t begin, size_t count, double *out)
 {
     const struct cml_field_source *source = context;
-    const struct cml_result *result = &source->report->run->result;
+    const struct cml_result *result = source->report->sums;
     for (size_t i = 0; i < count; i++)
         out[i] =
             source->scale * cml_result_once_error(result, sum_of_pixel(source->cells, begin + i, source->na),
@@ -83,54 +69,48 @@ static void angle_errors(const void *context, size_t begin, size_t count, double
 {
     const struct cml_field_source *source = context;
     for (size_t i = begin; i < begin + count; i++)
-        *out++ = cml_result_once_error(&source->report->run->result, source->cells[i], source->squares[i]) *
+        *out++ = cml_result_once_error(source->report->sums, source->cells[i], source->squares[i]) *
                  source->scale / projected_solid_angle(source, i);
 }
 
 /* ---- the list ---- */
 
-struct cml_axis cml_field_bins(const char *name, const char *what, const char *units, int n, double first,
-                               double step)
-{
-    return (struct cml_axis){name, what, units, (size_t)n, first, step, NULL};
-}
-
-/* Middles of bins. x and y are centred on the axis of the beam, as the map is; r and alpha count from 0. */
+/* Middles of bins. x and y are centred on the axis of the beam, as the map is; angles count from 0. */
 static void set_axes(struct cml_field_list *c)
 {
     const struct cml_scene *scene = c->report->scene;
     const struct cml_map_def *map = &scene->map;
-    const int na = scene->na;
-    const double da = cml_angle_width(na), dr = scene->dr, dz = scene->dz;
-    c->layer = cml_result_axis("layer", scene->num_layers, 1, 1);
-    c->r = cml_result_axis("r", scene->nr, dr / 2, dr);
-    c->z = cml_result_axis("z", scene->nz, dz / 2, dz);
-    c->alpha = cml_result_axis("alpha", na, da / 2, da);
-    c->x = cml_field_bins("x", "x, middle of the pixel", "cm", map->nx, (0.5 - 0.5 * map->nx) * map->dx,
-                          map->dx);
-    c->y = cml_field_bins("y", "y, middle of the pixel", "cm", map->ny, (0.5 - 0.5 * map->ny) * map->dy,
-                          map->dy);
-    c->z_volume =
-        cml_field_bins("z_volume", "depth, middle of the voxel", "cm", scene->nz, map->top + dz / 2, dz);
+    const double da = cml_angle_width(scene->na);
+    const struct {
+        enum cml_axis_kind kind;
+        int n;
+        double first, step;
+    } axes[] = {{CML_AXIS_alpha, scene->na, da / 2, da},
+                {CML_AXIS_x, map->nx, (0.5 - 0.5 * map->nx) * map->dx, map->dx},
+                {CML_AXIS_y, map->ny, (0.5 - 0.5 * map->ny) * map->dy, map->dy},
+                {CML_AXIS_z_volume, scene->nz, map->top + scene->dz / 2, scene->dz}};
+    for (size_t i = 0; i < sizeof axes / sizeof *axes; i++)
+        c->axis[axes[i].kind] =
+            cml_quantity_axis(axes[i].kind, (size_t)axes[i].n, axes[i].first, axes[i].step);
 }
 
 /* One for each boundary, because numbers of facets differ; without the last facet, the plane around it. */
 static void set_facet_axes(struct cml_field_list *c)
 {
     for (int b = 0; b < c->report->surfaces->count; b++) {
-        const struct cml_surface_def *def = &c->report->surfaces->item[b];
-        const int facets = (int)cml_surface_facets(def, &c->report->scene->map);
+        const size_t facets = cml_surface_facets(&c->report->surfaces->item[b], &c->report->scene->map);
         snprintf(c->facet_names[b], sizeof *c->facet_names, "boundary%d_facet", b);
-        const int n = facets > 0 ? facets - 1 : 0;
-        c->facet[b] = cml_field_bins(c->facet_names[b], "triangle, or ring, from 0", "1", n, 0, 1);
+        c->facet[b] = cml_quantity_axis(CML_AXIS_facet, facets > 0 ? facets - 1 : 0, 0, 1);
+        c->facet[b].name = c->facet_names[b];
     }
 }
 
-/* Room for the results, the map's eight fields, eleven of bodies, and fourteen for every boundary. */
+/* Room for the map's twelve fields, ten of bodies, and fourteen for every boundary. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
-    const size_t boundaries = (size_t)report->surfaces->count, capacity = 84 + 14 * boundaries;
+    const size_t boundaries = (size_t)report->surfaces->count,
+                 capacity = CML_NUM_QUANTITIES + 14 * boundaries;
     *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
@@ -155,207 +135,92 @@ void cml_field_list_free(struct cml_field_list *c)
     *c = (struct cml_field_list){0};
 }
 
-static struct cml_field_source *add_named(struct cml_field_list *c, const struct cml_result_name *name,
-                                          cml_field_values *values)
+struct cml_field *cml_last_field(const struct cml_field_list *c)
 {
+    return &c->fields[c->num_fields - 1];
+}
+
+struct cml_field_source *cml_add_field(struct cml_field_list *c, enum cml_quantity quantity,
+                                       cml_field_values *values)
+{
+    const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
     struct cml_field *field = &c->fields[c->num_fields];
     struct cml_field_source *source = &c->sources[c->num_fields++];
-    source->report = c->report;
-    source->scale = 1;
-    source->per_facet = 1;
-    source->stride = 1;
-    cml_result_name_field(field, name);
+    *source = (struct cml_field_source){.report = c->report, .scale = 1, .per_facet = 1, .na = 1};
+    cml_quantity_name(field, quantity);
+    for (int i = 0; i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE; i++)
+        field->axis[field->num_axes++] = &c->axis[axis[i]];
     field->values = values;
     field->context = source;
     return source;
 }
 
-struct cml_field_source *cml_add_field(struct cml_field_list *c, const char *name, const char *long_name,
-                                       const char *units, cml_field_values *values)
+void cml_add_number_field(struct cml_field_list *c, enum cml_quantity quantity, double number)
 {
-    const struct cml_result_name named = {name, long_name, units};
-    return add_named(c, &named, values);
+    cml_add_field(c, quantity, number_value)->number = number;
 }
 
-struct cml_field_source *cml_add_result_field(struct cml_field_list *c, const char *name,
-                                              cml_field_values *values)
+void cml_add_error_field(struct cml_field_list *c, cml_field_values *values)
 {
-    return add_named(c, cml_result_name(name), values);
-}
-
-void cml_field_along(struct cml_field_list *c, const struct cml_axis *a, const struct cml_axis *b,
-                     const struct cml_axis *d)
-{
-    const struct cml_axis *axes[CML_FIELD_AXES] = {a, b, d};
-    struct cml_field *field = &c->fields[c->num_fields - 1];
-    for (int i = 0; i < CML_FIELD_AXES && axes[i]; i++) field->axis[field->num_axes++] = axes[i];
-}
-
-void cml_add_number_field(struct cml_field_list *c, const char *name, const char *long_name, double number)
-{
-    cml_add_field(c, name, long_name, "1", number_value)->number = number;
-}
-
-struct cml_field_source *cml_add_error_field(struct cml_field_list *c, cml_field_values *values)
-{
-    struct cml_field *of = &c->fields[c->num_fields - 1], *errors = of + 1;
+    struct cml_field *of = cml_last_field(c), *errors = of + 1;
     struct cml_field_source *source = &c->sources[c->num_fields++];
     *source = source[-1];
-    cml_result_name_errors(errors, of);
+    cml_quantity_name_errors(errors, of);
     errors->single = of->single;
     errors->values = values;
     errors->context = source;
-    return source;
-}
-
-/* ---- what an .mco file holds ---- */
-
-/* A total with the flat twin as control variate. */
-static void add_control(struct cml_field_list *c, const char *total, const struct cml_controlled *control)
-{
-    char name[32];
-    snprintf(name, sizeof name, "%s_control", total);
-    cml_add_number_field(c, name, "the same with the flat twin as control variate", control->value);
-    cml_add_error_field(c, number_value)->number = control->error;
-}
-
-static void add_number(struct cml_field_list *c, const struct cml_result_name *name, double number)
-{
-    add_named(c, name, number_value)->number = number;
-}
-
-/* Totals in double, as in the JSON line; in the .mco they have six digits. */
-static void add_totals(struct cml_field_list *c)
-{
-    static const struct {
-        const char *name;
-        enum cml_total total;
-    } totals[] = {{"Rsp", CML_TOTAL_SPECULAR},
-                  {"Rd", CML_TOTAL_REFLECTED},
-                  {"A", CML_TOTAL_ABSORBED},
-                  {"Tt", CML_TOTAL_TRANSMITTED}};
-    const struct cml_result *result = &c->report->run->result;
-    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++) {
-        add_number(c, cml_result_name(totals[i].name), cml_result_total(result, totals[i].total));
-        cml_add_error_field(c, number_value)->number = cml_result_error(result, totals[i].total);
-        if (c->report->control) add_control(c, totals[i].name, &c->report->control[totals[i].total]);
-    }
-}
-
-static void add_balance(struct cml_field_list *c)
-{
-    _Static_assert((int)CML_RESULT_BOOKS == (int)CML_NUM_BALANCE_TERMS, "a name for every term");
-    const struct cml_result *result = &c->report->run->result;
-    for (int i = 0; i < CML_RESULT_BOOKS; i++)
-        add_number(c, cml_result_book(i), cml_result_share(result, (enum cml_balance_term)i));
-    add_number(c, cml_result_name("residue"), cml_result_imbalance(result));
-    add_number(c, cml_result_name("lost"), (double)cml_result_lost(result));
-}
-
-/* fast may be NULL: a profile. */
-static void add_array(struct cml_field_list *c, const char *name, const double *array,
-                      const struct cml_axis *slow, const struct cml_axis *fast)
-{
-    cml_add_result_field(c, name, cml_field_array_values)->array = array;
-    cml_field_along(c, slow, fast, NULL);
-}
-
-/* The numbers of the input, so that a file needs no .mci beside it. */
-static void add_layers(struct cml_field_list *c, const struct cml_mco *mco)
-{
-    for (int i = 0; i < CML_RESULT_LAYER; i++) {
-        struct cml_field_source *source = add_named(c, cml_result_layer(i), cml_field_array_values);
-        source->array = &mco->layer[0][i];
-        source->stride = CML_RESULT_LAYER;
-        cml_field_along(c, &c->layer, NULL, NULL);
-    }
-}
-
-/* A profile and its errors; nothing where it was not tallied. */
-static void add_profile(struct cml_field_list *c, const struct cml_profile *profile, const double *array,
-                        const struct cml_axis *axis)
-{
-    if (!profile->batches) return;
-    add_array(c, profile->name, array, axis, NULL);
-    cml_add_error_field(c, profile_errors)->profile = *profile;
-}
-
-/* In the order of an .mco. Of the grids over two variables no errors are known: they have no batches. */
-void cml_add_result_fields(struct cml_field_list *c, const struct cml_mco *mco)
-{
-    struct cml_profile profiles[CML_PROFILES];
-    cml_report_profiles(c->report, profiles);
-    add_totals(c);
-    add_balance(c);
-    add_layers(c, mco);
-    add_array(c, "A_l", mco->A_l, &c->layer, NULL);
-    add_profile(c, &profiles[0], mco->A_z, &c->z);
-    add_profile(c, &profiles[1], mco->Rd_r, &c->r);
-    add_profile(c, &profiles[2], mco->Rd_a, &c->alpha);
-    add_profile(c, &profiles[3], mco->Tt_r, &c->r);
-    add_profile(c, &profiles[4], mco->Tt_a, &c->alpha);
-    if (c->report->run->result.A_rz) add_array(c, "A_rz", mco->A_rz, &c->r, &c->z);
-    add_array(c, "Rd_ra", mco->Rd_ra, &c->r, &c->alpha);
-    add_array(c, "Tt_ra", mco->Tt_ra, &c->r, &c->alpha);
 }
 
 /* ---- maps and volume ---- */
 
 /* 32-bit floats: a pixel of the largest maps has fewer packets than these have digits. */
-static void add_pixels(struct cml_field_list *c, const char *name, const char *long_name,
-                       const cml_u128 *cells, const cml_u128 *squares, bool angles)
+static void add_pixels(struct cml_field_list *c, enum cml_quantity quantity, const cml_u128 *cells,
+                       const cml_u128 *squares)
 {
     const struct cml_map_def *map = &c->report->scene->map;
-    struct cml_field_source *source = cml_add_field(c, name, long_name, angles ? "1/(cm2 sr)" : "1/cm2",
-                                                    angles ? angle_values : pixel_values);
+    const bool angles = cml_quantities[quantity].axis[2] == CML_AXIS_alpha;
+    struct cml_field_source *source = cml_add_field(c, quantity, angles ? angle_values : pixel_values);
     source->cells = cells;
     source->squares = squares;
-    source->na = (size_t)c->report->run->result.grid.map_na;
+    source->na = (size_t)c->report->sums->grid.map_na;
     source->scale = 1 / (map->dx * map->dy);
-    cml_field_along(c, &c->y, &c->x, angles ? &c->alpha : NULL);
-    c->fields[c->num_fields - 1].single = true;
+    cml_last_field(c)->single = true;
     cml_add_error_field(c, angles ? angle_errors : pixel_errors);
 }
 
 /* With angles there is both, the sum and its parts: most users look at the sum. */
 void cml_add_map_fields(struct cml_field_list *c)
 {
-    const struct cml_result *r = &c->report->run->result;
+    const struct cml_result *r = c->report->sums;
     if (!r->Rd_xya) return;
-    add_pixels(c, "Rd_xy", "diffuse reflectance", r->Rd_xya, r->Rd_xya2, false);
-    add_pixels(c, "Tt_xy", "transmittance", r->Tt_xya, r->Tt_xya2, false);
+    add_pixels(c, CML_QUANTITY_Rd_xy, r->Rd_xya, r->Rd_xya2);
+    add_pixels(c, CML_QUANTITY_Tt_xy, r->Tt_xya, r->Tt_xya2);
     if (!c->report->scene->map.angles) return;
-    add_pixels(c, "Rd_xya", "diffuse reflectance by angle", r->Rd_xya, r->Rd_xya2, true);
-    add_pixels(c, "Tt_xya", "transmittance by angle", r->Tt_xya, r->Tt_xya2, true);
+    add_pixels(c, CML_QUANTITY_Rd_xya, r->Rd_xya, r->Rd_xya2);
+    add_pixels(c, CML_QUANTITY_Tt_xya, r->Tt_xya, r->Tt_xya2);
 }
 
 /* Without errors: squares of what a packet leaves in a voxel would need a volume per packet. */
 void cml_add_volume_fields(struct cml_field_list *c)
 {
-    const struct cml_result *result = &c->report->run->result;
     const struct cml_scene *scene = c->report->scene;
-    if (!result->A_xyz) return;
-    struct cml_field_source *source = cml_add_field(c, "A_xyz", "absorption", "1/cm3", pixel_values);
-    source->cells = result->A_xyz;
-    source->na = 1;
+    if (!c->report->sums->A_xyz) return;
+    struct cml_field_source *source = cml_add_field(c, CML_QUANTITY_A_xyz, pixel_values);
+    source->cells = c->report->sums->A_xyz;
     source->scale = 1 / (scene->map.dx * scene->map.dy * scene->dz);
-    cml_field_along(c, &c->z_volume, &c->y, &c->x);
-    c->fields[c->num_fields - 1].single = true;
+    cml_last_field(c)->single = true;
 }
 
 /* With them the sums of map and volume are the totals, which is how a reader can check them. */
 void cml_add_outside_fields(struct cml_field_list *c)
 {
-    const struct cml_result *r = &c->report->run->result;
+    const struct cml_result *r = c->report->sums;
     const struct cml_grid *grid = &r->grid;
     const size_t pixels = (size_t)grid->nx * (size_t)grid->ny, na = (size_t)grid->map_na;
     const double per = CML_WEIGHT_UNIT / (double)r->photons;
     if (!r->Rd_xya) return;
-    cml_add_number_field(c, "Rd_outside", "diffuse reflectance outside the map",
-                         (double)sum_of_pixel(r->Rd_xya, pixels, na) * per);
-    cml_add_number_field(c, "Tt_outside", "transmittance outside the map",
-                         (double)sum_of_pixel(r->Tt_xya, pixels, na) * per);
+    cml_add_number_field(c, CML_QUANTITY_Rd_outside, (double)sum_of_pixel(r->Rd_xya, pixels, na) * per);
+    cml_add_number_field(c, CML_QUANTITY_Tt_outside, (double)sum_of_pixel(r->Tt_xya, pixels, na) * per);
     if (r->A_xyz)
-        cml_add_number_field(c, "A_outside", "absorbed fraction outside the volume",
-                             (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
+        cml_add_number_field(c, CML_QUANTITY_A_outside, (double)r->A_xyz[pixels * (size_t)grid->nz] * per);
 }

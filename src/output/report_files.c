@@ -2,10 +2,10 @@
  * SPDX-License-Identifier: MIT */
 #include "output/report_parts.h"
 
-#include "output/report_faces.h"
-#include "surface/surface_facets.h"
 #include "base/text.h"
-#include "base/version.h"
+#include "output/report_faces.h"
+#include "result/h5.h"
+#include "result/mco.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -64,69 +64,6 @@ static const char *last_file(const struct cml_report *report)
     return report->files[report->num_files - 1];
 }
 
-enum { ALWAYS = 13, ATTRIBUTES = ALWAYS + 2 };
-
-/* The lines of the .mco file that say what the scene is, with files as the scene names them. */
-struct scene_words {
-    char *shapes, *beam;
-};
-
-static void free_words(struct scene_words *words)
-{
-    free(words->shapes);
-    free(words->beam);
-}
-
-static char *close_words(FILE *out, char **text)
-{
-    if (out && fclose(out) == 0) return *text;
-    free(*text);
-    return NULL;
-}
-
-static cml_status describe_scene(const struct cml_report *report, struct scene_words *words,
-                                 struct cml_error *err)
-{
-    size_t size;
-    *words = (struct scene_words){NULL, NULL};
-    FILE *shapes = open_memstream(&words->shapes, &size), *beam = open_memstream(&words->beam, &size);
-    if (shapes) cml_report_shapes(shapes, "", report->scene, report->surfaces, CML_READ_IN_H5);
-    if (beam) cml_report_beam(beam, "", &report->scene->beam);
-    words->shapes = close_words(shapes, &words->shapes);
-    words->beam = close_words(beam, &words->beam);
-    if (words->shapes && words->beam) return CML_OK;
-    free_words(words);
-    return cml_fail_memory(err, (double)size, "the scene in words");
-}
-
-/* Where the numbers come from. No times, and nothing of how the program was called: the same run gives the
- * same bytes. */
-static int fill_attributes(const struct cml_report *report, const struct scene_words *words,
-                           struct cml_attribute attributes[ATTRIBUTES])
-{
-    const struct cml_scene *scene = report->scene;
-    const struct cml_attribute all[ALWAYS] = {
-        {"title", scene->output, 0},
-        {"source", "clustermcml: Monte Carlo light transport in layered turbid media", 0},
-        {"version", cml_version(), 0},
-        {"engine", report->engine->name, 0},
-        {"input", scene->text, 0},
-        {"boundaries", words->shapes, 0},
-        {"sampling", cml_sampling_name(report->options), 0},
-        {"roulette_below", NULL, report->options->roulette.below},
-        {"roulette_weight", NULL, report->options->roulette.weight},
-        {"seed", NULL, (double)report->options->seed},
-        {"run", NULL, report->options->run + 1},
-        {"reentry", NULL, report->options->reentry},
-        {"photons", NULL, (double)report->run->result.photons},
-    };
-    int count = ALWAYS;
-    memcpy(attributes, all, sizeof all);
-    if (scene->beam.given) attributes[count++] = (struct cml_attribute){"beam", words->beam, 0};
-    if (scene->settings) attributes[count++] = (struct cml_attribute){"settings", scene->settings, 0};
-    return count;
-}
-
 enum { PREFIX = 32 };
 
 /* In one file for all boundaries the fields of each begin with its number. */
@@ -135,10 +72,9 @@ static void name_boundary(int b, char prefix[PREFIX])
     snprintf(prefix, PREFIX, "boundary%d_", b);
 }
 
-static void fill_list(struct cml_field_list *list, const struct cml_mco *mco)
+static void fill_list(struct cml_field_list *list)
 {
     char prefix[PREFIX];
-    cml_add_result_fields(list, mco);
     cml_add_map_fields(list);
     cml_add_volume_fields(list);
     cml_add_outside_fields(list);
@@ -150,23 +86,19 @@ static void fill_list(struct cml_field_list *list, const struct cml_mco *mco)
     }
 }
 
-/* Values are computed while they are written, so the list of fields is all that is in memory. */
-static cml_status write_h5(const struct cml_report *report, const struct cml_mco *mco, const char *path,
+/* Values are computed while they are written, so the list of fields is all that is in memory. Its words name
+ * files as the scene does. */
+static cml_status write_h5(const struct cml_report *report, struct cml_outcome *outcome, const char *path,
                            struct cml_error *err)
 {
     struct cml_field_list list;
-    struct cml_attribute attributes[ATTRIBUTES];
-    const struct cml_hdf5_call call = {report->command, report->scene->file};
-    struct scene_words words;
-    CML_TRY(describe_scene(report, &words, err));
-    cml_status status = cml_field_list_create(report, &list, err);
-    if (status == CML_OK) {
-        fill_list(&list, mco);
-        const int num_attributes = fill_attributes(report, &words, attributes);
-        status = cml_hdf5_write(path, attributes, num_attributes, &call, list.fields, list.num_fields, err);
-        cml_field_list_free(&list);
-    }
-    free_words(&words);
+    CML_TRY(cml_report_words(report, CML_READ_IN_H5, outcome, err));
+    CML_TRY(cml_field_list_create(report, &list, err));
+    fill_list(&list);
+    const struct cml_h5_more more = {
+        report->scene->text, list.fields, list.num_fields, {report->command, report->scene->file}};
+    const cml_status status = cml_h5_write(path, outcome, &more, err);
+    cml_field_list_free(&list);
     return status;
 }
 
@@ -253,28 +185,28 @@ static cml_status write_bodies(const struct cml_report *report, const char *path
 
 /* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
  * program without HDF5 writes what it can; that was announced before the run. */
-static cml_status write_tables(struct cml_report *report, const char *path, const struct cml_mco *mco,
+static cml_status write_tables(struct cml_report *report, const char *path, struct cml_outcome *outcome,
                                struct cml_error *err)
 {
     const bool ascii = report->scene->format == 'A';
     if (ascii) {
         CML_TRY(next_file(report, path, NULL, err));
-        CML_TRY(cml_mco_write(last_file(report), mco, err));
+        CML_TRY(cml_mco_write(last_file(report), outcome, err));
     }
     if (!cml_report_wants_fields(report->scene) || !cml_hdf5_available()) return CML_OK;
     CML_TRY(next_file(report, path, ".h5", err));
-    return write_h5(report, mco, last_file(report), err);
+    return write_h5(report, outcome, last_file(report), err);
 }
 
 /* The tables first, for they are what a user without pictures waits for. Each file is complete before the
  * next is begun. */
 cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err)
 {
-    const struct cml_grid *grid = &report->run->result.grid;
-    struct cml_mco mco;
-    CML_TRY(cml_report_mco(report, &mco, err));
-    const cml_status status = write_tables(report, path, &mco, err);
-    cml_mco_clear(&mco);
+    const struct cml_grid *grid = &report->sums->grid;
+    struct cml_outcome outcome;
+    CML_TRY(cml_report_outcome(report, &outcome, err));
+    const cml_status status = write_tables(report, path, &outcome, err);
+    cml_outcome_clear(&outcome);
     CML_TRY(status);
     if (grid->nx > 0) {
         CML_TRY(next_file(report, path, ".map.vti", err));
@@ -311,7 +243,7 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *gr
 {
     const double line_of_boundary = 250, line_of_body = 150;
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
-                         2.0 * grid->na + grid->num_layers + grid->num_bodies;
+                         2.0 * grid->na + 6.0 * grid->num_layers + 9.0 * grid->num_bodies;
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies);
     const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
     return cells * sizeof(double) + text + 8.0 * 1048576 + (image ? image_bytes(grid, cells) : 0);

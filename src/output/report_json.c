@@ -19,11 +19,11 @@ static void set_real(json_t *object, const char *key, double value)
     json_object_set_new(object, key, isfinite(value) ? json_real(value) : json_null());
 }
 
-/* What lists are about; run NULL: nothing has been flown. */
+/* What lists are about; sums NULL: nothing has been flown. */
 struct subject {
     const struct cml_scene *scene;
     const struct cml_surface_set *surfaces;
-    const struct cml_run_result *run;
+    const struct cml_result *sums;
 };
 
 /* A list that may be long: its elements are made while they are written, one at a time. In the object `key`
@@ -64,10 +64,8 @@ static json_t *body_json(const struct subject *subject, int k)
                              cml_surface_kind_name(surface->kind), "primitives",
                              (json_int_t)surface->primitives, "in", host_json(scene, scene->bodies[k].host),
                              "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
-    if (subject->run) {
-        const struct cml_result *result = &subject->run->result;
-        set_real(body, "A", (double)result->A_l[m] * CML_WEIGHT_UNIT / (double)result->photons);
-    }
+    const struct cml_result *result = subject->sums;
+    if (result) set_real(body, "A", (double)result->A_l[m] * CML_WEIGHT_UNIT / (double)result->photons);
     return body;
 }
 
@@ -84,31 +82,43 @@ static void set_integer(json_t *object, const char *key, uint64_t value)
     json_object_set_new(object, key, json_integer((json_int_t)value));
 }
 
-/* `residue` is the imbalance of weight in units of 2^-31 packets, 0 unless the program is wrong. */
-static void set_results(json_t *object, const struct cml_report *report)
+/* NAME of a quantity and what follows it. A key that is there stays where it is. */
+static void set_quantity(json_t *object, enum cml_quantity quantity, const char *end, const double *value)
 {
-    const struct cml_result *result = &report->run->result;
-    set_real(object, "Rsp", cml_result_total(result, CML_TOTAL_SPECULAR));
-    set_real(object, "Rd", cml_result_total(result, CML_TOTAL_REFLECTED));
-    set_real(object, "A", cml_result_total(result, CML_TOTAL_ABSORBED));
-    set_real(object, "Tt", cml_result_total(result, CML_TOTAL_TRANSMITTED));
-    set_real(object, "Rsp_se", cml_result_error(result, CML_TOTAL_SPECULAR));
-    set_real(object, "Rd_se", cml_result_error(result, CML_TOTAL_REFLECTED));
-    set_real(object, "A_se", cml_result_error(result, CML_TOTAL_ABSORBED));
-    set_real(object, "Tt_se", cml_result_error(result, CML_TOTAL_TRANSMITTED));
+    char key[64];
+    snprintf(key, sizeof key, "%s%s", cml_quantities[quantity].name, end);
+    if (value && !json_object_get(object, key)) set_real(object, key, *value);
+}
+
+/* Numbers of the table that are new to it come last. `residue` is the imbalance of weight in units of 2^-31
+ * packets, 0 unless the program is wrong. */
+static cml_status set_results(json_t *object, const struct cml_report *report, struct cml_error *err)
+{
+    const struct cml_result *result = report->sums;
+    struct cml_outcome o = {.photons = result->photons};
+    const cml_status status = cml_outcome_take_numbers(&o, result, err);
+    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
+    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);
     set_integer(object, "lost", cml_result_lost(result));
     set_integer(object, "trapped", (uint64_t)result->summary.count[CML_COUNT_TRAPPED]);
     set_integer(object, "shading_overruled", (uint64_t)result->summary.count[CML_COUNT_SHADING_OVERRULED]);
     set_real(object, "residue", cml_result_imbalance(result));
     set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        if (!(cml_quantities[i].where & CML_IN_JSON)) continue;
+        set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
+        set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);
+    }
+    cml_outcome_clear(&o);
+    return status;
 }
 
 /* Seconds. `idle` waited for other ranks, `asking` for photons, `sums` summed and wrote checkpoints. */
-static json_t *ranks_json(const struct cml_run_result *run)
+static json_t *ranks_json(const struct cml_timing *timing)
 {
     json_t *list = json_array();
-    for (int i = 0; i < run->ranks; i++) {
-        const struct cml_rank_report *rank = &run->rank[i];
+    for (int i = 0; i < timing->ranks; i++) {
+        const struct cml_rank_report *rank = &timing->rank[i];
         json_array_append_new(list, json_pack("{s:I, s:I, s:f, s:f, s:f, s:f}", "photons",
                                               (json_int_t)rank->photons, "ranges", (json_int_t)rank->ranges,
                                               "flying", rank->flying, "idle", rank->waiting, "asking",
@@ -118,43 +128,43 @@ static json_t *ranks_json(const struct cml_run_result *run)
 }
 
 /* Seconds to a relative standard error of 1 %; null where the total was not seen. */
-static void set_seconds_to_error(json_t *object, const struct cml_run_result *run)
+static void set_seconds_to_error(json_t *object, const struct cml_report *report)
 {
-    static const char *const keys[CML_NUM_GOALS] = {"Rd_1pc_s", "A_1pc_s", "Tt_1pc_s"};
     for (int i = 0; i < CML_NUM_GOALS; i++) {
-        const double seconds = run->seconds * cml_result_times_to(&run->result, cml_goals[i].total, 0.01);
-        json_object_set_new(object, keys[i], isfinite(seconds) ? json_real(seconds) : json_null());
+        const double seconds =
+            report->timing->seconds * cml_result_times_to(report->sums, cml_goals[i], 0.01);
+        set_quantity(object, (enum cml_quantity)cml_goals[i], "_1pc_s", &seconds);
     }
 }
 
 /* What depends on the machine and the moment, not on the light. */
 static void set_speed(json_t *object, const struct cml_report *report)
 {
-    const struct cml_run_result *run = report->run;
-    const double steps = cml_run_steps(run);
-    set_real(object, "seconds", run->seconds);
-    set_real(object, "cpu_s", cml_run_processor(run));
+    const struct cml_timing *timing = report->timing;
+    const struct cml_result *sums = report->sums;
+    const double steps = cml_result_steps(sums);
+    set_real(object, "seconds", timing->seconds);
+    set_real(object, "cpu_s", cml_timing_processor(timing));
     set_real(object, "steps", steps);
-    set_real(object, "crossings", (double)run->result.summary.count[CML_COUNT_BOUNDARY_EVENTS]);
-    set_real(object, "queries", (double)run->result.summary.count[CML_COUNT_QUERIES]);
-    set_real(object, "ns_per_step", steps > 0 ? 1e9 * run->seconds / steps : 0);
-    set_real(object, "photons_per_s", (double)run->result.photons / run->seconds);
-    set_seconds_to_error(object, run);
-    set_integer(object, "threads", (uint64_t)run->threads);
-    set_integer(object, "ranks", (uint64_t)run->ranks);
-    json_object_set_new(object, "rank_s", ranks_json(run));
-    set_real(object, "idle", cml_run_idle(run));
-    set_real(object, "communication", cml_run_communication(run));
+    set_real(object, "crossings", (double)sums->summary.count[CML_COUNT_BOUNDARY_EVENTS]);
+    set_real(object, "queries", (double)sums->summary.count[CML_COUNT_QUERIES]);
+    set_real(object, "ns_per_step", steps > 0 ? 1e9 * timing->seconds / steps : 0);
+    set_real(object, "photons_per_s", (double)sums->photons / timing->seconds);
+    set_seconds_to_error(object, report);
+    set_integer(object, "threads", (uint64_t)timing->threads);
+    set_integer(object, "ranks", (uint64_t)timing->ranks);
+    json_object_set_new(object, "rank_s", ranks_json(timing));
+    set_real(object, "idle", cml_timing_idle(timing));
+    set_real(object, "communication", cml_timing_communication(timing));
 }
 
 /* Totals by adding-doubling, and for each the limit of its error. */
 static void set_exact(json_t *object, const struct cml_exact *exact)
 {
-    static const char *const names[] = {"Rsp", "Rd", "A", "Tt"};
-    static const char *const errors[] = {"Rsp_error", "Rd_error", "A_error", "Tt_error"};
     json_t *layers = json_array(), *layer_errors = json_array();
-    for (int i = 0; i < CML_EXACT_LAYERS; i++) set_real(object, names[i], exact->value[i]);
-    for (int i = 0; i < CML_EXACT_LAYERS; i++) set_real(object, errors[i], exact->error[i]);
+    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", &exact->value[i]);
+    for (int i = 0; i < CML_TOTALS; i++)
+        set_quantity(object, (enum cml_quantity)i, "_error", &exact->error[i]);
     for (int i = CML_EXACT_LAYERS; i < exact->count; i++) {
         json_array_append_new(layers, json_real(exact->value[i]));
         json_array_append_new(layer_errors, json_real(exact->error[i]));
@@ -168,30 +178,22 @@ static void set_exact(json_t *object, const struct cml_exact *exact)
 /* What a run prints beside its own totals; null where there is none. */
 static void set_exact_totals(json_t *object, const struct cml_exact *exact)
 {
-    static const char *const names[] = {"Rsp_exact", "Rd_exact", "A_exact", "Tt_exact"};
-    for (int i = 0; i < CML_EXACT_LAYERS; i++)
-        json_object_set_new(object, names[i], exact ? json_real(exact->value[i]) : json_null());
-    json_object_set_new(object, "exact_error", exact ? json_real(cml_exact_worst(exact)) : json_null());
+    const double none = NAN, worst = exact ? cml_exact_worst(exact) : NAN;
+    for (int i = 0; i < CML_TOTALS; i++)
+        set_quantity(object, (enum cml_quantity)i, "_exact", exact ? &exact->value[i] : &none);
+    set_real(object, "exact_error", worst);
 }
 
 /* What a run has with its flat twin as control variate; null without one. */
 static void set_control(json_t *object, const struct cml_report *report)
 {
-    static const struct {
-        const char *name, *error;
-        enum cml_total total;
-    } keys[] = {{"Rsp_control", "Rsp_control_se", CML_TOTAL_SPECULAR},
-                {"Rd_control", "Rd_control_se", CML_TOTAL_REFLECTED},
-                {"A_control", "A_control_se", CML_TOTAL_ABSORBED},
-                {"Tt_control", "Tt_control_se", CML_TOTAL_TRANSMITTED}};
-    const struct cml_controlled *control = report->control;
-    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
-        const enum cml_total total = keys[i].total;
-        json_object_set_new(object, keys[i].name, control ? json_real(control[total].value) : json_null());
-        json_object_set_new(object, keys[i].error, control ? json_real(control[total].error) : json_null());
+    const struct cml_controlled none = {NAN, NAN, NAN};
+    for (int i = 0; i < CML_TOTALS; i++) {
+        const struct cml_controlled *control = report->control ? &report->control[i] : &none;
+        set_quantity(object, (enum cml_quantity)(CML_QUANTITY_Rsp_control + i), "", &control->value);
+        set_quantity(object, (enum cml_quantity)(CML_QUANTITY_Rsp_control + i), "_se", &control->error);
     }
-    json_object_set_new(object, "control_cpu_s",
-                        control ? json_real(report->control_processor) : json_null());
+    set_real(object, "control_cpu_s", report->control ? report->control_processor : NAN);
 }
 
 static int print_list(FILE *stream, const struct list *list, const struct subject *subject)
@@ -267,9 +269,10 @@ static json_t *map_json(const struct cml_map_def *map)
 static json_t *flat_json(const struct cml_exact *flat)
 {
     if (!flat) return json_null();
-    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "Rsp", flat->value[CML_EXACT_RSP], "Rd",
-                     flat->value[CML_EXACT_RD], "A", flat->value[CML_EXACT_A], "Tt",
-                     flat->value[CML_EXACT_TT], "error", cml_exact_worst(flat));
+    json_t *object = json_object();
+    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", &flat->value[i]);
+    set_real(object, "error", cml_exact_worst(flat));
+    return object;
 }
 
 cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
@@ -314,24 +317,43 @@ static json_t *settings_json(const char *text)
     return object;
 }
 
+/* What decided the bits, a name or a whole number each. One that is there stays where it is. */
+static void set_option(json_t *object, const struct cml_provenance *provenance,
+                       enum cml_option_of_bits option)
+{
+    const struct cml_option_info *info = &cml_options_of_bits[option];
+    const double value = provenance->value[option];
+    if (!(info->where & CML_IN_JSON) || json_object_get(object, info->name)) return;
+    json_object_set_new(object, info->name,
+                        info->where & CML_AS_WORD            ? json_string(cml_option_word(option, value))
+                        : value == (double)(json_int_t)value ? json_integer((json_int_t)value)
+                                                             : json_real(value));
+}
+
 /* One object on one line. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
-    const struct subject subject = {report->scene, report->surfaces, report->run};
+    const struct cml_provenance *provenance = report->provenance;
+    const struct subject subject = {report->scene, report->surfaces, report->sums};
     const struct list lists[] = {{"boundaries", report->surfaces->count, boundary_json},
                                  {"bodies", report->scene->num_bodies, body_json}};
     json_t *object = json_pack("{s:o, s:o, s:s}", "scene", cml_json_name(report->scene->file), "output",
-                               cml_json_name(report->files[0]), "engine", report->engine->name);
+                               cml_json_name(report->files[0]), "engine", provenance->engine);
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
-    set_integer(object, "photons", report->run->result.photons);
-    set_integer(object, "seed", report->options->seed);
+    set_integer(object, "photons", report->sums->photons);
+    set_option(object, provenance, CML_DECIDES_seed);
     json_object_set_new(object, "row", report->row > 0 ? json_integer(report->row) : json_null());
     json_object_set_new(object, "set", settings_json(report->scene->settings));
-    json_object_set_new(object, "sampling", json_string(cml_sampling_name(report->options)));
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++)
+        set_option(object, provenance, (enum cml_option_of_bits)i);
     json_object_set_new(object, "boundaries", json_null());
     if (report->scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     json_object_set_new(object, "files", files_json(report));
-    set_results(object, report);
+    const cml_status status = set_results(object, report, err);
+    if (status != CML_OK) {
+        json_decref(object);
+        return status;
+    }
     set_exact_totals(object, report->exact);
     set_control(object, report);
     set_speed(object, report);

@@ -2,21 +2,20 @@
 #include "plot/compare.h"
 
 #include "base/significance.h"
-#include "output/scaling.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-enum { NUM_TOTALS = 4, BATCHES = 64 };
+enum { BATCHES = 64 };
 
 /* One quantity of both files, in weight per launched packet. */
 struct quantity {
     enum cml_quantity which;
-    const struct cml_mco *mco[2];
+    const struct cml_outcome *outcome[2];
     double packets[2];
     int bins;
     const double *value[2]; /* [bins] as in the file */
-    double *error[2];       /* [bins] as in the file, NULL: none */
+    const double *error[2]; /* [bins] as in the file, NULL: none */
 };
 
 /* Neighbouring bins taken together. */
@@ -39,34 +38,21 @@ struct spread {
 
 /* ---- the files ---- */
 
-/* What turns a value of the file back into weight per packet. */
-static double measure_of(const struct cml_mco *mco, enum cml_quantity which, int i)
-{
-    const double width = cml_quantity_width(mco, which);
-    if (cml_quantity_is_total(which)) return 1;
-    if (which == CML_QUANTITY_A_z) return width;
-    return cml_quantity_is_radial(which) ? cml_ring_area(width, i) : cml_solid_angle(width, i);
-}
-
 /* Fewer packets than batches make no error. */
-static bool has_errors(const struct cml_mco *mco)
+static bool has_errors(const struct cml_outcome *o)
 {
-    double totals[NUM_TOTALS];
-    if (mco->photons < BATCHES || cml_mco_extra(mco, "se_RAT", totals, NUM_TOTALS) < NUM_TOTALS) return false;
-    for (int i = 0; i < NUM_TOTALS; i++)
-        if (isnan(totals[i])) return false;
+    if (o->photons < BATCHES) return false;
+    for (int i = 0; i < CML_TOTALS; i++)
+        if (!cml_outcome_errors(o, (enum cml_quantity)i)) return false;
     return true;
 }
 
-/* Fills errors[bins]; false when the file has none. */
-static bool read_errors(const struct cml_mco *mco, enum cml_quantity which, double *errors)
+/* NULL when the file has none. */
+static const double *errors_of(const struct cml_outcome *o, enum cml_quantity which)
 {
-    double totals[NUM_TOTALS] = {0};
-    const bool any = has_errors(mco);
-    if (!cml_quantity_is_total(which)) return any && cml_quantity_errors(mco, which, errors);
-    if (any) (void)cml_mco_extra(mco, "se_RAT", totals, NUM_TOTALS);
-    errors[0] = totals[which];
-    return any || which == CML_QUANTITY_Rsp;
+    static const double none = 0;
+    if (has_errors(o)) return cml_outcome_errors(o, which);
+    return which == CML_QUANTITY_Rsp ? &none : NULL;
 }
 
 /* Says it of the second file, as if the first were right: one of them has to give way. */
@@ -78,8 +64,8 @@ static cml_status fail_grid(const char *const names[2], const char *field, doubl
 
 /* Without equal bins there is nothing to compare bin by bin. Materials may differ: that is often the
  * question. */
-static cml_status check_grids(const struct cml_mco *a, const struct cml_mco *b, const char *const names[2],
-                              struct cml_error *err)
+static cml_status check_grids(const struct cml_outcome *a, const struct cml_outcome *b,
+                              const char *const names[2], struct cml_error *err)
 {
     const struct {
         const char *field;
@@ -107,7 +93,7 @@ static double rounding_of(double value, int digits)
  * printed with six digits, bins with five. */
 static void add_bin(const struct quantity *q, int i, struct group *group)
 {
-    const double measure = measure_of(q->mco[0], q->which, i);
+    const double measure = cml_outcome_measure(q->outcome[0], q->which, (size_t)i);
     const int digits = cml_quantity_is_total(q->which) ? 6 : 5;
     group->last = i;
     group->measure += measure;
@@ -172,10 +158,9 @@ static double typical_score(const struct quantity *q, const struct group *group,
 
 /* Whether errors of the file say how packets scatter: not where they were spread evenly (--sampling lattice),
  * which errors gain from. */
-static bool packets_are_independent(const struct cml_mco *mco)
+static bool packets_are_independent(const struct cml_outcome *o)
 {
-    double lattice = 0;
-    return cml_mco_extra(mco, "lattice", &lattice, 1) != 1 || lattice == 0;
+    return !(o->provenance.value[CML_DECIDES_sampling] > 0);
 }
 
 /* Variance per packet of a file without errors, and with it of the other: mean square less squared mean,
@@ -184,7 +169,7 @@ static bool packets_are_independent(const struct cml_mco *mco)
 static void estimate(const struct quantity *q, const struct group *group, double mean, double variance[2])
 {
     const int lender = q->error[0] ? 0 : 1;
-    const bool lent = q->error[lender] != NULL, says = lent && packets_are_independent(q->mco[lender]);
+    const bool lent = q->error[lender] != NULL, says = lent && packets_are_independent(q->outcome[lender]);
     const double score = says ? typical_score(q, group, lender) : 1;
     const double own = lent ? own_variance(q, group, lender) : 0;
     for (int k = 0; k < 2; k++) variance[k] = fmax(own, score * fmax(mean, group->mean[k]) - mean * mean);
@@ -234,7 +219,7 @@ static double deviate(const struct group *group, const struct spread *spread)
 static struct cml_compare_test test_group(const struct quantity *q, const struct group *group)
 {
     const struct spread spread = spread_of(q, group);
-    const double width = cml_quantity_width(q->mco[0], q->which), z = deviate(group, &spread);
+    const double width = cml_outcome_width(q->outcome[0], q->which), z = deviate(group, &spread);
     struct cml_compare_test test = {.quantity = q->which,
                                     .first = group->first,
                                     .last = group->last,
@@ -271,26 +256,29 @@ static void test_quantity(const struct quantity *q, struct cml_comparison *c)
     c->bins[q->which] = q->bins;
 }
 
-static bool tallied_absorption(const struct cml_mco *mco)
+static bool tallied_absorption(const struct cml_outcome *o)
 {
-    for (int i = 0; i < mco->nz; i++)
-        if (mco->A_z[i] > 0) return true;
-    return !(mco->A > 0);
+    for (int i = 0; i < o->nz; i++)
+        if (o->value[CML_QUANTITY_A_z][i] > 0) return true;
+    return !(o->value[CML_QUANTITY_A][0] > 0);
 }
 
-/* Each quantity is read into the same scratch memory, for its tests keep what they need. */
-static void test_all(const struct cml_mco *const mco[2], double *scratch, int most, struct cml_comparison *c)
+bool cml_compare_tests(enum cml_quantity which)
+{
+    return cml_quantity_is_total(which) || (which >= CML_QUANTITY_A_z && which <= CML_QUANTITY_Tt_a);
+}
+
+static void test_all(const struct cml_outcome *const outcome[2], struct cml_comparison *c)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity which = (enum cml_quantity)i;
-        struct quantity q = {.which = which, .bins = cml_quantity_bins(mco[0], which)};
-        if (which == CML_QUANTITY_A_z && c->no_absorption) continue;
+        if (!cml_compare_tests(which) || (which == CML_QUANTITY_A_z && c->no_absorption)) continue;
+        struct quantity q = {.which = which, .bins = (int)cml_outcome_size(outcome[0], which)};
         for (int k = 0; k < 2; k++) {
-            double *errors = scratch + (size_t)k * (size_t)most;
-            q.mco[k] = mco[k];
-            q.packets[k] = (double)mco[k]->photons;
-            q.value[k] = cml_quantity_values(mco[k], q.which);
-            q.error[k] = read_errors(mco[k], q.which, errors) ? errors : NULL;
+            q.outcome[k] = outcome[k];
+            q.packets[k] = (double)outcome[k]->photons;
+            q.value[k] = outcome[k]->value[which];
+            q.error[k] = errors_of(outcome[k], which);
         }
         test_quantity(&q, c);
     }
@@ -306,25 +294,18 @@ static void conclude(struct cml_comparison *c)
 }
 
 /* At most one test per bin and total, so the tests' memory is known beforehand. */
-cml_status cml_compare(const struct cml_mco *a, const struct cml_mco *b, const char *const names[2],
+cml_status cml_compare(const struct cml_outcome *a, const struct cml_outcome *b, const char *const names[2],
                        struct cml_comparison *c, struct cml_error *err)
 {
-    const struct cml_mco *const mco[2] = {a, b};
+    const struct cml_outcome *const outcome[2] = {a, b};
     *c = (struct cml_comparison){.measured = {has_errors(a), has_errors(b)},
                                  .lends = {packets_are_independent(a), packets_are_independent(b)},
                                  .no_absorption = !tallied_absorption(a) || !tallied_absorption(b)};
     CML_TRY(check_grids(a, b, names, err));
-    const int most = a->nz > a->nr ? (a->nz > a->na ? a->nz : a->na) : (a->nr > a->na ? a->nr : a->na);
-    const size_t tests = NUM_TOTALS + (size_t)a->nz + 2 * (size_t)a->nr + 2 * (size_t)a->na;
-    double *scratch = malloc(2 * (size_t)most * sizeof *scratch);
+    const size_t tests = CML_TOTALS + (size_t)a->nz + 2 * (size_t)a->nr + 2 * (size_t)a->na;
     c->test = malloc(tests * sizeof *c->test);
-    if (!scratch || !c->test) {
-        free(scratch);
-        cml_comparison_clear(c);
-        return cml_fail_memory(err, (double)tests * sizeof *c->test, "the comparison");
-    }
-    test_all(mco, scratch, most, c);
-    free(scratch);
+    if (!c->test) return cml_fail_memory(err, (double)tests * sizeof *c->test, "the comparison");
+    test_all(outcome, c);
     conclude(c);
     return CML_OK;
 }

@@ -20,9 +20,12 @@
 #ifndef CML_COMPARE_H
 #define CML_COMPARE_H
 
-#include "plot/quantity.h"
+#include "result/outcome.h"
 
 #define CML_COMPARE_PACKETS 20.0
+
+/* Whether a quantity is compared: totals and profiles are. */
+bool cml_compare_tests(enum cml_quantity quantity);
 
 /* One test: a total (first = last = 0), a bin, or neighbouring bins. */
 struct cml_compare_test {
@@ -46,7 +49,7 @@ struct cml_comparison {
 
 /* a, b: results on the same grid; names: of the files, for messages. CML_E_INPUT names the field in which the
  * grids differ. *comparison is the caller's to clear; on failure it is cleared. */
-CML_NODISCARD cml_status cml_compare(const struct cml_mco *a, const struct cml_mco *b,
+CML_NODISCARD cml_status cml_compare(const struct cml_outcome *a, const struct cml_outcome *b,
                                      const char *const names[2], struct cml_comparison *comparison,
                                      struct cml_error *err);
 

@@ -37,7 +37,8 @@ struct drawing {
 static int count_panels(const struct cml_comparison *c)
 {
     int panels = 0;
-    for (int q = 0; q < CML_NUM_QUANTITIES; q++) panels += cml_quantities[q].axis && c->bins[q] > 0;
+    for (int q = 0; q < CML_NUM_QUANTITIES; q++)
+        panels += cml_quantity_place((enum cml_quantity)q) && c->bins[q] > 0;
     return panels;
 }
 
@@ -75,6 +76,12 @@ static void write_head(const struct drawing *d)
     write_verdict(d);
 }
 
+/* The number of a profile's data, behind the totals. */
+static int block_of(int q)
+{
+    return q - CML_QUANTITY_A_z + CML_TOTALS;
+}
+
 /* Middle and half width of every test inside the frame, z; then those beyond it, as foot and length of an
  * arrow. Returns how many these are. */
 static int write_data(const struct drawing *d, int q)
@@ -83,7 +90,7 @@ static int write_data(const struct drawing *d, int q)
     FILE *out = d->page.out;
     int beyond = 0;
     for (int outside = 0; outside < 2; outside++) {
-        fprintf(out, "$%s%d << EOD\n", outside ? "beyond" : "z", q);
+        fprintf(out, "$%s%d << EOD\n", outside ? "beyond" : "z", block_of(q));
         for (int i = 0; i < c->count; i++) {
             const struct cml_compare_test *t = &c->test[i];
             if ((int)t->quantity != q || (fabs(t->z) > most) != (outside == 1)) continue;
@@ -132,17 +139,18 @@ static void write_panel(const struct drawing *d, int q, int place)
         &(struct cml_page_text){TITLE_LEFT, top - PANEL / 2.0, CML_ALIGN_UPRIGHT, CML_PAGE_NORMAL, name});
     cml_page_write(&d->page, LABEL_X,
                    &(struct cml_page_text){(LEFT + RIGHT) / 2.0, top - PANEL - TITLE_BELOW, CML_ALIGN_CENTER,
-                                           CML_PAGE_NORMAL, cml_quantities[q].axis});
+                                           CML_PAGE_NORMAL, cml_quantity_place((enum cml_quantity)q)});
     if (beyond > 0) write_worst(d, q, top);
     fprintf(d->page.out,
             "set xrange [0:%.7g]\nplot %.4g with lines dt 2 lw 1.2 %s, %.4g with lines dt 2 lw 1.2 %s, ", end,
             limit, colour, -limit, colour);
     fprintf(d->page.out, "0 with lines lw 0.8 lc rgb '#808080'");
-    fprintf(d->page.out, ", $z%d using 1:3:2 with xerrorbars pt 7 ps 0.4 lw 1.2 lc rgb '#0072B2'", q);
+    fprintf(d->page.out, ", $z%d using 1:3:2 with xerrorbars pt 7 ps 0.4 lw 1.2 lc rgb '#0072B2'",
+            block_of(q));
     if (beyond > 0)
         fprintf(d->page.out,
-                ", $beyond%d using 1:2:3:4 with vectors head filled size screen 0.008,20 lw 1.4 %s", q,
-                colour);
+                ", $beyond%d using 1:2:3:4 with vectors head filled size screen 0.008,20 lw 1.4 %s",
+                block_of(q), colour);
     fputs("\nunset label\n", d->page.out);
 }
 
@@ -160,7 +168,7 @@ cml_status cml_compare_script(FILE *out, const void *report, struct cml_error *e
     d.limit = cml_two_sided_limit(cml_sidak_level(d.report->alpha, c->count));
     write_head(&d);
     for (int q = 0, place = 0; q < CML_NUM_QUANTITIES; q++)
-        if (cml_quantities[q].axis && c->bins[q] > 0) write_panel(&d, q, place++);
+        if (cml_quantity_place((enum cml_quantity)q) && c->bins[q] > 0) write_panel(&d, q, place++);
     fputs("unset multiplot\n", out);
     return CML_OK;
 }

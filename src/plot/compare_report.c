@@ -53,36 +53,26 @@ static void print_file(FILE *stream, const struct cml_compare_report *report, in
                      ? "no standard errors: variances of the other file"
                      : "no standard errors: upper bounds (--sampling random in the other would find more)";
     fprintf(stream, "%c: %s, %.0f packets, %s\n", "ab"[k], report -> names[k],
-            (double)report -> mco[k].photons, errors);
-}
-
-/* The seed and run that one of our own files names; false where there is none. */
-static bool stream_of(const struct cml_mco *mco, unsigned long long *seed, unsigned *run)
-{
-    const char *engine = mco->extra ? strstr(mco->extra, "# engine ") : NULL;
-    const char *text = engine ? strstr(engine, "seed ") : NULL;
-    return text && sscanf(text, "seed %llu, run %u", seed, run) == 2;
+            (double)report -> outcome[k].photons, errors);
 }
 
 /* What explains a difference, or an agreement, without being tested itself. */
 static void print_notes(FILE *stream, const struct cml_compare_report *report)
 {
-    static const char *const fields[5] = {"n", "mua", "mus", "g", "d"};
-    const struct cml_mco *a = &report->mco[0], *b = &report->mco[1];
-    unsigned long long seed[2];
-    unsigned run[2];
-    if (stream_of(a, &seed[0], &run[0]) && stream_of(b, &seed[1], &run[1]) && seed[0] == seed[1] &&
-        run[0] == run[1])
+    const struct cml_outcome *a = &report->outcome[0], *b = &report->outcome[1];
+    if (a->num_streams == 1 && b->num_streams == 1 && a->stream->seed == b->stream->seed &&
+        a->stream->run == b->stream->run)
         fprintf(stream,
                 "note: both runs have seed %llu: they share their noise, so that agreement says little\n",
-                seed[0]);
+                (unsigned long long)a->stream->seed);
     if (a->num_layers != b->num_layers)
         fprintf(stream, "note: %d and %d layers\n", a->num_layers, b->num_layers);
     for (int l = 0; l < a->num_layers && l < b->num_layers; l++)
-        for (int i = 0; i < 5; i++)
-            if (a->layer[l][i] != b->layer[l][i])
-                fprintf(stream, "note: layer %d: %s = %g and %g\n", l + 1, fields[i], a->layer[l][i],
-                        b->layer[l][i]);
+        for (int i = 0; i < CML_LAYER_NUMBERS; i++) {
+            const double one = *cml_outcome_layer(a, l, i), two = *cml_outcome_layer(b, l, i);
+            const char *name = cml_quantities[CML_QUANTITY_layer_n + i].name + strlen("layer_");
+            if (one != two) fprintf(stream, "note: layer %d: %s = %g and %g\n", l + 1, name, one, two);
+        }
     if (report->comparison->no_absorption)
         fputs("note: A_z is left out: one of the runs did not tally it\n", stream);
 }
@@ -91,7 +81,7 @@ static void print_notes(FILE *stream, const struct cml_compare_report *report)
 static void print_totals(FILE *stream, const struct cml_comparison *c)
 {
     fprintf(stream, "%-5s %12s %10s %12s %10s %8s\n", "", "a", "error", "b", "error", "z");
-    for (int i = 0; i < c->count && !cml_quantities[c->test[i].quantity].axis; i++) {
+    for (int i = 0; i < c->count && cml_quantity_is_total(c->test[i].quantity); i++) {
         const struct cml_compare_test *t = &c->test[i];
         fprintf(stream, "%-5s %12.6g %10.2g %12.6g %10.2g %+8.2f\n", cml_quantities[t->quantity].name,
                 t->value[0], t->error[0], t->value[1], t->error[1], t->z);
@@ -101,17 +91,16 @@ static void print_totals(FILE *stream, const struct cml_comparison *c)
 /* "r [cm] 0.12..0.13" */
 static void print_place(FILE *stream, const struct cml_compare_test *t)
 {
-    const char *axis = cml_quantities[t->quantity].axis;
+    const char *axis = cml_quantity_place(t->quantity);
     if (axis) fprintf(stream, "%s %.4g..%.4g", axis, t->lower, t->upper);
 }
 
 /* One line per profile, also for those that could not be tested: silence would look like agreement. */
 static void print_profiles(FILE *stream, const struct cml_comparison *c)
 {
-    for (int q = 0; q < CML_NUM_QUANTITIES; q++) {
+    for (int q = CML_QUANTITY_A_z; q <= CML_QUANTITY_Tt_a; q++) {
         int tests = 0;
         const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q, &tests);
-        if (!cml_quantities[q].axis) continue;
         fprintf(stream, "%-5s ", cml_quantities[q].name);
         if (!worst) {
             fputs("not tested: too few packets\n", stream);
@@ -133,7 +122,7 @@ static void print_worst(FILE *stream, const struct cml_comparison *c)
         const struct cml_compare_test *t = worst[i];
         fprintf(stream, "  z %+6.2f  p %-8.2g  %-4s %11.5g +- %-8.2g %11.5g +- %-8.2g %-5s ", t->z, t->p,
                 cml_quantities[t->quantity].name, t->value[0], t->error[0], t->value[1], t->error[1],
-                cml_quantities[t->quantity].unit);
+                cml_quantity_unit(t->quantity));
         print_place(stream, t);
         fputc('\n', stream);
     }
@@ -167,7 +156,7 @@ static json_t *test_json(const struct cml_compare_test *t)
                      cml_quantities[t->quantity].name, "first", t->first, "last", t->last, "lower", t->lower,
                      "upper", t->upper, "a", t->value[0], "a_se", t->error[0], "b", t->value[1], "b_se",
                      t->error[1], "z", without_infinity(t->z), "p", t->p, "unit",
-                     cml_quantities[t->quantity].unit);
+                     cml_quantity_unit(t->quantity));
 }
 
 /* z of all tests of a quantity, and the bins with which they begin. */
@@ -190,6 +179,7 @@ static json_t *quantities_json(const struct cml_comparison *c)
     json_t *object = json_object();
     for (int q = 0; q < CML_NUM_QUANTITIES; q++) {
         int tests = 0;
+        if (!cml_compare_tests((enum cml_quantity)q)) continue;
         const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q, &tests);
         json_t *entry = json_pack("{s:i, s:i, s:o}", "bins", c->bins[q], "tests", tests, "worst",
                                   worst ? test_json(worst) : json_null());
@@ -212,11 +202,11 @@ static json_t *worst_json(const struct cml_comparison *c)
 cml_status cml_compare_json(FILE *stream, const struct cml_compare_report *report, struct cml_error *err)
 {
     const struct cml_comparison *c = report->comparison;
-    json_t *object =
-        json_pack("{s:o, s:o, s:[I, I], s:i, s:f, s:f, s:b, s:o, s:o}", "a", cml_json_name(report->names[0]),
-                  "b", cml_json_name(report->names[1]), "packets", (json_int_t)report->mco[0].photons,
-                  (json_int_t)report->mco[1].photons, "tests", c->count, "p", c->p, "alpha", report->alpha,
-                  "agree", !(c->p < report->alpha), "quantities", quantities_json(c), "worst", worst_json(c));
+    json_t *object = json_pack(
+        "{s:o, s:o, s:[I, I], s:i, s:f, s:f, s:b, s:o, s:o}", "a", cml_json_name(report->names[0]), "b",
+        cml_json_name(report->names[1]), "packets", (json_int_t)report->outcome[0].photons,
+        (json_int_t)report->outcome[1].photons, "tests", c->count, "p", c->p, "alpha", report->alpha, "agree",
+        !(c->p < report->alpha), "quantities", quantities_json(c), "worst", worst_json(c));
     char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
     json_decref(object);
     if (!text) return cml_fail_memory(err, 1, "the JSON record (or a name that is not UTF-8)");

@@ -7,8 +7,8 @@
 #include "plot/gnuplot.h"
 
 struct cml_compare_report {
-    const char *const *names;  /* [2] paths, borrowed */
-    const struct cml_mco *mco; /* [2], borrowed */
+    const char *const *names;          /* [2] paths, borrowed */
+    const struct cml_outcome *outcome; /* [2], borrowed */
     const struct cml_comparison *comparison;
     double alpha; /* level of the verdict */
     enum cml_picture picture;

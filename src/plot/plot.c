@@ -12,7 +12,7 @@ static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7"
 
 /* gnuplot's marks, full for results and open for curves of others: what tells curves apart in grey. */
 static const int marks[2][8] = {{7, 5, 9, 13, 11, 15, 2, 1}, {6, 4, 8, 12, 10, 14, 2, 1}};
-enum { NUM_COLOURS = sizeof colours / sizeof *colours, MOST_HEIGHTS = 20000 };
+enum { NUM_COLOURS = sizeof colours / sizeof *colours };
 
 /* Letters of a name in the legend, and of the title. */
 enum { LONGEST_NAME = 60, LONGEST_TITLE = 80 };
@@ -55,7 +55,6 @@ struct drawing {
     const struct cml_plot *plot;
     int count;         /* of files: results, then curves of others */
     double from, to;   /* of the common axis, cm or rad */
-    double *heights;   /* scratch, [MOST_HEIGHTS] */
     int columns, rows; /* of the legend */
     int foot;          /* points below the panels */
     struct panel panels[2];
@@ -127,20 +126,14 @@ static bool lit(const struct cml_curve *curve)
 
 /* ---- ranges ---- */
 
-/* Reflectance belongs to the first boundary, transmittance to the last. Pairs of r and h, up to the first
- * number that no scene can have; returns how many numbers, an even one. */
-static int read_heights(const struct drawing *d, const struct panel *panel, int k)
+/* Reflectance belongs to the first boundary, transmittance to the last. NULL: the file has none. */
+static const struct cml_heights *heights_of(const struct drawing *d, const struct panel *panel, int k)
 {
-    const double largest = 1e30; /* cm */
-    char key[32];
-    if (k >= d->plot->num_results || !cml_quantity_is_radial(panel->shown->quantity)) return 0;
-    const struct cml_mco *mco = &d->plot->results[k];
-    snprintf(key, sizeof key, "heightfield%d",
-             panel->shown->quantity == CML_QUANTITY_Rd_r ? 0 : mco->num_layers);
-    const int count = cml_mco_extra(mco, key, d->heights, MOST_HEIGHTS);
-    int sound = 0;
-    while (sound < count && fabs(d->heights[sound]) <= largest) sound++;
-    return sound & ~1;
+    if (k >= d->plot->num_results || !cml_quantity_is_radial(panel->shown->quantity)) return NULL;
+    const struct cml_outcome *outcome = &d->plot->results[k];
+    const int boundary = panel->shown->quantity == CML_QUANTITY_Rd_r ? 0 : outcome->num_layers;
+    const struct cml_heights *heights = cml_outcome_heights(outcome, boundary);
+    return heights && heights->n > 0 ? heights : NULL;
 }
 
 /* Over all files, since they share the axis. */
@@ -149,10 +142,10 @@ static void find_heights(struct drawing *d, struct panel *panel)
     panel->lowest = INFINITY;
     panel->highest = -INFINITY;
     for (int k = 0; k < d->plot->num_results; k++) {
-        const int n = read_heights(d, panel, k);
-        for (int i = 0; i < n; i += 2) {
-            panel->lowest = fmin(panel->lowest, d->heights[i + 1]);
-            panel->highest = fmax(panel->highest, d->heights[i + 1]);
+        const struct cml_heights *heights = heights_of(d, panel, k);
+        for (int i = 0; heights && i < heights->n; i++) {
+            panel->lowest = fmin(panel->lowest, heights->pair[2 * i + 1]);
+            panel->highest = fmax(panel->highest, heights->pair[2 * i + 1]);
         }
     }
 }
@@ -237,11 +230,12 @@ static void write_curve_data(const struct drawing *d, const struct panel *panel,
 /* The last height goes on to the edge of the picture, as the boundary does. */
 static void write_heights(const struct drawing *d, const struct panel *panel, int k)
 {
-    const int n = read_heights(d, panel, k);
-    if (n == 0) return;
+    const struct cml_heights *heights = heights_of(d, panel, k);
+    if (!heights) return;
+    const double *pair = heights->pair, *last = pair + 2 * (heights->n - 1);
     fprintf(d->page.out, "$h%d_%d << EOD\n", panel->place, k);
-    for (int i = 0; i < n; i += 2) fprintf(d->page.out, "%.9g %.9g\n", d->heights[i], d->heights[i + 1]);
-    fprintf(d->page.out, "%.9g %.9g\nEOD\n", fmax(d->to, d->heights[n - 2]), d->heights[n - 1]);
+    for (int i = 0; i < heights->n; i++) fprintf(d->page.out, "%.9g %.9g\n", pair[2 * i], pair[2 * i + 1]);
+    fprintf(d->page.out, "%.9g %.9g\nEOD\n", fmax(d->to, last[0]), last[1]);
 }
 
 /* ---- the picture ---- */
@@ -368,7 +362,7 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
         fputs(" title ", out);
         cml_gnuplot_quote(out, name);
     }
-    if (read_heights(d, panel, k) > 0)
+    if (heights_of(d, panel, k))
         fprintf(out, ", $h%d_%d using 1:2 axes x1y2 with lines lw 2 dt 3 lc rgb '%s'", at, k, colour);
 }
 
@@ -430,15 +424,13 @@ cml_status cml_plot_script(FILE *out, const void *what, struct cml_error *err)
     const struct cml_plot *plot = what;
     struct drawing d = {.page = {.out = out, .picture = plot->picture, .width = WIDTH},
                         .plot = plot,
-                        .count = plot->num_results + plot->num_curves,
-                        .heights = malloc(MOST_HEIGHTS * sizeof(double))};
-    cml_status status = d.heights ? CML_OK : cml_fail_memory(err, MOST_HEIGHTS * sizeof(double), "the plot");
+                        .count = plot->num_results + plot->num_curves};
+    cml_status status = CML_OK;
     for (int i = 0; i < plot->shown->num_panels; i++) {
         d.panels[i] = (struct panel){.shown = &plot->shown->panel[i], .place = i};
         if (status == CML_OK) status = make_curves(&d, &d.panels[i], err);
     }
     if (status == CML_OK) status = write_panels(&d, plot->shown->num_panels, err);
     for (int i = 0; i < plot->shown->num_panels; i++) free_curves(&d, &d.panels[i]);
-    free(d.heights);
     return status;
 }

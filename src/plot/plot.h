@@ -11,11 +11,11 @@
 
 struct cml_plot {
     const struct cml_shown *shown;
-    int num_results, num_curves;   /* of others */
-    const struct cml_mco *results; /* [num_results], borrowed */
-    const char *const *paths;      /* [num_results], borrowed: of the files, for messages */
-    struct cml_curve (*curves)[2]; /* [num_curves] of each panel, borrowed */
-    const char *const *names;      /* [num_results + num_curves], borrowed: for the legend */
+    int num_results, num_curves;       /* of others */
+    const struct cml_outcome *results; /* [num_results], borrowed */
+    const char *const *paths;          /* [num_results], borrowed: of the files, for messages */
+    struct cml_curve (*curves)[2];     /* [num_curves] of each panel, borrowed */
+    const char *const *names;          /* [num_results + num_curves], borrowed: for the legend */
     enum cml_picture picture;
     struct cml_plot_style style; /* a log axis unless linear */
 };

@@ -59,22 +59,22 @@ struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel)
 }
 
 /* A fluence without absorption is nothing that was tallied. */
-static cml_status check_absorption(const struct cml_mco *mco, const char *path, struct cml_error *err)
+static cml_status check_absorption(const struct cml_outcome *o, const char *path, struct cml_error *err)
 {
-    for (int l = 0; l < mco->num_layers; l++)
-        if (mco->layer[l][1] > 0) return CML_OK;
+    for (int l = 0; l < o->num_layers; l++)
+        if (o->value[CML_QUANTITY_layer_mua][l] > 0) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
                     "%s: mua = 0 in all layers (expected a layer that absorbs, for a fluence)", path);
 }
 
 /* What a value is divided by: mua of its bin. *mua is the caller's to free; NULL for what is no fluence. */
-static cml_status find_absorption(const struct cml_mco *mco, const char *path, enum cml_shown_as as,
+static cml_status find_absorption(const struct cml_outcome *o, const char *path, enum cml_shown_as as,
                                   bool by_radius, double **mua, struct cml_error *err)
 {
     *mua = NULL;
     if (as != CML_SHOWN_OVER_MUA) return CML_OK;
-    CML_TRY(check_absorption(mco, path, err));
-    return cml_media_mua(mco, path, by_radius, mua, err);
+    CML_TRY(check_absorption(o, path, err));
+    return cml_media_mua(o, path, by_radius, mua, err);
 }
 
 /* A gap where nothing absorbs, and where two media share the bin. */
@@ -93,22 +93,22 @@ static double end_of(const struct cml_curve *curve, double width, bool whole)
     return fmin(last + 2, curve->n + !whole) * width;
 }
 
-cml_status cml_shown_curve(const struct cml_mco *mco, const char *path, const struct cml_shown_panel *panel,
+cml_status cml_shown_curve(const struct cml_outcome *o, const char *path, const struct cml_shown_panel *panel,
                            struct cml_curve *curve, struct cml_error *err)
 {
-    const double *values = cml_quantity_values(mco, panel->quantity);
-    const double width = cml_quantity_width(mco, panel->quantity);
+    const double *values = o->value[panel->quantity];
+    const double width = cml_outcome_width(o, panel->quantity);
     const bool whole = is_angle(panel);
-    const int bins = cml_quantity_bins(mco, panel->quantity);
+    const int bins = (int)cml_outcome_size(o, panel->quantity);
     double *mua;
     *curve = (struct cml_curve){0};
-    CML_TRY(find_absorption(mco, path, panel->as, false, &mua, err));
+    CML_TRY(find_absorption(o, path, panel->as, false, &mua, err));
     const cml_status status = cml_curve_create(bins, true, curve, err);
     if (status != CML_OK) {
         free(mua);
         return status;
     }
-    const bool errors = cml_quantity_errors(mco, panel->quantity, curve->error);
+    const double *errors = cml_outcome_errors(o, panel->quantity);
     curve->n = whole ? bins : bins - 1;
     for (int i = 0; i < curve->n; i++) {
         const double x = (i + 0.5) * width;
@@ -116,7 +116,7 @@ cml_status cml_shown_curve(const struct cml_mco *mco, const char *path, const st
         curve->shared |= mua && isnan(mua[i]);
         curve->x[i] = x;
         curve->y[i] = values[i] * factor;
-        curve->error[i] = errors ? curve->error[i] * factor : 0;
+        curve->error[i] = errors ? errors[i] * factor : 0;
     }
     curve->end = end_of(curve, width, whole);
     free(mua);
@@ -137,23 +137,24 @@ cml_status cml_shown_curve_of_others(const struct cml_curve *from, const struct 
     return CML_OK;
 }
 
-cml_status cml_shown_map(const struct cml_mco *mco, const char *path, const struct cml_shown *shown,
+cml_status cml_shown_map(const struct cml_outcome *o, const char *path, const struct cml_shown *shown,
                          struct cml_pixels *map, struct cml_error *err)
 {
     const double most = 1e30; /* only a damaged file has more */
     double *mua;
     *map = (struct cml_pixels){0};
-    if (mco->nr < 2 || mco->nz < 2)
+    if (o->nr < 2 || o->nz < 2)
         return cml_fail(err, CML_E_INPUT, "%s: nz, nr = %d %d (expected 2 or more of each for a map)", path,
-                        mco->nz, mco->nr);
-    CML_TRY(find_absorption(mco, path, shown->panel[0].as, true, &mua, err));
-    const size_t nr = (size_t)mco->nr - 1, nz = (size_t)mco->nz - 1;
-    *map = (struct cml_pixels){.n = {nr, nz}, .spacing = {mco->dr, mco->dz}};
+                        o->nz, o->nr);
+    CML_TRY(find_absorption(o, path, shown->panel[0].as, true, &mua, err));
+    const size_t nr = (size_t)o->nr - 1, nz = (size_t)o->nz - 1;
+    *map = (struct cml_pixels){.n = {nr, nz}, .spacing = {o->dr, o->dz}};
     map->value = malloc(nr * nz * sizeof *map->value);
     for (size_t iz = 0; map->value && iz < nz; iz++)
         for (size_t ir = 0; ir < nr; ir++)
             map->value[iz * nr + ir] =
-                (float)(over(mua, iz * (nr + 1) + ir) * fmin(mco->A_rz[ir * (size_t)mco->nz + iz], most));
+                (float)(over(mua, iz * (nr + 1) + ir) *
+                        fmin(o->value[CML_QUANTITY_A_rz][ir * (size_t)o->nz + iz], most));
     free(mua);
     return map->value ? CML_OK : cml_fail_memory(err, (double)(nr * nz * sizeof *map->value), "a map");
 }

@@ -7,7 +7,7 @@
 
 #include "plot/files/curve.h"
 #include "plot/files/vti.h"
-#include "plot/quantity.h"
+#include "result/outcome.h"
 
 /* What becomes of a value before it is drawn. */
 enum cml_shown_as { CML_SHOWN_PLAIN, CML_SHOWN_TIMES_R, CML_SHOWN_OVER_MUA };
@@ -39,7 +39,7 @@ struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel);
  * and z is left out. A fluence where nothing absorbs, or two media share the bin, is a gap. The caller frees
  * it. CML_E_INPUT names `path` where a fluence is asked for and no layer absorbs, or the file does not say
  * where its shapes lie. */
-CML_NODISCARD cml_status cml_shown_curve(const struct cml_mco *mco, const char *path,
+CML_NODISCARD cml_status cml_shown_curve(const struct cml_outcome *outcome, const char *path,
                                          const struct cml_shown_panel *panel, struct cml_curve *curve,
                                          struct cml_error *err);
 
@@ -50,7 +50,7 @@ CML_NODISCARD cml_status cml_shown_curve_of_others(const struct cml_curve *from,
 
 /* A map over (r, z), z from above, without the last bins; NAN where a fluence is asked for and has a gap.
  * The caller clears it. CML_E_INPUT as above, and when there are fewer than 2 bins. */
-CML_NODISCARD cml_status cml_shown_map(const struct cml_mco *mco, const char *path,
+CML_NODISCARD cml_status cml_shown_map(const struct cml_outcome *outcome, const char *path,
                                        const struct cml_shown *shown, struct cml_pixels *map,
                                        struct cml_error *err);
 

@@ -26,7 +26,7 @@ struct head {
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 3u                /* of this layout; a program refuses what it does not know */
+#define VERSION 4u                /* of this layout; a program refuses what it does not know */
 
 /* *name is the path with the suffix, the caller's to free. */
 static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
@@ -131,12 +131,6 @@ cml_status cml_checkpoint_finish(const char *path, const char *identity, const s
 {
     cml_checkpoint_remove_older(path);
     return write_file(path, NULL, identity, state, record, result, err);
-}
-
-void cml_record_clear(struct cml_record *record)
-{
-    free(record->json);
-    *record = (struct cml_record){0};
 }
 
 /* Errors are of no interest: what is not there needs no removing, and what cannot be removed does no harm. */

@@ -7,23 +7,14 @@
 #ifndef CML_CHECKPOINT_H
 #define CML_CHECKPOINT_H
 
+#include "result/timing.h"
 #include "tally/ranges.h"
-#include "tally/result.h"
 
 struct cml_run_state {
     struct cml_ranges open; /* places (tally/places.h) of photons that are not flown yet */
     uint64_t begin, end;    /* the round that they belong to: photons begin to end - 1 */
     double seconds;         /* flown so far */
 };
-
-/* What is left to be said of a finished run. Zeroed: nothing. */
-struct cml_record {
-    uint64_t photons, lost;
-    double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS]; /* totals, shares of the launched weight */
-    char *json; /* its object, as --json prints it, with the line feed; owned */
-};
-
-void cml_record_clear(struct cml_record *record);
 
 enum cml_checkpoint_kind { CML_CHECKPOINT_NONE, CML_CHECKPOINT_PARTIAL, CML_CHECKPOINT_FINISHED };
 

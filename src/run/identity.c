@@ -4,29 +4,20 @@
 #include "base/settings.h"
 #include "base/version.h"
 
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
-/* Only what changes bits: threads, ranks, chunks and devices do not, and a run may be resumed with others.
- * Numbers with 17 digits, which tell any two doubles apart. */
-static void write_options(FILE *out, const struct cml_run_setup *setup,
-                          const struct cml_surface_options *surface, bool flat)
+/* Only what changes bits: threads, ranks, chunks and devices do not, and a run may be resumed with others. */
+struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
+                                         const struct cml_surface_options *surface, bool flat)
 {
     const struct cml_engine_options *options = &setup->options;
-    const struct cml_tessellation *tessellation = &surface->tessellation;
-    fprintf(out, "program %s\nengine %s\nseed %" PRIu64 "\nrun %" PRIu32 "\nphotons %" PRIu64 "\n",
-            cml_version(), setup->engine->name, options->seed, options->run + 1, setup->photons);
-    fprintf(out, "lattice %d, roulette below %.17g to %.17g\n", options->lattice, options->roulette.below,
-            options->roulette.weight);
-    fprintf(out, "target error %.17g\nre-entry %d\nabsorption %d\nflat %d\n", setup->target_error,
-            options->reentry, options->absorption, flat);
-    if (setup->controlled) fprintf(out, "control flat\n");
-    cml_settings_print(out, "set ", setup->scene->settings);
-    fprintf(out, "boundaries %d, tolerance %.17g, may flatten %d, normals %d, inscribed %d, search %d\n",
-            surface->force, surface->tolerance, surface->may_flatten, tessellation->normals,
-            tessellation->inscribed, surface->search);
+    struct cml_provenance provenance;
+#define TAKE(name, from, ...) provenance.value[CML_DECIDES_##name] = (double)(from);
+    CML_OPTIONS_OF_BITS(TAKE)
+    snprintf(provenance.engine, sizeof provenance.engine, "%s", setup->engine->name);
+    return provenance;
 }
 
 /* By name without directories, so that a folder may be moved. */
@@ -57,13 +48,15 @@ cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text, str
 
 /* The lines for options come first, because the first line that differs is shown, and an option says more
  * than a checksum. */
-cml_status cml_identity_of(const struct cml_run_setup *setup, const struct cml_surface_options *surface,
-                           bool flat, const char *inputs, char **identity, struct cml_error *err)
+cml_status cml_identity_of(const struct cml_provenance *provenance, const char *settings, const char *inputs,
+                           char **identity, struct cml_error *err)
 {
     size_t size = 0;
     FILE *out = open_memstream(identity, &size);
     if (!out) return cml_fail_memory(err, 1, "the run's identity");
-    write_options(out, setup, surface, flat);
+    fprintf(out, "program %s\n", cml_version());
+    cml_provenance_identify(out, provenance);
+    cml_settings_print(out, "set ", settings);
     fputs(inputs, out);
     return close_text(out, &size, err);
 }

@@ -5,6 +5,7 @@
 #define CML_IDENTITY_H
 
 #include "base/input_files.h"
+#include "result/provenance.h"
 #include "run/run.h"
 
 /* The lines for the input files: name without directories, size and checksum. *text is the caller's to free.
@@ -12,10 +13,14 @@
 CML_NODISCARD cml_status cml_identity_inputs(const struct cml_inputs *inputs, char **text,
                                              struct cml_error *err);
 
-/* Reads of `setup` engine, options, photons, target_error, controlled and the settings of the scene; `inputs`
- * are the lines of cml_identity_inputs. *identity is the caller's to free. */
-CML_NODISCARD cml_status cml_identity_of(const struct cml_run_setup *setup,
-                                         const struct cml_surface_options *surface, bool flat,
+/* Of a run as it is set up; flat: shapes are ignored. The one place that knows where the options of the table
+ * stand. */
+struct cml_provenance cml_run_provenance(const struct cml_run_setup *setup,
+                                         const struct cml_surface_options *surface, bool flat);
+
+/* settings: those of the scene, NULL: none; inputs: the lines of cml_identity_inputs. *identity is the
+ * caller's to free. */
+CML_NODISCARD cml_status cml_identity_of(const struct cml_provenance *provenance, const char *settings,
                                          const char *inputs, char **identity, struct cml_error *err);
 
 #endif

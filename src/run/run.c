@@ -204,9 +204,10 @@ static void note_fewer_threads(void *context, int threads)
     struct flight *flight = context;
     const struct cml_run_setup *setup = flight->setup;
     char text[80];
-    snprintf(text, sizeof text, "%d of %d threads: the system starts no more", threads, flight->out->threads);
-    if (setup->on_note && threads < flight->out->threads) setup->on_note(setup->context, text);
-    flight->out->threads = threads;
+    snprintf(text, sizeof text, "%d of %d threads: the system starts no more", threads,
+             flight->out->timing.threads);
+    if (setup->on_note && threads < flight->out->timing.threads) setup->on_note(setup->context, text);
+    flight->out->timing.threads = threads;
 }
 
 /* No tally knows which part of it is of packets that were given up: nothing of this flight counts, and the
@@ -427,7 +428,7 @@ static cml_status open_flight(struct flight *flight, const struct cml_grid *grid
     const struct cml_run_setup *setup = flight->setup;
     CML_TRY(cml_result_create(grid, setup->photons, &flight->out->result, err));
     CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &setup->options, &flight->engine, err));
-    flight->out->threads = setup->engine->threads(flight->engine);
+    flight->out->timing.threads = setup->engine->threads(flight->engine);
     CML_TRY(cml_work_open(&flight->work, &flight->state.open, err));
     return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;
 }
@@ -436,17 +437,19 @@ static cml_status open_flight(struct flight *flight, const struct cml_grid *grid
 static cml_status gather_reports(struct flight *flight, struct cml_error *err)
 {
     struct cml_run_result *out = flight->out;
-    out->ranks = cml_cluster_size();
-    out->rank = calloc((size_t)out->ranks, sizeof *out->rank);
+    struct cml_timing *timing = &out->timing;
+    timing->ranks = cml_cluster_size();
+    timing->rank = calloc((size_t)timing->ranks, sizeof *timing->rank);
     const cml_status status =
-        out->rank ? CML_OK : cml_fail_memory(err, out->ranks * (double)sizeof *out->rank, "the ranks");
+        timing->rank ? CML_OK
+                     : cml_fail_memory(err, timing->ranks * (double)sizeof *timing->rank, "the ranks");
     CML_TRY(cml_cluster_agree(status, err));
     flight->mine.elapsed = cml_now() - flight->begin;
     flight->mine.processor = processor_seconds() - flight->mine.processor;
-    out->seconds = flight->state.seconds + flight->mine.elapsed;
+    timing->seconds = flight->state.seconds + flight->mine.elapsed;
     out->state = (struct cml_run_state){
-        .begin = flight->state.begin, .end = flight->state.end, .seconds = out->seconds};
-    return cml_cluster_gather(&flight->mine, sizeof flight->mine, out->rank, err);
+        .begin = flight->state.begin, .end = flight->state.end, .seconds = timing->seconds};
+    return cml_cluster_gather(&flight->mine, sizeof flight->mine, timing->rank, err);
 }
 
 /* Between the agreement that everyone is ready and the last synchronisation nobody may leave: the others
@@ -491,6 +494,6 @@ void cml_run_result_free(struct cml_run_result *out)
 {
     cml_result_free(&out->result);
     cml_record_clear(&out->record);
-    free(out->rank);
+    free(out->timing.rank);
     *out = (struct cml_run_result){0};
 }

@@ -7,8 +7,9 @@
 #define CML_RUN_H
 
 #include "engine/engine.h"
+#include "result/provenance.h"
+#include "result/timing.h"
 #include "run/checkpoint.h"
-#include "tally/result.h"
 
 struct cml_progress {
     uint64_t done, total; /* photons */
@@ -29,10 +30,11 @@ struct cml_run_setup {
                           * batch. */
     const char *checkpoint; /* file; NULL: none, and no signal is watched */
     double interval; /* seconds from one checkpoint to the next, more where writing takes over 5 % of it */
-    const char *identity; /* of the run, see identity.h; with a checkpoint */
-    bool controlled;      /* a flat twin is flown before it is published, so the complete result goes into the
-                             checkpoint, too */
-    bool resume;          /* continue from the checkpoint, if there is one */
+    const char *identity;                    /* of the run, see identity.h; with a checkpoint */
+    const struct cml_provenance *provenance; /* for whom publishes it; cml_run does not read it */
+    bool controlled;  /* a flat twin is flown before it is published, so the complete result goes into the
+                         checkpoint, too */
+    bool resume;      /* continue from the checkpoint, if there is one */
     bool result_gone; /* what a finished run has written is no longer there: its tallies are the result, or
                        * where the checkpoint has none, the run begins anew. Rank 0's word counts */
     uint64_t base;    /* photons of a finished run whose checkpoint, with tallies, is at hand: only those from
@@ -44,34 +46,14 @@ struct cml_run_setup {
     void *context;
 };
 
-/* How one rank spent its time, seconds. */
-struct cml_rank_report {
-    uint64_t photons, ranges;
-    double flying;  /* in the engine */
-    double asking;  /* for ranges */
-    double waiting; /* for other ranks, at synchronisations */
-    double summing; /* sums and checkpoints, once all were there */
-    double elapsed;
-    double processor; /* of all threads, since the start or the resume */
-};
-
 struct cml_run_result {
     struct cml_result result;
-    double seconds; /* wall time of the photons' flight, that before a resume included */
-    int threads;
+    struct cml_timing timing;
     bool finished; /* the run was found finished by --resume: nothing was flown, the result is empty */
     struct cml_record record; /* rank 0's, of a run that was found finished */
     bool published_again;     /* on rank 0: nothing was flown, the result is that of a finished checkpoint */
     struct cml_run_state state; /* rank 0's at the end: nothing is open */
-    int ranks;
-    struct cml_rank_report *rank; /* [ranks] on rank 0 */
 };
-
-/* Interactions and boundary events of all packets: what the time per step counts. */
-double cml_run_steps(const struct cml_run_result *run);
-
-/* Processor seconds of the photons' flight on all ranks: what it costs on a machine that others use too. */
-double cml_run_processor(const struct cml_run_result *run);
 
 /* Flies all photons. Collective; the result is rank 0's, that of the others is zero. *out is owned by the
  * caller (cml_run_result_free), cleared on failure. Lost packets and an imbalance are no failure here: see
@@ -79,11 +61,6 @@ double cml_run_processor(const struct cml_run_result *run);
 CML_NODISCARD cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out,
                                  struct cml_error *err);
 void cml_run_result_free(struct cml_run_result *out);
-
-/* Shares of all ranks' time that went into waiting for other ranks, and into requests and synchronisations.
- */
-double cml_run_idle(const struct cml_run_result *run);
-double cml_run_communication(const struct cml_run_result *run);
 
 /* P9, P10: CML_E_NUMERIC when the weight does not balance or more than 1e-6 of the packets were lost. */
 CML_NODISCARD cml_status cml_run_verdict(const struct cml_scene *scene, const struct cml_result *result,

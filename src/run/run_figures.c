@@ -1,41 +1,6 @@
-/* What a finished run says of itself: how it spent its time, what it held, whether it may be trusted.
+/* What a finished run says of itself: what it held, whether it may be trusted.
  * SPDX-License-Identifier: MIT */
 #include "run/run.h"
-
-double cml_run_steps(const struct cml_run_result *run)
-{
-    const cml_u128 *count = run->result.summary.count;
-    return (double)(count[CML_COUNT_INTERACTIONS] + count[CML_COUNT_BOUNDARY_EVENTS]);
-}
-
-double cml_run_processor(const struct cml_run_result *run)
-{
-    double seconds = 0;
-    for (int i = 0; i < run->ranks; i++) seconds += run->rank[i].processor;
-    return seconds;
-}
-
-/* Weighted by time, not the mean of the ranks' shares: a rank that was there for a short time counts for
- * little. */
-double cml_run_idle(const struct cml_run_result *run)
-{
-    double waiting = 0, elapsed = 0;
-    for (int i = 0; i < run->ranks; i++) {
-        waiting += run->rank[i].waiting;
-        elapsed += run->rank[i].elapsed;
-    }
-    return elapsed > 0 ? waiting / elapsed : 0;
-}
-
-double cml_run_communication(const struct cml_run_result *run)
-{
-    double spent = 0, elapsed = 0;
-    for (int i = 0; i < run->ranks; i++) {
-        spent += run->rank[i].asking + run->rank[i].summing;
-        elapsed += run->rank[i].elapsed;
-    }
-    return elapsed > 0 ? spent / elapsed : 0;
-}
 
 /* An imbalance is a fault of the program, and comes first. Lost packets are a numerical failure that is
  * allowed as long as it is rarer than the noise of any run. */

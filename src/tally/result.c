@@ -255,8 +255,8 @@ double cml_result_error(const struct cml_result *result, enum cml_total total)
     return cml_result_bin_error(result, result->totals, CML_NUM_TOTALS, (int)total);
 }
 
-const struct cml_goal cml_goals[CML_NUM_GOALS] = {
-    {"Rd", CML_TOTAL_REFLECTED}, {"A", CML_TOTAL_ABSORBED}, {"Tt", CML_TOTAL_TRANSMITTED}};
+const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,
+                                                 CML_TOTAL_TRANSMITTED};
 
 double cml_result_relative_error(const struct cml_result *result, enum cml_total total)
 {
@@ -311,4 +311,10 @@ uint64_t cml_result_lost(const struct cml_result *result)
     for (int i = CML_COUNT_LOST_NO_SURFACE; i <= CML_COUNT_LOST_TOO_FAR; i++)
         lost += result->summary.count[i];
     return (uint64_t)lost;
+}
+
+double cml_result_steps(const struct cml_result *result)
+{
+    const cml_u128 *count = result->summary.count;
+    return (double)(count[CML_COUNT_INTERACTIONS] + count[CML_COUNT_BOUNDARY_EVENTS]);
 }

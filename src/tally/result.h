@@ -70,12 +70,8 @@ double cml_result_total(const struct cml_result *result, enum cml_total total);
 double cml_result_error(const struct cml_result *result, enum cml_total total);
 
 /* The totals whose errors a run is judged by: what is diffusely reflected, absorbed, transmitted. */
-struct cml_goal {
-    const char *name; /* MCML's */
-    enum cml_total total;
-};
 #define CML_NUM_GOALS 3
-extern const struct cml_goal cml_goals[CML_NUM_GOALS];
+extern const enum cml_total cml_goals[CML_NUM_GOALS];
 
 /* Standard error over total; INFINITY where one of them is 0, as nothing is known then. */
 double cml_result_relative_error(const struct cml_result *result, enum cml_total total);
@@ -97,5 +93,8 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
 double cml_result_once_error(const struct cml_result *result, cml_u128 sum, cml_u128 squares);
 
 uint64_t cml_result_lost(const struct cml_result *result); /* packets, all causes */
+
+/* Interactions and boundary events of all packets: what the time per step counts. */
+double cml_result_steps(const struct cml_result *result);
 
 #endif

@@ -8,7 +8,8 @@
 #include <math.h>
 
 #include "output/study/merge_parts.h"
-#include "plot/files/hdf5_result.h"
+#include "plot/files/map_h5.h"
+#include "result/h5.h"
 
 enum { NR = 3, NZ = 2, NA = 2, NX = 3, NY = 2 };
 
@@ -275,7 +276,7 @@ static const char *path_of(const char *what)
 /* Means of all arrays; they are written now and then, as that takes long. */
 static void merge(const struct cml_merge_input inputs[2], bool write)
 {
-    struct cml_mco merged;
+    struct cml_outcome merged;
     struct cml_merge_arrays all;
     struct cml_error err = {CML_OK, ""};
     const struct cml_hdf5_call call = {"merge", "a.h5"};
@@ -288,14 +289,14 @@ static void merge(const struct cml_merge_input inputs[2], bool write)
         }
         if (status == CML_OK) cml_merge_arrays_close(&all);
         if (write) status = cml_merge_write_h5(path_of("merged"), &merged, inputs, 2, &call, &err);
-        cml_mco_clear(&merged);
+        cml_outcome_clear(&merged);
     }
     if (status != CML_OK) fuzz_refused(status, &err);
 }
 
 static void read_all(const char *path, bool write)
 {
-    static struct cml_mco mco[2];
+    static struct cml_outcome mco[2];
     struct cml_pixels map;
     struct cml_error err = {CML_OK, ""};
     char unit[CML_HDF5_UNIT], other[300];
@@ -304,15 +305,16 @@ static void read_all(const char *path, bool write)
     cml_status status = cml_hdf5_read_map(path, "Rd_xy", &map, unit, &err);
     if (status != CML_OK) fuzz_refused(status, &err);
     cml_pixels_clear(&map);
-    status = cml_hdf5_read_result(path, &mco[1], &err);
+    status = cml_h5_read(path, &mco[1], &err);
     if (status != CML_OK) {
         fuzz_refused(status, &err);
         return;
     }
-    FUZZ_CHECK(mco[1].photons >= 1 && isfinite(mco[1].Rd) && isfinite(mco[1].Tt_a[NA - 1]));
-    if (!mco[0].extra) FUZZ_CHECK(cml_hdf5_read_result(other, &mco[0], &err) == CML_OK);
+    FUZZ_CHECK(mco[1].photons >= 1 && isfinite(mco[1].value[CML_QUANTITY_Rd][0]) &&
+               isfinite(mco[1].value[CML_QUANTITY_Tt_a][NA - 1]));
+    if (!mco[0].output) FUZZ_CHECK(cml_h5_read(other, &mco[0], &err) == CML_OK);
     merge(inputs, write);
-    cml_mco_clear(&mco[1]);
+    cml_outcome_clear(&mco[1]);
 }
 
 /* HDF5 clears the mark of an open file in the image, but not the checksum over it. */

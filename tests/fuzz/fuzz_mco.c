@@ -5,11 +5,12 @@
 #include "plot/compare_report.h"
 #include "plot/plot.h"
 #include "plot/plot_map.h"
+#include "result/mco.h"
 
 static const char *const names[2] = {"a.mco", "b.mco"};
 
 /* Equal results have no difference in any test, whatever the numbers. */
-static void compare(const struct cml_mco mco[2])
+static void compare(const struct cml_outcome mco[2])
 {
     struct cml_comparison comparison;
     struct cml_error err = {CML_OK, ""};
@@ -20,7 +21,7 @@ static void compare(const struct cml_mco mco[2])
     }
     for (int i = 0; i < comparison.count; i++) FUZZ_CHECK(comparison.test[i].z == 0);
     const struct cml_compare_report report = {
-        .names = names, .mco = mco, .comparison = &comparison, .alpha = 0.01};
+        .names = names, .outcome = mco, .comparison = &comparison, .alpha = 0.01};
     FUZZ_CHECK(comparison.p == 1);
     cml_compare_summary(fuzz_nowhere(), &report);
     if (cml_compare_json(fuzz_nowhere(), &report, &err) != CML_OK) fuzz_refused(CML_E_INPUT, &err);
@@ -29,7 +30,7 @@ static void compare(const struct cml_mco mco[2])
 }
 
 /* Everything that can be shown of it, as curves or as a map over (r, z). */
-static void draw(const struct cml_mco mco[2])
+static void draw(const struct cml_outcome mco[2])
 {
     static const char *const of[] = {NULL, "Rd_r", "Tt_a", "fluence", "A_rz", "fluence_rz"};
     const struct cml_plot_style style = {
@@ -59,7 +60,7 @@ static void draw(const struct cml_mco mco[2])
 }
 
 /* The bytes of the file that a result is written as; the caller's to free. */
-static char *written(const struct cml_mco *mco, size_t *size)
+static char *written(const struct cml_outcome *mco, size_t *size)
 {
     struct cml_error err = {CML_OK, ""};
     char *bytes = NULL;
@@ -69,7 +70,7 @@ static char *written(const struct cml_mco *mco, size_t *size)
 }
 
 /* What is read from our own file gives the same bytes. */
-static void check_written(struct cml_mco mco[2])
+static void check_written(struct cml_outcome mco[2])
 {
     size_t size[2];
     struct cml_error err = {CML_OK, ""};
@@ -86,7 +87,7 @@ static void check_written(struct cml_mco mco[2])
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
-    struct cml_mco mco[2];
+    struct cml_outcome mco[2];
     struct cml_error err = {CML_OK, ""};
     const cml_status status = cml_mco_read(fuzz_file(data, size), &mco[0], &err);
     if (status != CML_OK) {
@@ -94,10 +95,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         return 0;
     }
     check_written(mco);
-    cml_mco_clear(&mco[1]);
+    cml_outcome_clear(&mco[1]);
     mco[1] = mco[0];
     compare(mco);
     draw(mco);
-    cml_mco_clear(&mco[0]);
+    cml_outcome_clear(&mco[0]);
     return 0;
 }

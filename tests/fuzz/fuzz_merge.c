@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "output/study/merge.h"
+#include "result/mco.h"
 
 /* The second file, or the first with another digit in its seed; the caller's to free. */
 static uint8_t *second(const uint8_t *data, size_t size, size_t *first_size, size_t *second_size)
@@ -22,25 +23,25 @@ static uint8_t *second(const uint8_t *data, size_t size, size_t *first_size, siz
 }
 
 /* Refused was what is no number; errors of single packets have been estimated. */
-static void check(const struct cml_mco *merged)
+static void check(const struct cml_outcome *merged)
 {
-    double errors[4];
-    FUZZ_CHECK(isfinite(merged->Rsp) && isfinite(merged->Rd) && isfinite(merged->A) && isfinite(merged->Tt));
-    FUZZ_CHECK(merged->Rsp >= 0 && merged->Rd >= 0 && merged->A >= 0 && merged->Tt >= 0);
-    FUZZ_CHECK(cml_mco_extra(merged, "se_RAT", errors, 4) == 4);
-    for (int i = 0; i < 4; i++) FUZZ_CHECK(errors[i] >= 0);
+    FUZZ_CHECK(isfinite(merged->value[CML_QUANTITY_Rsp][0]) && isfinite(merged->value[CML_QUANTITY_Rd][0]) &&
+               isfinite(merged->value[CML_QUANTITY_A][0]) && isfinite(merged->value[CML_QUANTITY_Tt][0]));
+    FUZZ_CHECK(merged->value[CML_QUANTITY_Rsp][0] >= 0 && merged->value[CML_QUANTITY_Rd][0] >= 0 &&
+               merged->value[CML_QUANTITY_A][0] >= 0 && merged->value[CML_QUANTITY_Tt][0] >= 0);
+    for (int i = 0; i < CML_TOTALS; i++) FUZZ_CHECK(merged->error[i][0] >= 0);
 }
 
-static void write_all(const struct cml_mco *merged, const struct cml_merge_input inputs[2], bool h5)
+static void write_all(const struct cml_outcome *merged, const struct cml_merge_input inputs[2], bool h5)
 {
-    struct cml_mco again;
+    struct cml_outcome again;
     struct cml_error err = {CML_OK, ""};
     const struct cml_hdf5_call call = {"merge", "a.mco"};
     FUZZ_CHECK(cml_merge_json(fuzz_nowhere(), "m.mco", inputs, 2, merged, &err) == CML_OK);
     if (merged->n_above > 0) {
         FUZZ_CHECK(cml_mco_write(fuzz_output(), merged, &err) == CML_OK);
         FUZZ_CHECK(cml_mco_read(fuzz_output(), &again, &err) == CML_OK);
-        cml_mco_clear(&again);
+        cml_outcome_clear(&again);
     }
     if (h5) FUZZ_CHECK(cml_merge_write_h5(fuzz_output(), merged, inputs, 2, &call, &err) == CML_OK);
     remove(fuzz_output());
@@ -49,7 +50,7 @@ static void write_all(const struct cml_mco *merged, const struct cml_merge_input
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     size_t sizes[2];
-    struct cml_mco mco[2] = {0}, merged;
+    struct cml_outcome mco[2] = {0}, merged;
     struct cml_error err = {CML_OK, ""};
     uint8_t *other = second(data, size, &sizes[0], &sizes[1]);
     const struct cml_merge_input inputs[2] = {{"a.mco", &mco[0]}, {"b.mco", &mco[1]}};
@@ -59,12 +60,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (status == CML_OK) {
         check(&merged);
         write_all(&merged, inputs, size % 64 == 0);
-        cml_mco_clear(&merged);
+        cml_outcome_clear(&merged);
     } else {
         fuzz_refused(status, &err);
     }
-    cml_mco_clear(&mco[0]);
-    cml_mco_clear(&mco[1]);
+    cml_outcome_clear(&mco[0]);
+    cml_outcome_clear(&mco[1]);
     free(other);
     return 0;
 }

@@ -17,6 +17,8 @@ ROOMS = {
     "src/base": "",
     "src/geometry": "src/base",
     "src/tally": "src/base kernels/balance.h kernels/boundary.h",
+    "src/output/files": "src/base",
+    "src/result": "src/output/files src/tally src/base kernels/balance.h kernels/boundary.h",
     "src/scene/heightmap": "src/geometry src/base",
     "src/scene": "src/scene/heightmap src/geometry src/base kernels/boundary.h",
     "src/scene/body": "src/scene src/scene/heightmap src/geometry src/base",
@@ -31,16 +33,15 @@ ROOMS = {
     "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
     "src/exact": "src/scene src/base",
-    "src/run": "src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
-    "src/output/files": "src/base",
-    "src/output": "src/output/files src/exact src/run src/engine src/surface src/surface/body src/surface/mesh src/tally src/scene/body src/scene src/geometry src/base kernels",
-    "src/output/study": "src/output src/output/files src/run src/tally src/base",
-    "src/plot/files": "src/output/files src/output src/base",
-    "src/plot": "src/plot/files src/output src/base",
+    "src/run": "src/result src/output/files src/engine src/engine/engines src/surface src/scene src/tally src/geometry src/base kernels",
+    "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/tally src/scene/body src/scene src/geometry src/base kernels",
+    "src/output/study": "src/result src/output/files src/tally src/base",
+    "src/plot/files": "src/result src/output/files src/tally src/base",
+    "src/plot": "src/plot/files src/result src/output/files src/tally src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
-    "src/cli/load": "src/input/sweep src/cli/options src/output src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/output/files src/output/study src/exact src/run src/engine src/engine/engines "
+    "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/cli": "src/cli/load src/cli/run src/cli/options src/plot src/plot/files src/output src/result src/output/files src/output/study src/exact src/run src/engine src/engine/engines "
                "src/engine/cpu src/engine/opencl src/surface src/surface/body src/surface/mesh src/scene/body src/input src/input/mesh src/scene src/tally src/geometry src/base kernels",
 }
 

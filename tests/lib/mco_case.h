@@ -4,7 +4,7 @@
 #define MCO_CASE_H
 
 #include "lib/case_files.h"
-#include "output/mco.h"
+#include "result/mco.h"
 
 #define CASE_HEAD                                                                                            \
     "A1 \t# Version number of the file format.\n\n####\n# Data categories include: \n# InParm, RAT, \n"      \
@@ -94,7 +94,7 @@ static const char case_full[] =
               "  6.0000E-03   7.0000E-03   8.0000E-03   9.0000E-03   9.9000E-03 \n\n";
 
 /* Reads the bytes as x.mco. The caller clears *mco when the status is CML_OK. */
-static inline cml_status case_read(void **state, const char *text, size_t size, struct cml_mco *mco,
+static inline cml_status case_read(void **state, const char *text, size_t size, struct cml_outcome *mco,
                                    struct cml_error *err)
 {
     char path[256];
@@ -111,14 +111,14 @@ static inline cml_status case_read(void **state, const char *text, size_t size, 
 static inline void case_assert_rewritten(void **state, const char *text, const char *expected)
 {
     char path[256];
-    struct cml_mco mco;
+    struct cml_outcome mco;
     struct cml_error err;
     const cml_status status = case_read(state, text, strlen(text), &mco, &err);
     assert_string_equal(err.text, "");
     assert_int_equal(status, CML_OK);
     case_path(state, "y.mco", path);
     assert_int_equal(cml_mco_write(path, &mco, &err), CML_OK);
-    cml_mco_clear(&mco);
+    cml_outcome_clear(&mco);
     case_assert_holds(state, "y.mco", expected);
     case_remove(state, "y.mco");
 }

@@ -101,9 +101,8 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
  * there it includes where and how they are left. The files' bytes are rank 0's on all. */
 static cml_status describe(const struct cml_options *options, char **text, struct cml_error *err)
 {
-    struct cml_scene scene = {.num_layers = 0};
-    const struct cml_run_setup setup = {.scene = &scene,
-                                        .engine = options->engine,
+    char *settings = NULL;
+    const struct cml_run_setup setup = {.engine = options->engine,
                                         .options = options->engine_options,
                                         .photons = options->photons,
                                         .target_error = options->target_error,
@@ -113,10 +112,11 @@ static cml_status describe(const struct cml_options *options, char **text, struc
         snprintf(rest, sizeof rest, "more %" PRIu64 ", keep %d, resume %d, json %d\n%s\n%s\n%s\n",
                  options->more, options->keep, options->resume, options->json, options->sweep,
                  options->output ? options->output : "", options->directory ? options->directory : "");
-    CML_TRY(cml_settings_text(&options->settings, &scene.settings, err));
-    const cml_status status =
-        cml_identity_of(&setup, &options->surface, options->ignore_heightfields, rest, text, err);
-    free(scene.settings);
+    CML_TRY(cml_settings_text(&options->settings, &settings, err));
+    const struct cml_provenance provenance =
+        cml_run_provenance(&setup, &options->surface, options->ignore_heightfields);
+    const cml_status status = cml_identity_of(&provenance, settings, rest, text, err);
+    free(settings);
     return status;
 }
 

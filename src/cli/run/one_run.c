@@ -33,11 +33,10 @@ static bool all_planes(const struct cml_surface_set *surfaces)
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
 {
     const struct cml_surface_set *surfaces = report->surfaces;
-    const struct cml_result *result = &report->run->result;
     struct cml_exact_options options = {.tolerance = 1, .most_work = CML_EXACT_LITTLE_WORK};
-    static const enum cml_total totals[] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED, CML_TOTAL_TRANSMITTED};
-    for (size_t i = 0; i < sizeof totals / sizeof *totals; i++)
-        options.tolerance = fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(result, totals[i])));
+    for (int i = 0; i < CML_NUM_GOALS; i++)
+        options.tolerance =
+            fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));
     if (!all_planes(surfaces)) return CML_OK;
     double *depth = malloc((size_t)surfaces->count * sizeof *depth);
     if (!depth) return cml_fail_memory(err, surfaces->count * (double)sizeof *depth, "depths");
@@ -60,7 +59,7 @@ static cml_status close_json(FILE *out, size_t size, cml_status status, struct c
 static cml_status fill_record(const struct cml_report *report, struct cml_record *record,
                               struct cml_error *err)
 {
-    const struct cml_result *result = &report->run->result;
+    const struct cml_result *result = report->sums;
     size_t size = 0;
     record->photons = result->photons;
     record->lost = cml_result_lost(result);
@@ -75,7 +74,7 @@ static cml_status fill_record(const struct cml_report *report, struct cml_record
 static void print_summary(const struct cml_options *options, const struct cml_report *report)
 {
     cml_report_summary(stdout, report);
-    if (options->verbose) cml_report_ranks(stdout, report->run);
+    if (options->verbose) cml_report_ranks(stdout, report->timing);
     for (int i = 0; i < report->num_files; i++) printf("  -> %s\n", report->files[i]);
 }
 
@@ -97,7 +96,7 @@ static cml_status publish(const struct cml_run_call *call, struct cml_report *re
         print_summary(options, report);
     cml_exact_clear(&exact);
     cml_report_clear(report);
-    return status == CML_OK ? cml_run_verdict(report->scene, &report->run->result, err) : status;
+    return status == CML_OK ? cml_run_verdict(report->scene, report->sums, err) : status;
 }
 
 /* Before the run, so that a wrong input shows in its first second and not after hours. */
@@ -163,12 +162,12 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     }
     struct cml_report report = {.scene = setup->scene,
                                 .surfaces = setup->surfaces,
-                                .run = run,
-                                .engine = setup->engine,
-                                .options = &setup->options,
+                                .sums = &run->result,
+                                .timing = &run->timing,
+                                .provenance = setup->provenance,
                                 .row = call->row,
                                 .control = control,
-                                .control_processor = twin ? cml_run_processor(twin) : 0,
+                                .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
                                 .command = options->command};
     const bool tallies = options->keep || run->published_again; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
@@ -244,6 +243,7 @@ struct prepared {
     struct cml_run_setup setup;
     struct cml_surface_set surfaces;
     struct cml_twin twin;
+    struct cml_provenance provenance;
     char *checkpoint, *identity, *base_identity;
 };
 
@@ -313,14 +313,15 @@ static cml_status plan_photons(const struct cml_run_call *call, struct prepared 
 static cml_status identify(const struct cml_run_call *call, struct prepared *run, struct cml_error *err)
 {
     const struct cml_options *options = call->options;
-    struct cml_run_setup before = run->setup;
-    CML_TRY(cml_identity_of(&run->setup, &options->surface, options->ignore_heightfields, call->inputs,
-                            &run->identity, err));
+    const char *settings = run->setup.scene->settings;
+    run->provenance = cml_run_provenance(&run->setup, &options->surface, options->ignore_heightfields);
+    run->setup.provenance = &run->provenance;
+    CML_TRY(cml_identity_of(&run->provenance, settings, call->inputs, &run->identity, err));
     run->setup.identity = run->identity;
-    before.photons = before.base;
-    if (before.base == 0) return CML_OK;
-    CML_TRY(cml_identity_of(&before, &options->surface, options->ignore_heightfields, call->inputs,
-                            &run->base_identity, err));
+    if (run->setup.base == 0) return CML_OK;
+    struct cml_provenance before = run->provenance;
+    before.value[CML_DECIDES_photons] = (double)run->setup.base;
+    CML_TRY(cml_identity_of(&before, settings, call->inputs, &run->base_identity, err));
     run->setup.base_identity = run->base_identity;
     return CML_OK;
 }

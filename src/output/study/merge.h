@@ -5,31 +5,31 @@
 #define CML_MERGE_H
 
 #include "output/files/hdf5_file.h"
-#include "output/mco.h"
+#include "result/outcome.h"
 
 #include <stdio.h>
 
 /* A result that is there, and the path of its file. Borrowed. */
 struct cml_merge_input {
     const char *name;
-    const struct cml_mco *mco;
+    const struct cml_outcome *outcome;
 };
 
-/* Merges count >= 2 results into *merged, which has their errors, books and seeds in `extra`. CML_E_INPUT: a
+/* Merges count >= 2 results into *merged, with the errors, books and seeds of all. CML_E_INPUT: a
  * result of another scene or grid, with the first difference; one without standard errors; a seed and run
  * that two of them share. The caller clears *merged, which is empty after a failure. */
 CML_NODISCARD cml_status cml_merge(const struct cml_merge_input *inputs, int count, const char *title,
-                                   struct cml_mco *merged, struct cml_error *err);
+                                   struct cml_outcome *merged, struct cml_error *err);
 
 /* Writes the result that cml_merge has made of these inputs as .h5: what an .mco file holds, under the names
  * of a run's .h5, and where all inputs are .h5 files the means of all else that they hold: maps, volumes,
  * facets. Atomic; CML_E_IO, and CML_E_INPUT when an input cannot be read. */
-CML_NODISCARD cml_status cml_merge_write_h5(const char *path, const struct cml_mco *merged,
+CML_NODISCARD cml_status cml_merge_write_h5(const char *path, const struct cml_outcome *merged,
                                             const struct cml_merge_input *inputs, int count,
                                             const struct cml_hdf5_call *call, struct cml_error *err);
 
 /* One object on one line: output, inputs, photons, totals and their errors. */
 CML_NODISCARD cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge_input *inputs,
-                                        int count, const struct cml_mco *merged, struct cml_error *err);
+                                        int count, const struct cml_outcome *merged, struct cml_error *err);
 
 #endif

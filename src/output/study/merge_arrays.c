@@ -2,7 +2,6 @@
 #include "output/study/merge_parts.h"
 
 #include "base/text.h"
-#include "output/files/result_names.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -110,7 +109,7 @@ static cml_status add_array(struct cml_merge_arrays *all, const struct cml_hdf5_
     if (!array->of_file) return cml_fail_memory(err, 1, "a merged result");
     all->count++;
     array->all = all;
-    array->errors = cml_result_is_errors(first->field.name);
+    array->errors = cml_quantity_is_errors(first->field.name);
     for (int k = 0; k < all->num_files; k++) {
         array->of_file[k] = cml_hdf5_arrays_find(&all->file[k], first->field.name);
         if (same_size(first, array->of_file[k])) continue;
@@ -126,7 +125,7 @@ static cml_status add_array(struct cml_merge_arrays *all, const struct cml_hdf5_
     return CML_OK;
 }
 
-static cml_status open_all(const struct cml_merge_input *inputs, int count, const struct cml_mco *merged,
+static cml_status open_all(const struct cml_merge_input *inputs, int count, const struct cml_outcome *merged,
                            struct cml_merge_arrays *all, struct cml_error *err)
 {
     all->file = calloc((size_t)count, sizeof *all->file);
@@ -136,7 +135,7 @@ static cml_status open_all(const struct cml_merge_input *inputs, int count, cons
     for (int k = 0; k < count; k++) {
         CML_TRY(cml_hdf5_arrays_open(inputs[k].name, &all->file[k], err));
         all->num_files++;
-        all->weight[k] = (double)inputs[k].mco->photons / (double)merged->photons;
+        all->weight[k] = (double)inputs[k].outcome->photons / (double)merged->photons;
         all->error_weight[k] = cml_merge_error_weight(inputs, count, k);
     }
     const struct cml_hdf5_arrays *first = &all->file[0];
@@ -148,7 +147,7 @@ static cml_status open_all(const struct cml_merge_input *inputs, int count, cons
 }
 
 cml_status cml_merge_arrays_open(const struct cml_merge_input *inputs, int count,
-                                 const struct cml_mco *merged, struct cml_merge_arrays *arrays,
+                                 const struct cml_outcome *merged, struct cml_merge_arrays *arrays,
                                  struct cml_error *err)
 {
     *arrays = (struct cml_merge_arrays){0};

@@ -4,6 +4,7 @@
 
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static cml_status fail_scene(const struct cml_merge_input *first, const struct cml_merge_input *other,
@@ -26,12 +27,13 @@ static cml_status check_number(const struct cml_merge_input *first, const struct
 static cml_status check_layers(const struct cml_merge_input *first, const struct cml_merge_input *other,
                                struct cml_error *err)
 {
-    static const char *const fields[] = {"n", "mua", "mus", "g", "d"};
-    for (int l = 0; l < first->mco->num_layers; l++)
-        for (int i = 0; i < 5; i++) {
+    for (int l = 0; l < first->outcome->num_layers; l++)
+        for (int i = 0; i < CML_LAYER_NUMBERS; i++) {
             char what[32];
-            snprintf(what, sizeof what, "layer%d.%s", l + 1, fields[i]);
-            CML_TRY(check_number(first, other, what, first->mco->layer[l][i], other->mco->layer[l][i], err));
+            snprintf(what, sizeof what, "layer%d.%s", l + 1,
+                     cml_quantities[CML_QUANTITY_layer_n + i].name + strlen("layer_"));
+            CML_TRY(check_number(first, other, what, *cml_outcome_layer(first->outcome, l, i),
+                                 *cml_outcome_layer(other->outcome, l, i), err));
         }
     return CML_OK;
 }
@@ -39,7 +41,7 @@ static cml_status check_layers(const struct cml_merge_input *first, const struct
 static cml_status check_parameters(const struct cml_merge_input *first, const struct cml_merge_input *other,
                                    struct cml_error *err)
 {
-    const struct cml_mco *a = first->mco, *b = other->mco;
+    const struct cml_outcome *a = first->outcome, *b = other->outcome;
     CML_TRY(check_number(first, other, "dz", a->dz, b->dz, err));
     CML_TRY(check_number(first, other, "dr", a->dr, b->dr, err));
     CML_TRY(check_number(first, other, "nz", a->nz, b->nz, err));
@@ -52,113 +54,131 @@ static cml_status check_parameters(const struct cml_merge_input *first, const st
     return check_number(first, other, "below.n", a->n_below, b->n_below, err);
 }
 
-/* Comments of `extra` that say what the scene is; those of the input come last. */
-static const char *const scene_lines[] = {"# set ", "# beam ", "# boundary ", "# body ", "# scene "};
-enum { SCENE_LINES = sizeof scene_lines / sizeof *scene_lines };
+/* ---- the scene in words ---- */
 
-static bool is_scene_line(const char *line, bool input)
+enum { LINE = 512, TEXTS = 4 };
+
+/* The lines of the texts that say what the scene is, one text after the other. Zeroed but for the outcome:
+ * none yet. */
+struct lines {
+    const struct cml_outcome *outcome;
+    int text;
+    const char *next;
+};
+
+static const char *text_of(const struct cml_outcome *o, int text)
 {
-    if (strncmp(line, "# set photons", strlen("# set photons")) == 0) return false;
-    for (int i = 0; i < SCENE_LINES - !input; i++)
-        if (strncmp(line, scene_lines[i], strlen(scene_lines[i])) == 0) return true;
-    return false;
+    const char *const texts[TEXTS] = {o->settings, o->beam, o->shapes, o->scene};
+    return texts[text] ? texts[text] : "";
 }
 
-const char *cml_merge_scene_line(const char **text, bool input, char line[CML_MERGE_LINE])
+/* A line without the folder of its file; *text moves behind it. */
+static void cut_line(const char **text, char line[LINE])
 {
-    while (*text && **text) {
-        const size_t length = strcspn(*text, "\n");
-        snprintf(line, CML_MERGE_LINE, "%.*s", (int)length, *text);
-        *text += length + ((*text)[length] == '\n');
-        char *from = strstr(line, " from ");
-        if (from) *from = '\0';
-        if (is_scene_line(line, input)) return line;
+    const size_t length = strcspn(*text, "\n");
+    snprintf(line, LINE, "%.*s", (int)(length < LINE ? length : LINE - 1), *text);
+    *text += length + ((*text)[length] == '\n');
+    char *from = strstr(line, " from ");
+    if (from) *from = '\0';
+}
+
+/* How many packets were flown, a scene may be asked in different numbers. */
+static bool counts(int text, const char *line)
+{
+    return text != 0 || strncmp(line, "photons", strlen("photons")) != 0;
+}
+
+/* The next line of the first `texts` texts; NULL behind the last. */
+static const char *next_line(struct lines *lines, int texts, char line[LINE])
+{
+    for (; lines->text < texts; lines->text++, lines->next = NULL) {
+        if (!lines->next) lines->next = text_of(lines->outcome, lines->text);
+        while (*lines->next) {
+            cut_line(&lines->next, line);
+            if (counts(lines->text, line)) return line;
+        }
     }
     return NULL;
+}
+
+/* As it stands in the head of an .mco. */
+static void name_line(const struct lines *lines, const char *line, char name[LINE + 8])
+{
+    static const char *const kinds[TEXTS + 1] = {"set ", "", "", "scene ", ""};
+    snprintf(name, LINE + 8, "%s%s", kinds[lines->text], line ? line : "nothing");
 }
 
 /* Settings, beam, shapes and, of .h5 files, the lines of the input. */
 static cml_status check_lines(const struct cml_merge_input *first, const struct cml_merge_input *other,
                               struct cml_error *err)
 {
-    const char *a = first->mco->extra, *b = other->mco->extra;
-    const bool input = strstr(a, "\n# scene ") && strstr(b, "\n# scene ");
-    char there[CML_MERGE_LINE], here[CML_MERGE_LINE];
+    struct lines a = {.outcome = first->outcome}, b = {.outcome = other->outcome};
+    const int texts =
+        text_of(a.outcome, TEXTS - 1)[0] && text_of(b.outcome, TEXTS - 1)[0] ? TEXTS : TEXTS - 1;
+    char there[LINE], here[LINE], one_named[LINE + 8], other_named[LINE + 8];
     for (;;) {
-        const char *one = cml_merge_scene_line(&a, input, there),
-                   *two = cml_merge_scene_line(&b, input, here);
+        const char *one = next_line(&a, texts, there), *two = next_line(&b, texts, here);
         if (!one && !two) return CML_OK;
-        if (!one || !two || strcmp(one, two) != 0)
-            return fail_scene(first, other, "scene", one ? one + 2 : "nothing", two ? two + 2 : "nothing",
-                              err);
+        if (one && two && a.text == b.text && strcmp(one, two) == 0) continue;
+        if (!one) a.text = TEXTS;
+        if (!two) b.text = TEXTS;
+        name_line(&a, one, one_named);
+        name_line(&b, two, other_named);
+        return fail_scene(first, other, "scene", one_named, other_named, err);
     }
 }
 
-bool cml_merge_first_exit(const char *extra)
+static cml_status copy_lines(const struct cml_outcome *from, int text, char **to, struct cml_error *err)
 {
-    return strstr(extra, CML_MCO_FIRST_EXIT) != NULL;
+    struct lines lines = {.outcome = from, .text = text};
+    char line[LINE], *end = *to = calloc(strlen(text_of(from, text)) + 2, 1);
+    if (!*to) return cml_fail_memory(err, 1, "a merged result");
+    while (next_line(&lines, text + 1, line)) end += sprintf(end, "%s\n", line);
+    return CML_OK;
 }
 
-int cml_merge_bodies(const char *extra)
+cml_status cml_merge_words(const struct cml_outcome *from, struct cml_outcome *merged, struct cml_error *err)
 {
-    char line[CML_MERGE_LINE];
-    int count = 0;
-    for (const char *text = extra; cml_merge_scene_line(&text, false, line);)
-        count += strncmp(line, "# body ", strlen("# body ")) == 0;
-    return count;
+    char **const to[TEXTS] = {&merged->settings, &merged->beam, &merged->shapes, &merged->scene};
+    for (int i = 0; i < TEXTS; i++) CML_TRY(copy_lines(from, i, to[i], err));
+    return CML_OK;
 }
 
-bool cml_merge_next_seed(const char **text, uint64_t seed[2])
-{
-    while (*text) {
-        *text = strstr(*text, "seed ");
-        if (!*text) return false;
-        const int found = sscanf(*text, "seed %" SCNu64 ", run %" SCNu64, &seed[0], &seed[1]);
-        *text += strlen("seed ");
-        if (found == 2) return true;
-    }
-    return false;
-}
+/* ---- packets ---- */
 
 /* What options decide and no line of the scene says. */
-static cml_status check_tallies(const struct cml_merge_input *first, const struct cml_merge_input *other,
+static cml_status check_options(const struct cml_merge_input *first, const struct cml_merge_input *other,
                                 struct cml_error *err)
 {
-    const bool one_exits = cml_merge_first_exit(first->mco->extra),
-               other_exits = cml_merge_first_exit(other->mco->extra);
-    double number;
-    const bool one_depth = cml_mco_extra(first->mco, "se_A_z", &number, 1) > 0,
-               other_depth = cml_mco_extra(other->mco, "se_A_z", &number, 1) > 0;
-    if (one_exits != other_exits)
-        return fail_scene(first, other, "re-entry", one_exits ? "off" : "on", other_exits ? "off" : "on",
-                          err);
-    if (one_depth == other_depth) return CML_OK;
-    return fail_scene(first, other, "absorption by place", one_depth ? "on" : "off",
-                      other_depth ? "on" : "off", err);
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
+        const char *apart = cml_options_of_bits[i].apart;
+        const bool one = first->outcome->provenance.value[i] != 0,
+                   two = other->outcome->provenance.value[i] != 0;
+        if (apart && one != two)
+            return fail_scene(first, other, apart, one ? "on" : "off", two ? "on" : "off", err);
+    }
+    return CML_OK;
 }
 
 /* Packets with the same numbers are the same packets. */
 static cml_status check_seeds(const struct cml_merge_input *first, const struct cml_merge_input *other,
                               struct cml_error *err)
 {
-    uint64_t one[2], two[2];
-    for (const char *a = first->mco->extra; cml_merge_next_seed(&a, one);)
-        for (const char *b = other->mco->extra; cml_merge_next_seed(&b, two);)
-            if (one[0] == two[0] && one[1] == two[1])
+    for (int i = 0; i < first->outcome->num_streams; i++)
+        for (int k = 0; k < other->outcome->num_streams; k++) {
+            const struct cml_seed *one = &first->outcome->stream[i], *two = &other->outcome->stream[k];
+            if (one->seed == two->seed && one->run == two->run)
                 return cml_fail(err, CML_E_INPUT,
                                 "%.200s: seed = %" PRIu64 ", run %" PRIu64
                                 " (expected a seed that %.200s does not have)",
-                                other->name, two[0], two[1], first->name);
+                                other->name, two->seed, two->run, first->name);
+        }
     return CML_OK;
 }
 
 static cml_status check_errors(const struct cml_merge_input *input, struct cml_error *err)
 {
-    double errors[4];
-    uint64_t seed[2];
-    const char *extra = input->mco->extra;
-    if (cml_mco_extra(input->mco, "se_RAT", errors, 4) == 4 && cml_merge_next_seed(&extra, seed))
-        return CML_OK;
+    if (input->outcome->error[CML_QUANTITY_Rsp] && input->outcome->num_streams > 0) return CML_OK;
     return cml_fail(err, CML_E_INPUT,
                     "%.200s: has no seed or no standard errors (expected a result of this program)",
                     input->name);
@@ -170,7 +190,7 @@ cml_status cml_merge_check(const struct cml_merge_input *inputs, int count, stru
     for (int i = 1; i < count; i++) {
         CML_TRY(check_parameters(&inputs[0], &inputs[i], err));
         CML_TRY(check_lines(&inputs[0], &inputs[i], err));
-        CML_TRY(check_tallies(&inputs[0], &inputs[i], err));
+        CML_TRY(check_options(&inputs[0], &inputs[i], err));
         for (int k = 0; k < i; k++) CML_TRY(check_seeds(&inputs[k], &inputs[i], err));
     }
     return CML_OK;

@@ -5,22 +5,9 @@
 #include "output/files/hdf5_arrays.h"
 #include "output/study/merge.h"
 
-#include <stdbool.h>
-#include <stdint.h>
-
-/* The next line of *text that says what the scene is, but for the folder of files; *text moves behind it.
- * NULL: none. input: lines of the input, which only .h5 files have, count, too. */
-enum { CML_MERGE_LINE = 512 };
-const char *cml_merge_scene_line(const char **text, bool input, char line[CML_MERGE_LINE]);
-
-/* Of `extra`: whether packets were scored at their first exit, without re-entry. */
-bool cml_merge_first_exit(const char *extra);
-
-/* Of `extra`: how many bodies the scene has. */
-int cml_merge_bodies(const char *extra);
-
-/* The next "seed S, run R" of a text, which it has of a run or of every run that it was merged from. */
-bool cml_merge_next_seed(const char **text, uint64_t seed[2]);
+/* The words of a scene, without folders of files. */
+CML_NODISCARD cml_status cml_merge_words(const struct cml_outcome *from, struct cml_outcome *merged,
+                                         struct cml_error *err);
 
 /* CML_E_INPUT: the first difference between two scenes or grids, a seed that two have, or a result without
  * seeds or errors. */
@@ -52,8 +39,8 @@ struct cml_merge_arrays {
 
 /* Of none where an input is no .h5 file. The caller closes them; on failure nothing is left open. */
 CML_NODISCARD cml_status cml_merge_arrays_open(const struct cml_merge_input *inputs, int count,
-                                               const struct cml_mco *merged, struct cml_merge_arrays *arrays,
-                                               struct cml_error *err);
+                                               const struct cml_outcome *merged,
+                                               struct cml_merge_arrays *arrays, struct cml_error *err);
 void cml_merge_arrays_close(struct cml_merge_arrays *arrays);
 
 #endif

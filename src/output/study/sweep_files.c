@@ -3,20 +3,11 @@
 
 #include "base/atomic_file.h"
 #include "base/version.h"
+#include "result/quantity.h"
 
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* In the order of the columns. */
-static const struct {
-    const char *name, *long_name;
-    enum cml_total total;
-} totals[] = {{"Rsp", "specular reflectance", CML_TOTAL_SPECULAR},
-              {"Rd", "diffuse reflectance", CML_TOTAL_REFLECTED},
-              {"A", "absorbed fraction", CML_TOTAL_ABSORBED},
-              {"Tt", "transmittance", CML_TOTAL_TRANSMITTED}};
-enum { TOTALS = sizeof totals / sizeof *totals };
 
 /* Of every row anyway. */
 static bool is_of_every_row(const char *name)
@@ -32,7 +23,8 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
     for (int c = 0; c < r->num_columns; c++)
         if (!is_of_every_row(r->name[c])) fprintf(out, ",%s", r->name[c]);
     fputs(",photons,seed", out);
-    for (int t = 0; t < TOTALS; t++) fprintf(out, ",%s,%s_se", totals[t].name, totals[t].name);
+    for (int t = 0; t < CML_TOTALS; t++)
+        fprintf(out, ",%s,%s_se", cml_quantities[t].name, cml_quantities[t].name);
     fputs(",lost,file\n", out);
 }
 
@@ -56,8 +48,7 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
         if (!is_of_every_row(r->name[c]))
             fprintf(out, ",%s", r->cell[(size_t)row * (size_t)r->num_columns + (size_t)c]);
     fprintf(out, ",%" PRIu64 ",%" PRIu64, record->photons, r->seed[row]);
-    for (int t = 0; t < TOTALS; t++)
-        fprintf(out, ",%.17g,%.17g", record->value[totals[t].total], record->error[totals[t].total]);
+    for (int t = 0; t < CML_TOTALS; t++) fprintf(out, ",%.17g,%.17g", record->value[t], record->error[t]);
     fprintf(out, ",%" PRIu64 ",", record->lost);
     write_file_name(out, r->file[row]);
     fputc('\n', out);
@@ -236,14 +227,11 @@ static bool has_axis(const struct grid *grid, const char *name)
 static void fill(struct fields *list, const struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;
-    for (int t = 0; t < TOTALS; t++) {
-        char name[16];
-        struct cml_field *value = add(list, grid, totals[t].name, totals[t].long_name,
-                                      &(struct source){grid, OF_VALUE, (int)totals[t].total});
-        snprintf(name, sizeof name, "%s_se", totals[t].name);
-        value->errors =
-            add(list, grid, name, "standard error", &(struct source){grid, OF_ERROR, (int)totals[t].total})
-                ->name;
+    for (int t = 0; t < CML_TOTALS; t++) {
+        const struct cml_quantity_info *total = &cml_quantities[t];
+        struct cml_field *value =
+            add(list, grid, total->name, total->long_name, &(struct source){grid, OF_VALUE, t});
+        cml_quantity_name_errors(add(list, grid, "", "", &(struct source){grid, OF_ERROR, t}), value);
     }
     for (int c = 0; c < r->num_columns; c++)
         if (!is_axis(grid, c) && !is_of_every_row(r->name[c]))
@@ -253,7 +241,7 @@ static void fill(struct fields *list, const struct grid *grid)
         add(list, grid, "photons", "packets", &(struct source){grid, OF_PHOTONS, 0});
     if (!has_axis(grid, "seed"))
         add(list, grid, "seed", "of the random numbers", &(struct source){grid, OF_SEED, 0});
-    add(list, grid, "lost", "packets lost to numerical failure", &(struct source){grid, OF_LOST, 0});
+    add(list, grid, "lost", cml_quantities[CML_QUANTITY_lost].long_name, &(struct source){grid, OF_LOST, 0});
     if (!has_axis(grid, "row"))
         add(list, grid, "row", "of the table, from 1", &(struct source){grid, OF_ROW, 0});
 }
@@ -278,7 +266,7 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
                               struct cml_error *err)
 {
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
-    const size_t most = 2 * TOTALS + columns + 4;
+    const size_t most = 2 * CML_TOTALS + columns + 4;
     struct grid grid = {.results = results};
     struct fields list = {calloc(most, sizeof *list.field), calloc(most, sizeof *list.source), 0};
     grid.value = calloc(rows * columns, sizeof *grid.value);

@@ -4,7 +4,7 @@
 #define CML_SWEEP_FILES_H
 
 #include "output/files/hdf5_file.h"
-#include "run/checkpoint.h"
+#include "result/timing.h"
 
 /* All rows of a sweep; nothing in it is owned. */
 struct cml_sweep_results {

@@ -5,10 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LINE = 1024 }; /* of a shape, without the end of its file's name */
-
 struct media {
-    const struct cml_mco *mco;
+    const struct cml_outcome *outcome;
     size_t nr, nz;
     double (*depth)[2]; /* [L + 1] of every boundary: its highest and its lowest point */
     int *bodies;        /* [nz + 1][nr + 1] how many more touch a bin than those before it, along z and r */
@@ -26,45 +24,27 @@ static cml_status fail_unknown(const char *path, const char *what, struct cml_er
         path, what);
 }
 
-/* A body, or what is no plane: "z = A to B cm", of a body also "r = C to D cm" about the z axis. */
-static bool read_extent(const char *line, double extent[4], int count)
-{
-    const char *at = strstr(line, " (z = ");
-    if (!at || sscanf(at, " (z = %lf to %lf cm, r = %lf to %lf cm", &extent[0], &extent[1], &extent[2],
-                      &extent[3]) < count)
-        return false;
-    for (int i = 0; i < count; i++)
-        if (!isfinite(extent[i])) return false;
-    return true;
-}
-
 static void place_layers(struct media *media)
 {
     double z = 0;
-    for (int b = 0; b <= media->mco->num_layers; b++) {
+    for (int b = 0; b <= media->outcome->num_layers; b++) {
         media->depth[b][0] = media->depth[b][1] = z;
-        if (b < media->mco->num_layers) z += media->mco->layer[b][4];
+        if (b < media->outcome->num_layers) z += *cml_outcome_layer(media->outcome, b, 4);
     }
 }
 
-/* The depth of a plane has six digits in the line, as thicknesses have: where both agree, it is the latter.
+/* The depth of a plane has six digits in the file, as thicknesses have: where both agree, it is the latter.
  */
-static cml_status place_boundary(struct media *media, const char *line, const char *path,
+static cml_status place_boundary(struct media *media, const struct cml_extent *extent, const char *path,
                                  struct cml_error *err)
 {
-    int b = 0;
-    char kind[8] = "", what[32];
-    double z = 0, extent[4];
-    if (sscanf(line, "# boundary %d: %7s at z = %lf cm", &b, kind, &z) != 3 || b < 0 ||
-        b > media->mco->num_layers || !isfinite(z))
-        return fail_unknown(path, "a boundary", err);
-    double *depth = media->depth[b];
+    const int b = extent->boundary;
+    char what[32];
+    if (b < 0 || b > media->outcome->num_layers) return fail_unknown(path, "a boundary", err);
     snprintf(what, sizeof what, "boundary %d", b);
-    if (strcmp(kind, "plane") != 0) {
-        if (!read_extent(line, extent, 2)) return fail_unknown(path, what, err);
-        memcpy(depth, extent, sizeof media->depth[b]);
-    } else if (fabs(z - depth[0]) > 1e-5 * fabs(z))
-        depth[0] = depth[1] = z;
+    if (!extent->known) return fail_unknown(path, what, err);
+    const double *z = extent->z, agree = extent->plane ? 1e-5 * fabs(z[0]) : -1;
+    if (fabs(z[0] - media->depth[b][0]) > agree) memcpy(media->depth[b], z, sizeof media->depth[b]);
     return CML_OK;
 }
 
@@ -77,13 +57,13 @@ static void touch(double low, double high, double width, size_t n, size_t *first
 }
 
 /* What changes at the corners of its box: the sums along both axes are then one inside it. */
-static cml_status place_body(struct media *media, const char *line, const char *path, struct cml_error *err)
+static cml_status place_body(struct media *media, const struct cml_extent *extent, const char *path,
+                             struct cml_error *err)
 {
-    double extent[4];
     size_t z[2], r[2] = {0, 1};
-    if (!read_extent(line, extent, 4)) return fail_unknown(path, "a body", err);
-    touch(extent[0], extent[1], media->mco->dz, media->nz, &z[0], &z[1]);
-    if (media->nr > 1) touch(extent[2], extent[3], media->mco->dr, media->nr, &r[0], &r[1]);
+    if (!extent->known) return fail_unknown(path, "a body", err);
+    touch(extent->z[0], extent->z[1], media->outcome->dz, media->nz, &z[0], &z[1]);
+    if (media->nr > 1) touch(extent->r[0], extent->r[1], media->outcome->dr, media->nr, &r[0], &r[1]);
     for (int i = 0; i < 2; i++)
         for (int k = 0; k < 2; k++) media->bodies[z[i] * (media->nr + 1) + r[k]] += i == k ? 1 : -1;
     return CML_OK;
@@ -91,39 +71,35 @@ static cml_status place_body(struct media *media, const char *line, const char *
 
 static cml_status place_shapes(struct media *media, const char *path, struct cml_error *err)
 {
-    static const char boundary[] = "# boundary ", body[] = "# body ";
-    if (media->mco->curved) return fail_unknown(path, "a curved boundary", err);
-    for (const char *text = media->mco->extra; text && *text;) {
-        char line[LINE];
-        const size_t length = strcspn(text, "\n");
-        snprintf(line, sizeof line, "%.*s", (int)(length < LINE ? length : LINE - 1), text);
-        text += length + (text[length] == '\n');
-        if (strncmp(line, boundary, strlen(boundary)) == 0) CML_TRY(place_boundary(media, line, path, err));
-        if (strncmp(line, body, strlen(body)) == 0) CML_TRY(place_body(media, line, path, err));
+    if (media->outcome->curved) return fail_unknown(path, "a curved boundary", err);
+    for (int i = 0; i < media->outcome->num_extents; i++) {
+        const struct cml_extent *extent = &media->outcome->extent[i];
+        CML_TRY(extent->body ? place_body(media, extent, path, err)
+                             : place_boundary(media, extent, path, err));
     }
     return CML_OK;
 }
 
 /* Of medium m, 0 above and L + 1 below the layers. */
-static double mua_of(const struct cml_mco *mco, int m)
+static double mua_of(const struct cml_outcome *outcome, int m)
 {
-    return m >= 1 && m <= mco->num_layers ? mco->layer[m - 1][1] : 0;
+    return m >= 1 && m <= outcome->num_layers ? outcome->value[CML_QUANTITY_layer_mua][m - 1] : 0;
 }
 
 /* Of each depth; the same for all radii. What is absorbed above z = 0 counts in the first bin, which is then
  * larger than the others. */
 static void fill_layers(const struct media *media, double *mua)
 {
-    const struct cml_mco *mco = media->mco;
-    const double err_depth = err_edge * mco->dz;
+    const struct cml_outcome *outcome = media->outcome;
+    const double err_depth = err_edge * outcome->dz;
     int above = 0, below = 0; /* first and last medium of the bin */
     for (size_t iz = 0; iz < media->nz; iz++) {
-        const double top = (double)iz * mco->dz, bottom = top + mco->dz;
-        while (above <= mco->num_layers && media->depth[above][1] <= top + err_depth) above++;
-        while (below <= mco->num_layers && media->depth[below][0] < bottom - err_depth) below++;
-        double value = mua_of(mco, above);
+        const double top = (double)iz * outcome->dz, bottom = top + outcome->dz;
+        while (above <= outcome->num_layers && media->depth[above][1] <= top + err_depth) above++;
+        while (below <= outcome->num_layers && media->depth[below][0] < bottom - err_depth) below++;
+        double value = mua_of(outcome, above);
         for (int m = above + 1; m <= below; m++)
-            if (mua_of(mco, m) != mua_of(mco, above)) value = NAN;
+            if (mua_of(outcome, m) != mua_of(outcome, above)) value = NAN;
         if (iz == 0 && media->depth[0][0] < -err_depth) value = NAN;
         for (size_t ir = 0; ir < media->nr; ir++) mua[iz * media->nr + ir] = value;
     }
@@ -143,12 +119,13 @@ static void leave_out_bodies(const struct media *media, double *mua)
     }
 }
 
-cml_status cml_media_mua(const struct cml_mco *mco, const char *path, bool by_radius, double **mua,
+cml_status cml_media_mua(const struct cml_outcome *outcome, const char *path, bool by_radius, double **mua,
                          struct cml_error *err)
 {
-    struct media media = {.mco = mco, .nr = by_radius ? (size_t)mco->nr : 1, .nz = (size_t)mco->nz};
+    struct media media = {
+        .outcome = outcome, .nr = by_radius ? (size_t)outcome->nr : 1, .nz = (size_t)outcome->nz};
     const size_t bins = (media.nr + 1) * (media.nz + 1);
-    media.depth = calloc((size_t)mco->num_layers + 1, sizeof *media.depth);
+    media.depth = calloc((size_t)outcome->num_layers + 1, sizeof *media.depth);
     media.bodies = calloc(bins, sizeof *media.bodies);
     *mua = malloc(bins * sizeof **mua);
     cml_status status =

@@ -1,8 +1,7 @@
 /* The reader of .mco files. It takes the keys in the order in which every MCML writes them; blank lines,
  * comments and the number of values on a line do not matter.
  * SPDX-License-Identifier: MIT */
-#include "output/mco.h"
-#include "output/mco_sections.h"
+#include "result/mco_sections.h"
 #include "base/text.h"
 
 #include <ctype.h>
@@ -14,7 +13,7 @@ struct reader {
     struct cml_text text;
     char *cursor; /* what is left of the current line, NULL where no line is */
     bool copied;  /* the parameters are a copy of an .mci file */
-    struct cml_mco *mco;
+    struct cml_outcome *o;
     struct cml_error *err;
 };
 
@@ -73,7 +72,7 @@ static void next_parameters(struct reader *r)
         if (r->copied) r->cursor[strcspn(r->cursor, "#")] = '\0';
         if (!r->copied || strchr("+-.0123456789", *first_of(r->cursor))) return;
         if (begins_with(r->cursor, "RAT")) break;
-        r->mco->curved |= begins_with(r->cursor, "b");
+        r->o->curved |= begins_with(r->cursor, "b");
     }
     r->cursor = NULL;
 }
@@ -92,7 +91,7 @@ static const struct field field_dz = {"dz", POSITIVE};
 static const struct field field_dr = {"dr", POSITIVE};
 static const struct field field_above = {"n above", POSITIVE};
 static const struct field field_below = {"n below", POSITIVE};
-static const struct field layer_fields[5] = {
+static const struct field layer_fields[CML_LAYER_NUMBERS] = {
     {"n", POSITIVE},     {"mua", NOT_NEGATIVE}, {"mus", NOT_NEGATIVE}, {"g", "a number from -1 to 1", -1, 1},
     {"d", NOT_NEGATIVE},
 };
@@ -133,9 +132,9 @@ static cml_status check_numbers(const struct reader *r, const char *field, const
 }
 
 /* As a double, because a sum of products of ints may overflow 64 bits. */
-static double grid_numbers(const struct cml_mco *mco)
+static double grid_numbers(const struct cml_outcome *o)
 {
-    const double nz = mco->nz, nr = mco->nr, na = mco->na;
+    const double nz = o->nz, nr = o->nr, na = o->na;
     return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na;
 }
 
@@ -156,7 +155,7 @@ static cml_status read_head(struct reader *r)
     while ((r->cursor = cml_text_next(&r->text)) != NULL) {
         if (strncmp(r->cursor, mark, sizeof mark - 1) == 0) {
             r->cursor += sizeof mark - 1;
-            CML_TRY(read_double(r, &field_time, &r->mco->user_time));
+            CML_TRY(read_double(r, &field_time, &r->o->user_time));
         } else if (!is_blank(r->cursor) && *r->cursor != '#') {
             break;
         }
@@ -190,7 +189,7 @@ static cml_status read_name(struct reader *r)
     while ((line = cml_text_next(&r->text)) != NULL) {
         if (begins_with(line, "RAT")) break;
         const char *name = name_in(line);
-        if (name) return cml_text_copy(name, &r->mco->output, r->err);
+        if (name) return cml_text_copy(name, &r->o->output, r->err);
         if (!r->copied && !is_blank(line) && *first_of(line) != '#')
             return fail(r, "output name", line, expected);
     }
@@ -202,7 +201,7 @@ static cml_status read_photons(struct reader *r)
 {
     next_parameters(r);
     const char *word = next_word(r);
-    if (!word || !cml_parse_count(word, &r->mco->photons) || r->mco->photons == 0)
+    if (!word || !cml_parse_count(word, &r->o->photons) || r->o->photons == 0)
         return fail(r, "photons", word, "a whole number above 0");
     return end_fields(r);
 }
@@ -210,31 +209,31 @@ static cml_status read_photons(struct reader *r)
 /* Sizes are checked against the length of the file here, before any memory is asked for. */
 static cml_status read_grid(struct reader *r)
 {
-    struct cml_mco *mco = r->mco;
+    struct cml_outcome *o = r->o;
     char value[48];
     next_parameters(r);
-    CML_TRY(read_double(r, &field_dz, &mco->dz));
-    CML_TRY(read_double(r, &field_dr, &mco->dr));
+    CML_TRY(read_double(r, &field_dz, &o->dz));
+    CML_TRY(read_double(r, &field_dr, &o->dr));
     CML_TRY(end_fields(r));
     next_parameters(r);
-    CML_TRY(read_count(r, "nz", &mco->nz));
-    CML_TRY(read_count(r, "nr", &mco->nr));
-    CML_TRY(read_count(r, "na", &mco->na));
+    CML_TRY(read_count(r, "nz", &o->nz));
+    CML_TRY(read_count(r, "nr", &o->nr));
+    CML_TRY(read_count(r, "na", &o->na));
     CML_TRY(end_fields(r));
-    snprintf(value, sizeof value, "%d %d %d", mco->nz, mco->nr, mco->na);
-    return check_numbers(r, "nz nr na", value, grid_numbers(mco));
+    snprintf(value, sizeof value, "%d %d %d", o->nz, o->nr, o->na);
+    return check_numbers(r, "nz nr na", value, grid_numbers(o));
 }
 
 /* Six numbers of the file belong to a layer: five parameters and A_l. */
 static cml_status read_layer_count(struct reader *r)
 {
-    struct cml_mco *mco = r->mco;
+    struct cml_outcome *o = r->o;
     char value[16];
     next_parameters(r);
-    CML_TRY(read_count(r, "number of layers", &mco->num_layers));
+    CML_TRY(read_count(r, "number of layers", &o->num_layers));
     CML_TRY(end_fields(r));
-    snprintf(value, sizeof value, "%d", mco->num_layers);
-    return check_numbers(r, "number of layers", value, grid_numbers(mco) + 6.0 * mco->num_layers);
+    snprintf(value, sizeof value, "%d", o->num_layers);
+    return check_numbers(r, "number of layers", value, grid_numbers(o) + 6.0 * o->num_layers);
 }
 
 static cml_status read_outside(struct reader *r, const struct field *field, double *n)
@@ -248,14 +247,15 @@ static cml_status read_outside(struct reader *r, const struct field *field, doub
  * like any other. */
 static cml_status read_media(struct reader *r)
 {
-    struct cml_mco *mco = r->mco;
-    CML_TRY(read_outside(r, &field_above, &mco->n_above));
-    for (int l = 0; l < mco->num_layers; l++) {
+    struct cml_outcome *o = r->o;
+    CML_TRY(read_outside(r, &field_above, &o->n_above));
+    for (int l = 0; l < o->num_layers; l++) {
         next_parameters(r);
-        for (int i = 0; i < 5; i++) CML_TRY(read_double(r, &layer_fields[i], &mco->layer[l][i]));
+        for (int i = 0; i < CML_LAYER_NUMBERS; i++)
+            CML_TRY(read_double(r, &layer_fields[i], cml_outcome_layer(o, l, i)));
         CML_TRY(end_fields(r));
     }
-    return read_outside(r, &field_below, &mco->n_below);
+    return read_outside(r, &field_below, &o->n_below);
 }
 
 /* Keys come in a fixed order, so any other one is an error that names both. */
@@ -297,15 +297,11 @@ static cml_status read_values(struct reader *r, const char *key, int columns, do
     return word ? fail_cell(r, key, columns, cells, word, "the end of the section") : CML_OK;
 }
 
-/* Their order in the file is Rsp, Rd, A, Tt; only comments name them there. */
 static cml_status read_totals(struct reader *r)
 {
-    double totals[4];
-    CML_TRY(read_values(r, "RAT", 0, totals, 4));
-    r->mco->Rsp = totals[0];
-    r->mco->Rd = totals[1];
-    r->mco->A = totals[2];
-    r->mco->Tt = totals[3];
+    double totals[CML_TOTALS];
+    CML_TRY(read_values(r, "RAT", 0, totals, CML_TOTALS));
+    for (int i = 0; i < CML_TOTALS; i++) r->o->value[i][0] = totals[i];
     return CML_OK;
 }
 
@@ -313,30 +309,10 @@ static cml_status read_totals(struct reader *r)
 static cml_status read_sections(struct reader *r)
 {
     for (int i = 0; i < CML_MCO_SECTIONS; i++) {
-        const struct cml_mco_section *s = &cml_mco_sections[i];
-        CML_TRY(read_values(r, s->key, cml_mco_columns(r->mco, s), cml_mco_values(r->mco, s),
-                            cml_mco_cells(r->mco, s)));
+        const enum cml_quantity quantity = cml_mco_sections[i].quantity;
+        CML_TRY(read_values(r, cml_quantities[quantity].name, cml_mco_columns(r->o, &cml_mco_sections[i]),
+                            r->o->value[quantity], cml_outcome_size(r->o, quantity)));
     }
-    return CML_OK;
-}
-
-/* The empty line behind a grid whose last line is full belongs to the grid; all the rest is the extra text,
- * byte by byte. */
-static cml_status read_extra(struct reader *r)
-{
-    const struct cml_text *text = &r->text;
-    const char *rest = text->cursor < text->size ? text->data + text->cursor : "";
-    const size_t cells = (size_t)r->mco->nr * (size_t)r->mco->na;
-    if (cells % CML_MCO_PER_LINE == 0) {
-        if (rest[0] == '\r' && rest[1] == '\n') rest++;
-        if (rest[0] == '\n') rest++;
-    }
-    const size_t length = strlen(rest);
-    char *extra = malloc(length + 2);
-    if (!extra) return cml_fail_memory(r->err, (double)length, "a result file");
-    memcpy(extra, rest, length + 1);
-    if (length > 0 && rest[length - 1] != '\n') strcpy(extra + length, "\n");
-    r->mco->extra = extra;
     return CML_OK;
 }
 
@@ -349,20 +325,21 @@ static cml_status read_all(struct reader *r)
     CML_TRY(read_photons(r));
     CML_TRY(read_grid(r));
     CML_TRY(read_layer_count(r));
-    CML_TRY(cml_mco_allocate(r->mco, r->err));
+    CML_TRY(cml_outcome_allocate(r->o, r->err));
     CML_TRY(read_media(r));
     CML_TRY(read_totals(r));
     CML_TRY(read_sections(r));
-    return read_extra(r);
+    return cml_mco_read_ours(r->text.cursor < r->text.size ? r->text.data + r->text.cursor : "", r->text.path,
+                             r->o, r->err);
 }
 
-cml_status cml_mco_read(const char *path, struct cml_mco *mco, struct cml_error *err)
+cml_status cml_mco_read(const char *path, struct cml_outcome *o, struct cml_error *err)
 {
-    struct reader reader = {.mco = mco, .err = err};
-    *mco = (struct cml_mco){0};
+    struct reader reader = {.o = o, .err = err};
+    *o = (struct cml_outcome){.provenance = cml_provenance_unknown()};
     CML_TRY(cml_text_read(NULL, path, &reader.text, err));
     const cml_status status = read_all(&reader);
     cml_text_clear(&reader.text);
-    if (status != CML_OK) cml_mco_clear(mco);
+    if (status != CML_OK) cml_outcome_clear(o);
     return status;
 }

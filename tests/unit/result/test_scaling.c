@@ -3,8 +3,8 @@
 #include "unit/tally/tally_cases.h"
 
 #include "base/constants.h"
-#include "output/mco.h"
-#include "output/scaling.h"
+#include "result/mco.h"
+#include "result/scaling.h"
 
 static void rings_make_up_the_disk(void **state)
 {
@@ -38,8 +38,9 @@ static void densities_integrate_to_totals(void **state)
     struct cml_error err;
     struct cml_result result = make_result(&grid, 64);
     struct cml_tally tally = make_tally(&grid);
-    struct cml_mco mco = {.dr = 0.1, .dz = 0.5, .nr = 3, .nz = 4, .na = 2, .num_layers = 2};
-    assert_int_equal(cml_mco_allocate(&mco, &err), CML_OK);
+    struct cml_outcome mco = {
+        .dr = 0.1, .dz = 0.5, .nr = 3, .nz = 4, .na = 2, .num_layers = 2, .photons = 64};
+    assert_int_equal(cml_outcome_allocate(&mco, &err), CML_OK);
     score(&tally, 1, 1, 2, true);
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
         memset(tally.summed, 0, cml_tally_profile_bins(&tally.grid) * sizeof *tally.summed);
@@ -47,17 +48,21 @@ static void densities_integrate_to_totals(void **state)
         cml_result_note(&result, b, &tally);
         cml_result_add(&result, &tally);
     }
-    cml_scale_result(&result, &mco);
+    assert_int_equal(cml_outcome_take(&mco, &result, &err), CML_OK);
     const double da = CML_PI / 4, ring = 2 * CML_PI * 0.15 * 0.1;
-    assert_true(mco.Rd == 0.5 && mco.A == 0.5 && mco.Tt == 0 && mco.Rsp == 0);
-    assert_near("Rd_r", mco.Rd_r[1] * ring, 0.5, 1e-15);
-    assert_near("Rd_a", mco.Rd_a[1] * 2 * CML_PI * sin(1.5 * da) * da, 0.5, 1e-15);
-    assert_near("Rd_ra", mco.Rd_ra[1 * 2 + 1] * ring * 2 * CML_PI * sin(da / 2) * sin(3 * da), 0.5, 1e-15);
-    assert_near("A_z", mco.A_z[2] * 0.5, 0.5, 1e-15);
-    assert_near("A_rz", mco.A_rz[1 * 4 + 2] * ring * 0.5, 0.5, 1e-15);
-    assert_near("A_l", mco.A_l[0], 0.5, 1e-15);
-    assert_true(mco.Rd_r[0] == 0 && mco.Rd_ra[1 * 2] == 0 && mco.A_rz[1 * 4 + 1] == 0 && mco.Tt_r[1] == 0);
-    cml_mco_clear(&mco);
+    assert_true(mco.value[CML_QUANTITY_Rd][0] == 0.5 && mco.value[CML_QUANTITY_A][0] == 0.5 &&
+                mco.value[CML_QUANTITY_Tt][0] == 0 && mco.value[CML_QUANTITY_Rsp][0] == 0);
+    assert_near("Rd_r", mco.value[CML_QUANTITY_Rd_r][1] * ring, 0.5, 1e-15);
+    assert_near("Rd_a", mco.value[CML_QUANTITY_Rd_a][1] * 2 * CML_PI * sin(1.5 * da) * da, 0.5, 1e-15);
+    assert_near("Rd_ra",
+                mco.value[CML_QUANTITY_Rd_ra][1 * 2 + 1] * ring * 2 * CML_PI * sin(da / 2) * sin(3 * da), 0.5,
+                1e-15);
+    assert_near("A_z", mco.value[CML_QUANTITY_A_z][2] * 0.5, 0.5, 1e-15);
+    assert_near("A_rz", mco.value[CML_QUANTITY_A_rz][1 * 4 + 2] * ring * 0.5, 0.5, 1e-15);
+    assert_near("A_l", mco.value[CML_QUANTITY_A_l][0], 0.5, 1e-15);
+    assert_true(mco.value[CML_QUANTITY_Rd_r][0] == 0 && mco.value[CML_QUANTITY_Rd_ra][1 * 2] == 0 &&
+                mco.value[CML_QUANTITY_A_rz][1 * 4 + 1] == 0 && mco.value[CML_QUANTITY_Tt_r][1] == 0);
+    cml_outcome_clear(&mco);
     cml_tally_free(&tally);
     cml_result_free(&result);
 }

@@ -8,9 +8,6 @@
 #ifndef CML_SCALING_H
 #define CML_SCALING_H
 
-struct cml_mco;
-struct cml_result;
-
 /* Width of one of na angle bins between the outward vertical and the horizontal, rad. */
 double cml_angle_width(int na);
 
@@ -24,13 +21,5 @@ double cml_solid_angle(double da, int ia);
 /* Solid angle of angular bin ia times the cosine to the vertical, sr: 2 pi sin(da/2) sin(2a) at the middle of
  * the bin. The exact one is smaller by cos(da/2): by 0.03 % for 30 bins, by 29 % for one. */
 double cml_projected_solid_angle(double da, int ia);
-
-/* Depth of a bin, cm: dz for each of them. Here so that every profile has a function of the same kind. */
-double cml_depth_width(double dz, int iz);
-
-/* A result's arrays in the units of an .mco file: A_l, A_z, Rd_r, Rd_a, Tt_r, Tt_a, A_rz, Rd_ra, Tt_ra and
- * the totals. The arrays of *mco have been allocated for the result's grid, and dr and dz are set; A_z and
- * A_rz stay as they are where absorption was not tallied. */
-void cml_scale_result(const struct cml_result *result, struct cml_mco *mco);
 
 #endif

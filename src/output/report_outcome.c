@@ -1,0 +1,129 @@
+/* A run as a result: what of it comes of the scene, and what of sums alone.
+ * SPDX-License-Identifier: MIT */
+#include "output/report_parts.h"
+
+#include "base/text.h"
+#include "base/version.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Numbers that the result repeats of the input, and the arrays. */
+static cml_status fill_input(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
+{
+    const struct cml_scene *scene = report->scene;
+    o->photons = report->sums->photons;
+    o->user_time = report->timing->seconds;
+    o->dz = scene->dz;
+    o->dr = scene->dr;
+    o->nz = scene->nz;
+    o->nr = scene->nr;
+    o->na = scene->na;
+    o->num_layers = scene->num_layers;
+    o->num_bodies = scene->num_bodies;
+    o->n_above = scene->media[0].n;
+    o->n_below = scene->media[scene->num_layers + 1].n;
+    CML_TRY(cml_outcome_allocate(o, err));
+    CML_TRY(cml_text_copy(scene->output, &o->output, err));
+    for (int l = 0; l < scene->num_layers; l++) {
+        const struct cml_medium_def *m = &scene->media[l + 1];
+        const double row[CML_LAYER_NUMBERS] = {m->n, m->mua, m->mus, m->g, m->d};
+        for (int i = 0; i < CML_LAYER_NUMBERS; i++) *cml_outcome_layer(o, l, i) = row[i];
+    }
+    return CML_OK;
+}
+
+static cml_status fill_bodies(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
+{
+    double **to = &o->value[CML_QUANTITY_body_n];
+    for (int i = 0; scene->num_bodies > 0 && i <= CML_QUANTITY_body_g - CML_QUANTITY_body_n; i++)
+        CML_TRY(cml_outcome_add(o, (enum cml_quantity)(CML_QUANTITY_body_n + i), false, err));
+    for (int k = 0; k < scene->num_bodies; k++) {
+        const struct cml_medium_def *m = &scene->media[scene->num_layers + 2 + k];
+        to[0][k] = m->n;
+        to[1][k] = m->mua;
+        to[2][k] = m->mus;
+        to[3][k] = m->g;
+    }
+    return CML_OK;
+}
+
+/* The shape that was simulated, so that a plot can show it. Long fields are left out: they would outgrow the
+ * results, and the .mci has them. */
+static cml_status fill_heights(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
+{
+    const int most = 10000;
+    o->heights = calloc((size_t)scene->num_layers + 1, sizeof *o->heights);
+    if (!o->heights) return cml_fail_memory(err, scene->num_layers * (double)sizeof *o->heights, "shapes");
+    for (int b = 0; b <= scene->num_layers; b++) {
+        const struct cml_radial *radial = &scene->boundaries[b].radial;
+        if (scene->boundaries[b].form != CML_FORM_RADIAL || radial->n > most) continue;
+        double *pair = malloc(2 * (size_t)radial->n * sizeof *pair);
+        if (!pair) return cml_fail_memory(err, 2.0 * radial->n * (double)sizeof *pair, "shapes");
+        for (int i = 0; i < radial->n; i++) {
+            pair[2 * i] = radial->r[i];
+            pair[2 * i + 1] = radial->h[i];
+        }
+        o->heights[o->num_heights++] = (struct cml_heights){b, radial->n, pair};
+    }
+    return CML_OK;
+}
+
+/* The totals with the flat twin as control variate, if it was flown. */
+static cml_status fill_control(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
+{
+    for (int i = 0; report->control && i < CML_TOTALS; i++) {
+        const enum cml_quantity quantity = (enum cml_quantity)(CML_QUANTITY_Rsp_control + i);
+        CML_TRY(cml_outcome_add(o, quantity, false, err));
+        CML_TRY(cml_outcome_add(o, quantity, true, err));
+        o->value[quantity][0] = report->control[i].value;
+        o->error[quantity][0] = report->control[i].error;
+    }
+    return CML_OK;
+}
+
+static char *close_words(FILE *out, char **text)
+{
+    if (out && fclose(out) == 0) return *text;
+    free(*text);
+    return NULL;
+}
+
+cml_status cml_report_words(const struct cml_report *report, enum cml_report_reader reader,
+                            struct cml_outcome *o, struct cml_error *err)
+{
+    size_t size = 0;
+    free(o->shapes);
+    free(o->beam);
+    o->shapes = o->beam = NULL;
+    FILE *shapes = open_memstream(&o->shapes, &size), *beam = open_memstream(&o->beam, &size);
+    if (shapes) cml_report_shapes(shapes, "", report->scene, report->surfaces, reader);
+    if (beam) cml_report_beam(beam, "", &report->scene->beam);
+    o->shapes = close_words(shapes, &o->shapes);
+    o->beam = close_words(beam, &o->beam);
+    return o->shapes && o->beam ? CML_OK : cml_fail_memory(err, (double)size, "the scene in words");
+}
+
+/* What may fail comes first. */
+static cml_status fill(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
+{
+    const char *settings = report->scene->settings;
+    o->provenance = *report->provenance;
+    CML_TRY(cml_text_copy(cml_version(), &o->program, err));
+    if (settings) CML_TRY(cml_text_copy(settings, &o->settings, err));
+    CML_TRY(cml_report_words(report, CML_READ_IN_MCO, o, err));
+    CML_TRY(fill_input(report, o, err));
+    CML_TRY(fill_bodies(report->scene, o, err));
+    CML_TRY(fill_heights(report->scene, o, err));
+    CML_TRY(fill_control(report, o, err));
+    CML_TRY(cml_report_body_fluxes(report, o, err));
+    return cml_outcome_take(o, report->sums, err);
+}
+
+cml_status cml_report_outcome(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
+{
+    *o = (struct cml_outcome){0};
+    const cml_status status = fill(report, o, err);
+    if (status != CML_OK) cml_outcome_clear(o);
+    return status;
+}

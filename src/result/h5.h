@@ -1,0 +1,39 @@
+/* Results as .h5 files: the quantities of the table, what decided their bits, the scene in words.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_H5_H
+#define CML_H5_H
+
+#include "output/files/hdf5_file.h"
+#include "output/files/hdf5_read.h"
+#include "result/outcome.h"
+
+/* What an .h5 holds beside an outcome. Borrowed. */
+struct cml_h5_more {
+    const char *input; /* text of the .mci of a run; NULL: merged, which has the outcome's `scene` */
+    const struct cml_field *field; /* [num_fields]; one that the outcome has is left out */
+    int num_fields;
+    struct cml_hdf5_call call;
+};
+
+/* Writes to `path` atomically. CML_E_IO; CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_h5_write(const char *path, const struct cml_outcome *outcome,
+                                      const struct cml_h5_more *more, struct cml_error *err);
+
+/* Quantities, provenance and the scene in words, of a run or merged. A_z and A_rz are 0 where absorption was
+ * not tallied, n outside of all layers is 0. A program without HDF5 refuses every file. CML_E_INPUT with file
+ * and data set; then *outcome is cleared. The caller clears it otherwise. */
+CML_NODISCARD cml_status cml_h5_read(const char *path, struct cml_outcome *outcome, struct cml_error *err);
+
+/* All numbers of a data set, finite unless they are errors: `count` of them, or with count 0 any number, as
+ * many as *size. *values is the caller's to free, NULL where the file has none of this name. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_h5_numbers(const struct cml_hdf5 *file, const char *name, size_t count,
+                                        double **values, struct cml_hdf5_dataset *shape,
+                                        struct cml_error *err);
+
+/* A result from whatever file holds one: an .h5 file, or else an .mco file. CML_E_INPUT; the caller clears it
+ * otherwise.
+ */
+CML_NODISCARD cml_status cml_result_read(const char *path, struct cml_outcome *outcome,
+                                         struct cml_error *err);
+
+#endif

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+#include "result/h5.h"
+
+#include "result/scaling.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct fields {
+    struct cml_axis axis[CML_NUM_AXES];
+    struct cml_field *field;
+    int count;
+};
+
+static void array_values(const void *context, size_t begin, size_t count, double *out)
+{
+    memcpy(out, (const double *)context + begin, count * sizeof *out);
+}
+
+/* Middles of bins; numbers of layers and bodies count from 1. */
+static void set_axes(struct fields *f, const struct cml_outcome *o)
+{
+    const double da = cml_angle_width(o->na);
+    const double width[CML_NUM_AXES] = {[CML_AXIS_r] = o->dr, [CML_AXIS_z] = o->dz, [CML_AXIS_alpha] = da};
+    for (int i = 1; i < CML_NUM_AXES; i++) {
+        const enum cml_axis_kind kind = (enum cml_axis_kind)i;
+        const size_t n = (size_t)cml_outcome_places(o, kind);
+        f->axis[i] = cml_quantity_axis(kind, n, width[i] > 0 ? width[i] / 2 : 1, width[i] > 0 ? width[i] : 1);
+    }
+}
+
+/* Absorption by depth is there, and 0, where it was not tallied: so an .mco has it. */
+static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    const bool deep = info->axis[0] == CML_AXIS_z || info->axis[1] == CML_AXIS_z;
+    return (info->where & CML_IN_H5) && o->value[quantity] &&
+           !(deep && o->provenance.value[CML_DECIDES_absorption] == 0);
+}
+
+static void add_quantity(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
+    struct cml_field *field = &f->field[f->count++];
+    cml_quantity_name(field, quantity);
+    for (int i = 0; i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE; i++)
+        field->axis[field->num_axes++] = &f->axis[axis[i]];
+    field->values = array_values;
+    field->context = o->value[quantity];
+    if (!o->error[quantity]) return;
+    struct cml_field *errors = &f->field[f->count++];
+    cml_quantity_name_errors(errors, field);
+    errors->values = array_values;
+    errors->context = o->error[quantity];
+}
+
+static bool has_field(const struct fields *f, const char *name)
+{
+    for (int i = 0; i < f->count; i++)
+        if (strcmp(f->field[i].name, name) == 0) return true;
+    return false;
+}
+
+/* No times, and nothing of how the program was called: the same run gives the same bytes. */
+static int fill_attributes(const struct cml_outcome *o, const struct cml_h5_more *more,
+                           struct cml_attribute *attributes)
+{
+    struct cml_attribute *a = attributes;
+    *a++ = (struct cml_attribute){"title", o->output, 0};
+    *a++ = (struct cml_attribute){"source",
+                                  "clustermcml: Monte Carlo light transport in layered turbid media", 0};
+    *a++ = (struct cml_attribute){"version", o->program, 0};
+    if (!o->merged) *a++ = (struct cml_attribute){"engine", o->provenance.engine, 0};
+    if (!o->merged) *a++ = (struct cml_attribute){"input", more->input, 0};
+    *a++ = (struct cml_attribute){"boundaries", o->shapes, 0};
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
+        const double value = o->provenance.value[i];
+        if (!(cml_options_of_bits[i].where & CML_IN_H5) || isnan(value)) continue;
+        const bool word = cml_options_of_bits[i].where & CML_AS_WORD;
+        *a++ =
+            (struct cml_attribute){cml_options_of_bits[i].name,
+                                   word ? cml_option_word((enum cml_option_of_bits)i, value) : NULL, value};
+    }
+    *a++ = (struct cml_attribute){"photons", NULL, (double)o->photons};
+    if (o->merged || (o->beam && o->beam[0])) *a++ = (struct cml_attribute){"beam", o->beam, 0};
+    if (o->merged || (o->settings && o->settings[0]))
+        *a++ = (struct cml_attribute){"settings", o->settings, 0};
+    if (o->merged) *a++ = (struct cml_attribute){"scene", o->scene, 0};
+    return (int)(a - attributes);
+}
+
+/* "merged FILE: seed S, run R" of each; the caller's to free, NULL when memory runs out. */
+static char *describe_streams(const struct cml_outcome *o)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    for (int i = 0; out && i < o->num_streams; i++)
+        fprintf(out, "merged %s: seed %llu, run %llu\n", o->stream[i].file,
+                (unsigned long long)o->stream[i].seed, (unsigned long long)o->stream[i].run);
+    const bool failed = !out || ferror(out);
+    if ((out && fclose(out) != 0) || failed) {
+        free(text);
+        return NULL;
+    }
+    return text;
+}
+
+static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
+                               const struct fields *f, struct cml_error *err)
+{
+    struct cml_attribute attributes[CML_NUM_OPTIONS_OF_BITS + 12];
+    int count = fill_attributes(o, more, attributes);
+    char *streams = o->merged ? describe_streams(o) : NULL;
+    if (o->merged && !streams) return cml_fail_memory(err, 1, "a merged result");
+    if (o->merged) attributes[count++] = (struct cml_attribute){"merged", streams, 0};
+    const cml_status status = cml_hdf5_write(path, attributes, count, &more->call, f->field, f->count, err);
+    free(streams);
+    return status;
+}
+
+/* Values of `more` are computed while they are written, so they are never in memory as a whole. */
+cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
+                        struct cml_error *err)
+{
+    const size_t most = 2 * (size_t)CML_NUM_QUANTITIES + (size_t)more->num_fields;
+    struct fields f = {.field = calloc(most, sizeof *f.field)};
+    if (!f.field) return cml_fail_memory(err, (double)(most * sizeof *f.field), "a list of fields");
+    set_axes(&f, o);
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (is_written(o, (enum cml_quantity)i)) add_quantity(&f, o, (enum cml_quantity)i);
+    for (int i = 0; i < more->num_fields; i++)
+        if (!has_field(&f, more->field[i].name)) f.field[f.count++] = more->field[i];
+    const cml_status status = write_fields(path, o, more, &f, err);
+    free(f.field);
+    return status;
+}

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT */
+#include "result/mco.h"
+
+#include "base/atomic_file.h"
+#include "result/mco_sections.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+/* ---- what is MCML's ---- */
+
+/* The comment lines before a grid, as MCML 1.2.2 prints them. */
+#define GRID_COMMENT(q, what, last)                                                                          \
+    "# " q what "\n# " q "[0][0], [0][1],..[0][" last "-1]\n# " q "[1][0], [1][1],..[1][" last               \
+    "-1]\n# ...\n# " q "[nr-1][0], [nr-1][1],..[nr-1][" last "-1]\n"
+
+/* Blanks and the missing ones are MCML's: the file is to be the same byte by byte. */
+const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS] = {
+    {CML_QUANTITY_A_l, "", " #Absorption as a function of layer. [-]"},
+    {CML_QUANTITY_A_z, "", " #A[0], [1],..A[nz-1]. [1/cm]"},
+    {CML_QUANTITY_Rd_r, "", " #Rd[0], [1],..Rd[nr-1]. [1/cm2]"},
+    {CML_QUANTITY_Rd_a, "", " #Rd[0], [1],..Rd[na-1]. [sr-1]"},
+    {CML_QUANTITY_Tt_r, "", " #Tt[0], [1],..Tt[nr-1]. [1/cm2]"},
+    {CML_QUANTITY_Tt_a, "", " #Tt[0], [1],..Tt[na-1]. [sr-1]"},
+    {CML_QUANTITY_A_rz, GRID_COMMENT("A", "[r][z]. [1/cm3]", "nz"), ""},
+    {CML_QUANTITY_Rd_ra, GRID_COMMENT("Rd", "[r][angle]. [1/(cm2sr)].", "na"), ""},
+    {CML_QUANTITY_Tt_ra, GRID_COMMENT("Tt", "[r][angle]. [1/(cm2sr)].", "na"), ""},
+};
+
+/* The hours are those of the seconds as printed: computed from the unrounded time they could not be found
+ * again from the file. */
+static void write_head(FILE *out, const struct cml_outcome *o)
+{
+    const double seconds = rint(o->user_time);
+    fputs("A1 \t# Version number of the file format.\n"
+          "\n"
+          "####\n"
+          "# Data categories include: \n"
+          "# InParm, RAT, \n"
+          "# A_l, A_z, Rd_r, Rd_a, Tt_r, Tt_a, \n"
+          "# A_rz, Rd_ra, Tt_ra \n"
+          "####\n"
+          "\n",
+          out);
+    fprintf(out, "# User time: %8.0f sec = %8.2f hr.   Simulation time of this run.\n\n", seconds,
+            seconds / 3600);
+}
+
+/* The input as MCML repeats it, %G and tabs included. The letter A also where the format was B: the file
+ * is text. */
+static void write_parameters(FILE *out, const struct cml_outcome *o)
+{
+    fprintf(out, "InParm \t\t\t# Input parameters. cm is used.\n");
+    fprintf(out, "%s \tA\t\t# output file name, ASCII.\n", o->output);
+    fprintf(out, "%" PRIu64 " \t\t\t# No. of photons\n", o->photons);
+    fprintf(out, "%G\t%G\t\t# dz, dr [cm]\n", o->dz, o->dr);
+    fprintf(out, "%d\t%d\t%d\t# No. of dz, dr, da.\n\n", o->nz, o->nr, o->na);
+    fprintf(out, "%d\t\t\t\t\t# Number of layers\n", o->num_layers);
+    fprintf(out, "#n\tmua\tmus\tg\td\t# One line for each layer\n");
+    fprintf(out, "%G\t\t\t\t\t# n for medium above\n", o->n_above);
+    for (int l = 0; l < o->num_layers; l++) {
+        for (int i = 0; i < CML_LAYER_NUMBERS; i++) fprintf(out, "%G\t", *cml_outcome_layer(o, l, i));
+        fprintf(out, "# layer %d\n", l + 1);
+    }
+    fprintf(out, "%G\t\t\t\t\t# n for medium below\n\n", o->n_below);
+}
+
+/* Six digits, in a field of fourteen characters as MCML pads it. */
+static void write_totals(FILE *out, const struct cml_outcome *o)
+{
+    static const char *const names[CML_TOTALS] = {"Specular reflectance", "Diffuse reflectance",
+                                                  "Absorbed fraction", "Transmittance"};
+    fprintf(out, "RAT #Reflectance, absorption, transmission. \n");
+    for (int i = 0; i < CML_TOTALS; i++) fprintf(out, "%-14.6G \t#%s [-]\n", o->value[i][0], names[i]);
+    fputc('\n', out);
+}
+
+/* The line ends of a grid are counted over the whole block: a count that fills its last line leaves an empty
+ * line behind the block, any other does not. */
+static void write_section(FILE *out, const struct cml_outcome *o, const struct cml_mco_section *section)
+{
+    const double *values = o->value[section->quantity];
+    const size_t cells = cml_outcome_size(o, section->quantity);
+    fprintf(out, "%s%s%s\n", section->before, cml_quantities[section->quantity].name, section->after);
+    for (size_t i = 0; i < cells; i++) {
+        if (section->quantity == CML_QUANTITY_A_l)
+            fprintf(out, "%12.4G\n", values[i]);
+        else if (cml_mco_columns(o, section) == 0)
+            fprintf(out, "%12.4E\n", values[i]);
+        else
+            fprintf(out, (i + 1) % CML_MCO_PER_LINE == 0 ? "%12.4E \n" : "%12.4E ", values[i]);
+    }
+    fputc('\n', out);
+}
+
+/* ---- what is ours ---- */
+
+/* Lines of a text, each behind the prefix. */
+static void write_lines(FILE *out, const char *prefix, const char *text)
+{
+    while (text && *text) {
+        const size_t length = strcspn(text, "\n");
+        fprintf(out, "%s%.*s\n", prefix, (int)length, text);
+        text += length + (text[length] == '\n');
+    }
+}
+
+static void write_comments(FILE *out, const struct cml_outcome *o)
+{
+    fprintf(out, "\n# clustermcml %s\n", o->program);
+    for (int i = 0; o->merged && i < o->num_streams; i++)
+        fprintf(out, "# merged %s: seed %" PRIu64 ", run %" PRIu64 "\n", o->stream[i].file, o->stream[i].seed,
+                o->stream[i].run);
+    cml_provenance_print(out, &o->provenance, o->merged);
+    write_lines(out, "# set ", o->settings);
+    write_lines(out, "# ", o->beam);
+    write_lines(out, "# ", o->shapes);
+    write_lines(out, "# scene ", o->scene);
+    fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
+            o->provenance.value[CML_DECIDES_sampling] > 0);
+}
+
+/* Sections "se_KEY # [unit]", then one standard error per line. Merged ones may differ in digits that a run's
+ * do not have. */
+static void write_errors(FILE *out, const struct cml_outcome *o)
+{
+    const char *const total = o->merged ? "%.9G\n" : "%.6G\n", *const bin =
+                                                                   o->merged ? "%12.9E\n" : "%12.4E\n";
+    if (o->error[CML_QUANTITY_Rsp]) fputs("\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n", out);
+    for (int i = 0; i < CML_TOTALS; i++)
+        if (o->error[i]) fprintf(out, total, o->error[i][0]);
+    for (int i = CML_TOTALS; i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_quantity quantity = (enum cml_quantity)i;
+        if (!o->error[i] || cml_quantities[i].estimator == CML_FROM_TWIN) continue;
+        fprintf(out, "\nse_%s # [%s]\n", cml_quantities[i].name, cml_quantities[i].units);
+        for (size_t k = 0; k < cml_outcome_size(o, quantity); k++) fprintf(out, bin, o->error[i][k]);
+    }
+}
+
+/* Sections `books` (the terms of the weight balance, P10), `residue` (by how much they do not balance) and
+ * `lost`. The names are part of the file format and older than the words of the code. */
+static void write_balance(FILE *out, const struct cml_outcome *o)
+{
+    const bool run = !o->merged;
+    double *const *books = o->value + CML_QUANTITY_book_launched;
+    if (books[0])
+        fprintf(out, "\nbooks # weight per launched packet%s\n",
+                run ? "; launched + gained = all others up to lost, exactly" : ", in the order of a run");
+    for (int i = 0; i < CML_BOOKS && books[i]; i++)
+        fprintf(out, "%.17g%s%s\n", books[i][0], run ? " # " : "",
+                run ? cml_quantities[CML_QUANTITY_book_launched + i].long_name : "");
+    if (o->value[CML_QUANTITY_residue])
+        fprintf(out, "\nresidue # of the books, in 2^-31 packets%s\n%.17g\n",
+                run ? "; 0 unless the program is wrong" : "", o->value[CML_QUANTITY_residue][0]);
+    if (o->value[CML_QUANTITY_lost])
+        fprintf(out, "\nlost # packets%s\n%.17g\n",
+                run ? "; behind it the smallest of their indices, for `clustermcml trace`" : "",
+                o->value[CML_QUANTITY_lost][0]);
+    for (int i = 0; i < o->lost.count; i++) fprintf(out, "%" PRIu64 "\n", o->lost.index[i]);
+}
+
+static void write_ours(FILE *out, const struct cml_outcome *o)
+{
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const struct cml_quantity_info *info = &cml_quantities[i];
+        if (!(info->where & CML_IN_MCO) || !o->value[i]) continue;
+        if (info->comment)
+            fprintf(out, "\n%s # %s\n", info->name, info->comment);
+        else
+            fprintf(out, "\n%s # %s [%s]\n", info->name, info->long_name,
+                    cml_quantity_unit((enum cml_quantity)i));
+        for (size_t k = 0; k < cml_outcome_size(o, (enum cml_quantity)i); k++)
+            fprintf(out, "%.9G\n", o->value[i][k]);
+    }
+}
+
+/* The shapes that were simulated, so that a plot can show them: r_0 h_0 r_1 h_1 ..., one number per line. */
+static void write_heights(FILE *out, const struct cml_outcome *o)
+{
+    for (int i = 0; i < o->num_heights; i++) {
+        const struct cml_heights *heights = &o->heights[i];
+        fprintf(out, "\nheightfield%d # r [cm] and h [cm] of boundary %d: r h pairs\n", heights->boundary,
+                heights->boundary);
+        for (int k = 0; k < 2 * heights->n; k++) fprintf(out, "%.9g\n", heights->pair[k]);
+    }
+}
+
+/* The totals with the flat twin as control variate, then their standard errors, if it was flown. */
+static void write_control(FILE *out, const struct cml_outcome *o)
+{
+    double *const *value = o->value + CML_QUANTITY_Rsp_control, *const *error =
+                                                                    o->error + CML_QUANTITY_Rsp_control;
+    if (!value[0] || o->merged) return;
+    fprintf(out, "\ncontrol # Rsp, Rd, A, Tt with the flat twin as control variate, then their errors [-]\n");
+    for (int i = 0; i < CML_TOTALS; i++) fprintf(out, "%.9G\n", value[i][0]);
+    for (int i = 0; i < CML_TOTALS; i++) fprintf(out, "%.6G\n", error[i][0]);
+}
+
+/* Errors of single prints stay with the stream, and the commit looks at it. */
+cml_status cml_mco_write(const char *path, const struct cml_outcome *o, struct cml_error *err)
+{
+    struct cml_file file;
+    CML_TRY(cml_file_create(path, &file, err));
+    write_head(file.stream, o);
+    write_parameters(file.stream, o);
+    write_totals(file.stream, o);
+    for (int i = 0; i < CML_MCO_SECTIONS; i++) write_section(file.stream, o, &cml_mco_sections[i]);
+    if (o->program) {
+        write_comments(file.stream, o);
+        write_errors(file.stream, o);
+        write_balance(file.stream, o);
+        write_ours(file.stream, o);
+        write_heights(file.stream, o);
+        write_control(file.stream, o);
+    }
+    return cml_file_commit(&file, err);
+}

@@ -1,0 +1,24 @@
+/* Original MCML's result file: the writer and the reader.
+ * Lines 1 to the end of Tt_ra are byte for byte what MCML 1.2.2 writes; what is ours follows: lines that
+ * begin with '#' (the program, what decided the bits, the scene in words), then sections whose keywords no
+ * section of MCML begins with. Layout: MCML manual (Wang and Jacques 1992), section 9.3, and observed on
+ * version 1.2.2; scaling.h says how its numbers come about. SPDX-License-Identifier: MIT */
+#ifndef CML_MCO_H
+#define CML_MCO_H
+
+#include "result/outcome.h"
+
+/* Writes to `path` atomically (atomic_file.h). CML_E_IO on failure. The time is rounded to whole seconds, as
+ * in the original. What is ours only where `program` is set; nothing in it depends on time, threads, ranks or
+ * the machine. */
+CML_NODISCARD cml_status cml_mco_write(const char *path, const struct cml_outcome *outcome,
+                                       struct cml_error *err);
+
+/* Reads a file written by us, by original MCML 1.x, by MSVC builds of it (3-digit exponents), by gpumcml,
+ * CUDAMCML or the 2019 clustermcml (`InParam` with a verbatim copy of the .mci, b lines included).
+ * CML_E_INPUT names file, line and what was expected. On failure *outcome is cleared. Sections of ours that
+ * are not whole are left out, and the first of them is told in `damage`. Writing what was read from our own
+ * file gives the same bytes. */
+CML_NODISCARD cml_status cml_mco_read(const char *path, struct cml_outcome *outcome, struct cml_error *err);
+
+#endif

@@ -1,0 +1,37 @@
+/* The layout of original MCML's .mco as data: what its writer and its reader share. Private to mco*.c.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_MCO_SECTIONS_H
+#define CML_MCO_SECTIONS_H
+
+#include "result/mco.h"
+
+/* A profile (one number per line) or a grid (rows by columns, five numbers per line). */
+struct cml_mco_section {
+    enum cml_quantity quantity;
+    const char *before; /* comment lines in front of the key, "" for a profile */
+    const char *after;  /* the rest of the key's line, "" for a grid */
+};
+
+/* All sections behind RAT, in the order of the file. */
+#define CML_MCO_SECTIONS 9
+extern const struct cml_mco_section cml_mco_sections[CML_MCO_SECTIONS];
+
+/* Columns of a grid; 0 for a profile. */
+static inline int cml_mco_columns(const struct cml_outcome *o, const struct cml_mco_section *section)
+{
+    return cml_outcome_places(o, cml_quantities[section->quantity].axis[1]);
+}
+
+/* Numbers on a full line of a grid. */
+#define CML_MCO_PER_LINE 5
+
+/* Reads what stands behind the grids: comments and sections of ours. CML_E_INPUT only where memory runs out.
+ */
+CML_NODISCARD cml_status cml_mco_read_ours(const char *text, const char *path, struct cml_outcome *outcome,
+                                           struct cml_error *err);
+
+/* A line "merged FILE: seed S, run R" as one of the outcome's streams; of any other nothing. */
+CML_NODISCARD cml_status cml_mco_read_merged(const char *line, struct cml_outcome *outcome,
+                                             struct cml_error *err);
+
+#endif

@@ -1,0 +1,296 @@
+/* SPDX-License-Identifier: MIT */
+#include "result/outcome.h"
+
+#include "base/text.h"
+#include "result/scaling.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- sizes ---- */
+
+int cml_outcome_places(const struct cml_outcome *o, enum cml_axis_kind axis)
+{
+    const int places[CML_NUM_AXES] = {[CML_AXIS_layer] = o->num_layers,
+                                      [CML_AXIS_body] = o->num_bodies,
+                                      [CML_AXIS_r] = o->nr,
+                                      [CML_AXIS_z] = o->nz,
+                                      [CML_AXIS_alpha] = o->na,
+                                      [CML_AXIS_side] = 4};
+    return places[axis];
+}
+
+size_t cml_outcome_size(const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    size_t size = 1;
+    for (int i = 0; i < CML_QUANTITY_AXES && info->axis[i] != CML_AXIS_NONE; i++)
+        size *= (size_t)cml_outcome_places(o, info->axis[i]);
+    return size;
+}
+
+double cml_outcome_width(const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    const enum cml_axis_kind axis = cml_quantities[quantity].axis[0];
+    if (axis == CML_AXIS_alpha) return cml_angle_width(o->na);
+    return axis == CML_AXIS_z ? o->dz : axis == CML_AXIS_r ? o->dr : 0;
+}
+
+/* Over r and another axis angles count by projected solid angle, alone by solid angle. */
+double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quantity, size_t i)
+{
+    const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
+    const double da = cml_angle_width(o->na);
+    if (axis[1] != CML_AXIS_NONE) {
+        const size_t n = (size_t)cml_outcome_places(o, axis[1]);
+        const double ring = cml_ring_area(o->dr, (int)(i / n));
+        return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
+    }
+    if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
+    return axis[0] == CML_AXIS_alpha ? cml_solid_angle(da, (int)i) : axis[0] == CML_AXIS_z ? o->dz : 1;
+}
+
+/* ---- memory ---- */
+
+cml_status cml_outcome_add(struct cml_outcome *o, enum cml_quantity quantity, bool errors,
+                           struct cml_error *err)
+{
+    double **array = errors ? &o->error[quantity] : &o->value[quantity];
+    const size_t size = cml_outcome_size(o, quantity);
+    if (!*array) *array = calloc(size, sizeof **array);
+    return *array
+               ? CML_OK
+               : cml_fail_memory(err, (double)size * (double)sizeof **array, cml_quantities[quantity].name);
+}
+
+static bool is_of_mcml(enum cml_quantity quantity)
+{
+    return quantity <= CML_QUANTITY_Tt ||
+           (quantity >= CML_QUANTITY_layer_n && quantity <= CML_QUANTITY_Tt_ra);
+}
+
+static void free_arrays(struct cml_outcome *o)
+{
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        free(o->value[i]);
+        free(o->error[i]);
+        o->value[i] = o->error[i] = NULL;
+    }
+}
+
+/* As doubles: the sizes of a file that was not written by us may overflow any integer. */
+static double bytes_of(const struct cml_outcome *o)
+{
+    const double nz = o->nz, nr = o->nr, na = o->na;
+    return (double)sizeof(double) *
+           (nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na + (1.0 + CML_LAYER_NUMBERS) * o->num_layers);
+}
+
+cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
+{
+    const double bytes = bytes_of(o);
+    cml_status status = bytes < (double)PTRDIFF_MAX ? CML_OK : cml_fail_memory(err, bytes, "the results");
+    for (int i = 0; status == CML_OK && i < CML_NUM_QUANTITIES; i++)
+        if (is_of_mcml((enum cml_quantity)i)) status = cml_outcome_add(o, (enum cml_quantity)i, false, err);
+    if (status == CML_OK) return CML_OK;
+    free_arrays(o);
+    return cml_fail_memory(err, bytes, "the results");
+}
+
+/* Also of one that was never filled, as long as it is zero. */
+void cml_outcome_clear(struct cml_outcome *o)
+{
+    free_arrays(o);
+    for (int i = 0; i < o->num_streams; i++) free(o->stream[i].file);
+    for (int i = 0; i < o->num_heights; i++) free(o->heights[i].pair);
+    void *const owned[] = {o->output, o->program, o->stream, o->settings, o->beam,
+                           o->shapes, o->scene,   o->extent, o->heights,  o->damage};
+    for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
+    *o = (struct cml_outcome){0};
+}
+
+double *cml_outcome_layer(const struct cml_outcome *o, int layer, int number)
+{
+    return &o->value[CML_QUANTITY_layer_n + number][layer];
+}
+
+cml_status cml_outcome_add_stream(struct cml_outcome *o, const char *file, uint64_t seed, uint64_t run,
+                                  struct cml_error *err)
+{
+    struct cml_seed *larger = realloc(o->stream, (size_t)(o->num_streams + 1) * sizeof *larger);
+    if (!larger) return cml_fail_memory(err, sizeof *larger, "a list of seeds");
+    o->stream = larger;
+    larger[o->num_streams] = (struct cml_seed){NULL, seed, run};
+    if (file) CML_TRY(cml_text_copy(file, &larger[o->num_streams].file, err));
+    o->num_streams++;
+    return CML_OK;
+}
+
+cml_status cml_outcome_own_stream(struct cml_outcome *o, struct cml_error *err)
+{
+    const double seed = o->provenance.value[CML_DECIDES_seed], run = o->provenance.value[CML_DECIDES_run];
+    if (o->merged || !(seed >= 0 && seed <= 0x1p53 && run >= 0 && run <= 0x1p53)) return CML_OK;
+    return cml_outcome_add_stream(o, NULL, (uint64_t)seed, (uint64_t)run, err);
+}
+
+const double *cml_outcome_errors(const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    const size_t size = cml_outcome_size(o, quantity);
+    for (size_t i = 0; o->error[quantity] && i < size; i++)
+        if (isnan(o->error[quantity][i])) return NULL;
+    return o->error[quantity];
+}
+
+const struct cml_heights *cml_outcome_heights(const struct cml_outcome *o, int boundary)
+{
+    for (int i = 0; i < o->num_heights; i++)
+        if (o->heights[i].boundary == boundary) return &o->heights[i];
+    return NULL;
+}
+
+/* ---- from sums ---- */
+
+/* A member of the sums: the first cell, NULL where it is not tallied. */
+static const cml_u128 *cells_of(const struct cml_result *sums, const struct cml_quantity_info *info)
+{
+    const cml_u128 *cells = NULL;
+    memcpy(&cells, (const char *)sums + info->sums, sizeof cells);
+    return cells;
+}
+
+/* The order of the operations is part of the results: .h5 files hold every bit of the quotients. What is over
+ * depth is divided last. */
+static double density(const struct cml_outcome *o, enum cml_quantity quantity, size_t i, double sum)
+{
+    const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
+    const double per_photon = CML_WEIGHT_UNIT / (double)o->photons,
+                 measure = cml_outcome_measure(o, quantity, i);
+    const bool over_depth = axis[0] == CML_AXIS_z || axis[1] == CML_AXIS_z;
+    return over_depth ? sum * per_photon / measure : sum * (per_photon / measure);
+}
+
+static cml_status take_batches(struct cml_outcome *o, const struct cml_result *sums,
+                               enum cml_quantity quantity, struct cml_error *err)
+{
+    const cml_u128 *batches = cells_of(sums, &cml_quantities[quantity]);
+    const int n = (int)cml_outcome_size(o, quantity);
+    if (!batches) return CML_OK;
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    CML_TRY(cml_outcome_add(o, quantity, true, err));
+    for (int i = 0; i < n; i++) {
+        const size_t bin = (size_t)i;
+        o->value[quantity][i] = density(o, quantity, bin, cml_result_bin_sum(batches, n, i));
+        o->error[quantity][i] =
+            cml_result_bin_error(sums, batches, n, i) / cml_outcome_measure(o, quantity, bin);
+    }
+    return CML_OK;
+}
+
+/* Cells by medium begin with the one above; media outside absorb nothing. */
+static cml_status take_cells(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
+                             struct cml_error *err)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    const cml_u128 *cells = cells_of(sums, info);
+    const size_t size = cml_outcome_size(o, quantity);
+    if (!cells || size == 0) return CML_OK;
+    if (info->estimator == CML_FROM_LAYERS) cells += 1;
+    if (info->estimator == CML_FROM_BODIES) cells += o->num_layers + 2;
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    for (size_t i = 0; i < size; i++) o->value[quantity][i] = density(o, quantity, i, (double)cells[i]);
+    return CML_OK;
+}
+
+static double number_of(const struct cml_result *sums, const struct cml_quantity_info *info)
+{
+    switch (info->estimator) {
+    case CML_FROM_TOTAL:
+        return cml_result_total(sums, (enum cml_total)info->sums);
+    case CML_FROM_BALANCE:
+        return cml_result_share(sums, (enum cml_balance_term)info->sums);
+    case CML_FROM_RESIDUE:
+        return cml_result_imbalance(sums);
+    case CML_FROM_LOST:
+        return (double)cml_result_lost(sums);
+    default:
+        return (double)sums->summary.count[info->sums];
+    }
+}
+
+static cml_status take_number(struct cml_outcome *o, const struct cml_result *sums,
+                              enum cml_quantity quantity, struct cml_error *err)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    o->value[quantity][0] = number_of(sums, info);
+    if (info->estimator != CML_FROM_TOTAL) return CML_OK;
+    CML_TRY(cml_outcome_add(o, quantity, true, err));
+    o->error[quantity][0] = cml_result_error(sums, (enum cml_total)info->sums);
+    return CML_OK;
+}
+
+cml_status cml_outcome_take_numbers(struct cml_outcome *o, const struct cml_result *sums,
+                                    struct cml_error *err)
+{
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (cml_quantities[i].estimator <= CML_FROM_LOST)
+            CML_TRY(take_number(o, sums, (enum cml_quantity)i, err));
+    return CML_OK;
+}
+
+cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums, struct cml_error *err)
+{
+    CML_TRY(cml_outcome_take_numbers(o, sums, err));
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_estimator estimator = cml_quantities[i].estimator;
+        if (estimator == CML_FROM_BATCHES) CML_TRY(take_batches(o, sums, (enum cml_quantity)i, err));
+        if (estimator >= CML_FROM_LAYERS && estimator <= CML_FROM_CELLS)
+            CML_TRY(take_cells(o, sums, (enum cml_quantity)i, err));
+    }
+    o->lost = sums->summary.lost;
+    return CML_OK;
+}
+
+/* ---- where shapes lie ---- */
+
+/* Of a line of `shapes`. A body, or what is no plane: "z = A to B cm", of a body also "r = C to D cm". */
+static struct cml_extent extent_of(const char *line)
+{
+    struct cml_extent extent = {.boundary = -1, .body = strncmp(line, "body ", 5) == 0};
+    char kind[8] = "";
+    double *z = extent.z, *r = extent.r, depth = 0;
+    const char *at = strstr(line, " (z = ");
+    const int wanted = extent.body ? 4 : 2;
+    const int found =
+        at ? sscanf(at, " (z = %lf to %lf cm, r = %lf to %lf cm", &z[0], &z[1], &r[0], &r[1]) : 0;
+    extent.known = found >= wanted && isfinite(z[0]) && isfinite(z[1]) && isfinite(r[0]) && isfinite(r[1]);
+    if (extent.body) return extent;
+    int boundary = -1;
+    if (sscanf(line, "boundary %d: %7s at z = %lf cm", &boundary, kind, &depth) != 3 || !isfinite(depth))
+        return extent;
+    extent.boundary = boundary;
+    extent.plane = strcmp(kind, "plane") == 0;
+    if (extent.plane) z[0] = z[1] = depth;
+    extent.known |= extent.plane;
+    return extent;
+}
+
+cml_status cml_outcome_place_shapes(struct cml_outcome *o, struct cml_error *err)
+{
+    enum { LINE = 1024 }; /* of a shape, without the end of its file's name */
+    char line[LINE];
+    size_t lines = 0;
+    for (const char *at = o->shapes; at && *at; at++) lines += *at == '\n';
+    o->extent = calloc(lines + 1, sizeof *o->extent);
+    if (!o->extent) return cml_fail_memory(err, (double)lines * sizeof *o->extent, "shapes");
+    for (const char *at = o->shapes; at && *at;) {
+        const size_t length = strcspn(at, "\n");
+        snprintf(line, sizeof line, "%.*s", (int)(length < LINE ? length : LINE - 1), at);
+        at += length + (at[length] == '\n');
+        o->extent[o->num_extents] = extent_of(line);
+        o->num_bodies += o->extent[o->num_extents++].body;
+    }
+    return CML_OK;
+}

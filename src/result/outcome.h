@@ -1,0 +1,111 @@
+/* What a run, or several that were merged, has found: the structure that readers fill, writers write, and
+ * plots, comparisons and merging use. SPDX-License-Identifier: MIT */
+#ifndef CML_OUTCOME_H
+#define CML_OUTCOME_H
+
+#include "base/status.h"
+#include "result/provenance.h"
+#include "result/quantity.h"
+#include "tally/result.h"
+
+/* The random numbers that it has: of a run one, of a merged result one for each run. */
+struct cml_seed {
+    char *file; /* of which it was merged; NULL: a run's own. Owned */
+    uint64_t seed, run;
+};
+
+/* Where a boundary or a body lies. */
+struct cml_extent {
+    int boundary; /* number from 0; -1: a body, or a line that names no boundary */
+    bool body, plane;
+    bool known;        /* all of what follows; of a boundary z alone */
+    double z[2], r[2]; /* cm; r about the z axis */
+};
+
+/* A radial shape as an .mco repeats it: n pairs of r and h, cm. */
+struct cml_heights {
+    int boundary, n;
+    double *pair; /* [2 n], owned */
+};
+
+/* Everything in it is owned. Arrays are row-major. Zeroed: nothing. */
+struct cml_outcome {
+    char *output;     /* file name as in the .mci */
+    double user_time; /* s */
+    uint64_t photons;
+    double dz, dr; /* cm */
+    int nz, nr, na;
+    int num_layers, num_bodies;
+    double n_above, n_below;
+    double *value[CML_NUM_QUANTITIES]; /* [cml_outcome_size] as written, i.e. scaled; NULL: not there */
+    double *error[CML_NUM_QUANTITIES]; /* standard errors of those; NULL: not known */
+    bool curved;                       /* a copy of the input in the file has boundaries that are no planes */
+
+    char *program; /* that has written it: "1.0 (abc)"; NULL: another than ours, of which nothing below is
+                      known */
+    struct cml_provenance provenance;
+    int num_streams;
+    struct cml_seed *stream;
+    bool merged;
+    struct cml_lost_list lost;
+    /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
+     * lines for name and photons, which only .h5 files have. */
+    char *settings, *beam, *shapes, *scene;
+    int num_extents;
+    struct cml_extent *extent; /* of all shapes, of what was read */
+    int num_heights;
+    struct cml_heights *heights;
+    char *damage; /* what is wrong with a section of ours, the first of them, for who insists on them; NULL:
+                     nothing */
+};
+
+/* Places along an axis of a quantity. */
+int cml_outcome_places(const struct cml_outcome *outcome, enum cml_axis_kind axis);
+
+/* Numbers of a quantity. */
+size_t cml_outcome_size(const struct cml_outcome *outcome, enum cml_quantity quantity);
+
+/* Width of a bin of a profile, cm or rad; 0 of a total. */
+double cml_outcome_width(const struct cml_outcome *outcome, enum cml_quantity quantity);
+
+/* What number i of a quantity is divided by to become a density (scaling.h). */
+double cml_outcome_measure(const struct cml_outcome *outcome, enum cml_quantity quantity, size_t i);
+
+/* Makes room for values, or errors, all 0, where there is none yet. CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_outcome_add(struct cml_outcome *outcome, enum cml_quantity quantity, bool errors,
+                                         struct cml_error *err);
+
+/* Totals, the numbers of layers and all arrays of an .mco of original MCML, for the sizes that are set. On
+ * failure no array is left. */
+CML_NODISCARD cml_status cml_outcome_allocate(struct cml_outcome *outcome, struct cml_error *err);
+
+void cml_outcome_clear(struct cml_outcome *outcome);
+
+/* A number of a layer, from 0, in the order of an .mci: n mua mus g d. */
+double *cml_outcome_layer(const struct cml_outcome *outcome, int layer, int number);
+
+/* Fills in all that comes of sums alone; what was not tallied stays away, but for A_z and A_rz, which are 0.
+ * The sizes are those of the sums' grid. CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_outcome_take(struct cml_outcome *outcome, const struct cml_result *sums,
+                                          struct cml_error *err);
+
+/* Of that the numbers without axes. */
+CML_NODISCARD cml_status cml_outcome_take_numbers(struct cml_outcome *outcome, const struct cml_result *sums,
+                                                  struct cml_error *err);
+
+CML_NODISCARD cml_status cml_outcome_add_stream(struct cml_outcome *outcome, const char *file, uint64_t seed,
+                                                uint64_t run, struct cml_error *err);
+
+/* That of its provenance, unless it was merged or has none. */
+CML_NODISCARD cml_status cml_outcome_own_stream(struct cml_outcome *outcome, struct cml_error *err);
+
+/* Standard errors of a profile or total; NULL where they are not known, or one of them is not. */
+const double *cml_outcome_errors(const struct cml_outcome *outcome, enum cml_quantity quantity);
+
+/* The shape of a boundary; NULL: none, or it is not known. */
+const struct cml_heights *cml_outcome_heights(const struct cml_outcome *outcome, int boundary);
+
+/* What readers do with the words of a scene: makes `extent` and `num_bodies` of `shapes`. */
+CML_NODISCARD cml_status cml_outcome_place_shapes(struct cml_outcome *outcome, struct cml_error *err);
+
+#endif

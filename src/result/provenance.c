@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+#include "result/provenance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ROW(name, value, where, before, zero, other, apart) {#name, where, before, zero, other, apart},
+const struct cml_option_info cml_options_of_bits[CML_NUM_OPTIONS_OF_BITS] = {CML_OPTIONS_OF_BITS(ROW)};
+
+struct cml_provenance cml_provenance_unknown(void)
+{
+    struct cml_provenance provenance = {.engine = ""};
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) provenance.value[i] = NAN;
+    return provenance;
+}
+
+static const char *form_of(const struct cml_option_info *info, double value)
+{
+    return value == 0 ? info->zero : info->other;
+}
+
+const char *cml_option_word(enum cml_option_of_bits option, double value)
+{
+    return form_of(&cml_options_of_bits[option], value);
+}
+
+void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance)
+{
+    fprintf(out, "engine %s\n", provenance->engine);
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++)
+        fprintf(out, "%s %.17g\n", cml_options_of_bits[i].name, provenance->value[i]);
+}
+
+/* The number of a form, which has one at most and then ends with it. */
+static void print_form(FILE *out, const char *form, double value)
+{
+    const size_t words = strcspn(form, "%");
+    fprintf(out, "%.*s", (int)words, form);
+    if (strcmp(form + words, "%.0f") == 0) fprintf(out, "%.0f", value);
+    if (strcmp(form + words, "%g") == 0) fprintf(out, "%g", value);
+}
+
+/* What several runs share is what merge asks them to share; those that were flown as most are do not say so.
+ */
+static void print_shared(FILE *out, const struct cml_provenance *provenance)
+{
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
+        const struct cml_option_info *info = &cml_options_of_bits[i];
+        if (!info->apart || !info->before || provenance->value[i] != 0) continue;
+        fputs("# ", out);
+        print_form(out, info->zero, 0);
+        fputc('\n', out);
+    }
+}
+
+void cml_provenance_print(FILE *out, const struct cml_provenance *provenance, bool several)
+{
+    if (several) {
+        print_shared(out, provenance);
+        return;
+    }
+    fprintf(out, "# engine %s", provenance->engine);
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
+        const struct cml_option_info *info = &cml_options_of_bits[i];
+        const double value = provenance->value[i];
+        if (!info->before || isnan(value) || !form_of(info, value)[0]) continue;
+        fputs(info->before, out);
+        print_form(out, form_of(info, value), value);
+    }
+    fputc('\n', out);
+}
+
+/* The number behind what stands before it; words by themselves, as those that several runs share stand alone.
+ */
+void cml_provenance_read(const char *line, struct cml_provenance *provenance)
+{
+    for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++) {
+        const struct cml_option_info *info = &cml_options_of_bits[i];
+        if (!info->before) continue;
+        for (int other = 0; other < 2; other++) {
+            const char *form = other ? info->other : info->zero;
+            char start[96];
+            const int words = (int)strcspn(form, "%");
+            const bool number = form[words] != '\0';
+            snprintf(start, sizeof start, "%s%.*s", number ? info->before + strspn(info->before, "\n") : "",
+                     words, form);
+            const char *at = start[0] ? strstr(line, start) : NULL;
+            if (at) provenance->value[i] = number ? strtod(at + strlen(start), NULL) : other;
+        }
+    }
+}

@@ -1,0 +1,72 @@
+/* What decides the bits of a result besides the bytes of its input: one row for each option, and the identity
+ * of a run, the head of an .mco, the attributes of an .h5, JSON and what `merge` refuses walk these rows.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_PROVENANCE_H
+#define CML_PROVENANCE_H
+
+#include "result/quantity.h"
+
+#include <stdio.h>
+
+enum { CML_AS_WORD = 8 };
+
+/* clang-format off */
+/* name; the value, a number, as run/identity.c finds it among setup, options, surface and flat; where it stands beside the
+ * identity (CML_IN_H5, CML_IN_JSON: under its name, with CML_AS_WORD as in the head of an .mco); in the head of an .mco what stands before it, the value 0, and any
+ * other (NULL: not there; an empty text: nothing at all); as what `merge` tells two results apart that differ in its being
+ * 0 (NULL: not at all) */
+#define CML_OPTIONS_OF_BITS(D)                                                                                       \
+    D(seed, options->seed, CML_IN_H5 | CML_IN_JSON, ", seed ", "%.0f", "%.0f", NULL)                                 \
+    D(run, options->run + 1, CML_IN_H5, ", run ", "%.0f", "%.0f", NULL)                                              \
+    D(reentry, options->reentry, CML_IN_H5, ", ", "packets are scored at their first exit",                          \
+      "packets that leave may re-enter", "re-entry")                                                                 \
+    D(sampling, options->lattice, CML_IN_H5 | CML_IN_JSON | CML_AS_WORD, "\n# sampling ", "random", "lattice", NULL)               \
+    D(roulette_below, options->roulette.below, CML_IN_H5, ", roulette ", "of original MCML", "below %g", NULL)       \
+    D(roulette_weight, options->roulette.weight, CML_IN_H5, " to ", "", "%g", NULL)                                  \
+    D(photons, setup->photons, 0, NULL, NULL, NULL, NULL)                                                            \
+    D(target_error, setup->target_error, 0, NULL, NULL, NULL, NULL)                                                  \
+    D(absorption, options->absorption, 0, NULL, NULL, NULL, "absorption by place")                                   \
+    D(control, setup->controlled, 0, NULL, NULL, NULL, NULL)                                                         \
+    D(flat, flat, 0, NULL, NULL, NULL, NULL)                                                                         \
+    D(boundaries, surface->force, 0, NULL, NULL, NULL, NULL)                                                         \
+    D(tolerance, surface->tolerance, 0, NULL, NULL, NULL, NULL)                                                      \
+    D(may_flatten, surface->may_flatten, 0, NULL, NULL, NULL, NULL)                                                  \
+    D(normals, surface->tessellation.normals, 0, NULL, NULL, NULL, NULL)                                             \
+    D(inscribed, surface->tessellation.inscribed, 0, NULL, NULL, NULL, NULL)                                         \
+    D(search, surface->search, 0, NULL, NULL, NULL, NULL)
+/* clang-format on */
+
+#define CML_ENUMERATOR(name, ...) CML_DECIDES_##name,
+enum cml_option_of_bits { CML_OPTIONS_OF_BITS(CML_ENUMERATOR) CML_NUM_OPTIONS_OF_BITS };
+#undef CML_ENUMERATOR
+
+struct cml_option_info {
+    const char *name;
+    unsigned where;
+    const char *before, *zero, *other, *apart;
+};
+extern const struct cml_option_info cml_options_of_bits[CML_NUM_OPTIONS_OF_BITS];
+
+/* Seeds and photons are at most 2^53, which a double holds. */
+struct cml_provenance {
+    char engine[32];                       /* its name; "": not known, or several */
+    double value[CML_NUM_OPTIONS_OF_BITS]; /* NAN: not known */
+};
+
+/* Nothing is known. */
+struct cml_provenance cml_provenance_unknown(void);
+
+/* The form of the value in the head of an .mco, where it is a word. */
+const char *cml_option_word(enum cml_option_of_bits option, double value);
+
+/* A line "NAME VALUE" for the engine and each option, numbers with 17 digits, which tell any two doubles
+ * apart. */
+void cml_provenance_identify(FILE *out, const struct cml_provenance *provenance);
+
+/* The lines of the head of an .mco; of several runs in one only what they share. */
+void cml_provenance_print(FILE *out, const struct cml_provenance *provenance, bool several);
+
+/* Takes from a line of such a head, without line feed, what it says. */
+void cml_provenance_read(const char *line, struct cml_provenance *provenance);
+
+#endif

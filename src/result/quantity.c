@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+#include "result/quantity.h"
+
+#include "tally/result.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* The words of the table. */
+#define NUMBER                                                                                               \
+    {                                                                                                        \
+        CML_AXIS_NONE                                                                                        \
+    }
+#define OVER1(a)                                                                                             \
+    {                                                                                                        \
+        CML_AXIS_##a                                                                                         \
+    }
+#define OVER2(a, b)                                                                                          \
+    {                                                                                                        \
+        CML_AXIS_##a, CML_AXIS_##b                                                                           \
+    }
+#define OVER3(a, b, c)                                                                                       \
+    {                                                                                                        \
+        CML_AXIS_##a, CML_AXIS_##b, CML_AXIS_##c                                                             \
+    }
+#define IN(member) offsetof(struct cml_result, member)
+#define WITH_TWIN "the same with the flat twin as control variate"
+enum { MCO = CML_IN_MCO, H5 = CML_IN_H5, JSON = CML_IN_JSON };
+
+#define ROW(name, units, estimator, sums, axes, where, long_name, comment)                                   \
+    {#name, units, long_name, CML_FROM_##estimator, sums, axes, where, comment},
+const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {CML_QUANTITIES(ROW)};
+
+_Static_assert((int)CML_TOTALS == (int)CML_NUM_TOTALS, "a row for every total");
+_Static_assert((int)CML_QUANTITY_Tt == (int)CML_TOTAL_TRANSMITTED, "totals first, in their order");
+_Static_assert((int)CML_BOOKS == (int)CML_NUM_BALANCE_TERMS, "a row for every term");
+_Static_assert(CML_QUANTITY_book_above - CML_QUANTITY_book_launched == CML_BOOKS - 1, "terms are neighbours");
+
+static const struct {
+    const char *name, *long_name, *units;
+} axes[CML_NUM_AXES] = {
+#define AXIS(name, long_name, units) {#name, long_name, units},
+    {"", "", ""}, CML_AXES(AXIS)};
+
+struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step)
+{
+    return (struct cml_axis){axes[kind].name, axes[kind].long_name, axes[kind].units, n, first, step, NULL};
+}
+
+const char *cml_quantity_place(enum cml_quantity quantity)
+{
+    switch (cml_quantities[quantity].axis[0]) {
+    case CML_AXIS_NONE:
+        return NULL;
+    case CML_AXIS_z:
+        return "z [cm]";
+    default:
+        return cml_quantities[quantity].axis[0] == CML_AXIS_r ? "r [cm]" : "a [rad]";
+    }
+}
+
+const char *cml_quantity_unit(enum cml_quantity quantity)
+{
+    const char *units = cml_quantities[quantity].units;
+    return strcmp(units, "1") == 0 ? "-" : strcmp(units, "sr-1") == 0 ? "1/sr" : units;
+}
+
+void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity)
+{
+    snprintf(field->name, sizeof field->name, "%s", cml_quantities[quantity].name);
+    field->long_name = cml_quantities[quantity].long_name;
+    field->units = cml_quantities[quantity].units;
+}
+
+void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of)
+{
+    snprintf(errors->name, sizeof errors->name, "%.50s_se", of->name);
+    errors->long_name = "standard error";
+    errors->units = of->units;
+    memcpy(errors->axis, of->axis, sizeof of->axis);
+    errors->num_axes = of->num_axes;
+    of->errors = errors->name;
+}
+
+bool cml_quantity_is_errors(const char *name)
+{
+    const size_t length = strlen(name);
+    return length > 3 && strcmp(name + length - 3, "_se") == 0;
+}

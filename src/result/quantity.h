@@ -1,0 +1,170 @@
+/* What a run finds: one row for each quantity, and every reader and writer of results walks these rows. The
+ * names, units and long names are those of .h5 files, and of sections of .mco files that are ours.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_QUANTITY_H
+#define CML_QUANTITY_H
+
+#include "output/files/field.h"
+
+/* How a quantity comes of a run's sums (tally/result.h). Where values are divided by bins, scaling.h says by
+ * what. */
+enum cml_estimator {
+    CML_FROM_TOTAL,   /* share of the launched weight, with an error: enum cml_total */
+    CML_FROM_BALANCE, /* share of the launched weight: enum cml_balance_term */
+    CML_FROM_COUNT,   /* sum over packets: enum cml_count */
+    CML_FROM_RESIDUE, /* by how much the weight does not balance */
+    CML_FROM_LOST,    /* packets */
+    CML_FROM_LAYERS,  /* share of the launched weight by layer, of cells by medium: a member of struct
+                         cml_result */
+    CML_FROM_BODIES,  /* by body, of the same cells */
+    CML_FROM_CELLS,   /* of cells over two axes, without errors: a member */
+    CML_FROM_BATCHES, /* a profile, of sums by batch, with errors: a member */
+    CML_FROM_INPUT,   /* a number of the scene */
+    CML_FROM_TWIN,    /* a total with the flat twin as control variate, with an error */
+    CML_FROM_FACETS,  /* sums over facets; who knows the surfaces fills them in */
+    CML_FROM_FIELD,   /* computed or read piece by piece, never held whole */
+};
+
+/* Where a quantity is written beside its array of original MCML's .mco: a section of an .mco that is ours, a
+ * data set of an .h5, a key of JSON. */
+enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
+
+/* name, what it is, units, whether bins are counted from the middle of a first one */
+#define CML_AXES(X)                                                                                          \
+    X(layer, "layer, from 1", "1")                                                                           \
+    X(body, "body, from 1, in the order of the file", "1")                                                   \
+    X(r, "distance from the z axis, middle of the bin", "cm")                                                \
+    X(z, "depth, middle of the bin", "cm")                                                                   \
+    X(alpha, "angle from the outward vertical, middle of the bin", "rad")                                    \
+    X(x, "x, middle of the pixel", "cm")                                                                     \
+    X(y, "y, middle of the pixel", "cm")                                                                     \
+    X(z_volume, "depth, middle of the voxel", "cm")                                                          \
+    X(body_facet, "facet of any body, from 0", "1")                                                          \
+    X(facet, "triangle, or ring, from 0", "1")                                                               \
+    X(face, "face", "1")                                                                                     \
+    X(side, "arrives outside, inside, leaves outside, inside", "1")
+
+/* clang-format off */
+/* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is, and the comment of its
+ * section in an .mco where that says more (NULL: what it is, and its units) */
+#define CML_QUANTITIES(Q)                                                                                            \
+    Q(Rsp, "1", TOTAL, CML_TOTAL_SPECULAR, NUMBER, H5 | JSON, "specular reflectance", NULL)                          \
+    Q(Rd, "1", TOTAL, CML_TOTAL_REFLECTED, NUMBER, H5 | JSON, "diffuse reflectance", NULL)                           \
+    Q(A, "1", TOTAL, CML_TOTAL_ABSORBED, NUMBER, H5 | JSON, "absorbed fraction", NULL)                               \
+    Q(Tt, "1", TOTAL, CML_TOTAL_TRANSMITTED, NUMBER, H5 | JSON, "transmittance", NULL)                               \
+    Q(Rsp_control, "1", TWIN, CML_TOTAL_SPECULAR, NUMBER, H5, WITH_TWIN, NULL)                                       \
+    Q(Rd_control, "1", TWIN, CML_TOTAL_REFLECTED, NUMBER, H5, WITH_TWIN, NULL)                                       \
+    Q(A_control, "1", TWIN, CML_TOTAL_ABSORBED, NUMBER, H5, WITH_TWIN, NULL)                                         \
+    Q(Tt_control, "1", TWIN, CML_TOTAL_TRANSMITTED, NUMBER, H5, WITH_TWIN, NULL)                                     \
+    Q(book_launched, "1", BALANCE, CML_BALANCE_LAUNCHED, NUMBER, H5, "launched", NULL)                               \
+    Q(book_gained, "1", BALANCE, CML_BALANCE_GAINED, NUMBER, H5, "gained in roulette", NULL)                         \
+    Q(book_specular, "1", BALANCE, CML_BALANCE_SPECULAR, NUMBER, H5, "specular (Rsp)", NULL)                         \
+    Q(book_reflected, "1", BALANCE, CML_BALANCE_REFLECTED, NUMBER, H5, "reflected (Rd)", NULL)                       \
+    Q(book_transmitted, "1", BALANCE, CML_BALANCE_TRANSMITTED, NUMBER, H5, "transmitted (Tt)", NULL)                 \
+    Q(book_absorbed, "1", BALANCE, CML_BALANCE_ABSORBED, NUMBER, H5, "absorbed (A)", NULL)                           \
+    Q(book_roulette, "1", BALANCE, CML_BALANCE_ROULETTE, NUMBER, H5, "lost in roulette", NULL)                       \
+    Q(book_trapped, "1", BALANCE, CML_BALANCE_TRAPPED, NUMBER, H5, "trapped", NULL)                                  \
+    Q(book_lost, "1", BALANCE, CML_BALANCE_LOST, NUMBER, H5, "lost", NULL)                                           \
+    Q(book_overflow_r, "1", BALANCE, CML_BALANCE_OVERFLOW_R, NUMBER, H5,                                             \
+      "scored in the last r bin from beyond it", NULL)                                                               \
+    Q(book_overflow_z, "1", BALANCE, CML_BALANCE_OVERFLOW_Z, NUMBER, H5, "absorbed below the last z bin", NULL)      \
+    Q(book_above, "1", BALANCE, CML_BALANCE_ABOVE, NUMBER, H5, "absorbed above z = 0", NULL)                         \
+    Q(residue, "1", RESIDUE, 0, NUMBER, H5, "launched + gained - all fates, in 2^-31 packets", NULL)                 \
+    Q(lost, "1", LOST, 0, NUMBER, H5, "packets lost to numerical failure", NULL)                                     \
+    Q(layer_n, "1", INPUT, 0, OVER1(layer), H5, "refractive index", NULL)                                            \
+    Q(layer_mua, "1/cm", INPUT, 0, OVER1(layer), H5, "absorption coefficient", NULL)                                 \
+    Q(layer_mus, "1/cm", INPUT, 0, OVER1(layer), H5, "scattering coefficient", NULL)                                 \
+    Q(layer_g, "1", INPUT, 0, OVER1(layer), H5, "anisotropy of scattering", NULL)                                    \
+    Q(layer_d, "cm", INPUT, 0, OVER1(layer), H5, "thickness", NULL)                                                  \
+    Q(A_l, "1", LAYERS, IN(A_l), OVER1(layer), H5, "absorption by layer", NULL)                                      \
+    Q(A_z, "1/cm", BATCHES, IN(A_z), OVER1(z), H5,                                                                   \
+      "absorption by depth; what lies outside is in the outermost bins", NULL)                                       \
+    Q(Rd_r, "1/cm2", BATCHES, IN(Rd_r), OVER1(r), H5,                                                                \
+      "diffuse reflectance by radius; the last bin holds what lies beyond", NULL)                                    \
+    Q(Rd_a, "sr-1", BATCHES, IN(Rd_a), OVER1(alpha), H5, "diffuse reflectance by angle", NULL)                       \
+    Q(Tt_r, "1/cm2", BATCHES, IN(Tt_r), OVER1(r), H5,                                                                \
+      "transmittance by radius; the last bin holds what lies beyond", NULL)                                          \
+    Q(Tt_a, "sr-1", BATCHES, IN(Tt_a), OVER1(alpha), H5, "transmittance by angle", NULL)                             \
+    Q(A_rz, "1/cm3", CELLS, IN(A_rz), OVER2(r, z), H5, "absorption by radius and depth", NULL)                       \
+    Q(Rd_ra, "1/(cm2 sr)", CELLS, IN(Rd_ra), OVER2(r, alpha), H5, "diffuse reflectance by radius and angle", NULL)   \
+    Q(Tt_ra, "1/(cm2 sr)", CELLS, IN(Tt_ra), OVER2(r, alpha), H5, "transmittance by radius and angle", NULL)         \
+    Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index", NULL)                                              \
+    Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient", NULL)                                   \
+    Q(body_mus, "1/cm", INPUT, 0, OVER1(body), H5, "scattering coefficient", NULL)                                   \
+    Q(body_g, "1", INPUT, 0, OVER1(body), H5, "anisotropy of scattering", NULL)                                      \
+    Q(A_body, "1", BODIES, IN(A_l), OVER1(body), MCO | H5, "absorption by body",                                     \
+      "absorption in each body, in the order of the .mci [-]")                                                       \
+    Q(flux_body, "1", FACETS, 0, OVER2(body, side), MCO,                                                             \
+      "weight at each body's surface: arrives outside, inside, leaves outside, inside", NULL)                        \
+    Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance", NULL)                                         \
+    Q(Tt_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "transmittance", NULL)                                               \
+    Q(Rd_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "diffuse reflectance by angle", NULL)                   \
+    Q(Tt_xya, "1/(cm2 sr)", FIELD, 0, OVER3(y, x, alpha), 0, "transmittance by angle", NULL)                         \
+    Q(A_xyz, "1/cm3", FIELD, 0, OVER3(z_volume, y, x), 0, "absorption", NULL)                                        \
+    Q(Rd_outside, "1", FIELD, 0, NUMBER, 0, "diffuse reflectance outside the map", NULL)                             \
+    Q(Tt_outside, "1", FIELD, 0, NUMBER, 0, "transmittance outside the map", NULL)                                   \
+    Q(A_outside, "1", FIELD, 0, NUMBER, 0, "absorbed fraction outside the volume", NULL)                             \
+    Q(body_of_facet, "1", FIELD, 0, OVER1(body_facet), 0, "body, from 1", NULL)                                      \
+    Q(body_area, "cm2", FIELD, 0, OVER1(body_facet), 0, "area of the facet", NULL)                                   \
+    Q(body_irradiance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from outside the body", NULL)    \
+    Q(body_irradiance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "irradiance from inside the body", NULL)      \
+    Q(body_exitance_outside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance out of the body", NULL)      \
+    Q(body_exitance_inside, "1/cm2", FIELD, 0, OVER1(body_facet), 0, "radiant exitance into the body", NULL)         \
+    Q(irradiance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium above", NULL)                \
+    Q(irradiance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "irradiance from the medium below", NULL)                \
+    Q(exitance_above, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium above", NULL)            \
+    Q(exitance_below, "1/cm2", FIELD, 0, OVER1(facet), 0, "radiant exitance into the medium below", NULL)            \
+    Q(Rd_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "diffuse reflectance by what it touched last", NULL)             \
+    Q(Tt_facet, "1/cm2", FIELD, 0, OVER1(facet), 0, "transmittance by what it touched last", NULL)                   \
+    Q(area, "cm2", FIELD, 0, OVER1(facet), 0, "area of the facet", NULL)
+/* clang-format on */
+
+#define CML_ENUMERATOR(name, ...) CML_AXIS_##name,
+enum cml_axis_kind { CML_AXIS_NONE, CML_AXES(CML_ENUMERATOR) CML_NUM_AXES };
+#undef CML_ENUMERATOR
+#define CML_ENUMERATOR(name, ...) CML_QUANTITY_##name,
+enum cml_quantity { CML_QUANTITIES(CML_ENUMERATOR) CML_NUM_QUANTITIES };
+#undef CML_ENUMERATOR
+
+/* The totals are the first quantities, in the order of enum cml_total; the terms of the balance, the numbers
+ * of a layer (in the order of a line of an .mci) and totals with the twin are neighbours. */
+enum { CML_TOTALS = 4, CML_BOOKS = 12, CML_LAYER_NUMBERS = 5, CML_QUANTITY_AXES = 3 };
+
+struct cml_quantity_info {
+    const char *name, *units, *long_name;
+    enum cml_estimator estimator;
+    size_t sums;                                /* which, as the estimator says */
+    enum cml_axis_kind axis[CML_QUANTITY_AXES]; /* slowest first, CML_AXIS_NONE behind the last */
+    unsigned where;                             /* CML_IN_MCO and the like */
+    const char *comment;                        /* of its section in an .mco; NULL: long name and units */
+};
+extern const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES];
+
+/* An axis under its name: n places, the first at `first`, `step` apart. */
+struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double first, double step);
+
+/* One number; a profile over r. */
+static inline bool cml_quantity_is_total(enum cml_quantity quantity)
+{
+    return quantity <= CML_QUANTITY_Tt;
+}
+static inline bool cml_quantity_is_radial(enum cml_quantity quantity)
+{
+    return cml_quantities[quantity].axis[0] == CML_AXIS_r;
+}
+
+/* Its axes and units as they stand beside numbers for people: "r [cm]", NULL for a number; "1/sr", "-". */
+const char *cml_quantity_place(enum cml_quantity quantity);
+const char *cml_quantity_unit(enum cml_quantity quantity);
+
+/* Gives a field name, long name and units. */
+void cml_quantity_name(struct cml_field *field, enum cml_quantity quantity);
+
+/* Makes `errors` the field of the standard errors of `of`, NAME_se, along the same axes. `of` must stay where
+ * it is. */
+void cml_quantity_name_errors(struct cml_field *errors, struct cml_field *of);
+
+/* Whether a field of this name holds standard errors. */
+bool cml_quantity_is_errors(const char *name);
+
+#endif

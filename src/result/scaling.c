@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+#include "result/scaling.h"
+
+#include "base/constants.h"
+
+#include <math.h>
+
+double cml_angle_width(int na)
+{
+    return CML_PI / 2 / na;
+}
+
+double cml_ring_area(double dr, int ir)
+{
+    return 2 * CML_PI * (ir + 0.5) * dr * dr;
+}
+
+double cml_solid_angle(double da, int ia)
+{
+    return 2 * CML_PI * sin((ia + 0.5) * da) * da;
+}
+
+double cml_projected_solid_angle(double da, int ia)
+{
+    return 2 * CML_PI * sin(da / 2) * sin(2 * (ia + 0.5) * da);
+}

@@ -1,0 +1,42 @@
+/* How a run spent its time, and what is left to be said of it when its tallies are gone.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_TIMING_H
+#define CML_TIMING_H
+
+#include "tally/result.h"
+
+/* How one rank spent its time, seconds. */
+struct cml_rank_report {
+    uint64_t photons, ranges;
+    double flying;  /* in the engine */
+    double asking;  /* for ranges */
+    double waiting; /* for other ranks, at synchronisations */
+    double summing; /* sums and checkpoints, once all were there */
+    double elapsed;
+    double processor; /* of all threads, since the start or the resume */
+};
+
+struct cml_timing {
+    double seconds; /* wall time of the photons' flight, that before a resume included */
+    int threads, ranks;
+    struct cml_rank_report *rank; /* [ranks] on rank 0 */
+};
+
+/* Processor seconds of the photons' flight on all ranks: what it costs on a machine that others use too. */
+double cml_timing_processor(const struct cml_timing *timing);
+
+/* Shares of all ranks' time that went into waiting for other ranks, and into requests and synchronisations.
+ */
+double cml_timing_idle(const struct cml_timing *timing);
+double cml_timing_communication(const struct cml_timing *timing);
+
+/* What is left to be said of a finished run. Zeroed: nothing. */
+struct cml_record {
+    uint64_t photons, lost;
+    double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS]; /* totals, shares of the launched weight */
+    char *json; /* its object, as --json prints it, with the line feed; owned */
+};
+
+void cml_record_clear(struct cml_record *record);
+
+#endif

@@ -1,8 +1,32 @@
-"""Closed and overhanging meshes for the bench.
+"""Closed and overhanging meshes for the bench, always the same bytes: cm, heights up, faces counter-clockwise seen from outside.
 
 SPDX-License-Identifier: MIT
 """
 import math
+
+SIDE = 1.0  # of the ground of a ring or tunnel [cm]
+TURN, TUBE = 0.25, 0.1  # radii of the ring and of its tube [cm]
+AROUND, ALONG = 16, 13  # corners of the tube, sections of its half turn
+OFF = (0.013, 0.007)  # by which all is moved, so that the pencil at x = y = 0 meets no edge [cm]
+
+
+class Mesh:
+    """Vertices, each once, and faces of their indices from 1."""
+
+    def __init__(self):
+        self.numbers, self.faces = {}, []
+
+    def vertex(self, *p):
+        p = tuple(round(x, 9) + 0.0 for x in p)  # + 0.0 turns -0.0 into 0.0
+        return self.numbers.setdefault(p, len(self.numbers) + 1)
+
+    def quad(self, a, b, c, d):
+        self.faces += [(a, b, c), (a, c, d)]
+
+    def write(self, path):
+        with open(path, "w", newline="\n") as file:
+            file.writelines("v %.9g %.9g %.9g\n" % v for v in self.numbers)
+            file.writelines("f %d %d %d\n" % f for f in self.faces)
 
 
 def icosahedron():
@@ -16,27 +40,55 @@ def icosahedron():
     return corners, faces
 
 
-def write_ball(path, radius, parts):
-    """A sphere: each edge of an icosahedron cut into so many parts, and its corners put onto the sphere."""
+def write_ball(path, radius, parts, height=0.0):
+    """A sphere around that height: each edge of an icosahedron cut into so many parts, and its corners put onto the sphere."""
     corners, faces = icosahedron()
-    numbers, vertices, triangles = {}, [], []
+    mesh = Mesh()
 
     def vertex(weights, face):
         p = [sum(w * corners[c][k] for w, c in zip(weights, face)) for k in range(3)]
         size = math.sqrt(sum(x * x for x in p))
-        p = tuple(round(radius * x / size, 9) for x in p)
-        if p not in numbers:
-            vertices.append(p)
-            numbers[p] = len(vertices)
-        return numbers[p]
+        x, y, z = (radius * x / size for x in p)
+        return mesh.vertex(x, y, z + height)
 
     for face in faces:
         at = {(i, j): vertex((i, j, parts - i - j), face) for i in range(parts + 1) for j in range(parts + 1 - i)}
         for i, j in at:
             if i + j < parts:
-                triangles.append((at[i, j], at[i + 1, j], at[i, j + 1]))
+                mesh.faces.append((at[i, j], at[i + 1, j], at[i, j + 1]))
             if i + j < parts - 1:
-                triangles.append((at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]))
-    with open(path, "w") as file:
-        file.writelines("v %.9g %.9g %.9g\n" % v for v in vertices)
-        file.writelines("f %d %d %d\n" % t for t in triangles)
+                mesh.faces.append((at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]))
+    mesh.write(path)
+
+
+def section():
+    """((x, y) on the circle of TUBE, (x, y) on the half of the ground around it) at angles that rise: its corners are among them."""
+    half = SIDE / 4, SIDE / 2
+    corner = math.atan2(half[1], half[0])
+    angles = [2 * math.pi * (k + 0.5) / AROUND for k in range(AROUND)]
+    angles += [corner, math.pi - corner, math.pi + corner, 2 * math.pi - corner]
+    for angle in sorted(angles):
+        c, s = math.cos(angle), math.sin(angle)
+        out = min(half[0] / abs(c), half[1] / abs(s))
+        yield (TUBE * c, TUBE * s), (out * c, out * s)
+
+
+def write_handle(path, side):
+    """A level square from which half a ring rises (side 1): a handle. Or below which it leads as a tunnel (side -1)."""
+    mesh, points = Mesh(), list(section())
+
+    def on_ground(p, sign):
+        return mesh.vertex(sign * (p[0] - TURN) + OFF[0], p[1] + OFF[1], 0.0)
+
+    def on_ring(p, turn):
+        reach = TURN - p[0]
+        height = side * reach * math.sin(turn) if 0 < turn < math.pi else 0.0
+        return mesh.vertex(OFF[0] - reach * math.cos(turn), p[1] + OFF[1], height)
+
+    for (p, q), (p_next, q_next) in zip(points, points[1:] + points[:1]):
+        mesh.quad(on_ground(p, 1), on_ground(q, 1), on_ground(q_next, 1), on_ground(p_next, 1))
+        mesh.quad(on_ground(p_next, -1), on_ground(q_next, -1), on_ground(q, -1), on_ground(p, -1))
+        for k in range(ALONG):
+            turn, turn_next = math.pi * k / ALONG, math.pi * (k + 1) / ALONG
+            mesh.quad(on_ring(p, turn), on_ring(p_next, turn), on_ring(p_next, turn_next), on_ring(p, turn_next))
+    mesh.write(path)

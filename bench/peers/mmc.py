@@ -24,7 +24,7 @@ import cases
 import command
 import runs
 import tables
-import tetrahedra
+import slab
 
 # medium, kind of rough.py, triangles, MMC's tracer: the fastest, and below the mushroom, where that is not right, others
 TOPS = (("A", "mesh", "1e3", "S"), ("A", "mesh", "1e4", "S"), ("A", "mesh", "1e5", "S"), ("A", "kept", "1e5", "S"),
@@ -32,6 +32,7 @@ TOPS = (("A", "mesh", "1e3", "S"), ("A", "mesh", "1e4", "S"), ("A", "mesh", "1e5
         *((medium, "overhang", "", tracer) for medium in ("S2", "S6a") for tracer in "SB"))
 ALIKE = ["--no-reentry", "--sampling", "random", "--roulette", "mcml"]  # what leaves MMC's tetrahedra is gone; it draws at random
 SECONDS = 0.7  # of a run
+INSIDE = 1e-5  # by which MMC's packets start below the surface [cm]: at 1e-4 skin absorbs 0.3 % more
 ROULETTE = "1e-4"  # the weight below which it is played, as in MCML
 TITLES = ("medium", "top", "triangles", "tetrahedra", "photons/s", "MMC's tracer", "its photons/s", "ratio", "absorbed of what entered", "by MMC",
           "lost")
@@ -53,18 +54,19 @@ class Pair:
 
 
 def entry(program, scene):
-    """(position [cm], direction) of a packet that has just entered, moved on by a micrometre so as to be inside."""
+    """(position [cm], direction) of a packet that has just entered, moved on so as to be inside."""
     text = subprocess.run([program, "trace", scene, "0"], capture_output=True, text=True, check=True).stdout
-    words = next(line.split() for line in text.split("\n") if " transmit " in line)
+    events = [line.split() for line in text.split("\n") if line and line[0] != "#"]
+    words = next(event for event in events if event[1] == "transmit" or event[1:3] == ["launch", "1"])  # launched below a plane
     position, direction = ([float(word) for word in words[first:first + 3]] for first in (3, 6))
-    return [x + 1e-4 * u for x, u in zip(position, direction)], direction
+    return [x + INSIDE * u for x, u in zip(position, direction)], direction
 
 
 def prepare(program, pair):
     layer = [float(word) for word in cases.data_lines(pair.case.medium)[cases.ABOVE + 1].split()]
-    mesh = tetrahedra.fill(pair.case.mesh, layer[-1], pair.stem)
+    mesh = slab.fill(pair.case.mesh, layer[-1], pair.stem)
     pair.tetrahedra = len(mesh[1])
-    tetrahedra.write_mmc(mesh, layer, *entry(program, pair.case.path), pair.stem + ".json")
+    slab.write_mmc(mesh, [layer[:4]], *entry(program, pair.case.path), pair.stem + ".json")
 
 
 def plain(text):
@@ -78,11 +80,11 @@ def version(mmc):
     return found.group(1) if found else "?"
 
 
-def fly_mmc(mmc, pair, seed):
+def fly_mmc(mmc, stem, tracer, photons, seed):
     """(photons per second, absorbed share of the light), as MMC prints them, and whether others disturbed it."""
-    line = [mmc, "-f", pair.stem + ".json", "-c", "sse", "-G", "-1", "-M", pair.tracer, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
-               "-d", "0", "-n", str(pair.mmc_photons), "-E", str(seed)]
-    text, _, disturbed = runs.run_alone(line, os.path.dirname(pair.stem), environment=dict(os.environ, OMP_NUM_THREADS="1"))
+    line = [mmc, "-f", stem + ".json", "-c", "sse", "-G", "-1", "-M", tracer, "-b", "1", "-e", ROULETTE, "-D", "T", "-S", "0",
+               "-d", "0", "-n", str(photons), "-E", str(seed)]
+    text, _, disturbed = runs.run_alone(line, os.path.dirname(stem), environment=dict(os.environ, OMP_NUM_THREADS="1"))
     rate, absorbed = (re.search(pattern, plain(text)) for pattern in (r"([\d.]+) photon/ms", r"absorbed: +([\d.]+)%"))
     if not rate or not absorbed:
         sys.exit("%s: printed no photons per ms, or no absorbed share:\n%s" % (mmc, text))
@@ -91,14 +93,14 @@ def fly_mmc(mmc, pair, seed):
 
 def calibrate(program, mmc, pair):
     runs.calibrate(program, pair.case, SECONDS)
-    pair.mmc_photons = runs.two_digits(SECONDS * fly_mmc(mmc, pair, 1)[0])
+    pair.mmc_photons = runs.two_digits(SECONDS * fly_mmc(mmc, pair.stem, pair.tracer, pair.mmc_photons, 1)[0])
 
 
 def measure(program, mmc, pairs, rounds):
     for index in range(rounds):
         for pair in pairs if index % 2 == 0 else pairs[::-1]:
             pair.case.runs.append(runs.fly_alone(program, pair.case, pair.case.photons, index + 1))
-            pair.mmc_runs.append(fly_mmc(mmc, pair, index + 1))
+            pair.mmc_runs.append(fly_mmc(mmc, pair.stem, pair.tracer, pair.mmc_photons, index + 1))
 
 
 def absorbed(pair):

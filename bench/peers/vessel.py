@@ -19,7 +19,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 import cases
 import command
 import tables
-import tetrahedra
+import slab
 
 sys.path.insert(0, os.path.join(cases.ROOT, "tests", "lib"))
 import cml  # noqa: E402
@@ -77,9 +77,9 @@ def prepare(program, folder):
     stem = os.path.join(folder, "vessel")
     write_poly(stem + ".mco.body1.obj", depths, stem + ".poly")
     subprocess.run(["tetgen", "-pAQ", stem + ".poly"], check=True, stdout=subprocess.DEVNULL)
-    nodes, cells = tetrahedra.read_tetgen(stem + ".1.node", float), tetrahedra.read_tetgen(stem + ".1.ele", float)
+    nodes, cells = slab.read_tetgen(stem + ".1.node", float), slab.read_tetgen(stem + ".1.ele", float)
     media = [int(cell[4]) - 1 for cell in cells]
-    mm = tetrahedra.MM
+    mm = slab.MM
     scene = {"Mesh": {"MeshID": "vessel", "InitElem": media.index(0) + 1,
                       "MeshNode": [[mm * x for x in node[:3]] for node in nodes],
                       "MeshElem": [[*map(int, cell[:4]), medium or -1] for cell, medium in zip(cells, media)]},

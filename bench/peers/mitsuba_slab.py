@@ -1,0 +1,51 @@
+"""What Mitsuba 3 (`pip install mitsuba`) sees of a slab in white light: mitsuba_slab.py SCENE.json PHOTONS SEED
+
+A radiancemeter looks straight down at x = y = 0 on closed surfaces of scattering media, in constant light of radiance 1 from everywhere.
+What it sees is the share of a pencil along its ray that leaves again, by reciprocity: 1 less is what is absorbed. Integrator volpath,
+variant scalar_rgb; no roulette (rr_depth), for its own takes 5 % of the paths at every scattering, whatever they carry.
+
+SCENE.json: {"unit": units of length in a cm, "shapes": [{"file": PLY, "n": [inside, outside], "media": [name or null, the same]}],
+"media": {name: [mua, mus, g]}}, 1/cm. Prints JSON: processor seconds of the flight, the absorbed share.
+SPDX-License-Identifier: MIT
+"""
+import json
+import sys
+import time
+
+import mitsuba as mi
+
+mi.set_variant("scalar_rgb")
+mi.set_log_level(mi.LogLevel.Error)
+NEVER = 1 << 30
+HEIGHT = 1.0  # of the radiancemeter above x = y = z = 0 [cm]
+
+
+def medium(mua, mus, g, unit):
+    return mi.load_dict({"type": "homogeneous", "albedo": mus / (mua + mus), "sigma_t": (mua + mus) / unit,
+                         "phase": {"type": "hg", "g": g}})
+
+
+def load(scene, photons):
+    unit = scene["unit"]
+    media = {name: medium(*numbers, unit) for name, numbers in scene["media"].items()}
+    parts = {"type": "scene", "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": NEVER},
+             "light": {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}},
+             "sensor": {"type": "radiancemeter", "origin": [0, 0, HEIGHT * unit], "direction": [0, 0, -1],
+                        "film": {"type": "hdrfilm", "width": 1, "height": 1, "rfilter": {"type": "box"}, "component_format": "float32"},
+                        "sampler": {"type": "independent", "sample_count": photons}}}
+    for k, shape in enumerate(scene["shapes"]):
+        sides = {side: media[name] for side, name in zip(("interior", "exterior"), shape["media"]) if name}
+        parts["shape%d" % k] = {"type": "ply", "filename": shape["file"], "face_normals": True, **sides,
+                                "bsdf": {"type": "dielectric", "int_ior": shape["n"][0], "ext_ior": shape["n"][1]}}
+    return mi.load_dict(parts)
+
+
+def main():
+    with open(sys.argv[1], encoding="utf-8") as stream:
+        scene = load(json.load(stream), int(sys.argv[2]))
+    begin = time.process_time()
+    seen = mi.render(scene, seed=int(sys.argv[3])).array[0]
+    print(json.dumps({"seconds": time.process_time() - begin, "absorbed": 1 - seen, "version": mi.__version__}))
+
+
+main()

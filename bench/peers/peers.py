@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+"""The same meshes and media by clustermcml, MMC and Mitsuba 3: peers.py --mmc PATH [--quick] [--only SHAPE,...] [--rounds N]
+[--program PATH] [--out DIR]
+
+Seven shapes, each in four media, on one thread: ours without re-entry beside MMC, whose tetrahedra end there, by its fastest tracer S and
+by B; ours with it beside Mitsuba. All draw at random; ours and MMC play MCML's roulette. Only flights count; all take turns, a run that
+others disturbed is repeated, ratios are formed within a round. Beside the speeds stand the absorbed shares and how many errors of the
+difference they are apart; errors of a peer are those of as many packets of ours. `pip install mitsuba`; tetgen for MMC. Leaves peers.md
+in DIR, a quarter of an hour; --quick: two rounds of short runs, good for shares only. bench/peers/README.md says more.
+SPDX-License-Identifier: MIT
+"""
+import importlib.metadata
+import importlib.util
+import json
+import math
+import os
+import shutil
+import statistics
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cases
+import command
+import mmc
+import runs
+import shapes
+import slab
+import tables
+
+MEDIA = {medium: cases.data_lines(medium)[cases.ABOVE + 1] for medium in ("S2", "A", "S6a")}
+MEDIA["skin"] = "1.4 0.3 120 0.8 0.5"
+INSIDE = "1.5 1 50 0.5"  # medium of the ball
+GRID = "1e4"  # triangles of the wrapped grids
+LEVEL = "18"  # above a body: MMC finds no packet in tetrahedra as wide as the slab
+BALL, PARTS, DEPTH = 0.1, 4, 0.25  # 320 triangles [cm]
+SHAPES = {
+    "overhang": lambda path: shutil.copy(os.path.join(cases.ROOT, "meshes", "overhang.obj"), path),
+    "cave": lambda path: cases.make_surface("cave", GRID, cases.AMPLITUDE, path),
+    "mushrooms": lambda path: cases.make_surface("mushrooms", GRID, cases.AMPLITUDE, path),
+    "ring": lambda path: shapes.write_handle(path, 1),
+    "tunnel": lambda path: shapes.write_handle(path, -1),
+    "ball": lambda path: shapes.write_ball(path, BALL, PARTS, -DEPTH),
+    "skin": lambda path: shutil.copy(os.path.join(cases.ROOT, "meshes", "ridges.obj"), path),
+}
+TRACERS = ("S", "B")  # of MMC: the fastest, and the faster of those that are right below overhangs
+HALF_WIDTH = 30.0  # of Mitsuba's slab [cm]
+UNIT = 1000  # in a cm: Mitsuba moves rays off surfaces by some 1e-4 units
+SECONDS, SECONDS_QUICK, ROUNDS_QUICK = 0.4, 0.1, 2
+BROKEN = 4  # errors apart, from which a peer's result is called broken
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+
+class Way:
+    """One program with its options on one scene: fly(photons, seed) gives (photons per second, absorbed share, disturbed)."""
+
+    def __init__(self, name, fly, pilot):
+        self.name, self.fly, self.photons, self.runs = name, fly, pilot, []
+
+    def calibrate(self, seconds):
+        for _ in range(2):
+            self.photons = runs.two_digits(seconds * self.fly(self.photons, 1)[0])
+
+    def rates(self):
+        return [rate for rate, _, _ in self.runs]
+
+    def absorbed(self):
+        return statistics.fmean(share for _, share, _ in self.runs)
+
+
+class Scene:
+    """A shape in a medium, as every program reads it."""
+
+    def __init__(self, shape, medium, work):
+        self.shape, self.medium, self.body = shape, medium, shape == "ball"
+        self.obj = os.path.join(work, shape + ".obj")
+        if not os.path.exists(self.obj):
+            SHAPES[shape](self.obj)
+        self.stem = os.path.join(work, "slab-%s-%s" % (shape, medium))
+        self.layer = [float(word) for word in MEDIA[medium].split()]
+        self.path = os.path.join(work, "%s-%s.mci" % (shape, medium))
+        lines, at = cases.data_lines(medium if medium in cases.SCENES else "S6a"), cases.ABOVE + 1
+        lines[at:at + 1] = [MEDIA[medium], 'i "%s" %s' % (self.obj, INSIDE)] if self.body else ['m "%s"' % self.obj, MEDIA[medium]]
+        with open(self.path, "w", encoding="utf-8") as stream:
+            stream.write("\n".join(lines) + "\n")
+        self.triangles = len(slab.read_obj(self.obj)[1])
+        self.top = os.path.join(work, "level.obj") if self.body else self.obj
+        if self.body and not os.path.exists(self.top):
+            cases.make_surface("moved", LEVEL, "0", self.top)
+        self.tetrahedra, self.ways, self.spread = 0, {}, {}
+
+    def inside(self):
+        """(n, mua, mus, g) of the slab, and of the body."""
+        return [self.layer[:4]] + [[float(word) for word in INSIDE.split()]] * self.body
+
+    def write_mmc(self, program):
+        mesh = slab.fill(self.top, self.layer[-1], self.stem, slab.read_obj(self.obj) if self.body else None)
+        self.tetrahedra = len(mesh[1])
+        slab.write_mmc(mesh, self.inside(), *mmc.entry(program, self.path), self.stem + ".json")
+
+    def write_mitsuba(self):
+        surfaces = [slab.shell(self.top, self.layer[-1], HALF_WIDTH)] + [slab.read_obj(self.obj)] * self.body
+        found = []
+        for k, surface in enumerate(surfaces):
+            found.append({"file": "%s-%d.ply" % (self.stem, k), "n": [self.inside()[k][0], self.layer[0] if k else 1.0],
+                          "media": [str(k), str(k - 1) if k else None]})
+            slab.write_ply(surface, found[k]["file"], UNIT)
+        with open(self.stem + "-mitsuba.json", "w", encoding="utf-8") as stream:
+            json.dump({"unit": UNIT, "shapes": found, "media": {str(k): medium[1:] for k, medium in enumerate(self.inside())}}, stream)
+
+
+def fly_ours(scene, program, options, key):
+    """A flight of ours, which leaves the spread of a packet's absorbed share under that key."""
+    case = cases.Case(scene.shape, scene.medium, scene.shape, scene.path, options)
+
+    def fly(photons, seed):
+        record = runs.fly_alone(program, case, photons, seed)
+        entered = 1 - record["Rsp"] if key == "mmc" else 1.0
+        scene.spread[key] = record["A_se"] * math.sqrt(photons) / entered
+        scene.lost = scene.lost + record["lost"] if hasattr(scene, "lost") else record["lost"]
+        return record["photons_per_s"], record["A"] / entered, record["disturbed"]
+    return fly
+
+
+def fly_mitsuba(scene):
+    def fly(photons, seed):
+        line = [sys.executable, "-B", os.path.join(HERE, "mitsuba_slab.py"), scene.stem + "-mitsuba.json", str(photons), str(seed)]
+        text, _, disturbed = runs.run_alone(line, os.path.dirname(scene.stem))
+        record = json.loads(text)
+        return photons / record["seconds"], record["absorbed"], disturbed
+    return fly
+
+
+def prepare(scene, program, their_mmc):
+    scene.write_mmc(program)
+    scene.write_mitsuba()
+    alike = [option for option in mmc.ALIKE if option != "--no-reentry"]
+    ways = [Way("ours", fly_ours(scene, program, alike + ["--no-reentry"], "mmc"), 10000),
+            *(Way(tracer, lambda photons, seed, tracer=tracer: mmc.fly_mmc(their_mmc, scene.stem, tracer, photons, seed), 5000)
+              for tracer in TRACERS),
+            Way("ours, re-entry", fly_ours(scene, program, alike, "mitsuba"), 10000), Way("Mitsuba", fly_mitsuba(scene), 1000)]
+    scene.ways = {way.name: way for way in ways}
+
+
+def apart(scene, ours, theirs, key):
+    """Errors of the difference by which the peer's absorbed share is larger."""
+    each = [sum(way.photons for _ in way.runs) for way in (ours, theirs)]
+    return (theirs.absorbed() - ours.absorbed()) / (scene.spread[key] * math.sqrt(sum(1 / photons for photons in each)))
+
+
+def ratio(ours, theirs):
+    ratios = [a / b for a, b in zip(ours.rates(), theirs.rates())]
+    return "%.2f (%.2f-%.2f)" % (statistics.median(ratios), min(ratios), max(ratios))
+
+
+TITLES = ("shape", "medium", "triangles", "tetrahedra", "absorbed", "by S", "z", "by B", "z", "with re-entry", "by Mitsuba", "z",
+          "photons/s", "over S", "over B", "with re-entry", "over Mitsuba", "lost")
+
+
+def row(scene, quick):
+    """Cells; of a quick run without speeds, which it does not measure."""
+    ways, shares, speeds = scene.ways, [], []
+    for ours, peers, key in (("ours", TRACERS, "mmc"), ("ours, re-entry", ("Mitsuba",), "mitsuba")):
+        shares.append("%.5f" % ways[ours].absorbed())
+        speeds.append("" if quick else "%.3g" % statistics.median(ways[ours].rates()))
+        for peer in peers:
+            shares += ["%.5f" % ways[peer].absorbed(), "%+.1f" % apart(scene, ways[ours], ways[peer], key)]
+            speeds.append("" if quick else ratio(ways[ours], ways[peer]))
+    return [scene.shape, scene.medium, scene.triangles, scene.tetrahedra, *shares, *speeds, scene.lost]
+
+
+def broken(scenes):
+    """What to say of the peers whose shares are off."""
+    for scene in scenes:
+        for ours, peers, key in (("ours", TRACERS, "mmc"), ("ours, re-entry", ("Mitsuba",), "mitsuba")):
+            for peer in peers:
+                z = apart(scene, scene.ways[ours], scene.ways[peer], key)
+                if abs(z) > BROKEN:
+                    yield "%s of %s in %s: %+.1f %% (%.0f errors)" % (
+                        peer if peer == "Mitsuba" else "MMC's " + peer, scene.shape, scene.medium,
+                        100 * (scene.ways[peer].absorbed() / scene.ways[ours].absorbed() - 1), abs(z))
+
+
+def report(program, their_mmc, scenes, rounds, quick):
+    disturbed = [sum(run[2] for scene in scenes for name, way in scene.ways.items() if name.startswith("ours") == mine for run in way.runs)
+                 for mine in (True, False)]
+    yield tables.measured(tables.machine(program, rounds)) + (
+        "; MMC %s; Mitsuba %s; median (least-most) of %d rounds, one thread; disturbed by others: %d of our runs, %d of theirs." % (
+            mmc.version(their_mmc), importlib.metadata.version("mitsuba"), rounds, *disturbed))
+    yield ""
+    yield from tables.table(TITLES, [row(scene, quick) for scene in scenes])
+    yield ""
+    yield "More than %d errors apart: %s." % (BROKEN, "; ".join(broken(scenes)) or "none")
+
+
+def main():
+    parser = command.parser(__doc__, rounds=5)
+    parser.add_argument("--mmc", type=command.built, required=True)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--only", default="")
+    arguments = parser.parse_args()
+    if not importlib.util.find_spec("mitsuba"):
+        parser.error("mitsuba is missing: pip install mitsuba")
+    if not shutil.which("tetgen"):
+        parser.error("tetgen is missing")
+    if arguments.quick:
+        arguments.rounds, runs.REPEATS = ROUNDS_QUICK, 1
+    with tempfile.TemporaryDirectory() as work:
+        program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
+        scenes = [Scene(shape, medium, work) for shape in command.only(arguments.only, SHAPES, parser) for medium in MEDIA]
+        for scene in scenes:
+            prepare(scene, program, arguments.mmc)
+            for way in scene.ways.values():
+                way.calibrate(SECONDS_QUICK if arguments.quick else SECONDS)
+        for index in range(arguments.rounds):
+            for scene in scenes if index % 2 == 0 else scenes[::-1]:
+                for way in scene.ways.values():
+                    way.runs.append(way.fly(way.photons, index + 1))
+        lines = list(report(arguments.program, arguments.mmc, scenes, arguments.rounds, arguments.quick))
+    tables.keep(os.path.join(arguments.out, "peers.md"), lines)
+
+
+if __name__ == "__main__":
+    main()

@@ -75,4 +75,23 @@ CML_NODISCARD cml_status cml_text_copy(const char *text, char **copy, struct cml
 CML_NODISCARD cml_status cml_path_beside(const char *beside, const char *name, char **path,
                                          struct cml_error *err);
 
+/* ---- which of some names was probably meant by a word that is none of them ---- */
+
+/* The best name so far; zero before the first one is offered. */
+struct cml_guess {
+    const char *word; /* [length] */
+    size_t length;
+    const char *nearest;
+    size_t distance;      /* of that: letters to be changed, added or left out */
+    const char *complete; /* a name that begins with the word */
+    int completions;      /* how many do */
+};
+
+/* Looks at one more name. Words and names of more than 63 letters are like none. */
+void cml_guess_offer(struct cml_guess *guess, const char *name);
+
+/* The only name that begins with the word; else the nearest one, if at most two letters of more than three,
+ * and at most half of its own, are wrong; else NULL. */
+const char *cml_guess_best(const struct cml_guess *guess);
+
 #endif

@@ -55,6 +55,16 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
+/* Data lines of the run begin with a number: "beem disk 1" is none. */
+static cml_status check_keyword(const struct cml_mci_reader *reader, const char *field)
+{
+    char expected[200];
+    const char *meant = cml_mci_meant_keyword(reader);
+    if (!meant) return CML_OK;
+    snprintf(expected, sizeof expected, "%s; did you mean %s?", field, meant);
+    return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
+}
+
 /* Each of them may stand once, which its reader checks. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
@@ -71,7 +81,7 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
     for (;;) {
         enum cml_mci_kind kind;
         CML_TRY(cml_mci_next(reader, stage != STAGE_NAME, &kind));
-        if (kind == CML_MCI_DATA) return CML_OK;
+        if (kind == CML_MCI_DATA) return stage == STAGE_RUN ? check_keyword(reader, field) : CML_OK;
         if (kind == CML_MCI_END)
             return cml_mci_fail(reader, field, NULL, "a line for it, but the file ends here");
         if (is_of_run(kind) && stage == STAGE_RUN)
@@ -303,15 +313,19 @@ static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_sce
     return CML_OK;
 }
 
-/* Original MCML does not look at the version, and some files have none that means anything. But MCML 2
- * describes media, sources and grids in another way, and nothing behind that line would be understood. */
+/* Original MCML does not look at the version: any number will do. MCML 2 describes media, sources and grids
+ * in another way. */
 static cml_status read_version(struct cml_mci_reader *reader)
 {
+    double number;
     CML_TRY(next_data_line(reader, STAGE_NAME, NULL, 0, "file version"));
+    cml_mci_cut_comment(reader->cursor);
     const char *version = cml_text_word(&reader->cursor);
-    if (strncmp(version, "mcmli2", strlen("mcmli2")) != 0) return CML_OK;
+    if (cml_parse_double(version, &number)) return CML_OK;
     return cml_mci_fail(reader, "file version", version,
-                        "1.0, the format of MCML 1; this is input of MCML 2, which is not read");
+                        strncmp(version, "mcmli2", strlen("mcmli2")) == 0
+                            ? "1.0, the format of MCML 1; this is input of MCML 2, which is not read"
+                            : "a number: 1.0");
 }
 
 static cml_status read_file(struct cml_mci_reader *reader, struct cml_scene_list *list)

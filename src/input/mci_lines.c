@@ -74,20 +74,28 @@ static bool is_marked(const char *text)
     return gap ? first != '\0' : first >= 'a' && first <= 'z';
 }
 
+static const struct {
+    const char *word;
+    enum cml_mci_kind kind;
+} keyword[] = {{"b", CML_MCI_B},       {"m", CML_MCI_M},     {"i", CML_MCI_I},
+               {"beam", CML_MCI_BEAM}, {"map", CML_MCI_MAP}, {"facets", CML_MCI_FACETS}};
+
+const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
+{
+    struct cml_guess guess = {.word = reader->cursor, .length = strcspn(reader->cursor, blanks)};
+    for (size_t i = 0; i < sizeof keyword / sizeof *keyword; i++) cml_guess_offer(&guess, keyword[i].word);
+    return strchr("0123456789+-.", *guess.word) ? NULL : cml_guess_best(&guess);
+}
+
 /* Moves *cursor behind the keyword when there is one. */
 static enum cml_mci_kind take_keyword(char **cursor)
 {
-    static const struct {
-        const char *word;
-        enum cml_mci_kind kind;
-    } keywords[] = {{"b", CML_MCI_B},       {"m", CML_MCI_M},     {"i", CML_MCI_I},
-                    {"beam", CML_MCI_BEAM}, {"map", CML_MCI_MAP}, {"facets", CML_MCI_FACETS}};
     char *word = *cursor + strspn(*cursor, blanks);
     const size_t length = strcspn(word, blanks);
-    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++) {
-        if (strlen(keywords[i].word) != length || memcmp(word, keywords[i].word, length) != 0) continue;
+    for (size_t i = 0; i < sizeof keyword / sizeof *keyword; i++) {
+        if (strlen(keyword[i].word) != length || memcmp(word, keyword[i].word, length) != 0) continue;
         *cursor = word + length;
-        return keywords[i].kind;
+        return keyword[i].kind;
     }
     return CML_MCI_DATA;
 }

@@ -57,6 +57,9 @@ void cml_mci_close(struct cml_mci_reader *reader);
  * the start of a data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
+/* The keyword that the first word of a data line may have been meant for; NULL: none, or it is a number. */
+const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader);
+
 /* The current line as written. Valid until the next call of cml_mci_next. */
 const char *cml_mci_raw(const struct cml_mci_reader *reader);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/options/command_table.h"
 
-#include "cli/options/guess.h"
+#include "base/text.h"
 
 #include <string.h>
 

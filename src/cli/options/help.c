@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/options/help.h"
 
-#include "cli/options/guess.h"
+#include "base/text.h"
 #include "cli/options/option_table.h"
 
 #include <string.h>

@@ -22,13 +22,20 @@ static cml_status show(const struct cml_options *options, struct cml_compare_rep
 static cml_status verdict(const struct cml_compare_report *report, struct cml_error *err)
 {
     const struct cml_comparison *c = report->comparison;
-    if (c->count == 0)
-        return cml_fail(err, CML_E_INPUT, "%s: too few packets to compare anything with %s", report->names[0],
-                        report->names[1]);
     if (!(c->p < report->alpha)) return CML_OK;
     const struct cml_compare_test *worst = &c->test[c->worst];
     return cml_fail(err, CML_E_DIFFER, "%s and %s differ: p = %.3g, worst z = %+.2f in %s", report->names[0],
                     report->names[1], c->p, worst->z, cml_quantities[worst->quantity].name);
+}
+
+/* Nothing is said of results that cannot be compared. */
+static cml_status check_tests(const struct cml_compare_report *report, struct cml_error *err)
+{
+    if (report->comparison->count > 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "compare: %s and %s: %g and %g packets (expected enough to compare anything)",
+                    report->names[0], report->names[1], (double)report->outcome[0].photons,
+                    (double)report->outcome[1].photons);
 }
 
 /* The picture's format is checked before the work, as everything that the user may have mistyped. */
@@ -41,7 +48,8 @@ static cml_status compare(const struct cml_options *options, const struct cml_ou
         .names = names, .outcome = outcome, .comparison = &comparison, .alpha = options->alpha};
     if (options->output) CML_TRY(cml_picture_of(options->output, &report.picture, err));
     CML_TRY(cml_compare(&outcome[0], &outcome[1], names, &comparison, err));
-    cml_status status = show(options, &report, err);
+    cml_status status = check_tests(&report, err);
+    if (status == CML_OK) status = show(options, &report, err);
     if (status == CML_OK) status = verdict(&report, err);
     cml_comparison_clear(&comparison);
     return status;

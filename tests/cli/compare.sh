@@ -64,4 +64,13 @@ if command -v gnuplot >/dev/null; then
     check_texts
     expect_code 5 compare "$a" "$c" -o "$work/missing/z.svg"
 fi
+
+# One packet: nothing is said of what cannot be compared.
+printf '1.0\n1\none.mco A\n1\n0.1 0.1\n2 4 2\nbeam pencil angle=45\n1\n1\n1.4 0 10 0.5 0.1\n1\n' >"$work/one.mci"
+for seed in 1 5; do # transmitted, reflected
+    mkdir "$work/$seed"
+    expect_code 0 "$work/one.mci" --seed $seed --quiet -o "$work/$seed"
+done
+a=$work/1/one.mco b=$work/5/one.mco
+expect_error 2 "compare: $a and $b: 1 and 1 packets (expected enough to compare anything)" compare "$a" "$b"
 finish

@@ -51,7 +51,9 @@ static cml_status open_locked(const char *path, int *file, struct cml_error *err
         if (fstat(*file, &about) != 0 || !S_ISREG(about.st_mode) || about.st_size > 0)
             return refuse(path, *file, "is no lock (expected no such file, or an empty one)", err);
         const int reason = lock_file(*file);
-        if (reason == EAGAIN) return refuse(path, *file, "locked by another process", err);
+        if (reason == EAGAIN)
+            return refuse(path, *file, "locked by another process (expected a name that no other one writes)",
+                          err);
         if (reason == 0 && still_stands(*file, path)) return CML_OK;
         close(*file);
         *file = -1;

@@ -2,7 +2,9 @@
 #include "base/status.h"
 
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
+#include <string.h>
 
 /* A message is one line: whatever the user wrote into a file must not be able to break it or drive a
  * terminal. */
@@ -23,6 +25,15 @@ cml_status cml_fail(struct cml_error *err, cml_status status, const char *format
     return status;
 }
 
+/* "0,5" where one number belongs. */
+static bool has_decimal_comma(const char *value, const char *expected)
+{
+    const size_t whole = strspn(value, "+-0123456789");
+    if (whole == 0 || value[whole] != ',' || strchr(expected, ',')) return false;
+    const char *part = value + whole + 1;
+    return *part && part[strspn(part, "0123456789eE+-")] == '\0';
+}
+
 cml_status cml_fail_field(struct cml_error *err, const char *file, int line, const char *field,
                           const char *value, const char *expected)
 {
@@ -30,7 +41,8 @@ cml_status cml_fail_field(struct cml_error *err, const char *file, int line, con
     if (line > 0) snprintf(where, sizeof where, ":%d", line);
     if (!value || !*value)
         return cml_fail(err, CML_E_INPUT, "%s%s: %s is missing (expected %s)", file, where, field, expected);
-    return cml_fail(err, CML_E_INPUT, "%s%s: %s = %.80s (expected %s)", file, where, field, value, expected);
+    return cml_fail(err, CML_E_INPUT, "%s%s: %s = %.80s (expected %s%s)", file, where, field, value, expected,
+                    has_decimal_comma(value, expected) ? ", with a decimal point" : "");
 }
 
 cml_status cml_fail_memory(struct cml_error *err, double bytes, const char *what)

@@ -82,7 +82,7 @@ static cml_status take_loop(struct cml_mesh_work *work, const uint32_t *leaving,
     if (num_loops == 0)
         return cml_mesh_fail(work, 0, err,
                              "the mesh is a closed body (expected an open sheet with its border on one "
-                             "horizontal plane)");
+                             "horizontal plane; a body inside a layer has a line i)");
     if (num_loops > 1) return refuse_hole(work, leaving, hole, num_loops - 1, err);
     mesh->border = malloc(outer.count * sizeof *mesh->border);
     if (!mesh->border) return no_memory(mesh, err);

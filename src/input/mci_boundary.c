@@ -51,7 +51,7 @@ static cml_status fail_sample(const struct samples *samples, const char *field, 
     char name[80];
     snprintf(name, sizeof name, "%s: %s", samples->owner, field);
     if (!samples->file.data) return cml_mci_fail(samples->reader, name, value, expected);
-    return cml_fail_field(samples->reader->err, samples->file.path, samples->file.line, name, value,
+    return cml_fail_field(samples->reader->err, samples->file.path, samples->file.line, field, value,
                           expected);
 }
 
@@ -383,7 +383,8 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         return cml_mci_fail_option(&options, "tile", "an .obj file", "a .gsf or .asc heightmap");
     CML_TRY(cml_path_beside(reader->text.path, name, &boundary->file, reader->err));
     obj.budget = reader->options->budget;
-    obj.budget.file = boundary->file;
+    obj.budget.file = reader->text.path;
+    obj.budget.line = reader->text.line;
     obj.budget.boundary = index;
     if (kind == FILE_OBJ)
         CML_TRY(cml_obj_read(reader->options->source, boundary->file, &obj, &boundary->mesh,
@@ -394,44 +395,26 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     return CML_OK;
 }
 
-/* ---- files that cannot be read ---- */
+/* ---- what is wrong with a file ---- */
 
-/* The source of all files, and the line that names them. */
-struct named_source {
-    const struct cml_text_source *source; /* NULL: the file system */
-    const struct cml_mci_reader *reader;
-    const char *owner;
-};
-
-/* Where a file is missing the mistake is in the line. */
-static cml_status read_named(void *context, const char *path, char **data, size_t *size,
-                             struct cml_error *err)
+/* Is said with the line that names it, as the mistake may be there. */
+static cml_status name_line(const struct cml_mci_reader *reader, const char *owner, const char *file,
+                            cml_status status)
 {
-    const struct named_source *named = context;
-    const cml_status status = named->source
-                                  ? named->source->read(named->source->context, path, data, size, err)
-                                  : cml_text_read_file(path, data, size, err);
-    if (status == CML_OK) return CML_OK;
-    const struct cml_error why = *err;
-    return cml_fail(err, status, "%s:%d: %s: %s", named->reader->text.path, named->reader->text.line,
-                    named->owner, why.text);
+    const struct cml_error why = *reader->err;
+    if (status == CML_OK || !file || strncmp(why.text, file, strlen(file)) != 0) return status;
+    return cml_fail(reader->err, status, "%s:%d: %s: %.900s", reader->text.path, reader->text.line, owner,
+                    why.text);
 }
 
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                 struct cml_boundary *boundary)
 {
-    const struct cml_input_options *options = reader->options;
     char owner[32];
     snprintf(owner, sizeof owner, "boundary %d", index);
-    struct named_source named = {options->source, reader, owner};
-    const struct cml_text_source source = {read_named, &named};
-    struct cml_input_options mine = *options;
-    mine.source = &source;
-    reader->options = &mine;
     const cml_status status =
         kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary);
-    reader->options = options;
-    return status;
+    return name_line(reader, owner, boundary->file, status);
 }
 
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
@@ -491,10 +474,11 @@ cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number, struct c
         .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET, .closed = true};
     CML_TRY(read_body_line(&options, number, body, medium, &obj));
     if (body->borrowed) return CML_OK;
-    const struct named_source named = {reader->options->source, reader, owner};
-    const struct cml_text_source source = {read_named, (void *)&named};
     obj.budget = reader->options->budget;
-    obj.budget.file = body->file;
+    obj.budget.file = reader->text.path;
+    obj.budget.line = reader->text.line;
     obj.budget.body = number;
-    return cml_obj_read(&source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err);
+    return name_line(
+        reader, owner, body->file,
+        cml_obj_read(reader->options->source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err));
 }

@@ -98,15 +98,30 @@ static struct phrase name_part(uint32_t triangle, int boundary)
     return phrase;
 }
 
+/* Of the lower boundary, or of the upper one where that is a plane without one. */
+static int line_of(const struct shape *upper, const struct shape *lower)
+{
+    return lower->boundary->line > 0 ? lower->boundary->line : upper->boundary->line;
+}
+
+static const char apart[] = "(expected boundaries that neither cross nor touch)";
+
+static cml_status fail_touch(const struct cml_scene *scene, const struct shape *upper,
+                             const struct shape *lower, const double at[3], struct cml_error *err)
+{
+    return cml_fail(err, CML_E_INPUT, "%s:%d: boundaries %d and %d touch at (%g %g %g) cm %s", scene->file,
+                    line_of(upper, lower), upper->number, lower->number, at[0], at[1], at[2], apart);
+}
+
 static cml_status fail_deep(const struct cml_scene *scene, const struct shape *upper,
                             const struct shape *lower, const double at[3], double depth,
                             struct cml_error *err)
 {
     const int a = upper->number, b = lower->number;
     return cml_fail(err, CML_E_INPUT,
-                    "%s: boundaries %d and %d cross at (%g %g %g) cm: boundary %d reaches %g cm below "
-                    "boundary %d",
-                    scene->file, a, b, at[0], at[1], at[2], a, depth, b);
+                    "%s:%d: boundaries %d and %d cross at (%g %g %g) cm: boundary %d reaches %g cm below "
+                    "boundary %d %s",
+                    scene->file, line_of(upper, lower), a, b, at[0], at[1], at[2], a, depth, b, apart);
 }
 
 /* The skirt's triangles are the mesh's last. */
@@ -133,7 +148,8 @@ static cml_status fail_self(const struct cml_scene *scene, const struct shape *s
     return cml_fail(err, CML_E_INPUT, "%s%s: boundary %d %s itself at (%g %g %g) cm: %s%s", scene->file,
                     where, shape->number, overlap->contact == CML_CROSS ? "crosses" : "touches", at[0], at[1],
                     at[2], with,
-                    is_of_skirt(shape->boundary, overlap) ? ", of its skirt: try another skirt=" : "");
+                    is_of_skirt(shape->boundary, overlap) ? ", of its skirt (expected another skirt=)"
+                                                          : " (expected a surface that does not)");
 }
 
 static cml_status compare_sheets(const struct cml_scene *scene, const struct shape *upper,
@@ -146,9 +162,10 @@ static cml_status compare_sheets(const struct cml_scene *scene, const struct sha
     if (overlap.depth > 0.0) return fail_deep(scene, upper, lower, at, overlap.depth, err);
     const struct phrase one = name_part(overlap.triangle[0], upper->number);
     const struct phrase other = name_part(overlap.triangle[1], lower->number);
-    return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d %s at (%g %g %g) cm: %s and %s", scene->file,
-                    upper->number, lower->number, overlap.contact == CML_CROSS ? "cross" : "touch", at[0],
-                    at[1], at[2], one.text, other.text);
+    return cml_fail(err, CML_E_INPUT, "%s:%d: boundaries %d and %d %s at (%g %g %g) cm: %s and %s %s",
+                    scene->file, line_of(upper, lower), upper->number, lower->number,
+                    overlap.contact == CML_CROSS ? "cross" : "touch", at[0], at[1], at[2], one.text,
+                    other.text, apart);
 }
 
 static cml_status compare_fields(const struct cml_scene *scene, const struct shape *upper,
@@ -166,8 +183,7 @@ static cml_status compare_fields(const struct cml_scene *scene, const struct sha
     const double *at = closest.at;
     if (closest.gap < -closest.err_gap) return fail_deep(scene, upper, lower, at, -closest.gap, err);
     if (closest.gap > closest.err_gap || (upper->is_plane && lower->is_plane)) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d touch at (%g %g %g) cm", scene->file,
-                    upper->number, lower->number, at[0], at[1], at[2]);
+    return fail_touch(scene, upper, lower, at, err);
 }
 
 /* A sample of the tile that lies deepest, or highest; the first one. */
@@ -202,14 +218,14 @@ static cml_status compare_tiles(const struct cml_scene *scene, const struct shap
     if (!find_closest(upper, lower, &gap, at))
         return cml_fail(
             err, CML_E_INPUT,
-            "%s: boundaries %d and %d, of which one is a tile, lie at depths of %g..%g and %g..%g "
+            "%s:%d: boundaries %d and %d, of which one is a tile, lie at depths of %g..%g and %g..%g "
             "cm (expected depths that do not overlap, or two tiles of the same cells)",
-            scene->file, upper->number, lower->number, upper->top, upper->bottom, lower->top, lower->bottom);
+            scene->file, line_of(upper, lower), upper->number, lower->number, upper->top, upper->bottom,
+            lower->top, lower->bottom);
     const double err_gap = 8.0 * DBL_EPSILON * (fabs(upper->bottom) + fabs(lower->top));
     if (gap < -err_gap) return fail_deep(scene, upper, lower, at, -gap, err);
     if (gap > err_gap) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "%s: boundaries %d and %d touch at (%g %g %g) cm", scene->file,
-                    upper->number, lower->number, at[0], at[1], at[2]);
+    return fail_touch(scene, upper, lower, at, err);
 }
 
 /* Most pairs lie at different depths altogether, and cost nothing. */

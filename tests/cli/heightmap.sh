@@ -53,11 +53,11 @@ grep -q 'boundary 0: plane at z = 0 cm (flat mesh)' "$work/out" || complain "a l
 
 # Units: an ESRI grid has none, a field has its own.
 sed 's|"flat.asc" units=mm|"flat.asc"|' "$work/flat.mci" >"$work/none.mci"
-expect_error 2 "$work/flat.asc: an ESRI grid has no units (expected units=cm, mm, um or m on the m line)" check "$work/none.mci"
+expect_error 2 "$work/none.mci:13: boundary 0: $work/flat.asc: an ESRI grid has no units (expected units=cm, mm, um or m on the m line)" check "$work/none.mci"
 cp meshes/skin.gsf "$work"
 sed 's|"flat.asc" units=mm|"skin.gsf" units=mm|' "$work/flat.mci" >"$work/two.mci"
-expect_error 2 "$work/skin.gsf: the file has its own units (expected no units= beside it)" check "$work/two.mci"
+expect_error 2 "$work/two.mci:13: boundary 0: $work/skin.gsf: the file has its own units (expected no units= beside it)" check "$work/two.mci"
 sed -i '6s/0 0 0/0 -9999 0/' "$work/flat.asc"
-expect_error 2 "$work/flat.asc: 1 of 12 heights are missing, the first in row 3, column 2 (expected a height in every cell: fill the holes first)" \
+expect_error 2 "$work/flat.mci:13: boundary 0: $work/flat.asc: 1 of 12 heights are missing, the first in row 3, column 2 (expected a height in every cell: fill the holes first)" \
     "$work/flat.mci" -o "$work"
 finish

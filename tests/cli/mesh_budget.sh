@@ -28,7 +28,7 @@ printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n#f 1 2 3\n  f 1/1 2 3 \\\n 4 # 5\ng 
 scene quad 'm "quad.obj"'
 expect_code 0 check "$work/quad.mci" --boundaries mesh --mesh-budget 2
 grep -q 'mesh at z = 0 cm, 2 triangles' "$work/out" || complain "$(cat "$work/out")"
-refused "quad.obj: boundary 0 needs 2 triangles, 6.52e-07 GiB (expected at most 1, or a coarser mesh or a larger --mesh-budget)" \
+refused "quad.mci:9: boundary 0 needs 2 triangles, 6.52e-07 GiB (expected at most 1, or a coarser mesh or a larger --mesh-budget)" \
     check "$work/quad.mci" --mesh-budget 1
 
 # With the skirt, and after merging: a larger tolerance helps.

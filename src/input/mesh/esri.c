@@ -107,7 +107,8 @@ static cml_status check_size(const struct grid *g)
 {
     const double cells = g->value[NCOLS] * g->value[NROWS], most = (double)g->text.size / 2;
     if (cells <= most) return CML_OK;
-    return cml_fail(g->err, CML_E_INPUT, "%s: %.0f x %.0f heights cannot stand in %zu bytes", g->text.path,
+    return cml_fail(g->err, CML_E_INPUT,
+                    "%s: %.0f x %.0f heights in %zu bytes (expected at least 2 for each)", g->text.path,
                     g->value[NCOLS], g->value[NROWS], g->text.size);
 }
 

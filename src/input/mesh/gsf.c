@@ -87,7 +87,8 @@ static cml_status read_header(struct field *f)
         return cml_fail(f->err, CML_E_INPUT,
                         "%s:1: no such file format (expected \"Gwyddion Simple Field 1.0\")", text->path);
     if (f->header == text->size)
-        return cml_fail(f->err, CML_E_INPUT, "%s: no NUL byte ends the header", text->path);
+        return cml_fail(f->err, CML_E_INPUT,
+                        "%s: no NUL byte ends the header (expected one, and then the heights)", text->path);
     (void)cml_text_next(text);
     while (text->cursor < f->header) CML_TRY(read_line(f, cml_text_next(text)));
     return CML_OK;

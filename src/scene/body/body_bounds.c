@@ -25,9 +25,10 @@ struct encounter {
 
 static cml_status fail_encounter(const struct encounter *e, const char *what, struct cml_error *err)
 {
-    return cml_fail(err, CML_E_INPUT, "%s:%d: body %d %s boundary %d at (%g %g %g) cm", e->scene->file,
-                    e->body->line, (int)(e->body - e->scene->bodies) + 1, what, e->number, e->at[0], e->at[1],
-                    e->at[2]);
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: body %d %s boundary %d at (%g %g %g) cm (expected it inside its layer)",
+                    e->scene->file, e->body->line, (int)(e->body - e->scene->bodies) + 1, what, e->number,
+                    e->at[0], e->at[1], e->at[2]);
 }
 
 /* Of the size of the coordinates, as of bodies among each other (convex.c). */

@@ -49,7 +49,8 @@ static cml_status fail_pair(const struct cml_scene *scene, const struct solid *a
     return cml_fail(err, CML_E_INPUT, "%s:%d: body %d %s body %d (line %d) at (%g %g %g) cm%s", scene->file,
                     later->body->line, later->number + 1, overlap ? "overlaps" : "meets", earlier->number + 1,
                     earlier->body->line, at[0], at[1], at[2],
-                    overlap ? " (expected all parts of one inside the other, or none)" : "");
+                    overlap ? " (expected all parts of one inside the other, or none)"
+                            : " (expected bodies apart, or one inside the other)");
 }
 
 /* What a sphere or cylinder meets of a mesh. */
@@ -139,9 +140,12 @@ static cml_status check_self(const struct cml_scene *scene, const struct solid *
     if (!solid->sheet) return CML_OK;
     cml_sheet_against_itself(solid->sheet, &overlap);
     if (overlap.contact == CML_APART) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "%s:%d: body %d meets itself at (%g %g %g) cm: triangles %u and %u",
-                    scene->file, solid->body->line, solid->number + 1, overlap.at[0], overlap.at[1],
-                    overlap.at[2], (unsigned)overlap.triangle[0], (unsigned)overlap.triangle[1]);
+    return cml_fail(
+        err, CML_E_INPUT,
+        "%s:%d: body %d meets itself at (%g %g %g) cm: triangles %u and %u (expected a surface that "
+        "does not)",
+        scene->file, solid->body->line, solid->number + 1, overlap.at[0], overlap.at[1], overlap.at[2],
+        (unsigned)overlap.triangle[0], (unsigned)overlap.triangle[1]);
 }
 
 /* Layer after layer, small before large: no body lies in one before it, whose box is smaller. */

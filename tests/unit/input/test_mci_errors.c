@@ -208,18 +208,22 @@ static void heightfields_that_are_none(void **state)
 static void height_files_that_are_wrong(void **state)
 {
     static const struct refusal table[] = {
-        {"", "h.txt: boundary 0: n is missing (expected a whole number of 1..1e7)"},
-        {"# n\nx\n", "h.txt:2: boundary 0: n = x (expected a whole number of 1..1e7)"},
-        {"2\n0 1\n0\n", "h.txt:3: boundary 0: s1 is missing (expected 2*n = 4 numbers after n, found 3)"},
-        {"2\n0 1\n# second\n0 end\n",
-         "h.txt:4: boundary 0: s1 = end (expected a number, although the last spacing has no effect)"},
-        {"2\n0 1\n0 1\n\n9\n", "h.txt:5: boundary 0: number after the last spacing = 9 (expected the end, "
-                               "because n = 2 takes 4 numbers)"},
-        {"2\n0 1\n0 1 the end\n", "h.txt:3: boundary 0: number after the last spacing = the (expected the "
-                                  "end, because n = 2 takes 4 numbers)"},
-        {"3\n0 1\n0\n0\n0 1\n", "h.txt:4: boundary 0: s1 = 0 (expected a spacing of 1e-30..1e30 cm)"},
-        {"3\n0 1\n0 1e-17\n\n0 1\n",
-         "h.txt:3: boundary 0: s1 = 1e-17 (expected a spacing that takes the radius further, up to 1e30 cm)"},
+        {"", "x.mci:9: boundary 0: h.txt: n is missing (expected a whole number of 1..1e7)"},
+        {"# n\nx\n", "x.mci:9: boundary 0: h.txt:2: n = x (expected a whole number of 1..1e7)"},
+        {"2\n0 1\n0\n",
+         "x.mci:9: boundary 0: h.txt:3: s1 is missing (expected 2*n = 4 numbers after n, found 3)"},
+        {"2\n0 1\n# second\n0 end\n", "x.mci:9: boundary 0: h.txt:4: s1 = end (expected a number, although "
+                                      "the last spacing has no effect)"},
+        {"2\n0 1\n0 1\n\n9\n",
+         "x.mci:9: boundary 0: h.txt:5: number after the last spacing = 9 (expected the end, "
+         "because n = 2 takes 4 numbers)"},
+        {"2\n0 1\n0 1 the end\n",
+         "x.mci:9: boundary 0: h.txt:3: number after the last spacing = the (expected the "
+         "end, because n = 2 takes 4 numbers)"},
+        {"3\n0 1\n0\n0\n0 1\n",
+         "x.mci:9: boundary 0: h.txt:4: s1 = 0 (expected a spacing of 1e-30..1e30 cm)"},
+        {"3\n0 1\n0 1e-17\n\n0 1\n", "x.mci:9: boundary 0: h.txt:3: s1 = 1e-17 (expected a spacing that "
+                                     "takes the radius further, up to 1e30 cm)"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         const struct refusal refusal = {ONE "b \"h.txt\"\n" LAYER "1\n", table[i].message};

@@ -46,10 +46,11 @@ static void planes_without_a_layer_between_them_are_compared(void **state)
     assert_non_null(boundaries);
     assert_int_equal(cml_scene_check_overlap(&scene, &err), CML_OK);
     boundaries[1].z = 0.5;
+    boundaries[1].line = 9;
     assert_int_equal(cml_scene_check_overlap(&scene, &err), CML_E_INPUT);
     assert_string_equal(err.text,
-                        "a.mci: boundaries 1 and 2 cross at (0 0 0.5) cm: boundary 1 reaches 0.5 cm "
-                        "below boundary 2");
+                        "a.mci:9: boundaries 1 and 2 cross at (0 0 0.5) cm: boundary 1 reaches 0.5 cm "
+                        "below boundary 2 (expected boundaries that neither cross nor touch)");
     boundaries[1].z = 0;
     boundaries[LAYERS].form = CML_FORM_RADIAL;
     boundaries[LAYERS].radial = (struct cml_radial){2, r, h};

@@ -178,7 +178,7 @@ static void heights_that_are_refused(void **state)
         {"", "x.gsf: 28 bytes of heights behind byte 96 (expected 24: 4 x 3 x 2)", 0},
         {"", "x.gsf: 20 bytes of heights behind byte 96 (expected 24: 4 x 3 x 2)", 0},
         {"", "x.gsf: byte 95 is not NUL (expected NUL bytes up to byte 96)", 0},
-        {"", "x.gsf: no NUL byte ends the header", 0},
+        {"", "x.gsf: no NUL byte ends the header (expected one, and then the heights)", 0},
         {"",
          "x.gsf: 2 of 6 heights are missing, the first in row 1, column 2 (expected a height in every cell: "
          "fill the holes first)",
@@ -220,14 +220,15 @@ static void grids_that_are_refused(void **state)
         {"cellsize 1e999\n", "x.asc:1: cellsize = 1e999 (expected a number)", 1},
         {GRID, "x.asc: an ESRI grid has no units (expected units=cm, mm, um or m on the m line)", 0},
         {"ncols 2000000000\nnrows 2000000000\ncellsize 1\n",
-         "x.asc: 2000000000 x 2000000000 heights cannot stand in 45 bytes", 1},
+         "x.asc: 2000000000 x 2000000000 heights in 45 bytes (expected at least 2 for each)", 1},
         {GRID "0 1 2\n3 4\n",
          "x.asc:7: height in row 2, column 3 is missing (expected ncols x nrows numbers, the "
          "file ends before)",
          1},
         {GRID "0 1 2\n3 4 5\n\n6\n",
          "x.asc:9: word behind the last height = 6 (expected the end of the file)", 1},
-        {GRID "0 1,5 2\n3 4 5\n", "x.asc:6: height in row 1, column 2 = 1,5 (expected a number)", 1},
+        {GRID "0 1,5 2\n3 4 5\n",
+         "x.asc:6: height in row 1, column 2 = 1,5 (expected a number, with a decimal point)", 1},
         {GRID "0 1 2\n3 inf 5\n", "x.asc:7: height in row 2, column 2 = inf (expected a number)", 1},
         {GRID "0 1 -9999\n3 nan 5\n",
          "x.asc: 2 of 6 heights are missing, the first in row 1, column 3 (expected a height in every cell: "

@@ -71,7 +71,7 @@ static const struct refusal bad_texts[] = {
     {SQUARE, "m.obj: no faces (expected lines like `f 1 2 3`)"},
     {"v nan 1 0\n", "m.obj:1: x of the vertex = nan (expected a finite number)"},
     {"v 0 1 0\nv 1 -inf 0\n", "m.obj:2: y of the vertex = -inf (expected a finite number)"},
-    {"v 0,0 1 0\n", "m.obj:1: x of the vertex = 0,0 (expected a finite number)"},
+    {"v 0,0 1 0\n", "m.obj:1: x of the vertex = 0,0 (expected a finite number, with a decimal point)"},
     {"v 1 2 0x10\n", "m.obj:1: z of the vertex = 0x10 (expected a finite number)"},
     {"v 1 2 1e999\n", "m.obj:1: z of the vertex = 1e999 (expected a finite number)"},
     {"v \"1\" 2 3\n", "m.obj:1: x of the vertex = \"1\" (expected a finite number)"},
@@ -106,7 +106,7 @@ static const struct refusal bad_texts[] = {
 static const struct refusal bad_sheets[] = {
     {PYRAMID PYRAMID_FACES "f 1 3 2\nf 1 4 3\n",
      "m.obj: the mesh is a closed body (expected an open sheet with "
-     "its border on one horizontal plane)"},
+     "its border on one horizontal plane; a body inside a layer has a line i)"},
     {PYRAMID "f 1 2 5\nf 2 3 5\nf 3 4 5\n", "m.obj:8: the border is not horizontal: its height spans 1 cm, "
                                             "the highest point is (0.5, 0.5, height 1) "
                                             "cm (expected a border on one horizontal plane, or skirt=WIDTH)"},

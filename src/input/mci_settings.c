@@ -64,7 +64,7 @@ static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct
         write_names(out, scene);
         fclose(out);
     }
-    snprintf(expected, sizeof expected, "a name that %.60s knows: %s", scene->output, names);
+    snprintf(expected, sizeof expected, "a name that the run in line %d knows: %s", scene->line, names);
     return cml_setting_fail(setting, expected, reader->err);
 }
 

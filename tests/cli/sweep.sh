@@ -87,7 +87,9 @@ wrong() { # MESSAGE TABLE
 wrong ":3: column 2, layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" 'layer1.g,layer1.mua\n0.5,1\n0.5,-1\n'
 wrong ":2: column 1, layer1.mua = x (expected a coefficient of 0..1e30 1/cm)" 'layer1.mua\nx\n'
 wrong ":3: number of cells = 1 (expected 2, as many as names)" 'layer1.mua,layer1.g\n1,0\n1\n'
-wrong ":2: number of cells = 3 (expected 2, as many as names)" 'layer1.mua,layer1.g\n1,0,1\n'
+wrong ":2: number of cells = 3 (expected 2, as many as names; commas part cells, decimals have a point)" 'layer1.mua,layer1.g\n1,0,1\n'
+wrong ":1: column 1 = layer1.mua; layer1.g (expected one name; commas part the columns)" 'layer1.mua; layer1.g\n1; 0,5\n'
+wrong ":2: column 1, layer1.mua = 0;5 (expected a coefficient of 0..1e30 1/cm)" 'layer1.mua\n0;5\n'
 wrong ":2: column 2, layer1.g is missing (expected a value)" 'layer1.mua,layer1.g\n1,\n'
 wrong ":1: column 2 = layer1.mua (expected a name that no other column has)" 'layer1.mua,layer1.mua\n1,1\n'
 wrong ":1: column 2 is missing (expected a name like layer1.mua)" 'layer1.mua,\n1,1\n'
@@ -98,11 +100,11 @@ wrong ":2: column 1, seed = 9007199254740993 (expected a whole number from 0 to 
 wrong ":3: column 1, boundary0.scale = 0 (expected a number of 1e-30..1e30)" 'boundary0.scale\n1\n0\n'
 printf 'layer1.x\n1\n' >"$work/wrong.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/wrong.csv" -o "$work"
-grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a name that ridges-0001.mco knows: photons, " "$work/err" ||
+grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a name that the run in line [0-9]* knows: photons, " "$work/err" ||
     complain "an unknown name: $(cat "$work/err")"
 printf 'layer1.d\n1\n0.0001\n' >"$work/wrong.csv"
 expect_code 2 samples/mixed.mci --sweep "$work/wrong.csv" -o "$work"
-grep -q "^clustermcml: $work/wrong.csv:3: .*boundaries 0 and 1 cross at" "$work/err" || complain "boundaries that cross: $(cat "$work/err")"
+grep -q "^clustermcml: $work/wrong.csv:3: row 2, layer1.d = 0.0001: samples/mixed.mci:[0-9]*: boundaries 0 and 1 cross at" "$work/err" || complain "boundaries that cross: $(cat "$work/err")"
 printf 'layer1.mua\n1\n' >"$work/one.csv"
 expect_error 2 "$work/one.csv:2: column 1, layer1.mua = 1 (expected one value, but --set has set it to 2)" \
     "$work/ridges.mci" --sweep "$work/one.csv" --set layer1.mua=2 -o "$work"

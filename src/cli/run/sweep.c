@@ -88,13 +88,19 @@ static cml_status row_seed(const struct sweep *sweep, int row, uint64_t *seed, s
     return cml_setting_fail(&setting, "a whole number from 0 to 9007199254740992", err);
 }
 
-/* Says of which row it is what the reader says of boundaries. */
+/* Says of which row, and of which values, it is what the reader says of a scene. */
 static cml_status name_row(const struct sweep *sweep, int row, cml_status status, struct cml_error *err)
 {
     const struct cml_error why = *err;
     const char *path = sweep->table.text.path;
+    char cells[300] = "";
     if (status == CML_OK || strncmp(why.text, path, strlen(path)) == 0) return status;
-    return cml_fail(err, status, "%s:%d: %.900s", path, sweep->table.line[row], why.text);
+    for (int c = 0; c < sweep->table.num_columns && strlen(cells) < 200; c++) {
+        const struct cml_setting cell = cml_sweep_cell(&sweep->table, row, c);
+        snprintf(cells + strlen(cells), sizeof cells - strlen(cells), ", %s = %.30s", cell.name, cell.value);
+    }
+    return cml_fail(err, status, "%s:%d: row %d%s: %.600s", path, sweep->table.line[row], row + 1, cells,
+                    why.text);
 }
 
 /* The scene of a row, the caller's to clear. */

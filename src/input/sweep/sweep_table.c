@@ -51,6 +51,8 @@ static cml_status read_name(struct cml_sweep_table *table, const char *name, str
     snprintf(field, sizeof field, "column %d", column + 1);
     if (*name == '\0' || strlen(name) >= sizeof *table->name)
         return fail_at(&table->text, field, name, "a name like layer1.mua", err);
+    if (strpbrk(name, "; \t"))
+        return fail_at(&table->text, field, name, "one name; commas part the columns", err);
     for (int i = 0; i < column; i++)
         if (strcmp(table->name[i], name) == 0)
             return fail_at(&table->text, field, name, "a name that no other column has", err);
@@ -87,7 +89,7 @@ static cml_status grow(struct cml_sweep_table *table, struct cml_error *err)
 
 static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml_error *err)
 {
-    char value[16], expected[64];
+    char value[16], expected[96];
     int cells = 0;
     if (table->num_rows == MOST_ROWS) return fail_at(&table->text, "rows", "more", "at most 1000000", err);
     CML_TRY(grow(table, err));
@@ -103,7 +105,8 @@ static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml
     }
     if (cells == table->num_columns) return CML_OK;
     snprintf(value, sizeof value, "%d", cells);
-    snprintf(expected, sizeof expected, "%d, as many as names", table->num_columns);
+    snprintf(expected, sizeof expected, "%d, as many as names%s", table->num_columns,
+             cells > table->num_columns ? "; commas part cells, decimals have a point" : "");
     return fail_at(&table->text, "number of cells", value, expected, err);
 }
 

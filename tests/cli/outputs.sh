@@ -28,8 +28,12 @@ f 4 1 5
 E2
 
 # inputs
-scene a.mci >a.mci
-refused 2 'a.mci:3: output name = a.mci (expected another one: it would overwrite the input a.mci)' a.mci
+scene a.mco >a.mco
+refused 2 'a.mco:3: output name = a.mco (expected another one: it would overwrite the input a.mco)' a.mco
+refused 2 'run: --output ./a.mco would overwrite its input a.mco (expected another name)' a.mco --output ./a.mco
+for name in a.txt fl.mci; do
+    refused 2 "--output $name (expected a name that ends in .mco or .h5, or has no ending)" a.mco --output $name
+done
 scene ./wedge.obj '' 'm "wedge.obj"
 ' >b.mci
 refused 2 'b.mci:3: output name = ./wedge.obj (expected another one: it would overwrite the input wedge.obj)' b.mci
@@ -47,9 +51,9 @@ refused 2 "two.mci:11: output name = ./a.mco (expected another one: run 1, a.mco
 refused 2 "two.mci:11: output name = a.mco (expected another one: run 1, a.map.vti, writes a.map.vti, too)" two.mci
 
 # the program's own endings
-for ending in checkpoint checkpoint.old lock tmp; do
+for ending in checkpoint checkpoint.old lock tmp mci; do
     scene a.mco.$ending >c.mci
-    refused 2 "c.mci:3: output name = a.mco.$ending (expected no ending .checkpoint, .checkpoint.old, .lock or .tmp)" c.mci
+    refused 2 "c.mci:3: output name = a.mco.$ending (expected no ending .mci, .checkpoint, .checkpoint.old, .lock or .tmp)" c.mci
 done
 
 # a name beside it that is too long is found before the flight, not after
@@ -62,7 +66,7 @@ refused 5 "$PWD/$long.volume.vti: cannot be written (File name too long)" c.mci
 mkdir folder && scene folder >c.mci
 refused 5 'folder: cannot be written (a directory)' c.mci
 mkfifo pipe && scene pipe >c.mci
-rm a.mci b.mci two.mci wedge.obj
+rm a.mco b.mci two.mci wedge.obj
 expect_error 5 'pipe: cannot be written (no regular file)' c.mci
 rm pipe
 # /dev/null and /dev/stdout are written to: unit.atomic_file, which cannot put a file in their place

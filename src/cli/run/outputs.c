@@ -107,16 +107,16 @@ static cml_status add_checkpoint(struct cml_outputs *outputs, const char *path, 
     return status;
 }
 
-/* Endings that the program gives to files of its own. */
+/* Endings of scenes, and those that the program gives to files of its own. */
 static cml_status check_name(const struct cml_scene *scene, struct cml_error *err)
 {
-    static const char *const taken[] = {".checkpoint", ".checkpoint.old", ".lock", ".tmp"};
+    static const char *const taken[] = {".checkpoint", ".checkpoint.old", ".lock", ".tmp", ".mci"};
     const size_t length = strlen(scene->output);
     for (size_t i = 0; i < sizeof taken / sizeof *taken; i++) {
         const size_t size = strlen(taken[i]);
         if (length > size && strcmp(scene->output + length - size, taken[i]) == 0)
             return cml_fail_field(err, scene->file, scene->line, "output name", scene->output,
-                                  "no ending .checkpoint, .checkpoint.old, .lock or .tmp");
+                                  "no ending .mci, .checkpoint, .checkpoint.old, .lock or .tmp");
     }
     return CML_OK;
 }
@@ -222,8 +222,21 @@ static cml_status check_distinct(const struct cml_outputs *outputs, const struct
     return CML_OK;
 }
 
-static cml_status check_inputs(const struct cml_outputs *outputs, const struct cml_scene_list *list,
-                               const struct cml_inputs *inputs, struct cml_error *err)
+static cml_status fail_input(const struct cml_options *options, const struct cml_scene *scene,
+                             const char *input, struct cml_error *err)
+{
+    if (options->output)
+        return cml_fail(err, CML_E_INPUT,
+                        "run: --output %.200s would overwrite its input %s (expected another name)",
+                        options->output, input);
+    return cml_fail(err, CML_E_INPUT,
+                    "%s:%d: output name = %s (expected another one: it would overwrite the input %s)",
+                    scene->file, scene->line, scene->output, input);
+}
+
+static cml_status check_inputs(const struct cml_options *options, const struct cml_outputs *outputs,
+                               const struct cml_scene_list *list, const struct cml_inputs *inputs,
+                               struct cml_error *err)
 {
     cml_status status = CML_OK;
     for (size_t i = 0; status == CML_OK && i < inputs->count; i++) {
@@ -231,12 +244,8 @@ static cml_status check_inputs(const struct cml_outputs *outputs, const struct c
         if (strcmp(inputs->item[i].path, "-") == 0) continue;
         CML_TRY(resolve(inputs->item[i].path, &key.name, err));
         for (size_t k = 0; status == CML_OK && k < outputs->count; k++) {
-            if (strcmp(outputs->file[k].name, key.name) != 0) continue;
-            const struct cml_scene *scene = &list->scenes[outputs->file[k].run];
-            status =
-                cml_fail(err, CML_E_INPUT,
-                         "%s:%d: output name = %s (expected another one: it would overwrite the input %s)",
-                         scene->file, scene->line, scene->output, inputs->item[i].path);
+            if (strcmp(outputs->file[k].name, key.name) == 0)
+                status = fail_input(options, &list->scenes[outputs->file[k].run], inputs->item[i].path, err);
         }
         free(key.name);
     }
@@ -313,7 +322,7 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     for (int i = 0; i < list->count; i++) CML_TRY(claim_run(options, &list->scenes[i], i, outputs, err));
     qsort(outputs->file, outputs->count, sizeof *outputs->file, compare_files);
     CML_TRY(check_distinct(outputs, list, err));
-    CML_TRY(check_inputs(outputs, list, inputs, err));
+    CML_TRY(check_inputs(options, outputs, list, inputs, err));
     for (int i = 0; i < num_locks; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
     remove_leftovers(outputs);
     return CML_OK;

@@ -16,12 +16,23 @@ static void print_event(void *context, const struct cml_trace_event *event)
            event->direction[1], event->direction[2], event->weight);
 }
 
+/* It can be flown all the same: a run may have had more. */
+static void note_beyond(const struct cml_scene *scene, uint64_t photon)
+{
+    char text[512];
+    snprintf(text, sizeof text,
+             "photon %llu is not among those of %.300s (0 to %llu, unless --photons says more)",
+             (unsigned long long)photon, scene->output, (unsigned long long)scene->photons - 1);
+    cml_show_note(NULL, text);
+}
+
 /* Lines that are no events begin with #, so that the table can be read by other programs. */
 static cml_status trace(const struct cml_options *options, const struct cml_scene *scene, void *engine,
                         uint64_t photon, struct cml_error *err)
 {
     struct cml_fate_record record;
     long row = 0;
+    if (photon >= scene->photons) note_beyond(scene, photon);
     printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
            options->engine->name, (unsigned long long)options->engine_options.seed);
     printf("#%5s  %-8s %6s  %15s %15s %15s  %12s %12s %12s  %s\n", "event", "what", "medium", "x cm", "y cm",

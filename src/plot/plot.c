@@ -205,7 +205,7 @@ static cml_status find_axis(struct drawing *d, int num_panels, struct cml_error 
 {
     for (int i = 0; i < num_panels; i++)
         for (int k = 0; k < d->count; k++) d->to = fmax(d->to, d->panels[i].curves[k].end);
-    return cml_axis_range_apply(&d->plot->style.x, "--xrange", &d->from, &d->to, err);
+    return cml_axis_range_within(&d->plot->style.x, "--xrange", &d->from, &d->to, err);
 }
 
 /* ---- data ---- */

@@ -155,8 +155,8 @@ static cml_status find_extent(struct drawing *d, struct cml_error *err)
             d->to[axis] = fmax(d->to[axis], end);
         }
     }
-    CML_TRY(cml_axis_range_apply(&d->plot->style.x, "--xrange", &d->from[0], &d->to[0], err));
-    return cml_axis_range_apply(&d->plot->style.y, "--yrange", &d->from[1], &d->to[1], err);
+    CML_TRY(cml_axis_range_within(&d->plot->style.x, "--xrange", &d->from[0], &d->to[0], err));
+    return cml_axis_range_within(&d->plot->style.y, "--yrange", &d->from[1], &d->to[1], err);
 }
 
 /* Very long panels get more of the plane than there is map. */

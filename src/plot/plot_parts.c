@@ -25,6 +25,15 @@ cml_status cml_axis_range_apply(const struct cml_axis_range *range, const char *
                     option, *from, *to);
 }
 
+cml_status cml_axis_range_within(const struct cml_axis_range *range, const char *option, double *from,
+                                 double *to, struct cml_error *err)
+{
+    if (*to > *from && (range->from >= *to || range->to <= *from))
+        return cml_fail(err, CML_E_INPUT, "%s beyond all that is lit (expected some of %g:%g)", option, *from,
+                        *to);
+    return cml_axis_range_apply(range, option, from, to, err);
+}
+
 /* A path that ends in a slash keeps it, so that the name is never empty. */
 const char *cml_plot_base_name(const char *path)
 {

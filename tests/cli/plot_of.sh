@@ -219,11 +219,13 @@ no_axis() { # "FROM to TO" OPTION RANGE FILE...
     expect_error 2 "$option: the axis would go from $axis ($ends)" plot "$@" "$option" "$told" -o "$work/none.svg"
 }
 no_axis "-1e+308 to 1e+308" --xrange -1e308:1e308 "$a"
-no_axis "1 to 1" --xrange 1:1.00000001 "$a"
-no_axis "0 to -5" --xrange :-5 "$a"
+no_axis "0.5 to 0.5" --xrange 0.5:0.50000001 "$a"
 no_axis "1e+31 to 1e+32" --yrange 1e31:1e32 "$a"
 no_axis "-1e+308 to 1e+308" --xrange -1e308:1e308 "$work/scene.map.vti"
-no_axis "5 to 0.2" --yrange 5: "$work/scene.map.vti"
+# One on which nothing would stand.
+expect_error 2 "--xrange beyond all that is lit (expected some of 0:0.8)" plot "$a" --xrange 1:2 -o "$work/none.svg"
+expect_error 2 "--xrange beyond all that is lit (expected some of 0:0.8)" plot "$a" --xrange :-5 -o "$work/none.svg"
+expect_error 2 "--yrange beyond all that is lit (expected some of -0.2:0.2)" plot "$work/scene.map.vti" --yrange 5: -o "$work/none.svg"
 no_axis "0 to 9.99989e-321" --crange 0:1e-320 "$work/scene.map.vti"
 expect_code 0 plot "$a" --xrange -1e30:1e30 -o "$work/told.svg"
 expect_code 0 plot "$work/scene.map.vti" --crange 0:1e-30 -o "$work/told.svg" # from 0: not on a log scale

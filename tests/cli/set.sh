@@ -63,6 +63,10 @@ expect_code 0 check "$work/plain.mci" --set layer1.mua=7 --set layer2.d=0.9 --js
 grep -q '"mua":7.0' "$work/out" && grep -q '"d":0.9' "$work/out" || complain "check --set: $(cat "$work/out")"
 expect_code 0 exact samples/skin7.mci --set layer1.mua=0 --json
 expect_code 0 trace "$work/plain.mci" 3 --set layer1.mua=7
+test ! -s "$work/err" || complain "trace: $(cat "$work/err")"
+expect_code 0 trace "$work/plain.mci" 3 --set photons=3
+grep -qx 'clustermcml: note: photon 3 is not among those of result.mco (0 to 2, unless --photons says more)' "$work/err" ||
+    complain "trace beyond the photons: $(cat "$work/err")"
 expect_code 0 "$work/plain.mci" --set photons=1e3 --set layer1.mua=7 --json -o "$work"
 grep -q '"set":{"photons":1000.0,"layer1.mua":7.0}' "$work/out" || complain "--json: $(cat "$work/out")"
 
@@ -103,12 +107,12 @@ for setting in body1.n=1.33 body1.mua=5 body1.mus=0 body1.g=0.9 body2.n=1 body2.
     rm -r "$work/a" "$work/b"
 done
 expect_error 2 "--set: body1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/bodies.mci" --set body1.mua=-1
-expect_error 2 "--set: body3.n = 1 (expected a name that result.mco knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, body1..2 with .n .mua .mus .g, beam.angle, beam.azimuth)" \
+expect_error 2 "--set: body3.n = 1 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, body1..2 with .n .mua .mus .g, beam.angle, beam.azimuth)" \
     "$work/bodies.mci" --set body3.n=1
 
 names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0.scale and .height, boundary1.scale and .height, beam.angle, beam.azimuth, beam.radius'
-expect_error 2 "--set: layer3.n = 1.4 (expected a name that result.mco knows: $names)" "$work/plain.mci" --set layer3.n=1.4
-expect_error 2 "--set: boundary2.scale = 2 (expected a name that result.mco knows: $names)" "$work/plain.mci" --set boundary2.scale=2
+expect_error 2 "--set: layer3.n = 1.4 (expected a name that the run in line 3 knows: $names)" "$work/plain.mci" --set layer3.n=1.4
+expect_error 2 "--set: boundary2.scale = 2 (expected a name that the run in line 3 knows: $names)" "$work/plain.mci" --set boundary2.scale=2
 expect_error 2 "--set: layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/plain.mci" --set layer1.mua=-1
 expect_error 2 "--set: layer1.mua = 1e-13 (expected 0, or at least 1e-11 of mua + mus)" "$work/plain.mci" --set layer1.mua=1e-13
 expect_error 2 "--set: layer1.n = x (expected a refractive index of 0.01..100)" "$work/plain.mci" --set layer1.n=x

@@ -39,6 +39,16 @@ run.stdout.read()
 sys.exit(run.wait() != 75)
 E2
 
+# While surfaces are tried as planes no checkpoint could follow: a signal ends the program as usual.
+"$program" samples/shapes/hihill.mci --tolerance 1e-5 --photons 1e8 --threads 1 -o "$work" >"$work/out" 2>"$work/err" &
+run=$!
+until test -e "$work/hihill.lock" || ! kill -0 $run; do sleep 0.02; done
+kill -TERM $run
+code=0
+wait $run || code=$?
+test $code -eq 143 || complain "before the flight: exit $code, not 143: $(cat "$work/err")"
+rm -f "$work"/hihill*
+
 # The second signal: both come before the program can look at the first.
 rm -f "$work"/thick.mco*
 begin "  boundary 1" $long --engine reference

@@ -11,7 +11,6 @@
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"
-#include "run/stop.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -70,11 +69,9 @@ static cml_status run_scene(const struct session *session, int index, struct cml
     return status;
 }
 
-/* Signals are watched only where a checkpoint can follow them; else they end the program as usual. */
 static cml_status run_all(const struct session *session, struct cml_error *err)
 {
     const struct cml_options *options = session->options;
-    if (options->checkpoint_interval > 0) cml_stop_watch();
     if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
         printf("clustermcml %s, %d rank%s\n", cml_version(), cml_cluster_size(),
                cml_cluster_size() == 1 ? "" : "s");

@@ -12,6 +12,7 @@
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"
+#include "run/stop.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -198,13 +199,15 @@ static cml_status control_run(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
-/* On all ranks. */
+/* On all ranks. Signals are watched only where a checkpoint can follow them, and not before: else they end
+ * the program as usual. */
 static cml_status fly(const struct cml_run_call *call, const struct cml_run_setup *setup,
                       const struct cml_twin *twin, struct cml_record *record, struct cml_error *err)
 {
     struct cml_run_result run;
     if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0)
         note_old_checkpoint(call->options, setup->checkpoint);
+    if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(cml_run(setup, &run, err));
     cml_status status = setup->controlled && !run.finished

@@ -80,9 +80,20 @@ static cml_status run_all(const struct session *session, struct cml_error *err)
     return CML_OK;
 }
 
+/* An ending is the result's format. */
+static cml_status check_output(const char *name, struct cml_error *err)
+{
+    const char *slash = name ? strrchr(name, '/') : NULL,
+               *dot = name ? strrchr(slash ? slash : name, '.') : NULL;
+    if (!dot || !dot[1] || cml_file_ends_in(name, ".mco") || cml_file_ends_in(name, ".h5")) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "--output %.200s (expected a name that ends in .mco or .h5, or has no ending)", name);
+}
+
 /* What cannot stand together. --more goes on from tallies, and leaves some. */
 static cml_status check_options(struct cml_options *options, struct cml_error *err)
 {
+    CML_TRY(check_output(options->output, err));
     if (options->control && options->ignore_heightfields)
         return cml_fail(err, CML_E_INPUT, "--control flat (expected no --ignore-heightfields beside it)");
     if (options->more > 0) options->keep = true;

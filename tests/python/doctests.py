@@ -10,13 +10,8 @@ import re
 import sys
 import tempfile
 
-TOP = os.path.abspath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
-sys.path.insert(0, os.path.join(TOP, "src", "python"))
-try:
-    import clustermcml
-except ImportError as error:
-    print(error)
-    sys.exit(77)
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+from python_package import TOP, mc as clustermcml  # noqa: E402
 
 
 

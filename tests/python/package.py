@@ -12,16 +12,8 @@ import threading
 import time
 import unittest
 
-TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-sys.path.insert(0, os.path.join(TOP, "src", "python"))
-try:
-    import h5py
-    import numpy as np
-    import xarray as xr
-except ImportError as error:
-    print(error)
-    sys.exit(77)
-import clustermcml as mc  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+from python_package import TOP, h5py, mc, np, xr  # noqa: E402
 from clustermcml.program import _listen, find_program, fly, result_of  # noqa: E402
 from clustermcml.progress import Progress  # noqa: E402
 
@@ -358,10 +350,17 @@ class Runs(unittest.TestCase):
             for path, layer in zip(paths, (SLAB, mc.Layer(1.4, 2, 100, 0.9, 0.1))):
                 with open(path, "w", encoding="utf-8") as file:
                     file.write(mc.Scene([layer], photons=200, format=kind).text("same.mco"))
-            told = [fly(path, self.folder, [], False)[0] for path in paths]
+            told = [fly(path, self.folder, [], False, "none")[0] for path in paths]
             self.assertEqual(float(result_of(told[1]).layer_mua[0]), 2)
             with self.assertRaisesRegex(mc.ClustermcmlError, "same.*: replaced by another call"):
                 result_of(told[0])
+
+    def test_files_that_are_gone_are_not_named(self):
+        closed = mc.Mesh(vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], faces=[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+        with self.assertRaisesRegex(mc.InputError, "^Scene: boundary 0: its surface: the mesh is a closed body"):
+            mc.run(mc.Scene([mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=2, top=closed)]))
+        with self.assertRaisesRegex(mc.InputError, "^parameters: column 1, layer1.mua = -1.0 .expected"):
+            mc.sweep(mc.Scene([SLAB]), {"layer1.mua": [1, -1]})
 
     def test_what_cannot_be_written_or_run(self):
         os.mkdir(os.path.join(self.folder, "scene.mci"))

@@ -10,16 +10,8 @@ import tempfile
 import unittest
 import warnings
 
-TOP = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
-sys.path.insert(0, os.path.join(TOP, "src", "python"))
-try:
-    import h5py
-    import numpy as np
-    import xarray as xr
-except ImportError as error:
-    print(error)
-    sys.exit(77)
-import clustermcml as mc  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+from python_package import h5py, mc, np, xr  # noqa: E402
 
 MANGLED = 1000
 WORDS = "0 -1 1 2 1e999 nan 2000000000 99999999999999999999 1e-320 # A RAT InParm se_RAT A_z body \x00 \u2028 ;".split(" ")

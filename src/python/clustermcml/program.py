@@ -82,6 +82,19 @@ def option_words(options: dict[str, Any]) -> list[str]:
     return words
 
 
+def _renamed(text: str, folder: str) -> str:
+    """What the program says of the files of a folder that will be gone, in the caller's names.
+
+    >>> _renamed("/tmp/x/scene.mci:9: boundary 0: /tmp/x/scene.surface0.obj: no faces", "/tmp/x")
+    'Scene: boundary 0: its surface: no faces'
+    """
+    names = {r"scene\.mci": "Scene", r"scene\.surface\d+\.\w+": "its surface", r"scene\.layer\d+body\d+\.\w+": "its surface",
+             r"sweep\.csv": "parameters"}
+    for file, name in names.items():
+        text = re.sub(re.escape(folder + os.sep) + file + r"(:\d+)?(?!\w)", name, text)
+    return text
+
+
 def _raise_failure(code: int, said: Sequence[str]) -> NoReturn:
     """The program's own message, as an error of its kind."""
     own = [line.removeprefix(PREFIX) for line in said if line.startswith(PREFIX)]
@@ -184,8 +197,9 @@ def _start(words: list[str], here: int, there: int) -> subprocess.Popen[str]:
         os.close(there)
 
 
-def fly(scene: str, folder: str, options: list[str], show: Optional[bool], rows: int = 0) -> list[dict[str, Any]]:
-    """What the program says of every run, as --json does. options: words of its command line. rows: of a sweep, 0 of none.
+def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scratch: str, rows: int = 0) -> list[dict[str, Any]]:
+    """What the program says of every run, as --json does. options: words of its command line. scratch: a folder that will be gone,
+    whose files are not named. rows: of a sweep, 0 of none.
 
     In a session of its own, so that an interrupt reaches it from here alone. Its standard error is a terminal, so that it draws a bar.
     """
@@ -201,6 +215,7 @@ def fly(scene: str, folder: str, options: list[str], show: Optional[bool], rows:
         finally:
             listener.join()
             os.close(here)
+    said = [_renamed(line, scratch) for line in said]
     for note in (line for line in said if line.startswith(PREFIX + "note: ")):
         warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=3)
     if process.returncode != 0:
@@ -237,7 +252,7 @@ def run(scene: Union[Scene, str, os.PathLike[str]], *, output_dir: Union[None, s
     with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         with scene_file(scene, folder) as path:
-            told = fly(path, folder, option_words(options), progress)
+            told = fly(path, folder, option_words(options), progress, scratch)
             if len(told) != 1:
                 raise errors.refuse("scene", path, f"a file with one run, this one has {len(told)}")
             return result_of(told[0])

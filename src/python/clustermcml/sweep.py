@@ -92,7 +92,7 @@ def sweep(scene: Union[Scene, str, os.PathLike[str]], parameters: Mapping[str, S
         words = ["--sweep", table, *option_words(options)]
         rows = []
         with scene_file(scene, folder) as path:
-            for one in sorted(fly(path, folder, words, progress, math.prod(map(len, checked.values()))), key=lambda one: int(one["row"])):
+            for one in sorted(fly(path, folder, words, progress, scratch, math.prod(map(len, checked.values()))), key=lambda one: int(one["row"])):
                 result = result_of(one)
                 missing = [name for name in variables or () if name not in result]
                 if missing:

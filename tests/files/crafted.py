@@ -12,7 +12,7 @@ import zlib
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
-from fields import h5py, numpy  # noqa: E402
+from fields import fly_twice, h5py, numpy  # noqa: E402
 
 SCENE = """1.0
 1
@@ -316,11 +316,7 @@ def main():
     verdict = cml.Verdict("crafted")
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        with open("maps.mci", "w", encoding="utf-8") as file:
-            file.write(SCENE)
-        for seed in ("1", "2"):
-            os.mkdir(seed)
-            subprocess.run([cml.PROGRAM, "maps.mci", "--quiet", "--seed", seed, "-o", seed], check=True)
+        fly_twice(SCENE, (2000, 2000))
         shutil.copy("1/maps.h5", "good.h5")
         for name, change, commands, message in CASES:
             shutil.copy("2/maps.h5", "bad.h5")

@@ -7,7 +7,7 @@ import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cml  # noqa: E402
-from fields import h5py, numpy  # noqa: E402
+from fields import fly_twice, h5py, numpy  # noqa: E402
 
 SCENE = """1.0
 1
@@ -66,11 +66,7 @@ def main():
     verdict = cml.Verdict("merge")
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
-        with open("maps.mci", "w", encoding="utf-8") as file:
-            file.write(SCENE)
-        for seed in ("1", "2"):
-            os.mkdir(seed)
-            subprocess.run([cml.PROGRAM, "maps.mci", "--quiet", "--seed", seed, "--photons", str(3000 * int(seed)), "-o", seed], check=True)
+        fly_twice(SCENE, (3000, 6000))
         subprocess.run([cml.PROGRAM, "merge", "1/maps.h5", "2/maps.h5", "-o", "both.h5", "--quiet"], check=True)
         with h5py.File("1/maps.h5") as one, h5py.File("2/maps.h5") as two, h5py.File("both.h5") as both:
             check(verdict, one, two, both)

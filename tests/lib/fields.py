@@ -1,7 +1,11 @@
 """What the tests of .h5, .vti and .vtp files share: the readers, which are Debian packages, and reading itself.
 
 Where they are missing the test is skipped, with a word; samples/packages.sh test installs them."""
+import os
+import subprocess
 import sys
+
+import cml
 
 try:
     import h5py
@@ -13,7 +17,16 @@ except ImportError as reason:
     print(f"skipped: {reason} (sh samples/packages.sh test installs it)")
     sys.exit(77)
 
-__all__ = ["h5py", "numpy", "vtk", "xarray", "read_vtk", "arrays_of"]
+__all__ = ["h5py", "numpy", "vtk", "xarray", "fly_twice", "read_vtk", "arrays_of"]
+
+
+def fly_twice(scene, photons):
+    """The text of a scene, flown in the current folder with the seeds 1 and 2 into the folders 1 and 2; photons: of both."""
+    with open("maps.mci", "w", encoding="utf-8") as file:
+        file.write(scene)
+    for seed, count in zip("12", photons):
+        os.mkdir(seed)
+        subprocess.run([cml.PROGRAM, "maps.mci", "--quiet", "--seed", seed, "--photons", str(count), "-o", seed], check=True)
 
 
 def read_vtk(path):

@@ -369,7 +369,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     struct cml_error err = {CML_OK, ""};
     struct input in = {data, size};
     if (!base) {
-        H5set_free_list_limits(-1, -1, -1, -1, -1, -1);
+        H5set_free_list_limits(-1, -1, 4 << 20, 256 << 10, 16 << 20,
+                               1 << 20); /* regular ones have few sizes */
         write_base(path_of("base"), 2);
         FUZZ_CHECK(cml_text_read_file(path_of("base"), &base, &base_size, &err) == CML_OK);
         write_base(path_of("base"), 1); /* the other half of what is merged */

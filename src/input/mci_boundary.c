@@ -290,7 +290,8 @@ static cml_status check_seam(const struct cml_mci_line_options *options, const s
             return cml_mci_fail_option(options, "tile", value,
                                        "at most three times the largest step inside; tile=mirror repeats any "
                                        "map, tile=as-is this one");
-        cml_mci_note(options->reader, "%s: tile: %s", options->owner, value);
+        cml_mci_note(options->reader, "%s: tile: %s (tile=as-is if that is meant, else tile=mirror)",
+                     options->owner, value);
     }
     return CML_OK;
 }

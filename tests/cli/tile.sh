@@ -74,7 +74,7 @@ seam() { # HEIGHT OPTION: of the last column, behind steps of 1
 seam 3 tile
 for command in "check $work/seam.mci" "$work/seam.mci --photons 10 --quiet -o $work"; do
     expect_code 0 $command
-    test "$(cat "$work/err")" = "clustermcml: note: $work/seam.mci:11: boundary 0: tile: a step of 0.3 cm across the seam along x, 0.1 cm inside" ||
+    test "$(cat "$work/err")" = "clustermcml: note: $work/seam.mci:11: boundary 0: tile: a step of 0.3 cm across the seam along x, 0.1 cm inside (tile=as-is if that is meant, else tile=mirror)" ||
         complain "$command: $(cat "$work/err")"
 done
 printf 'ncols 5 nrows 2 cellsize 1\n0 1 2 3 4\n0 1 2 2 1\n' >"$work/seam.asc"

@@ -239,6 +239,7 @@ class Scenes(unittest.TestCase):
             with self.assertRaisesRegex(mc.InputError, text) as caught:
                 make()
             self.assertNotIn("\n", str(caught.exception))
+        self.assertIn("\n1.4 1 100 0.9 0\n", mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0)]).text("a.mco"))  # as original MCML
 
 
 class Runs(unittest.TestCase):

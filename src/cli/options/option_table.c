@@ -105,7 +105,7 @@ const struct cml_option cml_option_table[] = {
     {"build-options", 0, "TEXT", FLYING, "opencl", "for opencl: for the device's compiler, behind ours",
      TEXT(engine_options.build_options)},
     {"checkpoint", 0, "S|off", RUN, NULL,
-     "seconds between checkpoints of a run, default 60 (DIR/NAME.checkpoint)", .read = cml_read_checkpoint,
+     "seconds between checkpoints of a run, default 60 (DIR/NAME.mco.checkpoint)", .read = cml_read_checkpoint,
      .member = MEMBER(checkpoint_interval)},
     {"resume", 0, NULL, RUN, NULL, "continue from the checkpoint, on any number of ranks and threads",
      FLAG(resume)},

@@ -46,7 +46,7 @@ class Layer:
         errors.at_least_zero("Layer.mua", self.mua)
         errors.at_least_zero("Layer.mus", self.mus)
         errors.number("Layer.g", self.g, -1, 1, "a number from -1 to 1")
-        errors.above_zero("Layer.d", self.d)
+        errors.at_least_zero("Layer.d", self.d)
         check_surface("Layer.top", self.top)
 
 

@@ -27,4 +27,5 @@ sh tests/sanitize/threads.sh
 
 # By number, not by time, so that a change is judged by the same inputs on any machine.
 bash tests/fuzz/run.sh runs=15000 fly mco
-bash tests/fuzz/run.sh runs=200000 mci obj heightmap vti csv options checkpoint
+bash tests/fuzz/run.sh runs=200000 mci obj heightmap vti csv options checkpoint merge sweep
+bash tests/fuzz/run.sh runs=5000 h5

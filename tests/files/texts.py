@@ -118,12 +118,16 @@ def tutorial_numbers():
     yield r"the horizon (\S+) times as", ((ratio, ratio * math.hypot(error[0] / last[0], error[1] / last[1])),)
     points = measured_points()
     yield (r"errors, (\d+) to (\d+) %, are", tuple((100 * bound(e / v for v, e, _ in points), 0) for bound in (min, max)))
+    yield r"of these (\d+) points (\d+) do", ((len(points), 0), (sum(abs(v - truth) <= e for v, e, truth in points), 0))
     values, _, x = map_of("scan.h5", "Rd_xy")
     yield r"on average (\S+) cm to the right", ((float((values * x).sum() / values.sum()), 1e-4),)
     yield r"give an error of (\d+) % in its middle", ((100 * pixel_error("scan.h5", (slice(18, 22), slice(20, 40))), 0.5),)
     yield r"light are known to (\d+) %, which", ((100 * pixel_error("furrows.h5", slice(14, 66)), 0.5),)
     yield (r"plane would mirror (\S+) \(`check` prints it\), the texture mirrors (\S+),",
            ((flat_rsp(os.path.join(TOP, "samples/furrows.mci")), 0), total("furrows.mco", "Rsp")))
+    vessel = cml.read_sections("vessel.mco")
+    yield r"vessel absorbs, (\S+)\. A of the summary, (\S+), is", ((vessel["A_body"][0], 0), (vessel["RAT"][2], 0))
+    yield r"A of the summary, (\S+), is that of the tissue and the vessel together", ((vessel["A_body"][0] + sum(vessel["A_l"]), 0),)
     yield r"one of 0.28 cm would lose (\d+) % of the light below", ((100 * thin_loss(), 0),)
     at = {(a, h): row_of("heights.sweep.csv", beam_angle=a, boundary0_height=h) for a in (0, 60) for h in (0, 0.5, 1, 2)}
     yield (r"that of a plane, (\S+), to within 2 % .* twice that: (\S+) \+- (\S+)\. At 60 degrees a plane mirrors (\S+)\. Low furrows "

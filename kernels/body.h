@@ -168,12 +168,6 @@ struct cml_body_region {
     real square, least;
 };
 
-CML_FN real cml_body_clamp(real x, real most)
-{
-    const real least = x > 0 ? x : (real)0;
-    return least < most ? least : most;
-}
-
 /* A place q on a path along u, and the closest cell of a grid. All in cells: */
 struct cml_body_view {
     const CML_GLOBAL struct cml_body_cell *cell;
@@ -189,12 +183,12 @@ CML_FN struct cml_body_view cml_view_body(const struct cml_world *world,
                                           struct cml_vec u)
 {
     const real nx = (real)grid->nx, ny = (real)grid->ny, nz = (real)grid->nz;
-    const int cx = (int)cml_body_clamp(q.x, nx - 1), cy = (int)cml_body_clamp(q.y, ny - 1),
-              cz = (int)cml_body_clamp(q.z, nz - 1);
+    const int cx = (int)cml_clamp(q.x, nx - 1), cy = (int)cml_clamp(q.y, ny - 1),
+              cz = (int)cml_clamp(q.z, nz - 1);
     const struct cml_vec off = {q.x - (real)cx - (real)0.5, q.y - (real)cy - (real)0.5,
                                 q.z - (real)cz - (real)0.5};
-    const struct cml_vec beyond = {q.x - cml_body_clamp(q.x, nx), q.y - cml_body_clamp(q.y, ny),
-                                   q.z - cml_body_clamp(q.z, nz)};
+    const struct cml_vec beyond = {q.x - cml_clamp(q.x, nx), q.y - cml_clamp(q.y, ny),
+                                   q.z - cml_clamp(q.z, nz)};
     struct cml_body_view view;
     view.cell = &world->body_cells[grid->first + (cz * grid->ny + cy) * grid->nx + cx];
     view.q = q;

@@ -1,4 +1,5 @@
-/* Which steps cannot meet a curved surface: a pyramid of depth bounds.
+/* Which steps cannot meet a curved surface: a pyramid of depth bounds, and around a mesh that overhangs cells
+ * with safe distances.
  * Below a mesh, over the x-y plane: level 0 divides a square into size x size cells, each with the least and
  * the greatest depth that the surface has above it; every further level joins 2 x 2 cells. The cells at the
  * rim also stand for everything outside. A step looks at the at most four cells that cover its box on the
@@ -12,14 +13,20 @@
 #define CML_CLEARANCE_H
 
 #include "mathf.h"
+#include "optics.h"
 #include "types.h"
+
+/* From 0 to most; NaN gives 0. */
+CML_FN real cml_clamp(real x, real most)
+{
+    const real least = x > 0 ? x : (real)0;
+    return least < most ? least : most;
+}
 
 /* Cell index along one axis, clamped to the rim; NaN gives 0. */
 CML_FN int cml_clearance_index(const CML_GLOBAL struct cml_clearance *grid, real x, real corner)
 {
-    const real cell = (x - corner) * grid->per_cell, last = (real)(grid->size - 1);
-    const real inner = cell > 0 ? cell : (real)0;
-    return (int)(inner < last ? inner : last);
+    return (int)cml_clamp((x - corner) * grid->per_cell, (real)(grid->size - 1));
 }
 
 /* Number of bits of n < 2^24: the level whose cells are longer than n cells of level 0. In float from its
@@ -172,5 +179,28 @@ CML_FN struct cml_interval cml_clip_interval(const CML_GLOBAL struct cml_clearan
                                       rings ? to : s.to};
     return left;
 }
+
+#ifndef __OPENCL_VERSION__
+/* Whether a path of length s from p is safe: the surface is further from all of it than rounding can put
+ * a packet. p in the boundary's frame, x and y from the beam's axis. The cell that the middle of the path
+ * is in decides, or the closest one: its ball, which the surface does not enter, holds the whole path
+ * where it holds the farther of both ends (kernels/README.md). A path that is not finite is not safe. */
+CML_FN int cml_path_is_safe(const struct cml_safe_cells *cells, struct cml_vec p, struct cml_vec u, real s)
+{
+    const real per_cell = cells->per_cell, half = (real)0.5 * s * per_cell;
+    const struct cml_vec start = {(p.x - cells->corner.x) * per_cell, (p.y - cells->corner.y) * per_cell,
+                                  (p.z - cells->corner.z) * per_cell};
+    const struct cml_vec middle = cml_along(start, half, u);
+    const int x = (int)cml_clamp(middle.x, (real)(cells->nx - 1)),
+              y = (int)cml_clamp(middle.y, (real)(cells->ny - 1)),
+              z = (int)cml_clamp(middle.z, (real)(cells->nz - 1));
+    const struct cml_vec off = {middle.x - ((real)x + (real)0.5), middle.y - ((real)y + (real)0.5),
+                                middle.z - ((real)z + (real)0.5)};
+    const real along = CML_FABS(cml_dot(off, u)), square = cml_dot(off, off);
+    const real far = CML_FMA(half, CML_FMA((real)2, along, half), square);
+    const real ball = (real)cells->safe[(z * cells->ny + y) * cells->nx + x] - cells->margin;
+    return (ball > 0) & (far < ball * ball);
+}
+#endif
 
 #endif

@@ -130,6 +130,18 @@ CML_FN int cml_heads_away(real horizon, struct cml_vec u, real side)
     return (side * u.z > 0) & (u.z * u.z >= horizon * horizon * (u.x * u.x + u.y * u.y));
 }
 
+/* Whether a path keeps to what is known to be free of a boundary. p in the boundary's frame. */
+CML_FN int cml_is_safe(const struct cml_world *world, const CML_GLOBAL struct cml_surface *surface,
+                       struct cml_vec p, struct cml_vec u, real t_max)
+{
+#ifdef __OPENCL_VERSION__
+    return 0;
+#else
+    const struct cml_safe_cells *cells = &world->safe_cells[surface - world->surfaces];
+    return cells->nx > 0 && t_max < CML_INFINITY && cml_path_is_safe(cells, p, u, t_max);
+#endif
+}
+
 /* Where a packet can meet a curved surface within t_max; p in the boundary's frame. side: +1 the packet is
  * below it, -1 above. on_primitive: what of it, -1 or CML_NEAR_FACETS. */
 CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
@@ -142,6 +154,7 @@ CML_FN struct cml_interval cml_curved_interval(const struct cml_world *world,
     const real inside = side * (nearest - p.z), away = side * u.z;
     const int passes = inside < away * t_max; /* that depth */
     struct cml_interval s = {0, 0, t_max};
+    if (cml_is_safe(world, surface, p, u, t_max)) return s;
     if (away < 0 ? passes : (inside < 0) | cml_heads_away(horizon, u, side)) return s;
     const real there = inside / away;
     s.meets = 1;

@@ -67,6 +67,17 @@ struct cml_clearance {
     int first_horizon, horizon_level;  /* of meshes: in world.horizon_below and above, and of whose cells */
 };
 
+#ifndef __OPENCL_VERSION__
+/* Cubes in and around a mesh that overhangs, and how far from the middle of each the surface is at least:
+ * see cml_path_is_safe. */
+struct cml_safe_cells {
+    int nx, ny, nz;        /* nx 0: there are none */
+    struct cml_vec corner; /* cm; boundary's frame, x and y from the beam's axis */
+    real per_cell, margin; /* cells per cm; what rounding may take of a safe distance, cells */
+    const float *safe;     /* [nz][ny][nx] safe distances, cells */
+};
+#endif
+
 /* The grid of maps and volume: its corner lies at x = -nx / 2 * dx, y = -ny / 2 * dy; the volume has the
  * depth bins of A_rz, from the upper face on. */
 struct cml_map {
@@ -214,6 +225,7 @@ struct cml_world {
 #ifndef __OPENCL_VERSION__
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */
+    const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] of boundaries */
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
     void *on_event_context;
 #endif

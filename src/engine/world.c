@@ -44,6 +44,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->clearance);
     free(to->horizons);
     free(to->meshes);
+    free(to->safe_cells);
     free(to->bodies);
     free(to->body_nodes);
     free(to->body_grids);
@@ -62,10 +63,11 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
     to->rings = calloc(CML_RING_ROWS * rings + 1, sizeof *to->rings);
     to->ring_starts = calloc(rings + 1, sizeof *to->ring_starts);
     to->meshes = calloc(boundaries, sizeof *to->meshes);
+    to->safe_cells = calloc(boundaries, sizeof *to->safe_cells);
     to->clearance = calloc(2 * to->clearance_cells + 1, sizeof *to->clearance);
     to->horizons = calloc(2 * to->horizon_cells + 1, sizeof *to->horizons);
-    if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->clearance &&
-        to->horizons)
+    if (to->media && to->surfaces && to->rings && to->ring_starts && to->meshes && to->safe_cells &&
+        to->clearance && to->horizons)
         return CML_OK;
     return cml_fail_memory(
         err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
@@ -75,8 +77,8 @@ double cml_world_bytes(const struct cml_surface_set *surfaces)
 {
     const double bodies = surfaces->bodies.count, boundaries = surfaces->count + bodies,
                  cells = (double)count_clearance_cells(surfaces) + (double)count_horizon_cells(surfaces);
-    return (boundaries + 1) *
-               (sizeof(struct cml_medium) + sizeof(struct cml_surface) + sizeof(struct cml_mesh_surface *)) +
+    return (boundaries + 1) * (sizeof(struct cml_medium) + sizeof(struct cml_surface) +
+                               sizeof(struct cml_safe_cells) + sizeof(struct cml_mesh_surface *)) +
            (double)count_rings(surfaces) * (CML_RING_ROWS * sizeof(real) + sizeof(int)) +
            2 * cells * sizeof(real) + bodies * sizeof(struct cml_body) +
            surfaces->bodies.tree.count * (double)sizeof(struct cml_body_node) +
@@ -220,6 +222,33 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
     to->world.horizon_above = to->horizons + to->horizon_cells;
 }
 
+/* The safe distances of meshes that overhang. Their margin holds for packets beside the cells, too, as far as
+ * a safe distance reaches: kernels/README.md derives both shares. */
+static void copy_safe_cells(const struct cml_scene *scene, const struct cml_surface_set *from,
+                            struct cml_owned_world *to)
+{
+    const double origin[3] = {scene->beam.x, scene->beam.y, 0};
+    for (int b = 0; b < from->count; b++) {
+        const struct cml_safe_map *map = &from->item[b].safe;
+        struct cml_safe_cells *cells = &to->safe_cells[b];
+        if (!map->safe) continue;
+        double corner[3], across = 0, farthest = (double)to->media[b].span;
+        for (int k = 0; k < 3; k++) {
+            corner[k] = map->corner[k] - origin[k];
+            across += map->n[k];
+            farthest += fabs(corner[k]) + 2 * map->n[k] * map->cell;
+        }
+        cells->nx = map->n[0];
+        cells->ny = map->n[1];
+        cells->nz = map->n[2];
+        cells->corner = cml_vec_of(corner[0], corner[1], corner[2]);
+        cells->per_cell = (real)(1 / map->cell);
+        cells->margin = (real)((double)CML_EPSILON * (32 * across + 160 * farthest / map->cell));
+        cells->safe = map->safe;
+    }
+    to->world.safe_cells = to->safe_cells;
+}
+
 /* P1: where packets start, and the weights of what has happened before. */
 static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
                          struct cml_setup *setup)
@@ -318,6 +347,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     copy_surfaces(surfaces, to);
     copy_clearance(surfaces, to);
     copy_horizons(surfaces, to);
+    copy_safe_cells(scene, surfaces, to);
     to->world.media = to->media;
     to->world.surfaces = to->surfaces;
     to->world.meshes = to->meshes;

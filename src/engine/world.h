@@ -26,6 +26,7 @@ struct cml_owned_world {
     real *clearance;  /* [2][clearance_cells]: deepest, highest (kernels/clearance.h) */
     real *horizons;   /* [2][horizon_cells] of meshes: seen from below, from above */
     const struct cml_mesh_surface **meshes; /* of surfaces, NULL where one is no mesh */
+    struct cml_safe_cells *safe_cells;      /* of boundaries; what they point to belongs to the surfaces */
     struct cml_body *bodies;                /* [num_bodies] */
     struct cml_body_node *body_nodes;
     struct cml_body_grid *body_grids;

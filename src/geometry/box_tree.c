@@ -384,6 +384,54 @@ void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3],
     search_touching(&touching, root_of(tree));
 }
 
+/* One search for the closest triangle. */
+struct closest {
+    const struct cml_boxtree *tree;
+    const double *p;
+    cml_boxtree_square *square;
+    const void *context;
+    double least;
+    uint32_t best;
+};
+
+/* Square of the distance from p, 0 inside. */
+static double box_square(const struct box *box, const double p[3])
+{
+    double sum = 0;
+    for (int k = 0; k < 3; k++) {
+        const double beyond = greater(greater(box->lower[k] - p[k], p[k] - box->upper[k]), 0);
+        sum += beyond * beyond;
+    }
+    return sum;
+}
+
+/* The closer side first, and no side that is further than the best so far. */
+static void search_closest(struct closest *closest, struct node node)
+{
+    if (node.count == 1) {
+        const uint32_t i = closest->tree->index[node.first];
+        const double square = closest->square(closest->context, i, closest->p);
+        if (square < closest->least) closest->best = i;
+        closest->least = lesser(closest->least, square);
+        return;
+    }
+    const struct node left = left_of(node), right = right_of(node);
+    const double a = box_square(&closest->tree->box[left.at], closest->p),
+                 b = box_square(&closest->tree->box[right.at], closest->p);
+    const bool left_first = a < b;
+    if (lesser(a, b) < closest->least) search_closest(closest, left_first ? left : right);
+    if (greater(a, b) < closest->least) search_closest(closest, left_first ? right : left);
+}
+
+double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
+                           const void *context, uint32_t *i)
+{
+    struct closest closest = {tree, p, square, context, square(context, *i, p), *i};
+    search_closest(&closest, root_of(tree));
+    *i = closest.best;
+    return closest.least;
+}
+
 /* One search for what lies around a box. */
 struct around {
     const struct cml_boxtree *tree;

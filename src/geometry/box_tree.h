@@ -66,6 +66,13 @@ struct cml_column cml_column_through(const struct cml_column_mesh *mesh, uint32_
 void cml_boxtree_touching(const struct cml_boxtree *tree, const double lower[3], const double upper[3],
                           cml_boxtree_visit *visit, void *context);
 
+/* Square of the distance of a triangle from p. */
+typedef double cml_boxtree_square(const void *context, uint32_t i, const double p[3]);
+
+/* That of the closest triangle, *i; who has a guess which it is puts that there, else 0. */
+double cml_boxtree_closest(const struct cml_boxtree *tree, const double p[3], cml_boxtree_square *square,
+                           const void *context, uint32_t *i);
+
 /* Of a tree over boxes that are sorted by size: the first box behind number i that holds the box i and that
  * `accept` takes; n where there is none. Called with i and few of the boxes that hold it, in any order. */
 typedef bool cml_boxtree_accept(void *context, uint32_t i, uint32_t j);

@@ -1,6 +1,6 @@
-/* Clearance is conservative: a step it calls clear crosses nothing by the exact query, and rings are met at
- * the same place when only the part of a step that it leaves is looked at. And the fast mesh query gives what
- * the exact one gives. SPDX-License-Identifier: MIT */
+/* Clearance is conservative: a step it calls clear or safe crosses nothing by the exact query, and rings are
+ * met at the same place when only the part of a step that it leaves is looked at. And the fast mesh query
+ * gives what the exact one gives. SPDX-License-Identifier: MIT */
 #include "flight.h"
 #include "lib/mesh_shapes.h"
 
@@ -92,7 +92,7 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
     const struct cml_surface *surface = &world->surfaces[0];
     const double height = fmax(fabs(surface->lowest), fabs(surface->highest)) + 1e-3;
     const int rings = surface->kind == CML_SURFACE_CONE;
-    long clear = 0, wrong = 0, cut = 0, other = 0;
+    long clear = 0, safe = 0, wrong = 0, cut = 0, other = 0;
     for (long i = 0; i < steps; i++) {
         struct cml_vec p, u;
         real length;
@@ -102,15 +102,18 @@ static void expect_conservative(const char *line, enum cml_surface_kind kind, do
         const struct cml_interval left =
             cml_clip_interval(&surface->clearance, side > 0 ? world->deepest : world->highest, p, u, side,
                               all, surface->clearance.form);
+        const int is_safe = cml_is_safe(world, surface, p, u, length);
         clear += !left.meets;
-        if (!left.meets) wrong += crosses(&bench, p, u, side, length);
+        safe += is_safe;
+        if (!left.meets || is_safe) wrong += crosses(&bench, p, u, side, length);
         if (!left.meets || !rings) continue;
         cut += left.from > 0 || left.to < length;
         other += !meets_the_same(&bench, p, u, side, length, left);
     }
-    print_message("%.60s: %ld of %ld steps clear, %ld wrongly; %ld cut, %ld wrongly\n", line, clear, steps,
-                  wrong, cut, other);
+    print_message("%.60s: of %ld steps %ld clear, %ld safe, %ld wrongly; %ld cut, %ld wrongly\n", line, steps,
+                  clear, safe, wrong, cut, other);
     assert_true(clear > steps / 10);
+    assert_true(world->safe_cells[0].nx == 0 || safe > steps / 20);
     assert_true(!rings || cut > steps / 30);
     assert_int_equal(wrong + other, 0);
     bench_close(&bench);

@@ -47,6 +47,9 @@ enum cml_lane_task {
     CML_LANE_ENDED,          /* its packet has, until the lane is refilled */
 };
 
+/* A lane's path is safe for the boundary that it is below, or above. */
+enum { CML_SAFE_BELOW = 1, CML_SAFE_ABOVE = 2 };
+
 /* What a lane needs to know of the medium it is in, mostly as in struct cml_medium. Every member is 4 bytes
  * wide. Depths in the frame of the medium, cm; see cml_find_lane_candidates. */
 struct cml_lane_medium {
@@ -91,6 +94,7 @@ struct cml_bundle {
     int cell[CML_LANES]; /* of A_rz, for dw */
     int task[CML_LANES]; /* enum cml_lane_task */
     int medium[CML_LANES], entered[CML_LANES];
+    int safe[CML_LANES]; /* boundaries for which the lane's path is safe: CML_SAFE_BELOW, CML_SAFE_ABOVE */
     real off_x[CML_LANES], off_y[CML_LANES], off_z[CML_LANES]; /* as in cml_packet; no loop reads them */
     real of_medium[CML_LANE_MEDIUM_MEMBERS]
                   [CML_LANES]; /* columns of struct cml_lane_medium, of the lane's medium */

@@ -9,6 +9,68 @@
 #include "engine/cpu/bundle_curved_hits_inl.h"
 #include "surface/mesh/grid_lanes_inl.h"
 
+/* The lanes that are in a medium and have a path that is safe for one of its boundaries get that bit. depth:
+ * of the boundary in the frame of the medium, cm. */
+CML_LOOP void cml_bundle_find_safe(struct cml_bundle *b, const struct cml_safe_cells *shared, int medium,
+                                   real depth, int bit)
+{
+    const struct cml_safe_cells cells = *shared;
+    const int lanes = b->lanes;
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) {
+        const struct cml_vec p = {b->x[i], b->y[i], b->z[i] - depth}, u = {b->ux[i], b->uy[i], b->uz[i]};
+        const int is_safe = cml_path_is_safe(&cells, p, u, b->s[i]);
+        b->safe[i] |= (b->medium[i] == medium) & is_safe ? bit : 0;
+    }
+}
+
+/* Sorts the lanes with MAY_HIT: MAY_HIT_CURVED where a boundary that is no plane can be met, MAY_RETURN where
+ * that is one which they head away from, INTERACT where none can be met before the interaction, else they
+ * keep it, for a plane. steepest: the greatest slope of any curved boundary; a direction that leaves such a
+ * boundary more steeply cannot meet it, however close it begins. safe: [CML_LANES] for which boundaries a
+ * lane's path is safe, CML_SAFE_BELOW and CML_SAFE_ABOVE; or NULL, so that each caller below has a loop of
+ * its own. Returns 1 when any has MAY_HIT_CURVED or MAY_RETURN. */
+__attribute__((always_inline)) static inline int cml_bundle_classify(struct cml_bundle *b, real steepest,
+                                                                     const int safe)
+{
+    const int lanes = b->lanes;
+    int any = 0;
+#pragma omp simd reduction(| : any)
+    for (int i = 0; i < lanes; i++) {
+        const real ux = b->ux[i], uy = b->uy[i], uz = b->uz[i], s = b->s[i];
+        const int task = b->task[i];
+        const int steep = uz * uz >= steepest * steepest * (ux * ux + uy * uy);
+        const int plane_above = !(CML_OF_MEDIUM(b, start_above)[i] > -CML_INFINITY),
+                  plane_below = !(CML_OF_MEDIUM(b, start_below)[i] < CML_INFINITY);
+        const struct cml_lane_candidates ahead = cml_find_lane_candidates(b, i, s);
+        const int known = safe ? b->safe[i] : 0;
+        const int above = (ahead.starts_above | ahead.ends_above) & !plane_above & !(known & CML_SAFE_BELOW),
+                  below = (ahead.starts_below | ahead.ends_below) & !plane_below & !(known & CML_SAFE_ABOVE);
+        const int plane = (ahead.ends_above & plane_above) | (ahead.ends_below & plane_below);
+        const int away = (above & (uz > 0)) | (below & (uz < 0)),
+                  ahead_of = (above & !(uz > 0)) | (below & !(uz < 0));
+        const int finite = s < CML_INFINITY;
+        const int curved = ahead_of | (away & !steep & (plane | !finite)), near = away & !steep & !curved;
+        const int free = (!plane) & finite ? CML_LANE_INTERACT : CML_LANE_MAY_HIT;
+        const int next = curved ? CML_LANE_MAY_HIT_CURVED : (near ? CML_LANE_MAY_RETURN : free);
+        b->task[i] = task == CML_LANE_MAY_HIT ? next : task;
+        any |= (task == CML_LANE_MAY_HIT) & (curved | near);
+    }
+    return any;
+}
+
+/* Where no boundary has safe distances. */
+CML_LOOP int cml_bundle_classify_lanes(struct cml_bundle *b, real steepest)
+{
+    return cml_bundle_classify(b, steepest, 0);
+}
+
+/* Where one has. */
+CML_LOOP int cml_bundle_classify_unsafe_lanes(struct cml_bundle *b, real steepest)
+{
+    return cml_bundle_classify(b, steepest, 1);
+}
+
 /* Where gathered lanes can meet one boundary: on the part [from, to] of their paths, cm from where they are,
  * if meets is 1. */
 struct cml_intervals {
@@ -168,6 +230,24 @@ static uint64_t cml_lanes_in_medium(const struct cml_bundle *b, uint64_t lanes, 
     for (int first = 0; first < CML_LANES; first += CML_GROUP)
         mask |= (uint64_t)cml_group_equal(b->medium + first, medium) << first;
     return lanes & mask;
+}
+
+/* For which boundaries the paths of lanes are safe: in the layers on either side of every boundary that has
+ * safe distances, where lanes may hit one. */
+static void cml_find_safe_lanes(const struct cml_flight *f)
+{
+    const struct cml_world *world = f->world;
+    const int layers = world->setup.num_layers;
+    const uint64_t lanes = cml_lanes_with(f->b, CML_LANE_MAY_HIT);
+    memset(f->b->safe, 0, sizeof f->b->safe);
+    for (int b = 0; b <= layers; b++) {
+        const struct cml_safe_cells *cells = &world->safe_cells[b];
+        if (cells->nx == 0) continue;
+        if (b < layers && cml_lanes_in_medium(f->b, lanes, b + 1))
+            cml_bundle_find_safe(f->b, cells, b + 1, 0, CML_SAFE_BELOW);
+        if (b > 0 && cml_lanes_in_medium(f->b, lanes, b))
+            cml_bundle_find_safe(f->b, cells, b, world->media[b].span, CML_SAFE_ABOVE);
+    }
 }
 
 #endif

@@ -50,8 +50,9 @@ struct cml_flight {
     real reflectance; /* there */
     struct cml_ballistic ballistic;
     /* the scene */
-    int curves;    /* not all boundaries are planes */
-    real steepest; /* slope of those that are none */
+    int curves;     /* not all boundaries are planes */
+    real steepest;  /* slope of those that are none */
+    int safe_cells; /* some of these have safe distances */
     /* lanes */
     uint64_t live, ended; /* masks: lanes that hold packets; those of them whose packet has ended */
     uint64_t past_bodies; /* mask: lanes that meet no body any more before they interact in this pass */

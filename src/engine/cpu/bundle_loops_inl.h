@@ -213,38 +213,6 @@ static inline int cml_lane_may_hit(const struct cml_bundle *b, int i, real tau, 
     return ahead.ends_above | ahead.ends_below | ahead.starts_above | ahead.starts_below;
 }
 
-/* Sorts the lanes with MAY_HIT: MAY_HIT_CURVED where a boundary that is no plane can be met, MAY_RETURN where
- * that is one which they head away from, INTERACT where none can be met before the interaction, else they
- * keep it, for a plane. steepest: the greatest slope of any curved boundary; a direction that leaves such a
- * boundary more steeply cannot meet it, however close it begins. Returns 1 when any has MAY_HIT_CURVED or
- * MAY_RETURN. */
-CML_LOOP int cml_bundle_classify_lanes(struct cml_bundle *b, real steepest)
-{
-    const int lanes = b->lanes;
-    int any = 0;
-#pragma omp simd reduction(| : any)
-    for (int i = 0; i < lanes; i++) {
-        const real ux = b->ux[i], uy = b->uy[i], uz = b->uz[i], s = b->s[i];
-        const int task = b->task[i];
-        const int steep = uz * uz >= steepest * steepest * (ux * ux + uy * uy);
-        const int plane_above = !(CML_OF_MEDIUM(b, start_above)[i] > -CML_INFINITY),
-                  plane_below = !(CML_OF_MEDIUM(b, start_below)[i] < CML_INFINITY);
-        const struct cml_lane_candidates ahead = cml_find_lane_candidates(b, i, s);
-        const int above = (ahead.starts_above | ahead.ends_above) & !plane_above,
-                  below = (ahead.starts_below | ahead.ends_below) & !plane_below;
-        const int plane = (ahead.ends_above & plane_above) | (ahead.ends_below & plane_below);
-        const int away = (above & (uz > 0)) | (below & (uz < 0)),
-                  ahead_of = (above & !(uz > 0)) | (below & !(uz < 0));
-        const int finite = s < CML_INFINITY;
-        const int curved = ahead_of | (away & !steep & (plane | !finite)), near = away & !steep & !curved;
-        const int free = (!plane) & finite ? CML_LANE_INTERACT : CML_LANE_MAY_HIT;
-        const int next = curved ? CML_LANE_MAY_HIT_CURVED : (near ? CML_LANE_MAY_RETURN : free);
-        b->task[i] = task == CML_LANE_MAY_HIT ? next : task;
-        any |= (task == CML_LANE_MAY_HIT) & (curved | near);
-    }
-    return any;
-}
-
 /* Lanes that have crossed or left a plane, or hold a new packet: the path to the interaction from there, and
  * the task INTERACT or MAY_HIT, as cml_bundle_fly does for all. */
 CML_LOOP void cml_bundle_fly_again(struct cml_bundle *b)

@@ -172,7 +172,9 @@ static int cml_process_planes(struct cml_flight *f)
 static void cml_process_curved_boundaries(struct cml_flight *f)
 {
     CML_HOOK_BEGIN(CML_HOOK_CLASSIFY);
-    const int any = cml_bundle_classify_lanes(f->b, f->steepest);
+    if (f->safe_cells) cml_find_safe_lanes(f);
+    const int any = f->safe_cells ? cml_bundle_classify_unsafe_lanes(f->b, f->steepest)
+                                  : cml_bundle_classify_lanes(f->b, f->steepest);
     CML_HOOK_END(CML_HOOK_CLASSIFY);
     if (!any) return;
     CML_HOOK_BEGIN(CML_HOOK_CURVED);
@@ -302,6 +304,7 @@ static void cml_flight_begin(struct cml_flight *f)
         if (surface->kind == CML_SURFACE_PLANE) continue;
         f->curves = 1;
         f->steepest = surface->steepest > f->steepest ? surface->steepest : f->steepest;
+        f->safe_cells |= f->world->safe_cells[i].nx > 0;
     }
     f->pencil = !(setup->disk > 0) && !(setup->gauss > 0);
     cml_place(f->world, 0, &f->start);

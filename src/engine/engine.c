@@ -108,11 +108,6 @@ cml_status cml_engine_run_range(const struct cml_engine *engine, void *self, uin
     return status;
 }
 
-const char *cml_sampling_name(const struct cml_engine_options *options)
-{
-    return options->lattice ? "lattice" : "random";
-}
-
 const char *cml_fate_name(int fate)
 {
     static const char *const names[CML_NUM_FATES] = {"alive",    "absorbed", "reflected", "transmitted",

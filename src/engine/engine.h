@@ -123,9 +123,6 @@ uint64_t cml_piece_size(uint64_t most, int takers, uint64_t left);
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                 const struct cml_engine_options *options);
 
-/* "lattice" or "random". */
-const char *cml_sampling_name(const struct cml_engine_options *options);
-
 const char *cml_fate_name(int fate);
 const char *cml_lost_cause_name(int cause);
 

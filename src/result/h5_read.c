@@ -91,12 +91,12 @@ static cml_status read_grid(const struct reader *r)
     CML_TRY(read_axis(r, "alpha", false, &o->na, &width));
     CML_TRY(read_axis(r, "z", true, &o->nz, &o->dz));
     CML_TRY(read_axis(r, "layer", false, &o->num_layers, &width));
-    const double nz = o->nz, nr = o->nr, na = o->na, most = (double)cml_hdf5_most_numbers(&r->file);
-    if (nr * nz + 2 * nr * na + 6.0 * o->num_layers > most)
+    const double most = (double)cml_hdf5_most_numbers(&r->file);
+    if (cml_outcome_numbers(o) > most)
         return cml_fail(
             r->err, CML_E_INPUT,
-            "%.400s: nz nr na = %g %g %g (expected no more than the %.0f numbers the file can hold)",
-            r->file.path, nz, nr, na, most);
+            "%.400s: nz nr na = %d %d %d (expected no more than the %.0f numbers the file can hold)",
+            r->file.path, o->nz, o->nr, o->na, most);
     return cml_outcome_allocate(o, r->err);
 }
 

@@ -131,13 +131,6 @@ static cml_status check_numbers(const struct reader *r, const char *field, const
     return fail(r, field, value, expected);
 }
 
-/* As a double, because a sum of products of ints may overflow 64 bits. */
-static double grid_numbers(const struct cml_outcome *o)
-{
-    const double nz = o->nz, nr = o->nr, na = o->na;
-    return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na;
-}
-
 /* A1 or B1: MCML writes text for both, and so does everyone else. */
 static cml_status read_format(struct reader *r)
 {
@@ -221,7 +214,7 @@ static cml_status read_grid(struct reader *r)
     CML_TRY(read_count(r, "na", &o->na));
     CML_TRY(end_fields(r));
     snprintf(value, sizeof value, "%d %d %d", o->nz, o->nr, o->na);
-    return check_numbers(r, "nz nr na", value, grid_numbers(o));
+    return check_numbers(r, "nz nr na", value, cml_outcome_numbers(o));
 }
 
 /* Six numbers of the file belong to a layer: five parameters and A_l. */
@@ -233,7 +226,7 @@ static cml_status read_layer_count(struct reader *r)
     CML_TRY(read_count(r, "number of layers", &o->num_layers));
     CML_TRY(end_fields(r));
     snprintf(value, sizeof value, "%d", o->num_layers);
-    return check_numbers(r, "number of layers", value, grid_numbers(o) + 6.0 * o->num_layers);
+    return check_numbers(r, "number of layers", value, cml_outcome_numbers(o));
 }
 
 static cml_status read_outside(struct reader *r, const struct field *field, double *n)

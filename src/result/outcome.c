@@ -80,17 +80,15 @@ static void free_arrays(struct cml_outcome *o)
     }
 }
 
-/* As doubles: the sizes of a file that was not written by us may overflow any integer. */
-static double bytes_of(const struct cml_outcome *o)
+double cml_outcome_numbers(const struct cml_outcome *o)
 {
     const double nz = o->nz, nr = o->nr, na = o->na;
-    return (double)sizeof(double) *
-           (nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na + (1.0 + CML_LAYER_NUMBERS) * o->num_layers);
+    return nz + 2 * nr + 2 * na + nr * nz + 2 * nr * na + (1.0 + CML_LAYER_NUMBERS) * o->num_layers;
 }
 
 cml_status cml_outcome_allocate(struct cml_outcome *o, struct cml_error *err)
 {
-    const double bytes = bytes_of(o);
+    const double bytes = (double)sizeof(double) * cml_outcome_numbers(o);
     cml_status status = bytes < (double)PTRDIFF_MAX ? CML_OK : cml_fail_memory(err, bytes, "the results");
     for (int i = 0; status == CML_OK && i < CML_NUM_QUANTITIES; i++)
         if (is_of_mcml((enum cml_quantity)i)) status = cml_outcome_add(o, (enum cml_quantity)i, false, err);

@@ -105,6 +105,10 @@ const double *cml_outcome_errors(const struct cml_outcome *outcome, enum cml_qua
 /* The shape of a boundary; NULL: none, or it is not known. */
 const struct cml_heights *cml_outcome_heights(const struct cml_outcome *outcome, int boundary);
 
+/* Numbers that are there of any result of these sizes: as a double, since those of a file may overflow any
+ * integer. */
+double cml_outcome_numbers(const struct cml_outcome *outcome);
+
 /* What readers do with the words of a scene: makes `extent` and `num_bodies` of `shapes`. */
 CML_NODISCARD cml_status cml_outcome_place_shapes(struct cml_outcome *outcome, struct cml_error *err);
 

@@ -51,12 +51,10 @@ static cml_status solve(const struct cml_run_setup *setup, struct cml_twin *twin
     const struct cml_exact_options aim = {.tolerance = 1e-7, .most_work = MOST_WORK};
     struct cml_exact exact;
     CML_TRY(cml_exact_scene(&twin->scene, NULL, &aim, &exact, err));
-    const double *value = exact.value, *error = exact.error, Rsp = specular(setup, &exact);
-    twin->known[CML_TOTAL_SPECULAR] = (struct cml_known){Rsp, error[CML_EXACT_RSP]};
-    twin->known[CML_TOTAL_REFLECTED] =
-        (struct cml_known){value[CML_EXACT_RSP] + value[CML_EXACT_RD] - Rsp, error[CML_EXACT_RD]};
-    twin->known[CML_TOTAL_ABSORBED] = (struct cml_known){value[CML_EXACT_A], error[CML_EXACT_A]};
-    twin->known[CML_TOTAL_TRANSMITTED] = (struct cml_known){value[CML_EXACT_TT], error[CML_EXACT_TT]};
+    const double *value = exact.value, Rsp = specular(setup, &exact);
+    for (int t = 0; t < CML_NUM_TOTALS; t++) twin->known[t] = (struct cml_known){value[t], exact.error[t]};
+    twin->known[CML_TOTAL_SPECULAR].value = Rsp;
+    twin->known[CML_TOTAL_REFLECTED].value = value[CML_EXACT_RSP] + value[CML_EXACT_RD] - Rsp;
     cml_exact_clear(&exact);
     return CML_OK;
 }

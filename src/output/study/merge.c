@@ -18,25 +18,6 @@ static double weight_of(const struct cml_merge_input *input, const struct cml_ou
     return (double)input->outcome->photons / (double)merged->photons;
 }
 
-double cml_merge_error_weight(const struct cml_merge_input *inputs, int count, int k)
-{
-    double photons = 0, with_error = 0;
-    for (int i = 0; i < count; i++) {
-        photons += (double)inputs[i].outcome->photons;
-        if (inputs[i].outcome->photons > 1) with_error += (double)inputs[i].outcome->photons;
-    }
-    const double own = (double)inputs[k].outcome->photons;
-    return own > 1 ? own / photons * sqrt(photons / with_error) : 0;
-}
-
-void cml_merge_add_spread(double *squares, const double *value, const double *mean, size_t n, int count)
-{
-    for (size_t i = 0; i < n; i++) {
-        const double deviation = value[i] - mean[i];
-        squares[i] += deviation * deviation / (count - 1) / count;
-    }
-}
-
 /* What all results have. */
 static bool all_have(const struct cml_merge_input *inputs, int count, enum cml_quantity quantity, bool errors)
 {

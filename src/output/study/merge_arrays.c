@@ -16,6 +16,25 @@ struct cml_merge_array {
     bool errors;                     /* roots of sums of squares, else means */
 };
 
+double cml_merge_error_weight(const struct cml_merge_input *inputs, int count, int k)
+{
+    double photons = 0, with_error = 0;
+    for (int i = 0; i < count; i++) {
+        photons += (double)inputs[i].outcome->photons;
+        if (inputs[i].outcome->photons > 1) with_error += (double)inputs[i].outcome->photons;
+    }
+    const double own = (double)inputs[k].outcome->photons;
+    return own > 1 ? own / photons * sqrt(photons / with_error) : 0;
+}
+
+void cml_merge_add_spread(double *squares, const double *value, const double *mean, size_t n, int count)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double deviation = value[i] - mean[i];
+        squares[i] += deviation * deviation / (count - 1) / count;
+    }
+}
+
 /* What no run writes: of its arrays only those of 64 bits may be negative. */
 static cml_status check(const struct cml_merge_array *array, int file, size_t begin, size_t count,
                         const double *numbers, struct cml_error *err)

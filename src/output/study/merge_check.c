@@ -58,90 +58,75 @@ static cml_status check_parameters(const struct cml_merge_input *first, const st
 
 enum { LINE = 512, TEXTS = 4 };
 
-/* The lines of the texts that say what the scene is, one text after the other. Zeroed but for the outcome:
- * none yet. */
-struct lines {
-    const struct cml_outcome *outcome;
-    int text;
-    const char *next;
-};
-
-static const char *text_of(const struct cml_outcome *o, int text)
+/* Lines without the folders of their files, each behind the prefix. How many packets were flown, a scene may
+ * be asked in different numbers. */
+static void write_lines(FILE *out, const char *prefix, const char *text)
 {
-    const char *const texts[TEXTS] = {o->settings, o->beam, o->shapes, o->scene};
-    return texts[text] ? texts[text] : "";
-}
-
-/* A line without the folder of its file; *text moves behind it. */
-static void cut_line(const char **text, char line[LINE])
-{
-    const size_t length = strcspn(*text, "\n");
-    snprintf(line, LINE, "%.*s", (int)(length < LINE ? length : LINE - 1), *text);
-    *text += length + ((*text)[length] == '\n');
-    char *from = strstr(line, " from ");
-    if (from) *from = '\0';
-}
-
-/* How many packets were flown, a scene may be asked in different numbers. */
-static bool counts(int text, const char *line)
-{
-    return text != 0 || strncmp(line, "photons", strlen("photons")) != 0;
-}
-
-/* The next line of the first `texts` texts; NULL behind the last. */
-static const char *next_line(struct lines *lines, int texts, char line[LINE])
-{
-    for (; lines->text < texts; lines->text++, lines->next = NULL) {
-        if (!lines->next) lines->next = text_of(lines->outcome, lines->text);
-        while (*lines->next) {
-            cut_line(&lines->next, line);
-            if (counts(lines->text, line)) return line;
-        }
+    char line[LINE];
+    while (text && *text) {
+        const size_t length = strcspn(text, "\n");
+        snprintf(line, sizeof line, "%.*s", (int)(length < LINE ? length : LINE - 1), text);
+        char *from = strstr(line, " from ");
+        if (from) *from = '\0';
+        if (strncmp(line, "photons", strlen("photons")) != 0) fprintf(out, "%s%s\n", prefix, line);
+        text += length + (text[length] == '\n');
     }
-    return NULL;
 }
 
-/* As it stands in the head of an .mco. */
-static void name_line(const struct lines *lines, const char *line, char name[LINE + 8])
-{
-    static const char *const kinds[TEXTS + 1] = {"set ", "", "", "scene ", ""};
-    snprintf(name, LINE + 8, "%s%s", kinds[lines->text], line ? line : "nothing");
-}
-
-/* Settings, beam, shapes and, of .h5 files, the lines of the input. */
-static cml_status check_lines(const struct cml_merge_input *first, const struct cml_merge_input *other,
+/* Settings, beam, shapes and lines of the input: those from `first` to `end` - 1, several as they stand in
+ * the head of an .mco. *words is the caller's to free. */
+static cml_status write_words(const struct cml_outcome *o, int first, int end, char **words,
                               struct cml_error *err)
 {
-    struct lines a = {.outcome = first->outcome}, b = {.outcome = other->outcome};
-    const int texts =
-        text_of(a.outcome, TEXTS - 1)[0] && text_of(b.outcome, TEXTS - 1)[0] ? TEXTS : TEXTS - 1;
-    char there[LINE], here[LINE], one_named[LINE + 8], other_named[LINE + 8];
-    for (;;) {
-        const char *one = next_line(&a, texts, there), *two = next_line(&b, texts, here);
-        if (!one && !two) return CML_OK;
-        if (one && two && a.text == b.text && strcmp(one, two) == 0) continue;
-        if (!one) a.text = TEXTS;
-        if (!two) b.text = TEXTS;
-        name_line(&a, one, one_named);
-        name_line(&b, two, other_named);
-        return fail_scene(first, other, "scene", one_named, other_named, err);
-    }
-}
-
-static cml_status copy_lines(const struct cml_outcome *from, int text, char **to, struct cml_error *err)
-{
-    struct lines lines = {.outcome = from, .text = text};
-    char line[LINE], *end = *to = calloc(strlen(text_of(from, text)) + 2, 1);
-    if (!*to) return cml_fail_memory(err, 1, "a merged result");
-    while (next_line(&lines, text + 1, line)) end += sprintf(end, "%s\n", line);
-    return CML_OK;
+    const char *const texts[TEXTS] = {o->settings, o->beam, o->shapes, o->scene};
+    static const char *const prefix[TEXTS] = {"set ", "", "", "scene "};
+    size_t size = 0;
+    *words = NULL;
+    FILE *out = open_memstream(words, &size);
+    for (int i = first; out && i < end; i++) write_lines(out, end > first + 1 ? prefix[i] : "", texts[i]);
+    const bool failed = !out || ferror(out);
+    if ((!out || fclose(out) == 0) && !failed) return CML_OK;
+    free(*words);
+    *words = NULL;
+    return cml_fail_memory(err, (double)size, "a scene in words");
 }
 
 cml_status cml_merge_words(const struct cml_outcome *from, struct cml_outcome *merged, struct cml_error *err)
 {
     char **const to[TEXTS] = {&merged->settings, &merged->beam, &merged->shapes, &merged->scene};
-    for (int i = 0; i < TEXTS; i++) CML_TRY(copy_lines(from, i, to[i], err));
+    for (int i = 0; i < TEXTS; i++) CML_TRY(write_words(from, i, i + 1, to[i], err));
     return CML_OK;
+}
+
+/* The first line that differs. */
+static cml_status compare_words(const struct cml_merge_input *first, const struct cml_merge_input *other,
+                                const char *one, const char *two, struct cml_error *err)
+{
+    char there[LINE], here[LINE];
+    if (strcmp(one, two) == 0) return CML_OK;
+    while (*one && *two && strcspn(one, "\n") == strcspn(two, "\n") &&
+           strncmp(one, two, strcspn(one, "\n")) == 0) {
+        one += strcspn(one, "\n") + 1;
+        two += strcspn(two, "\n") + 1;
+    }
+    snprintf(there, sizeof there, "%.*s", (int)strcspn(one, "\n"), *one ? one : "nothing");
+    snprintf(here, sizeof here, "%.*s", (int)strcspn(two, "\n"), *two ? two : "nothing");
+    return fail_scene(first, other, "scene", there, here, err);
+}
+
+/* Settings, beam, shapes and, where both have them, the lines of the input. */
+static cml_status check_words(const struct cml_merge_input *first, const struct cml_merge_input *other,
+                              struct cml_error *err)
+{
+    const char *a = first->outcome->scene, *b = other->outcome->scene;
+    const int texts = a && b && a[0] && b[0] ? TEXTS : TEXTS - 1;
+    char *one = NULL, *two = NULL;
+    cml_status status = write_words(first->outcome, 0, texts, &one, err);
+    if (status == CML_OK) status = write_words(other->outcome, 0, texts, &two, err);
+    if (status == CML_OK) status = compare_words(first, other, one, two, err);
+    free(one);
+    free(two);
+    return status;
 }
 
 /* ---- packets ---- */
@@ -189,7 +174,7 @@ cml_status cml_merge_check(const struct cml_merge_input *inputs, int count, stru
     for (int i = 0; i < count; i++) CML_TRY(check_errors(&inputs[i], err));
     for (int i = 1; i < count; i++) {
         CML_TRY(check_parameters(&inputs[0], &inputs[i], err));
-        CML_TRY(check_lines(&inputs[0], &inputs[i], err));
+        CML_TRY(check_words(&inputs[0], &inputs[i], err));
         CML_TRY(check_options(&inputs[0], &inputs[i], err));
         for (int k = 0; k < i; k++) CML_TRY(check_seeds(&inputs[k], &inputs[i], err));
     }

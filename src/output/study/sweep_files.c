@@ -76,41 +76,6 @@ struct grid {
     int *row;       /* [num_rows] the row at each place of the array */
 };
 
-/* What a field has of a row. */
-struct source {
-    const struct grid *grid;
-    enum { OF_VALUE, OF_ERROR, OF_COLUMN, OF_PHOTONS, OF_SEED, OF_LOST, OF_ROW } kind;
-    int which; /* total or column */
-};
-
-static double value_of(const struct source *source, int row)
-{
-    const struct cml_sweep_results *r = source->grid->results;
-    const struct cml_record *record = &r->record[row];
-    switch (source->kind) {
-    case OF_VALUE:
-        return record->value[source->which];
-    case OF_ERROR:
-        return record->error[source->which];
-    case OF_COLUMN:
-        return source->grid->value[(size_t)row * (size_t)r->num_columns + (size_t)source->which];
-    case OF_PHOTONS:
-        return (double)record->photons;
-    case OF_SEED:
-        return (double)r->seed[row];
-    case OF_LOST:
-        return (double)record->lost;
-    default:
-        return row + 1;
-    }
-}
-
-static void row_values(const void *context, size_t begin, size_t count, double *out)
-{
-    const struct source *source = context;
-    for (size_t i = begin; i < begin + count; i++) *out++ = value_of(source, source->grid->row[i]);
-}
-
 static int compare_numbers(const void *a, const void *b)
 {
     const double one = *(const double *)a, other = *(const double *)b;
@@ -187,26 +152,33 @@ static void arrange(struct grid *grid)
     for (size_t i = 0; i < rows; i++) grid->row[i] = (int)i;
 }
 
-/* The list of fields, and where the next one goes. */
+/* The fields, and their values at the places of the array. */
 struct fields {
+    const struct grid *grid;
     struct cml_field *field;
-    struct source *source;
+    double *value; /* [count][num_rows] */
     int count;
 };
 
-static struct cml_field *add(struct fields *list, const struct grid *grid, const char *name,
-                             const char *long_name, const struct source *source)
+static void array_values(const void *context, size_t begin, size_t count, double *out)
 {
+    memcpy(out, (const double *)context + begin, count * sizeof *out);
+}
+
+/* Returns its values by place, to be filled in. */
+static double *add(struct fields *list, const char *name, const char *long_name, const char *units)
+{
+    const struct grid *grid = list->grid;
     struct cml_field *field = &list->field[list->count];
-    list->source[list->count] = *source;
+    double *value = list->value + (size_t)list->count++ * (size_t)grid->results->num_rows;
     snprintf(field->name, sizeof field->name, "%s", name);
     field->long_name = long_name;
-    field->units = "1";
+    field->units = units;
     field->num_axes = grid->num_axes;
     for (int a = 0; a < grid->num_axes; a++) field->axis[a] = &grid->axis[a];
-    field->values = row_values;
-    field->context = &list->source[list->count++];
-    return field;
+    field->values = array_values;
+    field->context = value;
+    return value;
 }
 
 static bool is_axis(const struct grid *grid, int column)
@@ -224,26 +196,52 @@ static bool has_axis(const struct grid *grid, const char *name)
     return false;
 }
 
-static void fill(struct fields *list, const struct grid *grid)
+static void fill_total(struct fields *list, int total)
 {
-    const struct cml_sweep_results *r = grid->results;
-    for (int t = 0; t < CML_TOTALS; t++) {
-        const struct cml_quantity_info *total = &cml_quantities[t];
-        struct cml_field *value =
-            add(list, grid, total->name, total->long_name, &(struct source){grid, OF_VALUE, t});
-        cml_quantity_name_errors(add(list, grid, "", "", &(struct source){grid, OF_ERROR, t}), value);
+    const struct grid *grid = list->grid;
+    const struct cml_quantity_info *info = &cml_quantities[total];
+    double *value = add(list, info->name, info->long_name, "1"), *error = add(list, "", "", "1");
+    struct cml_field *errors = &list->field[list->count - 1];
+    cml_quantity_name_errors(errors, errors - 1);
+    for (int i = 0; i < grid->results->num_rows; i++) {
+        value[i] = grid->results->record[grid->row[i]].value[total];
+        error[i] = grid->results->record[grid->row[i]].error[total];
     }
-    for (int c = 0; c < r->num_columns; c++)
-        if (!is_axis(grid, c) && !is_of_every_row(r->name[c]))
-            add(list, grid, r->name[c], "what was swept", &(struct source){grid, OF_COLUMN, c})->units =
-                unit_of(r->name[c]);
-    if (!has_axis(grid, "photons"))
-        add(list, grid, "photons", "packets", &(struct source){grid, OF_PHOTONS, 0});
-    if (!has_axis(grid, "seed"))
-        add(list, grid, "seed", "of the random numbers", &(struct source){grid, OF_SEED, 0});
-    add(list, grid, "lost", cml_quantities[CML_QUANTITY_lost].long_name, &(struct source){grid, OF_LOST, 0});
-    if (!has_axis(grid, "row"))
-        add(list, grid, "row", "of the table, from 1", &(struct source){grid, OF_ROW, 0});
+}
+
+/* What there is of every row beside its totals. */
+enum whole { PHOTONS, SEED, LOST, ROW };
+
+static double whole_of(const struct cml_sweep_results *r, int row, enum whole which)
+{
+    const double numbers[] = {(double)r->record[row].photons, (double)r->seed[row],
+                              (double)r->record[row].lost, row + 1};
+    return numbers[which];
+}
+
+static void fill_whole(struct fields *list, enum whole which, const char *name, const char *long_name)
+{
+    const struct grid *grid = list->grid;
+    if (has_axis(grid, name)) return;
+    double *to = add(list, name, long_name, "1");
+    for (int i = 0; i < grid->results->num_rows; i++) to[i] = whole_of(grid->results, grid->row[i], which);
+}
+
+static void fill(struct fields *list)
+{
+    const struct grid *grid = list->grid;
+    const struct cml_sweep_results *r = grid->results;
+    for (int t = 0; t < CML_TOTALS; t++) fill_total(list, t);
+    for (int c = 0; c < r->num_columns; c++) {
+        if (is_axis(grid, c) || is_of_every_row(r->name[c])) continue;
+        double *to = add(list, r->name[c], "what was swept", unit_of(r->name[c]));
+        for (int i = 0; i < r->num_rows; i++)
+            to[i] = grid->value[(size_t)grid->row[i] * (size_t)r->num_columns + (size_t)c];
+    }
+    fill_whole(list, PHOTONS, "photons", "packets");
+    fill_whole(list, SEED, "seed", "of the random numbers");
+    fill_whole(list, LOST, "lost", cml_quantities[CML_QUANTITY_lost].long_name);
+    fill_whole(list, ROW, "row", "of the table, from 1");
 }
 
 static cml_status write_h5(const char *path, const struct grid *grid, struct fields *list,
@@ -258,7 +256,7 @@ static cml_status write_h5(const char *path, const struct grid *grid, struct fie
         {"settings", r->settings, 0},
     };
     const int count = (int)(sizeof attributes / sizeof *attributes) - (r->settings ? 0 : 1);
-    fill(list, grid);
+    fill(list);
     return cml_hdf5_write(path, attributes, count, &r->call, list->field, list->count, err);
 }
 
@@ -268,18 +266,19 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
     const size_t most = 2 * CML_TOTALS + columns + 4;
     struct grid grid = {.results = results};
-    struct fields list = {calloc(most, sizeof *list.field), calloc(most, sizeof *list.source), 0};
+    struct fields list = {&grid, calloc(most, sizeof *list.field), calloc(most * rows, sizeof *list.value),
+                          0};
     grid.value = calloc(rows * columns, sizeof *grid.value);
     grid.places = calloc(rows * columns, sizeof *grid.places);
     grid.row = calloc(rows, sizeof *grid.row);
     cml_status status = cml_fail_memory(err, 16.0 * (double)(rows * columns), "the results of a sweep");
-    if (list.field && list.source && grid.value && grid.places && grid.row) {
+    if (list.field && list.value && grid.value && grid.places && grid.row) {
         for (size_t i = 0; i < rows * columns; i++) grid.value[i] = strtod(results->cell[i], NULL);
         arrange(&grid);
         status = write_h5(path, &grid, &list, err);
     }
     free(list.field);
-    free(list.source);
+    free(list.value);
     free(grid.value);
     free(grid.places);
     free(grid.row);

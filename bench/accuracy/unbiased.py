@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Called by unbiased.sh, which says what it does: unbiased.py BENCH_UNBIASED OUT RUNS PHOTONS REFERENCE [SCENE ...].
-unbiased.py --table OUT [README.md] only reads what was left in OUT, and writes the short table there.
+unbiased.py --table OUT only reads what was left in OUT. Leaves unbiased.md, a row a scene, and unbiased-sizes.md, one of each size of
+runs, with the verdict.
 
 SPDX-License-Identifier: MIT
 """
@@ -11,6 +12,7 @@ import os
 import statistics
 import subprocess
 import sys
+import time
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
 import cases
@@ -164,10 +166,7 @@ def judged(out, names):
 
 def main():
     if sys.argv[1] == "--table":
-        first, second, failed = judged(sys.argv[2], [name for name in SCENES
-                                                     if os.path.exists(os.path.join(sys.argv[2], f"unbiased-{name}.csv"))])
-        if len(sys.argv) > 3:
-            tables.replace(sys.argv[3], "accuracy/unbiased.py", first)
+        out, names = sys.argv[2], [name for name in SCENES if os.path.exists(os.path.join(sys.argv[2], f"unbiased-{name}.csv"))]
     else:
         program, out, runs, photons, reference = sys.argv[1], sys.argv[2], *(int(float(word)) for word in sys.argv[3:6])
         names = sys.argv[6:] or list(SCENES)
@@ -175,10 +174,11 @@ def main():
             if name not in SCENES:
                 sys.exit(f"unbiased.sh: {name} is no scene of {', '.join(SCENES)}")
             fly_scene(name, program, out, runs, photons, reference)
-        first, second, failed = judged(out, names)
-        with open(os.path.join(out, "unbiased.md"), "w", encoding="utf-8") as stream:
-            stream.write("\n".join([*first, "", *second, "", "Wrong: " + (", ".join(failed) or "nothing"), ""]))
-    print("\n".join([*first, "", *second, "", "Wrong: " + (", ".join(failed) or "nothing")]))
+    first, second, failed = judged(out, names)
+    rows = read_scene(out, names[0])
+    tables.keep(os.path.join(out, "unbiased.md"), [
+        f"Measured: {time.strftime('%Y-%m-%d')}; {rows[0]['runs']:.0f} runs of {rows[0]['photons']:.0f} photons of each scene.", "", *first])
+    tables.keep(os.path.join(out, "unbiased-sizes.md"), [*second, "", "Wrong: " + (", ".join(failed) or "nothing")])
     sys.exit(1 if failed else 0)
 
 

@@ -4,7 +4,7 @@
 # Flies N (2000) independent runs of N (1e4) photons of S1 to S6a, three shapes and a rough scan, in build/, as the program
 # does by default. Their means are compared with adding-doubling and with stored profiles where tests/reference has them,
 # else with N (1e8) photons of random sampling and MCML's roulette. How often runs lie within one and two of their own
-# errors is counted there and in as many runs of 1000 and 12345 photons. Leaves unbiased.md and a CSV of every scene in
+# errors is counted there and in as many runs of 1000 and 12345 photons. Leaves unbiased.md, unbiased-sizes.md and a CSV of every scene in
 # bench/out; exit code 1 when a mean or an error is wrong.
 # SPDX-License-Identifier: MIT
 set -eu

@@ -42,13 +42,22 @@ def built(path):
     return os.path.abspath(path)
 
 
+def at_least(least):
+    def checked(text):
+        if count(text) < least:
+            raise argparse.ArgumentTypeError("%s: fewer than %d tell no error" % (text, least))
+        return count(text)
+    return checked
+
+
 def parser(text, **counts):
-    """With --help, --program and --out, and an option for each count with its default."""
+    """With --help, --program and --out, and an option for each count with its default, or (default, least that is allowed)."""
     made = Parser(description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     made.add_argument("--program", type=built, default=PROGRAM)
     made.add_argument("--out", default=os.path.join(cases.BENCH, "out"))
     for name, default in counts.items():
-        made.add_argument("--" + name, type=count, default=default)
+        default, least = default if isinstance(default, tuple) else (default, 1)
+        made.add_argument("--" + name, type=at_least(least), default=default)
     return made
 
 

@@ -194,7 +194,7 @@ def report(program, their_mmc, scenes, rounds, quick):
 
 
 def main():
-    parser = command.parser(__doc__, rounds=5)
+    parser = command.parser(__doc__, rounds=(5, 5))
     parser.add_argument("--mmc", type=command.built, required=True)
     parser.add_argument("--quick", action="store_true")
     parser.add_argument("--only", default="")

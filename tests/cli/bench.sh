@@ -48,6 +48,7 @@ expect_refusal "--photons: 1e: not a number" bench/speed/scaling.py --program "$
 expect_refusal "--rounds 0: not a number" bench/speed/speed.sh --rounds 0
 expect_refusal "--runs x: not a number" bench/accuracy/unbiased.sh --runs x
 expect_refusal "--only S9: no scene; there are S1" bench/choices/roulette.py --program "$program" --only S1,S9
+expect_refusal "--runs: 3: fewer than 4" bench/accuracy/body_bias.py --program "$program" --runs 3
 expect_refusal "arguments are required: --mmc" bench/peers/mmc.py --program "$program"
 expect_refusal "$work/none is no program" bench/peers/mmc.py --program "$program" --mmc "$work/none"
 expect_refusal "$work is no program" bench/speed/speed.sh --program "$work"

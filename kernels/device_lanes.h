@@ -137,6 +137,7 @@ CML_FN cml_u32 cml_device_fly(struct cml_stream stream, struct cml_device_lanes 
 /* P3 and P4 of the lanes that interact: fills dw and, where absorption is tallied, cell. Returns the mask of
  * those that are below the roulette's threshold. */
 CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict setup,
+                                            __global const struct cml_phase_cell *restrict phases,
                                             struct cml_device_lanes *restrict l)
 {
     cml_u32 low_lanes = 0;
@@ -147,7 +148,7 @@ CML_DEVICE_LOOP cml_u32 cml_device_interact(const struct cml_setup *restrict set
         const struct cml_vec p = cml_along(from, l->s[i], u);
         const cml_u32 part = cml_absorbed_part(w, l->absorb[i], l->draw1[i], l->draw2[i]),
                       dw = mine ? part : 0u;
-        const struct cml_vec v = cml_scatter(u, l->g[i], l->draw1[i], l->draw2[i]);
+        const struct cml_vec v = cml_scatter_in(phases, u, l->g[i], l->draw1[i], l->draw2[i]);
         const int iz = cml_depth_bin(setup, p.z, l->bins[i]), ir = cml_radial_bin(setup, p.x, p.y);
         l->cell[i] = (cml_u32)(cml_device_column(ir, setup->nr, CML_DEVICE_LANES) * (setup->nz + 2) + iz);
         l->dw[i] = dw;

@@ -91,8 +91,9 @@ struct cml_device_fate {
             CML_OFFSET(struct cml_body, radius), sizeof(struct cml_body_node),                               \
             CML_OFFSET(struct cml_body_node, body), sizeof(struct cml_body_grid),                            \
             CML_OFFSET(struct cml_body_grid, per_cell), sizeof(struct cml_body_cell),                        \
-            CML_OFFSET(struct cml_body_cell, steepest), CML_OFFSET(struct cml_medium, end_node)              \
+            CML_OFFSET(struct cml_body_cell, steepest), CML_OFFSET(struct cml_medium, end_node),             \
+            sizeof(struct cml_phase_cell)                                                                    \
     }
-#define CML_LAYOUT_ENTRIES 42
+#define CML_LAYOUT_ENTRIES 43
 
 #endif

@@ -8,6 +8,7 @@
 #include "mathf.h"
 #include "port.h"
 #include "rng.h"
+#include "types.h"
 
 CML_FN real cml_dot(struct cml_vec a, struct cml_vec b)
 {
@@ -80,14 +81,65 @@ CML_FN real cml_deflection_square(real g, real s)
     return d * d;
 }
 
-CML_FN void cml_henyey_greenstein(real g, real s, real per_square, real *cosine, real *sine)
+CML_FN real cml_one_minus_cosine(real g, real s, real per_square)
 {
     const real size = CML_FABS(g), below = (real)1 - size, above = (real)1 + size;
     const real d = CML_FMA(size, (real)1 + s, below);
     const real part = ((real)0.5 * below) * below * ((real)1 - s) * (above + d) * per_square;
-    const real one_minus = part < 2 ? part : (real)2;
+    return part < 2 ? part : (real)2;
+}
+
+/* one_minus: 1 - c, 0..2, of light that is mirrored where g is negative. */
+CML_FN void cml_deflection(real g, real one_minus, real *cosine, real *sine)
+{
     *cosine = CML_COPYSIGN((real)1, g) * ((real)1 - one_minus);
     *sine = CML_SQRT(one_minus * ((real)2 - one_minus));
+}
+
+CML_FN void cml_henyey_greenstein(real g, real s, real per_square, real *cosine, real *sine)
+{
+    cml_deflection(g, cml_one_minus_cosine(g, s, per_square), cosine, sine);
+}
+
+/* Whether a medium of this g has a table (struct cml_medium). */
+CML_FN int cml_has_phase_table(real g)
+{
+    return CML_FABS(g) > 1;
+}
+
+/* The number that is drawn, in units of 2^-32, for a word: 0 straight on, so that a table of Henyey and
+ * Greenstein's function deflects as that does. */
+CML_FN cml_u32 cml_phase_draw(cml_u32 polar_word)
+{
+    return polar_word ^ 0x7fffffffu;
+}
+
+/* The cell of a word in the table of a medium; 0 where it has none. */
+CML_FN cml_u32 cml_phase_place(real g, cml_u32 polar_word)
+{
+    const real size = CML_FABS(g);
+    const cml_u32 table = size > 1 ? (cml_u32)(int)size - 2u : 0u;
+    const cml_u32 cell = cml_phase_draw(polar_word) >> (32 - CML_PHASE_LOG2_CELLS);
+    return table * CML_PHASE_CELLS + (size > 1 ? cell : 0u);
+}
+
+/* That cell, or a part of it. */
+CML_FN struct cml_phase_cell cml_phase_cell_at(CML_GLOBAL const struct cml_phase_cell *cells, cml_u32 place,
+                                               cml_u32 polar_word)
+{
+    const struct cml_phase_cell cell = cells[place];
+    const cml_u32 part = cml_phase_draw(polar_word) >> (32 - CML_PHASE_LOG2_CELLS - CML_PHASE_LOG2_PARTS) &
+                         (CML_PHASE_PARTS - 1u);
+    return cell.slope < 0 ? cells[(cml_u32)(int)-cell.start + part] : cell;
+}
+
+/* 1 - c of a word in its cell, 0..2. As for Henyey and Greenstein's function the lowest 8 bits have no part
+ * in it, which round absorbed weight (P3). */
+CML_FN real cml_phase_one_minus(struct cml_phase_cell cell, cml_u32 polar_word)
+{
+    const cml_u32 within = cml_phase_draw(polar_word) << CML_PHASE_LOG2_CELLS >> (CML_PHASE_LOG2_CELLS + 8);
+    const real y = CML_FMA((real)(int)within, (real)6.103515625e-5, (real)3.0517578125e-5);
+    return CML_FMA(cell.slope, y, cell.start);
 }
 
 /* The frame across a unit vector [Duff et al., Building an Orthonormal Basis, Revisited, JCGT 6(1) 2017]: no
@@ -116,6 +168,39 @@ CML_FN struct cml_vec cml_scatter(struct cml_vec u, real g, cml_u32 polar_word, 
     cml_henyey_greenstein(g, s, per_square, &ct, &st);
     cml_circle_point(azimuth_word, &cp, &sp);
     return cml_spin(u, per_divisor, ct, st, cp, sp);
+}
+
+/* The same of a medium with a table; drawn: cml_phase_one_minus. */
+CML_FN struct cml_vec cml_scatter_drawn(struct cml_vec u, real g, real drawn, cml_u32 azimuth_word)
+{
+    real ct, st, cp, sp;
+    cml_deflection(g, drawn, &ct, &st);
+    cml_circle_point(azimuth_word, &cp, &sp);
+    return cml_spin(u, (real)1 / cml_frame_divisor(u), ct, st, cp, sp);
+}
+
+/* The same of any medium, for vector loops: both ways, of which it takes one. drawn: anything in 0..2 where
+ * it has no table. */
+CML_FN struct cml_vec cml_scatter_either(struct cml_vec u, real g, real drawn, cml_u32 polar_word,
+                                         cml_u32 azimuth_word)
+{
+    const int has_table = cml_has_phase_table(g);
+    const real s = cml_uniform_symmetric(polar_word), anisotropy = has_table ? (real)0 : g;
+    real per_square, per_divisor, ct, st, cp, sp;
+    cml_reciprocals(cml_deflection_square(anisotropy, s), cml_frame_divisor(u), &per_square, &per_divisor);
+    const real by_law = cml_one_minus_cosine(anisotropy, s, per_square);
+    cml_deflection(g, has_table ? drawn : by_law, &ct, &st);
+    cml_circle_point(azimuth_word, &cp, &sp);
+    return cml_spin(u, per_divisor, ct, st, cp, sp);
+}
+
+/* The same, with the tables of all media; NULL: there are none. */
+CML_FN struct cml_vec cml_scatter_in(CML_GLOBAL const struct cml_phase_cell *cells, struct cml_vec u, real g,
+                                     cml_u32 polar_word, cml_u32 azimuth_word)
+{
+    if (!CML_MAY_HAVE_PHASES || !cells) return cml_scatter(u, g, polar_word, azimuth_word);
+    const struct cml_phase_cell cell = cml_phase_cell_at(cells, cml_phase_place(g, polar_word), polar_word);
+    return cml_scatter_either(u, g, cml_phase_one_minus(cell, polar_word), polar_word, azimuth_word);
 }
 
 /* P5: Fresnel reflectance of unpolarised light [eqs 3.25-3.26] in cosine form: no angle is ever computed.

@@ -77,6 +77,11 @@ typedef float real;
 #else
 #define CML_MAY_HAVE_BODIES 1
 #endif
+#ifdef CML_WITHOUT_PHASES /* of a table */
+#define CML_MAY_HAVE_PHASES 0
+#else
+#define CML_MAY_HAVE_PHASES 1
+#endif
 
 /* Spacing of real at 1. */
 #ifdef CML_DOUBLE

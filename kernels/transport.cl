@@ -320,7 +320,7 @@ CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml
     const cml_u32 near_lanes = cml_device_fly(world->setup.stream, &f->lanes);
     for (cml_u32 rest = near_lanes; rest; rest &= rest - 1)
         ended |= cml_device_process_lane(world, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
-    const cml_u32 low_lanes = cml_device_interact(&world->setup, &f->lanes);
+    const cml_u32 low_lanes = cml_device_interact(&world->setup, world->phase_cells, &f->lanes);
     if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
     for (cml_u32 rest = low_lanes; rest; rest &= rest - 1)
         ended |= cml_device_roulette(world->setup.roulette, to, f, CML_LOWEST(rest)) << CML_LOWEST(rest);
@@ -343,7 +343,7 @@ CML_FN cml_u32 cml_device_pass(struct cml_world *world, __local const struct cml
         world->setup.stream = *stream;
         near = cml_device_fly(world->setup.stream, &f->lanes);
         if (near) break;
-        low = cml_device_interact(&world->setup, &f->lanes);
+        low = cml_device_interact(&world->setup, world->phase_cells, &f->lanes);
         if (world->setup.tally_absorption) cml_device_deposit(to, &f->lanes);
         events++;
     } while (!low && events < most && events < CML_DEVICE_PASSES);
@@ -405,14 +405,15 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
               __global const int *ring_starts, __global const real *deepest, __global const real *highest,
               __global const struct cml_body *bodies, __global const struct cml_body_node *body_nodes,
               __global const struct cml_body_grid *body_grids,
-              __global const struct cml_body_cell *body_cells, __global struct cml_control *control,
+              __global const struct cml_body_cell *body_cells,
+              __global const struct cml_phase_cell *phase_cells, __global struct cml_control *control,
               __global struct cml_packet *packets, __global struct cml_device_fate *fates,
               __global cml_u64 *cells, __local cml_u64 *near)
 {
     struct cml_world world = {
-        setup,       media,   surfaces, ring_r, ring_z, ring_slope, ring_horizon_above, ring_horizon_below,
-        ring_starts, deepest, highest,  0,      0,      bodies,     body_nodes,         body_grids,
-        body_cells};
+        setup,       media,      surfaces, ring_r, ring_z, ring_slope, ring_horizon_above, ring_horizon_below,
+        ring_starts, deepest,    highest,  0,      0,      bodies,     body_nodes,         body_grids,
+        body_cells,  phase_cells};
     __local struct cml_shared shared;
     const struct cml_deposits to = {&shared.windows, near, cells, control};
     const size_t item = get_global_id(0);

@@ -45,13 +45,27 @@ struct cml_medium {
     real mfp;    /* 1 / mut, cm; infinite when clear */
     real absorb; /* mua / mut, 0 when clear; where nothing scatters a little over 1, so that no rounding of a
                   * weight leaves a rest */
-    real g;
+    real g; /* anisotropy of Henyey and Greenstein's function; below -1 or above 1, where another one has the
+             * table k: 2 + k, or -2 - k where that is mirrored (struct cml_phase_cell) */
     real span;  /* depth of the frame of the boundary below, in this medium's frame; 0 for the outer media */
     real depth; /* of this medium's frame in the scene; a body has the frame of its layer */
     real bins;  /* the same in bins of dz */
     int body_grid;            /* of a layer with bodies and of these, else -1 */
     int first_node, end_node; /* the tree of the bodies that lie in it */
 };
+
+/* A cell of a phase function's table, which gives 1 - c, c the cosine of the deflection, or 1 + c where the
+ * table is mirrored because more light goes backwards. Of the numbers in (0, 1) that are drawn, 0 straight
+ * on, cell k of CML_PHASE_CELLS has those from k / CML_PHASE_CELLS on. In a cell 1 - c is start + slope y, y
+ * in (0, 1). Where that is not accurate enough slope is -1, and -start the number of the first of
+ * CML_PHASE_PARTS cells, further on in the array, with parts of the same y; else neither is negative. */
+struct cml_phase_cell {
+    real start, slope;
+};
+#define CML_PHASE_LOG2_CELLS 10
+#define CML_PHASE_LOG2_PARTS 8
+#define CML_PHASE_CELLS (1u << CML_PHASE_LOG2_CELLS)
+#define CML_PHASE_PARTS (1u << CML_PHASE_LOG2_PARTS)
 
 #define CML_RING_ROWS 5 /* ring_r, ring_z, ring_slope and both horizons, one behind the other */
 #define CML_CLEARANCE_LEVELS 11
@@ -222,7 +236,10 @@ struct cml_world {
     CML_GLOBAL const struct cml_body_node *body_nodes;
     CML_GLOBAL const struct cml_body_grid *body_grids;
     CML_GLOBAL const struct cml_body_cell *body_cells; /* of all grids */
+    /* Tables, one behind the other, then parts of their cells; NULL where no medium has one. */
+    CML_GLOBAL const struct cml_phase_cell *phase_cells;
 #ifndef __OPENCL_VERSION__
+    int only_tables;                              /* every medium that scatters has one */
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */
     const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] of boundaries */

@@ -33,9 +33,9 @@ CML_FN void cml_next_flight(const struct cml_world *world, CML_PACKET struct cml
 }
 
 /* P4. */
-CML_FN void cml_scatter_packet(real g, CML_PACKET struct cml_packet *packet)
+CML_FN void cml_scatter_packet(const struct cml_world *world, real g, CML_PACKET struct cml_packet *packet)
 {
-    packet->u = cml_scatter(packet->u, g, packet->draw.w[1], packet->draw.w[2]);
+    packet->u = cml_scatter_in(world->phase_cells, packet->u, g, packet->draw.w[1], packet->draw.w[2]);
     CML_ASSERT(cml_is_unit(packet->u));
 }
 
@@ -237,7 +237,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     CML_ASSERT(dw <= packet->w && packet->w <= CML_WEIGHT_ONE);
     packet->w -= dw;
     cml_deposit(world, to, packet, dw);
-    cml_scatter_packet(medium->g, packet);
+    cml_scatter_packet(world, medium->g, packet);
     packet->interactions++;
     cml_event(world, "interact", packet);
     if (!(cml_dot(packet->u, packet->u) < 2))

@@ -128,6 +128,7 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
     printf("  grid: nz %d x %g cm, nr %d x %g cm, na %d\n", scene->nz, scene->dz, scene->nr, scene->dr,
            scene->na);
     print_map(scene);
+    cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_shapes(stdout, "  ", scene, surfaces, CML_READ_BY_PEOPLE);
     for (int b = 0; b <= scene->num_layers; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];

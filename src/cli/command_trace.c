@@ -3,6 +3,7 @@
 #include "cli/command.h"
 
 #include "base/text.h"
+#include "output/report.h"
 #include "types.h"
 
 #include <stdio.h>
@@ -35,6 +36,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     if (photon >= scene->photons) note_beyond(scene, photon);
     printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
            options->engine->name, (unsigned long long)options->engine_options.seed);
+    cml_report_phases(stdout, "# ", scene, CML_READ_BY_PEOPLE);
     printf("#%5s  %-8s %6s  %15s %15s %15s  %12s %12s %12s  %s\n", "event", "what", "medium", "x cm", "y cm",
            "z cm", "ux", "uy", "uz", "weight");
     CML_TRY(options->engine->trace(engine, photon, print_event, &row, &record, err));

@@ -49,6 +49,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->body_nodes);
     free(to->body_grids);
     free(to->body_cells);
+    free(to->phase_cells);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
@@ -249,6 +250,40 @@ static void copy_safe_cells(const struct cml_scene *scene, const struct cml_surf
     to->world.safe_cells = to->safe_cells;
 }
 
+/* A cell in the precision of the kernels, for y between from and to. One that rounding takes out of 0..2,
+ * where a cosine would not be one, gets its middle. */
+static struct cml_phase_cell phase_cell_of(struct cml_phase_line line, double from, double to)
+{
+    const struct cml_phase_cell cell = {(real)line.start, (real)line.slope},
+                                middle = {(real)(line.start + line.slope * (from + to) / 2), 0};
+    const bool outside =
+        CML_FMA(cell.slope, (real)from, cell.start) < 0 || CML_FMA(cell.slope, (real)to, cell.start) > 2;
+    return outside && cell.slope >= 0 ? middle : cell;
+}
+
+/* The tables of all phase functions of the scene, by their index. */
+static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_world *to,
+                              struct cml_error *err)
+{
+    struct cml_phase_tables tables;
+    if (!scene->phases) return CML_OK;
+    CML_TRY(cml_phase_tables_create(scene->phases, &tables, err));
+    to->phase_cells = malloc(tables.count * sizeof *to->phase_cells);
+    to->num_phase_cells = tables.count;
+    for (size_t i = 0; to->phase_cells && i < tables.count; i++) {
+        const bool whole = i < (size_t)(scene->phases->index + 1) * CML_PHASE_CELLS;
+        const double from = whole ? 0 : (double)(i % CML_PHASE_PARTS) / CML_PHASE_PARTS;
+        to->phase_cells[i] = phase_cell_of(tables.item[i], from, from + (whole ? 1 : 1.0 / CML_PHASE_PARTS));
+    }
+    free(tables.item);
+    to->world.phase_cells = to->phase_cells;
+    to->world.only_tables = 1;
+    for (int m = 0; m < scene->num_layers + 2 + scene->num_bodies; m++)
+        if (scene->media[m].mus > 0 && !scene->media[m].phase) to->world.only_tables = 0;
+    if (to->phase_cells) return CML_OK;
+    return cml_fail_memory(err, (double)(tables.count * sizeof *to->phase_cells), "phase functions");
+}
+
 /* P1: where packets start, and the weights of what has happened before. */
 static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
                          struct cml_setup *setup)
@@ -340,6 +375,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
         copy_media(scene, surfaces, to->media);
         status = cml_copy_bodies(scene, &surfaces->bodies, to, err);
     }
+    if (status == CML_OK) status = copy_phases(scene, to, err);
     if (status != CML_OK) {
         cml_owned_world_free(to);
         return status;

@@ -5,6 +5,7 @@
 #define CML_WORLD_H
 
 #include "engine/engine.h"
+#include "engine/phase_table.h"
 #include "types.h"
 
 /* world.c is compiled once per precision (world_double.c); so that both can be linked, the functions of the
@@ -32,6 +33,8 @@ struct cml_owned_world {
     struct cml_body_grid *body_grids;
     struct cml_body_cell *body_cells;
     size_t num_body_nodes, num_body_grids, num_body_cells;
+    struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
+    size_t num_phase_cells;
     size_t num_rings, clearance_cells, horizon_cells; /* of all boundaries together */
 };
 
@@ -69,6 +72,7 @@ static inline void cml_copy_optics(const struct cml_medium_def *from, struct cml
     to->mfp = mut > 0 ? (real)(1 / mut) : CML_INFINITY;
     to->absorb = from->mus > 0 ? (real)(from->mua / mut) : (mut > 0 ? 1 + 4 * CML_EPSILON : (real)0);
     to->g = (real)from->g;
+    if (from->phase) to->g = (real)((cml_phase_mean(from->phase) < 0 ? -1 : 1) * (2 + from->phase->index));
 }
 
 #endif

@@ -19,9 +19,8 @@ static double legendre(int n, double x, double *slope)
     return p;
 }
 
-/* Gauss-Legendre node i of n >= 2 on (-1, 1), from the largest down, by Newton's steps from Tricomi's guess.
- */
-static double gauss_node(int n, int i, double *weight)
+/* By Newton's steps from Tricomi's guess. */
+double cml_gauss_node(int n, int i, double *weight)
 {
     double x = cos(CML_PI * (i + 0.75) / (n + 0.5)), slope = 1;
     for (int step = 0; step < 8; step++) x -= legendre(n, x, &slope) / slope;
@@ -77,7 +76,7 @@ static void add_interval(struct cml_directions *to, double below, double above, 
     const double most = sqrt((above - below) * (above + below)) / above;
     for (int i = 0; i < nodes; i++) {
         double weight;
-        const double cosine = most * 0.5 * (1 + gauss_node(nodes, i, &weight));
+        const double cosine = most * 0.5 * (1 + cml_gauss_node(nodes, i, &weight));
         add_direction(to, above, cosine, above * above * cosine * weight * most * 0.5);
     }
 }
@@ -121,7 +120,7 @@ static int count_directions(const struct cml_directions *directions, double n)
  * direction. */
 static bool scatters(const struct cml_medium_def *medium)
 {
-    return medium->mus * medium->d * (1 - fabs(medium->g)) > 1e-12;
+    return medium->mus * medium->d * (medium->phase ? 1 : 1 - fabs(medium->g)) > 1e-12;
 }
 
 static int least(int a, int b)

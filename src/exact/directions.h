@@ -40,4 +40,7 @@ void cml_directions_clear(struct cml_directions *directions);
 /* The cosine of direction i in a medium of index n, 0 where the medium does not have it. */
 double cml_directions_cosine(const struct cml_directions *directions, int i, double n);
 
+/* Gauss-Legendre node i of n >= 2 on (-1, 1), from the largest down. */
+double cml_gauss_node(int n, int i, double *weight);
+
 #endif

@@ -13,6 +13,7 @@
 #include "exact/layer_response.h"
 
 #include "exact/dense.h"
+#include "exact/phase_moments.h"
 
 #include <float.h>
 #include <math.h>
@@ -30,6 +31,7 @@ struct work {
     double *out;             /* [n] what a direction loses per cm, 1/cm */
     double *buffer[BUFFERS]; /* [n + 1][n] */
     double *scratch;         /* [n] */
+    double *moment;          /* [terms + 1] Legendre moments of the phase function */
 };
 
 static void clear_work(struct work *w)
@@ -38,6 +40,7 @@ static void clear_work(struct work *w)
     free(w->weight);
     free(w->out);
     free(w->scratch);
+    free(w->moment);
     for (int i = 0; i < BUFFERS; i++) free(w->buffer[i]);
 }
 
@@ -49,20 +52,22 @@ static bool allocate_work(struct work *w)
     w->weight = calloc(n, sizeof(double));
     w->out = calloc(n, sizeof(double));
     w->scratch = calloc(n, sizeof(double));
+    w->moment = calloc((size_t)w->terms + 1, sizeof(double));
     for (int i = 0; i < BUFFERS; i++) {
         w->buffer[i] = calloc(n * (n + 1), sizeof(double));
         sound = sound && w->buffer[i];
     }
-    return sound && w->cosine && w->weight && w->out && w->scratch;
+    return sound && w->cosine && w->weight && w->out && w->scratch && w->moment;
 }
 
-/* Henyey and Greenstein's function has the Legendre moments g^l. Behind `terms` of them it is cut off: the
- * share |g|^terms is taken to go exactly on, which is no scattering, or exactly back where g < 0 (delta-M,
- * Wiscombe 1977). Moment l of what is left, times its share of mus, times 2l + 1. */
-static double moment(double g, int l, int terms)
+/* The phase function's Legendre series is cut off behind `terms` moments: the share |moment[terms]| is taken
+ * to go exactly on, which is no scattering, or exactly back where g < 0 (delta-M, Wiscombe 1977). Moment l of
+ * what is left, times its share of mus, times 2l + 1. `terms` is even, so the moment has no sign there but
+ * that of a ripple. */
+static double moment(const struct work *w, int l)
 {
-    const double rest = pow(fabs(g), l) - pow(fabs(g), terms);
-    return (2 * l + 1) * (g < 0 && l % 2 == 1 ? -rest : rest);
+    const double rest = w->moment[w->terms];
+    return (2 * l + 1) * (w->moment[l] - (w->medium->g < 0 && l % 2 == 1 ? -rest : rest));
 }
 
 /* even, odd: [n][n] sums of mus (2l+1) moment_l P_l(mu_i) P_l(mu_j) over even and odd l. */
@@ -77,7 +82,7 @@ static void scattering(struct work *w, double *even, double *odd)
         p[j] = 1;
     }
     for (int l = 0; l < w->terms; l++) {
-        const double factor = w->medium->mus * moment(w->medium->g, l, w->terms);
+        const double factor = w->medium->mus * moment(w, l);
         double *sum = l % 2 == 0 ? even : odd;
         for (int i = 0; factor != 0 && i < n; i++)
             for (int j = 0; j < n; j++) sum[i * n + j] += factor * p[i] * p[j];
@@ -95,7 +100,7 @@ static void scattering(struct work *w, double *even, double *odd)
 static void transfer(struct work *w, double *Q, double *P)
 {
     const int n = w->n;
-    const double g = w->medium->g, back = g < 0 ? w->medium->mus * pow(-g, w->terms) : 0;
+    const double back = w->medium->g < 0 ? w->medium->mus * w->moment[w->terms] : 0;
     scattering(w, Q, P);
     for (int j = 0; j < n; j++) {
         double scattered = 0;
@@ -255,7 +260,9 @@ cml_status cml_layer_response_create(const struct cml_medium_def *medium,
     to->U = calloc(n * (n + 1), sizeof(double));
     to->a = calloc(n, sizeof(double));
     const bool sound = allocate_work(&w) && to->R && to->U && to->a;
-    if (sound) {
+    const cml_status status = sound ? cml_phase_moments(medium, terms + 1, w.moment, err)
+                                    : cml_fail_memory(err, 8.0 * (BUFFERS + 2) * count * count, "a layer");
+    if (status == CML_OK) {
         set_cosines(directions, &w);
         if (medium->mus > 0)
             fill_scattering(&w, to);
@@ -265,5 +272,5 @@ cml_status cml_layer_response_create(const struct cml_medium_def *medium,
         cml_layer_response_clear(to);
     }
     clear_work(&w);
-    return sound ? CML_OK : cml_fail_memory(err, 8.0 * (BUFFERS + 2) * count * count, "a layer");
+    return status;
 }

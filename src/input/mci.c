@@ -26,7 +26,7 @@ enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
     STAGE_RUN,   /* beam, map, facets */
     STAGE_ABOVE, /* none */
-    STAGE_LAYERS /* b, m, and behind the first layer i */
+    STAGE_LAYERS /* b, m, and behind the first layer i and phase */
 };
 
 /* Lines that hold for the whole run, not for one boundary. */
@@ -42,10 +42,13 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     const char *name = kind == CML_MCI_BEAM ? "beam" : kind == CML_MCI_MAP ? "map" : "facets";
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
-        snprintf(expected, sizeof expected, "b, m, i, beam, map or facets behind #@");
+        snprintf(expected, sizeof expected, "b, m, i, phase, beam, map or facets behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
+    else if (kind == CML_MCI_PHASE)
+        snprintf(expected, sizeof expected,
+                 "%s; a phase line stands behind the line of the layer or body whose it is", instead);
     else if (kind == CML_MCI_I)
         snprintf(expected, sizeof expected,
                  "%s; an i line stands behind the line of the layer that it lies in", instead);
@@ -90,6 +93,8 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
             CML_TRY(cml_mci_boundary(reader, kind, b, &scene->boundaries[b]));
         else if (kind == CML_MCI_I && stage == STAGE_LAYERS && b > 0)
             CML_TRY(cml_mci_body(reader, b, scene));
+        else if (kind == CML_MCI_PHASE && stage == STAGE_LAYERS && b > 0 && scene->boundaries[b].line == 0)
+            CML_TRY(cml_mci_phase(reader, b, scene));
         else
             return fail_misplaced(reader, kind, field);
     }
@@ -307,7 +312,7 @@ static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_sce
 {
     enum cml_mci_kind kind;
     CML_TRY(cml_mci_next(reader, true, &kind));
-    if (kind == CML_MCI_B || kind == CML_MCI_M || kind == CML_MCI_I)
+    if (kind == CML_MCI_B || kind == CML_MCI_M || kind == CML_MCI_I || kind == CML_MCI_PHASE)
         return fail_misplaced(reader, kind, "the end of the run");
     if (kind == CML_MCI_DATA) note_run(reader, list);
     return CML_OK;

@@ -77,8 +77,9 @@ static bool is_marked(const char *text)
 static const struct {
     const char *word;
     enum cml_mci_kind kind;
-} keyword[] = {{"b", CML_MCI_B},       {"m", CML_MCI_M},     {"i", CML_MCI_I},
-               {"beam", CML_MCI_BEAM}, {"map", CML_MCI_MAP}, {"facets", CML_MCI_FACETS}};
+} keyword[] = {{"b", CML_MCI_B},          {"m", CML_MCI_M},       {"i", CML_MCI_I},
+               {"phase", CML_MCI_PHASE},  {"beam", CML_MCI_BEAM}, {"map", CML_MCI_MAP},
+               {"facets", CML_MCI_FACETS}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
@@ -113,6 +114,7 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
 {
     static const char *const sources[] = {"pencil", "disk ", "gaussian ", NULL};
     static const char *const shapes[] = {"sphere ", "cylinder ", NULL};
+    static const char *const phases[] = {"hg2 ", "mhg ", "gk ", "rayleigh", "table ", NULL};
     char *behind = reader->cursor + 1;
     if (*behind == '\0' || strchr(blanks, *behind)) return;
     const enum cml_mci_kind kind = take_keyword(&behind);
@@ -120,6 +122,7 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
     const bool number = *behind >= '0' && *behind <= '9', name = *behind == '"';
     const bool ours = (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
                       (kind == CML_MCI_I && (name || begins_with(behind, shapes))) ||
+                      (kind == CML_MCI_PHASE && begins_with(behind, phases)) ||
                       (kind == CML_MCI_MAP && number) || (kind == CML_MCI_FACETS && *behind == '\0') ||
                       (kind == CML_MCI_BEAM && begins_with(behind, sources));
     if (ours)

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "input/mci_medium.h"
 
+#include "base/constants.h"
 #include "input/mci_settings.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #define MIN_INDEX 0.01
 #define MAX_INDEX 100
@@ -45,4 +49,174 @@ cml_status cml_mci_medium(struct cml_mci_reader *reader, const char *kind, int n
     }
     *medium = (struct cml_medium_def){.n = values[0], .mua = values[1], .mus = values[2], .g = values[3]};
     return check_absorption(reader, kind, number, medium);
+}
+
+/* ---- phase: how the medium scatters ---- */
+
+#define MOST_ROWS 1000000
+
+static const struct cml_mci_field *phase_field(const char *name)
+{
+    static const char cosine[] = "a number of -0.9999..0.9999", share[] = "a share of 0..1";
+    static const struct cml_mci_field fields[] = {
+        {"g1", -0.9999, 0.9999, false, cosine},
+        {"g2", -0.9999, 0.9999, false, cosine},
+        {"w", 0, 1, false, share},
+        {"g", -0.9999, 0.9999, false, cosine},
+        {"a", -0.49999999999999994, 100, false, "a number above -0.5 and up to 100"}};
+    const struct cml_mci_field *field = fields;
+    while (strcmp(field->name, name) != 0) field++;
+    return field;
+}
+
+/* The words of the line, then what is set in their place. owner: "layer 2: phase". */
+static cml_status read_phase_numbers(struct cml_mci_reader *reader, const char *owner, const char *kind,
+                                     int number, struct cml_phase *phase)
+{
+    const char *const *names = cml_phase_numbers(phase->kind);
+    for (int i = 0; names[i]; i++) {
+        const struct cml_mci_field *field = phase_field(names[i]);
+        CML_TRY(cml_mci_leading_numbers(reader, owner, field, 1, &phase->number[i]));
+        CML_TRY(cml_mci_set(reader, cml_mci_setting(reader, "%s%d.phase.%s", kind, number, names[i]), field,
+                            &phase->number[i]));
+    }
+    return CML_OK;
+}
+
+/* Room for one more row; arrays are enlarged when their number is a power of two. */
+static cml_status grow_table(const struct cml_mci_reader *reader, struct cml_phase *phase)
+{
+    const size_t rows = (size_t)phase->rows, capacity = rows ? 2 * rows : 1,
+                 bytes = capacity * sizeof(double);
+    if ((rows & (rows - 1)) != 0) return CML_OK;
+    double **const arrays[] = {&phase->deflection, &phase->density, &phase->below};
+    for (int i = 0; i < 3; i++) {
+        double *larger = realloc(*arrays[i], bytes);
+        if (!larger) return cml_fail_memory(reader->err, (double)bytes, "a phase function");
+        *arrays[i] = larger;
+    }
+    return CML_OK;
+}
+
+/* One row: angle and density. The deflection is 1 - cos, without the difference. */
+static cml_status read_row(struct cml_mci_reader *reader, const struct cml_text *file, char *line,
+                           struct cml_phase *phase)
+{
+    static const struct cml_mci_field angle = {"angle", 0, 180, false, ""},
+                                      density = {"p", 0, CML_MCI_HUGE, false, ""};
+    static const char rises[] = "degrees up to 180 that rise from row to row, the first 0";
+    const int i = phase->rows;
+    double t = 0, p = 0;
+    const char *word = cml_text_word(&line);
+    const bool sound = word && cml_mci_parse(&angle, word, &t) && (i > 0 || t == 0);
+    const double sine = sin(t * (CML_PI / 360)), x = t == 180 ? 2 : 2 * sine * sine;
+    if (!sound || (i > 0 && !(x > phase->deflection[i - 1])))
+        return cml_fail_field(reader->err, file->path, file->line, angle.name, word, rises);
+    word = cml_text_word(&line);
+    if (!word || !cml_mci_parse(&density, word, &p))
+        return cml_fail_field(reader->err, file->path, file->line, density.name, word,
+                              "a phase function of 0..1e30");
+    word = cml_text_word(&line);
+    if (word)
+        return cml_fail_field(reader->err, file->path, file->line, "row", word, "two columns: angle and p");
+    if (i == MOST_ROWS)
+        return cml_fail_field(reader->err, file->path, file->line, "row", "1000001", "at most 1000000 rows");
+    CML_TRY(grow_table(reader, phase));
+    phase->deflection[i] = x;
+    phase->density[i] = p;
+    phase->rows++;
+    return CML_OK;
+}
+
+static cml_status read_rows(struct cml_mci_reader *reader, struct cml_text *file, struct cml_phase *phase)
+{
+    for (char *line; (line = cml_text_next(file));) {
+        cml_mci_cut_comment(line);
+        if (line[strspn(line, " \t\v\f\r")] != '\0') CML_TRY(read_row(reader, file, line, phase));
+    }
+    if (phase->rows < 2 || phase->deflection[phase->rows - 1] < 2)
+        return cml_fail_field(reader->err, file->path, file->line, "angle", NULL,
+                              "a last row at 180 degrees");
+    if (cml_phase_scale_table(phase)) return CML_OK;
+    return cml_fail_field(reader->err, file->path, file->line, "p", "0 in all rows", "light somewhere");
+}
+
+static cml_status read_table(struct cml_mci_reader *reader, const char *owner, struct cml_phase *phase)
+{
+    struct cml_text file;
+    const char *name = cml_text_word(&reader->cursor);
+    char field[64];
+    snprintf(field, sizeof field, "%s: file", owner);
+    if (!name || name[0] == '"')
+        return cml_mci_fail(reader, field, name, "the name of a file of angles and densities");
+    CML_TRY(cml_path_beside(reader->text.path, name, &phase->file, reader->err));
+    CML_TRY(cml_text_read(reader->options->source, phase->file, &file, reader->err));
+    const cml_status status = read_rows(reader, &file, phase);
+    cml_text_clear(&file);
+    return status;
+}
+
+static cml_status check_mean(const struct cml_mci_reader *reader, const char *owner, double g,
+                             const struct cml_phase *phase)
+{
+    const double mean = cml_phase_mean(phase);
+    char field[64], value[32], expected[80];
+    if (fabs(mean - g) <= 1.0000001e-3) return CML_OK;
+    snprintf(field, sizeof field, "%s: mean cosine", owner);
+    snprintf(value, sizeof value, "%.6g", mean);
+    snprintf(expected, sizeof expected, "the medium's g = %g to 1e-3", g);
+    return cml_mci_fail(reader, field, value, expected);
+}
+
+static cml_status read_phase(struct cml_mci_reader *reader, const char *kind, int number, double g,
+                             struct cml_phase *phase)
+{
+    char owner[48], field[64];
+    snprintf(owner, sizeof owner, "%s %d: phase", kind, number);
+    snprintf(field, sizeof field, "%s: kind", owner);
+    cml_mci_cut_comment(reader->cursor);
+    const char *word = cml_text_word(&reader->cursor);
+    while (phase->kind < CML_PHASE_KINDS && (!word || strcmp(cml_phase_name(phase->kind), word) != 0))
+        phase->kind++;
+    if (phase->kind == CML_PHASE_KINDS)
+        return cml_mci_fail(reader, field, word, "hg2, mhg, gk, rayleigh or table");
+    CML_TRY(phase->kind == CML_PHASE_TABLE ? read_table(reader, owner, phase)
+                                           : read_phase_numbers(reader, owner, kind, number, phase));
+    word = cml_text_word(&reader->cursor);
+    if (word) return cml_mci_fail(reader, owner, word, "the end of the line or a comment");
+    return check_mean(reader, owner, g, phase);
+}
+
+/* Joins the scene's, unless it has an equal one. */
+static cml_status share_phase(struct cml_mci_reader *reader, struct cml_scene *scene, struct cml_phase *phase,
+                              struct cml_medium_def *medium)
+{
+    struct cml_phase *known = scene->phases;
+    while (known && !cml_phase_equal(known, phase)) known = known->next;
+    if (!known) {
+        phase->index = scene->phases ? scene->phases->index + 1 : 0;
+        phase->next = scene->phases;
+        scene->phases = known = phase;
+    } else {
+        cml_phases_free(phase);
+    }
+    medium->phase = known;
+    if (known->index < CML_MOST_PHASES) return CML_OK;
+    return cml_mci_fail(reader, "line", "phase", "at most 1000 different phase functions");
+}
+
+cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene)
+{
+    const int k = scene->num_bodies - 1;
+    const bool body = k >= 0 && scene->bodies[k].layer == layer;
+    struct cml_medium_def *medium = &scene->media[body ? cml_body_medium(scene, k) : layer];
+    if (medium->phase)
+        return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one phase line for each layer and body");
+    struct cml_phase *phase = calloc(1, sizeof *phase);
+    if (!phase) return cml_fail_memory(reader->err, sizeof *phase, "a phase function");
+    const cml_status status =
+        read_phase(reader, body ? "body" : "layer", body ? k + 1 : layer, medium->g, phase);
+    if (status == CML_OK) return share_phase(reader, scene, phase, medium);
+    cml_phases_free(phase);
+    return status;
 }

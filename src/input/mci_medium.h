@@ -1,5 +1,5 @@
-/* The numbers of a medium, n mua mus g, that lines of layers and of bodies have in common.
- * SPDX-License-Identifier: MIT */
+/* The numbers of a medium, n mua mus g, that lines of layers and of bodies have in common, and the line
+ * behind them that says how it scatters. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_MEDIUM_H
 #define CML_MCI_MEDIUM_H
 
@@ -17,5 +17,11 @@ extern const struct cml_mci_field cml_mci_medium_fields[CML_MCI_MEDIUM_FIELDS]; 
 CML_NODISCARD cml_status cml_mci_medium(struct cml_mci_reader *reader, const char *kind, int number,
                                         const double line[CML_MCI_MEDIUM_FIELDS],
                                         struct cml_medium_def *medium);
+
+/* A line `phase` behind layer `layer`, or behind the last body in it. The medium shares its function with the
+ * media before it that have an equal one. CML_E_INPUT also where the mean cosine is not the medium's g to
+ * 1e-3.
+ */
+CML_NODISCARD cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene);
 
 #endif

@@ -39,6 +39,13 @@ static void write_media(FILE *out, const char *kind, int count, const char *fiel
     fprintf(out, " with %s", fields);
 }
 
+static void write_phase(FILE *out, const char *kind, int number, const struct cml_phase *phase)
+{
+    if (!phase || !*cml_phase_numbers(phase->kind)) return;
+    fprintf(out, ", %s%d.phase", kind, number);
+    for (const char *const *name = cml_phase_numbers(phase->kind); *name; name++) fprintf(out, " .%s", *name);
+}
+
 /* Of planes nothing can be set, so they are left out. */
 static void write_shapes(FILE *out, const struct cml_scene *scene)
 {
@@ -51,6 +58,9 @@ static void write_names(FILE *out, const struct cml_scene *scene)
     fputs("photons, above.n, below.n", out);
     write_media(out, "layer", scene->num_layers, ".n .mua .mus .g .d");
     write_media(out, "body", scene->num_bodies, ".n .mua .mus .g");
+    for (int l = 1; l <= scene->num_layers; l++) write_phase(out, "layer", l, scene->media[l].phase);
+    for (int k = 0; k < scene->num_bodies; k++)
+        write_phase(out, "body", k + 1, scene->media[cml_body_medium(scene, k)].phase);
     write_shapes(out, scene);
     fprintf(out, ", beam.angle, beam.azimuth%s", scene->beam.kind == CML_BEAM_PENCIL ? "" : ", beam.radius");
 }

@@ -2,6 +2,7 @@
  *     photons
  *     above.n  below.n  layerL.n  layerL.mua  layerL.mus  layerL.g  layerL.d     layers from 1
  *     bodyK.n  bodyK.mua  bodyK.mus  bodyK.g                                     bodies from 1
+ *     layerL.phase.g1 .g2 .w .g .a  bodyK.phase...       the numbers of a phase line
  *     boundaryB.scale  boundaryB.height       boundaries from 0; of those that have a shape in the file
  *     beam.angle  beam.azimuth  beam.radius   degrees, cm; a radius of disk and gaussian only
  * The reader asks for every name where it reads the field, and takes the value in place of the file's: so

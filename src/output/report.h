@@ -56,6 +56,11 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
 /* A line for a beam that stands in the file, behind the prefix; nothing for MCML's pencil beam. */
 void cml_report_beam(FILE *stream, const char *prefix, const struct cml_beam *beam);
 
+/* A line per medium that does not scatter by Henyey and Greenstein's function, behind the prefix: "phase of
+ * layer 1: gk 0.9 0.5". */
+void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                       enum cml_report_reader reader);
+
 /* Rsp, Rd, A, Tt with standard errors and, where there are any, exact values; weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 

@@ -46,6 +46,20 @@ static json_t *boundary_json(const struct subject *subject, int b)
                      expect->query_ns, "deviation", expect->deviation);
 }
 
+/* Key `phase` of a medium that has one: the words of its line. */
+static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
+{
+    char words[128] = "";
+    if (!phase) return medium;
+    FILE *out = fmemopen(words, sizeof words, "w");
+    if (out) {
+        cml_phase_print(out, phase, false);
+        fclose(out);
+    }
+    json_object_set_new(medium, "phase", json_string(words));
+    return medium;
+}
+
 /* "layer" or "body", and its number from 1. */
 static json_t *host_json(const struct cml_scene *scene, int host)
 {
@@ -66,7 +80,7 @@ static json_t *body_json(const struct subject *subject, int k)
                              "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
     const struct cml_result *result = subject->sums;
     if (result) set_real(body, "A", (double)result->A_l[m] * CML_WEIGHT_UNIT / (double)result->photons);
-    return body;
+    return with_phase(body, medium->phase);
 }
 
 /* The main result comes first, as it was written first. */
@@ -254,8 +268,9 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
 static json_t *layer_json(const struct subject *subject, int l)
 {
     const struct cml_medium_def *medium = &subject->scene->media[l + 1];
-    return json_pack("{s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g",
-                     medium->g, "d", medium->d);
+    return with_phase(json_pack("{s:f, s:f, s:f, s:f, s:f}", "n", medium->n, "mua", medium->mua, "mus",
+                                medium->mus, "g", medium->g, "d", medium->d),
+                      medium->phase);
 }
 
 /* null where the scene asks for no map. */

@@ -95,13 +95,18 @@ cml_status cml_report_words(const struct cml_report *report, enum cml_report_rea
     size_t size = 0;
     free(o->shapes);
     free(o->beam);
-    o->shapes = o->beam = NULL;
-    FILE *shapes = open_memstream(&o->shapes, &size), *beam = open_memstream(&o->beam, &size);
+    free(o->phases);
+    o->shapes = o->beam = o->phases = NULL;
+    FILE *shapes = open_memstream(&o->shapes, &size), *beam = open_memstream(&o->beam, &size),
+         *phases = open_memstream(&o->phases, &size);
     if (shapes) cml_report_shapes(shapes, "", report->scene, report->surfaces, reader);
     if (beam) cml_report_beam(beam, "", &report->scene->beam);
+    if (phases) cml_report_phases(phases, "", report->scene, reader);
     o->shapes = close_words(shapes, &o->shapes);
     o->beam = close_words(beam, &o->beam);
-    return o->shapes && o->beam ? CML_OK : cml_fail_memory(err, (double)size, "the scene in words");
+    o->phases = close_words(phases, &o->phases);
+    if (o->shapes && o->beam && o->phases) return CML_OK;
+    return cml_fail_memory(err, (double)size, "the scene in words");
 }
 
 /* What may fail comes first. */

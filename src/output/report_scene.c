@@ -29,6 +29,23 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
+void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                       enum cml_report_reader reader)
+{
+    const int most = 20, last = scene->num_layers + 1 + scene->num_bodies;
+    int shown = 0;
+    for (int m = 1; m <= last; m++) {
+        const struct cml_phase *phase = scene->media[m].phase;
+        if (!phase || (++shown > most && reader == CML_READ_BY_PEOPLE)) continue;
+        const int body = m - scene->num_layers - 1;
+        fprintf(stream, "%sphase of %s %d: ", prefix, body > 0 ? "body" : "layer", body > 0 ? body : m);
+        cml_phase_print(stream, phase, reader != CML_READ_BY_PEOPLE);
+        print_file(stream, scene, phase->file, reader);
+    }
+    if (shown > most && reader == CML_READ_BY_PEOPLE)
+        fprintf(stream, "%sand phase functions of %d more media\n", prefix, shown - most);
+}
+
 /* Between which depths a boundary lies: bins there are shared by two media. */
 static void print_depths(FILE *stream, const struct cml_surface_def *def, enum cml_report_reader reader)
 {

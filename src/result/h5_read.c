@@ -173,6 +173,7 @@ static cml_status read_scene(const struct reader *r)
     struct cml_outcome *o = r->o;
     CML_TRY(cml_hdf5_text(&r->file, NULL, "settings", &o->settings, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "beam", &o->beam, r->err));
+    CML_TRY(cml_hdf5_text(&r->file, NULL, "phases", &o->phases, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "boundaries", &o->shapes, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, o->merged ? "scene" : "input", &o->scene, r->err));
     drop_lines(o->scene, o->merged ? 0 : 2);

@@ -84,6 +84,7 @@ static int fill_attributes(const struct cml_outcome *o, const struct cml_h5_more
     }
     *a++ = (struct cml_attribute){"photons", NULL, (double)o->photons};
     if (o->merged || (o->beam && o->beam[0])) *a++ = (struct cml_attribute){"beam", o->beam, 0};
+    if (o->phases && o->phases[0]) *a++ = (struct cml_attribute){"phases", o->phases, 0};
     if (o->merged || (o->settings && o->settings[0]))
         *a++ = (struct cml_attribute){"settings", o->settings, 0};
     if (o->merged) *a++ = (struct cml_attribute){"scene", o->scene, 0};

@@ -115,6 +115,7 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     cml_provenance_print(out, &o->provenance, o->merged);
     write_lines(out, "# set ", o->settings);
     write_lines(out, "# ", o->beam);
+    write_lines(out, "# ", o->phases);
     write_lines(out, "# ", o->shapes);
     write_lines(out, "# scene ", o->scene);
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",

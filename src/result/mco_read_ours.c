@@ -97,6 +97,7 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
     CML_TRY(read_head(r, err));
     CML_TRY(gather(r->text, "# set ", "# set ", 6, &o->settings, err));
     CML_TRY(gather(r->text, "# beam ", "# beam ", 2, &o->beam, err));
+    CML_TRY(gather(r->text, "# phase ", "# phase ", 2, &o->phases, err));
     CML_TRY(gather(r->text, "# boundary ", "# body ", 2, &o->shapes, err));
     CML_TRY(gather(r->text, "# scene ", "# scene ", 8, &o->scene, err));
     CML_TRY(cml_outcome_place_shapes(o, err));

@@ -103,7 +103,7 @@ void cml_outcome_clear(struct cml_outcome *o)
     free_arrays(o);
     for (int i = 0; i < o->num_streams; i++) free(o->stream[i].file);
     for (int i = 0; i < o->num_heights; i++) free(o->heights[i].pair);
-    void *const owned[] = {o->output, o->program, o->stream, o->settings, o->beam,
+    void *const owned[] = {o->output, o->program, o->stream, o->settings, o->beam,  o->phases,
                            o->shapes, o->scene,   o->extent, o->heights,  o->damage};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};

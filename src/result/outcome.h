@@ -50,7 +50,7 @@ struct cml_outcome {
     struct cml_lost_list lost;
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
-    char *settings, *beam, *shapes, *scene;
+    char *settings, *beam, *phases, *shapes, *scene;
     int num_extents;
     struct cml_extent *extent; /* of all shapes, of what was read */
     int num_heights;

@@ -34,6 +34,7 @@ void cml_scene_clear(struct cml_scene *scene)
     free(scene->bodies);
     free(scene->boundaries);
     free(scene->media);
+    cml_phases_free(scene->phases);
     free(scene->file);
     free(scene->output);
     free(scene->text);

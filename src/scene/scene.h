@@ -8,6 +8,7 @@
 
 #include "scene/heightmap/tile.h"
 #include "geometry/mesh.h"
+#include "scene/phase.h"
 #include "base/status.h"
 
 #include <stdbool.h>
@@ -22,6 +23,7 @@ struct cml_medium_def {
     double mua, mus; /* absorption, scattering coefficient [1/cm], >= 0; 0 in the media above and below */
     double g;        /* anisotropy [-], -1..1 */
     double d;        /* thickness [cm], >= 0; 0 in the media above and below */
+    const struct cml_phase *phase; /* the scene's; NULL: Henyey and Greenstein's, of g */
 };
 
 /* n samples (r_i, h_i), r_0 = 0, radii strictly rising; heights count against z: surface z(r) = z_b - h(r),
@@ -97,6 +99,7 @@ struct cml_scene {
     int num_layers;   /* L >= 1 */
     int num_bodies;
     struct cml_medium_def *media;    /* [L+2+num_bodies], layers, outer media and bodies: body k is L+2+k */
+    struct cml_phase *phases;        /* all that differ, the last one first; at most CML_MOST_PHASES */
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_scene_body *bodies;   /* [num_bodies], layer after layer */
     struct cml_beam beam;

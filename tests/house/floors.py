@@ -66,7 +66,7 @@ FOREIGN = {
     "mpi.h": "src/run/cluster_parts",
     "pthread.h": "src/engine/engine src/engine/threads src/run/cluster_parts src/run/run src/run/work_ranges",
     "sched.h": "src/engine/threads src/run/cluster_service src/run/launcher",
-    "zlib.h": "src/base/atomic_file src/output/files/hdf5_read src/run/checkpoint src/run/identity src/scene/checksum",
+    "zlib.h": "src/base/atomic_file src/output/files/hdf5_read src/run/checkpoint src/run/identity src/scene/checksum src/scene/phase",
     "sys/mman.h": "src/plot/gnuplot",
     "sys/wait.h": "src/plot/gnuplot",
     "dirent.h": "src/base/atomic_file",

@@ -10,7 +10,8 @@
  *   bundle_flight.h               what a thread holds while it flies them
  *   bundle_launch_inl.h           into a lane: queue of new packets, launch, compaction of lanes at the end
  *   bundle_walk_inl.h             a pass over all lanes; planes; roulette; exits
- *   bundle_loops_inl.h            the vector loops of a pass: draw, fly, planes, interact
+ *   bundle_loops_inl.h            the vector loops of a pass: draw, fly, planes
+ *   bundle_interact_inl.h         and the interaction
  *   bundle_curved_reach_inl.h     curved boundaries, 1: on which part of its path a lane can meet one
  *   bundle_curved_search_inl.h    2: which ring or facet it meets
  *   bundle_curved_hits_inl.h      3: where, and reflection or refraction there, in vector loops again

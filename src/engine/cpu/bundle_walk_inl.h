@@ -6,10 +6,54 @@
 #define CML_BUNDLE_WALK_INL_H
 
 #include "engine/cpu/bundle_bodies_inl.h"
-#include "engine/cpu/bundle_checks_inl.h"
 #include "engine/cpu/bundle_launch_inl.h"
 #include "engine/cpu/bundle_curved_search_inl.h"
+#include "engine/cpu/bundle_interact_inl.h"
 #include "engine/cpu/bundle_prepare.h"
+
+/* ---- what must hold between two passes, for CML_ASSERT: in release builds nothing calls it ---- */
+
+/* Weight: never above a whole packet, and never above what it was when deposits were last booked. */
+static inline int cml_lane_weight_is_sound(const struct cml_bundle *b, int i)
+{
+    return b->w[i] <= b->flushed_w[i] && b->flushed_w[i] <= CML_WEIGHT_ONE;
+}
+
+/* Medium: one of the scene's, whose columns the lane has. */
+static inline int cml_lane_medium_is_sound(const struct cml_flight *f, int i)
+{
+    const struct cml_bundle *b = f->b;
+    const int m = b->medium[i];
+    return m >= 0 && m <= f->world->setup.num_layers + 1 + f->world->setup.num_bodies &&
+           memcmp(&CML_OF_MEDIUM(b, stop_below)[i], &f->media[m].stop_below, sizeof(real)) == 0 &&
+           memcmp(&CML_OF_MEDIUM(b, mfp)[i], &f->media[m].mfp, sizeof(real)) == 0;
+}
+
+/* Where a lane with INTERACT is after its hop: in its layer, as in cml_interact. s: the path that it has
+ * flown, of which the direction before the interaction is not known any more. */
+static inline int cml_lane_place_is_sound(const struct cml_flight *f, int i)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_vec p = {b->x[i], b->y[i], b->z[i]};
+    return b->task[i] != CML_LANE_INTERACT || cml_is_in_layer(f->world, b->medium[i], p, b->s[i]);
+}
+
+/* Lanes that hold a packet, after the interactions of a pass and before lanes are refilled. */
+static inline int cml_lanes_are_sound(const struct cml_flight *f)
+{
+    const struct cml_bundle *b = f->b;
+    for (uint64_t rest = f->live & ~f->ended; rest; rest &= rest - 1) {
+        const int i = __builtin_ctzll(rest);
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+        if (i >= b->lanes || b->task[i] == CML_LANE_ENDED || !cml_is_unit(u) ||
+            !cml_lane_weight_is_sound(b, i) || !cml_lane_medium_is_sound(f, i) ||
+            !cml_lane_place_is_sound(f, i))
+            return 0;
+    }
+    return 1;
+}
+
+/* ---- planes, roulette, exits, passes ---- */
 
 /* The lane's packet has gone through a plane into another layer. The frame of a medium is that of the
  * boundary above it: below the plane depth begins at 0, above it at the layer's thickness. */
@@ -251,14 +295,15 @@ static void cml_scatter_volume(const struct cml_flight *f)
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
+    const int tables = f->world->phase_cells != NULL;
     int low;
     if (f->tally->A_rz) {
-        low = cml_bundle_interact(setup, f->b);
+        low = tables ? cml_bundle_interact_by_tables(f->world, f->b, 1) : cml_bundle_interact(setup, f->b);
         cml_scatter_deposits(f->b, f->tally);
         if (f->late) cml_scatter_late(f);
         if (f->to.A_xyz) cml_scatter_volume(f);
     } else {
-        low = cml_bundle_scatter(setup, f->b);
+        low = tables ? cml_bundle_interact_by_tables(f->world, f->b, 0) : cml_bundle_scatter(setup, f->b);
     }
     if (low) cml_for_lanes(f, cml_lanes_below(f->b, setup->roulette.below) & f->live, cml_lane_roulette);
 }

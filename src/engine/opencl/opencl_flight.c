@@ -104,10 +104,11 @@ static cml_status build(const struct cml_opencl_scene *scene, struct cml_opencl_
     char *options = malloc(size);
     if (!options) return cml_fail_memory(err, (double)size, "the compiler's options");
     snprintf(options, size,
-             "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s %s",
+             "-cl-single-precision-constant -D CML_GROUP_SIZE=%u -D CML_DEVICE_LANES=%u%s%s%s%s%s %s",
              flight->group, flight->lanes, exact ? " -cl-fp32-correctly-rounded-divide-sqrt" : "",
              info->atomics64 ? "" : " -D CML_TWO_WORDS", scene->only_planes ? " -D CML_ONLY_PLANES" : "",
-             scene->setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES", extra);
+             scene->setup.num_bodies ? "" : " -D CML_WITHOUT_BODIES",
+             scene->num_phase_cells ? "" : " -D CML_WITHOUT_PHASES", extra);
     const cml_status status =
         cml_opencl_program(&flight->device, flight->context, options, scene->on_note, &flight->program, err);
     free(options);
@@ -120,11 +121,11 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
                                 const void *content, struct cml_error *err)
 {
     static const char *const names[CML_NUM_BUFFERS] = {
-        "memory for media",     "memory for surfaces",  "memory for rings",    "memory for rings",
-        "memory for rings",     "memory for rings",     "memory for rings",    "memory for rings",
-        "memory for clearance", "memory for clearance", "memory for bodies",   "memory for bodies",
-        "memory for bodies",    "memory for bodies",    "memory for counters", "memory for packets",
-        "memory for fates",     "memory for tallies"};
+        "memory for media",     "memory for surfaces",  "memory for rings",  "memory for rings",
+        "memory for rings",     "memory for rings",     "memory for rings",  "memory for rings",
+        "memory for clearance", "memory for clearance", "memory for bodies", "memory for bodies",
+        "memory for bodies",    "memory for bodies",    "memory for phases", "memory for counters",
+        "memory for packets",   "memory for fates",     "memory for tallies"};
     cl_int code = CL_SUCCESS;
     if (flight->buffer[which]) clReleaseMemObject(flight->buffer[which]);
     flight->buffer[which] =
@@ -227,6 +228,8 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
                           scene->body_grids, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_BODY_CELLS, scene->num_body_cells * sizeof *scene->body_cells,
                           scene->body_cells, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_PHASE_CELLS, scene->num_phase_cells * sizeof *scene->phase_cells,
+                          scene->phase_cells, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));
     CML_TRY(clear_cells(flight, err));
     return clear_packets(flight, err);

@@ -56,7 +56,7 @@ static cml_status check_parameters(const struct cml_merge_input *first, const st
 
 /* ---- the scene in words ---- */
 
-enum { LINE = 512, TEXTS = 4 };
+enum { LINE = 512, TEXTS = 5 };
 
 /* Lines without the folders of their files, each behind the prefix. How many packets were flown, a scene may
  * be asked in different numbers. */
@@ -73,13 +73,13 @@ static void write_lines(FILE *out, const char *prefix, const char *text)
     }
 }
 
-/* Settings, beam, shapes and lines of the input: those from `first` to `end` - 1, several as they stand in
- * the head of an .mco. *words is the caller's to free. */
+/* Settings, beam, phase functions, shapes and lines of the input: those from `first` to `end` - 1, several as
+ * they stand in the head of an .mco. *words is the caller's to free. */
 static cml_status write_words(const struct cml_outcome *o, int first, int end, char **words,
                               struct cml_error *err)
 {
-    const char *const texts[TEXTS] = {o->settings, o->beam, o->shapes, o->scene};
-    static const char *const prefix[TEXTS] = {"set ", "", "", "scene "};
+    const char *const texts[TEXTS] = {o->settings, o->beam, o->phases, o->shapes, o->scene};
+    static const char *const prefix[TEXTS] = {"set ", "", "", "", "scene "};
     size_t size = 0;
     *words = NULL;
     FILE *out = open_memstream(words, &size);
@@ -93,7 +93,8 @@ static cml_status write_words(const struct cml_outcome *o, int first, int end, c
 
 cml_status cml_merge_words(const struct cml_outcome *from, struct cml_outcome *merged, struct cml_error *err)
 {
-    char **const to[TEXTS] = {&merged->settings, &merged->beam, &merged->shapes, &merged->scene};
+    char **const to[TEXTS] = {&merged->settings, &merged->beam, &merged->phases, &merged->shapes,
+                              &merged->scene};
     for (int i = 0; i < TEXTS; i++) CML_TRY(write_words(from, i, i + 1, to[i], err));
     return CML_OK;
 }
@@ -114,7 +115,7 @@ static cml_status compare_words(const struct cml_merge_input *first, const struc
     return fail_scene(first, other, "scene", there, here, err);
 }
 
-/* Settings, beam, shapes and, where both have them, the lines of the input. */
+/* Settings, beam, phase functions, shapes and, where both have them, the lines of the input. */
 static cml_status check_words(const struct cml_merge_input *first, const struct cml_merge_input *other,
                               struct cml_error *err)
 {

@@ -16,11 +16,12 @@ SPDX-License-Identifier: MIT
 
 from .bodies import Body, Cylinder, Sphere
 from .errors import ClustermcmlError, InputError
+from .phases import Phase
 from .program import run
 from .results import read
 from .scene import Beam, Layer, Map, Scene
 from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
-__all__ = ["Beam", "Body", "ClustermcmlError", "Cylinder", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Scene",
+__all__ = ["Beam", "Body", "ClustermcmlError", "Cylinder", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
            "Sphere", "read", "run", "sweep"]

@@ -6,8 +6,10 @@ SPDX-License-Identifier: MIT
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Optional
 
 from . import errors
+from .phases import Phase, check_phase
 from .surfaces import Mesh, shortest
 
 
@@ -16,11 +18,12 @@ def _check_medium(name: str, body: "Sphere | Cylinder | Body") -> None:
     errors.at_least_zero(name + ".mua", body.mua)
     errors.at_least_zero(name + ".mus", body.mus)
     errors.number(name + ".g", body.g, -1, 1, "a number from -1 to 1")
+    check_phase(name + ".phase", body.phase)
 
 
 @dataclass
 class Sphere:
-    """A sphere: centre x, y, z [cm, z down] and radius r [cm]; n, mua, mus [1/cm], g of what it is made of.
+    """A sphere: centre x, y, z [cm, z down] and radius r [cm]; n, mua, mus [1/cm], g, phase of what it is made of.
 
     >>> Sphere(0, 0, 0.1, 0.05, n=1.4, mua=5, mus=20, g=0.5).line("", "")
     'i sphere 0 0 0.1 0.05 1.4 5 20 0.5'
@@ -34,6 +37,7 @@ class Sphere:
     mua: float
     mus: float
     g: float
+    phase: Optional[Phase] = None
 
     def __post_init__(self) -> None:
         for name in ("x", "y", "z"):
@@ -48,7 +52,7 @@ class Sphere:
 
 @dataclass
 class Cylinder:
-    """A cylinder with flat ends: their middles x1, y1, z1 and x2, y2, z2 [cm, z down], radius r [cm]; n, mua, mus [1/cm], g."""
+    """A cylinder with flat ends: their middles x1, y1, z1 and x2, y2, z2 [cm, z down], radius r [cm]; n, mua, mus [1/cm], g, phase."""
 
     x1: float
     y1: float
@@ -61,6 +65,7 @@ class Cylinder:
     mua: float
     mus: float
     g: float
+    phase: Optional[Phase] = None
 
     def __post_init__(self) -> None:
         for name in ("x1", "y1", "z1", "x2", "y2", "z2"):
@@ -76,13 +81,14 @@ class Cylinder:
 
 @dataclass
 class Body:
-    """A closed mesh, heights up from z = 0 of the scene (a ball 0.25 cm deep has shift=(0, 0, -0.25)); n, mua, mus [1/cm], g."""
+    """A closed mesh, heights up from z = 0 of the scene (a ball 0.25 cm deep has shift=(0, 0, -0.25)); n, mua, mus [1/cm], g, phase."""
 
     mesh: Mesh
     n: float
     mua: float
     mus: float
     g: float
+    phase: Optional[Phase] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, Mesh):

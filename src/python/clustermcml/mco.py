@@ -112,6 +112,9 @@ def _provenance(text: str) -> dict[str, Any]:
     if merged:
         known["merged"] = "".join(merged)
     known["boundaries"] = "\n".join(re.findall(r"^# (boundary \d+: .*)$", text, re.MULTILINE))
+    phases = re.findall(r"^# (phase of .*)$", text, re.MULTILINE)
+    if phases:
+        known["phases"] = "\n".join(phases)
     sampling = re.search(r"^# sampling (\w+)", text, re.MULTILINE)
     if sampling:
         known["sampling"] = sampling[1]

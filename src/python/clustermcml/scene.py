@@ -15,6 +15,7 @@ from typing import Optional, Sequence, Union
 
 from . import errors
 from .bodies import Body, Cylinder, Sphere
+from .phases import Phase, check_phase
 from .surfaces import Surface, check_surface, shortest, vector
 
 MOST_PHOTONS = 2**48
@@ -26,9 +27,10 @@ class Layer:
 
     n: index of refraction. mua, mus: absorption and scattering [1/cm]. g: mean cosine of scattering. d: thickness [cm].
     top: the surface that is its upper boundary, None for a plane. bodies: what lies inside: Sphere, Cylinder, Body.
+    phase: how it scatters, None for Henyey and Greenstein's function of that g.
 
     >>> Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
-    Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=())
+    Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=None, bodies=(), phase=None)
     """
 
     n: float
@@ -38,6 +40,7 @@ class Layer:
     d: float
     top: Optional[Surface] = None
     bodies: Sequence[Union[Sphere, Cylinder, Body]] = ()
+    phase: Optional[Phase] = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.bodies, (list, tuple)) or not all(isinstance(item, (Sphere, Cylinder, Body)) for item in self.bodies):
@@ -48,6 +51,7 @@ class Layer:
         errors.number("Layer.g", self.g, -1, 1, "a number from -1 to 1")
         errors.at_least_zero("Layer.d", self.d)
         check_surface("Layer.top", self.top)
+        check_phase("Layer.phase", self.phase)
 
 
 @dataclass
@@ -188,7 +192,10 @@ class Scene:
             if index < len(self.layers):
                 layer = self.layers[index]
                 lines.append(" ".join(map(shortest, (layer.n, layer.mua, layer.mus, layer.g, layer.d))))
-                lines += [body.line(directory, f"{stem}.layer{index + 1}body{k}") for k, body in enumerate(layer.bodies)]
+                media = [f"{stem}.layer{index + 1}", *(f"{stem}.layer{index + 1}body{k}" for k in range(len(layer.bodies)))]
+                for medium, name in zip((layer, *layer.bodies), media):
+                    lines += [] if medium is layer else [medium.line(directory, name)]
+                    lines += [medium.phase.line(directory, name)] if medium.phase else []
         return "\n".join([*lines, shortest(self.n_below), ""])
 
     def write(self, path: Union[str, os.PathLike[str]], comment: str = "") -> None:

@@ -359,9 +359,9 @@ static void lines_in_the_wrong_place(void **state)
         {ONE "facets\n", "x.mci:9: line = facets (expected layer 1; a facets line stands between a run's "
                          "first line and its number of layers)"},
         {NAME "#@ baem disk 1\n",
-         "x.mci:4: line = #@ baem disk 1 (expected b, m, i, beam, map or facets behind #@)"},
+         "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, beam, map or facets behind #@)"},
         {NAME "#@baem disk 1\n",
-         "x.mci:4: line = #@baem disk 1 (expected b, m, i, beam, map or facets behind #@)"},
+         "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, beam, map or facets behind #@)"},
     };
     CHECK_ALL(state, table);
 }

@@ -1,0 +1,146 @@
+/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). The vector loops of an interaction: hop, drop and spin.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_INTERACT_INL_H
+#define CML_BUNDLE_INTERACT_INL_H
+
+#include "engine/cpu/bundle_loops_inl.h"
+
+/* Lanes with INTERACT: MCML's hop (P2) and drop (P3). tally: whether deposits go into A_rz; then
+ * fills cell (P7) and dw, which is 0 in the other lanes so that all can be added without a branch. Constant,
+ * so that each caller below has a loop of its own. Returns 1 when a packet is below the roulette threshold.
+ */
+__attribute__((always_inline)) static inline int cml_bundle_hop_drop(const struct cml_setup *shared,
+                                                                     struct cml_bundle *b, const int tally)
+{
+    const int lanes = b->lanes;
+    const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
+    const real *restrict const absorb = CML_OF_MEDIUM(b, absorb), *restrict const bins =
+                                                                      CML_OF_MEDIUM(b, bins);
+    int low = 0;
+#pragma omp simd reduction(| : low)
+    for (int i = 0; i < lanes; i++) {
+        const int active = b->task[i] == CML_LANE_INTERACT;
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
+        const struct cml_vec p = cml_along(from, b->s[i], u);
+        const cml_u32 w = b->w[i], part = cml_absorbed_part(w, absorb[i], b->draw1[i], b->draw2[i]);
+        const cml_u32 dw = cml_pick_word(active, part, 0), left = w - dw;
+        if (tally) {
+            const int ir = cml_radial_bin(&setup, p.x, p.y), iz = cml_depth_bin(&setup, p.z, bins[i]);
+            b->cell[i] = ir * (setup.nz + 2) + iz;
+            b->dw[i] = dw;
+        }
+        b->x[i] = cml_pick(active, p.x, from.x);
+        b->y[i] = cml_pick(active, p.y, from.y);
+        b->z[i] = cml_pick(active, p.z, from.z);
+        b->w[i] = left;
+        low |= left < setup.roulette.below;
+    }
+    return low;
+}
+
+/* The same lanes: spin (P4), where no medium has a phase function's table. */
+__attribute__((always_inline)) static inline void cml_bundle_spin(struct cml_bundle *b)
+{
+    const int lanes = b->lanes;
+    const real *restrict const g = CML_OF_MEDIUM(b, g);
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) {
+        const int active = b->task[i] == CML_LANE_INTERACT;
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+        const struct cml_vec v = cml_scatter(u, g[i], b->draw1[i], b->draw2[i]);
+        b->ux[i] = cml_pick(active, v.x, u.x);
+        b->uy[i] = cml_pick(active, v.y, u.y);
+        b->uz[i] = cml_pick(active, v.z, u.z);
+    }
+}
+
+/* Where some have: the cells of all lanes. They are fetched one by one, for instructions that gather take
+ * longer, and before the hop, whose vectors do not wait for them. Both members of a cell that has parts are
+ * negative. */
+CML_LOOP void cml_bundle_find_phases(const struct cml_phase_cell *cells, const struct cml_bundle *b,
+                                     struct cml_phase_cell *cell)
+{
+    const int lanes = b->lanes;
+    const real *restrict const g = CML_OF_MEDIUM(b, g);
+    _Alignas(64) cml_u32 place[CML_LANES];
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) place[i] = cml_phase_place(g[i], b->draw1[i]);
+#pragma GCC unroll 8
+    for (int i = 0; i < lanes; i++) {
+        int64_t both;
+        memcpy(&both, &cells[place[i]], sizeof both);
+        memcpy(&cell[i], &both, sizeof both);
+        if (__builtin_expect(both < 0, 0)) cell[i] = cml_phase_cell_at(cells, place[i], b->draw1[i]);
+    }
+}
+
+/* Spin by them, as cml_scatter_in. only_tables: constant, as cml_world says. */
+__attribute__((always_inline)) static inline void
+cml_bundle_spin_by(const struct cml_phase_cell *cell, struct cml_bundle *b, const int only_tables)
+{
+    const int lanes = b->lanes;
+    const real *restrict const g = CML_OF_MEDIUM(b, g);
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) {
+        const int active = b->task[i] == CML_LANE_INTERACT;
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]};
+        const real drawn = cml_phase_one_minus(cell[i], b->draw1[i]);
+        const struct cml_vec v = only_tables ? cml_scatter_drawn(u, g[i], drawn, b->draw2[i])
+                                             : cml_scatter_either(u, g[i], drawn, b->draw1[i], b->draw2[i]);
+        b->ux[i] = cml_pick(active, v.x, u.x);
+        b->uy[i] = cml_pick(active, v.y, u.y);
+        b->uz[i] = cml_pick(active, v.z, u.z);
+    }
+}
+
+CML_LOOP void cml_bundle_spin_by_tables(const struct cml_phase_cell *cell, struct cml_bundle *b)
+{
+    cml_bundle_spin_by(cell, b, 1);
+}
+
+CML_LOOP void cml_bundle_spin_mixed(const struct cml_phase_cell *cell, struct cml_bundle *b)
+{
+    cml_bundle_spin_by(cell, b, 0);
+}
+
+/* Depth bins (P7) of all lanes, where they have been moved to: [CML_LANES]. */
+CML_LOOP void cml_bundle_find_depths(const struct cml_setup *shared, const struct cml_bundle *b, int *depths)
+{
+    const struct cml_setup setup = *shared;
+    const int lanes = b->lanes;
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) depths[i] = cml_depth_bin(&setup, b->z[i], CML_OF_MEDIUM(b, bins)[i]);
+}
+
+/* Where absorption is tallied. */
+CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
+{
+    const int low = cml_bundle_hop_drop(setup, b, 1);
+    cml_bundle_spin(b);
+    return low;
+}
+
+/* The same where no absorption is tallied. Books are kept all the same, from weights (cml_flush_deposits). */
+CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
+{
+    const int low = cml_bundle_hop_drop(setup, b, 0);
+    cml_bundle_spin(b);
+    return low;
+}
+
+/* Both where media have tables. */
+CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct cml_bundle *b, int tally)
+{
+    _Alignas(64) struct cml_phase_cell cell[CML_LANES];
+    cml_bundle_find_phases(world->phase_cells, b, cell);
+    const int low =
+        tally ? cml_bundle_hop_drop(&world->setup, b, 1) : cml_bundle_hop_drop(&world->setup, b, 0);
+    if (world->only_tables)
+        cml_bundle_spin_by_tables(cell, b);
+    else
+        cml_bundle_spin_mixed(cell, b);
+    return low;
+}
+
+#endif

@@ -1,0 +1,137 @@
+/* Cell by cell: a straight line where it is accurate enough, else a straight line for each part of the cell.
+ * Parts are as likely as the error may be, so they are accurate enough whatever the function does in them.
+ * SPDX-License-Identifier: MIT */
+#include "engine/phase_table.h"
+
+#include "types.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#define CELLS ((int)CML_PHASE_CELLS)
+#define PARTS ((int)CML_PHASE_PARTS)
+
+/* A function while its table is made. */
+struct source {
+    const struct cml_phase *phase;
+    bool mirrored;
+};
+
+/* Share that is deflected by less, of a mirrored function from behind. */
+static double share_below(const struct source *source, double deflection)
+{
+    if (!source->mirrored) return cml_phase_below(source->phase, deflection);
+    return 1 - cml_phase_below(source->phase, 2 - deflection);
+}
+
+/* The inverse, by bisection between deflections. */
+static double deflection_of(const struct source *source, double share, double low, double high)
+{
+    for (int i = 0; i < 80 && low < high; i++) {
+        const double middle = low + (high - low) / 2;
+        if (middle == low || middle == high) break;
+        if (share_below(source, middle) < share)
+            low = middle;
+        else
+            high = middle;
+    }
+    return high;
+}
+
+/* The mean of the deflection over a cell, by Gauss and Legendre's rule with three nodes. */
+static double mean_of(const struct source *source, int cell, double low, double high)
+{
+    static const double node[] = {0.11270166537925831, 0.5, 0.88729833462074169},
+                        weight[] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+    double sum = 0;
+    for (int i = 0; i < 3; i++) sum += weight[i] * deflection_of(source, (cell + node[i]) / CELLS, low, high);
+    return sum;
+}
+
+/* The line with the cell's mean, so that errors within it cancel in all moments but for their third order. In
+ * the outermost cells it ends where the deflection does. */
+static struct cml_phase_line line_of(const struct source *source, int cell, double low, double high)
+{
+    const double mean = mean_of(source, cell, low, high);
+    if (cell == 0) return (struct cml_phase_line){low, 2 * (mean - low)};
+    if (cell == CELLS - 1) return (struct cml_phase_line){2 * mean - high, 2 * (high - mean)};
+    return (struct cml_phase_line){mean - (high - low) / 2, high - low};
+}
+
+/* Whether the distribution function is met to one part of the cell all along the line. */
+static bool is_accurate(const struct source *source, int cell, struct cml_phase_line line)
+{
+    enum { PLACES = 16 };
+    for (int i = 0; i <= PLACES; i++) {
+        const double y = (double)i / PLACES, x = fmin(fmax(line.start + line.slope * y, 0), 2);
+        if (!(fabs(share_below(source, x) * CELLS - cell - y) < 1.0 / PARTS)) return false;
+    }
+    return line.slope >= 0 && line.start >= 0;
+}
+
+/* Room for the parts of one cell more; arrays are enlarged when they are full. */
+static cml_status grow(struct cml_phase_tables *tables, size_t *capacity, struct cml_error *err)
+{
+    const size_t most = 1u << 24; /* beyond which single precision cannot count */
+    if (tables->count + CML_PHASE_PARTS > most)
+        return cml_fail(err, CML_E_INPUT,
+                        "phase functions: tables of more than 2^24 cells (expected fewer phase functions, or "
+                        "smoother ones)");
+    if (tables->count + CML_PHASE_PARTS <= *capacity) return CML_OK;
+    const size_t bytes = 2 * *capacity * sizeof *tables->item;
+    struct cml_phase_line *larger = realloc(tables->item, bytes);
+    if (!larger) return cml_fail_memory(err, (double)bytes, "phase functions");
+    tables->item = larger;
+    *capacity *= 2;
+    return CML_OK;
+}
+
+/* Chords, in the y of the whole cell. */
+static void add_parts(const struct source *source, int cell, double low, double high,
+                      struct cml_phase_tables *tables)
+{
+    double before = low;
+    for (int i = 0; i < PARTS; i++) {
+        const double share = (cell + (i + 1.0) / PARTS) / CELLS;
+        const double next = i == PARTS - 1 ? high : deflection_of(source, share, before, high);
+        const double slope = PARTS * (next - before);
+        tables->item[tables->count++] = (struct cml_phase_line){before - slope * i / PARTS, slope};
+        before = next;
+    }
+}
+
+static cml_status fill(const struct cml_phase *phase, struct cml_phase_tables *tables, size_t *capacity,
+                       struct cml_error *err)
+{
+    const struct source source = {phase, cml_phase_mean(phase) < 0};
+    const size_t first = (size_t)phase->index * CML_PHASE_CELLS;
+    double low = 0;
+    for (int k = 0; k < CELLS; k++) {
+        const double high = k == CELLS - 1 ? 2 : deflection_of(&source, (k + 1.0) / CELLS, low, 2);
+        struct cml_phase_line line = line_of(&source, k, low, high);
+        if (!is_accurate(&source, k, line)) {
+            CML_TRY(grow(tables, capacity, err));
+            line = (struct cml_phase_line){-(double)tables->count, -1};
+            add_parts(&source, k, low, high, tables);
+        }
+        tables->item[first + (size_t)k] = line;
+        low = high;
+    }
+    return CML_OK;
+}
+
+cml_status cml_phase_tables_create(const struct cml_phase *phases, struct cml_phase_tables *tables,
+                                   struct cml_error *err)
+{
+    size_t capacity = 2 * CML_PHASE_CELLS * (size_t)(phases->index + 1);
+    *tables = (struct cml_phase_tables){calloc(capacity, sizeof *tables->item), capacity / 2};
+    if (!tables->item)
+        return cml_fail_memory(err, (double)(capacity * sizeof *tables->item), "phase functions");
+    for (const struct cml_phase *phase = phases; phase; phase = phase->next) {
+        const cml_status status = fill(phase, tables, &capacity, err);
+        if (status == CML_OK) continue;
+        free(tables->item);
+        return status;
+    }
+    return CML_OK;
+}

@@ -1,0 +1,27 @@
+/* Phase functions as tables of the inverse of their distribution function, for the kernels to draw from.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_PHASE_TABLE_H
+#define CML_PHASE_TABLE_H
+
+#include "scene/phase.h"
+
+#include <stddef.h>
+
+/* As struct cml_phase_cell of kernels/types.h, in double precision. */
+struct cml_phase_line {
+    double start, slope;
+};
+
+/* The tables of all functions, that of index i from cell i CML_PHASE_CELLS on, then the parts of cells. */
+struct cml_phase_tables {
+    struct cml_phase_line *item; /* [count] */
+    size_t count;
+};
+
+/* phases: a scene's list, not empty. Whoever draws by a table has a distribution function that nowhere
+ * differs from the phase function's by more than 2^-18, but for rounding. item is the caller's to free.
+ * CML_E_INPUT: out of memory. */
+CML_NODISCARD cml_status cml_phase_tables_create(const struct cml_phase *phases,
+                                                 struct cml_phase_tables *tables, struct cml_error *err);
+
+#endif

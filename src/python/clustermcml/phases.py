@@ -1,0 +1,67 @@
+"""How a medium scatters, where that is not Henyey and Greenstein's function.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Any, Optional, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import errors
+from .surfaces import shortest
+
+NUMBERS = {"hg2": ("g1", "g2", "w"), "mhg": ("g", "w"), "gk": ("g", "a"), "rayleigh": (), "table": ()}
+
+
+@dataclass
+class Phase:
+    """A phase function. kind: "hg2" (g1, g2, w), "mhg" (g, w), "gk" (g, a), "rayleigh", or "table": either `path`, a file with a column
+    of angles [degrees, 0 to 180, rising] and one of densities, or both as arrays, `angles` and `densities`. The medium's g must be
+    the mean cosine to 1e-3.
+
+    >>> Phase("hg2", g1=0.9, g2=-0.4, w=0.95).line("", "")
+    'phase hg2 0.9 -0.4 0.95'
+    """
+
+    kind: str
+    g1: Optional[float] = None
+    g2: Optional[float] = None
+    w: Optional[float] = None
+    g: Optional[float] = None
+    a: Optional[float] = None
+    path: Optional[Union[str, os.PathLike[str]]] = None
+    angles: Optional[npt.ArrayLike] = None
+    densities: Optional[npt.ArrayLike] = None
+
+    def __post_init__(self) -> None:
+        errors.choice("Phase.kind", self.kind, *NUMBERS)
+        for name in ("g1", "g2", "w", "g", "a"):
+            value = getattr(self, name)
+            if name in NUMBERS[self.kind]:
+                errors.finite("Phase." + name, value)
+            elif value is not None:
+                raise errors.refuse("Phase." + name, value, f"None for {self.kind}")
+        tables = (self.path is not None) + (self.angles is not None and self.densities is not None)
+        if tables != (self.kind == "table"):
+            raise errors.refuse("Phase.path", self.path, "a file, or angles and densities, for a table, and for nothing else")
+
+    def line(self, directory: str, stem: str) -> str:
+        """The line of the `.mci` in that directory; writes DIRECTORY/STEM.phase.txt where the table is no file."""
+        if self.kind != "table":
+            return " ".join(["phase", self.kind, *(shortest(getattr(self, name)) for name in NUMBERS[self.kind])])
+        if self.path is not None:
+            return f'phase table "{errors.existing_file("Phase.path", self.path)}"'
+        path = stem + ".phase.txt"
+        rows: npt.NDArray[Any] = np.column_stack([self.angles, self.densities])
+        np.savetxt(os.path.join(directory, path), rows, "%.17g")
+        return f'phase table "{path}"'
+
+
+def check_phase(name: str, phase: Optional[Phase]) -> None:
+    if phase is not None and not isinstance(phase, Phase):
+        raise errors.refuse(name, phase, "a Phase or None")

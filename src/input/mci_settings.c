@@ -42,7 +42,7 @@ static void write_media(FILE *out, const char *kind, int count, const char *fiel
 static void write_phase(FILE *out, const char *kind, int number, const struct cml_phase *phase)
 {
     if (!phase || !*cml_phase_numbers(phase->kind)) return;
-    fprintf(out, ", %s%d.phase", kind, number);
+    fprintf(out, ", %s%d.phase with", kind, number);
     for (const char *const *name = cml_phase_numbers(phase->kind); *name; name++) fprintf(out, " .%s", *name);
 }
 

@@ -182,6 +182,12 @@ static void odd_scenes_have_the_same_tally(void **state)
     compare_text(HEAD "0.01 0.3\n20 1 1\n1\n1\n1.4 1 50 0.5 0.2\n1\n", 1000); /* a single radial bin */
     /* an A_rz that all threads share */
     compare_text(HEAD "0.0001 0.0001\n2000 1000 7\n1\n1\n1.4 1 90 0.5 0.2\n1\n", 500);
+    /* phase functions: of all media, of some, mirrored, of a body */
+    compare_text(HEAD GRID "1\n1\n1.4 1 50 0.62 0.2\nphase hg2 0.9 -0.5 0.8\n1\n", 1000);
+    compare_text(HEAD "beam disk 0.1\n" GRID
+                      "4\n1\n1.5 0 0 0 0.1\n1.4 1 50 0 0.1\nphase rayleigh\ni sphere 0 0 0.15 0.02 1.3 1 90 "
+                      "-0.9\nphase gk -0.9 0.5\n1.3 1 0 0 0.02\n1.4 1 20 0.8 0.1\n1\n",
+                 2000);
     compare_text(HEAD "map 5 5 0.1 0.1\nfacets\n" GRID "2\n1\n1.5 0 0 0 0.1\n1.37 0.5 20 0.8 0.3\n1\n", 2000);
 }
 

@@ -13,8 +13,8 @@
 #define HEAD "1.0\n1\nscene A\n1000\n"
 #define GRID "0.01 0.02\n20 30 10\n"
 static const char *const scenes[] = {
-    /* planes; glass on top; heightfields, re-entry, an oblique and a wide beam; guided light; g = +-1; bodies
-     */
+    /* planes; glass on top; heightfields, re-entry, an oblique and a wide beam; guided light; g = +-1;
+     * bodies; phase functions of some media and of all */
     HEAD GRID "2\n1\n1.4 0.5 50 0.8 0.1\n1.5 1 20 0 0.2\n1\n",
     HEAD GRID "3\n1\n1.5 0 0 0 0.1\n1.4 0.5 50 0.9 0.1\n1.5 0 0 0 0.1\n1\n",
     HEAD GRID "2\n1\nb 4 0.05 0.1 0.02 0.1 0.03 0.1 0 0\n1.4 0.5 50 0.8 0.2\nb 3 -0.05 0.1 0.02 0.2 0 0\n"
@@ -24,6 +24,9 @@ static const char *const scenes[] = {
     HEAD "beam disk 0.1\n" GRID "1\n1.4\n1.4 1 10 1 0.5\n1.4\n",
     HEAD GRID "1\n1\n1.4 0.5 50 0.8 0.5\ni sphere 0.05 0 0.1 0.06 1.5 2 10 0.5\n"
               "i cylinder -1 -0.1 0.25 1 -0.1 0.3 0.05 1.3 5 20 0.9\n1\n",
+    HEAD GRID "2\n1\n1.4 0.5 50 0.62 0.1\nphase hg2 0.9 -0.5 0.8\ni sphere 0.05 0 0.05 0.03 1.5 2 10 -0.9\n"
+              "phase gk -0.9 0.5\n1.5 1 20 0.5 0.2\n1\n",
+    HEAD GRID "1\n1\n1.4 0.5 50 0 0.5\nphase rayleigh\n1\n",
 };
 enum { num_scenes = sizeof scenes / sizeof *scenes };
 

@@ -57,7 +57,7 @@ class Phase:
         if self.path is not None:
             return f'phase table "{errors.existing_file("Phase.path", self.path)}"'
         path = stem + ".phase.txt"
-        rows: npt.NDArray[Any] = np.column_stack([self.angles, self.densities])
+        rows: npt.NDArray[Any] = np.column_stack([np.asarray(self.angles), np.asarray(self.densities)])
         np.savetxt(os.path.join(directory, path), rows, "%.17g")
         return f'phase table "{path}"'
 

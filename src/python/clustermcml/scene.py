@@ -192,10 +192,11 @@ class Scene:
             if index < len(self.layers):
                 layer = self.layers[index]
                 lines.append(" ".join(map(shortest, (layer.n, layer.mua, layer.mus, layer.g, layer.d))))
-                media = [f"{stem}.layer{index + 1}", *(f"{stem}.layer{index + 1}body{k}" for k in range(len(layer.bodies)))]
-                for medium, name in zip((layer, *layer.bodies), media):
-                    lines += [] if medium is layer else [medium.line(directory, name)]
-                    lines += [medium.phase.line(directory, name)] if medium.phase else []
+                lines += [layer.phase.line(directory, f"{stem}.layer{index + 1}")] if layer.phase else []
+                for k, body in enumerate(layer.bodies):
+                    name = f"{stem}.layer{index + 1}body{k}"
+                    lines.append(body.line(directory, name))
+                    lines += [body.phase.line(directory, name)] if body.phase else []
         return "\n".join([*lines, shortest(self.n_below), ""])
 
     def write(self, path: Union[str, os.PathLike[str]], comment: str = "") -> None:

@@ -397,6 +397,84 @@ static void numbers_beyond_double_precision_are_refused(void **state)
     assert_null(exact.value);
 }
 
+static double hg_density(double g, double c)
+{
+    return (1 - g * g) / 2 / pow(1 + g * g - 2 * g * c, 1.5);
+}
+
+/* Densities of the cosine as samples/input.md has them, of which `of` is the phase. */
+static double density(const struct cml_phase *of, double c)
+{
+    const double *n = of->number, g = n[0], a = n[1];
+    if (of->kind == CML_PHASE_HG2) return n[2] * hg_density(g, c) + (1 - n[2]) * hg_density(a, c);
+    if (of->kind == CML_PHASE_MHG) return a * hg_density(g, c) + (1 - a) * 1.5 * c * c;
+    if (of->kind == CML_PHASE_RAYLEIGH) return 0.375 * (1 + c * c);
+    if (of->kind == CML_PHASE_TABLE) return c > 0 ? 0.25 + c * 0.75 : 0.25 + c * -0.125;
+    return 2 * a * g * pow(1 - g * g, 2 * a) / (pow(1 + g, 2 * a) - pow(1 - g, 2 * a)) /
+           pow(1 + g * g - 2 * g * c, a + 1);
+}
+
+/* The share of what is scattered once that goes back up, of a beam with the cosine m: the midpoint rule over
+ * cosine and azimuth of where it goes. */
+static double backscattered(const struct cml_phase *phase, double m)
+{
+    enum { COSINES = 400, AZIMUTHS = 400 };
+    double sum = 0;
+    for (int i = 0; i < COSINES; i++)
+        for (int k = 0; k < AZIMUTHS; k++) {
+            const double up = -(i + 0.5) / COSINES, azimuth = pi * (k + 0.5) / AZIMUTHS;
+            sum += density(phase, m * up + sqrt((1 - m * m) * (1 - up * up)) * cos(azimuth));
+        }
+    return sum / COSINES / AZIMUTHS;
+}
+
+/* Of a layer so thin that nothing is scattered twice but for a part in 1e4. */
+static void thin_layers_scatter_once(void **state)
+{
+    (void)state;
+    double deflection[] = {0, 1, 2}, rows[] = {1, 0.25, 0.375}, below[3];
+    struct cml_phase phases[] = {{.kind = CML_PHASE_HG2, .number = {0.8, -0.3, 0.7}},
+                                 {.kind = CML_PHASE_MHG, .number = {0.7, 0.6}},
+                                 {.kind = CML_PHASE_GK, .number = {0.6, 1.2}},
+                                 {.kind = CML_PHASE_GK, .number = {-0.5, -0.3}},
+                                 {.kind = CML_PHASE_RAYLEIGH},
+                                 {.kind = CML_PHASE_TABLE, .rows = 3}};
+    phases[5].deflection = deflection;
+    phases[5].density = rows;
+    phases[5].below = below;
+    assert_true(cml_phase_scale_table(&phases[5]));
+    for (size_t i = 0; i < sizeof phases / sizeof *phases; i++)
+        for (int k = 0; k < 2; k++) {
+            const double m = k ? 0.4 : 1, depth = 1e-6;
+            struct stack stack = slab(1, 0, 1, 0, depth);
+            stack.media[1].phase = &phases[i];
+            stack.media[1].g = cml_phase_mean(&phases[i]);
+            struct cml_exact exact = solve(&stack, false, acos(m), 1e-9);
+            const double scattered = depth / m, back = exact.value[CML_EXACT_RD] / scattered;
+            const double all = density(&phases[5], 1) / phases[5].density[0];
+            assert_near("backscattered", back, backscattered(&phases[i], m) / (i == 5 ? all : 1), 2e-4);
+            cml_exact_clear(&exact);
+        }
+}
+
+/* Three ways to say Henyey and Greenstein's function. */
+static void equal_functions_have_equal_totals(void **state)
+{
+    (void)state;
+    const struct cml_phase phases[] = {{.kind = CML_PHASE_HG2, .number = {0.9, 0.9, 0.3}},
+                                       {.kind = CML_PHASE_MHG, .number = {0.9, 1}},
+                                       {.kind = CML_PHASE_GK, .number = {0.9, 0.5}}};
+    struct stack stack = slab(1.4, 1, 100, 0.9, 0.1);
+    struct cml_exact law = solve(&stack, false, 0.5, 1e-6);
+    for (int i = 0; i < 3; i++) {
+        stack.media[1].phase = &phases[i];
+        struct cml_exact exact = solve(&stack, false, 0.5, 1e-6);
+        for (int k = 0; k < exact.count; k++) assert_near("total", exact.value[k], law.value[k], 1e-10);
+        cml_exact_clear(&exact);
+    }
+    cml_exact_clear(&law);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -414,6 +492,8 @@ int main(void)
         cmocka_unit_test(too_much_work_is_refused_or_cut_short),
         cmocka_unit_test(a_million_indices_are_refused_at_once),
         cmocka_unit_test(numbers_beyond_double_precision_are_refused),
+        cmocka_unit_test(thin_layers_scatter_once),
+        cmocka_unit_test(equal_functions_have_equal_totals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

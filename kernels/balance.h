@@ -10,6 +10,10 @@
 #define CML_LOG2_BATCHES 6
 #define CML_NUM_BATCHES (1 << CML_LOG2_BATCHES)
 
+/* Each of several beams has photons of its own, so that it has all points of the lattice: their index is that
+ * of the beam, from 0, above so many bits, and their number there below. */
+#define CML_SOURCE_SHIFT 48
+
 /* launched + gained = specular + reflected + transmitted + absorbed + roulette + trapped + lost, exactly
  * (P10). */
 enum cml_balance_term {

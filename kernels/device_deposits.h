@@ -107,6 +107,11 @@ CML_FN void cml_add_to_balance(const struct cml_deposits *to, enum cml_balance_t
     if (amount) cml_add_near(to->near + CML_CELL_BALANCE + (cml_u32)term, amount);
 }
 
+CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
+{
+    cml_add_to_balance(to, CML_BALANCE_SPECULAR, w);
+}
+
 CML_FN void cml_add_count(const struct cml_deposits *to, enum cml_count count, cml_u32 amount)
 {
     if (amount) cml_add_near(to->near + CML_CELL_COUNT + (cml_u32)count, amount);

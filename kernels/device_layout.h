@@ -73,7 +73,8 @@ struct cml_device_fate {
 #define CML_LAYOUT                                                                                           \
     {                                                                                                        \
         sizeof(struct cml_setup), CML_OFFSET(struct cml_setup, nr), CML_OFFSET(struct cml_setup, specular),  \
-            CML_OFFSET(struct cml_setup, axis), CML_OFFSET(struct cml_setup, gauss),                         \
+            sizeof(struct cml_source), CML_OFFSET(struct cml_source, axis),                                  \
+            CML_OFFSET(struct cml_source, num_cells), sizeof(struct cml_light_cell),                         \
             CML_OFFSET(struct cml_setup, map), CML_OFFSET(struct cml_setup, outer_facets),                   \
             sizeof(struct cml_medium), CML_OFFSET(struct cml_medium, depth), sizeof(struct cml_clearance),   \
             CML_OFFSET(struct cml_clearance, corner_x), sizeof(struct cml_surface),                          \
@@ -94,6 +95,6 @@ struct cml_device_fate {
             CML_OFFSET(struct cml_body_cell, steepest), CML_OFFSET(struct cml_medium, end_node),             \
             sizeof(struct cml_phase_cell)                                                                    \
     }
-#define CML_LAYOUT_ENTRIES 43
+#define CML_LAYOUT_ENTRIES 45
 
 #endif

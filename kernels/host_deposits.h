@@ -12,6 +12,7 @@
  * [facets of all boundaries][CML_FACET_SCORES] or NULL. */
 struct cml_deposits {
     cml_u64 *A_rz, *A_l, *A_xyz, *facets;
+    cml_u64 *specular; /* one thread's sum */
 };
 
 /* To a cell of an array that threads share. */
@@ -33,6 +34,11 @@ CML_FN int cml_has_facets(const struct cml_deposits *to)
 CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)
 {
     to->A_l[medium] += dw;
+}
+
+CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
+{
+    *to->specular += w;
 }
 
 CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)

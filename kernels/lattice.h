@@ -24,7 +24,9 @@
 #define CML_LATTICE_LAUNCH_RADIUS 7u /* the launch's words 0 and 1 */
 #define CML_LATTICE_LAUNCH_AZIMUTH 11u
 #define CML_LATTICE_SECOND_REFLECTION 12u
-#define CML_LATTICE_DIMENSIONS 13u
+#define CML_LATTICE_LAUNCH_POLAR 13u /* and its words 2 and 3 */
+#define CML_LATTICE_LAUNCH_ROUND 14u
+#define CML_LATTICE_DIMENSIONS 15u
 #define CML_LATTICE_BLOCKS 4u /* of four dimensions, the last one not full */
 
 /* z_d: found by `bench/choices/lattice.c`, which says by what criterion. Selects, because vector loops have
@@ -35,7 +37,8 @@ CML_FN cml_u32 cml_lattice_generator(cml_u32 dimension)
     const cml_u32 first = k == 0u ? 1u : (k == 1u ? 70295u : (k == 2u ? 715331u : 336347u));
     const cml_u32 second = k == 0u ? 321735u : (k == 1u ? 442827u : (k == 2u ? 663857u : 587937u));
     const cml_u32 third = k == 0u ? 641369u : (k == 1u ? 699997u : (k == 2u ? 1026691u : 344913u));
-    return e == 0u ? first : (e == 1u ? second : (e == 2u ? third : 81287u));
+    const cml_u32 fourth = k == 0u ? 81287u : (k == 1u ? 888269u : 427407u);
+    return e == 0u ? first : (e == 1u ? second : (e == 2u ? third : fourth));
 }
 
 /* Point of a photon in its batch, modulo 2^32, with its bits in reverse order. Every 2^32 points get new
@@ -119,13 +122,16 @@ CML_FN cml_u32 cml_draw_reflection(struct cml_stream stream, cml_u64 photon, cml
     return cml_lattice_draw(stream, photon, cml_lattice_reflection(crossing), random);
 }
 
-/* Words that place a photon in its beam: 0 and 1. */
-CML_FN struct cml_block cml_draw_launch(struct cml_stream stream, cml_u64 photon)
+/* Words that place a photon in its beam: 0 and 1; and, where its direction is drawn, 2 and 3. */
+CML_FN struct cml_block cml_draw_launch(struct cml_stream stream, cml_u64 photon, int direction)
 {
     struct cml_block draw = cml_draw(stream, photon, CML_PURPOSE_LAUNCH, 0);
     if (!stream.lattice) return draw;
     draw.w[0] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_RADIUS, draw.w[0]);
     draw.w[1] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_AZIMUTH, draw.w[1]);
+    if (!direction) return draw;
+    draw.w[2] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_POLAR, draw.w[2]);
+    draw.w[3] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_ROUND, draw.w[3]);
     return draw;
 }
 

@@ -211,7 +211,7 @@ CML_FN void cml_device_replace(const struct cml_world *world, const struct cml_d
     if (launch.record)
         cml_device_write_fate(packet, fates + (packet->index - to->control->first) / to->control->stride);
     if (cml_device_take(to->control, &index))
-        cml_launch(world, index, packet);
+        cml_begin_walk(world, to, index, packet);
     else
         f->alive--;
     cml_device_load_lane(world, f, i);
@@ -374,7 +374,7 @@ CML_FN void cml_device_work_item(struct cml_world *world, __local const struct c
         cml_u64 index;
         CML_PACKET struct cml_packet *packet = &flight.packets[i];
         if (packet->fate != CML_FATE_ALIVE && cml_device_take(to->control, &index))
-            cml_launch(world, index, packet);
+            cml_begin_walk(world, to, index, packet);
         flight.alive += packet->fate == CML_FATE_ALIVE;
         cml_device_load_lane(world, &flight, i);
     }
@@ -406,14 +406,32 @@ cml_transport(const struct cml_setup setup, const struct cml_windows windows, co
               __global const struct cml_body *bodies, __global const struct cml_body_node *body_nodes,
               __global const struct cml_body_grid *body_grids,
               __global const struct cml_body_cell *body_cells,
-              __global const struct cml_phase_cell *phase_cells, __global struct cml_control *control,
-              __global struct cml_packet *packets, __global struct cml_device_fate *fates,
-              __global cml_u64 *cells, __local cml_u64 *near)
+              __global const struct cml_phase_cell *phase_cells, __global const struct cml_source *sources,
+              __global const struct cml_light_cell *light_cells, __global const cml_u32 *image_words,
+              __global struct cml_control *control, __global struct cml_packet *packets,
+              __global struct cml_device_fate *fates, __global cml_u64 *cells, __local cml_u64 *near)
 {
-    struct cml_world world = {
-        setup,       media,      surfaces, ring_r, ring_z, ring_slope, ring_horizon_above, ring_horizon_below,
-        ring_starts, deepest,    highest,  0,      0,      bodies,     body_nodes,         body_grids,
-        body_cells,  phase_cells};
+    struct cml_world world = {setup,
+                              media,
+                              surfaces,
+                              ring_r,
+                              ring_z,
+                              ring_slope,
+                              ring_horizon_above,
+                              ring_horizon_below,
+                              ring_starts,
+                              deepest,
+                              highest,
+                              0,
+                              0,
+                              bodies,
+                              body_nodes,
+                              body_grids,
+                              body_cells,
+                              phase_cells,
+                              sources,
+                              light_cells,
+                              image_words};
     __local struct cml_shared shared;
     const struct cml_deposits to = {&shared.windows, near, cells, control};
     const size_t item = get_global_id(0);

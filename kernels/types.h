@@ -1,11 +1,12 @@
 /* What a walk needs to know of the scene, and what it says of a packet.
  * Lengths in cm. Depth z of a packet is measured from the frame of the medium it is in: the frame of a medium
  * is that of the boundary above it (of boundary 0 for the medium above), so that a thin layer deep down keeps
- * all its digits and a plane is exactly z = 0. x and y are measured from the beam's axis.
+ * all its digits and a plane is exactly z = 0. x and y are measured from the first beam's axis.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_TYPES_H
 #define CML_TYPES_H
 
+#include "balance.h"
 #include "boundary.h"
 #include "mesh_crossing.h"
 #include "port.h"
@@ -158,6 +159,49 @@ struct cml_roulette_rule {
         weight; /* at least `below`; 0: ten times what they had, below at most 2^31 / 10 (original MCML) */
 };
 
+/* How packets of a source lie across its axis, and what its numbers are. */
+enum cml_source_shape {
+    CML_SHAPE_POINT,
+    CML_SHAPE_DISK,      /* a: radius */
+    CML_SHAPE_GAUSSIAN,  /* a: 1/e^2 radius */
+    CML_SHAPE_RING,      /* a: square of the inner radius, b: difference of both squares */
+    CML_SHAPE_RECTANGLE, /* a, b: half the lengths along e1 and e2 */
+    CML_SHAPE_IMAGE      /* a, b: lengths of a pixel along e1 and e2 */
+};
+
+/* Their directions about the axis. */
+enum cml_source_light {
+    CML_LIGHT_PARALLEL,
+    CML_LIGHT_EVEN,   /* evenly per solid angle, as far as 1 - cosine is `spread`, or, where that is 0, the
+                       * sine aperture / n */
+    CML_LIGHT_COSINE, /* cosine law over the hemisphere */
+    CML_LIGHT_TABLE
+};
+
+/* A beam (P1). Lengths in cm. */
+struct cml_source {
+    int inside;    /* starts at the place itself, else above all surfaces on the line through it */
+    int medium;    /* of packets: 0: above all surfaces; below planes 1, or 2: glass; inside: at the middle */
+    int is_pencil; /* inside: all packets start in that medium */
+    cml_u32 specular;      /* deterministic Rsp of one packet in weight units, 0 when medium is 0 or inside */
+    cml_u32 between;       /* weight that goes up to boundary 0 again in a clear first layer, 0 without one */
+    struct cml_vec middle; /* of the shape, x and y from the first beam's axis, z in the frame of boundary 0;
+                            * inside: of the medium */
+    real start;            /* z where packets start in the frame of the medium, unless inside */
+    struct cml_vec axis, e1, e2; /* direction, and two unit vectors across it */
+    int shape, light;            /* enum cml_source_shape, cml_source_light */
+    real a, b;                   /* of the shape */
+    real aperture, spread;       /* of the light */
+    int nx, ny, first_word;      /* of an image */
+    int first_cell, num_cells;   /* of a table */
+};
+
+/* A part of the directions of a table: 1 - cosine from v on, `width` wide; density at both ends. */
+struct cml_light_cell {
+    cml_u32 first; /* the lowest word that leads here */
+    real v, width, begin, end;
+};
+
 struct cml_setup {
     struct cml_stream stream;
     struct cml_roulette_rule roulette;
@@ -167,17 +211,13 @@ struct cml_setup {
     int nr, nz, na;       /* bins; a tally's A_rz is [nr + 1][nz + 2], its Rd_ra and Tt_ra are [nr + 1][na] */
     real per_dr, per_dz;  /* 1/dr, 1/dz */
     real per_da;          /* na / (pi/2) */
-    real x0, y0;          /* scene position of the beam's axis at z = 0 */
+    real x0, y0;          /* scene position of the first beam's axis at z = 0 */
+    real r0_x, r0_y;      /* the same from where results count r */
     struct cml_map map;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
     /* launch */
-    int launch_medium; /* 0: traced to boundary 0; else the packet starts on plane 0 (or 1: glass) going down
-                        */
-    cml_u32 specular;  /* deterministic Rsp of one packet in weight units, 0 when launch_medium is 0 */
-    cml_u32 between;   /* weight that goes up to boundary 0 again in a clear first layer, 0 without one */
-    real launch_z;     /* in the frame of launch_medium */
-    struct cml_vec axis, e1, e2; /* beam direction and two unit vectors across it */
-    real disk, gauss;            /* radius of a uniform disk, 1/e^2 radius of a Gaussian; both 0: pencil */
+    int num_sources;
+    cml_u32 specular; /* what is split off every packet before its launch; 0 where sources differ in that */
 };
 
 struct cml_packet {
@@ -238,6 +278,11 @@ struct cml_world {
     CML_GLOBAL const struct cml_body_cell *body_cells; /* of all grids */
     /* Tables, one behind the other, then parts of their cells; NULL where no medium has one. */
     CML_GLOBAL const struct cml_phase_cell *phase_cells;
+    CML_GLOBAL const struct cml_source *sources; /* [setup.num_sources] */
+    CML_GLOBAL const struct cml_light_cell *light_cells;
+    /* Images, each: how many rows are in use, the lowest word that leads to each of them [ny], and then the
+     * same of the columns of every row, [ny][1 + nx]. */
+    CML_GLOBAL const cml_u32 *image_words;
 #ifndef __OPENCL_VERSION__
     int only_tables;                              /* every medium that scatters has one */
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */

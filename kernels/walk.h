@@ -5,10 +5,10 @@
 #ifndef CML_WALK_H
 #define CML_WALK_H
 
-#include "invariants.h"
 #include "lattice.h"
 #include "optics.h"
 #include "rng.h"
+#include "source.h"
 #include "surface_hit.h"
 #include "types.h"
 
@@ -67,41 +67,6 @@ CML_FN real cml_free_path(const struct cml_world *world, CML_PACKET const struct
     return cml_path(packet->tau, world->media[packet->medium].mfp);
 }
 
-/* Distance across the beam from its axis: uniform over a disk, or a Gaussian of irradiance exp(-2 r^2 /
- * gauss^2). */
-CML_FN struct cml_vec cml_beam_offset(const struct cml_setup *setup, cml_u64 index)
-{
-    struct cml_vec none = {0, 0, 0};
-    if (!(setup->disk > 0) && !(setup->gauss > 0)) return none;
-    const struct cml_block draw = cml_draw_launch(setup->stream, index);
-    real c, s, r;
-    cml_circle_point(draw.w[1], &c, &s);
-    const real xi = cml_uniform(draw.w[0]);
-    if (setup->disk > 0)
-        r = setup->disk * CML_SQRT(xi);
-    else
-        r = setup->gauss * CML_SQRT((real)-0.5 * cml_log(xi));
-    return cml_along(cml_along(none, r * c, setup->e1), r * s, setup->e2);
-}
-
-/* P1: the packet where the beam puts it; its draws are not made yet. */
-CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
-{
-    const struct cml_setup *setup = &world->setup;
-    const struct cml_packet fresh = {0};
-    *packet = fresh;
-    packet->index = index;
-    packet->w = CML_WEIGHT_ONE - setup->specular;
-    packet->medium = setup->launch_medium;
-    packet->entered = setup->launch_medium > 0;
-    packet->on_boundary = -1;
-    packet->on_primitive = -1;
-    packet->u = setup->axis;
-    const struct cml_vec offset = cml_beam_offset(setup, index);
-    packet->p = cml_along(offset, (setup->launch_z - offset.z) / setup->axis.z, setup->axis);
-    packet->p.z = setup->launch_z;
-}
-
 CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
 {
     cml_place(world, index, packet);
@@ -112,7 +77,7 @@ CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET 
 /* P7: radial bin of a position; nr beyond the last one. */
 CML_FN int cml_radial_bin(const struct cml_setup *setup, real x, real y)
 {
-    const real sx = x + setup->x0, sy = y + setup->y0, last = (real)setup->nr;
+    const real sx = x + setup->r0_x, sy = y + setup->r0_y, last = (real)setup->nr;
     const real bin = CML_SQRT(CML_FMA(sx, sx, sy * sy)) * setup->per_dr;
     return (int)(bin < last ? bin : last);
 }
@@ -415,11 +380,13 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
 CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_deposits *to,
                              CML_PACKET const struct cml_packet *packet)
 {
+    const CML_GLOBAL struct cml_source *source = cml_source_of(world, packet->index);
+    const int passed = source->inside ? 0 : packet->medium;
     const real x = packet->p.x, y = packet->p.y;
-    for (int b = 0; b < packet->medium; b++) {
+    for (int b = 0; b < passed; b++) {
         cml_score_facet(world, to, b, 0, x, y, b, b + 1, packet->w);
-        if (b == 0) cml_score_facet(world, to, 0, 0, x, y, 0, 0, world->setup.specular);
-        if (packet->medium == 2) cml_score_facet(world, to, b, 0, x, y, 1, 1, world->setup.between);
+        if (b == 0) cml_score_facet(world, to, 0, 0, x, y, 0, 0, source->specular);
+        if (passed == 2) cml_score_facet(world, to, b, 0, x, y, 1, 1, source->between);
     }
 }
 
@@ -443,7 +410,7 @@ CML_FN void cml_leave_scene(const struct cml_world *world, CML_PACKET struct cml
     const int outside = cml_is_outer(world, packet->medium);
     if (!(cml_dot(packet->u, packet->u) < 2) || !(cml_dot(packet->p, packet->p) >= 0))
         cml_lose_packet(packet, CML_LOST_NAN);
-    else if (outside && away >= 0 && packet->boundary_events > 0)
+    else if (outside && away >= 0)
         cml_score_exit(packet);
     else if (packet->u.z == 0 && !cml_is_body(world, packet->medium))
         cml_end_packet(packet, CML_FATE_TRAPPED);
@@ -472,6 +439,7 @@ CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_depos
                            CML_PACKET struct cml_packet *packet)
 {
     cml_launch(world, index, packet);
+    if (world->setup.num_sources > 1) cml_add_specular(to, cml_split_off(world, index));
     if (cml_has_facets(to)) cml_score_launch(world, to, packet);
 }
 

@@ -24,9 +24,9 @@ enum { CANDIDATES = 400, POWER_MIN = 6, POWER_MAX = 16, POWERS = POWER_MAX - POW
 static const struct {
     cml_u32 dimension;
     double weight;
-} order[CML_LATTICE_DIMENSIONS] = {{0, 1},    {1, 1},     {2, 1},    {3, 0.5},  {4, 0.5},
-                                   {5, 0.5},  {6, 0.5},   {8, 0.25}, {9, 0.25}, {10, 0.25},
-                                   {7, 0.25}, {11, 0.25}, {12, 0.25}};
+} order[CML_LATTICE_DIMENSIONS] = {{0, 1},    {1, 1},     {2, 1},     {3, 0.5},   {4, 0.5},
+                                   {5, 0.5},  {6, 0.5},   {8, 0.25},  {9, 0.25},  {10, 0.25},
+                                   {7, 0.25}, {11, 0.25}, {12, 0.25}, {13, 0.25}, {14, 0.25}};
 
 static const int typed[] = {156, 1562, 15625}; /* points that 1e4, 1e5 and 1e6 photons give a batch */
 enum { TYPED = sizeof typed / sizeof *typed, SEARCHED = TYPED - 1 }; /* 1e6 takes too long to search with */

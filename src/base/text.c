@@ -119,8 +119,11 @@ char *cml_text_word(char **cursor)
         *cursor = word;
         return NULL;
     }
-    char *close = *word == '"' ? strchr(word + 1, '"') : NULL;
-    char *end = close ? close : word + strcspn(word, blanks);
+    const size_t plain = strcspn(word, " \t\v\f\r\"");
+    const bool named = plain > 0 && word[plain - 1] == '=' && word[plain] == '"';
+    char *close = *word == '"' ? strchr(word + 1, '"') : NULL,
+         *last = named ? strchr(word + plain + 1, '"') : NULL;
+    char *end = close ? close : last ? last + 1 : word + strcspn(word, blanks);
     *cursor = *end ? end + 1 : end;
     *end = '\0';
     return close ? word + 1 : word;

@@ -56,7 +56,7 @@ char *cml_text_next(struct cml_text *text);
 /* Cuts the next word (a run of non-blanks) out of *cursor: NUL-terminates it in place and moves *cursor
  * behind it. Returns NULL when only blanks are left. A word that begins with '"' runs to the closing '"' and
  * loses both; when the closing one is missing the word is returned with its opening '"', so that the caller's
- * check refuses it. */
+ * check refuses it. A word key="..." runs to the closing '"', too, and keeps both. */
 char *cml_text_word(char **cursor);
 
 /* Whole-word conversions: true, and *value set, only when the entire word is one number.

@@ -2,7 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "base/constants.h"
+#include "output/report.h"
 #include "plot/section.h"
 #include "scene/body/body_shape.h"
 #include "scene/section.h"
@@ -17,17 +17,25 @@ static void take_in(double range[2], double low, double high)
     range[1] = fmax(range[1], high);
 }
 
+/* Half the width of the shape along its own x. */
+static double half_size(const struct cml_beam *beam)
+{
+    const double half[] = {
+        0, beam->size[0], beam->size[0], beam->size[1], beam->size[0] / 2, beam->size[0] / 2};
+    return half[beam->kind];
+}
+
 /* Across the beam, R; along x, more where the beam is slanted. */
 static double half_width(const struct cml_beam *beam)
 {
     const double ux = sin(beam->angle) * cos(beam->azimuth);
-    return beam->kind == CML_BEAM_PENCIL ? 0 : beam->radius / sqrt(1 - ux * ux);
+    return half_size(beam) / sqrt(1 - ux * ux);
 }
 
 /* All that is not a plane, of a tile one period, map and beam; the grid where there is nothing else. */
 static void find_width(const struct cml_scene *scene, double x[2])
 {
-    const double map = scene->map.nx * scene->map.dx / 2, beam = half_width(&scene->beam);
+    const double map = scene->map.nx * scene->map.dx / 2;
     x[0] = INFINITY;
     x[1] = -INFINITY;
     for (int b = 0; b <= scene->num_layers; b++) {
@@ -46,7 +54,11 @@ static void find_width(const struct cml_scene *scene, double x[2])
     }
     if (map > 0) take_in(x, -map, map);
     if (!(x[1] > x[0])) take_in(x, -scene->nr * scene->dr, scene->nr * scene->dr);
-    take_in(x, scene->beam.x - beam, scene->beam.x + beam);
+    for (int k = 0; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        const double wide = beam->inside ? half_size(beam) : half_width(beam);
+        take_in(x, beam->x - wide, beam->x + wide);
+    }
     const double margin = 0.06 * (x[1] - x[0]);
     take_in(x, x[0] - margin, x[1] + margin);
 }
@@ -78,6 +90,8 @@ static void find_depth(const struct cml_scene *scene, const double x[2], double 
         else
             all = false;
     }
+    for (int k = 0; k < scene->num_beams; k++)
+        if (scene->beams[k].inside) take_in(z, scene->beams[k].z, scene->beams[k].z);
     if (!all || !(z[1] > z[0])) z[1] += width / 2;
 }
 
@@ -98,19 +112,25 @@ static void label_media(const struct cml_scene *scene, struct cml_section_label 
     }
 }
 
-static void describe_beam(const struct cml_beam *beam, struct cml_section_beam *drawn)
+static void describe_beam(const struct cml_scene *scene, int k, struct cml_section_beam *drawn)
 {
-    static const char *const kinds[] = {"pencil", "disk", "Gaussian"};
-    const double degrees = 180 / CML_PI;
-    char radius[40] = "", angle[60] = "", y[40] = "";
-    if (beam->kind != CML_BEAM_PENCIL) snprintf(radius, sizeof radius, ", R = %g cm", beam->radius);
-    if (beam->angle > 0)
-        snprintf(angle, sizeof angle, ", angle %g, azimuth %g", beam->angle * degrees,
-                 beam->azimuth * degrees);
-    if (beam->y != 0) snprintf(y, sizeof y, ", at y = %g cm", beam->y);
-    *drawn = (struct cml_section_beam){
-        .x = beam->x, .slope = tan(beam->angle) * cos(beam->azimuth), .half_width = half_width(beam)};
-    snprintf(drawn->text, sizeof drawn->text, "%.8s%s%s%s", kinds[beam->kind], radius, angle, y);
+    const struct cml_beam *beam = &scene->beams[k];
+    const double a = beam->angle, c = cos(beam->azimuth), half = half_size(beam);
+    char *text = NULL;
+    size_t size = 0;
+    *drawn = (struct cml_section_beam){.x = beam->x,
+                                       .slope = tan(a) * c,
+                                       .half_width = beam->inside ? half : half_width(beam),
+                                       .spread = cml_light_widest(&beam->light, scene->media[0].n),
+                                       .inside = beam->inside,
+                                       .z = beam->z,
+                                       .axis = {sin(a) * c, cos(a)},
+                                       .side = {half * cos(a) * c, -half * sin(a)}};
+    FILE *out = open_memstream(&text, &size);
+    if (out) cml_report_beam(out, "", scene, k);
+    if (out && fclose(out) == 0)
+        snprintf(drawn->text, sizeof drawn->text, "%.*s", (int)strcspn(text, "\n"), text);
+    free(text);
 }
 
 /* Spheres and cylinders as meshes that look round. */
@@ -152,6 +172,7 @@ struct drawing {
     struct cml_cut *cuts;
     struct cml_section_line *lines;
     struct cml_section_label *labels;
+    struct cml_section_beam *beams;
 };
 
 static cml_status cut_all(const struct cml_scene *scene, struct drawing *drawing, const double x[2],
@@ -194,7 +215,9 @@ static cml_status draw_with(const struct cml_scene *scene, enum cml_picture pict
                                   .title = title,
                                   .caption = caption,
                                   .picture = picture};
-    describe_beam(&scene->beam, &section.beam);
+    section.num_beams = scene->num_beams;
+    section.beam = drawing->beams;
+    for (int k = 0; k < scene->num_beams; k++) describe_beam(scene, k, &drawing->beams[k]);
     snprintf(section.map_text, sizeof section.map_text, "map, %d x %d pixels of %g x %g cm", map->nx, map->ny,
              map->dx, map->dy);
     return cml_gnuplot_draw(cml_section_script, &section, path, err);
@@ -206,9 +229,10 @@ static cml_status draw_scene(const struct cml_scene *scene, enum cml_picture pic
     const size_t boundaries = (size_t)scene->num_layers + 1;
     struct drawing drawing = {.cuts = calloc(boundaries + 1, sizeof *drawing.cuts),
                               .lines = calloc(boundaries + 1, sizeof *drawing.lines),
-                              .labels = calloc(boundaries + 1, sizeof *drawing.labels)};
+                              .labels = calloc(boundaries + 1, sizeof *drawing.labels),
+                              .beams = calloc((size_t)scene->num_beams, sizeof *drawing.beams)};
     cml_status status = CML_OK;
-    if (drawing.cuts && drawing.lines && drawing.labels)
+    if (drawing.cuts && drawing.lines && drawing.labels && drawing.beams)
         status = draw_with(scene, picture, path, &drawing, err);
     else
         status = cml_fail_memory(err, 100.0 * (double)boundaries, "a section");
@@ -216,6 +240,7 @@ static cml_status draw_scene(const struct cml_scene *scene, enum cml_picture pic
     free(drawing.cuts);
     free(drawing.lines);
     free(drawing.labels);
+    free(drawing.beams);
     return status;
 }
 

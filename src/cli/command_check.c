@@ -129,6 +129,7 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
            scene->na);
     print_map(scene);
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
+    cml_report_beams(stdout, "  ", scene);
     cml_report_shapes(stdout, "  ", scene, surfaces, CML_READ_BY_PEOPLE);
     for (int b = 0; b <= scene->num_layers; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];
@@ -149,7 +150,7 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
     const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
     const cml_status status = cml_exact_scene(scene, NULL, &little, exact, err);
     *known = status == CML_OK;
-    return status == CML_E_NUMERIC || scene->num_bodies > 0 ? CML_OK : status;
+    return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_has_light(scene) ? CML_OK : status;
 }
 
 /* The memory is looked at before the twin takes some of it. */

@@ -37,6 +37,13 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
            options->engine->name, (unsigned long long)options->engine_options.seed);
     cml_report_phases(stdout, "# ", scene, CML_READ_BY_PEOPLE);
+    const uint64_t beam = scene->num_beams > 1 ? photon >> CML_SOURCE_SHIFT : 0;
+    if (beam >= (uint64_t)scene->num_beams)
+        return cml_fail(err, CML_E_INPUT,
+                        "trace: photon %llu (expected an index of one of %d beams: that of beam k begins at "
+                        "(k - 1) 2^48)",
+                        (unsigned long long)photon, scene->num_beams);
+    if (scene->beams[beam].given) cml_report_beam(stdout, "# ", scene, (int)beam);
     printf("#%5s  %-8s %6s  %15s %15s %15s  %12s %12s %12s  %s\n", "event", "what", "medium", "x cm", "y cm",
            "z cm", "ux", "uy", "uz", "weight");
     CML_TRY(options->engine->trace(engine, photon, print_event, &row, &record, err));

@@ -271,7 +271,31 @@ static cml_status try_level(const struct search *search, struct verdict *verdict
 static bool is_face_of_glass(const struct cml_scene *scene, int b)
 {
     const struct cml_medium_def *first = &scene->media[1];
-    return b <= 1 && scene->num_layers > 1 && first->mua + first->mus == 0 && scene->beam.angle == 0;
+    return b <= 1 && scene->num_layers > 1 && first->mua + first->mus == 0 && !scene->beams[0].inside &&
+           scene->beams[0].angle == 0 && scene->beams[0].light.kind == CML_LIGHT_OF_PARALLEL;
+}
+
+/* Whether packets of a beam may start where the boundary is: a plane would leave some on another side. Few of
+ * a Gaussian start beyond five of its radii. */
+static bool starts_within(const struct cml_beam *beam, const struct cml_surface_def *def)
+{
+    const double reach[] = {
+        0, beam->size[0], 5 * beam->size[0], beam->size[1], beam->size[0] / 2, beam->size[0] / 2};
+    const double height = reach[beam->kind] * fabs(sin(beam->angle));
+    return beam->inside && beam->z + height >= def->depth + def->lowest &&
+           beam->z - height <= def->depth + def->highest;
+}
+
+/* Why no packets need to fly; NULL: they do. The few of a round would all be of the first of several beams.
+ */
+static const char *why_not(const struct search *search, int b)
+{
+    const struct cml_scene *scene = search->scene;
+    if (is_face_of_glass(scene, b)) return "as a plane it would count more light as Rsp";
+    if (has_bodies_beside(scene, b)) return "beside bodies it stays as it is";
+    if (scene->num_beams > 1) return "under several beams it stays as it is";
+    return starts_within(&scene->beams[0], &search->curved->item[b]) ? "light starts within its depths"
+                                                                     : NULL;
 }
 
 /* Level rings in its place; they stay in `level` where they do no harm, for the boundaries that are tried
@@ -280,10 +304,8 @@ static cml_status try_boundary(struct search *search, int b, struct cml_error *e
 {
     struct cml_surface_def *level = &search->level.item[b];
     struct verdict *verdict = &search->verdict[b];
-    *verdict = (struct verdict){.refused = "as a plane it would count more light as Rsp"};
-    if (is_face_of_glass(search->scene, b)) return CML_OK;
-    verdict->refused = "beside bodies it stays as it is";
-    if (has_bodies_beside(search->scene, b)) return CML_OK;
+    *verdict = (struct verdict){.refused = why_not(search, b)};
+    if (verdict->refused) return CML_OK;
     cml_status status = cml_surface_make_level_rings(&search->scene->boundaries[b], level, err);
     if (status == CML_OK) status = try_level(search, verdict, err);
     if (status == CML_OK && verdict->harmless) return CML_OK;

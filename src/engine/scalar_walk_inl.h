@@ -69,7 +69,7 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
         .weight = packet->w,
         .interactions = packet->interactions,
         .boundary_events = packet->boundary_events,
-        .specular = world->setup.specular * CML_WEIGHT_UNIT,
+        .specular = cml_split_off(world, packet->index) * CML_WEIGHT_UNIT,
         .absorbed = (double)packet->absorbed * CML_WEIGHT_UNIT,
         .exit = {packet->exit_x + world->setup.x0, packet->exit_y + world->setup.y0},
         .direction = {packet->u.x, packet->u.y, packet->u.z},

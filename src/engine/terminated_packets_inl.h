@@ -227,10 +227,13 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
 }
 
 /* Where kernels/walk.h puts deposits: straight into the arrays of the tally. */
-static inline struct cml_deposits cml_deposits_of(const struct cml_tally *tally)
+static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
 {
-    const struct cml_deposits to = {
-        .A_rz = tally->A_rz, .A_l = tally->A_l, .A_xyz = tally->A_xyz, .facets = tally->facets};
+    const struct cml_deposits to = {.A_rz = tally->A_rz,
+                                    .A_l = tally->A_l,
+                                    .A_xyz = tally->A_xyz,
+                                    .facets = tally->facets,
+                                    .specular = &tally->balance[CML_BALANCE_SPECULAR]};
     return to;
 }
 

@@ -5,7 +5,6 @@
 
 #include "cone.h"
 #include "lattice.h"
-#include "scene/specular.h"
 #include "surface/cell_horizon.h"
 #include "surface/ring_horizon_inl.h"
 #include "surface/surface_facets.h"
@@ -50,6 +49,9 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->body_grids);
     free(to->body_cells);
     free(to->phase_cells);
+    free(to->sources);
+    free(to->light_cells);
+    free(to->image_words);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
@@ -228,7 +230,7 @@ static void copy_horizons(const struct cml_surface_set *from, struct cml_owned_w
 static void copy_safe_cells(const struct cml_scene *scene, const struct cml_surface_set *from,
                             struct cml_owned_world *to)
 {
-    const double origin[3] = {scene->beam.x, scene->beam.y, 0};
+    const double origin[3] = {scene->beams[0].x, scene->beams[0].y, 0};
     for (int b = 0; b < from->count; b++) {
         const struct cml_safe_map *map = &from->item[b].safe;
         struct cml_safe_cells *cells = &to->safe_cells[b];
@@ -284,37 +286,6 @@ static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_wo
     return cml_fail_memory(err, (double)(tables.count * sizeof *to->phase_cells), "phase functions");
 }
 
-/* P1: where packets start, and the weights of what has happened before. */
-static void set_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
-                         struct cml_setup *setup)
-{
-    const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE &&
-                        !cml_layer_has_bodies(scene, 1);
-    const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
-    setup->launch_medium = split.glass ? 2 : 1;
-    setup->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);
-    setup->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
-}
-
-/* P1. A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
-static void set_launch(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                       const struct cml_surface_set *start_as, struct cml_setup *setup)
-{
-    const struct cml_beam *beam = &scene->beam;
-    const struct cml_surface_def *top = &surfaces->item[0];
-    const double st = sin(beam->angle), ct = cos(beam->angle), sp = sin(beam->azimuth),
-                 cp = cos(beam->azimuth);
-    setup->axis = cml_vec_of(st * cp, st * sp, ct);
-    setup->e1 = cml_vec_of(ct * cp, ct * sp, -st);
-    setup->e2 = cml_vec_of(-sp, cp, 0);
-    setup->x0 = (real)beam->x;
-    setup->y0 = (real)beam->y;
-    setup->disk = (real)(beam->kind == CML_BEAM_DISK ? beam->radius : 0);
-    setup->gauss = (real)(beam->kind == CML_BEAM_GAUSSIAN ? beam->radius : 0);
-    setup->launch_z = (real)(2 * top->lowest - top->highest);
-    if (start_as->item[0].kind == CML_SURFACE_PLANE && beam->angle == 0) set_specular(scene, start_as, setup);
-}
-
 /* The grid of maps and volume; nx stays 0 where the scene asks for none. */
 static void set_map(const struct cml_scene *scene, struct cml_map *map)
 {
@@ -340,8 +311,8 @@ static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *o
 
 /* Everything that is the same for all packets. Bin widths become their reciprocals: a bin is a product away.
  */
-static void set_up(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                   const struct cml_engine_options *options, struct cml_setup *setup)
+static void set_up(const struct cml_scene *scene, const struct cml_engine_options *options,
+                   struct cml_setup *setup)
 {
     *setup = (struct cml_setup){0};
     setup->stream.key[0] = (cml_u32)options->seed;
@@ -360,7 +331,10 @@ static void set_up(const struct cml_scene *scene, const struct cml_surface_set *
     setup->per_dz = (real)(1 / scene->dz);
     setup->per_da = (real)(scene->na / 1.5707963267948966);
     set_map(scene, &setup->map);
-    set_launch(scene, surfaces, options->start_as ? options->start_as : surfaces, setup);
+    setup->x0 = (real)scene->beams[0].x;
+    setup->y0 = (real)scene->beams[0].y;
+    setup->r0_x = scene->beams[0].radial ? 0 : setup->x0;
+    setup->r0_y = scene->beams[0].radial ? 0 : setup->y0;
 }
 
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -388,7 +362,20 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     to->world.surfaces = to->surfaces;
     to->world.meshes = to->meshes;
     to->world.intersect_mesh = cml_mesh_surface_hit;
-    set_up(scene, surfaces, options, &to->world.setup);
+    set_up(scene, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
+    status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
+    if (status != CML_OK) cml_owned_world_free(to);
+    return status;
+}
+
+cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                            int *medium, struct cml_error *err)
+{
+    const struct cml_engine_options plain = {0};
+    struct cml_owned_world owned;
+    CML_TRY(cml_owned_world_create(scene, surfaces, &plain, &owned, err));
+    for (int k = 0; k < scene->num_beams; k++) medium[k] = cml_source_medium(&owned.world, &scene->beams[k]);
+    cml_owned_world_free(&owned);
     return CML_OK;
 }

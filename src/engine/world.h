@@ -12,6 +12,9 @@
  * double one have names of their own. */
 #ifdef CML_DOUBLE
 #define cml_copy_bodies cml_copy_bodies_double
+#define cml_source_media cml_source_media_double
+#define cml_source_medium cml_source_medium_double
+#define cml_set_sources cml_set_sources_double
 #define cml_owned_world_create cml_owned_world_create_double
 #define cml_owned_world_free cml_owned_world_free_double
 #define cml_world_bytes cml_world_bytes_double
@@ -32,6 +35,10 @@ struct cml_owned_world {
     struct cml_body_node *body_nodes;
     struct cml_body_grid *body_grids;
     struct cml_body_cell *body_cells;
+    struct cml_source *sources; /* [num_beams] */
+    struct cml_light_cell *light_cells;
+    cml_u32 *image_words;
+    size_t num_light_cells, num_image_words;
     size_t num_body_nodes, num_body_grids, num_body_cells;
     struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
     size_t num_phase_cells;
@@ -54,6 +61,23 @@ double cml_world_bytes(const struct cml_surface_set *surfaces);
 CML_NODISCARD cml_status cml_copy_bodies(const struct cml_scene *scene,
                                          const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
                                          struct cml_error *err);
+
+/* world_sources.c's part, after all others: where packets start. start_as: as in cml_engine_options.
+ * CML_E_INPUT: a beam starts within rounding of a surface, or has a larger numerical aperture than the medium
+ * that it starts in. */
+CML_NODISCARD cml_status cml_set_sources(const struct cml_scene *scene,
+                                         const struct cml_surface_set *surfaces,
+                                         const struct cml_surface_set *start_as, struct cml_owned_world *to,
+                                         struct cml_error *err);
+
+/* In which medium the middle of a beam lies; 0 of one that starts above all surfaces. */
+int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam);
+
+/* In which medium the middle of each beam lies: medium[num_beams], 0 for those that start above all surfaces.
+ * Fails as cml_owned_world_create does. */
+CML_NODISCARD cml_status cml_source_media(const struct cml_scene *scene,
+                                          const struct cml_surface_set *surfaces, int *medium,
+                                          struct cml_error *err);
 
 /* A vector rounded to `real`. */
 static inline struct cml_vec cml_vec_of(double x, double y, double z)

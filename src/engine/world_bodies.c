@@ -51,7 +51,7 @@ static void copy_body(const struct cml_scene *scene, const struct cml_body_surfa
     const struct cml_scene_body *body = &scene->bodies[k];
     const int boundary = scene->num_layers + 1 + k;
     struct cml_surface *surface = &to->surfaces[boundary];
-    const double x0 = scene->beam.x, y0 = scene->beam.y;
+    const double x0 = scene->beams[0].x, y0 = scene->beams[0].y;
     surface->kind = (int)from->kind;
     surface->above = body->host;
     surface->lowest = (real)from->lower[2];
@@ -71,7 +71,7 @@ static void copy_body(const struct cml_scene *scene, const struct cml_body_surfa
 static void copy_tree(const struct cml_scene *scene, const struct cml_body_tree *tree,
                       struct cml_owned_world *to)
 {
-    const double origin[3] = {scene->beam.x, scene->beam.y, 0};
+    const double origin[3] = {scene->beams[0].x, scene->beams[0].y, 0};
     for (int i = 0; i < tree->count; i++) {
         const struct cml_body_tree_node *from = &tree->node[i];
         double lower[3], upper[3];
@@ -106,8 +106,8 @@ static void copy_grids(const struct cml_scene *scene, const struct cml_body_grid
         grid->ny = from->n[1];
         grid->nz = from->n[2];
         grid->first = (int)from->first;
-        grid->corner =
-            cml_vec_of(from->corner[0] - scene->beam.x, from->corner[1] - scene->beam.y, from->corner[2]);
+        grid->corner = cml_vec_of(from->corner[0] - scene->beams[0].x, from->corner[1] - scene->beams[0].y,
+                                  from->corner[2]);
         grid->cell = (real)from->cell;
         grid->per_cell = (real)(1 / from->cell);
     }

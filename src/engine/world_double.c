@@ -1,4 +1,6 @@
-/* world.c and world_bodies.c in double precision, for the reference engine. SPDX-License-Identifier: MIT */
+/* world.c, world_bodies.c and world_sources.c in double precision, for the reference engine.
+ * SPDX-License-Identifier: MIT */
 #define CML_DOUBLE
 #include "engine/world.c"
 #include "engine/world_bodies.c"
+#include "engine/world_sources.c"

@@ -81,17 +81,53 @@ static void add_interval(struct cml_directions *to, double below, double above, 
     }
 }
 
-/* The beam stands before the first interval whose end is beyond its s. */
-static void add_all(struct cml_directions *to, const double *index, int distinct, double n0, double beam,
-                    int order)
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* Directions to which the light of an interval is gathered, when it has any. */
+static int gathered_nodes(int order)
+{
+    return least(8 + order / 4, 64);
+}
+
+/* The light of an interval with spread directions, gathered to nodes in the cosine that interval_nodes has,
+ * as a function of which all that becomes of it is smooth. x, gathered: [num_samples], scratch. */
+static void add_gathered(struct cml_directions *to, const struct cml_exact_light *light, double n0,
+                         double below, double above, int order, double *x, struct cml_exact_ray *gathered)
+{
+    const int count = gathered_nodes(order);
+    double low = 1, high = 0;
+    int inside = 0;
+    for (int k = 0; k < light->num_samples; k++) {
+        const struct cml_exact_ray ray = light->sample[k];
+        const double cosine = refracted_cosine(n0, ray.cosine, above);
+        if (!(cosine > 0) || (below > 0 && refracted_cosine(n0, ray.cosine, below) > 0)) continue;
+        x[inside] = cosine;
+        gathered[inside++] = ray;
+        low = fmin(low, cosine);
+        high = fmax(high, cosine);
+    }
+    if (inside == 0) return;
+    cml_exact_gather(x, gathered, inside, low, high, count, to->light + to->count);
+    for (int i = 0; i < count; i++) add_direction(to, above, cml_exact_node(low, high, count, i), 0);
+}
+
+/* Beams stand before the first interval whose end is beyond their s. */
+static void add_all(struct cml_directions *to, const double *index, int distinct, double n0,
+                    const struct cml_exact_light *light, int order, double *x, struct cml_exact_ray *gathered)
 {
     double below = 0;
+    int beam = 0;
     for (int k = 0; k < distinct; k++) {
-        if (beam > 0 && refracted_cosine(n0, beam, index[k]) > 0) {
-            to->light[to->count] = 1;
-            add_direction(to, n0, beam, 0);
-            beam = 0;
+        for (; beam < light->num_beams && refracted_cosine(n0, light->beam[beam].cosine, index[k]) > 0;
+             beam++) {
+            to->light[to->count] = light->beam[beam].share;
+            add_direction(to, n0, light->beam[beam].cosine, 0);
         }
+        if (light->num_samples > 0 && below < n0)
+            add_gathered(to, light, n0, below, index[k], order, x, gathered);
         add_interval(to, below, index[k], interval_nodes(below, index[k], order));
         below = index[k];
     }
@@ -123,11 +159,6 @@ static bool scatters(const struct cml_medium_def *medium)
     return medium->mus * medium->d * (medium->phase ? 1 : 1 - fabs(medium->g)) > 1e-12;
 }
 
-static int least(int a, int b)
-{
-    return a < b ? a : b;
-}
-
 static int greatest(int a, int b)
 {
     return a > b ? a : b;
@@ -149,9 +180,9 @@ static void find_live(const struct cml_medium_def *media, struct cml_directions 
 }
 
 /* Diffuse light has its share in the etendue of all directions of medium 0. */
-static void set_diffuse(struct cml_directions *to, double n0)
+static void add_diffuse(struct cml_directions *to, double share, double n0)
 {
-    for (int i = 0; i < to->live[0]; i++) to->light[i] = 2 * to->etendue[i] / (n0 * n0);
+    for (int i = 0; i < to->live[0]; i++) to->light[i] += share * 2 * to->etendue[i] / (n0 * n0);
 }
 
 void cml_directions_clear(struct cml_directions *directions)
@@ -182,17 +213,27 @@ cml_status cml_directions_create(const struct cml_medium_def *media, int num_lay
                                  struct cml_error *err)
 {
     const int num_media = num_layers + 2;
-    double *index = malloc((size_t)num_media * sizeof *index);
-    if (!index) return cml_fail_memory(err, num_media * (double)sizeof *index, "directions");
+    double *index = malloc((size_t)num_media * sizeof *index),
+           *x = malloc(((size_t)light->num_samples + 1) * sizeof *x);
+    struct cml_exact_ray *gathered = malloc(((size_t)light->num_samples + 1) * sizeof *gathered);
+    if (!index || !x || !gathered) {
+        free(index);
+        free(x);
+        free(gathered);
+        return cml_fail_memory(err, num_media * (double)sizeof *index, "directions");
+    }
     const int distinct = sort_indices(media, num_media, index);
-    int most = 1;
+    int most = light->num_beams;
     for (int k = 0; k < distinct; k++) most += interval_nodes(k > 0 ? index[k - 1] : 0, index[k], order);
+    if (light->num_samples > 0) most += distinct * gathered_nodes(order);
     const cml_status status = allocate(num_media, most, to, err);
     if (status == CML_OK) {
-        add_all(to, index, distinct, media[0].n, light->diffuse ? 0 : cos(light->angle), order);
+        add_all(to, index, distinct, media[0].n, light, order, x, gathered);
         find_live(media, to);
-        if (light->diffuse) set_diffuse(to, media[0].n);
+        if (light->diffuse > 0) add_diffuse(to, light->diffuse, media[0].n);
     }
     free(index);
+    free(x);
+    free(gathered);
     return status;
 }

@@ -8,24 +8,18 @@
 #ifndef CML_DIRECTIONS_H
 #define CML_DIRECTIONS_H
 
-#include "base/status.h"
-#include "scene/scene.h"
-
-/* What shines on the stack from medium 0: a beam in one direction, or light of the same radiance from all. */
-struct cml_exact_light {
-    bool diffuse;
-    double angle; /* rad, between the beam and +z, 0 <= angle < pi/2; 0 where diffuse */
-};
+#include "exact/light.h"
 
 /* Directions stand in the order of s. A beam's is one of them, with no weight: light is scattered out of it,
- * none into it. Medium m of the stack has the first live[m] of them: those with s < n_m that light can reach.
+ * none into it. So are those to which light with spread directions is gathered. Medium m of the stack has the
+ * first live[m] of them: those with s < n_m that light can reach.
  */
 struct cml_directions {
     int count, num_media;
     double *index;   /* [count] n of a medium in which the direction has the cosine */
     double *cosine;  /* [count] */
     double *etendue; /* [count] quadrature weight: of integrals over s ds */
-    double *light;   /* [count] share of the incident light, sums to 1 */
+    double *light;   /* [count] share of the incident light, sums to 1; of gathered light also below 0 */
     int *live;       /* [num_media] */
 };
 

@@ -40,13 +40,14 @@ struct search {
     bool enough;        /* the next order was too much work */
 };
 
-/* What comes back from boundary 0 at once; at normal incidence as original MCML splits it. */
+/* What comes back from boundary 0 at once; of parallel light at normal incidence as original MCML splits it.
+ */
 static double specular(const struct search *search, const struct cml_directions *directions)
 {
     const struct cml_medium_def *media = search->media;
-    if (!search->light->diffuse && search->light->angle == 0)
-        return cml_specular_split(media, search->num_layers, true).reflected;
-    double sum = 0;
+    const double normal = cml_exact_light_normal(search->light);
+    double sum = normal * (cml_specular_split(media, search->num_layers, true).reflected -
+                           cml_stack_fresnel(media[0].n, 1, media[1].n, 1));
     for (int i = 0; i < directions->live[0]; i++)
         sum += directions->light[i] *
                cml_stack_fresnel(media[0].n, cml_directions_cosine(directions, i, media[0].n), media[1].n,
@@ -99,7 +100,8 @@ static void estimate(const struct search *search, struct cml_exact *exact)
     }
     for (int i = 0; i < exact->count; i++)
         exact->error[i] = 2 * fmax(exact->error[i], 0.1 * most) + search->defect + DBL_EPSILON;
-    exact->error[CML_EXACT_RSP] = search->light->diffuse ? exact->error[CML_EXACT_RSP] : DBL_EPSILON;
+    const bool spread = search->light->diffuse > 0 || search->light->num_samples > 0;
+    exact->error[CML_EXACT_RSP] = spread ? exact->error[CML_EXACT_RSP] : DBL_EPSILON;
 }
 
 double cml_exact_worst(const struct cml_exact *exact)
@@ -155,15 +157,21 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
                            struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 2;
-    const struct cml_exact_light light = {.angle = scene->beam.angle};
+    struct cml_exact_light light;
     if (scene->num_bodies > 0)
         return cml_fail_field(err, scene->file, scene->bodies[0].line, "body 1", "i",
                               "layers without bodies: adding-doubling knows no others");
     struct cml_medium_def *media = malloc(count * sizeof *media);
     if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
+    cml_status status = cml_exact_light_create(scene, &light, err);
+    if (status != CML_OK) {
+        free(media);
+        return status;
+    }
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; depth && l <= scene->num_layers; l++) media[l].d = depth[l] - depth[l - 1];
-    const cml_status status = cml_exact_solve(media, scene->num_layers, &light, options, exact, err);
+    status = cml_exact_solve(media, scene->num_layers, &light, options, exact, err);
+    cml_exact_light_clear(&light);
     free(media);
     if (status != CML_E_NUMERIC) return status;
     char reason[128];

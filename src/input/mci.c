@@ -68,11 +68,11 @@ static cml_status check_keyword(const struct cml_mci_reader *reader, const char 
     return cml_mci_fail(reader, "line", cml_mci_raw(reader), expected);
 }
 
-/* Each of them may stand once, which its reader checks. */
+/* Those of which there is one may stand once, which its reader checks. */
 static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                 struct cml_scene *scene)
 {
-    if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, &scene->beam);
+    if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, scene);
     return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
 }
 
@@ -284,12 +284,13 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     cml_mci_forget(reader);
     reader->run = list->count - 1;
     memset(reader->taken, 0, sizeof reader->taken);
+    CML_TRY(cml_mci_first_beam(reader, scene));
     CML_TRY(read_name(reader, list, scene));
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
     if (!reader->options->known) CML_TRY(cml_scene_place_bodies(scene, reader->err));
-    CML_TRY(cml_mci_beam_settings(reader, &scene->beam));
+    CML_TRY(cml_mci_end_beams(reader, scene));
     CML_TRY(cml_mci_check_settings(reader, scene));
     if (reader->options->settings)
         CML_TRY(cml_settings_text(reader->options->settings, &scene->settings, reader->err));

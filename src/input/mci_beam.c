@@ -1,33 +1,255 @@
-/* The beam line. SPDX-License-Identifier: MIT */
+/* Beam lines. SPDX-License-Identifier: MIT */
 #include "input/mci_beam.h"
 
+#include "base/constants.h"
+#include "input/mesh/gsf.h"
 #include "input/mci_options.h"
 #include "input/mci_settings.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* So many have a number in the index of a photon (kernels/balance.h). */
+#define MOST_BEAMS 32767
+#define MOST_ROWS 1000000 /* of a table */
 
 /* The order of the keys in cml_mci_beam. */
-enum { BEAM_AT, BEAM_ANGLE, BEAM_AZIMUTH };
+enum { BEAM_AT, BEAM_Z, BEAM_ANGLE, BEAM_AZIMUTH, BEAM_LIGHT, BEAM_SHARE, BEAM_RADIAL };
 
-static const char angle_range[] = "degrees, 0 <= angle < 90", azimuth_range[] = "degrees, -360..360";
+static const char angle_above[] = "degrees, 0 <= angle < 90", angle_inside[] = "degrees, 0 <= angle <= 180",
+                  azimuth_range[] = "degrees, -360..360",
+                  light_words[] = "parallel, na:N, lambertian, isotropic or a file in quotes";
 
-static bool parse_angle(const char *text, double *degrees)
-{
-    return cml_mci_parse_list(text, 1, degrees) && *degrees >= 0 && *degrees < 90;
-}
-
-static bool parse_azimuth(const char *text, double *degrees)
-{
-    return cml_mci_parse_list(text, 1, degrees) && fabs(*degrees) <= 360;
-}
+static const struct cml_mci_field position = {"position", -CML_MCI_HUGE, CML_MCI_HUGE, false,
+                                              "a coordinate of -1e30..1e30 cm"},
+                                  share = {"share", CML_MCI_TINY, CML_MCI_HUGE, false,
+                                           "a share of 1e-30..1e30"},
+                                  aperture = {"na", CML_MCI_TINY, 100, false,
+                                              "a numerical aperture of 1e-30..100"};
 
 static double radians(double degrees)
 {
     return degrees * (acos(-1.0) / 180);
 }
 
+static bool parse_angle(const char *text, bool inside, double *angle)
+{
+    double degrees = 0;
+    if (!cml_mci_parse_list(text, 1, &degrees) || degrees < 0 || degrees > 180) return false;
+    if (!inside && degrees >= 90) return false;
+    *angle = radians(degrees);
+    return true;
+}
+
+static bool parse_azimuth(const char *text, double *azimuth)
+{
+    double degrees = 0;
+    if (!cml_mci_parse_list(text, 1, &degrees) || fabs(degrees) > 360) return false;
+    *azimuth = radians(degrees);
+    return true;
+}
+
+/* ---- files: tables of intensities, images ---- */
+
+/* A table that is being read. */
+struct table {
+    struct cml_text text;
+    struct cml_light *light;
+    size_t capacity;
+    struct cml_error *err;
+};
+
+static cml_status fail_row(const struct table *table, const char *field, const char *value,
+                           const char *expected)
+{
+    return cml_fail_field(table->err, table->text.path, table->text.line, field, value, expected);
+}
+
+static cml_status make_room(struct table *table)
+{
+    struct cml_light *light = table->light;
+    if ((size_t)light->rows < table->capacity) return CML_OK;
+    if (light->rows == MOST_ROWS) return fail_row(table, "row", NULL, "at most 1000000 rows");
+    const size_t capacity = table->capacity ? 2 * table->capacity : 64;
+    double *t = realloc(light->t, capacity * sizeof *t);
+    if (t) light->t = t;
+    double *intensity = realloc(light->intensity, capacity * sizeof *intensity);
+    if (intensity) light->intensity = intensity;
+    if (!t || !intensity) return cml_fail_memory(table->err, 16.0 * (double)capacity, "a table");
+    table->capacity = capacity;
+    return CML_OK;
+}
+
+/* One row: an angle beyond the last one, and an intensity. */
+static cml_status read_row(struct table *table, const char *angle, char *cursor)
+{
+    static const struct cml_mci_field degrees = {"angle", 0, 180, false, "degrees of 0..180"},
+                                      shines = {"intensity", 0, CML_MCI_HUGE, false,
+                                                "an intensity of 0..1e30"};
+    struct cml_light *light = table->light;
+    const double pi = CML_PI, before = light->rows ? light->t[light->rows - 1] * 180 / pi : -1;
+    const char *word = cml_text_word(&cursor), *rest = cml_text_word(&cursor);
+    double t = 0, intensity = 0;
+    if (!cml_mci_parse(&degrees, angle, &t)) return fail_row(table, degrees.name, angle, degrees.expected);
+    if (light->rows == 0 && t != 0) return fail_row(table, degrees.name, angle, "0 in the first row");
+    if (!(t > before * (1 + 1e-12)))
+        return fail_row(table, degrees.name, angle, "more than in the row before");
+    if (!word || !cml_mci_parse(&shines, word, &intensity))
+        return fail_row(table, shines.name, word, shines.expected);
+    if (rest) return fail_row(table, "word behind the intensity", rest, "the end of the line or a # comment");
+    CML_TRY(make_room(table));
+    light->t[light->rows] = t * pi / 180;
+    light->intensity[light->rows++] = intensity;
+    return CML_OK;
+}
+
+static cml_status read_table(struct table *table)
+{
+    struct cml_light *light = table->light;
+    double sum = 0;
+    for (char *line = cml_text_next(&table->text); line; line = cml_text_next(&table->text)) {
+        cml_mci_cut_comment(line);
+        const char *word = cml_text_word(&line);
+        if (word) CML_TRY(read_row(table, word, line));
+    }
+    if (light->rows < 2)
+        return fail_row(table, "rows", NULL, "two rows of an angle and an intensity at least");
+    for (int i = 0; i < light->rows; i++) sum += light->intensity[i];
+    return sum > 0 ? CML_OK : fail_row(table, "intensity", "0 in all rows", "light in one row at least");
+}
+
+static cml_status read_light_table(struct cml_mci_reader *reader, const char *name, struct cml_light *light)
+{
+    struct table table = {.light = light, .err = reader->err};
+    char *path = NULL;
+    light->kind = CML_LIGHT_OF_TABLE;
+    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
+    cml_status status = cml_text_read(reader->options->source, path, &table.text, reader->err);
+    if (status == CML_OK) status = read_table(&table);
+    cml_text_clear(&table.text);
+    free(path);
+    return status;
+}
+
+/* Rows of a heightmap begin at the smallest y. */
+static cml_status take_pixels(const char *path, const struct cml_heightmap *map, struct cml_beam *beam,
+                              struct cml_error *err)
+{
+    const size_t nx = (size_t)map->nx, ny = (size_t)map->ny;
+    char value[96];
+    double sum = 0;
+    beam->pixel = malloc(nx * ny * sizeof *beam->pixel);
+    if (!beam->pixel) return cml_fail_memory(err, (double)(nx * ny) * 8, "an image");
+    beam->columns = map->nx;
+    beam->rows = map->ny;
+    beam->size[0] = map->dx * map->nx;
+    beam->size[1] = map->dy * map->ny;
+    for (size_t i = 0; i < nx * ny; i++) {
+        const double pixel = map->h[(ny - 1 - i / nx) * nx + i % nx];
+        snprintf(value, sizeof value, "%g in row %zu, column %zu", pixel, i / nx + 1, i % nx + 1);
+        if (pixel < 0) return cml_fail_field(err, path, 0, "pixel", value, "0 or more");
+        beam->pixel[i] = pixel;
+        sum += pixel;
+    }
+    return sum > 0 ? CML_OK
+                   : cml_fail_field(err, path, 0, "pixels", "all 0", "light in one of them at least");
+}
+
+static cml_status read_image(struct cml_mci_reader *reader, const char *name, struct cml_beam *beam)
+{
+    struct cml_heightmap map = {0};
+    char *path = NULL;
+    CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
+    cml_status status = cml_gsf_read_pixels(reader->options->source, path, &map, reader->err);
+    if (status == CML_OK) status = take_pixels(path, &map, beam, reader->err);
+    cml_heightmap_clear(&map);
+    free(path);
+    return status;
+}
+
+/* ---- shapes ---- */
+
+/* A shape's numbers have the same names in messages and in settings. */
+struct shape {
+    const char *name;
+    enum cml_beam_kind kind;
+    int numbers;
+    struct cml_mci_field field[2];
+};
+
+static const char length[] = "a length of 1e-30..1e30 cm";
+static const struct shape shapes[] = {
+    {"pencil", CML_BEAM_PENCIL, 0, {{0}}},
+    {"disk", CML_BEAM_DISK, 1, {{"radius", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+    {"gaussian", CML_BEAM_GAUSSIAN, 1, {{"radius", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+    {"ring",
+     CML_BEAM_RING,
+     2,
+     {{"r1", 0, CML_MCI_HUGE, false, "a length of 0..1e30 cm"},
+      {"r2", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+    {"rectangle",
+     CML_BEAM_RECTANGLE,
+     2,
+     {{"w", CML_MCI_TINY, CML_MCI_HUGE, false, length}, {"h", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+    {"image", CML_BEAM_IMAGE, 0, {{0}}},
+};
+
+/* The shape comes first and is no option: without it nobody would know what the numbers are of. */
+static cml_status read_beam_shape(const struct cml_mci_line_options *options, struct cml_beam *beam)
+{
+    const char *word = cml_text_word(&options->reader->cursor);
+    const struct shape *shape = NULL;
+    for (size_t i = 0; word && i < sizeof shapes / sizeof *shapes; i++)
+        if (strcmp(shapes[i].name, word) == 0) shape = &shapes[i];
+    if (!shape)
+        return cml_mci_fail_option(
+            options, "shape", word,
+            "pencil, disk R, gaussian R, ring R1 R2, rectangle W H or image \"FILE.gsf\"");
+    beam->kind = shape->kind;
+    for (int i = 0; i < shape->numbers; i++) {
+        word = cml_text_word(&options->reader->cursor);
+        if (!word || !cml_mci_parse(&shape->field[i], word, &beam->size[i]))
+            return cml_mci_fail_option(options, shape->field[i].name, word, shape->field[i].expected);
+    }
+    if (beam->kind != CML_BEAM_IMAGE) return CML_OK;
+    word = cml_text_word(&options->reader->cursor);
+    if (!word || *word == '"' || *word == '\0' || strchr(word, '='))
+        return cml_mci_fail_option(options, "file", word, "a file name in a pair of quotes");
+    return read_image(options->reader, word, beam);
+}
+
+/* ---- light ---- */
+
+static cml_status set_light(const struct cml_mci_line_options *options, struct cml_light *light)
+{
+    static const char *const words[] = {"parallel", "lambertian", "isotropic"};
+    static const enum cml_light_kind kinds[] = {CML_LIGHT_OF_PARALLEL, CML_LIGHT_OF_LAMBERTIAN,
+                                                CML_LIGHT_OF_ISOTROPIC};
+    char *value = options->value;
+    const size_t size = strlen(value);
+    const int which = cml_mci_choose(value, words, 3);
+    if (which >= 0) {
+        light->kind = kinds[which];
+        return CML_OK;
+    }
+    if (strncmp(value, "na:", 3) == 0) {
+        light->kind = CML_LIGHT_OF_NA;
+        return cml_mci_parse(&aperture, value + 3, &light->na)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, aperture.expected);
+    }
+    if (size < 3 || value[0] != '"' || value[size - 1] != '"')
+        return cml_mci_fail_value(options, light_words);
+    value[size - 1] = '\0';
+    return read_light_table(options->reader, value + 1, light);
+}
+
+/* ---- the line ---- */
+
 /* Angles are degrees in the file, as people write them, and rad from here on. */
-static cml_status set_beam_option(const struct cml_mci_line_options *options, struct cml_beam *beam)
+static cml_status set_beam_option(const struct cml_mci_line_options *options, struct cml_beam *beam,
+                                  double *beam_share)
 {
     double values[2] = {0, 0};
     switch (options->key) {
@@ -37,65 +259,173 @@ static cml_status set_beam_option(const struct cml_mci_line_options *options, st
         beam->x = values[0];
         beam->y = values[1];
         return CML_OK;
-    case BEAM_ANGLE:
-        if (!parse_angle(options->value, values)) return cml_mci_fail_value(options, angle_range);
-        beam->angle = radians(values[0]);
-        return CML_OK;
+    case BEAM_Z:
+        beam->inside = true;
+        return cml_mci_parse(&position, options->value, &beam->z)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, position.expected);
+    case BEAM_ANGLE: /* whether it may be so large is known behind the last option */
+        return parse_angle(options->value, true, &beam->angle)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, beam->inside ? angle_inside : angle_above);
+    case BEAM_AZIMUTH:
+        return parse_azimuth(options->value, &beam->azimuth) ? CML_OK
+                                                             : cml_mci_fail_value(options, azimuth_range);
+    case BEAM_LIGHT:
+        return set_light(options, &beam->light);
+    case BEAM_SHARE:
+        return cml_mci_parse(&share, options->value, beam_share)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, share.expected);
     default:
-        if (!parse_azimuth(options->value, values)) return cml_mci_fail_value(options, azimuth_range);
-        beam->azimuth = radians(values[0]);
-        return CML_OK;
+        beam->radial = true;
+        return strcmp(options->value, "beam") == 0 ? CML_OK : cml_mci_fail_value(options, "radial=beam");
     }
 }
 
-static const struct cml_mci_field radius = {"radius", CML_MCI_TINY, CML_MCI_HUGE, false,
-                                            "a length of 1e-30..1e30 cm"};
-
-/* The shape comes first and is no option: without it nobody would know what the radius is of. */
-static cml_status read_beam_shape(const struct cml_mci_line_options *options, struct cml_beam *beam)
+/* Room for one more beam; arrays are enlarged when their number is a power of two. The first line takes the
+ * place of the pencil that there is without one. */
+static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    static const char *const shapes[] = {"pencil", "disk", "gaussian"};
-    static const enum cml_beam_kind kinds[] = {CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN};
-    const char *word = cml_text_word(&options->reader->cursor);
-    const int which = word ? cml_mci_choose(word, shapes, 3) : -1;
-    if (which < 0) return cml_mci_fail_option(options, "shape", word, "pencil, disk R or gaussian R");
-    beam->kind = kinds[which];
-    if (beam->kind == CML_BEAM_PENCIL) return CML_OK;
-    word = cml_text_word(&options->reader->cursor);
-    if (word && cml_mci_parse(&radius, word, &beam->radius)) return CML_OK;
-    return cml_mci_fail_option(options, radius.name, word, radius.expected);
+    const int count = scene->num_beams;
+    if (count == 1 && !scene->beams[0].given) return CML_OK;
+    if (count == MOST_BEAMS) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "at most 32767 beams");
+    if ((count & (count - 1)) == 0) {
+        const size_t capacity = count ? 2 * (size_t)count : 1;
+        struct cml_beam *beams = realloc(scene->beams, capacity * sizeof *beams);
+        if (beams) scene->beams = beams;
+        double *shares = realloc(scene->shares, capacity * sizeof *shares);
+        if (shares) scene->shares = shares;
+        if (!beams || !shares)
+            return cml_fail_memory(reader->err, (double)(capacity * sizeof *beams), "beams");
+    }
+    scene->beams[count] = (struct cml_beam){0};
+    scene->shares[count] = 1;
+    scene->num_beams++;
+    return CML_OK;
 }
 
-/* A second line would overrule the first unseen: it is refused. */
-cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_beam *beam)
+cml_status cml_mci_first_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    struct cml_mci_line_options options = {.reader = reader,
-                                           .owner = "beam",
-                                           .keys = {"at", "angle", "azimuth"},
-                                           .list = "at=, angle= or azimuth="};
-    if (beam->given) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one beam line per run");
+    return grow(reader, scene);
+}
+
+cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    struct cml_mci_line_options options = {
+        .reader = reader,
+        .owner = "beam",
+        .keys = {"at", "z", "angle", "azimuth", "light", "share", "radial"},
+        .list = "at=, z=, angle=, azimuth=, light=, share= or radial="};
+    const char *angle = NULL;
+    CML_TRY(grow(reader, scene));
+    struct cml_beam *beam = &scene->beams[scene->num_beams - 1];
+    double *beam_share = &scene->shares[scene->num_beams - 1];
     beam->given = true;
+    beam->line = reader->text.line;
     cml_mci_cut_comment(reader->cursor);
     CML_TRY(read_beam_shape(&options, beam));
     for (bool more = true; more;) {
         CML_TRY(cml_mci_next_option(&options, &more));
-        if (more) CML_TRY(set_beam_option(&options, beam));
+        if (more) CML_TRY(set_beam_option(&options, beam, beam_share));
+        if (more && options.key == BEAM_ANGLE) angle = options.value;
     }
+    if (beam->inside || !angle || parse_angle(angle, false, &beam->angle)) return CML_OK;
+    return cml_mci_fail_option(&options, "angle", angle, angle_above);
+}
+
+/* ---- settings ---- */
+
+/* beam.NAME, or of several beams beam2.NAME. */
+static const struct cml_setting *setting_of(struct cml_mci_reader *reader, const struct cml_scene *scene,
+                                            int k, const char *name)
+{
+    return scene->num_beams == 1 ? cml_mci_setting(reader, "beam.%s", name)
+                                 : cml_mci_setting(reader, "beam%d.%s", k + 1, name);
+}
+
+/* Of what a line has: a pencil has no radius that could be set. */
+static cml_status set_numbers(struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
+{
+    struct cml_beam *beam = &scene->beams[k];
+    const struct shape *shape = &shapes[beam->kind];
+    CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "x"), &position, &beam->x));
+    CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "y"), &position, &beam->y));
+    if (beam->inside) CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "z"), &position, &beam->z));
+    if (scene->num_beams > 1)
+        CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "share"), &share, &scene->shares[k]));
+    if (beam->light.kind == CML_LIGHT_OF_NA)
+        CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, "na"), &aperture, &beam->light.na));
+    for (int i = 0; i < shape->numbers; i++)
+        CML_TRY(cml_mci_set(reader, setting_of(reader, scene, k, shape->field[i].name), &shape->field[i],
+                            &beam->size[i]));
     return CML_OK;
 }
 
-/* A pencil has no radius that could be set. */
-cml_status cml_mci_beam_settings(struct cml_mci_reader *reader, struct cml_beam *beam)
+static cml_status set_angles(struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
 {
-    double degrees = 0;
-    const struct cml_setting *setting = cml_mci_setting(reader, "beam.angle");
-    if (setting && !parse_angle(setting->value, &degrees))
-        return cml_setting_fail(setting, angle_range, reader->err);
-    if (setting) beam->angle = radians(degrees);
-    setting = cml_mci_setting(reader, "beam.azimuth");
-    if (setting && !parse_azimuth(setting->value, &degrees))
+    struct cml_beam *beam = &scene->beams[k];
+    const struct cml_setting *setting = setting_of(reader, scene, k, "angle");
+    if (setting && !parse_angle(setting->value, beam->inside, &beam->angle))
+        return cml_setting_fail(setting, beam->inside ? angle_inside : angle_above, reader->err);
+    setting = setting_of(reader, scene, k, "azimuth");
+    if (setting && !parse_azimuth(setting->value, &beam->azimuth))
         return cml_setting_fail(setting, azimuth_range, reader->err);
-    if (setting) beam->azimuth = radians(degrees);
-    if (beam->kind == CML_BEAM_PENCIL) return CML_OK;
-    return cml_mci_set(reader, cml_mci_setting(reader, "beam.radius"), &radius, &beam->radius);
+    return CML_OK;
+}
+
+/* ---- what belongs together ---- */
+
+static cml_status fail_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
+                            const char *field, const char *value, const char *expected)
+{
+    return cml_fail_field(reader->err, scene->file, scene->beams[k].line, field, value, expected);
+}
+
+/* Light from above all surfaces goes down. */
+static cml_status check_light(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
+{
+    const struct cml_beam *beam = &scene->beams[k];
+    const double degrees = 180 / CML_PI, n = scene->media[0].n, widest = cml_light_widest(&beam->light, n);
+    char value[120], expected[160];
+    if (beam->light.kind == CML_LIGHT_OF_ISOTROPIC)
+        return fail_beam(reader, scene, k, "beam: light", "isotropic", "z= beside it: it goes up, too");
+    if (beam->light.kind == CML_LIGHT_OF_NA && beam->light.na > n) {
+        snprintf(value, sizeof value, "na:%g", beam->light.na);
+        snprintf(expected, sizeof expected, "at most n = %g of the medium that it starts in", n);
+        return fail_beam(reader, scene, k, "beam: light", value, expected);
+    }
+    if (beam->light.kind == CML_LIGHT_OF_PARALLEL) return CML_OK;
+    if (beam->light.kind == CML_LIGHT_OF_LAMBERTIAN ? beam->angle == 0 : beam->angle + widest < CML_PI / 2)
+        return CML_OK;
+    snprintf(value, sizeof value, "up to %g degrees from an axis of angle %g", widest * degrees,
+             beam->angle * degrees);
+    return fail_beam(reader, scene, k, "beam: light", value,
+                     beam->light.kind == CML_LIGHT_OF_LAMBERTIAN
+                         ? "angle 0: light from above all surfaces goes down; or z="
+                         : "less than 90 degrees together: light from above all surfaces goes down; or z=");
+}
+
+static cml_status check_beam(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
+{
+    const struct cml_beam *beam = &scene->beams[k];
+    char value[80];
+    if (beam->kind == CML_BEAM_RING && !(beam->size[0] < beam->size[1])) {
+        snprintf(value, sizeof value, "%g %g", beam->size[0], beam->size[1]);
+        return fail_beam(reader, scene, k, "beam: r1 r2", value, "r1 < r2");
+    }
+    if (beam->radial && scene->num_beams > 1)
+        return fail_beam(reader, scene, k, "beam: radial", "beam",
+                         "one beam only: with several r counts from the z axis");
+    return beam->inside ? CML_OK : check_light(reader, scene, k);
+}
+
+cml_status cml_mci_end_beams(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    for (int k = 0; k < scene->num_beams; k++) {
+        CML_TRY(set_angles(reader, scene, k));
+        CML_TRY(set_numbers(reader, scene, k));
+        CML_TRY(check_beam(reader, scene, k));
+    }
+    return CML_OK;
 }

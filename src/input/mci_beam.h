@@ -1,15 +1,19 @@
-/* The beam line of .mci files. SPDX-License-Identifier: MIT */
+/* The beam lines of .mci files. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_BEAM_H
 #define CML_MCI_BEAM_H
 
 #include "input/mci_lines.h"
 #include "scene/scene.h"
 
-/* Reads the current line "beam pencil|disk R|gaussian R [at=x,y] [angle=degrees] [azimuth=degrees]", cursor
- * behind the keyword; angles become rad. CML_E_INPUT, also for a second beam line of a run. */
-CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_beam *beam);
+/* Makes the pencil beam that there is without a line. */
+CML_NODISCARD cml_status cml_mci_first_beam(struct cml_mci_reader *reader, struct cml_scene *scene);
 
-/* Takes the settings of the beam, after its line if there is one. */
-CML_NODISCARD cml_status cml_mci_beam_settings(struct cml_mci_reader *reader, struct cml_beam *beam);
+/* Reads the current line "beam SHAPE [at=x,y] [z=z] [angle=degrees] [azimuth=degrees] [light=LIGHT] [share=s]
+ * [radial=beam]", cursor behind the keyword, and the files that it names; angles become rad. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_mci_beam(struct cml_mci_reader *reader, struct cml_scene *scene);
+
+/* Takes the settings of all beams, after their lines, and checks what lines and media have to do with each
+ * other. CML_E_INPUT. */
+CML_NODISCARD cml_status cml_mci_end_beams(struct cml_mci_reader *reader, struct cml_scene *scene);
 
 #endif

@@ -112,7 +112,8 @@ static bool begins_with(const char *text, const char *const *beginnings)
  */
 static void hint_at_mark(const struct cml_mci_reader *reader)
 {
-    static const char *const sources[] = {"pencil", "disk ", "gaussian ", NULL};
+    static const char *const sources[] = {"pencil",     "disk ",  "gaussian ", "ring ",
+                                          "rectangle ", "image ", NULL};
     static const char *const shapes[] = {"sphere ", "cylinder ", NULL};
     static const char *const phases[] = {"hg2 ", "mhg ", "gk ", "rayleigh", "table ", NULL};
     char *behind = reader->cursor + 1;

@@ -2,6 +2,7 @@
 #include "input/mci_settings.h"
 
 #include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
 const struct cml_setting *cml_mci_setting(struct cml_mci_reader *reader, const char *format, ...)
@@ -53,6 +54,19 @@ static void write_shapes(FILE *out, const struct cml_scene *scene)
         if (scene->boundaries[b].line > 0) fprintf(out, ", boundary%d.scale and .height", b);
 }
 
+/* A pencil has no numbers, other shapes have those that their names say. */
+static void write_beams(FILE *out, const struct cml_scene *scene)
+{
+    static const char *const of_shape[] = {"", " .radius", " .radius", " .r1 .r2", " .w .h", ""};
+    for (int k = 0; k < scene->num_beams && k < 9; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        fputs(", beam", out);
+        if (scene->num_beams > 1) fprintf(out, "%d", k + 1);
+        fprintf(out, " with .x .y%s .angle .azimuth%s%s%s", beam->inside ? " .z" : "", of_shape[beam->kind],
+                beam->light.kind == CML_LIGHT_OF_NA ? " .na" : "", scene->num_beams > 1 ? " .share" : "");
+    }
+}
+
 static void write_names(FILE *out, const struct cml_scene *scene)
 {
     fputs("photons, above.n, below.n", out);
@@ -62,7 +76,7 @@ static void write_names(FILE *out, const struct cml_scene *scene)
     for (int k = 0; k < scene->num_bodies; k++)
         write_phase(out, "body", k + 1, scene->media[cml_body_medium(scene, k)].phase);
     write_shapes(out, scene);
-    fprintf(out, ", beam.angle, beam.azimuth%s", scene->beam.kind == CML_BEAM_PENCIL ? "" : ", beam.radius");
+    write_beams(out, scene);
 }
 
 static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct cml_setting *setting,

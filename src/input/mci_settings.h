@@ -4,10 +4,10 @@
  *     bodyK.n  bodyK.mua  bodyK.mus  bodyK.g                                     bodies from 1
  *     layerL.phase.g1 .g2 .w .g .a  bodyK.phase...       the numbers of a phase line
  *     boundaryB.scale  boundaryB.height       boundaries from 0; of those that have a shape in the file
- *     beam.angle  beam.azimuth  beam.radius   degrees, cm; a radius of disk and gaussian only
- * The reader asks for every name where it reads the field, and takes the value in place of the file's: so
- * both pass the same checks, and a setting that nobody has asked for is no name of this scene.
- * SPDX-License-Identifier: MIT */
+ *     beam.x  .y  .z  .angle  .azimuth  .na  .share and, by shape, .radius, .r1  .r2  or  .w  .h     of what
+ * the line has; cm, degrees. Of several beams beam1.x ... The reader asks for every name where it reads the
+ * field, and takes the value in place of the file's: so both pass the same checks, and a setting that nobody
+ * has asked for is no name of this scene. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_SETTINGS_H
 #define CML_MCI_SETTINGS_H
 

@@ -53,8 +53,11 @@ enum cml_report_reader { CML_READ_BY_PEOPLE, CML_READ_IN_MCO, CML_READ_IN_H5 };
 void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, enum cml_report_reader reader);
 
-/* A line for a beam that stands in the file, behind the prefix; nothing for MCML's pencil beam. */
-void cml_report_beam(FILE *stream, const char *prefix, const struct cml_beam *beam);
+/* A line for every beam that stands in the file, behind the prefix; nothing for MCML's pencil beam. */
+void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene);
+
+/* That of beam k. */
+void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k);
 
 /* A line per medium that does not scatter by Henyey and Greenstein's function, behind the prefix: "phase of
  * layer 1: gk 0.9 0.5". */

@@ -100,7 +100,7 @@ cml_status cml_report_words(const struct cml_report *report, enum cml_report_rea
     FILE *shapes = open_memstream(&o->shapes, &size), *beam = open_memstream(&o->beam, &size),
          *phases = open_memstream(&o->phases, &size);
     if (shapes) cml_report_shapes(shapes, "", report->scene, report->surfaces, reader);
-    if (beam) cml_report_beam(beam, "", &report->scene->beam);
+    if (beam) cml_report_beams(beam, "", report->scene);
     if (phases) cml_report_phases(phases, "", report->scene, reader);
     o->shapes = close_words(shapes, &o->shapes);
     o->beam = close_words(beam, &o->beam);

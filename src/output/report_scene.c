@@ -137,13 +137,44 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
     report_bodies(stream, prefix, scene, &surfaces->bodies, reader);
 }
 
-void cml_report_beam(FILE *stream, const char *prefix, const struct cml_beam *beam)
+static void report_light(FILE *stream, const struct cml_light *light)
 {
-    static const char *const names[] = {"pencil", "disk", "gaussian"};
+    static const char *const names[] = {"", "", ", light lambertian", ", light isotropic",
+                                        ", light of a table"};
+    fputs(light->kind == CML_LIGHT_OF_NA ? ", light na:" : names[light->kind], stream);
+    if (light->kind == CML_LIGHT_OF_NA) fprintf(stream, "%g", light->na);
+}
+
+static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
+{
+    static const char *const names[] = {"pencil", "disk", "gaussian", "ring", "rectangle", "image"};
+    fprintf(stream, "beam %s", names[beam->kind]);
+    if (beam->kind == CML_BEAM_DISK || beam->kind == CML_BEAM_GAUSSIAN)
+        fprintf(stream, " of radius %g cm", beam->size[0]);
+    else if (beam->kind == CML_BEAM_RING)
+        fprintf(stream, " of radii %g and %g cm", beam->size[0], beam->size[1]);
+    else if (beam->kind != CML_BEAM_PENCIL)
+        fprintf(stream, " of %g x %g cm", beam->size[0], beam->size[1]);
+}
+
+void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k)
+{
+    const struct cml_beam *beam = &scene->beams[k];
     const double degrees = 180 / acos(-1.0);
-    if (!beam->given) return;
-    fprintf(stream, "%sbeam %s", prefix, names[beam->kind]);
-    if (beam->kind != CML_BEAM_PENCIL) fprintf(stream, " of radius %g cm", beam->radius);
-    fprintf(stream, " at (%g %g) cm, angle %g, azimuth %g degrees\n", beam->x, beam->y, beam->angle * degrees,
-            beam->azimuth * degrees);
+    const bool files = beam->kind == CML_BEAM_IMAGE || beam->light.kind == CML_LIGHT_OF_TABLE;
+    fputs(prefix, stream);
+    report_beam_shape(stream, beam);
+    fprintf(stream, " at (%g %g", beam->x, beam->y);
+    if (beam->inside) fprintf(stream, " %g", beam->z);
+    fprintf(stream, ") cm, angle %g, azimuth %g degrees", beam->angle * degrees, beam->azimuth * degrees);
+    report_light(stream, &beam->light);
+    if (files) fprintf(stream, ", crc32 %08x", cml_beam_checksum(beam));
+    if (scene->num_beams > 1) fprintf(stream, ", share %g", scene->shares[k]);
+    fputs(beam->radial ? ", r about its place\n" : "\n", stream);
+}
+
+void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene)
+{
+    for (int k = 0; k < scene->num_beams; k++)
+        if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k);
 }

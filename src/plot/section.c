@@ -89,12 +89,18 @@ static void write_map(struct frame *f)
     write_text_over(f, s->map_text, 0.5 * (s->map_low + s->map_high), map_text);
 }
 
+static void write_arrow(struct frame *f, double x0, double z0, double x1, double z1, bool head)
+{
+    fprintf(f->page.out,
+            "set arrow from first %.9g,first %.9g to first %.9g,first %.9g %s lc rgb '#C00000'\n", x0, z0, x1,
+            z1, head ? "head filled size screen 0.012,18 lw 2" : "nohead lw 1 dt 2");
+}
+
 /* From its tail down to z = 0, or a little below the frame's upper edge where that lies above. A slanted one
- * begins lower, so that it stays in the picture. */
-static void write_beam(struct frame *f)
+ * begins lower, so that it stays in the picture. row: of its text, from above. */
+static void write_beam_above(struct frame *f, const struct cml_section_beam *beam, int row)
 {
     const struct cml_section *s = f->section;
-    const struct cml_section_beam *beam = &s->beam;
     const double end = fmax(0, depth_at(f, beam_tail - 0.06));
     double tail = depth_at(f, beam_tail);
     const double width = s->x_high - s->x_low;
@@ -102,15 +108,48 @@ static void write_beam(struct frame *f)
     const double most = fmax(0.02 * width, fmin(0.3 * width, room - beam->half_width));
     if (fabs(beam->slope) * (end - tail) > most) tail = end - most / fabs(beam->slope);
     for (int side = -1; side <= 1; side++) {
-        if (side != 0 && beam->half_width == 0) continue;
-        const double x = beam->x + side * beam->half_width;
-        fprintf(f->page.out,
-                "set arrow from first %.9g,first %.9g to first %.9g,first %.9g %s lc rgb '#C00000'\n",
-                x + beam->slope * tail, tail, x + beam->slope * end, end,
-                side == 0 ? "head filled size screen 0.012,18 lw 2" : "nohead lw 1 dt 2");
+        const double x = beam->x + side * beam->half_width, turned = atan(beam->slope) + side * beam->spread;
+        if (side == 0 || beam->half_width > 0)
+            write_arrow(f, x + beam->slope * tail, tail, x + beam->slope * end, end, side == 0);
+        if (side == 0 || beam->spread == 0) continue;
+        const double rise = fmin(end - tail, 0.2 * width / fmax(fabs(tan(turned)), 1e-9));
+        write_arrow(f, beam->x + beam->slope * end - rise * tan(turned), end - rise,
+                    beam->x + beam->slope * end, end, false);
     }
     write_text_over(f, beam->text, beam->x + beam->slope * tail,
-                    (f->z1 - tail) / (f->z1 - f->z0) + beam_text_above);
+                    (f->z1 - tail) / (f->z1 - f->z0) + beam_text_above - 0.04 * row);
+}
+
+/* Lengths of arrows are those of the picture, not of the scene. */
+static void write_ray(struct frame *f, const struct cml_section_beam *beam, double angle, double share,
+                      bool head)
+{
+    const double x = sin(angle) / (f->section->x_high - f->section->x_low), z = cos(angle) / (f->z1 - f->z0),
+                 length = share / hypot(x, z);
+    write_arrow(f, beam->x, beam->z, beam->x + length * sin(angle), beam->z + length * cos(angle), head);
+}
+
+static void write_beam_inside(struct frame *f, const struct cml_section_beam *beam)
+{
+    const double angle = atan2(beam->axis[0], beam->axis[1]), turn = acos(-1.0) / 4;
+    const bool all = beam->spread > 3;
+    write_arrow(f, beam->x - beam->side[0], beam->z - beam->side[1], beam->x + beam->side[0],
+                beam->z + beam->side[1], false);
+    for (int k = 0; k < (all ? 8 : 1); k++) write_ray(f, beam, angle + k * turn, all ? 0.06 : 0.1, true);
+    for (int side = -1; side <= 1 && !all && beam->spread > 0; side += 2)
+        write_ray(f, beam, angle + side * beam->spread, 0.1, false);
+    write_text_over(f, beam->text, beam->x, (f->z1 - beam->z) / (f->z1 - f->z0) + 0.08);
+}
+
+static void write_beams(struct frame *f)
+{
+    const struct cml_section *s = f->section;
+    for (int k = 0, above = 0; k < s->num_beams; k++) {
+        if (s->beam[k].inside)
+            write_beam_inside(f, &s->beam[k]);
+        else
+            write_beam_above(f, &s->beam[k], above++);
+    }
 }
 
 /* ---- the labels at the right ---- */
@@ -196,7 +235,7 @@ cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err
     write_frame(&f);
     cml_plot_caption(&f.page, caption, lines);
     write_map(&f);
-    write_beam(&f);
+    write_beams(&f);
     write_labels(&f);
     write_lines(&f);
     return CML_OK;

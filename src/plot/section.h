@@ -5,6 +5,7 @@
 
 #include "plot/gnuplot.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
 /* One boundary: straight pieces, x, z of one end, x, z of the other. */
@@ -20,12 +21,18 @@ struct cml_section_label {
     char text[64];
 };
 
-/* A beam of no width has one line, others have one at either side, too. */
+/* A beam of no width has one line, others have one at either side, too; light that spreads has its widest
+ * rays. One that starts inside has an arrow from its middle, or arrows to all sides. */
 struct cml_section_beam {
-    double x;          /* cm: where its axis meets z = 0 */
+    double x;          /* cm: where its axis meets z = 0, or its middle */
     double slope;      /* dx / dz */
     double half_width; /* cm, along x; 0: none */
-    char text[160];
+    double spread;     /* rad: between the axis and the widest rays */
+    bool inside;
+    double z; /* cm: of the middle, of one inside */
+    double axis[2],
+        side[2]; /* of one inside: x and z of its direction, and from the middle to its edge, cm */
+    char text[200];
 };
 
 struct cml_section {
@@ -34,8 +41,9 @@ struct cml_section {
     int num_lines, num_labels; /* from above */
     const struct cml_section_line *lines;
     const struct cml_section_label *labels;
-    struct cml_section_beam beam;
-    double map_low, map_high; /* cm: its ends along x; equal: no map */
+    int num_beams;
+    const struct cml_section_beam *beam; /* [num_beams] */
+    double map_low, map_high;            /* cm: its ends along x; equal: no map */
     char map_text[128];
     const char *title, *caption; /* caption NULL: none */
     enum cml_picture picture;

@@ -2,6 +2,7 @@
 #include "run/crosscheck.h"
 
 #include "base/significance.h"
+#include "tally/deal.h"
 #include "types.h"
 
 #include <math.h>
@@ -107,16 +108,33 @@ static struct cml_check_total total_of(const struct moments *moments, double n)
     return total;
 }
 
+static cml_status compare_beam(struct fates *fates, uint64_t first, uint64_t count, struct cml_error *err)
+{
+    for (uint64_t done = 0; done < count; done += PACKETS_AT_ONCE)
+        CML_TRY(compare_range(fates, first + done,
+                              count - done < PACKETS_AT_ONCE ? count - done : PACKETS_AT_ONCE, err));
+    return CML_OK;
+}
+
+static cml_status compare_beams(struct fates *fates, struct cml_error *err)
+{
+    const struct cml_scene *scene = fates->setup->scene;
+    uint64_t *number = malloc((size_t)scene->num_beams * sizeof *number);
+    if (!number) return cml_fail_memory(err, scene->num_beams * 8.0, "the beams");
+    cml_status status = cml_deal_numbers(scene->shares, scene->num_beams, fates->setup->photons, number, err);
+    for (int k = 0; status == CML_OK && k < scene->num_beams; k++)
+        status = compare_beam(fates, (uint64_t)k << CML_SOURCE_SHIFT, number[k], err);
+    free(number);
+    return status;
+}
+
 /* Fates and totals. */
 static cml_status compare_fates(const struct cml_check_setup *setup, struct cml_check_pair *pairs,
                                 struct cml_error *err)
 {
     struct fates fates = {.setup = setup};
     cml_status status = open_sides(&fates, err);
-    for (uint64_t first = 0; status == CML_OK && first < setup->photons; first += PACKETS_AT_ONCE) {
-        const uint64_t left = setup->photons - first;
-        status = compare_range(&fates, first, left < PACKETS_AT_ONCE ? left : PACKETS_AT_ONCE, err);
-    }
+    if (status == CML_OK) status = compare_beams(&fates, err);
     for (int s = 1; s < setup->num_sides; s++) {
         pairs[s] = (struct cml_check_pair){.equal = fates.equal[s], .values = CML_NUM_TOTALS};
         for (int t = 0; t < CML_NUM_TOTALS; t++)

@@ -6,6 +6,7 @@
 #include "run/cluster.h"
 #include "run/work_ranges.h"
 #include "run/stop.h"
+#include "tally/deal.h"
 #include "tally/target_error.h"
 
 #include <math.h>
@@ -43,6 +44,7 @@ struct flight {
     void *engine;
     struct cml_work_ranges work;
     struct cml_run_state state; /* `open` is rank 0's */
+    struct cml_deal deal;       /* its photons to the beams */
     struct cml_rank_report mine;
     double begin; /* of this process' flight */
     double due;   /* on rank 0: time of the next checkpoint */
@@ -145,7 +147,7 @@ static struct cml_piece cut_piece(struct flight *flight, uint64_t most, int take
     struct hand *hand = &flight->hand;
     const uint64_t largest = cml_work_piece(&flight->work),
                    share = hand->range.count / (4 * (uint64_t)takers);
-    struct cml_piece piece = cml_piece_at(flight->state.begin, flight->state.end, hand->left.first);
+    struct cml_piece piece = cml_deal_piece_at(&flight->deal, hand->left.first);
     if (most < largest && most > share) most = share > LEAST_SHARE ? share : LEAST_SHARE;
     uint64_t count = cml_piece_size(most < largest ? most : largest, takers,
                                     hand->left.count + cml_work_open_count(&flight->work));
@@ -293,7 +295,7 @@ static cml_status share_decision(struct flight *flight, enum next_step *next, st
     flight->state.begin = word[0];
     flight->state.end = word[1];
     *next = (enum next_step)word[2];
-    return CML_OK;
+    return cml_deal_round(&flight->deal, word[0], word[1], err);
 }
 
 /* All ranks come together: what they did not fly goes back, their results are summed, rank 0 decides how it
@@ -405,6 +407,7 @@ static cml_status begin_after_base(struct flight *flight, struct cml_error *err)
         return cml_fail(err, CML_E_INPUT, "%s: is not of the run to be extended", setup->checkpoint);
     state->begin = setup->base;
     state->end = result->photons = setup->photons;
+    CML_TRY(cml_deal_round(&flight->deal, state->begin, state->end, err));
     CML_TRY(cml_ranges_add(&state->open, (struct cml_range){state->begin, state->end - state->begin}, err));
     return cml_checkpoint_write(setup->checkpoint, setup->identity, state, result, err);
 }
@@ -421,12 +424,12 @@ static cml_status begin_state(struct flight *flight, struct cml_error *err)
     return cml_ranges_add(&flight->state.open, (struct cml_range){0, flight->state.end}, err);
 }
 
-/* What may fail on one rank alone: memory, the engine, a checkpoint. run_flight makes all ranks agree on
- * it before the first photon. */
+/* What may fail on one rank alone; run_flight makes all ranks agree on it before the first photon. */
 static cml_status open_flight(struct flight *flight, const struct cml_grid *grid, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
     CML_TRY(cml_result_create(grid, setup->photons, &flight->out->result, err));
+    CML_TRY(cml_deal_create(setup->scene->shares, setup->scene->num_beams, &flight->deal, err));
     CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &setup->options, &flight->engine, err));
     flight->out->timing.threads = setup->engine->threads(flight->engine);
     CML_TRY(cml_work_open(&flight->work, &flight->state.open, err));
@@ -486,6 +489,7 @@ cml_status cml_run(const struct cml_run_setup *setup, struct cml_run_result *out
     pthread_mutex_destroy(&flight.hand.lock);
     pthread_mutex_destroy(&flight.result_lock);
     cml_ranges_clear(&flight.state.open);
+    cml_deal_clear(&flight.deal);
     if (status != CML_OK) cml_run_result_free(out);
     return status;
 }

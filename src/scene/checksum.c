@@ -58,3 +58,11 @@ uint32_t cml_boundary_checksum(const struct cml_boundary *boundary)
     }
     return 0;
 }
+
+uint32_t cml_beam_checksum(const struct cml_beam *beam)
+{
+    const size_t pixels = (size_t)beam->columns * (size_t)beam->rows, rows = (size_t)beam->light.rows;
+    uLong sum = add_numbers(0, beam->pixel, pixels);
+    sum = add_numbers(sum, beam->light.t, rows);
+    return (uint32_t)add_numbers(sum, beam->light.intensity, rows);
+}

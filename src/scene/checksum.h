@@ -12,4 +12,7 @@ uint32_t cml_boundary_checksum(const struct cml_boundary *boundary);
 /* The same of a prepared mesh. */
 uint32_t cml_mesh_checksum(const struct cml_mesh *mesh);
 
+/* The same of the pixels and the table of a beam. */
+uint32_t cml_beam_checksum(const struct cml_beam *beam);
+
 #endif

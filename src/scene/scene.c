@@ -1,6 +1,9 @@
 /* What belongs to a scene is freed here, and a radial height is looked up. SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
+#include "base/constants.h"
+
+#include <math.h>
 #include <stdlib.h>
 
 void cml_boundary_flatten(struct cml_boundary *boundary)
@@ -31,6 +34,13 @@ void cml_scene_clear(struct cml_scene *scene)
         free(scene->bodies[k].file);
         if (!scene->bodies[k].borrowed) cml_mesh_clear(&scene->bodies[k].mesh);
     }
+    for (int k = 0; scene->beams && k < scene->num_beams; k++) {
+        free(scene->beams[k].light.t);
+        free(scene->beams[k].light.intensity);
+        free(scene->beams[k].pixel);
+    }
+    free(scene->beams);
+    free(scene->shares);
     free(scene->bodies);
     free(scene->boundaries);
     free(scene->media);
@@ -40,6 +50,25 @@ void cml_scene_clear(struct cml_scene *scene)
     free(scene->text);
     free(scene->settings);
     *scene = (struct cml_scene){0};
+}
+
+/* Of a table up to where the last part ends that is not dark. */
+double cml_light_widest(const struct cml_light *light, double medium_n)
+{
+    int last = light->rows - 1;
+    switch (light->kind) {
+    case CML_LIGHT_OF_PARALLEL:
+        return 0;
+    case CML_LIGHT_OF_NA:
+        return asin(fmin(1, light->na / medium_n));
+    case CML_LIGHT_OF_LAMBERTIAN:
+        return CML_PI / 2;
+    case CML_LIGHT_OF_ISOTROPIC:
+        return CML_PI;
+    default:
+        while (last > 1 && light->intensity[last - 1] == 0 && light->intensity[last] == 0) last--;
+        return light->t[last];
+    }
 }
 
 /* The first body of layer l or of one below it. */

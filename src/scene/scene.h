@@ -68,14 +68,48 @@ struct cml_scene_body {
     bool borrowed; /* the mesh belongs to another scene, which lives longer and has the same bodies */
 };
 
-enum cml_beam_kind { CML_BEAM_PENCIL, CML_BEAM_DISK, CML_BEAM_GAUSSIAN };
+/* The shape lies across the axis, centred on it. */
+enum cml_beam_kind {
+    CML_BEAM_PENCIL,
+    CML_BEAM_DISK,
+    CML_BEAM_GAUSSIAN,
+    CML_BEAM_RING,
+    CML_BEAM_RECTANGLE,
+    CML_BEAM_IMAGE
+};
+
+/* Directions about the axis. */
+enum cml_light_kind {
+    CML_LIGHT_OF_PARALLEL,
+    CML_LIGHT_OF_NA,         /* evenly per solid angle within a numerical aperture */
+    CML_LIGHT_OF_LAMBERTIAN, /* cosine law over the hemisphere */
+    CML_LIGHT_OF_ISOTROPIC,  /* evenly over the sphere */
+    CML_LIGHT_OF_TABLE
+};
+
+struct cml_light {
+    enum cml_light_kind kind;
+    double na; /* CML_LIGHT_OF_NA: n sin of the widest angle */
+    int rows;  /* CML_LIGHT_OF_TABLE, 2 or more */
+    double *t,
+        *intensity; /* [rows] rad, rising from 0; per solid angle, >= 0, not all 0; linear between rows */
+};
 
 struct cml_beam {
     enum cml_beam_kind kind;
-    double radius;         /* cm; disk: radius, gaussian: 1/e^2 radius */
-    double x, y;           /* cm; where the axis meets z = 0 */
-    double angle, azimuth; /* rad; angle between the axis and +z, 0 <= angle < pi/2; azimuth from +x to +y */
-    bool given;            /* a `beam` line stands in the file */
+    double size[2]; /* cm; radius of a disk, 1/e^2 radius of a gaussian; both radii of a ring; widths of a
+                     * rectangle or an image along the own x and y */
+    double x, y, z; /* cm; where the axis meets z = 0, or the middle of the shape */
+    bool inside;    /* packets start at the middle and around it, else above all surfaces */
+    double angle,
+        azimuth; /* rad; angle between the axis and +z, 0 <= angle < pi/2, inside up to pi; azimuth
+                  * from +x to +y. Own x: (cos a cos p, cos a sin p, -sin a), own y: (-sin p, cos p, 0) */
+    struct cml_light light;
+    int columns, rows; /* of an image */
+    double *pixel;     /* [rows][columns] >= 0, not all 0; the first row at the largest own y */
+    bool radial;       /* results count r from x, y instead of from the z axis */
+    bool given;        /* a `beam` line stands in the file */
+    int line;          /* of the .mci */
 };
 
 /* What is recorded over x and y, centred on 0, 0. */
@@ -102,7 +136,9 @@ struct cml_scene {
     struct cml_phase *phases;        /* all that differ, the last one first; at most CML_MOST_PHASES */
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_scene_body *bodies;   /* [num_bodies], layer after layer */
-    struct cml_beam beam;
+    int num_beams;                   /* >= 1 */
+    struct cml_beam *beams;          /* [num_beams] */
+    double *shares;                  /* [num_beams] > 0, of the light */
     struct cml_map_def map;
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
@@ -122,6 +158,9 @@ static inline int cml_body_medium(const struct cml_scene *scene, int k)
 {
     return scene->num_layers + 2 + k;
 }
+
+/* The largest angle to its axis at which a light shines, rad. medium_n: of the medium it starts in. */
+double cml_light_widest(const struct cml_light *light, double medium_n);
 
 /* The bodies of layer l, at whatever depth of nesting: those from number `first` to before `end`. */
 struct cml_body_range {

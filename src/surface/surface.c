@@ -87,7 +87,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     def->lowest = fmin(mesh->lower[2], mesh->z_border);
     def->highest = fmax(mesh->upper[2], mesh->z_border);
     CML_TRY(cml_clearance_of_mesh(mesh, &def->clearance, err));
-    CML_TRY(cml_mesh_surface_create(mesh, scene->beam.x, scene->beam.y, search, &def->mesh, err));
+    CML_TRY(cml_mesh_surface_create(mesh, scene->beams[0].x, scene->beams[0].y, search, &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
     give_reason(reason, def);
     return cml_mesh_surface_walk(def->mesh) ? CML_OK : cml_safe_map_create(def->mesh, &def->safe, err);
@@ -182,8 +182,8 @@ static cml_status make_repeated_mesh(const struct cml_heightmap *tile, struct cm
                                            .corner = {tile->x0, tile->y0},
                                            .cell = {tile->dx, tile->dy}};
     CML_TRY(cml_clearance_of_tile(tile, &def->clearance, err));
-    CML_TRY(
-        cml_mesh_surface_create_tile(mesh, scene->beam.x, scene->beam.y, search, &period, &def->mesh, err));
+    CML_TRY(cml_mesh_surface_create_tile(mesh, scene->beams[0].x, scene->beams[0].y, search, &period,
+                                         &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
     char reason[96];
     snprintf(reason, sizeof reason, "heightmap repeated every %g x %g cm", cml_tile_period(tile, 0),
@@ -299,6 +299,11 @@ cml_status cml_surfaces_create(const struct cml_scene *scene, const struct cml_s
     const size_t count = (size_t)scene->num_layers + 1;
     *set = (struct cml_surface_set){.count = (int)count, .item = calloc(count, sizeof *set->item)};
     if (!set->item) return cml_fail_memory(err, (double)(count * sizeof *set->item), "the boundaries");
+    struct cml_surface_options own = *options;
+    set->x0 = scene->beams[0].x;
+    set->y0 = scene->beams[0].y;
+    if (own.known && (own.known->x0 != set->x0 || own.known->y0 != set->y0)) own.known = NULL;
+    options = &own;
     cml_status status = CML_OK;
     for (size_t b = 0; b < count && status == CML_OK; b++) {
         const struct cml_boundary *boundary = &scene->boundaries[b];

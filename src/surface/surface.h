@@ -35,6 +35,7 @@ struct cml_surface_set {
     int count;                    /* num_layers + 1 */
     struct cml_surface_def *item; /* [count] */
     struct cml_body_surfaces bodies;
+    double x0, y0; /* scene position of the first beam, from which meshes and bodies count x and y, cm */
 };
 
 /* Represents every boundary of the scene, and its bodies. CML_E_INPUT when a boundary cannot take the forced

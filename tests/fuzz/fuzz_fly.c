@@ -49,7 +49,7 @@ static double reach_of(const struct cml_scene *scene)
         for (int i = 0; i < boundary->radial.n; i++)
             reach = fmax(reach, fmax(fabs(boundary->radial.h[i]), boundary->radial.r[i]));
     }
-    return fmax(reach, fmax(fabs(scene->beam.x), fabs(scene->beam.y)) + scene->beam.radius);
+    return fmax(reach, fmax(fabs(scene->beams[0].x), fabs(scene->beams[0].y)) + scene->beams[0].size[0]);
 }
 
 static bool is_quick(const struct cml_scene *scene)

@@ -1,18 +1,22 @@
 /* SPDX-License-Identifier: MIT */
 #include "cli/load/beam_notes.h"
 
+#include "base/constants.h"
 #include "cli/load/scenes.h"
+#include "engine/world.h"
 #include "geometry/footprint.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 
+/* line: of the .mci. */
 CML_PRINTF(3, 4)
-static void note(const struct cml_scene *scene, int b, const char *format, ...)
+static void note_line(const struct cml_scene *scene, int line, const char *format, ...)
 {
     char text[1024];
-    const int used = snprintf(text, sizeof text, "%.500s:%d: ", scene->file, scene->boundaries[b].line);
+    const int used = snprintf(text, sizeof text, "%.500s:%d: ", scene->file, line);
     va_list values;
     va_start(values, format);
     vsnprintf(text + used, sizeof text - (size_t)used, format, values);
@@ -20,20 +24,25 @@ static void note(const struct cml_scene *scene, int b, const char *format, ...)
     cml_show_note(NULL, text);
 }
 
+#define note(scene, b, ...) note_line(scene, (scene)->boundaries[b].line, __VA_ARGS__)
+
 /* The straight axis, not refracted, at the depth of the mesh's border. What lies beyond a mesh meets the
  * plane in which the boundary goes on, which may or may not be meant. */
 static cml_status note_reach(const struct cml_scene *scene, int b, struct cml_error *err)
 {
     const struct cml_boundary *boundary = &scene->boundaries[b];
-    const struct cml_beam *beam = &scene->beam;
     const struct cml_map_def *map = &scene->map;
-    const double way = (boundary->z + boundary->mesh.z_border) * tan(beam->angle);
-    const double x = beam->x + way * cos(beam->azimuth), y = beam->y + way * sin(beam->azimuth);
     const double upper[2] = {map->nx * map->dx / 2, map->ny * map->dy / 2}, lower[2] = {-upper[0], -upper[1]};
     struct cml_footprint *footprint;
     CML_TRY(cml_footprint_create(&boundary->mesh, &footprint, err));
-    if (!cml_footprint_contains(footprint, x, y))
-        note(scene, b, "the beam's axis passes boundary %d at x = %g, y = %g cm, beyond its mesh", b, x, y);
+    for (int k = 0; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        const double way = (boundary->z + boundary->mesh.z_border) * tan(beam->angle);
+        const double x = beam->x + way * cos(beam->azimuth), y = beam->y + way * sin(beam->azimuth);
+        if (!beam->inside && !cml_footprint_contains(footprint, x, y))
+            note(scene, b, "the beam's axis passes boundary %d at x = %g, y = %g cm, beyond its mesh", b, x,
+                 y);
+    }
     if (map->nx > 0 && !cml_footprint_contains_box(footprint, lower, upper))
         note(scene, b, "the map, %g x %g cm, reaches beyond the mesh of boundary %d", 2 * upper[0],
              2 * upper[1], b);
@@ -47,7 +56,8 @@ static int first_shape(const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
         if (scene->boundaries[b].form != CML_FORM_PLANE) return b;
-        if (scene->media[b + 1].mus > 0 || cml_layer_has_bodies(scene, b + 1) || scene->beam.angle > 0) break;
+        if (scene->media[b + 1].mus > 0 || cml_layer_has_bodies(scene, b + 1) || scene->beams[0].angle > 0)
+            break;
     }
     return -1;
 }
@@ -56,8 +66,9 @@ static int first_shape(const struct cml_scene *scene)
  * lights them by a pencil means their middle. */
 static void note_pencil(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
-    const struct cml_beam *beam = &scene->beam;
+    const struct cml_beam *beam = &scene->beams[0];
     const int b = first_shape(scene);
+    if (scene->num_beams > 1 || beam->inside || beam->light.kind != CML_LIGHT_OF_PARALLEL) return;
     if (beam->kind != CML_BEAM_PENCIL || b < 0 || scene->boundaries[b].form == CML_FORM_RADIAL) return;
     const struct cml_surface_def *def = &surfaces->item[b];
     if (def->kind != CML_SURFACE_MESH) return;
@@ -76,11 +87,48 @@ static void note_pencil(const struct cml_scene *scene, const struct cml_surface_
          hypot(at.facet[0], at.facet[1]) / fabs(at.facet[2]));
 }
 
+/* Whether light about the axis has rays between the angles t and pi - t to the vertical, on either side. */
+static bool is_flat(const struct cml_beam *beam, double n, double t)
+{
+    const double widest = cml_light_widest(&beam->light, n);
+    return beam->angle + widest > t && beam->angle - widest < CML_PI - t;
+}
+
+/* Light of a clear layer that both neighbours reflect totally runs round for ever, at least between planes.
+ */
+static void note_trapped(const struct cml_scene *scene, int k, int medium)
+{
+    const struct cml_beam *beam = &scene->beams[k];
+    if (medium < 1 || medium > scene->num_layers || cml_layer_has_bodies(scene, medium)) return;
+    const struct cml_medium_def *own = &scene->media[medium];
+    const double most = fmax(own[-1].n, own[1].n);
+    if (own->mua + own->mus > 0 || most >= own->n || !is_flat(beam, own->n, asin(most / own->n))) return;
+    note_line(
+        scene, beam->line,
+        "beam %d starts in layer %d, which is clear and has a larger n than both its neighbours: what planes "
+        "reflect totally there, beyond %g degrees from the vertical, is trapped, and counted as such",
+        k + 1, medium, asin(most / own->n) * 180 / CML_PI);
+}
+
+static cml_status note_starts(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                              struct cml_error *err)
+{
+    bool any = false;
+    for (int k = 0; k < scene->num_beams; k++) any = any || scene->beams[k].inside;
+    if (!any) return CML_OK;
+    int *medium = calloc((size_t)scene->num_beams, sizeof *medium);
+    if (!medium) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
+    const cml_status status = cml_source_media(scene, surfaces, medium, err);
+    for (int k = 0; status == CML_OK && k < scene->num_beams; k++) note_trapped(scene, k, medium[k]);
+    free(medium);
+    return status;
+}
+
 cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                          struct cml_error *err)
 {
     for (int b = 0; b <= scene->num_layers; b++)
         if (scene->boundaries[b].form == CML_FORM_MESH) CML_TRY(note_reach(scene, b, err));
     note_pencil(scene, surfaces);
-    return CML_OK;
+    return note_starts(scene, surfaces, err);
 }

@@ -35,6 +35,18 @@ static cml_status flatten(const struct cml_scene *scene, struct cml_scene *flat,
     return CML_OK;
 }
 
+/* Of parallel light at normal incidence. */
+static double normal_share(const struct cml_scene *scene)
+{
+    double normal = 0, all = 0;
+    for (int k = 0; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        all += scene->shares[k];
+        if (beam->angle == 0 && beam->light.kind == CML_LIGHT_OF_PARALLEL) normal += scene->shares[k];
+    }
+    return normal / all;
+}
+
 /* What the twin's packets count as specular is what those of the scene do: the first reflection at boundary
  * 0, and that of a clear first layer only where the scene's packets start below it (P1). */
 static double specular(const struct cml_run_setup *setup, const struct cml_exact *exact)
@@ -42,8 +54,9 @@ static double specular(const struct cml_run_setup *setup, const struct cml_exact
     const struct cml_scene *scene = setup->scene;
     const struct cml_surface_def *surface = setup->surfaces->item;
     const bool planes = surface[0].kind == CML_SURFACE_PLANE && surface[1].kind == CML_SURFACE_PLANE;
-    return scene->beam.angle > 0 ? exact->value[CML_EXACT_RSP]
-                                 : cml_specular_split(scene->media, scene->num_layers, planes).reflected;
+    const double all = cml_specular_split(scene->media, scene->num_layers, true).reflected,
+                 own = cml_specular_split(scene->media, scene->num_layers, planes).reflected;
+    return exact->value[CML_EXACT_RSP] - normal_share(scene) * (all - own);
 }
 
 static cml_status solve(const struct cml_run_setup *setup, struct cml_twin *twin, struct cml_error *err)

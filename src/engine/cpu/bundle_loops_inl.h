@@ -380,15 +380,16 @@ static inline int cml_lane_is_at_limit(const struct cml_bundle *b, int i, int la
 }
 
 /* P6: those of a group's lanes that leave through a plane, as a mask: TRANSMITTED into an outer medium, or
- * REFLECTED above the first layer without having entered it. */
+ * REFLECTED in the one where they have started. */
 static inline cml_u32 cml_group_leaves(const struct cml_bundle *b, int first, int layers)
 {
     const int *task = b->task + first, *medium = b->medium + first;
     const cml_u32 upwards = cml_group_negative(b->uz + first);
     const cml_u32 ends =
         (upwards & cml_group_equal(medium, 1)) | (~upwards & cml_group_equal(medium, layers));
+    const cml_u32 outside = cml_group_equal(medium, 0) | cml_group_equal(medium, layers + 1);
     return (ends & cml_group_equal(task, CML_LANE_TRANSMITTED)) |
-           (cml_group_equal(medium, 0) & cml_group_equal(task, CML_LANE_REFLECTED));
+           (outside & cml_group_equal(task, CML_LANE_REFLECTED));
 }
 
 #endif

@@ -351,7 +351,8 @@ static void cml_flight_begin(struct cml_flight *f)
         f->steepest = surface->steepest > f->steepest ? surface->steepest : f->steepest;
         f->safe_cells |= f->world->safe_cells[i].nx > 0;
     }
-    f->pencil = !(setup->disk > 0) && !(setup->gauss > 0);
+    f->pencil = setup->num_sources == 1 && f->world->sources->shape == CML_SHAPE_POINT &&
+                f->world->sources->light == CML_LIGHT_PARALLEL;
     cml_place(f->world, 0, &f->start);
     cml_find_first_hit(f);
     cml_find_ballistic(f);

@@ -91,6 +91,11 @@ static struct cml_opencl_scene scene_of(const struct opencl_engine *engine,
         .num_body_cells = engine->owned.num_body_cells,
         .phase_cells = engine->owned.phase_cells,
         .num_phase_cells = engine->owned.num_phase_cells,
+        .sources = engine->owned.sources,
+        .light_cells = engine->owned.light_cells,
+        .image_words = engine->owned.image_words,
+        .num_light_cells = engine->owned.num_light_cells,
+        .num_image_words = engine->owned.num_image_words,
         .only_planes = true,
         .cells = cml_tally_cells(grid),
         .build_options = options->build_options,
@@ -265,16 +270,17 @@ static cml_status opencl_run(void *self, const struct cml_work *work, struct cml
 }
 
 /* From the device's coordinates and weight units into those of a record. */
-static void copy_record(const struct cml_setup *setup, const struct cml_device_fate *from,
+static void copy_record(const struct cml_world *world, uint64_t index, const struct cml_device_fate *from,
                         struct cml_fate_record *to)
 {
+    const struct cml_setup *setup = &world->setup;
     *to = (struct cml_fate_record){
         .fate = from->fate,
         .cause = from->cause,
         .weight = from->w,
         .interactions = from->interactions,
         .boundary_events = from->boundary_events,
-        .specular = setup->specular * CML_WEIGHT_UNIT,
+        .specular = cml_split_off(world, index) * CML_WEIGHT_UNIT,
         .absorbed = (double)from->absorbed * CML_WEIGHT_UNIT,
         .exit = {from->exit_x + setup->x0, from->exit_y + setup->y0},
         .direction = {from->u.x, from->u.y, from->u.z},
@@ -282,15 +288,15 @@ static void copy_record(const struct cml_setup *setup, const struct cml_device_f
 }
 
 /* The first device's buffer of fates as records. */
-static cml_status read_records(struct opencl_engine *engine, uint64_t count, struct cml_fate_record *records,
-                               struct cml_error *err)
+static cml_status read_records(struct opencl_engine *engine, uint64_t first, uint64_t count,
+                               struct cml_fate_record *records, struct cml_error *err)
 {
     const size_t bytes = count * sizeof(struct cml_device_fate);
     struct cml_device_fate *fates = malloc(bytes);
     if (!fates) return cml_fail_memory(err, (double)bytes, "fates");
     const cml_status status = cml_opencl_flight_read(engine->flights, CML_BUFFER_FATES, fates, bytes, err);
     for (uint64_t i = 0; status == CML_OK && i < count; i++)
-        copy_record(&engine->owned.world.setup, &fates[i], &records[i]);
+        copy_record(&engine->owned.world, first + i, &fates[i], &records[i]);
     free(fates);
     return status;
 }
@@ -308,7 +314,7 @@ static cml_status opencl_fates(void *self, uint64_t first, uint64_t count, struc
         CML_TRY(cml_opencl_flight_finish(flight, err));
     }
     CML_TRY(cml_opencl_flight_collect(flight, engine->cells, err));
-    return read_records(engine, count, records, err);
+    return read_records(engine, first, count, records, err);
 }
 
 /* What an event was, from the packet before and after it. */
@@ -363,7 +369,7 @@ static cml_status opencl_trace(void *self, uint64_t index, cml_trace_function *o
     flight->launch.steps = steps;
     CML_TRY(status);
     CML_TRY(cml_opencl_flight_collect(flight, engine->cells, err));
-    return read_records(engine, 1, record, err);
+    return read_records(engine, index, 1, record, err);
 }
 
 /* Compute units of all devices. */

@@ -121,11 +121,12 @@ static cml_status create_buffer(struct cml_opencl_flight *flight, int which, siz
                                 const void *content, struct cml_error *err)
 {
     static const char *const names[CML_NUM_BUFFERS] = {
-        "memory for media",     "memory for surfaces",  "memory for rings",  "memory for rings",
-        "memory for rings",     "memory for rings",     "memory for rings",  "memory for rings",
-        "memory for clearance", "memory for clearance", "memory for bodies", "memory for bodies",
-        "memory for bodies",    "memory for bodies",    "memory for phases", "memory for counters",
-        "memory for packets",   "memory for fates",     "memory for tallies"};
+        "memory for media",     "memory for surfaces",  "memory for rings",    "memory for rings",
+        "memory for rings",     "memory for rings",     "memory for rings",    "memory for rings",
+        "memory for clearance", "memory for clearance", "memory for bodies",   "memory for bodies",
+        "memory for bodies",    "memory for bodies",    "memory for phases",   "memory for beams",
+        "memory for beams",     "memory for beams",     "memory for counters", "memory for packets",
+        "memory for fates",     "memory for tallies"};
     cl_int code = CL_SUCCESS;
     if (flight->buffer[which]) clReleaseMemObject(flight->buffer[which]);
     flight->buffer[which] =
@@ -230,6 +231,12 @@ static cml_status create_buffers(const struct cml_opencl_scene *scene, struct cm
                           scene->body_cells, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_PHASE_CELLS, scene->num_phase_cells * sizeof *scene->phase_cells,
                           scene->phase_cells, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_SOURCES,
+                          (size_t)scene->setup.num_sources * sizeof *scene->sources, scene->sources, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_LIGHT_CELLS, scene->num_light_cells * sizeof *scene->light_cells,
+                          scene->light_cells, err));
+    CML_TRY(create_buffer(flight, CML_BUFFER_IMAGE_WORDS, scene->num_image_words * sizeof *scene->image_words,
+                          scene->image_words, err));
     CML_TRY(create_buffer(flight, CML_BUFFER_CELLS, flight->num_cells * sizeof(uint64_t), NULL, err));
     CML_TRY(clear_cells(flight, err));
     return clear_packets(flight, err);

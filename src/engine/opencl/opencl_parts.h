@@ -73,6 +73,10 @@ struct cml_opencl_scene {
     size_t num_body_nodes, num_body_grids, num_body_cells;
     const struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
     size_t num_phase_cells;
+    const struct cml_source *sources; /* [setup.num_sources] */
+    const struct cml_light_cell *light_cells;
+    const cml_u32 *image_words;
+    size_t num_light_cells, num_image_words;
     bool only_planes;          /* no curved boundaries and no bodies */
     uint64_t cells;            /* of A_l, Rd_ra, Tt_ra and A_rz together, which lie one behind the other */
     const char *build_options; /* NULL: none */
@@ -94,6 +98,9 @@ enum {
     CML_BUFFER_BODY_GRIDS,
     CML_BUFFER_BODY_CELLS,
     CML_BUFFER_PHASE_CELLS,
+    CML_BUFFER_SOURCES,
+    CML_BUFFER_LIGHT_CELLS,
+    CML_BUFFER_IMAGE_WORDS,
     CML_BUFFER_CONTROL, /* counters that host and device pass to and fro, struct cml_control */
     CML_BUFFER_PACKETS, /* packets under way, from launch to launch */
     CML_BUFFER_FATES,   /* records, where they are wanted */

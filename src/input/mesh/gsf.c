@@ -15,6 +15,7 @@ struct field {
     int xres, yres;
     double xreal, yreal;
     double xy_unit, z_unit; /* cm; 0: not in the file */
+    bool pixels;            /* values have no unit */
     struct cml_error *err;
 };
 
@@ -73,7 +74,7 @@ static cml_status read_line(struct field *f, char *line)
     if (strcmp(name, "XReal") == 0) return read_size(f, name, value, &f->xreal);
     if (strcmp(name, "YReal") == 0) return read_size(f, name, value, &f->yreal);
     if (strcmp(name, "XYUnits") == 0) return read_unit(f, name, value, &f->xy_unit);
-    if (strcmp(name, "ZUnits") == 0) return read_unit(f, name, value, &f->z_unit);
+    if (strcmp(name, "ZUnits") == 0 && !f->pixels) return read_unit(f, name, value, &f->z_unit);
     return CML_OK;
 }
 
@@ -112,6 +113,11 @@ static cml_status choose_units(struct field *f, double unit)
 {
     const bool inside = f->xy_unit > 0 && f->z_unit > 0, none = f->xy_unit == 0 && f->z_unit == 0;
     const char *path = f->text.path;
+    if (f->pixels) {
+        f->z_unit = 1;
+        return f->xy_unit > 0 ? CML_OK
+                              : cml_fail_field(f->err, path, 0, "XYUnits", NULL, "the unit of XReal");
+    }
     if (inside && unit == 0) return CML_OK;
     if (!none && unit > 0)
         return cml_fail(f->err, CML_E_INPUT, "%s: the file has its own units (expected no units= beside it)",
@@ -165,10 +171,10 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     return cml_heightmap_check(f->text.path, map, f->err);
 }
 
-cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
-                        struct cml_heightmap *map, struct cml_error *err)
+static cml_status read_file(const struct cml_text_source *source, const char *path, double unit, bool pixels,
+                            struct cml_heightmap *map, struct cml_error *err)
 {
-    struct field f = {.err = err};
+    struct field f = {.pixels = pixels, .err = err};
     *map = (struct cml_heightmap){0};
     CML_TRY(cml_text_read_bytes(source, path, &f.text, err));
     cml_status status = read_header(&f);
@@ -181,4 +187,16 @@ cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, 
     else
         cml_heightmap_clear(map);
     return status;
+}
+
+cml_status cml_gsf_read(const struct cml_text_source *source, const char *path, double unit,
+                        struct cml_heightmap *map, struct cml_error *err)
+{
+    return read_file(source, path, unit, false, map, err);
+}
+
+cml_status cml_gsf_read_pixels(const struct cml_text_source *source, const char *path,
+                               struct cml_heightmap *map, struct cml_error *err)
+{
+    return read_file(source, path, 0, true, map, err);
 }

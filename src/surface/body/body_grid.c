@@ -384,7 +384,7 @@ static void box_of_bodies(const struct cml_scene *scene, int layer, double lower
 static void lay_out(const struct cml_scene *scene, int layer, double depth, double most,
                     struct cml_body_cells *cells)
 {
-    const double origin[3] = {scene->beam.x, scene->beam.y, depth};
+    const double origin[3] = {scene->beams[0].x, scene->beams[0].y, depth};
     double lower[3], upper[3], volume = 1, widest = 0, farthest = 0;
     box_of_bodies(scene, layer, lower, upper);
     for (int i = 0; i < 3; i++) {

@@ -21,8 +21,8 @@ static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scen
     mesh.lower[2] -= depth;
     mesh.upper[2] -= depth;
     mesh.z_border -= depth;
-    const cml_status status =
-        cml_mesh_surface_create(&mesh, scene->beam.x, scene->beam.y, CML_SEARCH_EMBREE, &surface->mesh, err);
+    const cml_status status = cml_mesh_surface_create(&mesh, scene->beams[0].x, scene->beams[0].y,
+                                                      CML_SEARCH_EMBREE, &surface->mesh, err);
     cml_mesh_clear(&mesh);
     return status;
 }
@@ -59,7 +59,7 @@ static cml_status check_size(const struct cml_scene *scene, int k, const struct 
 {
     const struct cml_scene_body *body = &scene->bodies[k];
     const double *lower = surface->lower, *upper = surface->upper,
-                 origin[3] = {scene->beam.x, scene->beam.y, 0};
+                 origin[3] = {scene->beams[0].x, scene->beams[0].y, 0};
     double farthest = 0, size = body->radius;
     const char *what = body->form != CML_BODY_MESH ? "radius"
                        : body->mesh.num_parts > 1  ? "half a width of a part"

@@ -45,7 +45,8 @@ static struct stack slab(double n, double mua, double mus, double g, double d)
 /* The caller clears it. */
 static struct cml_exact solve(const struct stack *stack, bool diffuse, double angle, double tolerance)
 {
-    const struct cml_exact_light light = {diffuse, angle};
+    struct cml_exact_ray beam = {cos(angle), 1};
+    const struct cml_exact_light light = {.diffuse = diffuse, .num_beams = !diffuse, .beam = &beam};
     const struct cml_exact_options options = {tolerance, 1e11};
     struct cml_exact exact;
     struct cml_error err;
@@ -355,7 +356,8 @@ static void too_much_work_is_refused_or_cut_short(void **state)
 {
     (void)state;
     const struct stack stack = slab(1.4, 0.1, 90, 0.95, 1);
-    const struct cml_exact_light light = {.angle = 0};
+    struct cml_exact_ray beam = {1, 1};
+    const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
     struct cml_exact exact;
     struct cml_error err;
     const struct cml_exact_options none = {1e-7, 1e5}, some = {1e-7, 3e7};
@@ -372,7 +374,8 @@ static void a_million_indices_are_refused_at_once(void **state)
 {
     enum { LAYERS = 1000000 };
     (void)state;
-    const struct cml_exact_light light = {.angle = 0};
+    struct cml_exact_ray beam = {1, 1};
+    const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
     const struct cml_exact_options options = {1e-7, 1e9};
     struct cml_medium_def *media = calloc(LAYERS + 2, sizeof *media);
     struct cml_exact exact;
@@ -389,7 +392,8 @@ static void numbers_beyond_double_precision_are_refused(void **state)
 {
     (void)state;
     const struct stack stack = slab(1e200, 1, 10, 0.5, 1);
-    const struct cml_exact_light light = {.angle = 0};
+    struct cml_exact_ray beam = {1, 1};
+    const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
     const struct cml_exact_options options = {1e-7, 1e11};
     struct cml_exact exact;
     struct cml_error err;

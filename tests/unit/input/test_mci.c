@@ -34,7 +34,7 @@ static void original_template_is_read(void **state)
     assert_true(scene->boundaries[3].z == 0.1 + 0.1 + 0.2);
     assert_int_equal(scene->boundaries[3].form, CML_FORM_PLANE);
     assert_int_equal(scene->boundaries[3].line, 0);
-    assert_false(scene->beam.given);
+    assert_false(scene->beams[0].given);
     cml_scene_list_clear(&list);
     assert_null(list.scenes);
 }
@@ -227,11 +227,11 @@ static void beams_are_read_anywhere_before_the_layers(void **state)
         "b A\n1\n1 1\n1 1 1\nbeam gaussian 1e-3\n1\n1\n1 1 1 0 1\n1\n"
         "c A\n1\n1 1\nbeam pencil angle=89.999\n1 1 1\n1\n1\n1 1 1 0 1\n1\n",
         &list);
-    const struct cml_beam *a = &list.scenes[0].beam, *b = &list.scenes[1].beam, *c = &list.scenes[2].beam;
-    assert_true(a->given && a->kind == CML_BEAM_DISK && a->radius == 0.5 && a->x == 1 && a->y == -2);
+    const struct cml_beam *a = list.scenes[0].beams, *b = list.scenes[1].beams, *c = list.scenes[2].beams;
+    assert_true(a->given && a->kind == CML_BEAM_DISK && a->size[0] == 0.5 && a->x == 1 && a->y == -2);
     assert_true(fabs(a->angle - 30 * rad) < 1e-15 && fabs(a->azimuth + 90 * rad) < 1e-15);
-    assert_true(b->kind == CML_BEAM_GAUSSIAN && b->radius == 1e-3 && b->x == 0 && b->angle == 0);
-    assert_true(c->kind == CML_BEAM_PENCIL && c->radius == 0 && c->angle < 90 * rad);
+    assert_true(b->kind == CML_BEAM_GAUSSIAN && b->size[0] == 1e-3 && b->x == 0 && b->angle == 0);
+    assert_true(c->kind == CML_BEAM_PENCIL && c->size[0] == 0 && c->angle < 90 * rad);
     cml_scene_list_clear(&list);
 }
 

@@ -284,22 +284,37 @@ static void meshes_that_cannot_be_read(void **state)
 static void beams_that_are_none(void **state)
 {
     static const struct refusal table[] = {
-        {NAME "beam\n", "x.mci:4: beam: shape is missing (expected pencil, disk R or gaussian R)"},
-        {NAME "beam square 1\n", "x.mci:4: beam: shape = square (expected pencil, disk R or gaussian R)"},
+        {NAME "beam\n", "x.mci:4: beam: shape is missing (expected pencil, disk R, gaussian R, ring R1 R2, "
+                        "rectangle W H or image \"FILE.gsf\")"},
+        {NAME "beam square 1\n", "x.mci:4: beam: shape = square (expected pencil, disk R, gaussian R, ring "
+                                 "R1 R2, rectangle W H or image \"FILE.gsf\")"},
         {NAME "beam disk\n", "x.mci:4: beam: radius is missing (expected a length of 1e-30..1e30 cm)"},
         {NAME "beam disk 0\n", "x.mci:4: beam: radius = 0 (expected a length of 1e-30..1e30 cm)"},
         {NAME "beam gaussian angle=3\n",
          "x.mci:4: beam: radius = angle=3 (expected a length of 1e-30..1e30 cm)"},
-        {NAME "beam pencil 1\n", "x.mci:4: beam: option = 1 (expected at=, angle= or azimuth=)"},
+        {NAME "beam pencil 1\n",
+         "x.mci:4: beam: option = 1 (expected at=, z=, angle=, azimuth=, light=, share= or radial=)"},
         {NAME "beam pencil angle=90\n", "x.mci:4: beam: angle = 90 (expected degrees, 0 <= angle < 90)"},
         {NAME "beam pencil angle=-1\n", "x.mci:4: beam: angle = -1 (expected degrees, 0 <= angle < 90)"},
         {NAME "beam pencil azimuth=361\n", "x.mci:4: beam: azimuth = 361 (expected degrees, -360..360)"},
         {NAME "beam pencil at=1\n", "x.mci:4: beam: at = 1 (expected x,y in cm without blanks)"},
-        {NAME "beam pencil tilt=1\n", "x.mci:4: beam: option = tilt=1 (expected at=, angle= or azimuth=)"},
+        {NAME "beam pencil tilt=1\n",
+         "x.mci:4: beam: option = tilt=1 (expected at=, z=, angle=, azimuth=, light=, share= or radial=)"},
         {NAME "#@ beam pencil angle=1 angle=1\n",
          "x.mci:4: beam: angle = 1 (expected this option only once)"},
-        {NAME "beam pencil\n100\n#@ beam disk 1\n",
-         "x.mci:6: line = #@ beam disk 1 (expected one beam line per run)"},
+        {NAME "beam ring 1\n", "x.mci:4: beam: r2 is missing (expected a length of 1e-30..1e30 cm)"},
+        {NAME "beam rectangle 0 1\n", "x.mci:4: beam: w = 0 (expected a length of 1e-30..1e30 cm)"},
+        {NAME "beam image\n", "x.mci:4: beam: file is missing (expected a file name in a pair of quotes)"},
+        {NAME "beam pencil z=deep\n", "x.mci:4: beam: z = deep (expected a coordinate of -1e30..1e30 cm)"},
+        {NAME "beam pencil z=1 angle=181\n",
+         "x.mci:4: beam: angle = 181 (expected degrees, 0 <= angle <= 180)"},
+        {NAME "beam pencil share=0\n", "x.mci:4: beam: share = 0 (expected a share of 1e-30..1e30)"},
+        {NAME "beam pencil radial=axis\n", "x.mci:4: beam: radial = axis (expected radial=beam)"},
+        {NAME "beam pencil light=laser\n",
+         "x.mci:4: beam: light = laser (expected parallel, na:N, lambertian, "
+         "isotropic or a file in quotes)"},
+        {NAME "beam pencil light=na:0\n",
+         "x.mci:4: beam: light = na:0 (expected a numerical aperture of 1e-30..100)"},
     };
     CHECK_ALL(state, table);
 }

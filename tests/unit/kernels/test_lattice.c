@@ -15,7 +15,7 @@ static struct cml_stream stream_of(uint32_t seed)
 /* The words of a packet in the order of their dimensions, as the walk draws them. */
 static void draw_all(struct cml_stream stream, uint64_t photon, uint32_t word[DIMENSIONS])
 {
-    const struct cml_block launch = cml_draw_launch(stream, photon);
+    const struct cml_block launch = cml_draw_launch(stream, photon, 1);
     for (uint32_t e = 0; e < CML_LATTICE_EVENTS; e++) {
         const struct cml_block block = cml_draw_interaction(stream, photon, e);
         for (int k = 0; k < 3; k++) word[4 * e + (uint32_t)k] = block.w[k];
@@ -24,6 +24,8 @@ static void draw_all(struct cml_stream stream, uint64_t photon, uint32_t word[DI
     word[CML_LATTICE_SECOND_REFLECTION] = cml_draw_reflection(stream, photon, 1);
     word[CML_LATTICE_LAUNCH_RADIUS] = launch.w[0];
     word[CML_LATTICE_LAUNCH_AZIMUTH] = launch.w[1];
+    word[CML_LATTICE_LAUNCH_POLAR] = launch.w[2];
+    word[CML_LATTICE_LAUNCH_ROUND] = launch.w[3];
 }
 
 /* Threefry's words in their places. */
@@ -96,7 +98,7 @@ static void everything_else_is_threefrys(void **state)
         for (uint32_t c = 2; c < 6; c++)
             assert_int_equal(cml_draw_reflection(stream, photon, c),
                              cml_draw(stream, photon, CML_PURPOSE_BOUNDARY, c).w[0]);
-        const struct cml_block launch = cml_draw_launch(stream, photon),
+        const struct cml_block launch = cml_draw_launch(stream, photon, 0),
                                random = cml_draw(stream, photon, CML_PURPOSE_LAUNCH, 0);
         assert_memory_equal(&launch.w[2], &random.w[2], 2 * sizeof launch.w[2]);
     }
@@ -112,7 +114,7 @@ static void without_a_lattice_all_is_threefrys(void **state)
         const uint64_t photon = some_photon(&dice, n);
         const uint32_t event = dice_word(&dice) % 5;
         const struct cml_block interaction = cml_draw_interaction(stream, photon, event),
-                               launch = cml_draw_launch(stream, photon),
+                               launch = cml_draw_launch(stream, photon, 1),
                                random_launch = cml_draw(stream, photon, CML_PURPOSE_LAUNCH, 0),
                                random = cml_draw(stream, photon, CML_PURPOSE_INTERACTION, event);
         assert_memory_equal(&interaction, &random, sizeof random);

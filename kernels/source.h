@@ -1,0 +1,268 @@
+/* Where packets start (P1): which source a packet is of, its place, the medium there, its direction.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_SOURCE_H
+#define CML_SOURCE_H
+
+#include "lattice.h"
+#include "optics.h"
+#include "surface_hit.h"
+#include "types.h"
+
+/* The source of packet `index`: which it is stands above the 48 bits of its number there. */
+CML_FN const CML_GLOBAL struct cml_source *cml_source_of(const struct cml_world *world, cml_u64 index)
+{
+    return world->sources + (world->setup.num_sources > 1 ? (int)(index >> CML_SOURCE_SHIFT) : 0);
+}
+
+/* What is split off a packet at its launch, in weight units. */
+CML_FN cml_u32 cml_split_off(const struct cml_world *world, cml_u64 index)
+{
+    return cml_source_of(world, index)->specular;
+}
+
+/* ---- place ---- */
+
+/* Which of the words first[0] = 0 <= first[1] <= ... is the last that is not above `word`. */
+CML_FN int cml_word_part(const CML_GLOBAL cml_u32 *first, int count, cml_u32 word)
+{
+    int low = 0, high = count;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (first[middle] <= word)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* How far `word` lies in the part of words from `first` on, 0 to 1; next: where the one behind it begins, 0
+ * for the last part. */
+CML_FN real cml_word_share(cml_u32 word, cml_u32 first, cml_u32 next)
+{
+    const cml_u32 count = next - first;
+    return ((real)(word - first) + (real)0.5) / (count ? (real)count : (real)4294967296.0);
+}
+
+/* Position in pixels: a row or a column of an image, and how far in it. words: their number in use, and what
+ * leads to each. */
+CML_FN real cml_image_place(const CML_GLOBAL cml_u32 *words, cml_u32 word, int *which)
+{
+    const int used = (int)words[0], k = cml_word_part(words + 1, used, word);
+    *which = k;
+    return (real)k + cml_word_share(word, words[1 + k], k + 1 < used ? words[2 + k] : 0u);
+}
+
+/* A place of the shape along e1 and e2. */
+CML_FN void cml_source_offset(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
+                              struct cml_block draw, real *x, real *y)
+{
+    const int shape = source->shape;
+    real c, s, r;
+    if (shape == CML_SHAPE_RECTANGLE) {
+        *x = source->a * cml_uniform_symmetric(draw.w[0]);
+        *y = source->b * cml_uniform_symmetric(draw.w[1]);
+        return;
+    }
+    if (shape == CML_SHAPE_IMAGE) {
+        const CML_GLOBAL cml_u32 *words = world->image_words + source->first_word;
+        int row, column;
+        const real down = cml_image_place(words, draw.w[0], &row);
+        words += 1 + source->ny + row * (1 + source->nx);
+        const real along = cml_image_place(words, draw.w[1], &column);
+        *x = source->a * (along - (real)0.5 * (real)source->nx);
+        *y = source->b * ((real)0.5 * (real)source->ny - down);
+        return;
+    }
+    cml_circle_point(draw.w[1], &c, &s);
+    const real xi = cml_uniform(draw.w[0]);
+    if (shape == CML_SHAPE_DISK)
+        r = source->a * CML_SQRT(xi);
+    else if (shape == CML_SHAPE_GAUSSIAN)
+        r = source->a * CML_SQRT((real)-0.5 * cml_log(xi));
+    else
+        r = CML_SQRT(CML_FMA(xi, source->b, source->a));
+    *x = r * c;
+    *y = r * s;
+}
+
+/* ---- the medium at a place ---- */
+
+#ifndef __OPENCL_VERSION__
+/* Whether p lies below a mesh, or inside a closed one: what a path straight up comes to first, it comes to
+ * from there. */
+CML_FN int cml_is_below_mesh(const struct cml_world *world, int boundary, struct cml_vec p)
+{
+    const struct cml_vec up = {0, 0, -1};
+    struct cml_hit out, in;
+    int near_facet;
+    const int leaves = cml_intersect_mesh(world, boundary, p, up, 1, CML_INFINITY, -1, 0, &out, &near_facet);
+    if (!leaves) return 0;
+    return !cml_intersect_mesh(world, boundary, p, up, -1, out.t, -1, 0, &in, &near_facet);
+}
+#endif
+
+/* Whether p, in the frame of a boundary between layers, lies below it. */
+CML_FN int cml_is_below(const struct cml_world *world, int boundary, struct cml_vec p)
+{
+    const CML_GLOBAL struct cml_surface *surface = &world->surfaces[boundary];
+    if (cml_is_plane(world, boundary)) return p.z >= 0;
+    if (p.z < surface->lowest) return 0;
+    if (p.z > surface->highest) return 1;
+#ifndef __OPENCL_VERSION__
+    if (surface->kind == CML_SURFACE_MESH) return cml_is_below_mesh(world, boundary, p);
+#endif
+    const struct cml_rings rings = cml_rings_of(world, boundary);
+    const struct cml_vec q = cml_from_scene_axis(world, p);
+    const real r = CML_SQRT(CML_FMA(q.x, q.x, q.y * q.y));
+    const int ring = cml_ring_of(rings, r);
+    return p.z >= CML_FMA(rings.slope[ring], r - rings.r[ring], rings.z[ring]);
+}
+
+/* Whether p, in the frame of its layer, lies inside a body. */
+CML_FN int cml_is_inside(const struct cml_world *world, int body, struct cml_vec p)
+{
+    const int boundary = world->setup.num_layers + 1 + body, kind = world->surfaces[boundary].kind;
+    const CML_GLOBAL struct cml_body *shape = &world->bodies[body];
+#ifndef __OPENCL_VERSION__
+    if (kind == CML_SURFACE_MESH) return cml_is_below_mesh(world, boundary, p);
+#endif
+    const struct cml_vec d = cml_along(p, -1, shape->centre);
+    if (kind == CML_SURFACE_SPHERE) return cml_dot(d, d) < shape->radius * shape->radius;
+    const real along = cml_dot(d, shape->axis);
+    const struct cml_vec across = cml_along(d, -along, shape->axis);
+    return (along > 0) & (along < shape->length) & (cml_dot(across, across) < shape->radius * shape->radius);
+}
+
+/* The body that p lies in of those in a medium, -1: none. */
+CML_FN int cml_body_at(const struct cml_world *world, int medium, struct cml_vec p)
+{
+    const int end = world->media[medium].end_node;
+    for (int i = world->media[medium].first_node; i < end;) {
+        const CML_GLOBAL struct cml_body_node *node = &world->body_nodes[i];
+        const int within = (p.x >= node->lower.x) & (p.x <= node->upper.x) & (p.y >= node->lower.y) &
+                           (p.y <= node->upper.y) & (p.z >= node->lower.z) & (p.z <= node->upper.z);
+        if (within && node->body >= 0 && cml_is_inside(world, node->body, p)) return node->body;
+        i = within ? i + 1 : node->skip;
+    }
+    return -1;
+}
+
+/* The medium at *p, which is in the frame of layer (or outer medium) `medium` and comes into that of the
+ * medium that is found. */
+CML_FN int cml_medium_at(const struct cml_world *world, int medium, struct cml_vec *p)
+{
+    const int layers = world->setup.num_layers;
+    while (medium > 0 && !cml_is_below(world, medium - 1, *p)) p->z += world->media[--medium].span;
+    for (; medium <= layers; medium++) {
+        struct cml_vec below = *p;
+        below.z -= world->media[medium].span;
+        if (!cml_is_below(world, medium, below)) break;
+        *p = below;
+    }
+    if (!CML_MAY_HAVE_BODIES || !world->setup.num_bodies) return medium;
+    for (int body = cml_body_at(world, medium, *p); body >= 0; body = cml_body_at(world, medium, *p))
+        medium = layers + 2 + body;
+    return medium;
+}
+
+/* ---- direction ---- */
+
+/* 1 - cosine, of a table. Within a cell the density is linear in it. */
+CML_FN real cml_table_polar(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
+                            cml_u32 word)
+{
+    const CML_GLOBAL struct cml_light_cell *cells = world->light_cells + source->first_cell;
+    int low = 0, high = source->num_cells;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (cells[middle].first <= word)
+            low = middle;
+        else
+            high = middle;
+    }
+    const struct cml_light_cell cell = cells[low];
+    const real xi = cml_word_share(word, cell.first, low + 1 < source->num_cells ? cells[low + 1].first : 0u);
+    const real square =
+        CML_FMA(xi, (cell.end - cell.begin) * (cell.end + cell.begin), cell.begin * cell.begin);
+    return CML_FMA(cell.width, xi * (cell.begin + cell.end) / (cell.begin + CML_SQRT(square)), cell.v);
+}
+
+/* Direction about the axis, drawn with words 2 and 3; n: of the medium. */
+CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
+                                           const CML_GLOBAL struct cml_source *source, struct cml_block draw,
+                                           real n)
+{
+    const struct cml_vec none = {0, 0, 0};
+    real v, c, s, cosine, sine;
+    if (source->light == CML_LIGHT_COSINE) {
+        const real square = cml_uniform(draw.w[2]); /* never 0: light is level in no packet */
+        cosine = CML_SQRT(square);
+        sine = CML_SQRT(1 - square);
+    } else {
+        const real aperture = source->aperture < n ? source->aperture / n : (real)1,
+                   square = aperture * aperture;
+        const real widest = source->spread > 0 ? source->spread : square / (1 + CML_SQRT(1 - square));
+        v = source->light == CML_LIGHT_TABLE ? cml_table_polar(world, source, draw.w[2])
+                                             : widest * cml_uniform(draw.w[2]);
+        cosine = 1 - v;
+        sine = CML_SQRT(v * (2 - v));
+    }
+    cml_circle_point(draw.w[3], &c, &s);
+    const struct cml_vec across = cml_along(cml_along(none, sine * c, source->e1), sine * s, source->e2);
+    return cml_normalise(cml_along(across, cosine, source->axis));
+}
+
+/* ---- launch ---- */
+
+/* The same where packets start at the place itself. */
+CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
+                             struct cml_vec at, CML_PACKET struct cml_packet *packet)
+{
+    int medium = source->medium;
+    if (!source->is_pencil) medium = cml_medium_at(world, medium, &at);
+    packet->p = at;
+    packet->medium = medium;
+    packet->entered = medium > 0;
+    packet->exit_x = at.x;
+    packet->exit_y = at.y;
+}
+
+/* P1: the packet where the beam puts it; its draws are not made yet. */
+CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
+{
+    const CML_GLOBAL struct cml_source *source = cml_source_of(world, index);
+    const struct cml_packet fresh = {0};
+    struct cml_block draw = {{0, 0, 0, 0}};
+    struct cml_vec at = source->middle;
+    real x, y;
+    *packet = fresh;
+    packet->index = index;
+    packet->w = CML_WEIGHT_ONE - source->specular;
+    packet->medium = source->medium;
+    packet->entered = source->medium > 0;
+    packet->on_boundary = -1;
+    packet->on_primitive = -1;
+    packet->u = source->axis;
+    if (source->shape != CML_SHAPE_POINT || source->light != CML_LIGHT_PARALLEL)
+        draw = cml_draw_launch(world->setup.stream, index, source->light != CML_LIGHT_PARALLEL);
+    if (source->shape != CML_SHAPE_POINT) {
+        cml_source_offset(world, source, draw, &x, &y);
+        at = cml_along(cml_along(at, x, source->e1), y, source->e2);
+    }
+    if (source->inside) cml_place_inside(world, source, at, packet);
+    if (source->light != CML_LIGHT_PARALLEL)
+        packet->u = cml_source_direction(world, source, draw, world->media[packet->medium].n);
+    if (source->inside) return;
+    packet->p = cml_along(at, (source->start - at.z) / packet->u.z, packet->u);
+    packet->p.z = source->start;
+}
+
+/* P10 for one packet, whose weight at the start and later gains are all accounted for. */
+CML_FN int cml_packet_balances(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
+{
+    return CML_WEIGHT_ONE + packet->gained ==
+           cml_split_off(world, packet->index) + packet->absorbed + packet->roulette + packet->w;
+}
+
+#endif

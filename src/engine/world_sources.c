@@ -1,0 +1,336 @@
+/* Beams as the kernels read them (struct cml_source), with the tables of their light and the sums of their
+ * images; and what is said of a beam that starts inside the scene. SPDX-License-Identifier: MIT */
+#include "engine/world.h"
+
+#include "base/constants.h"
+#include "scene/specular.h"
+#include "source.h"
+#include "surface/surface.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define FINEST_CELL                                                                                          \
+    0.005 /* rad: in so small a part a density that is linear in the angle is so in its cosine */
+
+/* The lowest word that belongs to the share from `below` of `all` on. */
+static cml_u32 word_of(double below, double all)
+{
+    return (cml_u32)fmin(floor(below / all * 4294967296.0 + 0.5), 4294967295.0);
+}
+
+/* ---- images ---- */
+
+/* Fills words[1 + count]: how many parts are in use, and the lowest word that leads to each. What lies behind
+ * the last part with light is out of use; a dark part before it begins where the next one does, and is never
+ * chosen. */
+static void sum_parts(const double *part, size_t stride, int count, cml_u32 *words)
+{
+    double all = 0, below = 0;
+    for (int i = 0; i < count; i++) {
+        all += part[(size_t)i * stride];
+        if (part[(size_t)i * stride] > 0) words[0] = (cml_u32)i + 1;
+    }
+    for (int i = 0; all > 0 && i < count; i++) {
+        words[1 + i] = word_of(below, all);
+        below += part[(size_t)i * stride];
+    }
+}
+
+static size_t image_words(const struct cml_beam *beam)
+{
+    return beam->kind == CML_BEAM_IMAGE
+               ? 1 + (size_t)beam->rows + (size_t)beam->rows * (1 + (size_t)beam->columns)
+               : 0;
+}
+
+static cml_status sum_image(const struct cml_beam *beam, cml_u32 *words, struct cml_error *err)
+{
+    const size_t columns = (size_t)beam->columns;
+    double *row = calloc((size_t)beam->rows, sizeof *row);
+    if (!row) return cml_fail_memory(err, beam->rows * 8.0, "an image");
+    for (int i = 0; i < beam->rows; i++)
+        for (size_t k = 0; k < columns; k++) row[i] += beam->pixel[(size_t)i * columns + k];
+    sum_parts(row, 1, beam->rows, words);
+    words += 1 + beam->rows;
+    for (int i = 0; i < beam->rows; i++, words += 1 + columns)
+        sum_parts(beam->pixel + (size_t)i * columns, 1, beam->columns, words);
+    free(row);
+    return CML_OK;
+}
+
+/* ---- tables ---- */
+
+static int cells_of_row(const struct cml_light *light, int i)
+{
+    return (int)ceil((light->t[i + 1] - light->t[i]) / FINEST_CELL);
+}
+
+static size_t light_cells(const struct cml_light *light)
+{
+    size_t count = 0;
+    for (int i = 0; i + 1 < light->rows; i++) count += (size_t)cells_of_row(light, i);
+    return light->kind == CML_LIGHT_OF_TABLE ? count : 0;
+}
+
+/* The integral of (a + b t) sin t from t0 to t1, whose difference is small: by its midpoint and Simpson's
+ * rule, exact to 1e-12 of it. */
+static double light_between(double a, double b, double t0, double t1)
+{
+    const double middle = 0.5 * (t0 + t1);
+    return (t1 - t0) / 6 *
+           ((a + b * t0) * sin(t0) + 4 * (a + b * middle) * sin(middle) + (a + b * t1) * sin(t1));
+}
+
+/* Appends the lit cells between two rows; *below: the light of all before. */
+static int cut_row(const struct cml_light *light, int row, struct cml_light_cell *cell, double *sum,
+                   double *below)
+{
+    const double t0 = light->t[row], t1 = light->t[row + 1], i0 = light->intensity[row],
+                 i1 = light->intensity[row + 1], slope = (i1 - i0) / (t1 - t0);
+    const int parts = cells_of_row(light, row);
+    int count = 0;
+    for (int k = 0; k < parts; k++) {
+        const double from = t0 + (t1 - t0) * k / parts, to = t0 + (t1 - t0) * (k + 1) / parts;
+        const double begin = i0 + slope * (from - t0), end = fmax(0, i0 + slope * (to - t0));
+        const double shines = light_between(begin - slope * from, slope, from, to),
+                     v0 = 2 * pow(sin(from / 2), 2), v1 = 2 * pow(sin(to / 2), 2), scale = fmax(begin, end);
+        if (!(shines > 0)) continue;
+        cell[count] =
+            (struct cml_light_cell){0, (real)v0, (real)(v1 - v0), (real)(begin / scale), (real)(end / scale)};
+        sum[count++] = *below;
+        *below += shines;
+    }
+    return count;
+}
+
+/* Cells that no word leads to are left out. Returns how many there are. */
+static int cut_table(const struct cml_light *light, struct cml_light_cell *cell, double *sum)
+{
+    double all = 0;
+    int count = 0, used = 0;
+    for (int i = 0; i + 1 < light->rows; i++) count += cut_row(light, i, cell + count, sum + count, &all);
+    sum[count] = all;
+    for (int i = 0; i < count; i++) {
+        const cml_u32 first = word_of(sum[i], all);
+        if (i + 1 < count && first == word_of(sum[i + 1], all)) continue;
+        cell[used] = cell[i];
+        cell[used++].first = first;
+    }
+    return used;
+}
+
+/* ---- where packets start ---- */
+
+/* P1: in which medium packets start, and the weights of what has happened before. */
+static void split_specular(const struct cml_scene *scene, const struct cml_surface_set *start_as,
+                           struct cml_source *source)
+{
+    const bool planes = scene->num_layers > 1 && start_as->item[1].kind == CML_SURFACE_PLANE &&
+                        !cml_layer_has_bodies(scene, 1);
+    const struct cml_specular split = cml_specular_split(scene->media, scene->num_layers, planes);
+    source->medium = split.glass ? 2 : 1;
+    source->specular = (cml_u32)lrint(split.reflected * CML_WEIGHT_ONE);
+    source->between = (cml_u32)lrint(split.between * CML_WEIGHT_ONE);
+}
+
+static int shape_of(const struct cml_beam *beam)
+{
+    static const int shapes[] = {CML_SHAPE_POINT, CML_SHAPE_DISK,      CML_SHAPE_GAUSSIAN,
+                                 CML_SHAPE_RING,  CML_SHAPE_RECTANGLE, CML_SHAPE_IMAGE};
+    return shapes[beam->kind];
+}
+
+static void set_shape(const struct cml_beam *beam, struct cml_source *source)
+{
+    const double a = beam->size[0], b = beam->size[1];
+    source->shape = shape_of(beam);
+    source->a = (real)a;
+    if (beam->kind == CML_BEAM_RING) {
+        source->a = (real)(a * a);
+        source->b = (real)((b - a) * (b + a));
+    } else if (beam->kind == CML_BEAM_RECTANGLE) {
+        source->a = (real)(a / 2);
+        source->b = (real)(b / 2);
+    } else if (beam->kind == CML_BEAM_IMAGE) {
+        source->nx = beam->columns;
+        source->ny = beam->rows;
+        source->a = (real)(a / beam->columns);
+        source->b = (real)(b / beam->rows);
+    }
+}
+
+static void set_light(const struct cml_light *light, struct cml_source *source)
+{
+    static const int lights[] = {CML_LIGHT_PARALLEL, CML_LIGHT_EVEN, CML_LIGHT_COSINE, CML_LIGHT_EVEN,
+                                 CML_LIGHT_TABLE};
+    source->light = lights[light->kind];
+    source->aperture = (real)light->na;
+    source->spread = (real)(light->kind == CML_LIGHT_OF_ISOTROPIC ? 2 : 0);
+}
+
+static void set_axis(const struct cml_beam *beam, struct cml_source *source)
+{
+    const double st = beam->angle < CML_PI ? sin(beam->angle) : 0,
+                 ct = beam->angle == CML_PI / 2 ? 0 : cos(beam->angle), sp = sin(beam->azimuth),
+                 cp = cos(beam->azimuth);
+    source->axis = cml_vec_of(st * cp, st * sp, ct);
+    source->e1 = cml_vec_of(ct * cp, ct * sp, -st);
+    source->e2 = cml_vec_of(-sp, cp, 0);
+}
+
+/* ---- inside ---- */
+
+/* The layer or outer medium at this depth, by the depths of frames; *at: the place in its frame. */
+static int layer_at(const struct cml_world *world, const struct cml_beam *beam, const double off[3],
+                    struct cml_vec *at)
+{
+    int medium = 0;
+    while (medium <= world->setup.num_layers && beam->z + off[2] >= (double)world->media[medium + 1].depth)
+        medium++;
+    *at = cml_vec_of(beam->x + off[0] - (double)world->setup.x0, beam->y + off[1] - (double)world->setup.y0,
+                     beam->z + off[2] - (double)world->media[medium].depth);
+    return medium;
+}
+
+static int medium_beside(const struct cml_world *world, const struct cml_beam *beam, const double off[3])
+{
+    struct cml_vec at;
+    const int medium = layer_at(world, beam, off, &at);
+    return cml_medium_at(world, medium, &at);
+}
+
+/* No medium is that of a place on a surface. What single precision may take for one is refused in both, so
+ * that engines do not differ in it. */
+static cml_status check_place(const struct cml_scene *scene, const struct cml_world *world,
+                              const struct cml_beam *beam, int medium, struct cml_error *err)
+{
+    const double near = 4 * (double)FLT_EPSILON *
+                            (fabs(beam->x - (double)world->setup.x0) +
+                             fabs(beam->y - (double)world->setup.y0) + fabs(beam->z)) +
+                        1e-30;
+    char value[120];
+    for (int k = 0; k < 6; k++) {
+        double off[3] = {0, 0, 0};
+        off[k / 2] = k % 2 ? near : -near;
+        if (medium_beside(world, beam, off) == medium) continue;
+        snprintf(value, sizeof value, "(%g %g %g)", beam->x, beam->y, beam->z);
+        return cml_fail_field(err, scene->file, beam->line, "beam: at z", value,
+                              "a place inside a medium; it lies on a surface: move it by more than rounding");
+    }
+    return CML_OK;
+}
+
+static cml_status check_aperture(const struct cml_scene *scene, const struct cml_beam *beam, int medium,
+                                 struct cml_error *err)
+{
+    const double n = scene->media[medium].n;
+    char value[40], expected[120];
+    if (beam->light.kind != CML_LIGHT_OF_NA || beam->light.na <= n) return CML_OK;
+    snprintf(value, sizeof value, "na:%g", beam->light.na);
+    snprintf(expected, sizeof expected, "at most n = %g of the medium that it starts in", n);
+    return cml_fail_field(err, scene->file, beam->line, "beam: light", value, expected);
+}
+
+static cml_status place_inside(const struct cml_scene *scene, const struct cml_beam *beam,
+                               const struct cml_world *world, struct cml_source *source,
+                               struct cml_error *err)
+{
+    static const double none[3] = {0, 0, 0};
+    source->inside = 1;
+    source->medium = layer_at(world, beam, none, &source->middle);
+    const int medium = medium_beside(world, beam, none);
+    CML_TRY(check_place(scene, world, beam, medium, err));
+    CML_TRY(check_aperture(scene, beam, medium, err));
+    source->is_pencil = beam->kind == CML_BEAM_PENCIL;
+    if (!source->is_pencil) return CML_OK;
+    source->medium = medium;
+    source->middle.z = (real)(beam->z - (double)world->media[medium].depth);
+    return CML_OK;
+}
+
+/* A packet that is traced to boundary 0 starts above all of it, by as much as the boundary is high. */
+static void place_above(const struct cml_scene *scene, const struct cml_beam *beam,
+                        const struct cml_surface_set *surfaces, const struct cml_surface_set *start_as,
+                        struct cml_source *source)
+{
+    const struct cml_surface_def *top = &surfaces->item[0];
+    source->middle = cml_vec_of(beam->x - scene->beams[0].x, beam->y - scene->beams[0].y, 0);
+    source->start = (real)(2 * top->lowest - top->highest);
+    if (start_as->item[0].kind == CML_SURFACE_PLANE && beam->angle == 0 &&
+        beam->light.kind == CML_LIGHT_OF_PARALLEL)
+        split_specular(scene, start_as, source);
+}
+
+/* ---- all of it ---- */
+
+static cml_status allocate_sources(const struct cml_scene *scene, struct cml_owned_world *to,
+                                   struct cml_error *err)
+{
+    for (int k = 0; k < scene->num_beams; k++) {
+        to->num_light_cells += light_cells(&scene->beams[k].light);
+        to->num_image_words += image_words(&scene->beams[k]);
+    }
+    to->sources = calloc((size_t)scene->num_beams, sizeof *to->sources);
+    to->light_cells = calloc(to->num_light_cells + 1, sizeof *to->light_cells);
+    to->image_words = calloc(to->num_image_words + 1, sizeof *to->image_words);
+    if (to->sources && to->light_cells && to->image_words) return CML_OK;
+    return cml_fail_memory(
+        err, (double)(to->num_light_cells * sizeof *to->light_cells + to->num_image_words * 4), "the beams");
+}
+
+/* Tables and images of all beams, one behind the other. */
+static cml_status fill_tables(const struct cml_scene *scene, struct cml_owned_world *to,
+                              struct cml_error *err)
+{
+    size_t cell = 0, word = 0;
+    double *sum = calloc(to->num_light_cells + 1, sizeof *sum);
+    cml_status status = sum ? CML_OK : cml_fail_memory(err, (double)to->num_light_cells * 8, "a table");
+    for (int k = 0; status == CML_OK && k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        struct cml_source *source = &to->sources[k];
+        source->first_cell = (int)cell;
+        source->first_word = (int)word;
+        if (beam->light.kind == CML_LIGHT_OF_TABLE)
+            source->num_cells = cut_table(&beam->light, to->light_cells + cell, sum);
+        if (beam->kind == CML_BEAM_IMAGE) status = sum_image(beam, to->image_words + word, err);
+        cell += light_cells(&beam->light);
+        word += image_words(beam);
+    }
+    free(sum);
+    return status;
+}
+
+int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam)
+{
+    static const double none[3] = {0, 0, 0};
+    return beam->inside ? medium_beside(world, beam, none) : 0;
+}
+
+cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                           const struct cml_surface_set *start_as, struct cml_owned_world *to,
+                           struct cml_error *err)
+{
+    struct cml_setup *setup = &to->world.setup;
+    CML_TRY(allocate_sources(scene, to, err));
+    CML_TRY(fill_tables(scene, to, err));
+    to->world.sources = to->sources;
+    to->world.light_cells = to->light_cells;
+    to->world.image_words = to->image_words;
+    setup->num_sources = scene->num_beams;
+    for (int k = 0; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        struct cml_source *source = &to->sources[k];
+        set_shape(beam, source);
+        set_light(&beam->light, source);
+        set_axis(beam, source);
+        if (beam->inside)
+            CML_TRY(place_inside(scene, beam, &to->world, source, err));
+        else
+            place_above(scene, beam, surfaces, start_as, source);
+    }
+    if (scene->num_beams == 1) setup->specular = to->sources[0].specular;
+    return CML_OK;
+}

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+#include "exact/light.h"
+
+#include "base/constants.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#define PANEL                                                                                                \
+    0.02 /* rad of the angle to the axis: the light of a panel is that of its middle but for 1e-5            \
+          */
+#define AZIMUTHS 256 /* about a slanted axis */
+
+/* The density of a light in the angle to its axis, but for a factor. */
+static double density(const struct cml_light *light, double t)
+{
+    int row = 0;
+    if (light->kind != CML_LIGHT_OF_TABLE) return sin(t);
+    while (row + 2 < light->rows && t > light->t[row + 1]) row++;
+    const double part = (t - light->t[row]) / (light->t[row + 1] - light->t[row]);
+    return sin(t) * (light->intensity[row] + part * (light->intensity[row + 1] - light->intensity[row]));
+}
+
+/* Angles between which the density is smooth: 0 to the widest, or those of a table's rows. */
+static int pieces_of(const struct cml_light *light)
+{
+    return light->kind == CML_LIGHT_OF_TABLE ? light->rows - 1 : 1;
+}
+
+static void piece_of(const struct cml_light *light, double n, int piece, double ends[2])
+{
+    const bool table = light->kind == CML_LIGHT_OF_TABLE;
+    ends[0] = table ? light->t[piece] : 0;
+    ends[1] = table ? light->t[piece + 1] : cml_light_widest(light, n);
+}
+
+static int panels_of(const double ends[2])
+{
+    return (int)ceil((ends[1] - ends[0]) / PANEL);
+}
+
+static int azimuths_of(const struct cml_beam *beam)
+{
+    return beam->angle == 0 ? 1 : AZIMUTHS;
+}
+
+/* Samples of one beam: three Gauss-Legendre nodes in each panel, times as many azimuths as the axis needs. */
+static int samples_of(const struct cml_beam *beam, double n)
+{
+    int panels = 0;
+    for (int i = 0; i < pieces_of(&beam->light); i++) {
+        double ends[2];
+        piece_of(&beam->light, n, i, ends);
+        panels += panels_of(ends);
+    }
+    return 3 * panels * azimuths_of(beam);
+}
+
+/* The rays at angle t to the axis. Returns how many. */
+static int add_cone(const struct cml_beam *beam, double t, double weight, struct cml_exact_ray *ray)
+{
+    const int count = azimuths_of(beam);
+    for (int i = 0; i < count; i++) {
+        const double azimuth = 2 * CML_PI * (i + 0.5) / count;
+        ray[i].cosine = cos(beam->angle) * cos(t) + sin(beam->angle) * sin(t) * cos(azimuth);
+        ray[i].share = weight / count;
+    }
+    return count;
+}
+
+static int sample_beam(const struct cml_beam *beam, double n, double share, struct cml_exact_ray *ray)
+{
+    static const double node[] = {-0.7745966692414834, 0, 0.7745966692414834}, weight[] = {5, 8, 5};
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < pieces_of(&beam->light); i++) {
+        double ends[2];
+        piece_of(&beam->light, n, i, ends);
+        const int panels = panels_of(ends);
+        const double half = (ends[1] - ends[0]) / panels / 2;
+        for (int k = 0; k < 3 * panels; k++) {
+            const double t = ends[0] + half * (2 * (k / 3) + 1 + node[k % 3]),
+                         light = half * weight[k % 3] * density(&beam->light, t);
+            count += add_cone(beam, t, light, ray + count);
+            sum += light;
+        }
+    }
+    for (int i = 0; i < count; i++) ray[i].share *= share / sum;
+    return count;
+}
+
+static int compare_rays(const void *a, const void *b)
+{
+    const double x = ((const struct cml_exact_ray *)a)->cosine, y = ((const struct cml_exact_ray *)b)->cosine;
+    return (x < y) - (x > y);
+}
+
+static bool is_spread(const struct cml_beam *beam)
+{
+    return beam->light.kind == CML_LIGHT_OF_NA || beam->light.kind == CML_LIGHT_OF_TABLE;
+}
+
+static cml_status check_beams(const struct cml_scene *scene, struct cml_error *err)
+{
+    char value[40];
+    for (int k = 0; k < scene->num_beams; k++) {
+        snprintf(value, sizeof value, "%g", scene->beams[k].z);
+        if (scene->beams[k].inside)
+            return cml_fail_field(err, scene->file, scene->beams[k].line, "beam: z", value,
+                                  "light from above: adding-doubling knows no other");
+    }
+    return CML_OK;
+}
+
+bool cml_exact_has_light(const struct cml_scene *scene)
+{
+    for (int k = 0; k < scene->num_beams; k++)
+        if (scene->beams[k].inside) return false;
+    return true;
+}
+
+cml_status cml_exact_light_create(const struct cml_scene *scene, struct cml_exact_light *light,
+                                  struct cml_error *err)
+{
+    const double n = scene->media[0].n;
+    int samples = 0;
+    double all = 0;
+    *light = (struct cml_exact_light){0};
+    CML_TRY(check_beams(scene, err));
+    for (int k = 0; k < scene->num_beams; k++) {
+        all += scene->shares[k];
+        if (is_spread(&scene->beams[k])) samples += samples_of(&scene->beams[k], n);
+    }
+    light->beam = calloc((size_t)scene->num_beams, sizeof *light->beam);
+    light->sample = calloc((size_t)samples + 1, sizeof *light->sample);
+    if (!light->beam || !light->sample) {
+        cml_exact_light_clear(light);
+        return cml_fail_memory(err, samples * (double)sizeof *light->sample, "light");
+    }
+    for (int k = 0; k < scene->num_beams; k++) {
+        const struct cml_beam *beam = &scene->beams[k];
+        const double share = scene->shares[k] / all;
+        if (is_spread(beam))
+            light->num_samples += sample_beam(beam, n, share, light->sample + light->num_samples);
+        else if (beam->light.kind == CML_LIGHT_OF_LAMBERTIAN)
+            light->diffuse += share;
+        else
+            light->beam[light->num_beams++] = (struct cml_exact_ray){cos(beam->angle), share};
+    }
+    qsort(light->beam, (size_t)light->num_beams, sizeof *light->beam, compare_rays);
+    return CML_OK;
+}
+
+void cml_exact_light_clear(struct cml_exact_light *light)
+{
+    free(light->beam);
+    free(light->sample);
+    *light = (struct cml_exact_light){0};
+}
+
+double cml_exact_light_normal(const struct cml_exact_light *light)
+{
+    double share = 0;
+    for (int k = 0; k < light->num_beams && light->beam[k].cosine == 1; k++) share += light->beam[k].share;
+    return share;
+}
+
+double cml_exact_node(double low, double high, int count, int i)
+{
+    return 0.5 * (low + high) + 0.5 * (high - low) * cos(CML_PI * (i + 0.5) / count);
+}
+
+/* The barycentric formula [Berrut, Trefethen, SIAM Review 46 (2004) 501]. */
+void cml_exact_gather(const double *x, const struct cml_exact_ray *sample, int samples, double low,
+                      double high, int count, double *share)
+{
+    double part[64];
+    for (int k = 0; k < samples; k++) {
+        double sum = 0;
+        int on = -1;
+        for (int i = 0; i < count; i++) {
+            const double off = x[k] - cml_exact_node(low, high, count, i);
+            if (off == 0) on = i;
+            part[i] = (i % 2 ? -1 : 1) * sin(CML_PI * (i + 0.5) / count) / off;
+            sum += part[i];
+        }
+        for (int i = 0; i < count; i++)
+            share[i] += sample[k].share * (on < 0 ? part[i] / sum : (double)(i == on));
+    }
+}

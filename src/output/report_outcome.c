@@ -53,18 +53,15 @@ static cml_status fill_bodies(const struct cml_scene *scene, struct cml_outcome 
 static cml_status fill_heights(const struct cml_scene *scene, struct cml_outcome *o, struct cml_error *err)
 {
     const int most = 10000;
-    o->heights = calloc((size_t)scene->num_layers + 1, sizeof *o->heights);
-    if (!o->heights) return cml_fail_memory(err, scene->num_layers * (double)sizeof *o->heights, "shapes");
     for (int b = 0; b <= scene->num_layers; b++) {
         const struct cml_radial *radial = &scene->boundaries[b].radial;
         if (scene->boundaries[b].form != CML_FORM_RADIAL || radial->n > most) continue;
-        double *pair = malloc(2 * (size_t)radial->n * sizeof *pair);
-        if (!pair) return cml_fail_memory(err, 2.0 * radial->n * (double)sizeof *pair, "shapes");
+        double *pair;
+        CML_TRY(cml_outcome_add_heights(o, b, radial->n, &pair, err));
         for (int i = 0; i < radial->n; i++) {
             pair[2 * i] = radial->r[i];
             pair[2 * i + 1] = radial->h[i];
         }
-        o->heights[o->num_heights++] = (struct cml_heights){b, radial->n, pair};
     }
     return CML_OK;
 }

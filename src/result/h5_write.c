@@ -13,11 +13,6 @@ struct fields {
     int count;
 };
 
-static void array_values(const void *context, size_t begin, size_t count, double *out)
-{
-    memcpy(out, (const double *)context + begin, count * sizeof *out);
-}
-
 /* Middles of bins; numbers of layers and bodies count from 1. */
 static void set_axes(struct fields *f, const struct cml_outcome *o)
 {
@@ -46,12 +41,12 @@ static void add_quantity(struct fields *f, const struct cml_outcome *o, enum cml
     cml_quantity_name(field, quantity);
     for (int i = 0; i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE; i++)
         field->axis[field->num_axes++] = &f->axis[axis[i]];
-    field->values = array_values;
+    field->values = cml_field_array_values;
     field->context = o->value[quantity];
     if (!o->error[quantity]) return;
     struct cml_field *errors = &f->field[f->count++];
     cml_quantity_name_errors(errors, field);
-    errors->values = array_values;
+    errors->values = cml_field_array_values;
     errors->context = o->error[quantity];
 }
 

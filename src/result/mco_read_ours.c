@@ -204,29 +204,26 @@ static cml_status read_lost(struct section *s, struct cml_error *err)
     return CML_OK;
 }
 
-/* Pairs of r and h, up to the first number that no scene can have. */
+/* A number of a shape that a scene can have, cm. */
+static bool leading_length(const char *line, double *value)
+{
+    return line && leading_number(line, false, value) && fabs(*value) <= 1e30;
+}
+
+/* Pairs of r and h, up to the first number that no scene can have. Boundaries stand in their order. */
 static cml_status read_heights(struct section *s, struct cml_error *err)
 {
-    enum { MOST = 20000 };
-    const double largest = 1e30; /* cm */
     struct cml_outcome *o = s->r->o;
-    const int boundary = atoi(s->key + strlen("heightfield"));
-    int count = 0;
-    if (cml_outcome_heights(o, boundary)) return CML_OK;
-    struct cml_heights *heights = realloc(o->heights, (size_t)(o->num_heights + 1) * sizeof *heights);
-    if (!heights) return cml_fail_memory(err, sizeof *heights, "a shape");
-    o->heights = heights;
-    double *pair = malloc(MOST * sizeof *pair);
-    if (!pair) return cml_fail_memory(err, MOST * (double)sizeof *pair, "a shape");
-    for (; s->line && count < MOST && leading_number(s->line, false, &pair[count]);
-         s->line = line_after(s->line))
-        if (fabs(pair[count]) <= largest)
-            count++;
-        else
-            break;
-    heights[o->num_heights++] = (struct cml_heights){boundary, count / 2, pair};
-    double *smaller = realloc(pair, ((size_t)count + 1) * sizeof *pair);
-    if (smaller) heights[o->num_heights - 1].pair = smaller;
+    double number, *pair;
+    int boundary, count = 0;
+    if (!cml_parse_int(s->key + strlen("heightfield"), &boundary) || boundary > o->num_layers ||
+        boundary <= (o->num_heights > 0 ? o->heights[o->num_heights - 1].boundary : -1))
+        return CML_OK;
+    for (const char *line = s->line; count < 20000 && leading_length(line, &number); line = line_after(line))
+        count++;
+    CML_TRY(cml_outcome_add_heights(o, boundary, count / 2, &pair, err));
+    for (int i = 0; i < count / 2 * 2; i++, s->line = line_after(s->line))
+        (void)leading_length(s->line, &pair[i]);
     return CML_OK;
 }
 

@@ -141,6 +141,17 @@ const double *cml_outcome_errors(const struct cml_outcome *o, enum cml_quantity 
     return o->error[quantity];
 }
 
+cml_status cml_outcome_add_heights(struct cml_outcome *o, int boundary, int n, double **pair,
+                                   struct cml_error *err)
+{
+    struct cml_heights *larger = realloc(o->heights, (size_t)(o->num_heights + 1) * sizeof *larger);
+    if (larger) o->heights = larger;
+    *pair = larger ? calloc(2 * (size_t)n + 1, sizeof **pair) : NULL;
+    if (!*pair) return cml_fail_memory(err, 16.0 * n, "a shape");
+    o->heights[o->num_heights++] = (struct cml_heights){boundary, n, *pair};
+    return CML_OK;
+}
+
 const struct cml_heights *cml_outcome_heights(const struct cml_outcome *o, int boundary)
 {
     for (int i = 0; i < o->num_heights; i++)

@@ -102,6 +102,10 @@ CML_NODISCARD cml_status cml_outcome_own_stream(struct cml_outcome *outcome, str
 /* Standard errors of a profile or total; NULL where they are not known, or one of them is not. */
 const double *cml_outcome_errors(const struct cml_outcome *outcome, enum cml_quantity quantity);
 
+/* Room for n pairs of r and h, for the caller to fill in. */
+CML_NODISCARD cml_status cml_outcome_add_heights(struct cml_outcome *outcome, int boundary, int n,
+                                                 double **pair, struct cml_error *err);
+
 /* The shape of a boundary; NULL: none, or it is not known. */
 const struct cml_heights *cml_outcome_heights(const struct cml_outcome *outcome, int boundary);
 

@@ -6,6 +6,7 @@
 
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 
 #define CML_FIELD_AXES 6
 
@@ -39,6 +40,12 @@ static inline size_t cml_field_size(const struct cml_field *field)
     size_t size = 1;
     for (int i = 0; i < field->num_axes; i++) size *= field->axis[i]->n;
     return size;
+}
+
+/* For fields whose context is their numbers. */
+static inline void cml_field_array_values(const void *context, size_t begin, size_t count, double *out)
+{
+    memcpy(out, (const double *)context + begin, count * sizeof *out);
 }
 
 #endif

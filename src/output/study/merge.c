@@ -123,21 +123,6 @@ static cml_status check_input(const struct cml_merge_input *input, struct cml_er
 
 /* ---- what is not counted ---- */
 
-static cml_status copy_heights(const struct cml_outcome *from, struct cml_outcome *to, struct cml_error *err)
-{
-    to->heights = calloc((size_t)from->num_heights + 1, sizeof *to->heights);
-    if (!to->heights) return cml_fail_memory(err, 1, "shapes");
-    for (int i = 0; i < from->num_heights; i++) {
-        const struct cml_heights *heights = &from->heights[i];
-        const size_t size = 2 * (size_t)heights->n * sizeof *heights->pair;
-        double *pair = malloc(size + 1);
-        if (!pair) return cml_fail_memory(err, (double)size, "shapes");
-        memcpy(pair, heights->pair, size);
-        to->heights[to->num_heights++] = (struct cml_heights){heights->boundary, heights->n, pair};
-    }
-    return CML_OK;
-}
-
 /* What all share is that of the first; of evenly spread draws one is enough. */
 static void merge_provenance(const struct cml_merge_input *inputs, int count, struct cml_outcome *merged)
 {
@@ -183,7 +168,12 @@ static cml_status fill(const struct cml_merge_input *inputs, int count, const ch
     CML_TRY(cml_outcome_allocate(merged, err));
     merge_provenance(inputs, count, merged);
     CML_TRY(cml_merge_words(inputs[0].outcome, merged, err));
-    CML_TRY(copy_heights(inputs[0].outcome, merged, err));
+    for (int i = 0; i < inputs[0].outcome->num_heights; i++) {
+        const struct cml_heights *of = &inputs[0].outcome->heights[i];
+        double *pair;
+        CML_TRY(cml_outcome_add_heights(merged, of->boundary, of->n, &pair, err));
+        memcpy(pair, of->pair, 2 * (size_t)of->n * sizeof *pair);
+    }
     return merge_quantities(inputs, count, merged, err);
 }
 

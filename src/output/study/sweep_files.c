@@ -160,11 +160,6 @@ struct fields {
     int count;
 };
 
-static void array_values(const void *context, size_t begin, size_t count, double *out)
-{
-    memcpy(out, (const double *)context + begin, count * sizeof *out);
-}
-
 /* Returns its values by place, to be filled in. */
 static double *add(struct fields *list, const char *name, const char *long_name, const char *units)
 {
@@ -176,7 +171,7 @@ static double *add(struct fields *list, const char *name, const char *long_name,
     field->units = units;
     field->num_axes = grid->num_axes;
     for (int a = 0; a < grid->num_axes; a++) field->axis[a] = &grid->axis[a];
-    field->values = array_values;
+    field->values = cml_field_array_values;
     field->context = value;
     return value;
 }

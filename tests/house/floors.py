@@ -15,6 +15,7 @@ MOST_FILES = 20
 ROOMS = {
     "kernels": "",
     "src/base": "",
+    "src/vector": "",
     "src/geometry": "src/base",
     "src/tally": "src/base kernels/balance.h kernels/boundary.h",
     "src/output/files": "src/base",
@@ -29,7 +30,7 @@ ROOMS = {
     "src/surface/body": "src/surface/mesh src/scene/body src/scene src/geometry src/base kernels",
     "src/surface": "src/surface/body src/surface/mesh src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels",
     "src/engine": "src/surface src/surface/body src/surface/mesh src/scene/body src/scene src/tally src/geometry src/base kernels",
-    "src/engine/cpu": "src/engine src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
+    "src/engine/cpu": "src/engine src/vector src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all
     "src/exact": "src/scene src/base",
@@ -54,7 +55,7 @@ PARAGRAPH = re.compile(r"^\*\*([a-z/, ]+)\.\*\* ", re.M)
 FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
-    "immintrin.h": "src/engine/cpu/bundle_masks",
+    "immintrin.h": "src/vector/group_masks",
     "jansson.h": "src/base/json_name src/output/study/merge src/output/report_json src/plot/compare_report src/cli/command_plan",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",

@@ -27,12 +27,11 @@
 
 #include "lattice.h"
 #include "types.h"
+#include "vector/group_masks.h"
 
 #include <stddef.h>
 
 #define CML_LANES 64 /* as many as a mask has bits: a loop's constants are set up once for all of them */
-#define CML_GROUP 16 /* lanes that start or leave are handled by groups: a vector of AVX-512 */
-#define CML_GROUP_MASK 0xffffu
 
 /* What a lane does in this pass. */
 enum cml_lane_task {

@@ -5,7 +5,6 @@
 #define CML_BUNDLE_LANES_INL_H
 
 #include "engine/cpu/bundle_flight.h"
-#include "engine/cpu/bundle_masks.h"
 
 #include <stddef.h>
 

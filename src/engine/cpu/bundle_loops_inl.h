@@ -5,7 +5,6 @@
 #ifndef CML_BUNDLE_LOOPS_INL_H
 #define CML_BUNDLE_LOOPS_INL_H
 
-#include "engine/cpu/bundle_masks.h"
 #include "walk.h"
 
 #include <stddef.h>

@@ -7,6 +7,7 @@
 #include "engine/threads.h"
 #include "engine/scalar_walk_inl.h"
 #include "engine/world.h"
+#include "vector/processor.h"
 
 #include <omp.h>
 #include <stdatomic.h>
@@ -235,9 +236,6 @@ static double cpu_bytes(const struct cml_surface_set *surfaces)
     const double media = (double)surfaces->count + 1 + surfaces->bodies.count;
     return cml_world_bytes(surfaces) + media * sizeof(struct cml_lane_medium);
 }
-
-#define CML_PASTE(a, b) a##b
-#define CML_LEVELED(name, level) CML_PASTE(name, level)
 
 /* declared in engine_cpu.c only, which picks one */
 extern const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL);

@@ -1,0 +1,95 @@
+/* Between a group of numbers that go through a vector loop together and masks with a bit for each: compare,
+ * pack (compress) and unpack (expand). No vector loop in plain C compiles well to them, and processors have
+ * an instruction for each; elsewhere they are loops over set bits. Columns are [CML_GROUP], of 4 bytes; bit i
+ * of a mask is entry i. Tiny inline helpers, no more code than that. SPDX-License-Identifier: MIT */
+#ifndef CML_GROUP_MASKS_H
+#define CML_GROUP_MASKS_H
+
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+#define CML_GROUP 16 /* a vector of AVX-512 */
+#define CML_GROUP_MASK 0xffffu
+
+/* The entries with this value. */
+static inline uint32_t cml_group_equal(const int *column, int value)
+{
+#ifdef __AVX512F__
+    return _mm512_cmpeq_epi32_mask(_mm512_loadu_si512(column), _mm512_set1_epi32(value));
+#else
+    uint32_t mask = 0;
+#ifdef __SSE2__
+    for (int i = 0; i < CML_GROUP; i += 4) {
+        const __m128i part = _mm_loadu_si128((const __m128i *)(const void *)(column + i));
+        const __m128i same = _mm_cmpeq_epi32(part, _mm_set1_epi32(value));
+        mask |= (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(same)) << i;
+    }
+#else
+    for (int i = 0; i < CML_GROUP; i++) mask |= (uint32_t)(column[i] == value) << i;
+#endif
+    return mask;
+#endif
+}
+
+/* The entries below 0; a NaN is not. */
+static inline uint32_t cml_group_negative(const float *column)
+{
+#ifdef __AVX512F__
+    return _mm512_cmp_ps_mask(_mm512_loadu_ps(column), _mm512_setzero_ps(), _CMP_LT_OQ);
+#else
+    uint32_t mask = 0;
+#ifdef __SSE2__
+    for (int i = 0; i < CML_GROUP; i += 4)
+        mask |= (uint32_t)_mm_movemask_ps(_mm_cmplt_ps(_mm_loadu_ps(column + i), _mm_setzero_ps())) << i;
+#else
+    for (int i = 0; i < CML_GROUP; i++) mask |= (uint32_t)(column[i] < 0) << i;
+#endif
+    return mask;
+#endif
+}
+
+/* The values of the entries in the mask, side by side; what follows them in to[CML_GROUP] is undefined. */
+static inline void cml_group_pack(const void *column, uint32_t mask, void *to)
+{
+#ifdef __AVX512F__
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32((__mmask16)mask, _mm512_loadu_si512(column)));
+#else
+    const char *from = column;
+    for (char *next = to; mask; mask &= mask - 1, next += 4)
+        memcpy(next, from + 4 * (size_t)__builtin_ctz(mask), 4);
+#endif
+}
+
+/* The same for values of 8 bytes. */
+static inline void cml_group_pack_wide(const uint64_t *column, uint32_t mask, uint64_t *to)
+{
+#ifdef __AVX512F__
+    const uint32_t half = mask & 0xffu;
+    const __m512i low = _mm512_loadu_si512(column), high = _mm512_loadu_si512(column + 8);
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi64((__mmask8)half, low));
+    _mm512_storeu_si512(to + __builtin_popcount(half),
+                        _mm512_maskz_compress_epi64((__mmask8)(mask >> 8), high));
+#else
+    for (; mask; mask &= mask - 1) *to++ = column[__builtin_ctz(mask)];
+#endif
+}
+
+/* Values that lie side by side, into the entries of the mask in this order. [CML_GROUP] can be read. */
+static inline void cml_group_unpack(const void *from, uint32_t mask, void *column)
+{
+#ifdef __AVX512F__
+    _mm512_storeu_si512(column, _mm512_mask_expand_epi32(_mm512_loadu_si512(column), (__mmask16)mask,
+                                                         _mm512_loadu_si512(from)));
+#else
+    char *to = column;
+    for (const char *next = from; mask; mask &= mask - 1, next += 4)
+        memcpy(to + 4 * (size_t)__builtin_ctz(mask), next, 4);
+#endif
+}
+
+#endif

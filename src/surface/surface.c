@@ -288,7 +288,8 @@ static cml_status represent_bodies(const struct cml_scene *scene, const struct c
     double *depths = malloc((size_t)set->count * sizeof *depths);
     if (!depths) return cml_fail_memory(err, set->count * (double)sizeof *depths, "depths");
     for (int b = 0; b < set->count; b++) depths[b] = set->item[b].depth;
-    const cml_status status = cml_body_surfaces_create(scene, depths, tolerance, &set->bodies, err);
+    const cml_status status =
+        cml_body_surfaces_create(scene, depths, tolerance, options->search, &set->bodies, err);
     free(depths);
     return status;
 }

@@ -45,7 +45,7 @@ expect_error 2 "--tolerance nan (expected a number from 1e-12 to 0.1)" $sample -
 expect_error 2 "--mesh-budget 0 (expected a whole number from 1 to 67108864)" $sample --mesh-budget 0
 expect_error 2 "--normals none (expected one of facet vertex analytic)" $sample --normals none
 expect_error 2 "--rings wide (expected one of area inscribed)" $sample --rings wide
-expect_error 2 "--mesh-search grid (expected one of auto embree)" $sample --mesh-search grid
+expect_error 2 "--mesh-search grid (expected one of auto tree embree)" $sample --mesh-search grid
 expect_error 2 "trace: photon x (expected an index from 0)" trace $sample x
 
 # An option belongs to some commands, and some to one engine only. A command that is not named is run.

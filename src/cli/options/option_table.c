@@ -87,8 +87,8 @@ const struct cml_option cml_option_table[] = {
      "of a tessellated heightfield: area (area-preserving, default) or inscribed", .read = cml_read_rings,
      .words = "area inscribed"},
     {"mesh-search", 0, "KIND", FLYING | CHECK, "cpu",
-     "of engine cpu: auto (default; regular grids and sheets are walked, Embree elsewhere) or embree",
-     .read = cml_read_mesh_search, .words = "auto embree"},
+     "of engine cpu: auto (default; regular grids and sheets are walked, others have a tree), tree or embree",
+     .read = cml_read_mesh_search, .words = "auto tree embree"},
 
     {"engine", 0, "NAME", RUN | CHECK | TRACE, NULL, "cpu (default), reference or opencl",
      .read = cml_read_engine, .title = "machine"},

@@ -11,9 +11,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* A copy of the mesh in the frame of its layer, for Embree to take over. */
+/* A copy of the mesh in the frame of its layer, for its queries to take over. */
 static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scene_body *body, double depth,
-                            struct cml_body_surface *surface, struct cml_error *err)
+                            enum cml_mesh_search search, struct cml_body_surface *surface,
+                            struct cml_error *err)
 {
     struct cml_mesh mesh;
     CML_TRY(cml_mesh_copy(&body->mesh, &mesh, err));
@@ -21,8 +22,8 @@ static cml_status make_mesh(const struct cml_scene *scene, const struct cml_scen
     mesh.lower[2] -= depth;
     mesh.upper[2] -= depth;
     mesh.z_border -= depth;
-    const cml_status status = cml_mesh_surface_create(&mesh, scene->beams[0].x, scene->beams[0].y,
-                                                      CML_SEARCH_EMBREE, &surface->mesh, err);
+    const cml_status status =
+        cml_mesh_surface_create(&mesh, scene->beams[0].x, scene->beams[0].y, search, &surface->mesh, err);
     cml_mesh_clear(&mesh);
     return status;
 }
@@ -82,7 +83,8 @@ static cml_status check_size(const struct cml_scene *scene, int k, const struct 
 
 /* Depths from the frame of the body's layer, as the kernels count them. */
 static cml_status make_surface(const struct cml_scene *scene, int k, double depth,
-                               struct cml_body_surface *surface, struct cml_error *err)
+                               enum cml_mesh_search search, struct cml_body_surface *surface,
+                               struct cml_error *err)
 {
     static const enum cml_surface_kind kinds[] = {CML_SURFACE_MESH, CML_SURFACE_SPHERE, CML_SURFACE_CYLINDER};
     static const uint64_t facets[] = {0, 1, 3};
@@ -94,7 +96,7 @@ static cml_status make_surface(const struct cml_scene *scene, int k, double dept
     surface->upper[2] -= depth;
     CML_TRY(check_size(scene, k, surface, err));
     surface->primitives = body->form == CML_BODY_MESH ? body->mesh.num_triangles : facets[body->form];
-    return body->form == CML_BODY_MESH ? make_mesh(scene, body, depth, surface, err) : CML_OK;
+    return body->form == CML_BODY_MESH ? make_mesh(scene, body, depth, search, surface, err) : CML_OK;
 }
 
 /* A tree for every medium that bodies lie in, their host. A packet meets the bodies whose host it is in; in a
@@ -137,13 +139,13 @@ static cml_status make_grids(const struct cml_scene *scene, const double *depths
     return status;
 }
 
-static cml_status create(const struct cml_scene *scene, const double *depths,
+static cml_status create(const struct cml_scene *scene, const double *depths, enum cml_mesh_search search,
                          struct cml_body_surfaces *surfaces, struct cml_error *err)
 {
     const double begin = cml_now();
     for (int k = 0; k < surfaces->count; k++) {
         struct cml_body_surface *surface = &surfaces->item[k];
-        CML_TRY(make_surface(scene, k, depths[scene->bodies[k].layer - 1], surface, err));
+        CML_TRY(make_surface(scene, k, depths[scene->bodies[k].layer - 1], search, surface, err));
         if (surface->mesh) surfaces->bytes += cml_mesh_surface_bytes(surface->mesh);
     }
     CML_TRY(make_tree(scene, surfaces, err));
@@ -170,7 +172,8 @@ static cml_status tessellate(const struct cml_scene *scene, double tolerance, st
 
 /* Meshes in place of the bodies may meet where these do not, so they are placed and checked anew. */
 static cml_status create_tessellated(const struct cml_scene *scene, const double *depths, double tolerance,
-                                     struct cml_body_surfaces *surfaces, struct cml_error *err)
+                                     enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
+                                     struct cml_error *err)
 {
     struct cml_scene meshes = *scene;
     meshes.bodies = calloc((size_t)scene->num_bodies, sizeof *meshes.bodies);
@@ -179,22 +182,24 @@ static cml_status create_tessellated(const struct cml_scene *scene, const double
     cml_status status = tessellate(scene, tolerance, meshes.bodies, err);
     if (status == CML_OK) status = cml_scene_place_bodies(&meshes, err);
     if (status == CML_OK) status = cml_scene_check_bodies(&meshes, err);
-    if (status == CML_OK) status = create(&meshes, depths, surfaces, err);
+    if (status == CML_OK) status = create(&meshes, depths, search, surfaces, err);
     for (int k = 0; k < scene->num_bodies; k++) cml_mesh_clear(&meshes.bodies[k].mesh);
     free(meshes.bodies);
     return status;
 }
 
 cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths, double tolerance,
-                                    struct cml_body_surfaces *surfaces, struct cml_error *err)
+                                    enum cml_mesh_search search, struct cml_body_surfaces *surfaces,
+                                    struct cml_error *err)
 {
     *surfaces = (struct cml_body_surfaces){.count = scene->num_bodies};
     if (scene->num_bodies == 0) return CML_OK;
     surfaces->item = calloc((size_t)scene->num_bodies, sizeof *surfaces->item);
     if (!surfaces->item)
         return cml_fail_memory(err, scene->num_bodies * (double)sizeof *surfaces->item, "bodies");
-    const cml_status status = tolerance > 0 ? create_tessellated(scene, depths, tolerance, surfaces, err)
-                                            : create(scene, depths, surfaces, err);
+    const cml_status status = tolerance > 0
+                                  ? create_tessellated(scene, depths, tolerance, search, surfaces, err)
+                                  : create(scene, depths, search, surfaces, err);
     if (status != CML_OK) cml_body_surfaces_free(surfaces);
     return status;
 }

@@ -33,8 +33,8 @@ struct cml_body_surfaces {
  * runs out, such meshes meet or a body is too small for where it lies, CML_E_DEVICE when Embree fails; then
  * nothing is left to free. */
 CML_NODISCARD cml_status cml_body_surfaces_create(const struct cml_scene *scene, const double *depths,
-                                                  double tolerance, struct cml_body_surfaces *surfaces,
-                                                  struct cml_error *err);
+                                                  double tolerance, enum cml_mesh_search search,
+                                                  struct cml_body_surfaces *surfaces, struct cml_error *err);
 
 /* Those of another scene with the same bodies in the same frames, which lives longer. */
 void cml_body_surfaces_borrow(const struct cml_body_surfaces *known, struct cml_body_surfaces *surfaces);

@@ -10,7 +10,7 @@
 /* In cells: vertices further from the grid make it none. What files round is far less. */
 static const double most_deviation = 1e-3;
 
-/* Cells per facet beyond which a grid would be a waste: of memory, and of steps, for Embree's tree skips
+/* Cells per facet beyond which a grid would be a waste: of memory, and of steps, for a tree skips
  * large facets. */
 static const double most_cells_per_facet = 16;
 

@@ -31,7 +31,7 @@ static void centre_mesh(struct cml_mesh_body *body, double x0, double y0)
     body->centre[0] = middle[0] - x0;
     body->centre[1] = middle[1] - y0;
     body->centre[2] = middle[2];
-    body->err_float = err_share_float * diagonal;
+    body->err_float = body->err_margin = err_share_float * diagonal;
     if (mesh->closed) body->err_float += err_line_in_float(body->centre, diagonal);
     body->err_mesh = err_share_mesh * diagonal;
     for (int k = 0; k < 3; k++) {
@@ -44,13 +44,6 @@ static void centre_mesh(struct cml_mesh_body *body, double x0, double y0)
     body->axis[1] = -middle[1];
 }
 
-static double distance_of(const double a[3], const double b[3])
-{
-    double ab[3];
-    cml_vec3_subtract(b, a, ab);
-    return cml_vec3_length(ab);
-}
-
 /* Kept per facet although vertices tell them: 32 bytes in one cache line, where a hit would fetch three
  * vertices from anywhere. */
 static cml_status find_planes(struct cml_mesh_body *body, struct cml_error *err)
@@ -59,15 +52,11 @@ static cml_status find_planes(struct cml_mesh_body *body, struct cml_error *err)
     body->plane = malloc((mesh->num_triangles + 1) * sizeof *body->plane);
     if (!body->plane)
         return cml_fail_memory(err, (double)(mesh->num_triangles * sizeof *body->plane), "facet planes");
-    body->least_area = INFINITY;
     for (size_t i = 0; i < mesh->num_triangles; i++) {
         const double *a = cml_body_corner(body, (int)i, 0), *b = cml_body_corner(body, (int)i, 1),
                      *c = cml_body_corner(body, (int)i, 2);
         double *normal = body->plane[i];
         cml_vec3_area(a, b, c, normal);
-        body->least_area = fmin(body->least_area, cml_vec3_length(normal));
-        body->longest_edge =
-            fmax(body->longest_edge, fmax(distance_of(a, b), fmax(distance_of(b, c), distance_of(c, a))));
         cml_vec3_normalise(normal);
         normal[3] = cml_vec3_dot(normal, a);
     }

@@ -15,10 +15,9 @@ struct cml_mesh_body {
     double centre[3]; /* the body frame's origin in query coordinates: x and y from the beam's axis, z in the
                        * boundary's frame, cm */
     double axis[2];   /* body frame: the scene's z axis, around which analytic normals turn */
-    double lower[3], upper[3];       /* body frame: the box, larger by 2 err_float on each side */
-    double err_mesh, err_float;      /* cm, see rounding.h */
-    double longest_edge, least_area; /* of all facets, cm; twice the area, cm2 */
-    struct cml_footprint *footprint; /* owned; NULL of a closed mesh */
+    double lower[3], upper[3];              /* body frame: the box, larger by 2 err_float on each side */
+    double err_mesh, err_float, err_margin; /* cm, see rounding.h; err_margin: the least of all rays */
+    struct cml_footprint *footprint;        /* owned; NULL of a closed mesh */
 };
 
 /* Takes over *mesh (prepared; left empty) and centres it. x0, y0: scene position of the queries' origin, cm.

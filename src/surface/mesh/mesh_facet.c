@@ -108,16 +108,3 @@ double cml_facet_edge_approach(const double from[3], const double direction[3], 
     const double s = (cml_vec3_dot(edge, off) - along * before) / (square - along * along);
     return fmax(0, (s > 0 ? (s < 1 ? s : 1) : 0) * along - before);
 }
-
-void cml_facet_enlarge(const struct cml_mesh *mesh, size_t primitive, float corner[9])
-{
-    const uint32_t *v = mesh->triangle[primitive];
-    for (int axis = 0; axis < 3; axis++) {
-        double middle = 0;
-        for (int k = 0; k < 3; k++) middle += mesh->vertex[v[k]][axis] / 3;
-        for (int k = 0; k < 3; k++) {
-            const double at = mesh->vertex[v[k]][axis];
-            corner[3 * k + axis] = (float)(at + 3 * (double)err_height_embree * (at - middle));
-        }
-    }
-}

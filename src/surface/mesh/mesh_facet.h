@@ -21,16 +21,4 @@ double cml_facet_distance(const struct cml_mesh_body *body, int primitive, const
 double cml_facet_edge_approach(const double from[3], const double direction[3], const double a[3],
                                const double b[3]);
 
-/* The corners of a facet as Embree gets them: every side moved outwards by err_height_embree of its height.
- */
-void cml_facet_enlarge(const struct cml_mesh *mesh, size_t primitive, float corner[9]);
-
-/* Barycentric weights in the facet itself, from Embree's coordinates in the enlarged one. */
-static inline void cml_facet_weights(float u, float v, double weight[3])
-{
-    const float coordinate[3] = {1 - u - v, u, v};
-    for (int k = 0; k < 3; k++)
-        weight[k] = coordinate[k] + 3 * (double)err_height_embree * (coordinate[k] - 1.0 / 3);
-}
-
 #endif

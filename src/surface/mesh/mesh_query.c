@@ -41,7 +41,7 @@ static bool may_be_zero(const struct cml_mesh_query *q, double product, uint32_t
 /* Rounding puts a packet beyond a facet by up to err_position across it, which is 1 / |along| as much along
  * the ray: near an edge at which it has been reflected, a packet may head into the next facet at a small
  * angle. */
-bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along)
+static bool is_ahead(const struct cml_mesh_query *q, double t, double along)
 {
     return t >= q->t_min || (t >= q->grazing_factor * q->t_min && t * fabs(along) >= q->t_min);
 }
@@ -81,12 +81,12 @@ bool cml_query_intersect(struct cml_mesh_query *q, int primitive, double *t, dou
     *t = q->t_entry + cml_facet_crossing(q->body, primitive, q->entry, q->direction, -INFINITY);
     const double sum = weight[0] + weight[1] + weight[2];
     for (int k = 0; k < 3; k++) weight[k] = sum > 0 ? weight[k] / sum : 1.0 / 3;
-    return cml_query_is_ahead(q, *t, along);
+    return is_ahead(q, *t, along);
 }
 
 /* Several facets have a crossing on their common edge or vertex: the same place but for rounding. The normal
  * is of all of them, and the place counts as the first one's by number, so that it does not matter in which
- * order Embree finds them. */
+ * order they are found. */
 void cml_query_add_hit(struct cml_mesh_query *q, int primitive, double t, const double weight[3])
 {
     const bool on_edge = weight[0] < err_weight || weight[1] < err_weight || weight[2] < err_weight;
@@ -151,6 +151,15 @@ bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave)
     return true;
 }
 
+bool cml_query_enter(struct cml_mesh_query *q)
+{
+    double leave;
+    if (!is_of_mesh_size(q, q->t)) return cml_query_clip_ray(q, 0, &leave);
+    q->t_entry = 0;
+    cml_vec3_copy(q->origin, q->entry);
+    return true;
+}
+
 bool cml_query_clip_line(struct cml_mesh_query *q, double *leave)
 {
     q->t_entry = -INFINITY;
@@ -176,46 +185,13 @@ void cml_query_intersect_outer_plane(struct cml_mesh_query *q)
     const double uz = q->direction[2];
     if (q->body->mesh.closed || q->exclude == CML_OUTER_PLANE || !(q->below ? uz < 0 : uz > 0)) return;
     const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
-    if (!cml_query_is_ahead(q, t, uz) || !(t < q->t)) return;
+    if (!is_ahead(q, t, uz) || !(t < q->t)) return;
     const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
     const enum cml_border_side side = cml_query_border_side(q, x, y, fmax(q->err_position, q->err_entry));
     if (side == CML_INSIDE_BORDER) return;
     q->in_doubt = q->in_doubt || side == CML_AT_BORDER;
     q->t = t;
     q->primitive = CML_OUTER_PLANE;
-}
-
-/* Whether the path ends outside of the mesh's box; one without an end does. */
-static bool ends_beyond_box(const struct cml_mesh_query *q)
-{
-    for (int k = 0; k < 3; k++) {
-        const double end = q->origin[k] + q->t * q->direction[k];
-        if (!(end >= q->body->lower[k] && end <= q->body->upper[k])) return true;
-    }
-    return false;
-}
-
-/* The border belongs to triangles and plane alike, but only the plane asks for it in double: a ray that
- * passes within the rounding of single precision of it may have been let through by both. */
-bool cml_query_may_have_missed(const struct cml_mesh_query *q)
-{
-    if (q->body->mesh.closed) return q->below && ends_beyond_box(q);
-    const double uz = q->direction[2], d = q->body->err_float;
-    if (!(q->below ? uz < 0 : uz > 0)) return false;
-    const double end = q->origin[2] + q->t * uz;
-    if (q->below ? end < q->body->lower[2] : end > q->body->upper[2]) return true;
-    const double t = (q->body->mesh.z_border - q->origin[2]) / uz;
-    if (!(t >= q->t_min) || !(t < q->t)) return false;
-    if (fabs(uz) < err_sine_border) return true;
-    const double x = q->origin[0] + t * q->direction[0], y = q->origin[1] + t * q->direction[1];
-    return cml_query_border_side(q, x, y, d) == CML_AT_BORDER;
-}
-
-double cml_query_missed_distance(const struct cml_mesh_query *q)
-{
-    if (!q->body->mesh.closed) return 0;
-    const double reach = q->t + q->body->longest_edge;
-    return q->t * fmin(err_sine_embree, err_share_embree * reach * reach / q->body->least_area);
 }
 
 /* Upward normal of the cone that a tessellated heightfield's triangle stands for. */
@@ -294,11 +270,10 @@ static double distance_to_primitive(const struct cml_mesh_query *q, int primitiv
            cml_vec3_dot(q->direction, q->body->plane[primitive]);
 }
 
-double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive, double *along)
+double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive)
 {
     const double *plane = q->body->plane[primitive];
-    *along = cml_vec3_dot(q->direction, plane);
-    return (plane[3] - cml_vec3_dot(q->origin, plane)) / *along;
+    return (plane[3] - cml_vec3_dot(q->origin, plane)) / cml_vec3_dot(q->direction, plane);
 }
 
 void cml_query_test_contact(struct cml_mesh_query *q, int primitive)

@@ -41,8 +41,7 @@ struct cml_mesh_query {
     bool hits_edge;       /* the best lies on an edge or a vertex: other facets may have it too */
     bool starts_on_edge; /* the packet stands close to an edge: rounding may have put it beyond the next facet
                           */
-    bool in_doubt;       /* rounding decides what is crossed, or Embree's triangles have missed a facet */
-    double t_entering;   /* first entering crossing that Embree's triangles have; INFINITY: none */
+    bool in_doubt;       /* rounding decides what is crossed, or the packet comes from the wrong side */
     uint64_t candidate_open_edges,
         open_edges; /* of the triangle last tested, of the best; see random_number */
 };
@@ -56,6 +55,10 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
  * mesh's own size are ever rounded to float. *leave: where the ray leaves the box, at most q->t. False when
  * it never enters. */
 bool cml_query_clip_ray(struct cml_mesh_query *q, double back, double *leave);
+
+/* Puts the entry point where the ray enters the mesh's box, or at the origin close to it, and no more: for
+ * single precision. False when it never enters. */
+bool cml_query_enter(struct cml_mesh_query *q);
 
 /* The same for the whole line, ahead and behind. */
 bool cml_query_clip_line(struct cml_mesh_query *q, double *leave);
@@ -75,9 +78,8 @@ void cml_query_add_inner_hit(struct cml_mesh_query *q, int primitive, const doub
 /* Makes a primitive the best, at distance t, whatever was the best before. */
 void cml_query_set_hit(struct cml_mesh_query *q, int primitive, double t);
 
-/* Distance along the ray to the plane of a facet; *along is the product of direction and upward unit normal.
- */
-double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive, double *along);
+/* Distance along the ray to the plane of a facet. */
+double cml_query_plane_distance(const struct cml_mesh_query *q, int primitive);
 
 /* Sets q->in_doubt where the origin is within q->contact_distance of this facet's plane. */
 void cml_query_test_contact(struct cml_mesh_query *q, int primitive);
@@ -89,20 +91,8 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
 /* Lets the outer plane compete; sets q->in_doubt close to the border. */
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q);
 
-/* Whether a crossing at distance t is not behind the packet; along: product of direction and unit normal. */
-bool cml_query_is_ahead(const struct cml_mesh_query *q, double t, double along);
-
 /* Whether rounding had a say in the best crossing, or in there being none: cml_line_decide has to tell. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q);
-
-/* Whether Embree's triangles in single precision may have missed what the exact query hits: the ray passes
- * the border closely before its end, or it ends where no packet of its side can be, beyond all triangles; of
- * a closed mesh, outside of its box. */
-bool cml_query_may_have_missed(const struct cml_mesh_query *q);
-
-/* How far beyond a facet of a closed mesh a path of length q->t may end that Embree has let through it, for
- * the angle between them is so small. Often less than rounding. */
-double cml_query_missed_distance(const struct cml_mesh_query *q);
 
 /* 1 and the crossing, with its normals, if there is one. p, u: as given to cml_query_begin. */
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],

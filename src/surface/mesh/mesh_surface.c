@@ -6,6 +6,7 @@
 #include "surface/mesh/mesh_line.h"
 #include "surface/mesh/rounding.h"
 #include "surface/mesh/sheet_mesh.h"
+#include "surface/tree/facet_tree.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,20 +14,19 @@
 #if CML_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
 typedef struct RTCRayQueryContext query_context;
-#define FILTER_FLAG RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS
 #else
 #include <embree3/rtcore.h>
 typedef struct RTCIntersectContext query_context;
-#define FILTER_FLAG RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
 #endif
 
 struct cml_mesh_surface {
     struct cml_mesh_body body;
-    _Atomic ssize_t embree_bytes;  /* kept by Embree's threads */
-    RTCScene exact;                /* boxes around triangles that are tested in double */
-    RTCScene fast;                 /* Embree's own single-precision triangles; NULL where there are cells */
-    struct cml_grid_mesh grid;     /* traversed in Embree's stead; regular or of a sheet */
-    struct cml_mesh_period period; /* n 0: the mesh is not repeated */
+    _Atomic ssize_t embree_bytes;       /* kept by Embree's threads */
+    RTCScene boxes;                     /* around triangles, which are tested in double */
+    struct cml_grid_mesh grid;          /* walked; regular or of a sheet */
+    struct cml_facet_tree tree;         /* asked where there are no cells; without nodes: not */
+    const struct cml_tree_level *level; /* of the processor */
+    struct cml_mesh_period period;      /* n 0: the mesh is not repeated */
 };
 
 /* Embree hands the context through to the callbacks, so the double-precision query rides behind it. */
@@ -37,23 +37,30 @@ struct query {
     bool contact_only;          /* only looks for facets that the packet may be beyond */
 };
 
+/* Whether a triangle is the packet's next crossing as far as is known. */
+static bool test_triangle(struct cml_mesh_query *q, int primitive)
+{
+    double t, weight[3];
+    cml_query_test_contact(q, primitive);
+    if (!cml_query_intersect(q, primitive, &t, weight)) return false;
+    cml_query_add_hit(q, primitive, t, weight);
+    return true;
+}
+
 /* Embree calls it for every box that the ray meets. Later boxes are of no interest once a hit is closer. */
 static void intersect_triangle(const struct RTCIntersectFunctionNArguments *arguments)
 {
     struct query *query = (struct query *)(void *)arguments->context;
     struct cml_mesh_query *q = &query->ray;
     const int primitive = (int)arguments->primID;
-    double t, weight[3];
     if (!arguments->valid[0]) return;
     if (query->line) {
         cml_line_add(query->line, primitive);
         return;
     }
     if (primitive == q->exclude) return;
-    cml_query_test_contact(q, primitive);
-    if (query->contact_only) return;
-    if (!cml_query_intersect(q, primitive, &t, weight)) return;
-    cml_query_add_hit(q, primitive, t, weight);
+    if (query->contact_only) cml_query_test_contact(q, primitive);
+    if (query->contact_only || !test_triangle(q, primitive)) return;
     struct RTCRayHit *rayhit = (struct RTCRayHit *)(void *)arguments->rayhit;
     const float t_far = (float)(q->t - q->t_entry + 2 * q->body->err_float);
     if (t_far < rayhit->ray.tfar) rayhit->ray.tfar = t_far > 0 ? t_far : 0;
@@ -113,29 +120,26 @@ static bool make_line(struct cml_mesh_query *q, struct RTCRayHit *rayhit)
     return true;
 }
 
-/* Where versions 3 and 4 differ: the filter is handed over in the context or in the arguments. */
-static void intersect_scene(RTCScene scene, struct query *query, struct RTCRayHit *rayhit,
-                            RTCFilterFunctionN filter)
+/* Where versions 3 and 4 differ. */
+static void intersect_boxes(const struct cml_mesh_surface *surface, struct query *query,
+                            struct RTCRayHit *rayhit)
 {
 #if CML_EMBREE_MAJOR >= 4
     struct RTCIntersectArguments arguments;
     rtcInitIntersectArguments(&arguments);
     rtcInitRayQueryContext(&query->context);
     arguments.context = &query->context;
-    arguments.filter = filter;
-    if (filter) arguments.flags |= RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER;
-    rtcIntersect1(scene, rayhit, &arguments);
+    rtcIntersect1(surface->boxes, rayhit, &arguments);
 #else
     rtcInitIntersectContext(&query->context);
-    query->context.filter = filter;
-    rtcIntersect1(scene, &query->context, rayhit);
+    rtcIntersect1(surface->boxes, &query->context, rayhit);
 #endif
 }
 
 static void query_exact(const struct cml_mesh_surface *surface, struct query *query)
 {
     struct RTCRayHit rayhit;
-    if (make_ray(&query->ray, 0, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
+    if (make_ray(&query->ray, 0, &rayhit)) intersect_boxes(surface, query, &rayhit);
 }
 
 /* Contact test around the packet: whether one that stands on no facet lies within rounding of one. A ray at a
@@ -148,103 +152,53 @@ static void test_contact_around(const struct cml_mesh_surface *surface, struct q
     if (!cml_query_clip_ray(&query->ray, 0, &leave) || query->ray.t_entry > 0) return;
     fill_ray(&query->ray, query->ray.t_entry, &rayhit);
     query->contact_only = true;
-    intersect_scene(surface->exact, query, &rayhit, NULL);
+    intersect_boxes(surface, query, &rayhit);
     query->contact_only = false;
 }
 
-static bool is_within(const double weight[3], double least)
-{
-    return weight[0] > least && weight[1] > least && weight[2] > least;
-}
-
-/* Whether a hit of Embree's is a crossing to look for: not of the triangle that the packet stands on,
- * exiting, and not behind the packet. The enlarged triangles tell of facets that the line itself misses, so
- * the contact test comes along for free. */
-static bool is_exit(struct cml_mesh_query *q, int primitive, double *t, double *along)
-{
-    *t = cml_query_plane_distance(q, primitive, along);
-    q->in_doubt = q->in_doubt || fabs(*t * *along) <= q->contact_distance;
-    return primitive != q->exclude && (q->below ? *along : -*along) > 0 && cml_query_is_ahead(q, *t, *along);
-}
-
-/* Lets Embree go on past hits that are no exit, and keeps the first entering crossing ahead: it can only come
- * after an exiting one. Not one that the line passes beside, within the enlargement. */
-static void filter_hit(const struct RTCFilterFunctionNArguments *arguments)
-{
-    struct cml_mesh_query *q = &((struct query *)(void *)arguments->context)->ray;
-    const struct RTCHit *hit = (const struct RTCHit *)(const void *)arguments->hit;
-    const int primitive = (int)hit->primID;
-    double t, along, weight[3];
-    if (is_exit(q, primitive, &t, &along)) return;
-    arguments->valid[0] = 0;
-    if (primitive == q->exclude || !((q->below ? along : -along) < 0 && t > q->err_query)) return;
-    cml_facet_weights(hit->u, hit->v, weight);
-    if (is_within(weight, -err_weight_embree)) q->t_entering = fmin(q->t_entering, t);
-}
-
-/* The closest exit; false when there is none. A filter costs Embree half as much again, so a packet that
- * stands on nothing tries without one first: what it then meets is nearly always an exit. */
-static bool closest_hit(const struct cml_mesh_surface *surface, struct query *query, struct RTCRayHit *rayhit,
-                        double *t, double *along)
-{
-    const struct RTCRayHit before = *rayhit;
-    if (query->ray.exclude < 0) {
-        intersect_scene(surface->fast, query, rayhit, NULL);
-        if (rayhit->hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-        if (is_exit(&query->ray, (int)rayhit->hit.primID, t, along)) return true;
-        *rayhit = before;
-    }
-    query->ray.t_entering = INFINITY;
-    intersect_scene(surface->fast, query, rayhit, filter_hit);
-    const bool found = rayhit->hit.geomID != RTC_INVALID_GEOMETRY_ID &&
-                       is_exit(&query->ray, (int)rayhit->hit.primID, t, along);
-    if (query->ray.t_entering < (found ? *t : query->ray.t)) query->ray.in_doubt = true;
-    return found;
-}
-
-static bool note_facet(struct RTCPointQueryFunctionArguments *arguments)
-{
-    *(bool *)arguments->userPtr = true;
-    arguments->query->radius = 0;
-    return true;
-}
-
-/* Whether a path beside a closed mesh ends where it does if Embree has missed a facet. */
-static bool ends_beside_facet(const struct cml_mesh_surface *surface, const struct cml_mesh_query *q)
-{
-    const double distance = cml_query_missed_distance(q);
-    if (distance < q->err_query) return false;
-    struct RTCPointQuery query = {.x = (float)(q->origin[0] + q->t * q->direction[0]),
-                                  .y = (float)(q->origin[1] + q->t * q->direction[1]),
-                                  .z = (float)(q->origin[2] + q->t * q->direction[2]),
-                                  .radius = (float)distance};
-    struct RTCPointQueryContext context;
-    bool found = false;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(surface->exact, &query, &context, note_facet, &found);
-    return found;
-}
-
-/* Embree's own triangles find the hit, whose distance is computed again in double. The exact query decides
- * where the hit is at a small angle, near an edge, or where nothing was found although the path is endless,
- * passes the border, or leaves the mesh's depths. The whole line decides where an entering crossing comes
- * first: an exit before it was missed, at an edge from which the packet starts, which no float can tell from
- * a place beside it. The ray starts a little behind the packet, which rounding may have put beyond a facet.
- */
+/* Every triangle whose box the ray meets. */
 static void query_embree(const struct cml_mesh_surface *surface, struct query *query)
 {
+    if (query->ray.contact_distance >= 0 && query->ray.exclude != CML_OFF_FACETS)
+        test_contact_around(surface, query);
+    query_exact(surface, query);
+}
+
+/* The ray from its entry point, as the tree sees it. */
+static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
+{
+    struct cml_tree_ray ray = {.length = (float)fmin(q->t - q->t_entry, (double)FLT_MAX),
+                               .margin = (float)(q->body->err_margin + q->err_query + q->err_entry),
+                               .below = q->below,
+                               .exclude = q->exclude};
+    for (int k = 0; k < 3; k++) {
+        ray.origin[k] = (float)q->entry[k];
+        ray.direction[k] = (float)q->direction[k];
+    }
+    return ray;
+}
+
+/* What is not plain is decided in double: whatever the ray could meet is among the doubts. */
+static void query_tree(const struct cml_mesh_surface *surface, struct query *query)
+{
+    static const double inner[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};
     struct cml_mesh_query *q = &query->ray;
-    struct RTCRayHit rayhit;
-    double t = INFINITY, along = 0; /* for want of a hit */
-    if (q->contact_distance >= 0 && q->exclude != CML_OFF_FACETS) test_contact_around(surface, query);
-    if (!make_ray(q, 2 * q->body->err_float, &rayhit)) return;
-    const bool found = closest_hit(surface, query, &rayhit, &t, &along);
-    double weight[3];
-    cml_facet_weights(rayhit.hit.u, rayhit.hit.v, weight);
-    if (found && is_within(weight, err_weight_embree) && fabs(along) > err_sine_embree)
-        cml_query_add_inner_hit(q, (int)rayhit.hit.primID, q->body->plane[rayhit.hit.primID], t, weight);
-    else if (found || !(q->t < INFINITY) || cml_query_may_have_missed(q) || ends_beside_facet(surface, q))
-        query_exact(surface, query);
+    struct cml_tree_answer answer;
+    double leave;
+    if (!cml_query_enter(q)) return;
+    const struct cml_tree_ray ray = tree_ray(q);
+    surface->level->ask(&surface->tree, &ray, &answer);
+    q->in_doubt = answer.re_enters;
+    if (answer.blurred) {
+        query_embree(surface, query);
+    } else if (answer.doubts) {
+        if (!cml_query_clip_ray(q, 0, &leave)) return;
+        for (int i = 0; i < answer.doubts; i++) test_triangle(q, answer.doubt[i]);
+        if (answer.facet >= 0) test_triangle(q, answer.facet);
+    } else if (answer.facet >= 0) {
+        const double t = cml_query_plane_distance(q, answer.facet);
+        cml_query_add_inner_hit(q, answer.facet, q->body->plane[answer.facet], t, inner);
+    }
 }
 
 /* In doubt: every triangle along the whole line, by exact signs. Returns whether the path ends beside one. */
@@ -254,7 +208,7 @@ static bool query_line(const struct cml_mesh_surface *surface, struct query *que
     struct RTCRayHit rayhit;
     cml_line_begin(&line, &query->ray, t_max);
     query->line = &line;
-    if (make_line(&query->ray, &rayhit)) intersect_scene(surface->exact, query, &rayhit, NULL);
+    if (make_line(&query->ray, &rayhit)) intersect_boxes(surface, query, &rayhit);
     cml_line_decide(&line, &query->ray);
     return line.ends_near_facet;
 }
@@ -279,6 +233,8 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
         query_exact(surface, &query);
     else if (surface->grid.levels)
         query_grid(surface, &query);
+    else if (surface->tree.nodes)
+        query_tree(surface, &query);
     else
         query_embree(surface, &query);
     if (exact || !surface->grid.levels || !cml_grid_walk_covers(&surface->grid, &query.ray))
@@ -356,67 +312,59 @@ static bool count_memory(void *context, ssize_t bytes, bool post)
     return true;
 }
 
-static RTCScene new_scene(const struct cml_mesh_surface *surface)
+static void build_boxes(struct cml_mesh_surface *surface)
 {
-    RTCScene scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST | FILTER_FLAG);
-    rtcSetSceneBuildQuality(scene, surface->body.mesh.num_triangles > 1000000 ? RTC_BUILD_QUALITY_MEDIUM
-                                                                              : RTC_BUILD_QUALITY_HIGH);
-    return scene;
-}
-
-static void commit(RTCScene scene, RTCGeometry geometry)
-{
-    rtcSetGeometryMask(geometry, 0xffffffffu);
-    rtcCommitGeometry(geometry);
-    rtcAttachGeometry(scene, geometry);
-    rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-}
-
-static void build_exact(struct cml_mesh_surface *surface)
-{
-    surface->exact = new_scene(surface);
+    surface->boxes = rtcNewScene(device);
+    rtcSetSceneFlags(surface->boxes, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(surface->boxes, surface->body.mesh.num_triangles > 1000000
+                                                ? RTC_BUILD_QUALITY_MEDIUM
+                                                : RTC_BUILD_QUALITY_HIGH);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
     rtcSetGeometryUserPrimitiveCount(geometry, (unsigned)surface->body.mesh.num_triangles);
     rtcSetGeometryUserData(geometry, surface);
     rtcSetGeometryBoundsFunction(geometry, triangle_bounds, NULL);
     rtcSetGeometryIntersectFunction(geometry, intersect_triangle);
-    commit(surface->exact, geometry);
+    rtcSetGeometryMask(geometry, 0xffffffffu);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(surface->boxes, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(surface->boxes);
 }
 
-/* False when Embree has no memory for the buffers; its own error then says so. */
-static bool build_fast(struct cml_mesh_surface *surface)
-{
-    const struct cml_mesh *mesh = &surface->body.mesh;
-    surface->fast = new_scene(surface);
-    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    float *vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), 3 * mesh->num_triangles);
-    uint32_t *indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                3 * sizeof(uint32_t), mesh->num_triangles);
-    if (!vertices || !indices) {
-        rtcReleaseGeometry(geometry);
-        return false;
-    }
-    for (size_t i = 0; i < mesh->num_triangles; i++) cml_facet_enlarge(mesh, i, vertices + 9 * i);
-    for (size_t i = 0; i < 3 * mesh->num_triangles; i++) indices[i] = (uint32_t)i;
-    commit(surface->fast, geometry);
-    return true;
-}
-
-static cml_status build_trees(struct cml_mesh_surface *surface, struct cml_error *err)
+static cml_status build_embree(struct cml_mesh_surface *surface, struct cml_error *err)
 {
     if (!device && !(device = rtcNewDevice(NULL)))
         return cml_fail(err, CML_E_DEVICE, "Embree cannot start (error %d)", (int)rtcGetDeviceError(NULL));
     rtcSetDeviceMemoryMonitorFunction(device, count_memory, surface);
-    if (surface->grid.levels || build_fast(surface)) build_exact(surface);
+    build_boxes(surface);
     rtcSetDeviceMemoryMonitorFunction(device, NULL, NULL);
     const enum RTCError error = rtcGetDeviceError(device);
     if (error == RTC_ERROR_NONE) return CML_OK;
     return cml_fail(err, error == RTC_ERROR_OUT_OF_MEMORY ? CML_E_INPUT : CML_E_DEVICE,
                     "Embree cannot build a tree of %zu triangles (error %d)",
                     surface->body.mesh.num_triangles, (int)error);
+}
+
+static cml_status build_tree(struct cml_mesh_surface *surface, struct cml_error *err)
+{
+    const struct cml_mesh_body *body = &surface->body;
+    const struct cml_tree_level *levels[CML_TREE_LEVELS];
+    cml_tree_levels(levels);
+    surface->level = levels[0];
+    return cml_facet_tree_create(&body->mesh, (const double(*)[4])body->plane, body->err_margin,
+                                 &surface->tree, err);
+}
+
+/* What finds facets fast: cells, or a tree. */
+static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_search search,
+                               struct cml_error *err)
+{
+    struct cml_grid_mesh *grid = &surface->grid;
+    const bool may_have_cells = search == CML_SEARCH_AUTO && !surface->body.mesh.closed;
+    if (search == CML_SEARCH_EMBREE) return CML_OK;
+    if (may_have_cells) CML_TRY(cml_grid_mesh_find(&surface->body, grid, err));
+    if (may_have_cells && !grid->levels) CML_TRY(cml_sheet_mesh_find(&surface->body, grid, err));
+    return grid->levels ? CML_OK : build_tree(surface, err);
 }
 
 cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
@@ -426,11 +374,8 @@ cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, 
     *surface = NULL;
     if (!made) return cml_fail_memory(err, sizeof *made, "a mesh surface");
     cml_status status = cml_mesh_body_create(mesh, x0, y0, &made->body, err);
-    if (status == CML_OK && search == CML_SEARCH_AUTO)
-        status = cml_grid_mesh_find(&made->body, &made->grid, err);
-    if (status == CML_OK && search == CML_SEARCH_AUTO && made->grid.levels == 0)
-        status = cml_sheet_mesh_find(&made->body, &made->grid, err);
-    if (status == CML_OK) status = build_trees(made, err);
+    if (status == CML_OK) status = build_search(made, search, err);
+    if (status == CML_OK) status = build_embree(made, err);
     if (status != CML_OK)
         cml_mesh_surface_free(made);
     else
@@ -452,9 +397,9 @@ cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double
 void cml_mesh_surface_free(struct cml_mesh_surface *surface)
 {
     if (!surface) return;
-    if (surface->exact) rtcReleaseScene(surface->exact);
-    if (surface->fast) rtcReleaseScene(surface->fast);
+    if (surface->boxes) rtcReleaseScene(surface->boxes);
     cml_grid_mesh_clear(&surface->grid);
+    cml_facet_tree_clear(&surface->tree);
     cml_mesh_body_clear(&surface->body);
     free(surface);
 }
@@ -486,7 +431,7 @@ const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surf
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
-           cml_mesh_body_bytes(&surface->body);
+           cml_facet_tree_bytes(&surface->tree) + cml_mesh_body_bytes(&surface->body);
 }
 
 const char *cml_mesh_library(void)

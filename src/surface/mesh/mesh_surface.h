@@ -1,16 +1,15 @@
-/* A boundary mesh under Embree: the first crossing of a double-precision ray, found in three ways.
+/* A boundary mesh as queries see it: the first crossing of a double-precision ray, found in three ways.
  * Exact: Embree's tree [Wald et al., Embree: a kernel framework for efficient CPU ray tracing, ACM
  * Transactions on Graphics 33 (4), 2014] finds boxes in single precision, larger by what the rounding of ray
  * and vertices can amount to; every triangle in them is tested in double, without gaps between neighbours.
- * DAGMC calls this interface between Embree and double precision "double-down". Fast: Embree's own
- * single-precision triangles find the hit; a filter in double decides whether it is an exit (mesh_query.h),
- * and its distance and normal are computed in double. Where the hit is not well inside its triangle the exact
- * way decides. Grid: where the mesh is a regular grid (grid_mesh.h) a traversal of the cells below the ray
- * takes the place of Embree's triangles (grid_walk.h), as where it is a sheet (sheet_mesh.h); where it leaves
- * the answer open the exact way decides. Whatever the way, a crossing in which rounding had a say is decided
- * by the whole line (mesh_line.h). The outer plane with the footprint as its hole belongs to the surface. A
- * closed mesh has none: below it is inside. The only place that includes Embree's headers; versions 3 and 4
- * differ here and nowhere else.
+ * DAGMC calls this interface between Embree and double precision "double-down". Tree: one of our own
+ * (surface/tree/facet_tree.h) finds the facet in single precision where that is plain, and its distance is
+ * computed in double; else it names the few facets that are in doubt, and these are tested in double. Grid:
+ * where the mesh is a regular grid (grid_mesh.h) or a sheet (sheet_mesh.h), a traversal of the cells below
+ * the ray takes the tree's place (grid_walk.h); where it leaves the answer open the exact way decides.
+ * Whatever the way, a crossing in which rounding had a say is decided by the whole line (mesh_line.h). The
+ * outer plane with the footprint as its hole belongs to the surface. A closed mesh has none: below it is
+ * inside. The only place that includes Embree's headers; versions 3 and 4 differ here and nowhere else.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MESH_SURFACE_H
 #define CML_MESH_SURFACE_H
@@ -21,8 +20,9 @@
 #include "surface/mesh/tile_path.h"
 
 enum cml_mesh_search {
-    CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid or a sheet, Embree's triangles elsewhere */
-    CML_SEARCH_EMBREE, /* always Embree's triangles */
+    CML_SEARCH_AUTO,   /* a walk over the cells of a regular grid or a sheet, our own tree elsewhere */
+    CML_SEARCH_TREE,   /* always our own tree */
+    CML_SEARCH_EMBREE, /* always Embree's */
 };
 
 /* A struct cml_mesh_surface is immutable once built; queries may run in parallel.
@@ -46,7 +46,7 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface);
 /* What the mesh is where the fast query walks it: "a regular grid" or "a sheet"; else NULL. */
 const char *cml_mesh_surface_walk(const struct cml_mesh_surface *surface);
 
-/* Bytes that Embree and the mesh itself hold. */
+/* Bytes that Embree, the fast search and the mesh itself hold. */
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface);
 
 /* Primitives that queries may give, without the outer plane: the triangles, or of a tile those of a period.

@@ -27,6 +27,20 @@
  *     closed mesh, which may be small and far from where coordinates count from, err_line in float as well
  *     (fails: closed_mesh).
  *     Fails: mesh_line, mesh_surface, grid_walk, concave_vertex.
+ *   err_margin: How near a ray may pass a facet's edge, begin or end at its plane, or meet two facets, before
+ *     the tree (surface/tree) leaves that to doubles: err_share_float D + err_query + err_entry. The last two
+ *     are for what counts as a crossing at all; the first, 16.8 f D with f = 2^-24, for floats:
+ *     Rays begin in the box, |origin| <= D / 2 and t <= D, or, shorter than half its width, as much above it,
+ *     |origin| <= D and t <= D / 2. The height of the origin over a plane: origin and normal are
+ *     rounded, three products and two sums, offset, difference: 7 f D. The sine of the angle between plane
+ *     and ray: two roundings, product, two sums, 5 f. So t, their quotient, is off by (7 + 5 / 2) f D over
+ *     the sine that was computed, and by 3 f D more by its own two roundings: 12.5 f D / sine. That moves the
+ *     place in the plane by as much; its coordinates (origin, product, sum) by 3 f D. A weight is a linear
+ *     function of it, and its error a distance over a height: slope and place in three products, three sums,
+ *     offset: 4.5 f D; of the third, the sum of both, where the side opposite to it is the longest, 9 f D. In
+ *     all 12 f D + 12.5 f D / sine across an edge, less than err_margin (1 + 1 / sine), and 14.5 f D for the
+ *     two ends of the path. Boxes are larger by twice the margin, once more for the slabs, whose two
+ *     differences and two products are off by 3.5 f D. Fails: facet_tree.
  *
  * Areas, cm2, by the sum norm
  *   edge product d . (a x b), a and b from the entry point: 4 eps |a| |b| + err_entry |a - b|. Each of its
@@ -37,27 +51,15 @@
  *   err_product: At least that for every edge of the mesh, for |a|, |b| and |a - b| are at most the sum of
  *     the box's sides; twice that, for an entry point that is put a little before the box. Fails: none.
  *
- *   err_share_embree: The same of Embree's products, in float, over the squared distance of the facet's far
- *     end; over twice its area, the sine of an angle to it at which they have no digit left: 2 FLT_EPSILON,
- *     four roundings. Fails: closed_mesh.
- *
  * Shares of a triangle
  *   err_weight: A barycentric weight below is that of a place on the edge: 1e-12. Above, it is more than
  *     the rounding of edge products as long as the triangle is at most 30 of its sizes from the entry
  *     point; further away the edge product still marks the edge. Fails: none; with 0 mesh_surface, grid_walk.
- *   err_weight_embree: The same of weights in float: 1e-5, 6e-8 at 160 sizes. Fails: none.
  *   err_weight_sheet: Of the weights of a sheet's facets, which are kept in float: 1e-4. A facet for which
  *     float (FLT_EPSILON of each derivative, times how far its cells reach) and err_mesh / err_sine_grid, for
  *     the ray, make more than that has none, and is never hit without the exact query. Fails: none.
- *   err_height_embree: By how much of its height a triangle is enlarged for Embree, which in float lets
- *     rays pass between neighbours, most easily along edges and at corners: 1e-3, more than the 3e-8 D of
- *     two vertices where the height is more than 6e-5 D. Fails: mesh_line.
  *
  * Sines of angles to a ray; rounding across a facet moves the crossing along the ray by that / sine
- *   err_sine_embree: To a facet: below, Embree's order of hits is not believed: 1e-2. Above, coordinates
- *     in float move a crossing by at most 6e-6 D. Fails: mesh_line.
- *   err_sine_border: To the outer plane: below, Embree may have met the wrong side of the border: 1e-2, as
- *     above. Fails: mesh_line.
  *   err_sine_grid: To a facet: below, a traversal is undecided: 1e-4. Above, err_mesh moves a crossing by
  *     at most 3.6e-11 D, less than err_cell in grids of up to 2e4 x 2e4 cells. Fails: none.
  *   err_sine_edge: To an edge: below, it does not tell where a line leaves the facet: 1e-6. Above,
@@ -87,12 +89,10 @@
 
 /* err_mesh and err_float over D; an edge product's share of |a| |b| */
 static const double err_share_mesh = 16 * DBL_EPSILON, err_share_float = 1e-6;
-static const double err_share_product = 4 * DBL_EPSILON, err_share_embree = 2 * FLT_EPSILON;
+static const double err_share_product = 4 * DBL_EPSILON;
 
-static const double err_weight = 1e-12, err_weight_embree = 1e-5, err_weight_sheet = 1e-4;
-static const float err_height_embree = 1e-3f;
-static const double err_sine_embree = 1e-2, err_sine_border = 1e-2, err_sine_grid = 1e-4,
-                    err_sine_edge = 1e-6;
+static const double err_weight = 1e-12, err_weight_sheet = 1e-4;
+static const double err_sine_grid = 1e-4, err_sine_edge = 1e-6;
 static const double err_cell_least = 1e-6, err_start = 1e-10;
 static const double err_line_factor = 4, err_grazing_factor = 32, err_cover_factor = 64;
 

@@ -10,7 +10,7 @@
 /* With half as many cells lists are longer, with twice as many there are more of them: both take longer. */
 static const double cells_per_facet = 1;
 
-/* Lists longer than this in the mean over their facets take longer than Embree's tree. */
+/* Lists longer than this in the mean over their facets take longer than a tree. */
 static const double longest_list = 16;
 
 /* Share of facets that are too thin for float: each ray that comes near one goes to the exact query. */

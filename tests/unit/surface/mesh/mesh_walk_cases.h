@@ -122,14 +122,14 @@ static void nothing_slips_through_a_rough_mesh(void **state)
 {
     (void)state;
     check_walk(71, 0.1, CML_SEARCH_AUTO, FLIGHTS);
-    check_walk(73, 0.1, CML_SEARCH_EMBREE, FLIGHTS);
+    check_walk(73, 0.1, CML_SEARCH_TREE, FLIGHTS);
 }
 
 static void nothing_slips_through_a_nearly_flat_mesh(void **state)
 {
     (void)state;
     check_walk(72, 1e-3, CML_SEARCH_AUTO, FLIGHTS);
-    check_walk(74, 1e-3, CML_SEARCH_EMBREE, FLIGHTS);
+    check_walk(74, 1e-3, CML_SEARCH_TREE, FLIGHTS);
 }
 
 int main(void)

@@ -19,7 +19,7 @@ static struct cml_mesh_surface *make_cylinder(const double start[3], const doubl
     cml_vec3_copy(start, body.centre);
     cml_vec3_copy(end, body.end);
     assert_int_equal(cml_body_mesh(&body, 140, false, &mesh, &err), CML_OK);
-    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_EMBREE, &surface, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_TREE, &surface, &err), CML_OK);
     return surface;
 }
 

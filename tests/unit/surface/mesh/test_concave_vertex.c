@@ -34,7 +34,7 @@ static struct concave concave_make(int sides, double radius, double depth)
     }
     memcpy(mesh.vertex[sides], concave.tip, sizeof concave.tip);
     assert_int_equal(cml_mesh_prepare(&mesh, NULL, NULL, &err), CML_OK);
-    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_EMBREE, &concave.surface, &err), CML_OK);
+    assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_TREE, &concave.surface, &err), CML_OK);
     return concave;
 }
 

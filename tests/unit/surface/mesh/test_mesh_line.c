@@ -155,7 +155,7 @@ static void a_packet_at_an_edge_leaves_by_it(void **state)
 {
     (void)state;
     struct dice dice = dice_new(10);
-    struct cml_mesh_surface *surface = rough(4, CML_SEARCH_EMBREE);
+    struct cml_mesh_surface *surface = rough(4, CML_SEARCH_TREE);
     int wrong = 0;
     for (int n = 0; n < 100000; n++) {
         double p[3], u[3];
@@ -220,14 +220,14 @@ static void leave_by_edges(enum cml_mesh_search search, int on_primitive)
 static void a_packet_scattered_on_an_edge_leaves_by_it(void **state)
 {
     (void)state;
-    leave_by_edges(CML_SEARCH_EMBREE, CML_NEAR_FACETS);
+    leave_by_edges(CML_SEARCH_TREE, CML_NEAR_FACETS);
     leave_by_edges(CML_SEARCH_AUTO, CML_NEAR_FACETS);
 }
 
 static void a_packet_scattered_unnoticed_on_an_edge_leaves_by_it(void **state)
 {
     (void)state;
-    leave_by_edges(CML_SEARCH_EMBREE, -1);
+    leave_by_edges(CML_SEARCH_TREE, -1);
     leave_by_edges(CML_SEARCH_AUTO, -1);
 }
 
@@ -260,7 +260,7 @@ static void a_packet_scattered_on_a_facet_does_not_graze_its_way_through(void **
     (void)state;
     struct dice dice = dice_new(16);
     for (int search = 0; search < 2; search++) {
-        struct cml_mesh_surface *surface = rough(6, search ? CML_SEARCH_AUTO : CML_SEARCH_EMBREE);
+        struct cml_mesh_surface *surface = rough(6, search ? CML_SEARCH_AUTO : CML_SEARCH_TREE);
         int wrong = 0;
         for (int n = 0; n < 300000; n++) {
             double p[3], u[3];
@@ -280,7 +280,7 @@ static void a_packet_does_not_graze_its_way_through(void **state)
 {
     (void)state;
     struct dice dice = dice_new(11);
-    struct cml_mesh_surface *surface = rough(5, CML_SEARCH_EMBREE);
+    struct cml_mesh_surface *surface = rough(5, CML_SEARCH_TREE);
     int missed = 0;
     for (int n = 0; n < 300000; n++) {
         const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
@@ -308,7 +308,7 @@ static void a_packet_does_not_slip_out_along_an_edge(void **state)
 {
     (void)state;
     struct dice dice = dice_new(13);
-    struct cml_mesh_surface *surface = rough(7, CML_SEARCH_EMBREE);
+    struct cml_mesh_surface *surface = rough(7, CML_SEARCH_TREE);
     int wrong = 0, flown = 0;
     for (int n = 0; n < 200000; n++) {
         const uint32_t *v = patch.triangle[dice_below(&dice, COUNT(patch.triangle))];
@@ -356,7 +356,7 @@ static void a_packet_does_not_graze_its_way_between_facets(void **state)
 {
     (void)state;
     struct dice dice = dice_new(14);
-    struct cml_mesh_surface *surface = rough(8, CML_SEARCH_EMBREE);
+    struct cml_mesh_surface *surface = rough(8, CML_SEARCH_TREE);
     int wrong = 0, flown = 0;
     for (int n = 0; n < 500000; n++) {
         double p[3], u[3];
@@ -379,7 +379,7 @@ static struct cml_mesh_surface *spike(void)
 {
     patch_make(&patch, 9, 1e-6, 0, 0, 0);
     patch.vertex[GRID / 2 * (GRID + 1) + GRID / 2][2] = -0.3;
-    return surface_of_patch(CML_SEARCH_EMBREE);
+    return surface_of_patch(CML_SEARCH_TREE);
 }
 
 /* Fast queries that meet the outer plane, or the mesh that ends in it, at a small angle where one becomes the

@@ -216,16 +216,15 @@ static bool is_met_at(const struct cml_mesh_surface *surface, const double p[3],
     return false;
 }
 
-/* Embree's triangles in single precision miss some of them, or meet the neighbour: where their hit is not
- * clearly inside a triangle, or is none at all, the exact query has to be asked, and the whole line where a
- * facet comes first that cannot be the first. */
-static void embree_is_not_believed_at_vertices_and_edges(void **state)
+/* Facets in single precision miss some of them, or meet the neighbour: what is not plain has to be decided in
+ * double. */
+static void floats_are_not_believed_at_vertices_and_edges(void **state)
 {
     (void)state;
     struct dice dice = dice_new(64);
     patch_make(&patch, 9, 0.1, 0, 0, 0);
     long wrong = 0;
-    struct cml_mesh_surface *surface = searched(&patch, 0, 0, CML_SEARCH_EMBREE);
+    struct cml_mesh_surface *surface = searched(&patch, 0, 0, CML_SEARCH_TREE);
     assert_null(cml_mesh_surface_walk(surface));
     for (int n = 0; n < 100000; n++) {
         double p[3], u[3], target[3], distance = 0;
@@ -394,21 +393,21 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
 }
 
 /* Vertices moved sideways by up to a fifth of a cell: a grid through all of them would have more cells than
- * anyone has memory. Cells with lists take less than Embree's triangles. */
-static void what_is_no_grid_takes_no_more_memory_for_cells_than_for_a_tree(void **state)
+ * anyone has memory. Cells with lists take about as much as a tree. */
+static void what_is_no_grid_takes_no_more_memory_for_cells_than_half_again_a_tree(void **state)
 {
     (void)state;
     patch_make(&patch, 67, 0.02, 0, 0, 0);
     patch_move(&patch, 68, 0.2);
     struct cml_mesh_surface *walked = surface_of(&patch, 0, 0),
-                            *searched_for = searched(&patch, 0, 0, CML_SEARCH_EMBREE);
+                            *searched_for = searched(&patch, 0, 0, CML_SEARCH_TREE);
     const double triangles = COUNT(patch.triangle), cells = cml_mesh_surface_bytes(walked),
                  tree = cml_mesh_surface_bytes(searched_for);
     assert_string_equal(cml_mesh_surface_walk(walked), "a sheet");
     assert_null(cml_mesh_surface_walk(searched_for));
     print_message("%.0f bytes per triangle, with a tree %.0f\n", cells / triangles, tree / triangles);
     assert_true(cells > 44 * triangles); /* corners and planes alone */
-    assert_true(cells < tree);
+    assert_true(cells < 1.5 * tree);
     cml_mesh_surface_free(walked);
     cml_mesh_surface_free(searched_for);
 }
@@ -439,14 +438,14 @@ int main(void)
         cmocka_unit_test(a_mesh_ten_metres_away_is_met_as_well),
         cmocka_unit_test(a_ray_from_ten_thousand_sizes_away_arrives),
         cmocka_unit_test(no_ray_at_a_vertex_or_an_edge_slips_through),
-        cmocka_unit_test(embree_is_not_believed_at_vertices_and_edges),
+        cmocka_unit_test(floats_are_not_believed_at_vertices_and_edges),
         cmocka_unit_test(a_ray_along_an_edge_stays_on_its_side),
         cmocka_unit_test(a_packet_that_rounding_put_beyond_the_surface_crosses_at_once),
         cmocka_unit_test(the_seam_of_the_outer_plane_has_no_gap),
         cmocka_unit_test(the_primitive_stood_on_is_not_met_again),
         cmocka_unit_test(a_vertex_has_the_mean_normal_weighted_by_angle),
         cmocka_unit_test(a_tessellated_hill_has_the_normals_of_its_cones),
-        cmocka_unit_test(what_is_no_grid_takes_no_more_memory_for_cells_than_for_a_tree),
+        cmocka_unit_test(what_is_no_grid_takes_no_more_memory_for_cells_than_half_again_a_tree),
         cmocka_unit_test(cells_count_as_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,228 @@
+/* Rays through a tree of facets: facet_tree.h. Compiled once for each level of the processor.
+ * SPDX-License-Identifier: MIT */
+#include "surface/tree/facet_tree.h"
+#include "vector/processor.h"
+
+#include <math.h>
+
+/* The ray as boxes see it: per axis the column that it enters through and the one it leaves by. Boxes are
+ * larger by twice the margin: once for what it is about, once for the rounding of all this. */
+struct slabs {
+    int enter[3], leave[3];
+    float enter_from[3], leave_from[3], inverse[3];
+};
+
+struct search {
+    const struct cml_facet_tree *tree;
+    const struct cml_tree_ray *ray;
+    struct cml_tree_answer *answer;
+    struct slabs slabs;
+    float to;     /* what is further away does not matter: the path's length, or that of a sure crossing */
+    float t, err; /* distance of the nearest sure one, and how far off it may be; its facet is the answer's */
+    float least[CML_TREE_DOUBTS]; /* that of a doubt may be */
+    float entering;               /* that of the nearest sure one that enters */
+};
+
+/* What of a node is still to be looked at. */
+struct pending {
+    const struct cml_tree_node *node;
+    uint32_t inner;                      /* children that are nodes, as a mask */
+    _Alignas(64) float enter[CML_GROUP]; /* where the ray enters the children */
+};
+
+/* What is known of a leaf's facets. */
+struct tested {
+    _Alignas(64) float t[CML_GROUP], err[CML_GROUP];
+    int inside[CML_GROUP], exits[CML_GROUP], passed[CML_GROUP];
+};
+
+static void find_slabs(const struct cml_tree_ray *ray, struct slabs *s)
+{
+    for (int k = 0; k < 3; k++) {
+        s->inverse[k] = 1 / ray->direction[k];
+        const int backwards = s->inverse[k] < 0; /* -0 too */
+        const float more = 2 * (backwards ? -ray->margin : ray->margin);
+        s->enter[k] = k + 3 * backwards;
+        s->leave[k] = k + 3 - 3 * backwards;
+        s->enter_from[k] = ray->origin[k] + more;
+        s->leave_from[k] = ray->origin[k] - more;
+    }
+}
+
+/* A ray that lies in a side of a box makes NaN of 0 / 0 there: comparisons are such that it counts as inside.
+ */
+static inline uint32_t enter_node(const struct search *s, const struct cml_tree_node *node, struct pending *p)
+{
+    const struct slabs *a = &s->slabs;
+    const float *x0 = node->box[a->enter[0]], *y0 = node->box[a->enter[1]], *z0 = node->box[a->enter[2]],
+                *x1 = node->box[a->leave[0]], *y1 = node->box[a->leave[1]], *z1 = node->box[a->leave[2]];
+    const float fx = a->enter_from[0], fy = a->enter_from[1], fz = a->enter_from[2], lx = a->leave_from[0],
+                ly = a->leave_from[1], lz = a->leave_from[2], ix = a->inverse[0], iy = a->inverse[1],
+                iz = a->inverse[2], to = s->to;
+    _Alignas(64) float room[CML_GROUP];
+#pragma omp simd
+    for (int i = 0; i < CML_GROUP; i++) {
+        const float ax = (x0[i] - fx) * ix, ay = (y0[i] - fy) * iy, az = (z0[i] - fz) * iz;
+        const float bx = (x1[i] - lx) * ix, by = (y1[i] - ly) * iy, bz = (z1[i] - lz) * iz;
+        float first = ax > 0 ? ax : 0, last = bx < to ? bx : to;
+        first = ay > first ? ay : first;
+        last = by < last ? by : last;
+        first = az > first ? az : first;
+        last = bz < last ? bz : last;
+        p->enter[i] = first;
+        room[i] = last - first;
+    }
+    return ~cml_group_negative(room) & CML_GROUP_MASK;
+}
+
+/* Which facets of a leaf are candidates, as a mask. A plane's distance from the origin and from the end of
+ * the path decides before t does, which a ray along the plane does not have. Comparisons are such that a NaN
+ * makes a candidate, which is not met. */
+static uint32_t test_leaf(const struct search *s, const struct cml_tree_leaf *leaf, struct tested *tested)
+{
+    const struct cml_tree_ray *ray = s->ray;
+    const float x = ray->origin[0], y = ray->origin[1], z = ray->origin[2], u = ray->direction[0],
+                v = ray->direction[1], w = ray->direction[2], margin = ray->margin, to = s->to,
+                length = ray->length, side = ray->below ? 1.f : -1.f;
+#pragma omp simd
+    for (int i = 0; i < CML_GROUP; i++) {
+        const float nx = leaf->normal[0][i], ny = leaf->normal[1][i], nz = leaf->normal[2][i];
+        const float along = nx * u + ny * v + nz * w, height = leaf->offset[i] - (nx * x + ny * y + nz * z);
+        const float sine = fabsf(along), ahead = along < 0 ? -height : height;
+        const float inverse = 1 / along, t = height * inverse, err = margin * fabsf(inverse);
+        const float px = x + t * u, py = y + t * v, pz = z + t * w;
+        const float a = leaf->slope[0][0][i] * px + leaf->slope[0][1][i] * py + leaf->slope[0][2][i] * pz +
+                        leaf->weight[0][i];
+        const float b = leaf->slope[1][0][i] * px + leaf->slope[1][1][i] * py + leaf->slope[1][2][i] * pz +
+                        leaf->weight[1][i];
+        const float c = 1 - a - b, aside = (margin + err) * leaf->steepest[i];
+        tested->t[i] = t;
+        tested->err[i] = err;
+        tested->exits[i] = side * along > 0;
+        tested->inside[i] =
+            (a > aside) & (b > aside) & (c > aside) & (ahead > margin) & (ahead < sine * length - margin);
+        tested->passed[i] = (a < -aside) | (b < -aside) | (c < -aside) | (ahead < -margin) |
+                            (ahead > sine * to + margin) | (leaf->facet[i] == CML_TREE_NO_FACET);
+    }
+    return cml_group_equal(tested->passed, 0);
+}
+
+static void add_doubt(struct search *s, int facet, float least)
+{
+    struct cml_tree_answer *answer = s->answer;
+    if (answer->doubts == CML_TREE_DOUBTS) {
+        answer->blurred = true;
+        return;
+    }
+    s->least[answer->doubts] = least;
+    answer->doubt[answer->doubts++] = facet;
+}
+
+/* The nearest sure crossing may be another one from now on. */
+static void add_sure(struct search *s, int facet, float t, float err)
+{
+    if (!(t < s->t)) {
+        add_doubt(s, facet, t - err);
+        return;
+    }
+    if (s->answer->facet >= 0) add_doubt(s, s->answer->facet, s->t - s->err);
+    s->t = t;
+    s->err = err;
+    s->answer->facet = facet;
+    if (t + err < s->to) s->to = t + err;
+}
+
+static inline void search_leaf(struct search *s, uint32_t number)
+{
+    const struct cml_tree_leaf *leaf = &s->tree->leaf[number];
+    struct tested tested;
+    for (uint32_t mask = test_leaf(s, leaf, &tested); mask; mask &= mask - 1) {
+        const int i = __builtin_ctz(mask), facet = (int)leaf->facet[i];
+        const float t = tested.t[i], err = tested.err[i];
+        if (facet == s->ray->exclude) continue;
+        if (!(err < INFINITY))
+            s->answer->blurred = true;
+        else if (tested.inside[i] && tested.exits[i])
+            add_sure(s, facet, t, err);
+        else
+            add_doubt(s, facet, t - err);
+        if (tested.inside[i] && !tested.exits[i] && t < s->entering) s->entering = t;
+    }
+}
+
+/* The leaves of a node at once, its nodes later. */
+static inline void search_node(struct search *s, const struct cml_tree_node *node, struct pending *p)
+{
+    const uint32_t entered = enter_node(s, node, p);
+    p->node = node;
+    p->inner = entered >> node->leaves << node->leaves;
+    for (uint32_t mask = entered ^ p->inner; mask; mask &= mask - 1) {
+        const int i = __builtin_ctz(mask);
+        if (p->enter[i] <= s->to) search_leaf(s, node->child[i]);
+    }
+}
+
+static void search_tree(struct search *s)
+{
+    struct pending stack[CML_TREE_DEPTH], *p = stack;
+    find_slabs(s->ray, &s->slabs);
+    search_node(s, s->tree->node, p);
+    while (!s->answer->blurred) {
+        if (p->inner) {
+            const int i = __builtin_ctz(p->inner);
+            p->inner &= p->inner - 1;
+            if (!(p->enter[i] <= s->to)) continue;
+            search_node(s, &s->tree->node[p->node->child[i]], p + 1);
+            p++;
+        } else if (p-- == stack) {
+            return;
+        }
+    }
+}
+
+static void begin(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray, struct search *s,
+                  struct cml_tree_answer *answer)
+{
+    s->tree = tree;
+    s->ray = ray;
+    s->answer = answer;
+    s->to = ray->length;
+    s->t = s->entering = INFINITY;
+    s->err = 0;
+    answer->facet = -1;
+    answer->doubts = 0;
+    answer->blurred = false;
+}
+
+/* Doubts behind the nearest sure crossing are none. */
+static void end(struct search *s)
+{
+    struct cml_tree_answer *answer = s->answer;
+    int doubts = 0;
+    for (int i = 0; i < answer->doubts; i++)
+        if (!(s->least[i] > s->t + s->err)) answer->doubt[doubts++] = answer->doubt[i];
+    answer->doubts = doubts;
+    answer->re_enters = s->entering < s->t;
+}
+
+static void ask(const struct cml_facet_tree *tree, const struct cml_tree_ray *ray,
+                struct cml_tree_answer *answer)
+{
+    struct search s;
+    begin(tree, ray, &s, answer);
+    search_tree(&s);
+    end(&s);
+}
+
+static void ask_leaves(const struct cml_facet_tree *tree, const uint32_t *leaf, int count,
+                       const struct cml_tree_ray *ray, struct cml_tree_answer *answer)
+{
+    struct search s;
+    begin(tree, ray, &s, answer);
+    for (int i = 0; i < count; i++) search_leaf(&s, leaf[i]);
+    end(&s);
+}
+
+/* declared in facet_tree.c only, which picks one */
+extern const struct cml_tree_level CML_LEVELED(cml_tree_, CML_LEVEL);
+const struct cml_tree_level CML_LEVELED(cml_tree_, CML_LEVEL) = {ask, ask_leaves};

@@ -195,6 +195,10 @@ class Scenes(unittest.TestCase):
         """numpy's booleans and arrays stand for Python's."""
         scene = mc.Scene([SLAB], facets=np.True_, beam=mc.Beam(at=np.array([0.1, 0])), map=mc.Map(2, 2, 1, 1, angles=np.True_))
         self.assertIn("beam pencil at=0.1,0\nmap 2 2 1 1 angles\nfacets\n", scene.text("a.mco"))
+        several = mc.Scene([SLAB], beam=[mc.Beam(), mc.Beam("rectangle", width=1, height=2, light="na:0.2", share=3),
+                                         mc.Beam("image", file="p.gsf", light="a b.txt", z=0.1, angle=120)])
+        self.assertIn('beam pencil\nbeam rectangle 1 2 light=na:0.2 share=3\nbeam image "p.gsf" z=0.1 angle=120 light="a b.txt"\n',
+                      several.text("a.mco"))
 
     def test_mesh_from_arrays(self):
         vertices = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0.1, 0.2, 0.05]]
@@ -211,7 +215,10 @@ class Scenes(unittest.TestCase):
                  (lambda: mc.Layer(1.4, 1, float("nan"), 0, 1), r"Layer\.mus = nan \(expected"),
                  (lambda: mc.Layer(1.4, 1, 1, 0, 1, top="a.obj"), r"Layer\.top = 'a\.obj' \(expected"),
                  (lambda: mc.Beam("disc", 1), r"Beam\.kind = 'disc' \(expected"), (lambda: mc.Beam("disk"), r"Beam\.radius = None"),
-                 (lambda: mc.Beam(angle=90), r"Beam\.angle = 90"), (lambda: mc.Beam(at=1), r"Beam\.at = 1 \(expected 2 numbers"),
+                 (lambda: mc.Beam(angle=90), r"Beam\.angle = 90"), (lambda: mc.Beam(z=1, angle=181), r"Beam\.angle = 181"),
+                 (lambda: mc.Beam("ring", r1=1), r"Beam\.r2 = None"), (lambda: mc.Beam("disk", 1, width=2), r"Beam\.width = 2"),
+                 (lambda: mc.Beam("image"), r"Beam\.file = None"), (lambda: mc.Beam(light=1), r"Beam\.light = 1"),
+                 (lambda: mc.Beam(at=1), r"Beam\.at = 1 \(expected 2 numbers"),
                  (lambda: mc.Map(0, 1, 1, 1), r"Map\.nx = 0"), (lambda: mc.Map(1, 1, 1, 1, top=1), r"Map\.top = 1"),
                  (lambda: mc.Heightfield([0, 1], [0]), r"Heightfield\.h = \[0\] \(expected 2 finite"),
                  (lambda: mc.Heightfield([1, 2], [0, 0]), r"Heightfield\.r = \[1, 2\]"),

@@ -54,13 +54,21 @@ class Layer:
         check_phase("Layer.phase", self.phase)
 
 
+SHAPES = {"pencil": (), "disk": ("radius",), "gaussian": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "image": ()}
+
+
 @dataclass
 class Beam:
-    """How light arrives. kind: "pencil", "disk" (of `radius` cm) or "gaussian" (1/e2 radius). at: x, y [cm] where the axis meets
-    z = 0. angle: degrees between the axis and z; azimuth: degrees from x towards y.
+    """How light arrives. kind: "pencil", "disk" (of `radius` cm), "gaussian" (1/e2 radius), "ring" (between `r1` and `r2`), "rectangle"
+    (`width` by `height`) or "image" (of a .gsf `file`). at: x, y [cm] where the axis meets z = 0. z: None, light starts above all
+    surfaces; or the depth [cm] where it starts. angle: degrees between the axis and z; azimuth: degrees from x towards y. light: "parallel",
+    "lambertian", "isotropic", "na:0.22", or the name of a table of angles and intensities. share: of the light of several beams.
+    radial: r in results counts from `at`.
 
     >>> Beam("disk", 0.5, angle=60).line()
     'beam disk 0.5 angle=60'
+    >>> Beam("ring", r1=0.1, r2=0.2, z=0.05, light="isotropic").line()
+    'beam ring 0.1 0.2 z=0.05 light=isotropic'
     """
 
     kind: str = "pencil"
@@ -68,24 +76,49 @@ class Beam:
     at: Sequence[float] = (0.0, 0.0)
     angle: float = 0.0
     azimuth: float = 0.0
+    z: Optional[float] = None
+    light: str = "parallel"
+    share: float = 1.0
+    r1: Optional[float] = None
+    r2: Optional[float] = None
+    width: Optional[float] = None
+    height: Optional[float] = None
+    file: Optional[str] = None
+    radial: bool = False
 
     def __post_init__(self) -> None:
-        errors.choice("Beam.kind", self.kind, "pencil", "disk", "gaussian")
-        if self.kind == "pencil" and self.radius is not None:
-            raise errors.refuse("Beam.radius", self.radius, "None for a pencil beam")
-        if self.kind != "pencil":
-            errors.above_zero("Beam.radius", self.radius)
+        errors.choice("Beam.kind", self.kind, *SHAPES)
+        for name in ("radius", "r1", "r2", "width", "height"):
+            value = getattr(self, name)
+            if name not in SHAPES[self.kind] and value is not None:
+                raise errors.refuse("Beam." + name, value, f"None for a {self.kind} beam")
+            if name in SHAPES[self.kind]:
+                (errors.at_least_zero if name == "r1" else errors.above_zero)("Beam." + name, value)
+        if (self.kind == "image") != isinstance(self.file, str):
+            raise errors.refuse("Beam.file", self.file, "the name of a .gsf file for an image, else None")
         vector("Beam.at", self.at, 2)
-        if not 0 <= errors.finite("Beam.angle", self.angle) < 90:
-            raise errors.refuse("Beam.angle", self.angle, "degrees, 0 <= angle < 90")
+        if self.z is not None:
+            errors.finite("Beam.z", self.z)
+        angle = errors.finite("Beam.angle", self.angle)
+        if not 0 <= angle <= 180 or (self.z is None and angle >= 90):
+            raise errors.refuse("Beam.angle", self.angle, "degrees, 0 <= angle < 90" if self.z is None else "degrees, 0 <= angle <= 180")
         errors.finite("Beam.azimuth", self.azimuth)
+        if not isinstance(self.light, str) or not self.light or '"' in self.light:
+            raise errors.refuse("Beam.light", self.light, "parallel, lambertian, isotropic, na:N or the name of a file")
+        errors.above_zero("Beam.share", self.share)
+        errors.flag("Beam.radial", self.radial)
 
     def line(self) -> str:
-        words = ["beam", self.kind] + ([] if self.radius is None else [shortest(self.radius)])
+        words = ["beam", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
+        words += [f'"{self.file}"'] if self.file is not None else []
         if tuple(self.at) != (0.0, 0.0):
             words.append("at=" + ",".join(shortest(value) for value in self.at))
+        words += [] if self.z is None else [f"z={shortest(self.z)}"]
         words += [f"{name}={shortest(getattr(self, name))}" for name in ("angle", "azimuth") if getattr(self, name) != 0]
-        return " ".join(words)
+        known = self.light in ("parallel", "lambertian", "isotropic") or self.light.startswith("na:")
+        words += [] if self.light == "parallel" else ["light=" + (self.light if known else f'"{self.light}"')]
+        words += [] if self.share == 1 else [f"share={shortest(self.share)}"]
+        return " ".join(words + (["radial=beam"] if self.radial else []))
 
 
 @dataclass
@@ -126,7 +159,7 @@ class Scene:
     """Layers from above to below, what lies beyond them, light, and what is recorded.
 
     n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane.
-    dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
+    beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
     exitance of every triangle. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
@@ -154,7 +187,7 @@ class Scene:
     nr: int = 100
     nz: int = 100
     na: int = 30
-    beam: Beam = field(default_factory=Beam)
+    beam: Union[Beam, Sequence[Beam]] = field(default_factory=Beam)
     map: Optional[Map] = None
     facets: bool = False
     format: str = "B"
@@ -172,10 +205,14 @@ class Scene:
         for name in ("nr", "nz", "na"):
             errors.whole("Scene." + name, getattr(self, name), 1, 2**31 - 1)
         check_surface("Scene.bottom", self.bottom)
-        for name, kind in (("beam", Beam), ("map", Map)):
-            value = getattr(self, name)
-            if not isinstance(value, kind) and not (name == "map" and value is None):
-                raise errors.refuse("Scene." + name, value, "a " + kind.__name__)
+        if not all(isinstance(beam, Beam) for beam in self.beams()) or not self.beams():
+            raise errors.refuse("Scene.beam", self.beam, "a Beam, or a list of Beam")
+        if not isinstance(self.map, Map) and self.map is not None:
+            raise errors.refuse("Scene.map", self.map, "a Map")
+
+    def beams(self) -> Sequence[Beam]:
+        """All beams, one or several."""
+        return self.beam if isinstance(self.beam, (list, tuple)) else [self.beam]
 
     def text(self, output: str, directory: str = ".") -> str:
         """The text of the `.mci` whose result is OUTPUT; surfaces that are arrays are written to DIRECTORY."""
@@ -183,7 +220,7 @@ class Scene:
         quoted = f'"{output}"' if re.search(r"\s", output) else output
         lines = ["1.0", "1", f"{quoted} {self.format}", str(int(self.photons)), f"{shortest(self.dz)} {shortest(self.dr)}",
                  f"{int(self.nz)} {int(self.nr)} {int(self.na)}"]
-        lines += [self.beam.line()] if self.beam.line() != Beam().line() else []
+        lines += [beam.line() for beam in self.beams() if len(self.beams()) > 1 or beam.line() != Beam().line()]
         lines += [self.map.line()] if self.map is not None else []
         lines += ["facets"] if self.facets else []
         lines += [str(len(self.layers)), shortest(self.n_above)]

@@ -95,8 +95,12 @@ static void compare_random_rays(double shear, double dx, double dy, double x0, d
         const struct first first = first_of_all(p, u, dx, dy);
         const double q[3] = {p[0] - x0, p[1] - y0, p[2]};
         struct cml_mesh_crossing c = {.t = -1};
+        struct cml_mesh_crossing fast = {.t = -1};
         const int hit = query(surface, q, u, first.below, -1, &c);
         assert_int_equal(hit, first.t < INFINITY);
+        assert_int_equal(hit,
+                         cml_mesh_surface_hit(surface, q, u, first.below, INFINITY, -1, 0, 0, 1e-15, &fast));
+        assert_near("distance, fast", fast.t, c.t, tolerance);
         if (!hit) continue;
         hits++;
         assert_near("distance", c.t, (double)first.t, tolerance);

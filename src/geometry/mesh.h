@@ -31,6 +31,8 @@ struct cml_mesh {
     double lower[3], upper[3]; /* bounding box, cm */
     enum cml_normals normals;
     bool closed;          /* a body without a border, instead of a sheet: asked of cml_mesh_prepare */
+    bool unite;           /* of a body: inside is what is inside of any part; asked of cml_mesh_prepare, which
+                           * leaves it where there are several */
     size_t num_parts;     /* of a body: closed surfaces without a common corner, or 0 */
     uint32_t *part;       /* [num_triangles] which of them a triangle belongs to; of a sheet NULL */
     uint32_t *part_start; /* [num_parts] the first triangle of each, rising; of a sheet NULL */
@@ -85,7 +87,8 @@ CML_NODISCARD cml_status cml_mesh_prepare(struct cml_mesh *mesh, const struct cm
 /* The same of a closed body (mesh->closed): no border, which is refused with an edge of it; triangles turned
  * so that their normals point outwards; num_border is 0 and z_border the body's highest depth. It may have
  * several parts: one inside another is a cavity, whose normals point into it, one inside a cavity is solid
- * again, and so on. That parts cross is not looked for; one without a volume is refused. */
+ * again, and so on; but with mesh->unite each part is turned outwards of itself. That parts cross is not
+ * looked for; one without a volume is refused. */
 
 /* True when every vertex lies at the same depth: the boundary is then the plane z = *z. */
 bool cml_mesh_is_flat(const struct cml_mesh *mesh, double *z);

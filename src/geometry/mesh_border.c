@@ -321,11 +321,12 @@ static cml_status check_volumes(const struct cml_mesh_work *work, const struct p
 /* A part lies in every other one that stands an odd number of times above one of its corners. */
 static cml_status find_cavities(struct cml_mesh_work *work, struct part *parts, struct cml_error *err)
 {
-    const struct cml_mesh *mesh = work->mesh;
+    struct cml_mesh *mesh = work->mesh;
     struct cml_column_mesh column = {(const double(*)[3])mesh->vertex, (const uint32_t(*)[3])mesh->triangle,
                                      mesh->part, NULL};
     struct cml_boxtree *tree;
-    if (mesh->num_parts == 1) return CML_OK;
+    mesh->unite = mesh->unite && mesh->num_parts > 1;
+    if (mesh->num_parts == 1 || mesh->unite) return CML_OK;
     CML_TRY(cml_boxtree_create(column.vertex, column.triangle, mesh->num_triangles, &tree, err));
     column.tree = tree;
     for (uint32_t k = 0; k < mesh->num_parts; k++) {

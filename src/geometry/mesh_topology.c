@@ -49,9 +49,10 @@ static cml_status refuse_edge(const struct cml_mesh_work *work, uint32_t edge, s
     const struct cml_mesh *mesh = work->mesh;
     char from[112], to[112];
     return cml_mesh_fail(work, cml_mesh_triangle_line(work, edge / 3), err,
-                         "the edge from %s to %s belongs to %zu faces (expected 1 or 2: a sheet)",
+                         "the edge from %s to %s belongs to %zu faces (expected %s)",
                          cml_mesh_place(mesh->vertex[cml_half_edge_from(mesh, edge)], from),
-                         cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, edge)], to), count);
+                         cml_mesh_place(mesh->vertex[cml_half_edge_to(mesh, edge)], to), count,
+                         mesh->closed ? "2: closed parts that do not touch" : "1 or 2: a sheet");
 }
 
 /* Pairs the half-edges of one lower vertex: equal other ends have become neighbours by sorting. These lists

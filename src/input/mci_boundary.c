@@ -196,6 +196,7 @@ static cml_status read_radial(struct cml_mci_reader *reader, int index, struct c
 
 /* The order of the keys in read_mesh. */
 enum { MESH_UP, MESH_ROTATE, MESH_UNITS, MESH_SCALE, MESH_SHIFT, MESH_NORMALS, MESH_SKIRT, MESH_TILE };
+enum { BODY_UNION = MESH_TILE }; /* of an i line, which has no tile */
 
 /* Whether a heightmap is repeated, and how. Two have names. */
 enum tiling { TILE_MIRRORED, TILE_AS_IS, TILE_PERIODIC, TILE_NONE };
@@ -219,26 +220,25 @@ static cml_status set_mesh_option(const struct cml_mci_line_options *options, st
         obj->unit = cm[which];
         return CML_OK;
     case MESH_SCALE:
-        if (!cml_mci_parse_list(value, 1, &obj->scale) || obj->scale < CML_MCI_TINY)
-            return cml_mci_fail_value(options, scale_range);
-        return CML_OK;
+        if (cml_mci_parse_list(value, 1, &obj->scale) && obj->scale >= CML_MCI_TINY) return CML_OK;
+        return cml_mci_fail_value(options, scale_range);
     case MESH_SHIFT:
-        return cml_mci_parse_list(value, 3, obj->shift)
-                   ? CML_OK
-                   : cml_mci_fail_value(options, "x,y,z in cm without blanks");
+        if (cml_mci_parse_list(value, 3, obj->shift)) return CML_OK;
+        return cml_mci_fail_value(options, "x,y,z in cm without blanks");
     case MESH_UP:
         which = cml_mci_choose(value, up_names, 6);
         if (which < 0) return cml_mci_fail_value(options, "x, -x, y, -y, z or -z");
         obj->up = (enum cml_up_axis)which;
         return CML_OK;
     case MESH_ROTATE:
-        return cml_mci_parse_list(value, 1, &obj->rotate) && fabs(obj->rotate) <= 360
-                   ? CML_OK
-                   : cml_mci_fail_value(options, "degrees of -360..360");
+        if (cml_mci_parse_list(value, 1, &obj->rotate) && fabs(obj->rotate) <= 360) return CML_OK;
+        return cml_mci_fail_value(options, "degrees of -360..360");
     case MESH_SKIRT:
-        return cml_mci_parse_list(value, 1, &obj->skirt) && obj->skirt >= CML_MCI_TINY
-                   ? CML_OK
-                   : cml_mci_fail_value(options, "a width of 1e-30..1e30 cm");
+        if (cml_mci_parse_list(value, 1, &obj->skirt) && obj->skirt >= CML_MCI_TINY) return CML_OK;
+        return cml_mci_fail_value(options, "a width of 1e-30..1e30 cm");
+    case BODY_UNION:
+        obj->unite = true;
+        return options->alone ? CML_OK : cml_mci_fail_value(options, "the word union alone");
     default:
         which = cml_mci_choose(value, normals, 2);
         if (which < 0) return cml_mci_fail_value(options, "face or vertex");
@@ -364,8 +364,7 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
         .keys = {"up", "rotate", "units", "scale", "shift", "normals", "skirt", "tile"},
         .flag = "tile",
         .list = "up=, rotate=, units=, scale=, shift=, normals=, skirt=, tile, tile=mirror or tile=as-is"};
-    struct cml_obj_options obj = {
-        .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET};
+    struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1};
     enum mesh_file kind = FILE_OBJ;
     enum tiling tiling = TILE_NONE;
     cml_mci_cut_comment(reader->cursor);
@@ -469,10 +468,11 @@ cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number, struct c
     snprintf(owner, sizeof owner, "body %d", number);
     struct cml_mci_line_options options = {.reader = reader,
                                            .owner = owner,
-                                           .keys = {"up", "rotate", "units", "scale", "shift", "normals"},
-                                           .list = "up=, rotate=, units=, scale=, shift= or normals="};
-    struct cml_obj_options obj = {
-        .unit = 1, .scale = 1, .height = 1, .up = CML_UP_Z, .normals = CML_NORMALS_FACET, .closed = true};
+                                           .keys = {"up", "rotate", "units", "scale", "shift", "normals",
+                                                    "\n" /* no skirt: no word holds a line's end */, "union"},
+                                           .flag = "union",
+                                           .list = "up=, rotate=, units=, scale=, shift=, normals= or union"};
+    struct cml_obj_options obj = {.unit = 1, .scale = 1, .height = 1, .closed = true};
     CML_TRY(read_body_line(&options, number, body, medium, &obj));
     if (body->borrowed) return CML_OK;
     obj.budget = reader->options->budget;

@@ -79,7 +79,9 @@ static void print_shape(FILE *stream, const struct cml_scene_body *body, enum cm
     fputs(cml_body_form_name(body->form), stream);
     if (body->form == CML_BODY_MESH) {
         fprintf(stream, " of %zu triangles", body->mesh.num_triangles);
-        if (body->mesh.num_parts > 1)
+        if (body->mesh.unite)
+            fprintf(stream, ", the union of %zu parts", body->mesh.num_parts);
+        else if (body->mesh.num_parts > 1)
             fprintf(stream, " in %zu parts, %zu of them cavities", body->mesh.num_parts,
                     body->mesh_notes.cavities);
         print_checksum(stream, cml_mesh_checksum(&body->mesh), reader);

@@ -110,7 +110,9 @@ static bool compare_triangles(void *context, uint32_t i, uint32_t j)
     corners(search->a, i, a);
     corners(search->b, j, b);
     const bool same = search->a == search->b;
-    const int shared = same ? common_corners_first(search->a->mesh, i, j, a, b) : 0;
+    const struct cml_mesh *mesh = search->a->mesh;
+    if (same && mesh->unite && mesh->part[i] != mesh->part[j]) return false;
+    const int shared = same ? common_corners_first(mesh, i, j, a, b) : 0;
     const enum cml_contact contact = cml_triangle_contact(a, b, shared, at);
     const bool swap = same && j < i;
     if (contact != CML_APART) keep_stronger(search->overlap, contact, at, swap ? j : i, swap ? i : j);
@@ -183,7 +185,8 @@ static struct cml_column column_through(const struct cml_sheet *sheet, const dou
 
 bool cml_sheet_is_below(const struct cml_sheet *sheet, const double point[3])
 {
-    return column_through(sheet, point).above % 2 == 1;
+    const struct cml_column column = column_through(sheet, point);
+    return sheet->mesh->unite ? column.winding > 0 : column.above % 2 == 1;
 }
 
 /* How far the point is on the wrong side of the sheet in the vertical; 0 when it is on the right one. */

@@ -40,8 +40,8 @@ struct cml_sheet_overlap {
     uint32_t triangle[2]; /* where depth is not known: of the first sheet, of the second */
 };
 
-/* Triangles that meet elsewhere than at their common corners, or that meet the outer plane outside the
- * border. */
+/* Triangles that meet elsewhere than at their common corners, but not of different parts of a union, or that
+ * meet the outer plane outside the border. */
 void cml_sheet_against_itself(const struct cml_sheet *sheet, struct cml_sheet_overlap *overlap);
 
 /* `upper` must lie above `lower` everywhere. Finds the deepest vertex on the wrong side; only where all are

@@ -84,12 +84,12 @@ PAIRS = [
 ]
 
 
-def parts(name, size, x=0, z=0.25):
-    return f'i "{name}.obj" {MEDIUM} scale={size:.9g} shift={x:.9g},0,{-z}'
+def parts(name, size, x=0, z=0.25, more=""):
+    return f'i "{name}.obj" {MEDIUM} scale={size:.9g} shift={x:.9g},0,{-z}{more}'
 
 
 # Meshes of several parts: a shell 0.1 cm wide around a cavity of half of that, and two octahedra beside each other.
-SHELL, TWO = parts("shell", 0.1), parts("two", 0.1)
+SHELL, TWO, UNION = parts("shell", 0.1), parts("two", 0.1), parts("crossing", 0.1, more=" union")
 PAIRS += [
     ("octahedron in a cavity", SHELL, lambda t: octahedron(0.25, 0.02, 0.03 * t)),
     ("ball in a cavity", SHELL, lambda t: sphere(0.25, 0.05 / math.sqrt(3) * t)),
@@ -101,7 +101,9 @@ PAIRS += [
 HOSTS = [(SHELL, octahedron(0.25, 0.04), "layer 1"), (SHELL, sphere(0.25, 0.02), "layer 1"), (SHELL, octahedron(0.25, 0.01, 0.07), "body 1"),
          (SHELL, sphere(0.25, 0.01, 0.07), "body 1"), (TWO, sphere(0.25, 0.05, 0.2), "body 1"), (TWO, sphere(0.25, 0.05), "layer 1"),
          (sphere(0.25, 0.11), SHELL, "body 1"), (octahedron(0.25, 0.2), parts("two", 0.05), "body 1"),
-         (parts("shell", 0.24), parts("two", 0.03), "layer 1")]
+         (parts("shell", 0.24), parts("two", 0.03), "layer 1"), (UNION, sphere(0.25, 0.01, 0.07), "body 1"), (UNION, sphere(0.25, 0.01, -0.01), "body 1"),
+         (UNION, octahedron(0.25, 0.01, -0.01), "body 1"), (sphere(0.25, 0.15), parts("crossing", 0.05, more=" union"), "body 1"), (UNION, octahedron(0.25, 0.02, 0.3), "layer 1"),
+         (parts("shell", 0.1, more=" union"), octahedron(0.25, 0.02), "body 1")]
 # neither inside of the other nor apart
 OVERLAPS = [(SHELL, octahedron(0.25, 0.07)), (SHELL, sphere(0.25, 0.054)), (TWO, octahedron(0.25, 0.12, 0.2)),
             (TWO, sphere(0.25, 0.11, -0.2)), (parts("shell", 0.2), parts("shell", 0.15))]

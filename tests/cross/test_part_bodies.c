@@ -128,12 +128,50 @@ static void a_body_in_a_cavity_lies_in_what_is_around(void **state)
     remove_files(&files);
 }
 
+static void write_boxes(const char *path, const double (*box)[2][3], int count)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    for (int b = 0; b < count; b++) {
+        static const int sides[6][4] = {{0, 1, 3, 2}, {4, 6, 7, 5}, {0, 4, 5, 1},
+                                        {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 5, 7, 3}};
+        for (int i = 0; i < 8; i++)
+            fprintf(file, "v %g %g %g\n", box[b][i >> 2 & 1][0], box[b][i >> 1 & 1][1], -box[b][i & 1][2]);
+        for (int s = 0; s < 6; s++)
+            fprintf(file, "f %d %d %d %d\n", 8 * b + sides[s][0] + 1, 8 * b + sides[s][1] + 1,
+                    8 * b + sides[s][2] + 1, 8 * b + sides[s][3] + 1);
+    }
+    assert_int_equal(fclose(file), 0);
+}
+
+/* A box made of boxes that overlap, lie within it, and end in its faces. */
+static void a_union_of_boxes_is_a_box(void **state)
+{
+    (void)state;
+    static const double whole[1][2][3] = {{{-0.15, -0.1, 0.1}, {0.15, 0.1, 0.3}}},
+                        parts[4][2][3] = {{{-0.15, -0.1, 0.1}, {0.05, 0.1, 0.3}},
+                                          {{-0.03, -0.1, 0.1}, {0.15, 0.1, 0.3}},
+                                          {{-0.12, -0.05, 0.15}, {0.1, 0.07, 0.22}},
+                                          {{-0.13, -0.02, 0.12}, {0.13, 0.02, 0.3}}};
+    char one[] = "/tmp/cml_parts_XXXXXX.obj", many[] = "/tmp/cml_parts_XXXXXX.obj", first[256], second[256];
+    close(mkstemps(one, 4));
+    close(mkstemps(many, 4));
+    write_boxes(one, whole, 1);
+    write_boxes(many, parts, 4);
+    snprintf(first, sizeof first, "i \"%s\" 1.5 2 20 0.7 union\n", many);
+    snprintf(second, sizeof second, "i \"%s\" 1.5 2 20 0.7\n", one);
+    expect_same(first, second);
+    remove(one);
+    remove(many);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_spheres_are_one_body),
         cmocka_unit_test(a_cavity_is_what_is_around),
         cmocka_unit_test(a_body_in_a_cavity_lies_in_what_is_around),
+        cmocka_unit_test(a_union_of_boxes_is_a_box),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

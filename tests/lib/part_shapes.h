@@ -11,7 +11,7 @@
 #include <float.h>
 #include <math.h>
 
-enum { SOUP_PARTS = 24, SOUP_VERTICES = 4000, SOUP_TRIANGLES = 8000 };
+enum { SOUP_PARTS = 100, SOUP_VERTICES = 4000, SOUP_TRIANGLES = 8000 };
 
 /* Facets of a part turn counter-clockwise seen from outside of it. */
 struct soup {
@@ -167,7 +167,8 @@ static inline struct cml_mesh soup_mesh(const struct soup *soup, struct dice *di
 {
     struct cml_mesh mesh = {.num_vertices = (size_t)soup->num_vertices,
                             .num_triangles = (size_t)soup->num_triangles,
-                            .closed = true};
+                            .closed = true,
+                            .unite = soup->unite};
     struct cml_error err = {CML_OK, ""};
     mesh.vertex = malloc(mesh.num_vertices * sizeof *mesh.vertex);
     mesh.triangle = malloc(mesh.num_triangles * sizeof *mesh.triangle);

@@ -378,6 +378,10 @@ def body_files(directory):
         "shells": joined((stone(12, 0.3, 0.03), here), (stone(8, 0.2, 0.03, 2), here), (box(0.07), here), (stone(6, 0.04, 0.01, 3), here)),
         "shell-1e-6": joined((stone(12, 0.3, 0.05), here), ((inner, stone(12, 0.3, 0.05)[1]), here)),
         "boxes-1e-9": joined((box(0.1), (-0.1, 0.0, 0.0)), (box(0.1), (0.1 + 1e-9, 0.03, 0.02)), (box(0.1), (-0.12, 0.05, 0.2 + 1e-9))),
+        "union": joined((stone(12, 0.2, 0.04), (-0.05, 0.0, 0.0)), (stone(8, 0.15, 0.03, 2), (0.1, 0.1, 0.1)), (box(0.13), (0.07, -0.05, -0.05)),
+                        (stone(6, 0.05, 0.01, 3), (-0.05, 0.0, 0.0)), ((needles, stone(16, 0.01, 0.002)[1]), here)),
+        "union-boxes": joined((box(0.1), here), (box(0.1), (0.07, 0.03, 0.0)), (box(0.05), (0.22, 0.01, 0.02)), (box(0.06), here),
+                              (box(0.1), (-0.2 - 1e-9, 0.03, 0.02))),
         "crossing": joined((box(0.1), here), (box(0.1), (0.05, 0.03, 0.02))),
         "box": box(0.2),
         "stone": stone(12, 0.3, 0.05),
@@ -459,6 +463,10 @@ def mesh_bodies(line, body):
     yield Situation("body-shells-air", of([inside(body["shells"], (1.0, 0.0, 0.0, 0.0))], (1.5, 0.1, 2.0, 0.5, 1.0)), AIMED)
     yield Situation("body-shell-1e-6cm", of([inside(body["shell-1e-6"])]), AIMED + GRAZING[::2])
     yield Situation("body-boxes-1e-9cm", of([inside(body["boxes-1e-9"])]), AIMED + GRAZING[::2])
+    yield Situation("body-union", of([inside(body["union"]) + " union"]), AIMED + GRAZING[::2])
+    yield Situation("body-union-smooth-air", of([inside(body["union"], (1.0, 0.0, 0.0, 0.0)) + " union normals=vertex"], (1.5, 0.1, 2.0, 0.5, 1.0)), AIMED)
+    yield Situation("body-union-n=1", of([inside(body["union"], (1.0, 0.5, 10.0, 0.5)) + " union"], (1.0, 0.1, 2.0, 0.5, 1.0)), AIMED)
+    yield Situation("body-union-boxes", of([inside(body["union-boxes"]) + " union"]), AIMED + GRAZING[::2])
     yield Situation("body-crossing-parts", of([inside(body["crossing"])]), refused="itself")
     yield Situation("body-torn", of([inside(body["torn"])]), refused="edge")
     yield Situation("body-through-mesh", scene([TURBID], {0: line["rough"]}, bodies=[sphere(0.0, 0.0, 0.3, 0.3)]),

@@ -155,6 +155,7 @@ static cml_status build_mesh(struct cml_text *text, struct cml_obj_scan *scan,
         mesh->normals = options->normals;
         mesh->skirt = options->skirt;
         mesh->closed = options->closed;
+        mesh->unite = options->unite;
         scan->vertex = NULL;
         place_vertices(mesh, options);
         const struct cml_mesh_source source = {

@@ -22,6 +22,7 @@ struct cml_obj_options {
     double shift[3]; /* x, y, height; cm */
     double skirt;    /* cm: the mesh's (geometry/mesh.h) */
     bool closed;     /* a body, not a boundary */
+    bool unite;      /* of its parts (geometry/mesh.h) */
     enum cml_normals normals;
     struct cml_mesh_budget budget;
 };

@@ -81,7 +81,10 @@ class Cylinder:
 
 @dataclass
 class Body:
-    """A closed mesh, heights up from z = 0 of the scene (a ball 0.25 cm deep has shift=(0, 0, -0.25)); n, mua, mus [1/cm], g, phase."""
+    """A closed mesh, heights up from z = 0 of the scene (a ball 0.25 cm deep has shift=(0, 0, -0.25)); n, mua, mus [1/cm], g, phase.
+
+    union: closed parts of the mesh may cross; inside is what is inside of any part.
+    """
 
     mesh: Mesh
     n: float
@@ -89,13 +92,16 @@ class Body:
     mus: float
     g: float
     phase: Optional[Phase] = None
+    union: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, Mesh):
             raise errors.refuse("Body.mesh", self.mesh, "a Mesh")
+        if not isinstance(self.union, bool):
+            raise errors.refuse("Body.union", self.union, "True or False")
         _check_medium("Body", self)
 
     def line(self, directory: str, stem: str) -> str:
         """The line of the `.mci` in that directory; writes DIRECTORY/STEM.obj where the mesh is no file."""
         name, options = self.mesh.words(directory, stem)
-        return " ".join(["i", name, *map(shortest, (self.n, self.mua, self.mus, self.g)), *options])
+        return " ".join(["i", name, *map(shortest, (self.n, self.mua, self.mus, self.g)), *options, *(["union"] if self.union else [])])

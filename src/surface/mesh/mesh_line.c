@@ -6,9 +6,11 @@
 #include "surface/mesh/mesh_facet.h"
 #include "surface/mesh/rounding.h"
 
+#include <limits.h>
 #include <math.h>
 
-void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max)
+void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, double t_max,
+                    struct cml_line_parts *parts)
 {
     *line = (struct cml_mesh_line){.q = q,
                                    .err_line = err_line_factor * q->err_query,
@@ -18,7 +20,13 @@ void cml_line_begin(struct cml_mesh_line *line, const struct cml_mesh_query *q, 
                                    .t_exit = INFINITY,
                                    .exit_distance = INFINITY,
                                    .exit_primitive = -1,
-                                   .length = t_max};
+                                   .length = t_max,
+                                   .parts = q->body->mesh.unite ? parts : NULL};
+    if (line->parts) {
+        parts->pass = CML_LINE_COLLECTS;
+        parts->count = parts->lot = parts->around = 0;
+        parts->more = false;
+    }
     cml_vec3_add_scaled(q->origin, q->err_query, q->direction, line->from);
 }
 
@@ -58,9 +66,8 @@ static double crossing_of(const struct cml_mesh_query *q, int primitive, double 
 }
 
 /* A crossing ahead, at distance t. way: as of signed_crossing. */
-static void add_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
+static void note_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
 {
-    line->winding_ahead += way;
     if (!is_exiting(line->q, way)) {
         line->entering_distance =
             fmin(line->entering_distance, distance_from(line, primitive, line->q->origin));
@@ -70,15 +77,126 @@ static void add_crossing(struct cml_mesh_line *line, int primitive, int way, dou
     }
 }
 
+static void add_crossing(struct cml_mesh_line *line, int primitive, int way, double t)
+{
+    line->winding_ahead += way;
+    note_crossing(line, primitive, way, t);
+}
+
+/* ---- unions ---- */
+
+enum { LOT = sizeof(((struct cml_line_parts *)0)->item) / sizeof(struct cml_line_crossing) };
+
+/* Crossings that rounding has put at one place are told apart by number. */
+static bool is_before(const struct cml_line_crossing *a, const struct cml_line_crossing *b)
+{
+    return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
+}
+
+/* Keeps the first of those that no lot has had. */
+static void add_to_lot(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
+{
+    if (parts->lot == 0) parts->around += crossing->way;
+    if (parts->lot > 0 && !is_before(&parts->last, crossing)) return;
+    parts->more = parts->more || parts->count == LOT;
+    if (parts->count == LOT && !is_before(crossing, &parts->item[LOT - 1])) return;
+    int i = parts->count < LOT ? parts->count++ : LOT - 1;
+    for (; i > 0 && is_before(crossing, &parts->item[i - 1]); i--) parts->item[i] = parts->item[i - 1];
+    parts->item[i] = *crossing;
+}
+
+static void look_behind(struct cml_line_parts *parts, const struct cml_line_crossing *crossing)
+{
+    for (int i = 0; i < parts->count; i++)
+        if (parts->item[i].part == crossing->part && is_before(&parts->item[i], crossing))
+            parts->item[i].around += crossing->way;
+}
+
+/* How many parts less are around the line behind a crossing: none, where it is one of two of a part that have
+ * been exchanged, so that there is no place between them. */
+static int leaves_parts(const struct cml_line_crossing *crossing)
+{
+    return (crossing->around + crossing->way > 0) - (crossing->around > 0);
+}
+
+/* Whether a part begins where another one has ended, but for rounding. */
+static bool closes_gap(const struct cml_mesh_line *line, const struct cml_line_crossing *out,
+                       const struct cml_line_crossing *in)
+{
+    double place[3];
+    cml_vec3_add_scaled(line->q->origin, out->t, line->q->direction, place);
+    return in->way < 0 && cml_facet_distance(line->q->body, in->primitive, place) <= line->q->body->err_mesh;
+}
+
+/* Where the number of parts falls to 0 or rises from there, up to the first exit. The last of a lot that has
+ * others behind it belongs to the next: what follows a crossing must be known. */
+static void follow_lot(struct cml_mesh_line *line)
+{
+    struct cml_line_parts *parts = line->parts;
+    const int count = parts->more ? LOT - 1 : parts->count;
+    parts->around_end = parts->around;
+    for (int i = 0; i < count && line->primitive < 0; i++) {
+        const struct cml_line_crossing *here = &parts->item[i];
+        const bool inside = parts->around_end > 0;
+        parts->around_end -= leaves_parts(here);
+        if (inside == (parts->around_end > 0)) {
+            parts->last = *here;
+        } else if (inside && i + 1 < parts->count && closes_gap(line, here, here + 1)) {
+            parts->last = parts->item[++i];
+            parts->around_end -= leaves_parts(here + 1);
+        } else {
+            parts->last = *here;
+            note_crossing(line, here->primitive, here->way, here->t);
+        }
+    }
+}
+
+/* How many parts are around the place at distance t; many, where the lot does not tell. */
+static int parts_around(const struct cml_line_parts *parts, double t)
+{
+    int around = parts->around;
+    for (int i = 0; i < parts->count && parts->item[i].t <= t; i++) around -= leaves_parts(&parts->item[i]);
+    return parts->more && t >= parts->item[LOT - 1].t ? INT_MAX : around;
+}
+
+bool cml_line_goes_on(struct cml_mesh_line *line)
+{
+    struct cml_line_parts *parts = line->parts;
+    if (!parts) return false;
+    if (parts->pass == CML_LINE_COLLECTS && parts->more) {
+        parts->pass = CML_LINE_LOOKS_BEHIND;
+        return true;
+    }
+    if (parts->pass == CML_LINE_COLLECTS)
+        for (int i = 0; i < parts->count; i++) look_behind(parts, &parts->item[i]);
+    if (parts->pass != CML_LINE_LOOKS_BESIDE) follow_lot(line);
+    if (parts->pass != CML_LINE_LOOKS_BESIDE && parts->lot == 0) {
+        line->winding_ahead = parts->around;
+        parts->pass = CML_LINE_LOOKS_BESIDE;
+        return true;
+    }
+    if (line->primitive >= 0 || !parts->more) return false;
+    parts->pass = CML_LINE_COLLECTS;
+    parts->lot++;
+    parts->around = parts->around_end;
+    parts->count = 0;
+    parts->more = false;
+    return true;
+}
+
+/* ---- what lies beside the line ---- */
+
 /* A place of the line where it may pass an exiting facet: of those no further from their facet than rounding
  * can explain, the first is the exit. t + distance orders places so that a nearer facet wins over one that is
- * passed a little earlier, at the same corner. */
+ * passed a little earlier, at the same corner. From a union no facet is an exit in another part; a packet
+ * that comes to one has passed another facet before. */
 static void add_exit_candidate(struct cml_mesh_line *line, int primitive, double t)
 {
     double place[3];
     cml_vec3_add_scaled(line->q->origin, t, line->q->direction, place);
     const double distance = distance_from(line, primitive, place);
     if (!(distance <= line->err_line) || t + distance >= line->t_exit + line->exit_distance) return;
+    if (line->parts && line->q->below && parts_around(line->parts, t) > 0) return;
     line->t_exit = t;
     line->exit_distance = distance;
     line->exit_primitive = primitive;
@@ -138,8 +256,15 @@ void cml_line_add(struct cml_mesh_line *line, int primitive)
     const int way = signed_crossing(line, v);
     const bool ahead = way != 0 && way * cml_plane_side(a, b, c, line->from) > 0,
                may_exit = is_exiting(q, cml_vec3_dot(q->direction, normal));
+    const double t = ahead ? crossing_of(q, primitive, q->err_query) : 0;
+    if (line->parts && line->parts->pass != CML_LINE_LOOKS_BESIDE) {
+        const struct cml_line_crossing crossing = {t, primitive, (int)mesh->part[primitive], way, 0};
+        if (ahead)
+            (line->parts->pass == CML_LINE_COLLECTS ? add_to_lot : look_behind)(line->parts, &crossing);
+        return;
+    }
     line->winding += way;
-    if (ahead) add_crossing(line, primitive, way, crossing_of(q, primitive, q->err_query));
+    if (ahead && !line->parts) add_crossing(line, primitive, way, t);
     if (may_exit) add_exit(line, primitive, crossing_of(q, primitive, -INFINITY));
     add_end(line, primitive, height);
 }

@@ -377,7 +377,8 @@ void cml_query_begin(struct cml_mesh_query *q, const struct cml_mesh_body *body,
 bool cml_query_is_doubtful(const struct cml_mesh_query *q)
 {
     return q->starts_on_edge || q->in_doubt || q->open_edges != 0 ||
-           (q->primitive >= 0 && q->t < q->err_query);
+           (q->primitive >= 0 && q->t < q->err_query) ||
+           (q->body->mesh.unite && (q->primitive >= 0 || q->exclude >= 0));
 }
 
 int cml_query_finish(const struct cml_mesh_query *q, const double p[3], const double u[3],

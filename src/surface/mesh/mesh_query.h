@@ -91,7 +91,8 @@ enum cml_border_side cml_query_border_side(const struct cml_mesh_query *q, doubl
 /* Lets the outer plane compete; sets q->in_doubt close to the border. */
 void cml_query_intersect_outer_plane(struct cml_mesh_query *q);
 
-/* Whether rounding had a say in the best crossing, or in there being none: cml_line_decide has to tell. */
+/* Whether rounding had a say in the best crossing, or in there being none: cml_line_decide has to tell. Of a
+ * union also where another part may be around the crossing, or pass the place where the packet stands. */
 bool cml_query_is_doubtful(const struct cml_mesh_query *q);
 
 /* 1 and the crossing, with its normals, if there is one. p, u: as given to cml_query_begin. */

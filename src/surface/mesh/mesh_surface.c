@@ -89,7 +89,7 @@ static void triangle_bounds(const struct RTCBoundsFunctionArguments *arguments)
 /* From the entry point to distance `leave`. */
 static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRayHit *rayhit)
 {
-    *rayhit = (struct RTCRayHit){0};
+    *rayhit = (struct RTCRayHit){.ray.mask = 0xffffffffu};
     rayhit->ray.org_x = (float)q->entry[0];
     rayhit->ray.org_y = (float)q->entry[1];
     rayhit->ray.org_z = (float)q->entry[2];
@@ -97,7 +97,6 @@ static void fill_ray(const struct cml_mesh_query *q, double leave, struct RTCRay
     rayhit->ray.dir_y = (float)q->direction[1];
     rayhit->ray.dir_z = (float)q->direction[2];
     rayhit->ray.tfar = (float)(leave - q->t_entry + 2 * q->body->err_float);
-    rayhit->ray.mask = 0xffffffffu;
     rayhit->hit.geomID = RTC_INVALID_GEOMETRY_ID;
     rayhit->hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
 }
@@ -205,10 +204,12 @@ static void query_tree(const struct cml_mesh_surface *surface, struct query *que
 static bool query_line(const struct cml_mesh_surface *surface, struct query *query, double t_max)
 {
     struct cml_mesh_line line;
+    struct cml_line_parts parts;
     struct RTCRayHit rayhit;
-    cml_line_begin(&line, &query->ray, t_max);
+    cml_line_begin(&line, &query->ray, t_max, &parts);
     query->line = &line;
-    if (make_line(&query->ray, &rayhit)) intersect_boxes(surface, query, &rayhit);
+    for (bool more = make_line(&query->ray, &rayhit); more; more = cml_line_goes_on(&line))
+        intersect_boxes(surface, query, &rayhit);
     cml_line_decide(&line, &query->ray);
     return line.ends_near_facet;
 }
@@ -307,8 +308,7 @@ static RTCDevice device;
 static bool count_memory(void *context, ssize_t bytes, bool post)
 {
     (void)post;
-    struct cml_mesh_surface *surface = context;
-    surface->embree_bytes += bytes;
+    ((struct cml_mesh_surface *)context)->embree_bytes += bytes;
     return true;
 }
 

@@ -125,7 +125,8 @@ static bool closes_gap(const struct cml_mesh_line *line, const struct cml_line_c
 {
     double place[3];
     cml_vec3_add_scaled(line->q->origin, out->t, line->q->direction, place);
-    return in->way < 0 && cml_facet_distance(line->q->body, in->primitive, place) <= line->q->body->err_mesh;
+    return leaves_parts(in) < 0 &&
+           cml_facet_distance(line->q->body, in->primitive, place) <= line->q->body->err_mesh;
 }
 
 /* Where the number of parts falls to 0 or rises from there, up to the first exit. The last of a lot that has
@@ -139,15 +140,14 @@ static void follow_lot(struct cml_mesh_line *line)
         const struct cml_line_crossing *here = &parts->item[i];
         const bool inside = parts->around_end > 0;
         parts->around_end -= leaves_parts(here);
-        if (inside == (parts->around_end > 0)) {
-            parts->last = *here;
-        } else if (inside && i + 1 < parts->count && closes_gap(line, here, here + 1)) {
-            parts->last = parts->item[++i];
-            parts->around_end -= leaves_parts(here + 1);
-        } else {
-            parts->last = *here;
+        int next = i + 1;
+        while (next < parts->count && leaves_parts(&parts->item[next]) == 0) next++;
+        if (inside && parts->around_end == 0 && next < parts->count &&
+            closes_gap(line, here, &parts->item[next]))
+            parts->around_end -= leaves_parts(&parts->item[i = next]);
+        else if (inside != (parts->around_end > 0))
             note_crossing(line, here->primitive, here->way, here->t);
-        }
+        parts->last = parts->item[i];
     }
 }
 

@@ -417,6 +417,38 @@ static void a_packet_beside_a_wall_goes_on_into_the_next_part(void **state)
     if (wrong) fail_msg("%d of 2000", wrong);
 }
 
+/* It leaves one box where two faces touch, on an edge of the other box, whose crossings rounding exchanges.
+ */
+static void a_line_leaves_at_the_edge_of_a_touching_face(void **state)
+{
+    (void)state;
+    static const double boxes[5][4] = {{0.1, 0, 0, 0},
+                                       {0.1, 0.07, 0.03, 0},
+                                       {0.05, 0.22, 0.01, 0.02},
+                                       {0.06, 0, 0, 0},
+                                       {0.1, -0.2 - 1e-9, 0.03, 0.02}};
+    const double p[3] = {0.16970238618574029, -0.039787772641721363, 0.5301743217340158},
+                 u[3] = {0.73489932822570969, -0.52405411159437087, -0.4304535578833511};
+    struct cml_mesh_crossing crossing;
+    soup = (struct soup){.unite = true};
+    dice = dice_new(1);
+    for (int b = 0; b < 5; b++) {
+        double lower[3], upper[3];
+        for (int k = 0; k < 3; k++) {
+            lower[k] = -boxes[b][0] + boxes[b][1 + k];
+            upper[k] = boxes[b][0] + boxes[b][1 + k];
+        }
+        const double top = -(upper[2] - 0.5), bottom = -(lower[2] - 0.5);
+        lower[2] = top;
+        upper[2] = bottom;
+        soup_box(&soup, lower, upper);
+    }
+    struct cml_mesh_surface *surface = surface_of_soup();
+    assert_true(cml_mesh_surface_hit(surface, p, u, 1, 0.05, -1, 0, 1, 4 * DBL_EPSILON * 0.74, &crossing));
+    assert_near("distance", crossing.t, 0.00040497222249237, 1e-15);
+    cml_mesh_surface_free(surface);
+}
+
 static void packets_stay_on_their_side_of_a_union(void **state)
 {
     (void)state;
@@ -436,6 +468,7 @@ int main(void)
         cmocka_unit_test(lines_meet_a_union_outside_of_all_other_parts),
         cmocka_unit_test(lines_pass_a_hundred_parts),
         cmocka_unit_test(a_packet_beside_a_wall_goes_on_into_the_next_part),
+        cmocka_unit_test(a_line_leaves_at_the_edge_of_a_touching_face),
         cmocka_unit_test(packets_stay_on_their_side_of_a_union),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,7 +2,6 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
-#include "output/report.h"
 #include "plot/section.h"
 #include "scene/body/body_shape.h"
 #include "scene/section.h"
@@ -112,12 +111,35 @@ static void label_media(const struct cml_scene *scene, struct cml_section_label 
     }
 }
 
+/* Without what the axes say. */
+static void describe_in_words(const struct cml_scene *scene, int k, char *text, size_t size)
+{
+    static const char *const kinds[] = {"pencil", "disk", "Gaussian", "ring", "rectangle", "image"};
+    static const char *const lights[] = {"", ", na:", ", lambertian", ", isotropic", ", light of a table"};
+    const struct cml_beam *beam = &scene->beams[k];
+    const double degrees = 180 / acos(-1.0);
+    FILE *out = fmemopen(text, size, "w");
+    if (!out) return;
+    if (scene->num_beams > 1) fprintf(out, "%d: ", k + 1);
+    fputs(kinds[beam->kind], out);
+    if (beam->kind == CML_BEAM_DISK || beam->kind == CML_BEAM_GAUSSIAN)
+        fprintf(out, ", R = %g cm", beam->size[0]);
+    else if (beam->kind == CML_BEAM_RING)
+        fprintf(out, ", R = %g to %g cm", beam->size[0], beam->size[1]);
+    else if (beam->kind != CML_BEAM_PENCIL)
+        fprintf(out, ", %g x %g cm", beam->size[0], beam->size[1]);
+    if (beam->angle > 0)
+        fprintf(out, ", angle %g, azimuth %g", beam->angle * degrees, beam->azimuth * degrees);
+    fputs(lights[beam->light.kind], out);
+    if (beam->light.kind == CML_LIGHT_OF_NA) fprintf(out, "%g", beam->light.na);
+    if (beam->y != 0) fprintf(out, ", at y = %g cm", beam->y);
+    fclose(out);
+}
+
 static void describe_beam(const struct cml_scene *scene, int k, struct cml_section_beam *drawn)
 {
     const struct cml_beam *beam = &scene->beams[k];
     const double a = beam->angle, c = cos(beam->azimuth), half = half_size(beam);
-    char *text = NULL;
-    size_t size = 0;
     *drawn = (struct cml_section_beam){.x = beam->x,
                                        .slope = tan(a) * c,
                                        .half_width = beam->inside ? half : half_width(beam),
@@ -126,11 +148,7 @@ static void describe_beam(const struct cml_scene *scene, int k, struct cml_secti
                                        .z = beam->z,
                                        .axis = {sin(a) * c, cos(a)},
                                        .side = {half * cos(a) * c, -half * sin(a)}};
-    FILE *out = open_memstream(&text, &size);
-    if (out) cml_report_beam(out, "", scene, k);
-    if (out && fclose(out) == 0)
-        snprintf(drawn->text, sizeof drawn->text, "%.*s", (int)strcspn(text, "\n"), text);
-    free(text);
+    describe_in_words(scene, k, drawn->text, sizeof drawn->text);
 }
 
 /* Spheres and cylinders as meshes that look round. */

@@ -97,7 +97,8 @@ static void write_arrow(struct frame *f, double x0, double z0, double x1, double
 }
 
 /* From its tail down to z = 0, or a little below the frame's upper edge where that lies above. A slanted one
- * begins lower, so that it stays in the picture. row: of its text, from above. */
+ * begins lower, so that it stays in the picture. row: of its text, from
+ * below. */
 static void write_beam_above(struct frame *f, const struct cml_section_beam *beam, int row)
 {
     const struct cml_section *s = f->section;
@@ -117,7 +118,7 @@ static void write_beam_above(struct frame *f, const struct cml_section_beam *bea
                     beam->x + beam->slope * end, end, false);
     }
     write_text_over(f, beam->text, beam->x + beam->slope * tail,
-                    (f->z1 - tail) / (f->z1 - f->z0) + beam_text_above - 0.04 * row);
+                    (f->z1 - tail) / (f->z1 - f->z0) + beam_text_above + 0.035 * row);
 }
 
 /* Lengths of arrows are those of the picture, not of the scene. */
@@ -135,7 +136,11 @@ static void write_beam_inside(struct frame *f, const struct cml_section_beam *be
     const bool all = beam->spread > 3;
     write_arrow(f, beam->x - beam->side[0], beam->z - beam->side[1], beam->x + beam->side[0],
                 beam->z + beam->side[1], false);
-    for (int k = 0; k < (all ? 8 : 1); k++) write_ray(f, beam, angle + k * turn, all ? 0.06 : 0.1, true);
+    for (int k = 0; k < (all ? 8 : 1); k++) {
+        const double x = sin(k * turn) * (f->section->x_high - f->section->x_low),
+                     z = cos(k * turn) * (f->z1 - f->z0);
+        write_ray(f, beam, all ? atan2(x, z) : angle, all ? 0.06 : 0.1, true);
+    }
     for (int side = -1; side <= 1 && !all && beam->spread > 0; side += 2)
         write_ray(f, beam, angle + side * beam->spread, 0.1, false);
     write_text_over(f, beam->text, beam->x, (f->z1 - beam->z) / (f->z1 - f->z0) + 0.08);

@@ -32,7 +32,7 @@ struct cml_section_beam {
     double z; /* cm: of the middle, of one inside */
     double axis[2],
         side[2]; /* of one inside: x and z of its direction, and from the middle to its edge, cm */
-    char text[200];
+    char text[160];
 };
 
 struct cml_section {

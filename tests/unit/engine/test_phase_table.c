@@ -87,15 +87,17 @@ struct integral {
     double moment[MOMENTS + 1];
 };
 
-static double legendre(int l, double c)
+/* sum[l] += weight P_l(c), squares[l], if asked for, of its square. */
+static void add_legendre(double c, double weight, double *sum, double *squares)
 {
-    double before = 0, p = 1;
-    for (int k = 0; k < l; k++) {
-        const double next = ((2 * k + 1) * c * p - k * before) / (k + 1);
+    double before = 1, p = c;
+    for (int l = 1; l <= MOMENTS; l++) {
+        const double next = ((2 * l + 1) * c * p - l * before) / (l + 1);
+        sum[l] += weight * p;
+        if (squares) squares[l] += p * p;
         before = p;
         p = next;
     }
-    return p;
 }
 
 /* Places crowd near both ends: t = pi (s - sin(2 pi s) / (2 pi)), of which the angle is t. */
@@ -106,10 +108,13 @@ static double angle_at(int i, double *slope)
     return pi * (s - sin(2 * pi * s) / (2 * pi));
 }
 
-static double deflection_at(int i)
+/* Of the grid, filled by setup. */
+static double deflection_at[STEPS + 1];
+
+static void fill_deflections(void)
 {
     double slope;
-    return 2 * pow(sin(angle_at(i, &slope) / 2), 2);
+    for (int i = 0; i <= STEPS; i++) deflection_at[i] = 2 * pow(sin(angle_at(i, &slope) / 2), 2);
 }
 
 static double integrand(const struct law *law, int i)
@@ -126,36 +131,33 @@ static void integrate(const struct law *law, struct integral *to)
         const double part[3] = {integrand(law, i) / 3, integrand(law, i + 1) * 4 / 3,
                                 integrand(law, i + 2) / 3};
         to->below[i + 2] = to->below[i] + part[0] + part[1] + part[2];
-        for (int l = 1; l <= MOMENTS; l++)
-            for (int k = 0; k < 3; k++) to->moment[l] += part[k] * legendre(l, 1 - deflection_at(i + k));
+        for (int k = 0; k < 3; k++) add_legendre(1 - deflection_at[i + k], part[k], to->moment, NULL);
     }
     const double all = to->all = to->below[STEPS];
     for (int i = 0; i <= STEPS; i += 2) to->below[i] /= all;
     for (int l = 1; l <= MOMENTS; l++) to->moment[l] /= all;
 }
 
-/* A scene of one layer per law, and its world. */
-struct all {
+/* A scene of one layer per law, and its world: the same for all tests. */
+static struct {
     struct cml_scene_list list;
     struct cml_surface_set surfaces;
     struct cml_owned_world world;
-    struct integral *integral; /* [LAWS] */
-};
+    struct integral integral[LAWS];
+} all;
 
-static void open_all(void **state, struct all *all)
+static void open_all(void **state)
 {
     struct cml_error err;
     char path[256], text[4096], numbers[512] = "# angle p\n\n";
     const struct cml_engine_options options = {.seed = 1, .threads = 1, .roulette = {0.01, 0.03}};
     const struct cml_surface_options surface = {.force = CML_SURFACE_AUTO,
                                                 .tessellation = {.tolerance = 1e-3}};
-    all->integral = calloc(LAWS, sizeof *all->integral);
-    assert_non_null(all->integral);
     int n = snprintf(text, sizeof text, "1.0\n1\nx A\n1\n1 1\n1 1 1\n%d\n1\n", LAWS);
     for (int i = 0; i < LAWS; i++) {
-        integrate(&laws[i], &all->integral[i]);
+        integrate(&laws[i], &all.integral[i]);
         n += snprintf(text + n, sizeof text - (size_t)n, "1.4 1 10 %.6f 1\nphase %s\n",
-                      all->integral[i].moment[1], laws[i].line);
+                      all.integral[i].moment[1], laws[i].line);
     }
     snprintf(text + n, sizeof text - (size_t)n, "1\n");
     n = (int)strlen(numbers);
@@ -164,20 +166,28 @@ static void open_all(void **state, struct all *all)
     case_write(state, "p.txt", numbers);
     case_write(state, "x.mci", text);
     case_path(state, "x.mci", path);
-    require_ok(cml_mci_read(path, NULL, &all->list, &err), &err);
-    require_ok(cml_surfaces_create(all->list.scenes, &surface, &all->surfaces, &err), &err);
-    require_ok(cml_owned_world_create(all->list.scenes, &all->surfaces, &options, &all->world, &err), &err);
-    assert_true(all->world.world.only_tables);
+    require_ok(cml_mci_read(path, NULL, &all.list, &err), &err);
+    require_ok(cml_surfaces_create(all.list.scenes, &surface, &all.surfaces, &err), &err);
+    require_ok(cml_owned_world_create(all.list.scenes, &all.surfaces, &options, &all.world, &err), &err);
+    assert_true(all.world.world.only_tables);
     case_remove(state, "x.mci");
     case_remove(state, "p.txt");
 }
 
-static void close_all(struct all *all)
+static int setup(void **state)
 {
-    free(all->integral);
-    cml_owned_world_free(&all->world);
-    cml_surfaces_free(&all->surfaces);
-    cml_scene_list_clear(&all->list);
+    if (case_setup(state)) return -1;
+    fill_deflections();
+    open_all(state);
+    return 0;
+}
+
+static int teardown(void **state)
+{
+    cml_owned_world_free(&all.world);
+    cml_surfaces_free(&all.surfaces);
+    cml_scene_list_clear(&all.list);
+    return case_teardown(state);
 }
 
 /* 1 - c of a word, of light that is mirrored 1 + c. */
@@ -195,20 +205,19 @@ static double share_below(const struct integral *integral, double x)
     int low = 0, high = STEPS;
     while (high - low > 2) {
         const int middle = (low + high) / 4 * 2;
-        if (deflection_at(middle) < x)
+        if (deflection_at[middle] < x)
             low = middle;
         else
             high = middle;
     }
-    const double a = deflection_at(low), b = deflection_at(high);
+    const double a = deflection_at[low], b = deflection_at[high];
     return integral->below[low] + (integral->below[high] - integral->below[low]) * (x - a) / (b - a);
 }
 
 /* The bound that is stated, but for two roundings of 1 - c, and what the grid misses. */
 static void the_distribution_is_met_to_two_to_the_minus_18(void **state)
 {
-    struct all all;
-    open_all(state, &all);
+    (void)state;
     const double bound = ldexp(1, -18);
     for (int i = 0; i < LAWS; i++) {
         const real g = all.world.media[i + 1].g;
@@ -225,15 +234,13 @@ static void the_distribution_is_met_to_two_to_the_minus_18(void **state)
         }
         if (worst > 1.02 * bound) fail_msg("%s: off by %g, more than %g", laws[i].line, worst, bound);
     }
-    close_all(&all);
 }
 
 /* The first eight Legendre moments of cosines that are drawn at random: |z| < 4.5 over all 96. */
 static void legendre_moments_are_those_of_the_density(void **state)
 {
-    struct all all;
     struct dice dice = dice_new(61);
-    open_all(state, &all);
+    (void)state;
     for (int i = 0; i < LAWS; i++) {
         const struct cml_vec z = {0, 0, 1};
         double sum[MOMENTS + 1] = {0}, squares[MOMENTS + 1] = {0};
@@ -241,14 +248,7 @@ static void legendre_moments_are_those_of_the_density(void **state)
             const uint32_t word = dice_word(&dice);
             const struct cml_vec u = cml_scatter_in(all.world.world.phase_cells, z, all.world.media[i + 1].g,
                                                     word, word * 2654435761u);
-            double before = 1, p = (double)u.z;
-            for (int l = 1; l <= MOMENTS; l++) {
-                const double next = ((2 * l + 1) * (double)u.z * p - l * before) / (l + 1);
-                sum[l] += p;
-                squares[l] += p * p;
-                before = p;
-                p = next;
-            }
+            add_legendre((double)u.z, 1, sum, squares);
         }
         for (int l = 1; l <= MOMENTS; l++) {
             const double mean = sum[l] / (double)draws, expected = all.integral[i].moment[l];
@@ -258,15 +258,13 @@ static void legendre_moments_are_those_of_the_density(void **state)
                          (mean - expected) / error);
         }
     }
-    close_all(&all);
 }
 
 /* The same cosines as Henyey and Greenstein's, word by word, where the function is the same. */
 static void equal_functions_give_equal_cosines(void **state)
 {
-    struct all all;
     struct dice dice = dice_new(62);
-    open_all(state, &all);
+    (void)state;
     const struct cml_vec z = {0, 0, 1};
     double differs = 0;
     for (int k = 0; k < 100000; k++) {
@@ -277,7 +275,6 @@ static void equal_functions_give_equal_cosines(void **state)
         differs += fabs((double)law.z - (double)by_table.z) / 100000;
     }
     assert_near("mean difference of the cosines", differs, 0, 1e-5);
-    close_all(&all);
 }
 
 int main(int argc, char **argv)
@@ -288,5 +285,5 @@ int main(int argc, char **argv)
         cmocka_unit_test(equal_functions_give_equal_cosines),
     };
     if (argc > 1) draws = atol(argv[1]);
-    return cmocka_run_group_tests_name("phase_table", tests, case_setup, case_teardown);
+    return cmocka_run_group_tests_name("phase_table", tests, setup, teardown);
 }

@@ -39,8 +39,9 @@ class Files(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         octahedron = mc.Mesh(vertices=[[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], scale=0.01, shift=(0.1, 0, -0.05),
                              faces=[[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
-        bodies = [mc.Sphere(0, 0, 0.05, 0.01, 1.5, 3, 40, 0.5), mc.Body(octahedron, 1.6, 4, 50, 0.25)]
-        scene = mc.Scene([mc.Layer(1.34, 0.2, 0, 0, 0.02), mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=bodies)], photons=2000, nr=7, nz=5, na=3, dr=0.05, dz=0.03,
+        upwards = mc.Phase("table", angles=[0, 60, 180], densities=[2, 1.5, 0])  # (1 + c) in any scale
+        bodies = [mc.Sphere(0, 0, 0.05, 0.01, 1.5, 3, 40, 0.3333, phase=upwards), mc.Body(octahedron, 1.6, 4, 50, 0.25)]
+        scene = mc.Scene([mc.Layer(1.34, 0.2, 0, 0, 0.02), mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=bodies, phase=mc.Phase("gk", g=0.9, a=0.5))], photons=2000, nr=7, nz=5, na=3, dr=0.05, dz=0.03,
                          map=mc.Map(4, 3, 0.1, 0.2, angles=True, volume=True), facets=True, format="A",
                          bottom=mc.Heightfield([0, 0.1], [0.02, 0]))
         scene.write(os.path.join(cls.folder.name, "a.mci"))
@@ -82,6 +83,18 @@ class Files(unittest.TestCase):
                 self.assertEqual(mco[name].attrs.get(said), h5[name].attrs.get(said), name)
         for name in ("photons", "seed", "run", "engine", "sampling", "version", "title"):
             self.assertEqual(mco.attrs[name], h5.attrs[name], name)
+
+    def test_phases(self):
+        """Of the layer and the first body, whose table was written beside the scene; both files say so, the .h5 without folders."""
+        with open(os.path.join(self.folder.name, "a.layer2body0.phase.txt"), encoding="utf-8") as file:
+            self.assertEqual([list(map(float, line.split())) for line in file], [[0, 2], [60, 1.5], [180, 0]])
+        layer, body = mc.read(self.h5).phases.splitlines()
+        self.assertEqual(layer, "phase of layer 2: gk 0.9 0.5")
+        self.assertRegex(body, r"^phase of body 1: table of 3 rows, crc32 [0-9a-f]{8} from a\.layer2body0\.phase\.txt$")
+        self.assertEqual([line.split(" from ")[0] for line in mc.read(self.mco).phases.splitlines()], [layer, body.split(" from ")[0]])
+        for wrong in (dict(kind="hg"), dict(kind="gk", g=0.9), dict(kind="rayleigh", a=1), dict(kind="table", angles=[0, 180])):
+            with self.assertRaises(mc.InputError):
+                mc.Phase(**wrong)
 
     def test_merged(self):
         """Says whose results it holds."""

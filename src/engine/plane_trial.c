@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/plane_trial.h"
 
+#include "result/quantity.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,7 +61,6 @@ struct verdict {
 /* Of all values: those of cml_tally_note, then what each medium absorbs. */
 static void list_series(const struct cml_grid *grid, struct series *series)
 {
-    static const char *const totals[CML_NUM_TOTALS] = {"Rsp", "Rd", "A", "Tt"};
     const struct cml_profile_places at = cml_tally_profiles(grid);
     const size_t nr = (size_t)grid->nr + 1, na = (size_t)grid->na, nz = (size_t)grid->nz + 2;
     const struct series profiles[] = {
@@ -70,7 +71,8 @@ static void list_series(const struct cml_grid *grid, struct series *series)
         {"A_z", at.A_z, nz},
         {"A_l", at.bins + 1, (size_t)grid->num_layers},
         {"A_body", at.bins + (size_t)grid->num_layers + 2, (size_t)grid->num_bodies}};
-    for (int i = 0; i < CML_NUM_TOTALS; i++) series[i] = (struct series){totals[i], (size_t)i, 1};
+    for (int i = 0; i < CML_NUM_TOTALS; i++)
+        series[i] = (struct series){cml_quantities[i].name, (size_t)i, 1};
     memcpy(series + CML_NUM_TOTALS, profiles, sizeof profiles);
 }
 

@@ -238,12 +238,13 @@ static double image_bytes(const struct cml_grid *grid, double cells)
 
 /* The .mco's arrays in double precision, its text, and the writers' buffers. A boundary or a body has a line
  * in the .mco and one in the JSON record, of which the longer counts; a stream in memory that grows holds
- * three times its text [glibc, libio/strops.c: doubled, and copied]. */
+ * three times its text [glibc, libio/strops.c: doubled, and copied]. Media, and what bodies receive, have
+ * room there: the text is held once. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid)
 {
     const double line_of_boundary = 250, line_of_body = 150;
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
-                         2.0 * grid->na + 6.0 * grid->num_layers + 9.0 * grid->num_bodies;
+                         2.0 * grid->na + grid->num_layers + grid->num_bodies;
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies);
     const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
     return cells * sizeof(double) + text + 8.0 * 1048576 + (image ? image_bytes(grid, cells) : 0);

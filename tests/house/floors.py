@@ -30,7 +30,7 @@ ROOMS = {
     "src/surface/mesh": "src/surface/tree src/geometry src/base kernels",
     "src/surface/body": "src/surface/mesh src/scene/body src/scene src/geometry src/base kernels",
     "src/surface": "src/surface/body src/surface/mesh src/scene/body src/scene src/scene/heightmap src/geometry src/base kernels",
-    "src/engine": "src/surface src/surface/body src/surface/mesh src/scene/body src/scene src/tally src/geometry src/base kernels",
+    "src/engine": "src/result src/surface src/surface/body src/surface/mesh src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/engine/cpu": "src/engine src/vector src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/opencl": "src/engine src/surface src/surface/body src/surface/mesh src/scene src/tally src/geometry src/base kernels",
     "src/engine/engines": "src/engine src/engine/cpu src/engine/opencl",  # the one file that names them all

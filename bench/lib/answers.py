@@ -47,6 +47,13 @@ def worst_z(path):
     return sum(int(scene[3]) for scene in scenes), max(abs(float(scene[5].split()[0])) for scene in scenes)
 
 
+def farthest(path, columns):
+    """(rows of a table, the deviate of each of these columns that is farthest from 0)."""
+    with open(kept(path), encoding="utf-8") as stream:
+        table = [line.strip().strip("|").split("|") for line in stream if line.startswith("| ")][1:]
+    return len(table), *("%.1f" % max(abs(float(row[column])) for row in table) for column in columns)
+
+
 def natural_events():
     flown = [row for name in ("natural", "natural-irregular", "natural-bodies-tiles")
              for row in rows("stability/results/atlas-%s.csv" % name, status="flown")]
@@ -91,6 +98,8 @@ def answers():
     yield ("Where do methods fail?", natural_events(), "sh bench/stability/atlas.sh", "30", "")
     yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles), %s below an overhang" % (
         times_mmc("regular", "10082", "S"), times_mmc("overhang", "312", "B")), "python3 bench/peers/mmc.py --mmc PATH", "4", "")
+    yield ("What do MMC and Mitsuba 3 say of any mesh?", "of %d shares MMC's S is %s errors off, its B %s, Mitsuba %s at most" % farthest(
+        "peers/results/peers-amd-epyc-2core.md", (7, 9, 12)), "python3 bench/peers/peers.py --mmc PATH", "15", "")
     yield ("What does MMC say of a vessel?", "the same: %s errors apart" % cells(
         "peers/results/vessel-intel-xeon-2core.md", "vessel")[3], "python3 bench/peers/vessel.py --mmc PATH", "2", "")
     yield ("Which roulette?", "a window of %s" % reading("choices/results/roulette.md", r"figure: ([\d.,]+)\."),

@@ -2,7 +2,8 @@
 
 A radiancemeter looks straight down at x = y = 0 on closed surfaces of scattering media, in constant light of radiance 1 from everywhere.
 What it sees is the share of a pencil along its ray that leaves again, by reciprocity: 1 less is what is absorbed. Integrator volpath,
-variant scalar_rgb; no roulette (rr_depth), for its own takes 5 % of the paths at every scattering, whatever they carry.
+variant scalar_rgb. Its roulette takes 5 % of the paths at every scattering, whatever they carry, which makes the variance of hundreds of
+scatterings endless: it begins after LATE of them (rr_depth), where little is left, and ends paths that leak out of the slab.
 
 SCENE.json: {"unit": units of length in a cm, "shapes": [{"file": PLY, "n": [inside, outside], "media": [name or null, the same]}],
 "media": {name: [mua, mus, g]}}, 1/cm. Prints JSON: processor seconds of the flight, the absorbed share.
@@ -16,7 +17,7 @@ import mitsuba as mi
 
 mi.set_variant("scalar_rgb")
 mi.set_log_level(mi.LogLevel.Error)
-NEVER = 1 << 30
+LATE = 5000
 HEIGHT = 1.0  # of the radiancemeter above x = y = z = 0 [cm]
 
 
@@ -28,7 +29,7 @@ def medium(mua, mus, g, unit):
 def load(scene, photons):
     unit = scene["unit"]
     media = {name: medium(*numbers, unit) for name, numbers in scene["media"].items()}
-    parts = {"type": "scene", "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": NEVER},
+    parts = {"type": "scene", "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": LATE},
              "light": {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}},
              "sensor": {"type": "radiancemeter", "origin": [0, 0, HEIGHT * unit], "direction": [0, 0, -1],
                         "film": {"type": "hdrfilm", "width": 1, "height": 1, "rfilter": {"type": "box"}, "component_format": "float32"},

@@ -6,7 +6,7 @@ Seven shapes, each in four media, on one thread: ours without re-entry beside MM
 by B; ours with it beside Mitsuba. All draw at random; ours and MMC play MCML's roulette. Only flights count; all take turns, a run that
 others disturbed is repeated, ratios are formed within a round. Beside the speeds stand the absorbed shares and how many errors of the
 difference they are apart; errors of a peer are those of as many packets of ours. `pip install mitsuba`; tetgen for MMC. Leaves peers.md
-in DIR, a quarter of an hour; --quick: two rounds of short runs, good for shares only. bench/peers/README.md says more.
+in DIR, a quarter of an hour; --quick: one round of few photons, good for shares only. bench/peers/README.md says more.
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -45,8 +45,8 @@ SHAPES = {
 }
 TRACERS = ("S", "B")  # of MMC: the fastest, and the faster of those that are right below overhangs
 HALF_WIDTH = 30.0  # of Mitsuba's slab [cm]
-UNIT = 1000  # in a cm: Mitsuba moves rays off surfaces by some 1e-4 units
-SECONDS, SECONDS_QUICK, ROUNDS_QUICK = 0.4, 0.1, 2
+UNIT = 100  # in a cm: Mitsuba moves rays off surfaces by some 1e-4 units
+SECONDS = 0.4  # of a run; --quick flies the pilots once
 BROKEN = 4  # errors apart, from which a peer's result is called broken
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -58,8 +58,7 @@ class Way:
         self.name, self.fly, self.photons, self.runs = name, fly, pilot, []
 
     def calibrate(self, seconds):
-        for _ in range(2):
-            self.photons = runs.two_digits(seconds * self.fly(self.photons, 1)[0])
+        self.photons = runs.two_digits(seconds * self.fly(self.photons // 10, 1)[0])
 
     def rates(self):
         return [rate for rate, _, _ in self.runs]
@@ -87,7 +86,7 @@ class Scene:
         self.top = os.path.join(work, "level.obj") if self.body else self.obj
         if self.body and not os.path.exists(self.top):
             cases.make_surface("moved", LEVEL, "0", self.top)
-        self.tetrahedra, self.ways, self.spread = 0, {}, {}
+        self.tetrahedra, self.ways, self.spread, self.lost = 0, {}, {}, 0
 
     def inside(self):
         """(n, mua, mus, g) of the slab, and of the body."""
@@ -117,7 +116,7 @@ def fly_ours(scene, program, options, key):
         record = runs.fly_alone(program, case, photons, seed)
         entered = 1 - record["Rsp"] if key == "mmc" else 1.0
         scene.spread[key] = record["A_se"] * math.sqrt(photons) / entered
-        scene.lost = scene.lost + record["lost"] if hasattr(scene, "lost") else record["lost"]
+        scene.lost += record["lost"]
         return record["photons_per_s"], record["A"] / entered, record["disturbed"]
     return fly
 
@@ -135,10 +134,10 @@ def prepare(scene, program, their_mmc):
     scene.write_mmc(program)
     scene.write_mitsuba()
     alike = [option for option in mmc.ALIKE if option != "--no-reentry"]
-    ways = [Way("ours", fly_ours(scene, program, alike + ["--no-reentry"], "mmc"), 10000),
-            *(Way(tracer, lambda photons, seed, tracer=tracer: mmc.fly_mmc(their_mmc, scene.stem, tracer, photons, seed), 5000)
+    ways = [Way("ours", fly_ours(scene, program, alike + ["--no-reentry"], "mmc"), 200000),
+            *(Way(tracer, lambda photons, seed, tracer=tracer: mmc.fly_mmc(their_mmc, scene.stem, tracer, photons, seed), 40000)
               for tracer in TRACERS),
-            Way("ours, re-entry", fly_ours(scene, program, alike, "mitsuba"), 10000), Way("Mitsuba", fly_mitsuba(scene), 1000)]
+            Way("ours, re-entry", fly_ours(scene, program, alike, "mitsuba"), 200000), Way("Mitsuba", fly_mitsuba(scene), 10000)]
     scene.ways = {way.name: way for way in ways}
 
 
@@ -153,20 +152,20 @@ def ratio(ours, theirs):
     return "%.2f (%.2f-%.2f)" % (statistics.median(ratios), min(ratios), max(ratios))
 
 
-TITLES = ("shape", "medium", "triangles", "tetrahedra", "absorbed", "by S", "z", "by B", "z", "with re-entry", "by Mitsuba", "z",
-          "photons/s", "over S", "over B", "with re-entry", "over Mitsuba", "lost")
+TITLES = ("shape", "medium", "triangles", "tetrahedra", "lost", "absorbed", "by S", "z", "by B", "z", "with re-entry", "by Mitsuba", "z")
+SPEEDS = ("photons/s", "over S", "over B", "with re-entry", "over Mitsuba")
 
 
 def row(scene, quick):
-    """Cells; of a quick run without speeds, which it does not measure."""
+    """Cells; a quick run measures no speeds."""
     ways, shares, speeds = scene.ways, [], []
     for ours, peers, key in (("ours", TRACERS, "mmc"), ("ours, re-entry", ("Mitsuba",), "mitsuba")):
         shares.append("%.5f" % ways[ours].absorbed())
-        speeds.append("" if quick else "%.3g" % statistics.median(ways[ours].rates()))
+        speeds.append("%.3g" % statistics.median(ways[ours].rates()))
         for peer in peers:
             shares += ["%.5f" % ways[peer].absorbed(), "%+.1f" % apart(scene, ways[ours], ways[peer], key)]
-            speeds.append("" if quick else ratio(ways[ours], ways[peer]))
-    return [scene.shape, scene.medium, scene.triangles, scene.tetrahedra, *shares, *speeds, scene.lost]
+            speeds.append(ratio(ways[ours], ways[peer]))
+    return [scene.shape, scene.medium, scene.triangles, scene.tetrahedra, scene.lost, *shares, *([] if quick else speeds)]
 
 
 def broken(scenes):
@@ -184,11 +183,11 @@ def broken(scenes):
 def report(program, their_mmc, scenes, rounds, quick):
     disturbed = [sum(run[2] for scene in scenes for name, way in scene.ways.items() if name.startswith("ours") == mine for run in way.runs)
                  for mine in (True, False)]
-    yield tables.measured(tables.machine(program, rounds)) + (
-        "; MMC %s; Mitsuba %s; median (least-most) of %d rounds, one thread; disturbed by others: %d of our runs, %d of theirs." % (
-            mmc.version(their_mmc), importlib.metadata.version("mitsuba"), rounds, *disturbed))
+    yield tables.measured(tables.machine(program, rounds)) + "; MMC %s; Mitsuba %s; %s." % (
+        mmc.version(their_mmc), importlib.metadata.version("mitsuba"), "few photons, once: no speeds" if quick else
+        "median (least-most) of %d rounds, one thread; disturbed by others: %d of our runs, %d of theirs" % (rounds, *disturbed))
     yield ""
-    yield from tables.table(TITLES, [row(scene, quick) for scene in scenes])
+    yield from tables.table(TITLES + (() if quick else SPEEDS), [row(scene, quick) for scene in scenes])
     yield ""
     yield "More than %d errors apart: %s." % (BROKEN, "; ".join(broken(scenes)) or "none")
 
@@ -204,18 +203,18 @@ def main():
     if not shutil.which("tetgen"):
         parser.error("tetgen is missing")
     if arguments.quick:
-        arguments.rounds, runs.REPEATS = ROUNDS_QUICK, 1
+        arguments.rounds, runs.REPEATS = 1, 1
     with tempfile.TemporaryDirectory() as work:
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
         scenes = [Scene(shape, medium, work) for shape in command.only(arguments.only, SHAPES, parser) for medium in MEDIA]
         for scene in scenes:
             prepare(scene, program, arguments.mmc)
-            for way in scene.ways.values():
-                way.calibrate(SECONDS_QUICK if arguments.quick else SECONDS)
+            for way in [] if arguments.quick else scene.ways.values():
+                way.calibrate(SECONDS)
         for index in range(arguments.rounds):
-            for scene in scenes if index % 2 == 0 else scenes[::-1]:
+            for seed, scene in list(enumerate(scenes, index * len(scenes) + 1))[::1 if index % 2 == 0 else -1]:
                 for way in scene.ways.values():
-                    way.runs.append(way.fly(way.photons, index + 1))
+                    way.runs.append(way.fly(way.photons, seed))
         lines = list(report(arguments.program, arguments.mmc, scenes, arguments.rounds, arguments.quick))
     tables.keep(os.path.join(arguments.out, "peers.md"), lines)
 

@@ -9,7 +9,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#ifdef __SSE2__
+#ifdef __AVX2__
 #include <immintrin.h>
 #endif
 
@@ -23,13 +23,14 @@ static inline uint32_t cml_group_equal(const int *column, int value)
     return _mm512_cmpeq_epi32_mask(_mm512_loadu_si512(column), _mm512_set1_epi32(value));
 #else
     uint32_t mask = 0;
-#ifdef __SSE2__
-    for (int i = 0; i < CML_GROUP; i += 4) {
-        const __m128i part = _mm_loadu_si128((const __m128i *)(const void *)(column + i));
-        const __m128i same = _mm_cmpeq_epi32(part, _mm_set1_epi32(value));
-        mask |= (uint32_t)_mm_movemask_ps(_mm_castsi128_ps(same)) << i;
+#ifdef __AVX2__
+    for (int i = 0; i < CML_GROUP; i += 8) {
+        const __m256i part = _mm256_loadu_si256((const __m256i *)(const void *)(column + i));
+        const __m256i same = _mm256_cmpeq_epi32(part, _mm256_set1_epi32(value));
+        mask |= (uint32_t)_mm256_movemask_ps(_mm256_castsi256_ps(same)) << i;
     }
 #else
+#pragma omp simd reduction(| : mask)
     for (int i = 0; i < CML_GROUP; i++) mask |= (uint32_t)(column[i] == value) << i;
 #endif
     return mask;
@@ -43,10 +44,13 @@ static inline uint32_t cml_group_negative(const float *column)
     return _mm512_cmp_ps_mask(_mm512_loadu_ps(column), _mm512_setzero_ps(), _CMP_LT_OQ);
 #else
     uint32_t mask = 0;
-#ifdef __SSE2__
-    for (int i = 0; i < CML_GROUP; i += 4)
-        mask |= (uint32_t)_mm_movemask_ps(_mm_cmplt_ps(_mm_loadu_ps(column + i), _mm_setzero_ps())) << i;
+#ifdef __AVX2__
+    for (int i = 0; i < CML_GROUP; i += 8) {
+        const __m256 below = _mm256_cmp_ps(_mm256_loadu_ps(column + i), _mm256_setzero_ps(), _CMP_LT_OQ);
+        mask |= (uint32_t)_mm256_movemask_ps(below) << i;
+    }
 #else
+#pragma omp simd reduction(| : mask)
     for (int i = 0; i < CML_GROUP; i++) mask |= (uint32_t)(column[i] < 0) << i;
 #endif
     return mask;

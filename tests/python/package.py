@@ -40,7 +40,7 @@ class Files(unittest.TestCase):
         octahedron = mc.Mesh(vertices=[[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], scale=0.01, shift=(0.1, 0, -0.05),
                              faces=[[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]])
         upwards = mc.Phase("table", angles=[0, 60, 180], densities=[2, 1.5, 0])  # (1 + c) in any scale
-        bodies = [mc.Sphere(0, 0, 0.05, 0.01, 1.5, 3, 40, 0.3333, phase=upwards), mc.Body(octahedron, 1.6, 4, 50, 0.25)]
+        bodies = [mc.Sphere(0, 0, 0.05, 0.01, 1.5, 3, 40, 0.3333, phase=upwards), mc.Body(octahedron, 1.6, 4, 50, 0.25, union=True)]
         scene = mc.Scene([mc.Layer(1.34, 0.2, 0, 0, 0.02), mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=bodies, phase=mc.Phase("gk", g=0.9, a=0.5))], photons=2000, nr=7, nz=5, na=3, dr=0.05, dz=0.03,
                          map=mc.Map(4, 3, 0.1, 0.2, angles=True, volume=True), facets=True, format="A",
                          bottom=mc.Heightfield([0, 0.1], [0.02, 0]))
@@ -253,6 +253,7 @@ class Scenes(unittest.TestCase):
                  (lambda: mc.Scene(5), r"Scene\.layers = 5 \(expected"), (lambda: mc.Scene([SLAB], format=["A"]), r"Scene\.format = \['A'\]"),
                  (lambda: mc.Heightmap([[0, 0], [0, 0]], 1, tile="twice"), r"Heightmap\.tile = 'twice' \(expected"),
                  (lambda: mc.Mesh(vertices=[[0, 0, 0]], faces=[[0, 1, 2]]), r"Mesh\.faces = .* \(expected indices from 0 to 0"),
+                 (lambda: mc.Body(mc.Mesh(SKIN), 1.4, 1, 1, 0, union="yes"), r"Body\.union = 'yes' \(expected True or False"),
                  (lambda: mc.Scene([]), r"Scene\.layers = \[\] \(expected"), (lambda: mc.Scene([SLAB], photons=0.5), r"Scene\.photons = 0\.5"),
                  (lambda: mc.Scene([SLAB], nr=2.5), r"Scene\.nr = 2\.5"), (lambda: mc.Scene([SLAB], beam=None), r"Scene\.beam = None")]
         for make, text in cases:

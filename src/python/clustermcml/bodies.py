@@ -97,8 +97,7 @@ class Body:
     def __post_init__(self) -> None:
         if not isinstance(self.mesh, Mesh):
             raise errors.refuse("Body.mesh", self.mesh, "a Mesh")
-        if not isinstance(self.union, bool):
-            raise errors.refuse("Body.union", self.union, "True or False")
+        errors.flag("Body.union", self.union)
         _check_medium("Body", self)
 
     def line(self, directory: str, stem: str) -> str:

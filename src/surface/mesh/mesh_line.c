@@ -173,7 +173,8 @@ bool cml_line_goes_on(struct cml_mesh_line *line)
     if (parts->pass != CML_LINE_LOOKS_BESIDE && parts->lot == 0) {
         line->winding_ahead = parts->around;
         parts->pass = CML_LINE_LOOKS_BESIDE;
-        return true;
+        /* on its own side a packet that crosses something asks for nothing beside the line */
+        return !(line->t < line->length) || (parts->around > 0) != (line->q->below != 0);
     }
     if (line->primitive >= 0 || !parts->more) return false;
     parts->pass = CML_LINE_COLLECTS;

@@ -24,7 +24,7 @@
 #define CML_LATTICE_LAUNCH_RADIUS 7u /* the launch's words 0 and 1 */
 #define CML_LATTICE_LAUNCH_AZIMUTH 11u
 #define CML_LATTICE_SECOND_REFLECTION 12u
-#define CML_LATTICE_LAUNCH_POLAR 13u /* and its words 2 and 3 */
+#define CML_LATTICE_LAUNCH_POLAR 13u /* and its words 2 and 3, with shifts of one block */
 #define CML_LATTICE_LAUNCH_ROUND 14u
 #define CML_LATTICE_DIMENSIONS 15u
 #define CML_LATTICE_BLOCKS 4u /* of four dimensions, the last one not full */
@@ -130,8 +130,11 @@ CML_FN struct cml_block cml_draw_launch(struct cml_stream stream, cml_u64 photon
     draw.w[0] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_RADIUS, draw.w[0]);
     draw.w[1] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_AZIMUTH, draw.w[1]);
     if (!direction) return draw;
-    draw.w[2] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_POLAR, draw.w[2]);
-    draw.w[3] = cml_lattice_draw(stream, photon, CML_LATTICE_LAUNCH_ROUND, draw.w[3]);
+    const struct cml_block shifts =
+        cml_lattice_shifts(stream, (cml_u32)photon, (cml_u32)(photon >> 32), CML_LATTICE_LAUNCH_POLAR / 4u);
+    const cml_u32 point = cml_lattice_point(photon);
+    draw.w[2] = cml_lattice_word(point, CML_LATTICE_LAUNCH_POLAR, shifts, draw.w[2]);
+    draw.w[3] = cml_lattice_word(point, CML_LATTICE_LAUNCH_ROUND, shifts, draw.w[3]);
     return draw;
 }
 

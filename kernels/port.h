@@ -17,6 +17,7 @@ typedef ulong cml_u64;
 #define CML_PACKET __global
 #endif
 #define CML_FN static inline __attribute__((always_inline)) /* lanes must live in registers */
+#define CML_RARE CML_FN
 #define CML_SQRT sqrt
 #define CML_FMA fma
 #define CML_FABS fabs
@@ -35,6 +36,7 @@ typedef uint64_t cml_u64;
 #define CML_CLZ(n) __builtin_clz((unsigned)(n))
 #define CML_MAY_HAVE_MESHES 1
 #define CML_FN static inline
+#define CML_RARE static __attribute__((noinline, unused)) /* so that what calls it stays short */
 #endif
 
 /* An invariant. Checked on the host in builds without NDEBUG (Debug, and the one with sanitizers); in release

@@ -53,18 +53,31 @@ CML_FN real cml_image_place(const CML_GLOBAL cml_u32 *words, cml_u32 word, int *
     return (real)k + cml_word_share(word, words[1 + k], k + 1 < used ? words[2 + k] : 0u);
 }
 
+/* Distance from the middle of a round shape, and the direction there. */
+CML_FN real cml_round_offset(const CML_GLOBAL struct cml_source *source, struct cml_block draw, real *c,
+                             real *s)
+{
+    const real xi = cml_uniform(draw.w[0]);
+    cml_circle_point(draw.w[1], c, s);
+    if (source->shape == CML_SHAPE_DISK) return source->a * CML_SQRT(xi);
+    if (source->shape == CML_SHAPE_GAUSSIAN) return source->a * CML_SQRT((real)-0.5 * cml_log(xi));
+    return CML_SQRT(CML_FMA(xi, source->b, source->a));
+}
+
 /* A place of the shape along e1 and e2. */
 CML_FN void cml_source_offset(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                               struct cml_block draw, real *x, real *y)
 {
     const int shape = source->shape;
-    real c, s, r;
-    if (shape == CML_SHAPE_RECTANGLE) {
+    if (shape <= CML_SHAPE_RING) {
+        real c, s;
+        const real r = cml_round_offset(source, draw, &c, &s);
+        *x = r * c;
+        *y = r * s;
+    } else if (shape == CML_SHAPE_RECTANGLE) {
         *x = source->a * cml_uniform_symmetric(draw.w[0]);
         *y = source->b * cml_uniform_symmetric(draw.w[1]);
-        return;
-    }
-    if (shape == CML_SHAPE_IMAGE) {
+    } else {
         const CML_GLOBAL cml_u32 *words = world->image_words + source->first_word;
         int row, column;
         const real down = cml_image_place(words, draw.w[0], &row);
@@ -72,18 +85,7 @@ CML_FN void cml_source_offset(const struct cml_world *world, const CML_GLOBAL st
         const real along = cml_image_place(words, draw.w[1], &column);
         *x = source->a * (along - (real)0.5 * (real)source->nx);
         *y = source->b * ((real)0.5 * (real)source->ny - down);
-        return;
     }
-    cml_circle_point(draw.w[1], &c, &s);
-    const real xi = cml_uniform(draw.w[0]);
-    if (shape == CML_SHAPE_DISK)
-        r = source->a * CML_SQRT(xi);
-    else if (shape == CML_SHAPE_GAUSSIAN)
-        r = source->a * CML_SQRT((real)-0.5 * cml_log(xi));
-    else
-        r = CML_SQRT(CML_FMA(xi, source->b, source->a));
-    *x = r * c;
-    *y = r * s;
 }
 
 /* ---- the medium at a place ---- */
@@ -215,7 +217,7 @@ CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
 
 /* ---- launch ---- */
 
-/* The same where packets start at the place itself. */
+/* A packet that starts at the place itself. */
 CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                              struct cml_vec at, CML_PACKET struct cml_packet *packet)
 {
@@ -228,14 +230,38 @@ CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL str
     packet->exit_y = at.y;
 }
 
-/* P1: the packet where the beam puts it; its draws are not made yet. */
+/* Onto the line through `at`, where the source's packets start above all surfaces. */
+CML_FN void cml_place_above(const CML_GLOBAL struct cml_source *source, struct cml_vec at,
+                            CML_PACKET struct cml_packet *packet)
+{
+    packet->p = cml_along(at, (source->start - at.z) / packet->u.z, packet->u);
+    packet->p.z = source->start;
+}
+
+/* Of any shape and light. */
+CML_RARE void cml_place_any(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
+                            CML_PACKET struct cml_packet *packet)
+{
+    const int spread = source->light != CML_LIGHT_PARALLEL;
+    const struct cml_block draw = cml_draw_launch(world->setup.stream, packet->index, spread);
+    struct cml_vec at = source->middle;
+    real x, y;
+    if (source->shape != CML_SHAPE_POINT) {
+        cml_source_offset(world, source, draw, &x, &y);
+        at = cml_along(cml_along(at, x, source->e1), y, source->e2);
+    }
+    if (source->inside) cml_place_inside(world, source, at, packet);
+    if (spread) packet->u = cml_source_direction(world, source, draw, world->media[packet->medium].n);
+    if (!source->inside) cml_place_above(source, at, packet);
+}
+
+/* P1: the packet where the beam puts it; its draws are not made yet. Pencils, disks and Gaussians of parallel
+ * light from above are the most common, and short. */
 CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET struct cml_packet *packet)
 {
     const CML_GLOBAL struct cml_source *source = cml_source_of(world, index);
     const struct cml_packet fresh = {0};
-    struct cml_block draw = {{0, 0, 0, 0}};
     struct cml_vec at = source->middle;
-    real x, y;
     *packet = fresh;
     packet->index = index;
     packet->w = CML_WEIGHT_ONE - source->specular;
@@ -244,18 +270,17 @@ CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET s
     packet->on_boundary = -1;
     packet->on_primitive = -1;
     packet->u = source->axis;
-    if (source->shape != CML_SHAPE_POINT || source->light != CML_LIGHT_PARALLEL)
-        draw = cml_draw_launch(world->setup.stream, index, source->light != CML_LIGHT_PARALLEL);
-    if (source->shape != CML_SHAPE_POINT) {
-        cml_source_offset(world, source, draw, &x, &y);
-        at = cml_along(cml_along(at, x, source->e1), y, source->e2);
+    if (!source->is_common) {
+        cml_place_any(world, source, packet);
+        return;
     }
-    if (source->inside) cml_place_inside(world, source, at, packet);
-    if (source->light != CML_LIGHT_PARALLEL)
-        packet->u = cml_source_direction(world, source, draw, world->media[packet->medium].n);
-    if (source->inside) return;
-    packet->p = cml_along(at, (source->start - at.z) / packet->u.z, packet->u);
-    packet->p.z = source->start;
+    if (source->shape != CML_SHAPE_POINT) {
+        real c, s;
+        const struct cml_block draw = cml_draw_launch(world->setup.stream, index, 0);
+        const real r = cml_round_offset(source, draw, &c, &s);
+        at = cml_along(cml_along(at, r * c, source->e1), r * s, source->e2);
+    }
+    cml_place_above(source, at, packet);
 }
 
 /* P10 for one packet, whose weight at the start and later gains are all accounted for. */

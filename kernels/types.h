@@ -183,6 +183,7 @@ struct cml_source {
     int inside;    /* starts at the place itself, else above all surfaces on the line through it */
     int medium;    /* of packets: 0: above all surfaces; below planes 1, or 2: glass; inside: at the middle */
     int is_pencil; /* inside: all packets start in that medium */
+    int is_common; /* above, parallel, and a point, a disk or a Gaussian */
     cml_u32 specular;      /* deterministic Rsp of one packet in weight units, 0 when medium is 0 or inside */
     cml_u32 between;       /* weight that goes up to boundary 0 again in a clear first layer, 0 without one */
     struct cml_vec middle; /* of the shape, x and y from the first beam's axis, z in the frame of boundary 0;

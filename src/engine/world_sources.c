@@ -330,6 +330,8 @@ cml_status cml_set_sources(const struct cml_scene *scene, const struct cml_surfa
             CML_TRY(place_inside(scene, beam, &to->world, source, err));
         else
             place_above(scene, beam, surfaces, start_as, source);
+        source->is_common =
+            !beam->inside && beam->light.kind == CML_LIGHT_OF_PARALLEL && beam->kind <= CML_BEAM_GAUSSIAN;
     }
     if (scene->num_beams == 1) setup->specular = to->sources[0].specular;
     return CML_OK;

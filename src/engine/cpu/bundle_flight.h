@@ -43,6 +43,7 @@ struct cml_flight {
     /* the beam */
     struct cml_packet start;  /* a packet as the beam places it */
     int pencil;               /* it places all of them alike */
+    int elsewhere;            /* they may differ in weight or medium */
     int first_hit_known;      /* then all of them hit first_hit, above the material */
     struct cml_hit first_hit; /* in the frame of boundary 0 */
     int enters; /* those that are transmitted there are `inside` but for their indices and draws */

@@ -137,6 +137,7 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
 static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_packet *start)
 {
     struct cml_bundle *b = f->b;
+    if (f->world->setup.num_sources > 1) cml_add_specular(&f->to, cml_split_off(f->world, start->index));
     b->w[i] = b->flushed_w[i] = start->w;
     b->entered[i] = start->entered;
     if (b->medium[i] == start->medium) return;
@@ -152,9 +153,8 @@ static void cml_place_lane(struct cml_flight *f, int i)
     if (!f->pencil) {
         cml_place(f->world, cml_lane_index(f->b, i), start);
         cml_store_ray(f->b, i, start->p, start->u);
-        cml_launch_elsewhere(f, i, start);
+        if (f->elsewhere) cml_launch_elsewhere(f, i, start);
     }
-    if (f->world->setup.num_sources > 1) cml_add_specular(&f->to, cml_split_off(f->world, start->index));
     if (f->to.facets) cml_score_launch(f->world, &f->to, start);
 }
 

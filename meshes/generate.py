@@ -172,6 +172,16 @@ def furrows():
     return gsf(n, n, 25e-6, height)
 
 
+def stripes():
+    """No heights but an image, for a beam: three rows of stripes, 48 x 48 pixels of 1 x 1 cm."""
+    n = 48
+
+    def bright(i, j):
+        return 1 - int((i + 0.5) / n / (0.25, 0.125, 0.0625)[j * 3 // n]) % 2
+
+    return gsf(n, n, 0.01 / n, bright)
+
+
 def grooves():
     """A turned plate: saw-tooth grooves along y, 60 x 40 heights in mm, 0.05 mm apart."""
     nx, ny = 60, 40
@@ -185,7 +195,7 @@ def main():
     directory = sys.argv[1] if len(sys.argv) > 1 else os.path.dirname(os.path.abspath(__file__))
     for family in (wedge, ridges, prism, pyramid, overhang, spikes, vein):
         write(directory, family.__name__ + ".obj", family.__doc__.rstrip("."), *family())
-    for heightmap, ending in ((skin, ".gsf"), (furrows, ".gsf"), (grooves, ".asc")):
+    for heightmap, ending in ((skin, ".gsf"), (furrows, ".gsf"), (stripes, ".gsf"), (grooves, ".asc")):
         with open(os.path.join(directory, heightmap.__name__ + ending), "wb") as stream:
             stream.write(heightmap())
 

@@ -8,7 +8,7 @@ against adding-doubling, a point source in an unbounded medium, shares of severa
   of exp(-mua d / cos) for absorbing matched layers, to 1e-5.
 - Isotropic light in an absorber ends as exp(-mut r) / (4 pi r^2). In a scatterer the mean square distance of interaction n from the
   source is (2 / mut^2) (n / (1 - g) - g (1 - g^n) / (1 - g)^2); absorbed weight is the sum over n with (1 - a) a^(n - 1).
-- Shares: numbers of packets by largest remainder, to the last one.
+- Shares: numbers of packets by largest remainder, to the last one. Engines: the same packets.
 - Reciprocity: of `lambertian` light on a rough plate between equal media as much goes down as comes up when it shines from below.
 N = 1e5 a case; statistic: z, level 1e-4 over all."""
 import json
@@ -275,6 +275,25 @@ def reciprocity(verdict):
         verdict.z(f"reciprocity {height}", found[0]["Tt"], found[0]["Tt_se"], found[1]["Rd"], found[1]["Rd_se"])
 
 
+def engines(verdict):
+    """Beams that cut cones and start in a sphere, in both precisions and on a device: the same packets but for one in a thousand."""
+    text = cml.mci(["1.4 1 20 0.8 0.2", "1.3 0.5 5 0.5 0.2\ni sphere 0.1 0 0.3 0.05 1.5 2 10 0.5"], photons=20000,
+                   surfaces={0: "b 4 0.1 0.1 0 0.1 0.08 0.1 0 1", 1: "b 3 0.03 0.1 0 0.1 0 1"},
+                   extra=["beam disk 0.3 z=0.02 angle=35 light=na:0.5", "beam disk 0.2 light=lambertian", "beam pencil share=0.5",
+                          "beam rectangle 0.05 0.02 at=0.1,0 z=0.3 light=isotropic"])
+    records = {}
+    for engine in ("cpu", "reference", "opencl"):
+        try:
+            records[engine], _ = fly(text, "--engine", engine, "--seed", 4)
+        except RuntimeError as error:
+            verdict.check(engine, engine == "opencl" and "exit 3" in str(error), str(error))
+            continue
+        cml.check_balance(verdict, engine, records[engine])
+        for key in ("Rsp", "Rd", "A", "Tt"):
+            off = abs(records[engine][key] - records["cpu"][key])
+            verdict.check(f"{engine} {key}", off < 1e-3, f"{off} from cpu")
+
+
 def refusals(verdict):
     """What is known only where surfaces are."""
     for beam, expected in (("beam pencil z=0", "beam: at z = (0 0 0) (expected a place inside a medium; it lies on a surface"),
@@ -289,7 +308,7 @@ def refusals(verdict):
 
 def main():
     verdict = cml.Verdict("sources")
-    for group in (places, directions, slabs, absorbers, point_source, shares, reciprocity, refusals):
+    for group in (places, directions, slabs, absorbers, point_source, shares, reciprocity, engines, refusals):
         group(verdict)
     verdict.finish()
 

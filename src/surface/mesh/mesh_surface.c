@@ -197,6 +197,8 @@ static void query_tree(const struct cml_mesh_surface *surface, struct query *que
     } else if (answer.facet >= 0) {
         const double t = cml_query_plane_distance(q, answer.facet);
         cml_query_add_inner_hit(q, answer.facet, q->body->plane[answer.facet], t, inner);
+        const bool shades = q->body->mesh.normals == CML_NORMALS_VERTEX && q->primitive == answer.facet;
+        if (shades) cml_query_set_hit(q, answer.facet, t);
     }
 }
 

@@ -19,6 +19,7 @@ static struct cml_mesh_surface *make_cylinder(const double start[3], const doubl
     cml_vec3_copy(start, body.centre);
     cml_vec3_copy(end, body.end);
     assert_int_equal(cml_body_mesh(&body, 140, false, &mesh, &err), CML_OK);
+    mesh.normals = CML_NORMALS_VERTEX;
     assert_int_equal(cml_mesh_surface_create(&mesh, 0, 0, CML_SEARCH_TREE, &surface, &err), CML_OK);
     return surface;
 }
@@ -119,11 +120,31 @@ static void a_small_body_is_left_from_beside_it(void **state)
     cml_mesh_surface_free(surface);
 }
 
+/* Normals between vertices change over a facet: those of the fast search are of the place that is met. */
+static void normals_are_those_of_the_exact_query(void **state)
+{
+    (void)state;
+    const double start[3] = {0.1, 0.2, 0.3}, end[3] = {0.3, -0.1, 0.7};
+    struct cml_mesh_surface *surface = make_cylinder(start, end, 0.2);
+    struct dice dice = dice_new(7);
+    for (int i = 0; i < 20000; i++) {
+        struct cml_mesh_crossing fast, exact;
+        double u[3];
+        const double p[3] = {0.2 + dice_between(&dice, -0.05, 0.05), 0.05, 0.5};
+        dice_direction(&dice, u);
+        assert_true(cml_mesh_surface_hit(surface, p, u, 1, INFINITY, -1, 0, 0, 1e-7, &fast));
+        assert_true(cml_mesh_surface_hit(surface, p, u, 1, INFINITY, -1, 0, 1, 1e-7, &exact));
+        for (int k = 0; k < 3; k++) assert_true(fabs(fast.normal[k] - exact.normal[k]) < 1e-6);
+    }
+    cml_mesh_surface_free(surface);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_grazed_end_is_not_missed),
         cmocka_unit_test(a_small_body_is_left_from_beside_it),
+        cmocka_unit_test(normals_are_those_of_the_exact_query),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -205,14 +205,15 @@ class Scene:
         for name in ("nr", "nz", "na"):
             errors.whole("Scene." + name, getattr(self, name), 1, 2**31 - 1)
         check_surface("Scene.bottom", self.bottom)
-        if not all(isinstance(beam, Beam) for beam in self.beams()) or not self.beams():
+        several = isinstance(self.beam, (list, tuple)) and bool(self.beam) and all(isinstance(beam, Beam) for beam in self.beam)
+        if not isinstance(self.beam, Beam) and not several:
             raise errors.refuse("Scene.beam", self.beam, "a Beam, or a list of Beam")
         if not isinstance(self.map, Map) and self.map is not None:
             raise errors.refuse("Scene.map", self.map, "a Map")
 
     def beams(self) -> Sequence[Beam]:
         """All beams, one or several."""
-        return self.beam if isinstance(self.beam, (list, tuple)) else [self.beam]
+        return [self.beam] if isinstance(self.beam, Beam) else self.beam
 
     def text(self, output: str, directory: str = ".") -> str:
         """The text of the `.mci` whose result is OUTPUT; surfaces that are arrays are written to DIRECTORY."""

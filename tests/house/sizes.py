@@ -1,4 +1,4 @@
-"""Files of at most 500 lines, functions of at most 60, half of the functions in src of at most 12.
+"""Files of at most 600 lines, functions of at most 60, half of the functions in src of at most 12.
 
 C functions are found by the house's format: a brace alone in column 0 opens one, the next one closes it. Runs in the
 source directory."""
@@ -7,7 +7,7 @@ import os
 import statistics
 import sys
 
-MOST_IN_FILE, MOST_IN_FUNCTION, MEDIAN = 500, 60, 12
+MOST_IN_FILE, MOST_IN_FUNCTION, MEDIAN = 600, 60, 12
 
 
 def c_functions(lines):

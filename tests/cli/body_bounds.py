@@ -108,7 +108,7 @@ HOSTS = [(SHELL, octahedron(0.25, 0.04), "layer 1"), (SHELL, sphere(0.25, 0.02),
 OVERLAPS = [(SHELL, octahedron(0.25, 0.07)), (SHELL, sphere(0.25, 0.054)), (TWO, octahedron(0.25, 0.12, 0.2)),
             (TWO, sphere(0.25, 0.11, -0.2)), (parts("shell", 0.2), parts("shell", 0.15))]
 # the body alone: what is said of it
-ALONE = [(None, parts("touching", 0.1), "touching.obj:22: the mesh touches itself at the vertex (0.1, 0, height -0.25) cm "),
+ALONE = [(None, parts("touching", 0.1), "scene.mci:{}: body 1: touching.obj:22: the mesh touches itself at the vertex (0.1, 0, height -0.25) cm "),
          (None, parts("crossing", 0.1), "scene.mci:{}: body 1 meets itself at ("),
          (PYRAMID, parts("far", 0.005, 0.05, -0.04), "scene.mci:{}: body 1 lies beyond boundary 0 at ("),
          (None, parts("small", 0.1), "scene.mci:{}: body 1: half a width of a part 1e-09 cm, expected at least ")]

@@ -41,7 +41,7 @@ expect_code 0 check "$work/map.mci" --tolerance 1e-12
 made=$(sed -n 's/.*mesh at z = 0 cm, \([0-9]*\) triangles.*/\1/p' "$work/out")
 expect_code 0 check "$work/map.mci" --tolerance 1e-12 --mesh-budget "$made"
 expect_code 2 check "$work/map.mci" --tolerance 1e-12 --mesh-budget $((made - 1))
-grep -q "^clustermcml: $work/map.asc: boundary 0 needs $made triangles, .* (expected at most $((made - 1)), or " "$work/err" ||
+grep -q "^clustermcml: $work/map.mci:9: boundary 0 needs $made triangles, .* (expected at most $((made - 1)), or " "$work/err" ||
     complain "$(cat "$work/err")"
 expect_code 2 check "$work/map.mci" --tolerance 1e-12 --mesh-budget 1
 grep -q "boundary 0 needs $made triangles" "$work/err" || complain "only counted: $(cat "$work/err")"

@@ -107,10 +107,10 @@ for setting in body1.n=1.33 body1.mua=5 body1.mus=0 body1.g=0.9 body2.n=1 body2.
     rm -r "$work/a" "$work/b"
 done
 expect_error 2 "--set: body1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/bodies.mci" --set body1.mua=-1
-expect_error 2 "--set: body3.n = 1 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, body1..2 with .n .mua .mus .g, beam.angle, beam.azimuth)" \
+expect_error 2 "--set: body3.n = 1 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, body1..2 with .n .mua .mus .g, beam with .x .y .angle .azimuth)" \
     "$work/bodies.mci" --set body3.n=1
 
-names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0.scale and .height, boundary1.scale and .height, beam.angle, beam.azimuth, beam.radius'
+names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0.scale and .height, boundary1.scale and .height, beam with .x .y .angle .azimuth .radius'
 expect_error 2 "--set: layer3.n = 1.4 (expected a name that the run in line 3 knows: $names)" "$work/plain.mci" --set layer3.n=1.4
 expect_error 2 "--set: boundary2.scale = 2 (expected a name that the run in line 3 knows: $names)" "$work/plain.mci" --set boundary2.scale=2
 expect_error 2 "--set: layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/plain.mci" --set layer1.mua=-1

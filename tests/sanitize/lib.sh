@@ -7,7 +7,7 @@
 with_maps() { # FORMAT SCENE
     lines=
     grep -q '^map' "$2" || lines='/# nz, nr, na/a map 40 30 0.05 0.05 angles volume\nfacets'
-    sed -E -e "s/^([^ #]+\\.mco) A/\\1 $1/" -e "s#^([im]) \"([^/])#\\1 \"$PWD/$(dirname "$2")/\\2#" -e "$lines" "$2" >"$work/$(basename "$2")"
+    sed -E -e "s/^([^ #]+\\.mco) A/\\1 $1/" -e "s#^((i|m|beam|phase) [^\"]*)\"([^/])#\\1\"$PWD/$(dirname "$2")/\\3#" -e "$lines" "$2" >"$work/$(basename "$2")"
     echo "$work/$(basename "$2")"
 }
 

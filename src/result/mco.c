@@ -118,8 +118,10 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     write_lines(out, "# ", o->phases);
     write_lines(out, "# ", o->shapes);
     write_lines(out, "# scene ", o->scene);
+    const double sampling = o->provenance.value[CML_DECIDES_sampling];
+    if (isnan(sampling)) return; /* the file that was read says nothing of it */
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",
-            o->provenance.value[CML_DECIDES_sampling] > 0);
+            sampling > 0);
 }
 
 /* Sections "se_KEY # [unit]", then one standard error per line. Merged ones may differ in digits that a run's

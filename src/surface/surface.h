@@ -1,6 +1,6 @@
 /* How each boundary of a scene is represented: plane, cones or mesh, and why.
  * "No more than a scene needs": flat fields become planes, collinear rings are merged, radial fields are
- * marched as exact cones, meshes that are regular grids or sheets are walked, other ones go to Embree. A
+ * marched as exact cones, meshes that are regular grids or sheets are walked, other ones have a tree. A
  * representation can be forced, which is how methods judge each other. SPDX-License-Identifier: MIT */
 #ifndef CML_SURFACE_H
 #define CML_SURFACE_H
@@ -61,7 +61,7 @@ void cml_surface_clear(struct cml_surface_def *def);
 
 const char *cml_surface_kind_name(enum cml_surface_kind kind);
 
-/* The mesh of boundary b as cml_surfaces_create would give it to Embree, tessellated or loaded; one period of
+/* The mesh of boundary b as cml_surfaces_create would search it, tessellated or loaded; one period of
  * a tile, unprepared; empty (no triangles) for a plane. For `clustermcml mesh`. */
 CML_NODISCARD cml_status cml_boundary_mesh(const struct cml_scene *scene, int b,
                                            const struct cml_surface_options *options, struct cml_mesh *mesh,

@@ -1,4 +1,4 @@
-/* Fast queries from inside closed meshes, in single precision, where Embree sees too little: facets that are
+/* Fast queries from inside closed meshes, in single precision, which sees too little: facets that are
  * long, thin and grazed, beside the exact query; a body so small and deep that rounding is more than it shows
  * of itself. SPDX-License-Identifier: MIT */
 #include "geometry/vec3.h"

@@ -8,10 +8,10 @@
 #include "port.h"
 
 /* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:
- * [num_layers + 2] by medium. All threads', too large for a copy each: A_xyz: [nz ny nx + 1] or NULL, facets:
- * [facets of all boundaries][CML_FACET_SCORES] or NULL. */
+ * [num_layers + 2] by medium, A_t: [gates + 1] or NULL. All threads', too large for a copy each: A_xyz: [nz
+ * ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. */
 struct cml_deposits {
-    cml_u64 *A_rz, *A_l, *A_xyz, *facets;
+    cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets;
     cml_u64 *specular; /* one thread's sum */
 };
 

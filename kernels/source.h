@@ -217,6 +217,22 @@ CML_FN struct cml_vec cml_source_direction(const struct cml_world *world,
 
 /* ---- launch ---- */
 
+/* P11. A device keeps no time. */
+CML_FN void cml_set_path(CML_PACKET struct cml_packet *packet, real path)
+{
+#ifdef __OPENCL_VERSION__
+    (void)packet, (void)path;
+#else
+    packet->path = path;
+#endif
+}
+
+/* P11: of a packet that has come straight through planes into a medium, from boundary 0 on, cm. */
+CML_FN real cml_path_above(const struct cml_world *world, int medium)
+{
+    return medium > 1 ? world->media[1].n * world->media[1].span : (real)0;
+}
+
 /* A packet that starts at the place itself. */
 CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL struct cml_source *source,
                              struct cml_vec at, CML_PACKET struct cml_packet *packet)
@@ -226,6 +242,7 @@ CML_FN void cml_place_inside(const struct cml_world *world, const CML_GLOBAL str
     packet->p = at;
     packet->medium = medium;
     packet->entered = medium > 0;
+    cml_set_path(packet, 0);
     packet->exit_x = at.x;
     packet->exit_y = at.y;
 }
@@ -270,6 +287,7 @@ CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET s
     packet->on_boundary = -1;
     packet->on_primitive = -1;
     packet->u = source->axis;
+    cml_set_path(packet, source->medium > 0 ? cml_path_above(world, source->medium) : (real)-1);
     if (!source->is_common) {
         cml_place_any(world, source, packet);
         return;

@@ -102,6 +102,12 @@ struct cml_map {
     real top_bins;       /* depth of the volume's upper face in bins of dz */
 };
 
+/* Gates of time, all as long (P11). */
+struct cml_gates {
+    int count;   /* 0: time is not asked for */
+    real per_cm; /* gates per cm of optical path */
+};
+
 /* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
  * in the frame of its layer: lowest <= z <= highest everywhere. */
 struct cml_surface {
@@ -215,6 +221,7 @@ struct cml_setup {
     real x0, y0;          /* scene position of the first beam's axis at z = 0 */
     real r0_x, r0_y;      /* the same from where results count r */
     struct cml_map map;
+    struct cml_gates gates;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
     /* launch */
     int num_sources;
@@ -240,6 +247,9 @@ struct cml_packet {
     int entered;        /* has been in the material */
     int fate, cause;
     real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
+#ifndef __OPENCL_VERSION__
+    real path; /* n times length, cm, up to where it is (P11); below 0: its clock has not started */
+#endif
     /* terms of this packet in the weight balance, in weight units */
     cml_u64 gained, roulette, absorbed;
     cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */

@@ -1,5 +1,5 @@
 /* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
- * The rules it cites, P1 to P10, are written down in README.md beside it. A packet's part of the weight
+ * The rules it cites, P1 to P11, are written down in README.md beside it. A packet's part of the weight
  * balance is kept here, the deposits are streamed into the arrays of the caller, everything else is returned
  * in the packet. SPDX-License-Identifier: MIT */
 #ifndef CML_WALK_H
@@ -59,6 +59,32 @@ CML_FN real cml_path(real tau, real mfp)
 {
     const real s = tau * mfp;
     return mfp < CML_INFINITY ? s : CML_INFINITY;
+}
+
+/* P11: a packet's optical path after t more (cm) in a medium of index n. Its clock starts where it touches
+ * something for the first time. */
+CML_FN real cml_path_after(real path, real t, real n)
+{
+    return path < 0 ? (real)0 : CML_FMA(t, n, path);
+}
+
+/* Before the packet flies t (cm) in the medium it is in. */
+CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t)
+{
+#ifdef __OPENCL_VERSION__
+    (void)world, (void)packet, (void)t;
+#else
+    if (world->setup.gates.count)
+        packet->path = cml_path_after(packet->path, t, world->media[packet->medium].n);
+#endif
+}
+
+/* P11: gate of a path, the one for all that is later behind the last. What is not scored may have any path.
+ */
+CML_FN int cml_gate(struct cml_gates gates, real path)
+{
+    const real bin = path * gates.per_cm, last = (real)gates.count, at = bin < last ? bin : last;
+    return (int)(at > 0 ? at : (real)0);
 }
 
 /* Distance to the next interaction if no boundary comes first. */
@@ -128,6 +154,9 @@ CML_FN void cml_deposit(const struct cml_world *world, const struct cml_deposits
     const real bins = world->media[packet->medium].bins;
     if (cml_has_volume(to)) cml_deposit_volume(setup, to, packet->p, bins, dw);
     if (!setup->tally_absorption) return;
+#ifndef __OPENCL_VERSION__
+    if (to->A_t) to->A_t[cml_gate(setup->gates, packet->path)] += dw;
+#endif
     const int iz = cml_depth_bin(setup, packet->p.z, bins);
     const int ir = cml_radial_bin(setup, packet->p.x, packet->p.y);
     cml_add_to_cell(to, ir * (setup->nz + 2) + iz, dw);
@@ -189,6 +218,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
                          CML_PACKET struct cml_packet *packet, real t)
 {
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
+    cml_count_path(world, packet, t);
     packet->p = cml_along(packet->p, t, packet->u);
     packet->on_boundary = packet->near_boundary - 1;
     if (packet->near_boundary) packet->on_primitive = CML_NEAR_FACETS;
@@ -336,6 +366,7 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
     const real n1 = world->media[from].n, n2 = world->media[other].n;
     const real left = CML_FMA(-hit->t, world->media[from].mut, packet->tau);
     packet->tau = left > 0 ? left : (real)0;
+    cml_count_path(world, packet, hit->t);
     packet->on_boundary = boundary;
     packet->on_primitive = hit->primitive;
     if (CML_MAY_HAVE_BODIES && boundary > world->setup.num_layers) packet->off = hit->off;

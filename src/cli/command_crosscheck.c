@@ -145,13 +145,14 @@ static cml_status check_surfaces(const struct cml_options *options, const struct
     return check_and_dump(options, &setup, err);
 }
 
-/* Maps, volume and facets are neither compared nor recorded: the opencl engine would refuse them. */
+/* Maps, volume, facets and times are neither compared nor recorded: the opencl engine would refuse them. */
 static cml_status check_scene(const struct cml_options *options, const struct cml_scene *whole, int index,
                               struct cml_error *err)
 {
     struct cml_scene bare = *whole;
     bare.map = (struct cml_map_def){0};
     bare.facets = false;
+    bare.time = (struct cml_time_def){0};
     const struct cml_scene *scene = &bare;
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;

@@ -19,6 +19,7 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .num_layers = scene->num_layers,
                             .num_bodies = scene->num_bodies,
                             .absorption = options->absorption,
+                            .gates = scene->time.gates,
                             .nx = map->nx,
                             .ny = map->ny,
                             .map_na = map->angles ? scene->na : 1,

@@ -21,6 +21,7 @@ struct cml_terminated {
     cml_u32 deposit[CML_TERMINATED]; /* absorbed as well, in the layer that the packet left, and not booked
                                         there yet */
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
+    real path[CML_TERMINATED]; /* P11, where time is asked for */
     cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
     int fate[CML_TERMINATED];
     int cell[CML_TERMINATED];       /* of Rd_ra or Tt_ra */
@@ -103,6 +104,18 @@ static inline void cml_terminated_add_sums(const struct cml_setup *setup,
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
 }
 
+/* P11, where time is asked for. */
+static inline void cml_terminated_score_gates(const struct cml_setup *setup,
+                                              const struct cml_terminated *terminated, uint64_t times,
+                                              struct cml_tally *tally)
+{
+    for (int i = 0; i < terminated->count; i++) {
+        const int fate = terminated->fate[i], gate = cml_gate(setup->gates, terminated->path[i]);
+        if (fate == CML_FATE_REFLECTED) tally->Rd_t[gate] += times * terminated->w[i];
+        if (fate == CML_FATE_TRANSMITTED) tally->Tt_t[gate] += times * terminated->w[i];
+    }
+}
+
 /* Empties the collection into the tally, each packet `times` over. */
 static inline void cml_terminated_flush_times(const struct cml_setup *setup,
                                               struct cml_terminated *terminated, uint64_t times,
@@ -112,6 +125,7 @@ static inline void cml_terminated_flush_times(const struct cml_setup *setup,
     for (int i = 0; i < terminated->count; i++)
         tally->Rd_ra[terminated->cell[i]] += times * terminated->scored[i];
     cml_terminated_add_sums(setup, terminated, times, tally);
+    if (tally->Rd_t) cml_terminated_score_gates(setup, terminated, times, tally);
     terminated->count = 0;
 }
 
@@ -134,7 +148,7 @@ struct cml_termination {
     uint64_t index, absorbed;
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
-    real exit_x, exit_y, uz;
+    real exit_x, exit_y, uz, path;
     int primitive; /* touched last; 0 on planes */
 };
 
@@ -207,6 +221,7 @@ static inline void cml_terminated_push(const struct cml_setup *setup, struct cml
     terminated->exit_x[i] = end->exit_x;
     terminated->exit_y[i] = end->exit_y;
     terminated->uz[i] = end->uz;
+    terminated->path[i] = end->path;
     terminated->w[i] = end->w;
     terminated->interactions[i] = end->interactions;
     terminated->boundary_events[i] = end->boundary_events;
@@ -231,6 +246,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
 {
     const struct cml_deposits to = {.A_rz = tally->A_rz,
                                     .A_l = tally->A_l,
+                                    .A_t = tally->A_t,
                                     .A_xyz = tally->A_xyz,
                                     .facets = tally->facets,
                                     .specular = &tally->balance[CML_BALANCE_SPECULAR]};
@@ -251,6 +267,7 @@ static inline struct cml_termination cml_termination_of(const struct cml_packet 
         .exit_x = packet->exit_x,
         .exit_y = packet->exit_y,
         .uz = packet->u.z,
+        .path = packet->path,
         .primitive = packet->on_primitive,
     };
     return end;

@@ -301,6 +301,13 @@ static void set_map(const struct cml_scene *scene, struct cml_map *map)
     map->top_bins = (real)(def->top / scene->dz);
 }
 
+static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
+{
+    if (time->gates == 0) return;
+    gates->count = time->gates;
+    gates->per_cm = (real)(time->gates / (time->end * CML_LIGHT_CM_PER_PS));
+}
+
 static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
 {
     const struct cml_roulette_rule window = {(cml_u32)(options->below * CML_WEIGHT_ONE),
@@ -331,6 +338,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     setup->per_dz = (real)(1 / scene->dz);
     setup->per_da = (real)(scene->na / 1.5707963267948966);
     set_map(scene, &setup->map);
+    set_gates(&scene->time, &setup->gates);
     setup->x0 = (real)scene->beams[0].x;
     setup->y0 = (real)scene->beams[0].y;
     setup->r0_x = scene->beams[0].radial ? 0 : setup->x0;

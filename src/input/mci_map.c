@@ -1,4 +1,4 @@
-/* Lines map and facets. SPDX-License-Identifier: MIT */
+/* Lines map, facets and time. SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
 #include "boundary.h"
@@ -68,6 +68,21 @@ cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets)
     const char *word = cml_text_word(&reader->cursor);
     if (!word) return CML_OK;
     return cml_mci_fail(reader, "text after facets", word, "the end of the line or a # comment");
+}
+
+/* As many gates as every batch can have without asking. */
+cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time)
+{
+    static const struct cml_mci_field fields[] = {
+        {"T1", 1e-6, 1e12, false, "a time of 1e-6..1e12 ps"},
+        {"number of gates", 1, 100000, true, "a whole number of 1..100000"}};
+    double values[2];
+    if (time->gates > 0) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one time line per run");
+    time->line = reader->text.line;
+    CML_TRY(cml_mci_numbers(reader, "time", fields, 2, values));
+    time->end = values[0];
+    time->gates = (int)values[1];
+    return CML_OK;
 }
 
 /* A map's cells are counted in double: their product may exceed 64 bits. Four per pixel: Rd and Tt, each with

@@ -1,4 +1,4 @@
-/* The lines of .mci files that ask for more than original MCML tallies: map and facets.
+/* The lines of .mci files that ask for more than original MCML tallies: map, facets and time.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_MAP_H
 #define CML_MCI_MAP_H
@@ -11,6 +11,9 @@ CML_NODISCARD cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_m
 
 /* Reads the current line "facets", cursor behind it. */
 CML_NODISCARD cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets);
+
+/* Reads the current line "time T1 N", cursor behind the keyword. */
+CML_NODISCARD cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time);
 
 /* Once nz and na are known: refuses more cells in maps and volume than an array may have, in figures. */
 CML_NODISCARD cml_status cml_mci_check_map(const struct cml_mci_reader *reader,

@@ -311,6 +311,9 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                   scene->nz, "nr", scene->nr, "na", scene->na));
     json_object_set_new(object, "map", map_json(&scene->map));
     json_object_set_new(object, "facets", json_boolean(scene->facets));
+    if (scene->time.gates > 0)
+        json_object_set_new(object, "time",
+                            json_pack("{s:f, s:i}", "end", scene->time.end, "gates", scene->time.gates));
     json_object_set_new(object, "boundaries", json_null());
     if (scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     set_integer(object, "memory_bytes", (uint64_t)bytes);

@@ -19,6 +19,8 @@ static cml_status fill_input(const struct cml_report *report, struct cml_outcome
     o->nz = scene->nz;
     o->nr = scene->nr;
     o->na = scene->na;
+    o->time_end = scene->time.end;
+    o->num_gates = scene->time.gates;
     o->num_layers = scene->num_layers;
     o->num_bodies = scene->num_bodies;
     o->n_above = scene->media[0].n;

@@ -67,12 +67,18 @@ static cml_status fail_grid(const char *const names[2], const char *field, doubl
 static cml_status check_grids(const struct cml_outcome *a, const struct cml_outcome *b,
                               const char *const names[2], struct cml_error *err)
 {
+    const bool timed = a->num_gates > 0 && b->num_gates > 0;
     const struct {
         const char *field;
         double a, b;
     } fields[] = {
-        {"dz", a->dz, b->dz}, {"dr", a->dr, b->dr}, {"nz", a->nz, b->nz},
-        {"nr", a->nr, b->nr}, {"na", a->na, b->na},
+        {"dz", a->dz, b->dz},
+        {"dr", a->dr, b->dr},
+        {"nz", a->nz, b->nz},
+        {"nr", a->nr, b->nr},
+        {"na", a->na, b->na},
+        {"time: T1", timed ? a->time_end : 0, timed ? b->time_end : 0},
+        {"time: number of gates", timed ? a->num_gates : 0, timed ? b->num_gates : 0},
     };
     const double printed = 1e-5; /* a length has six digits in the file */
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
@@ -265,14 +271,16 @@ static bool tallied_absorption(const struct cml_outcome *o)
 
 bool cml_compare_tests(enum cml_quantity which)
 {
-    return cml_quantity_is_total(which) || (which >= CML_QUANTITY_A_z && which <= CML_QUANTITY_Tt_a);
+    return cml_quantity_is_total(which) || cml_quantities[which].estimator == CML_FROM_BATCHES;
 }
 
 static void test_all(const struct cml_outcome *const outcome[2], struct cml_comparison *c)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity which = (enum cml_quantity)i;
-        if (!cml_compare_tests(which) || (which == CML_QUANTITY_A_z && c->no_absorption)) continue;
+        if (!cml_compare_tests(which) || (which == CML_QUANTITY_A_z && c->no_absorption) ||
+            !outcome[0]->value[which] || !outcome[1]->value[which])
+            continue;
         struct quantity q = {.which = which, .bins = (int)cml_outcome_size(outcome[0], which)};
         for (int k = 0; k < 2; k++) {
             q.outcome[k] = outcome[k];
@@ -302,7 +310,9 @@ cml_status cml_compare(const struct cml_outcome *a, const struct cml_outcome *b,
                                  .lends = {packets_are_independent(a), packets_are_independent(b)},
                                  .no_absorption = !tallied_absorption(a) || !tallied_absorption(b)};
     CML_TRY(check_grids(a, b, names, err));
-    const size_t tests = CML_TOTALS + (size_t)a->nz + 2 * (size_t)a->nr + 2 * (size_t)a->na;
+    size_t tests = 0;
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
+        if (cml_compare_tests((enum cml_quantity)i)) tests += cml_outcome_size(a, (enum cml_quantity)i);
     c->test = malloc(tests * sizeof *c->test);
     if (!c->test) return cml_fail_memory(err, (double)tests * sizeof *c->test, "the comparison");
     test_all(outcome, c);

@@ -16,7 +16,8 @@
  * correction over all tests is exact for independent bins and conservative for correlated ones
  * (significance.h), which bins and their totals are. Two runs of one seed share their noise: they always
  * agree. Not compared: A_l (MCML forms it from z bins), the grids over (r, z) and (r, angle), which have no
- * errors; A_z where one run did not tally absorption. SPDX-License-Identifier: MIT */
+ * errors; A_z where one run did not tally absorption; what only one run has by time. SPDX-License-Identifier:
+ * MIT */
 #ifndef CML_COMPARE_H
 #define CML_COMPARE_H
 
@@ -31,7 +32,7 @@ bool cml_compare_tests(enum cml_quantity quantity);
 struct cml_compare_test {
     enum cml_quantity quantity;
     int first, last;           /* bins */
-    double lower, upper;       /* their ends on the axis, cm or rad */
+    double lower, upper;       /* their ends on the axis, cm, rad or ps */
     double value[2], error[2]; /* of both files in the file's unit; means over merged bins */
     double z, p;               /* normal deviate, two-sided probability of it */
 };

@@ -18,6 +18,9 @@ static const struct cml_shown all[] = {
     {"Rd_a", 1, {{CML_QUANTITY_Rd_a, CML_SHOWN_PLAIN, "Reflectance by angle", "Rd(α)  [1/sr]"}}, NULL},
     {"Tt_a", 1, {{CML_QUANTITY_Tt_a, CML_SHOWN_PLAIN, "Transmittance by angle", "Tt(α)  [1/sr]"}}, NULL},
     {"A_z", 1, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, "Absorption by depth", "A(z)  [1/cm]"}}, NULL},
+    {"Rd_t", 1, {{CML_QUANTITY_Rd_t, CML_SHOWN_PLAIN, "Reflectance by time", "Rd(t)  [1/ps]"}}, NULL},
+    {"Tt_t", 1, {{CML_QUANTITY_Tt_t, CML_SHOWN_PLAIN, "Transmittance by time", "Tt(t)  [1/ps]"}}, NULL},
+    {"A_t", 1, {{CML_QUANTITY_A_t, CML_SHOWN_PLAIN, "Absorption by time", "A(t)  [1/ps]"}}, NULL},
     {"fluence", 1, {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"}}, NULL},
     {"A_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, NULL, NULL}}, "A(r,z)  [1/cm³]"},
     {"fluence_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, NULL, NULL}}, "φ(r,z) = A(r,z)/μa  [1/cm²]"},
@@ -43,9 +46,15 @@ static bool is_angle(const struct cml_shown_panel *panel)
     return panel->quantity == CML_QUANTITY_Rd_a || panel->quantity == CML_QUANTITY_Tt_a;
 }
 
+static bool is_time(const struct cml_shown_panel *panel)
+{
+    return cml_quantities[panel->quantity].axis[0] == CML_AXIS_gate;
+}
+
 const char *cml_shown_axis(const struct cml_shown_panel *panel)
 {
     if (panel->quantity == CML_QUANTITY_A_z) return "depth z [cm]";
+    if (is_time(panel)) return "time t [ps]";
     return is_angle(panel) ? "angle α from the vertical [rad]" : "radius r [cm]";
 }
 
@@ -53,6 +62,7 @@ struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel)
 {
     const char *place = panel->quantity == CML_QUANTITY_A_z ? "z_mid_cm"
                         : is_angle(panel)                   ? "alpha_mid_rad"
+                        : is_time(panel)                    ? "t_mid_ps"
                                                             : "r_mid_cm";
     const bool fluence = panel->as == CML_SHOWN_OVER_MUA;
     return (struct cml_curve_columns){fluence ? "fluence" : cml_quantities[panel->quantity].name, place};
@@ -84,7 +94,8 @@ static double over(const double *mua, size_t bin)
     return mua[bin] > 0 ? 1 / mua[bin] : NAN;
 }
 
-/* The last lit bin and the next: what lies beyond is an empty frame. Angles are shown whole. */
+/* The last lit bin and the next: what lies beyond is an empty frame. Angles and gates, whose last bins hold
+ * nothing from beyond, are shown whole. */
 static double end_of(const struct cml_curve *curve, double width, bool whole)
 {
     int last = whole ? curve->n - 1 : 0;
@@ -98,10 +109,13 @@ cml_status cml_shown_curve(const struct cml_outcome *o, const char *path, const 
 {
     const double *values = o->value[panel->quantity];
     const double width = cml_outcome_width(o, panel->quantity);
-    const bool whole = is_angle(panel);
+    const bool whole = is_angle(panel) || is_time(panel);
     const int bins = (int)cml_outcome_size(o, panel->quantity);
     double *mua;
     *curve = (struct cml_curve){0};
+    if (!values)
+        return cml_fail(err, CML_E_INPUT, "%s: no %s (expected the result of a scene with a time line)", path,
+                        cml_quantities[panel->quantity].name);
     CML_TRY(find_absorption(o, path, panel->as, false, &mua, err));
     const cml_status status = cml_curve_create(bins, true, curve, err);
     if (status != CML_OK) {

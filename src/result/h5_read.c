@@ -83,6 +83,19 @@ static cml_status read_axis(const struct reader *r, const char *name, bool may_m
                     name);
 }
 
+/* None where the file has no axis of them. */
+static cml_status read_gates(const struct reader *r)
+{
+    struct cml_outcome *o = r->o;
+    double *middle, width;
+    CML_TRY(cml_h5_numbers(&r->file, "gate", 0, &middle, NULL, r->err));
+    if (!middle) return CML_OK;
+    free(middle);
+    CML_TRY(read_axis(r, "gate", false, &o->num_gates, &width));
+    o->time_end = o->num_gates * width;
+    return CML_OK;
+}
+
 static cml_status read_grid(const struct reader *r)
 {
     struct cml_outcome *o = r->o;
@@ -91,6 +104,7 @@ static cml_status read_grid(const struct reader *r)
     CML_TRY(read_axis(r, "alpha", false, &o->na, &width));
     CML_TRY(read_axis(r, "z", true, &o->nz, &o->dz));
     CML_TRY(read_axis(r, "layer", false, &o->num_layers, &width));
+    CML_TRY(read_gates(r));
     const double most = (double)cml_hdf5_most_numbers(&r->file);
     if (cml_outcome_numbers(o) > most)
         return cml_fail(

@@ -17,7 +17,10 @@ struct fields {
 static void set_axes(struct fields *f, const struct cml_outcome *o)
 {
     const double da = cml_angle_width(o->na);
-    const double width[CML_NUM_AXES] = {[CML_AXIS_r] = o->dr, [CML_AXIS_z] = o->dz, [CML_AXIS_alpha] = da};
+    const double width[CML_NUM_AXES] = {[CML_AXIS_r] = o->dr,
+                                        [CML_AXIS_z] = o->dz,
+                                        [CML_AXIS_alpha] = da,
+                                        [CML_AXIS_gate] = o->num_gates > 0 ? o->time_end / o->num_gates : 0};
     for (int i = 1; i < CML_NUM_AXES; i++) {
         const enum cml_axis_kind kind = (enum cml_axis_kind)i;
         const size_t n = (size_t)cml_outcome_places(o, kind);

@@ -118,6 +118,9 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     write_lines(out, "# ", o->phases);
     write_lines(out, "# ", o->shapes);
     write_lines(out, "# scene ", o->scene);
+    if (o->num_gates > 0)
+        fprintf(out, "\ntime # T1 [ps] and the number of gates up to it\n%.17g\n%d\n", o->time_end,
+                o->num_gates);
     const double sampling = o->provenance.value[CML_DECIDES_sampling];
     if (isnan(sampling)) return; /* the file that was read says nothing of it */
     fprintf(out, "\nlattice # 1: the packets of a batch depend on each other, 0: all are independent\n%d\n",

@@ -190,6 +190,21 @@ static cml_status read_several(struct section *s, enum cml_quantity first, int c
     return CML_OK;
 }
 
+/* The first section counts, and only as a scene may have it. */
+static void read_gates(struct section *s)
+{
+    struct cml_outcome *o = s->r->o;
+    double numbers[2];
+    if (o->num_gates > 0 || !read_numbers(s, 2, false, numbers)) return;
+    if (numbers[0] > 0 && numbers[0] <= 1e30 && numbers[1] >= 1 && numbers[1] <= 1e5 &&
+        numbers[1] == floor(numbers[1])) {
+        o->time_end = numbers[0];
+        o->num_gates = (int)numbers[1];
+    } else
+        damaged(s->r, "%.200s: time = %g %g (expected T1 and a number of gates)", s->r->path, numbers[0],
+                numbers[1]);
+}
+
 /* Behind the number of lost packets stand the smallest of their indices. */
 static cml_status read_lost(struct section *s, struct cml_error *err)
 {
@@ -242,6 +257,7 @@ static cml_status read_section(struct section *s, struct cml_error *err)
         if (strcmp(s->key, several[i].key) == 0)
             return read_several(s, several[i].first, several[i].count, several[i].errors, err);
     if (strcmp(s->key, "lattice") == 0 && s->line) (void)leading_number(s->line, false, lattice);
+    if (strcmp(s->key, "time") == 0) read_gates(s);
     if (strcmp(s->key, "lost") == 0) return read_lost(s, err);
     if (begins(s->key, "heightfield")) return read_heights(s, err);
     const bool errors = begins(s->key, "se_");

@@ -18,6 +18,7 @@ int cml_outcome_places(const struct cml_outcome *o, enum cml_axis_kind axis)
                                       [CML_AXIS_r] = o->nr,
                                       [CML_AXIS_z] = o->nz,
                                       [CML_AXIS_alpha] = o->na,
+                                      [CML_AXIS_gate] = o->num_gates,
                                       [CML_AXIS_side] = 4};
     return places[axis];
 }
@@ -35,6 +36,7 @@ double cml_outcome_width(const struct cml_outcome *o, enum cml_quantity quantity
 {
     const enum cml_axis_kind axis = cml_quantities[quantity].axis[0];
     if (axis == CML_AXIS_alpha) return cml_angle_width(o->na);
+    if (axis == CML_AXIS_gate) return o->time_end / o->num_gates;
     return axis == CML_AXIS_z ? o->dz : axis == CML_AXIS_r ? o->dr : 0;
 }
 
@@ -49,6 +51,7 @@ double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quanti
         return ring * (axis[1] == CML_AXIS_z ? o->dz : cml_projected_solid_angle(da, (int)(i % n)));
     }
     if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
+    if (axis[0] == CML_AXIS_gate) return cml_outcome_width(o, quantity);
     return axis[0] == CML_AXIS_alpha ? cml_solid_angle(da, (int)i) : axis[0] == CML_AXIS_z ? o->dz : 1;
 }
 
@@ -228,6 +231,12 @@ static double number_of(const struct cml_result *sums, const struct cml_quantity
     }
 }
 
+static bool is_batched_number(enum cml_quantity quantity)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    return info->estimator == CML_FROM_BATCHES && info->axis[0] == CML_AXIS_NONE;
+}
+
 static cml_status take_number(struct cml_outcome *o, const struct cml_result *sums,
                               enum cml_quantity quantity, struct cml_error *err)
 {
@@ -243,9 +252,11 @@ static cml_status take_number(struct cml_outcome *o, const struct cml_result *su
 cml_status cml_outcome_take_numbers(struct cml_outcome *o, const struct cml_result *sums,
                                     struct cml_error *err)
 {
-    for (int i = 0; i < CML_NUM_QUANTITIES; i++)
-        if (cml_quantities[i].estimator <= CML_FROM_LOST)
-            CML_TRY(take_number(o, sums, (enum cml_quantity)i, err));
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_quantity quantity = (enum cml_quantity)i;
+        if (cml_quantities[i].estimator <= CML_FROM_LOST) CML_TRY(take_number(o, sums, quantity, err));
+        if (is_batched_number(quantity)) CML_TRY(take_batches(o, sums, quantity, err));
+    }
     return CML_OK;
 }
 
@@ -254,7 +265,8 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
     CML_TRY(cml_outcome_take_numbers(o, sums, err));
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_estimator estimator = cml_quantities[i].estimator;
-        if (estimator == CML_FROM_BATCHES) CML_TRY(take_batches(o, sums, (enum cml_quantity)i, err));
+        if (estimator == CML_FROM_BATCHES && !is_batched_number((enum cml_quantity)i))
+            CML_TRY(take_batches(o, sums, (enum cml_quantity)i, err));
         if (estimator >= CML_FROM_LAYERS && estimator <= CML_FROM_CELLS)
             CML_TRY(take_cells(o, sums, (enum cml_quantity)i, err));
     }

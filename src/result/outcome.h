@@ -35,6 +35,8 @@ struct cml_outcome {
     uint64_t photons;
     double dz, dr; /* cm */
     int nz, nr, na;
+    double time_end; /* ps; what is later is in no gate */
+    int num_gates;   /* 0: nothing is known by time */
     int num_layers, num_bodies;
     double n_above, n_below;
     double *value[CML_NUM_QUANTITIES]; /* [cml_outcome_size] as written, i.e. scaled; NULL: not there */
@@ -65,7 +67,7 @@ int cml_outcome_places(const struct cml_outcome *outcome, enum cml_axis_kind axi
 /* Numbers of a quantity. */
 size_t cml_outcome_size(const struct cml_outcome *outcome, enum cml_quantity quantity);
 
-/* Width of a bin of a profile, cm or rad; 0 of a total. */
+/* Width of a bin of a profile, cm, rad or ps; 0 of a total. */
 double cml_outcome_width(const struct cml_outcome *outcome, enum cml_quantity quantity);
 
 /* What number i of a quantity is divided by to become a density (scaling.h). */

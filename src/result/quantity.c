@@ -54,6 +54,8 @@ const char *cml_quantity_place(enum cml_quantity quantity)
         return NULL;
     case CML_AXIS_z:
         return "z [cm]";
+    case CML_AXIS_gate:
+        return "t [ps]";
     default:
         return cml_quantities[quantity].axis[0] == CML_AXIS_r ? "r [cm]" : "a [rad]";
     }

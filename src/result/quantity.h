@@ -36,6 +36,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(r, "distance from the z axis, middle of the bin", "cm")                                                \
     X(z, "depth, middle of the bin", "cm")                                                                   \
     X(alpha, "angle from the outward vertical, middle of the bin", "rad")                                    \
+    X(gate, "time, middle of the gate", "ps")                                                                \
     X(x, "x, middle of the pixel", "cm")                                                                     \
     X(y, "y, middle of the pixel", "cm")                                                                     \
     X(z_volume, "depth, middle of the voxel", "cm")                                                          \
@@ -88,6 +89,12 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(A_rz, "1/cm3", CELLS, IN(A_rz), OVER2(r, z), H5, "absorption by radius and depth", NULL)                       \
     Q(Rd_ra, "1/(cm2 sr)", CELLS, IN(Rd_ra), OVER2(r, alpha), H5, "diffuse reflectance by radius and angle", NULL)   \
     Q(Tt_ra, "1/(cm2 sr)", CELLS, IN(Tt_ra), OVER2(r, alpha), H5, "transmittance by radius and angle", NULL)         \
+    Q(Rd_t, "1/ps", BATCHES, IN(Rd_t), OVER1(gate), MCO | H5, "diffuse reflectance by time", NULL) \
+    Q(Rd_t_later, "1", BATCHES, IN(Rd_t_later), NUMBER, MCO | H5 | JSON, "diffuse reflectance later than all gates", NULL) \
+    Q(Tt_t, "1/ps", BATCHES, IN(Tt_t), OVER1(gate), MCO | H5, "transmittance by time", NULL) \
+    Q(Tt_t_later, "1", BATCHES, IN(Tt_t_later), NUMBER, MCO | H5 | JSON, "transmittance later than all gates", NULL) \
+    Q(A_t, "1/ps", BATCHES, IN(A_t), OVER1(gate), MCO | H5, "absorption by time", NULL) \
+    Q(A_t_later, "1", BATCHES, IN(A_t_later), NUMBER, MCO | H5 | JSON, "absorption later than all gates", NULL) \
     Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index", NULL)                                              \
     Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient", NULL)                                   \
     Q(body_mus, "1/cm", INPUT, 0, OVER1(body), H5, "scattering coefficient", NULL)                                   \

@@ -122,6 +122,16 @@ struct cml_map_def {
     int line;      /* of the .mci */
 };
 
+/* Gates of time from 0 to `end`, all as long, and one for what is later. */
+struct cml_time_def {
+    int gates;  /* 0: no time line */
+    double end; /* ps */
+    int line;   /* of the .mci */
+};
+
+/* Of light in vacuum, cm/ps. */
+#define CML_LIGHT_CM_PER_PS 0.0299792458
+
 struct cml_scene {
     char *file;       /* the .mci, for messages and names beside it */
     int line;         /* where the run begins */
@@ -140,6 +150,7 @@ struct cml_scene {
     struct cml_beam *beams;          /* [num_beams] */
     double *shares;                  /* [num_beams] > 0, of the light */
     struct cml_map_def map;
+    struct cml_time_def time;
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
     char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */

@@ -20,10 +20,16 @@ static size_t cells_ra(const struct cml_grid *grid)
     return (size_t)grid->nr * (size_t)grid->na;
 }
 
+/* Rd_t, Tt_t and, where absorption is tallied, A_t, each with what is later. */
+static size_t cells_t(const struct cml_grid *grid)
+{
+    return grid->gates ? ((size_t)grid->gates + 1) * (grid->absorption ? 3 : 2) : 0;
+}
+
 static size_t cells_batched(const struct cml_grid *grid)
 {
     const size_t bins = CML_NUM_TOTALS + 2 * (size_t)grid->nr + 2 * (size_t)grid->na +
-                        (grid->absorption ? (size_t)grid->nz : 0);
+                        (grid->absorption ? (size_t)grid->nz : 0) + cells_t(grid);
     return CML_NUM_BATCHES * bins;
 }
 
@@ -44,6 +50,21 @@ double cml_result_bytes(const struct cml_grid *grid)
     return (double)(cells_unbatched(grid) + cells_batched(grid)) * sizeof(cml_u128);
 }
 
+/* These come last. */
+static void set_gates(struct cml_result *result)
+{
+    const struct cml_grid *grid = &result->grid;
+    const size_t gates = CML_NUM_BATCHES * (size_t)grid->gates, both = gates + CML_NUM_BATCHES;
+    if (!gates) return;
+    result->Rd_t = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_t(grid);
+    result->Rd_t_later = result->Rd_t + gates;
+    result->Tt_t = result->Rd_t + both;
+    result->Tt_t_later = result->Tt_t + gates;
+    if (!grid->absorption) return;
+    result->A_t = result->Tt_t + both;
+    result->A_t_later = result->A_t + gates;
+}
+
 cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, struct cml_result *result,
                              struct cml_error *err)
 {
@@ -61,6 +82,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     result->Rd_a = result->Tt_r + CML_NUM_BATCHES * (size_t)grid->nr;
     result->Tt_a = result->Rd_a + CML_NUM_BATCHES * (size_t)grid->na;
     if (grid->absorption) result->A_z = result->Tt_a + CML_NUM_BATCHES * (size_t)grid->na;
+    set_gates(result);
     return CML_OK;
 }
 
@@ -80,6 +102,14 @@ static void add_bins(cml_u128 *profile, size_t size, size_t before, const uint64
     }
 }
 
+/* Gates, and behind them what is later, to those of a batch; NULL: they are not tallied. */
+static void add_gates(cml_u128 *profile, cml_u128 *later, size_t gates, size_t batch, const uint64_t *brought)
+{
+    if (!profile) return;
+    add_bins(profile + batch * gates, gates, 0, brought, gates);
+    later[batch] += brought[gates];
+}
+
 /* Totals and profiles of a tally with the same profiles, to those of a batch. */
 static void add_to_batch(struct cml_result *result, int batch, const uint64_t *brought)
 {
@@ -92,6 +122,10 @@ static void add_to_batch(struct cml_result *result, int batch, const uint64_t *b
     add_bins(result->Rd_a + b * na, na, 0, brought + at.Rd_a, na);
     add_bins(result->Tt_a + b * na, na, 0, brought + at.Tt_a, na);
     if (result->grid.absorption) add_bins(result->A_z + b * nz, nz, 1, brought + at.A_z, nz + 2);
+    const size_t gates = (size_t)result->grid.gates;
+    add_gates(result->Rd_t, result->Rd_t_later, gates, b, brought + at.Rd_t);
+    add_gates(result->Tt_t, result->Tt_t_later, gates, b, brought + at.Tt_t);
+    add_gates(result->A_t, result->A_t_later, gates, b, brought + at.A_t);
 }
 
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)
@@ -202,6 +236,12 @@ static double facet_imbalance(const struct cml_result *result)
     return difference(in, out);
 }
 
+/* Gates of all batches, what is later included, minus what they come of; 0 where there are none. */
+static double gate_imbalance(const struct cml_result *result, const cml_u128 *gates, cml_u128 total)
+{
+    return gates ? difference(sum_of(gates, CML_NUM_BATCHES * ((size_t)result->grid.gates + 1)), total) : 0;
+}
+
 /* All of it is exact, in integers, so any difference at all is a fault; the first is enough to say so. */
 double cml_result_imbalance(const struct cml_result *result)
 {
@@ -223,6 +263,9 @@ double cml_result_imbalance(const struct cml_result *result)
                  : 0,
         grid->volume ? difference(sum_of(result->A_xyz, cml_cells_volume(grid)), absorbed) : 0,
         facet_imbalance(result),
+        gate_imbalance(result, result->A_t, absorbed),
+        gate_imbalance(result, result->Rd_t, balance[CML_BALANCE_REFLECTED]),
+        gate_imbalance(result, result->Tt_t, balance[CML_BALANCE_TRANSMITTED]),
     };
     for (size_t i = 0; i < sizeof differences / sizeof *differences; i++)
         if (differences[i] != 0) return differences[i];

@@ -41,11 +41,23 @@ static size_t tally_cells_ra(const struct cml_grid *grid)
     return ((size_t)grid->nr + 1) * (size_t)grid->na;
 }
 
+/* Of one of Rd_t, Tt_t and A_t, and how many of these there are. */
+static size_t tally_cells_t(const struct cml_grid *grid)
+{
+    return grid->gates ? (size_t)grid->gates + 1 : 0;
+}
+
+static size_t num_t(const struct cml_grid *grid)
+{
+    return grid->absorption || grid->depths ? 3 : 2;
+}
+
 /* Of all arrays whose cells are in the same order in the tally of a thread and in that which it borrows from.
  */
 static size_t cells_in_common(const struct cml_grid *grid)
 {
-    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + cml_grid_media(grid);
+    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + cml_grid_media(grid) +
+           num_t(grid) * tally_cells_t(grid);
 }
 
 size_t cml_tally_cells(const struct cml_grid *grid)
@@ -71,7 +83,11 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
-    tally->Rd_ra = tally->A_l + cml_grid_media(grid);
+    const size_t gates = tally_cells_t(grid);
+    if (gates) tally->Rd_t = tally->A_l + cml_grid_media(grid);
+    if (gates) tally->Tt_t = tally->Rd_t + gates;
+    if (gates && num_t(grid) > 2) tally->A_t = tally->Tt_t + gates;
+    tally->Rd_ra = tally->A_l + cml_grid_media(grid) + num_t(grid) * gates;
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
     if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
     if (grid->depths) tally->A_z = tally->Tt_ra + tally_cells_ra(grid);
@@ -147,7 +163,10 @@ struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
     at.Rd_a = at.Tt_r + r;
     at.Tt_a = at.Rd_a + a;
     at.A_z = at.Tt_a + a;
-    at.bins = at.A_z + z;
+    at.Rd_t = at.A_z + z;
+    at.Tt_t = at.Rd_t + tally_cells_t(grid);
+    at.A_t = at.Tt_t + tally_cells_t(grid);
+    at.bins = at.Rd_t + num_t(grid) * tally_cells_t(grid);
     return at;
 }
 
@@ -199,6 +218,7 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
     sum_table(tally->Tt_ra, rows, na, sums + at.Tt_r, sums + at.Tt_a);
     if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, sums + at.A_z);
     if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, columns * sizeof *sums);
+    if (tally->grid.gates) memcpy(sums + at.Rd_t, tally->Rd_t, (at.bins - at.Rd_t) * sizeof *sums);
 }
 
 /* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter

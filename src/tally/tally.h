@@ -24,6 +24,7 @@ struct cml_grid {
     int num_layers, num_bodies;
     bool absorption; /* A_rz is tallied; false: its cells do not exist */
     bool depths;     /* A_z is tallied, of a thread that scores into an A_rz of others */
+    int gates;       /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
      * more for whatever lies outside, so that their sums are the totals. */
     int nx, ny;    /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
@@ -70,6 +71,7 @@ struct cml_tally {
                                   * shares, over all radii */
     uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
     uint64_t *A_l;               /* [cml_grid_media] by medium */
+    uint64_t *Rd_t, *Tt_t, *A_t; /* [gates + 1], the last for all that is later; or NULL */
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
@@ -86,8 +88,8 @@ struct cml_tally {
 /* The term of the balance that is this total. */
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 
-/* Cells of a tally's arrays, A_l, Rd_ra, Tt_ra, A_rz or A_z, and the maps in this order, which lie in one
- * block from A_l on. */
+/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, Rd_ra, Tt_ra, A_rz or A_z, and the maps in this order,
+ * which lie in one block from A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
 /* Bytes that a tally of this grid takes. */
@@ -121,9 +123,10 @@ void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *f
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 
 /* Where totals [CML_NUM_TOTALS] and profiles begin that lie one behind the other, with the bins beyond the
- * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz. */
+ * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz, and where there are
+ * gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]. */
 struct cml_profile_places {
-    size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, bins; /* totals begin at 0; bins: of all */
+    size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, bins; /* totals begin at 0; bins: of all */
 };
 struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid);
 

@@ -12,7 +12,12 @@ result() { # scene, then options: prints a checksum of all lines but the time
     cat "$scratch"/*.mco | grep -v '^# User time' | sha256sum
 }
 
-for scene in samples/mcml_sample.mci samples/shapes/hinoise.mci samples/mixed.mci; do
+timed=$(mktemp -d)
+trap 'rm -rf "$scratch" "$timed"' EXIT
+sed "s/^\(.*# nz, nr, na\)/\1\ntime 100 200/; s#\"\.\./meshes#\"$PWD/meshes#" samples/mixed.mci >"$timed/mixed.mci"
+grep -q "^time" "$timed/mixed.mci"
+
+for scene in samples/mcml_sample.mci samples/shapes/hinoise.mci "$timed/mixed.mci"; do
     expected=$(result "$scene" --threads 1)
     for options in "--threads 2" "--threads 3" "--threads 7" "--threads 32" "--chunk 1" "--chunk 1000 --threads 3" "--chunk 1e6"; do
         # shellcheck disable=SC2086 # several options on purpose

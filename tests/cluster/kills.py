@@ -11,10 +11,18 @@ import tempfile
 import time
 
 PROGRAM = os.environ.get("CLUSTERMCML", "build/clustermcml")
-SCENE = ["samples/thick.mci", "--photons", "7e5", "--seed", "7"]
+SCENE = ["", "--photons", "7e5", "--seed", "7"]
 SHAPES = [(0, 1), (0, 2), (0, 1), (0, 2), (1, 1), (2, 1), (3, 1), (4, 1), (2, 2)]  # ranks (0: no mpiexec), threads
 KILLS = int(os.environ.get("KILLS", "20"))
 dice = random.Random(20)
+
+
+def timed_scene(folder):
+    """samples/thick.mci with gates of time, as thick.mci in FOLDER."""
+    path = os.path.join(folder, "thick.mci")
+    with open("samples/thick.mci", encoding="utf-8") as sample, open(path, "w", encoding="utf-8") as scene:
+        scene.write(sample.read().replace("\n1                       # layers", "\ntime 3000 30\n1                       # layers"))
+    return path
 
 
 def bits(path):
@@ -92,10 +100,12 @@ def one_life(folder, shape, resume, complaints):
 def main():
     os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMP_WAIT_POLICY="passive")
     complaints, kills, ends, lives = [], 0, 0, 0
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as scenes:
+        SCENE[0] = timed_scene(scenes)
         subprocess.run([PROGRAM, *SCENE, "--quiet", "-o", folder, "--checkpoint", "off"], check=True)
         result = os.path.join(folder, "thick.mco")
         expected, resume = bits(result), False
+        assert b"\nse_Rd_t #" in expected
         os.remove(result)
         while (kills < KILLS or resume) and not complaints:
             shape = dice.choice(SHAPES)

@@ -86,7 +86,9 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, path);
     require_ok(cml_mci_read(full, NULL, &list, &err), &err);
     for (int i = 0; i < list.count; i++) {
+        list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
         compare(&list.scenes[i], kind, photons, true);
+        list.scenes[i].time = (struct cml_time_def){0};
         compare(&list.scenes[i], kind, photons / 4, false);
     }
     cml_scene_list_clear(&list);

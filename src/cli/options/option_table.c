@@ -131,7 +131,8 @@ const struct cml_option cml_option_table[] = {
     {"dump", 0, "FILE", CROSSCHECK, NULL, "the photons that differ, for trace", TEXT(dump)},
     {"verbose", 0, NULL, RUN, NULL, "photons, idle and communication share of every rank", FLAG(verbose)},
     {"of", 0, "NAME", PLOT, NULL,
-     "of a result: Rd_r, Tt_r, Rd_a, Tt_a, A_z, fluence (A_z/mua), or in colours A_rz, fluence_rz; default "
+     "of a result: Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, fluence (A_z/mua), or in colours A_rz, "
+     "fluence_rz; default "
      "r*Rd(r) and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file",
      TEXT(of)},
     {"label", 0, "TEXT", PLOT, NULL, "in place of a file's name; once for each file, in their order",

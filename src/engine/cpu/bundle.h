@@ -76,6 +76,8 @@ struct cml_bundle {
                           * drawn
                           */
     real s[CML_LANES];   /* distance to the next interaction, cm, if no boundary comes first */
+    real path[CML_LANES];                /* as in cml_packet; loops count it only where time is asked for */
+    int gate[CML_LANES];                 /* of A_t: of the deposits that are not booked yet */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass; units of 2^-31 of a packet */
     cml_u32 flushed_w[CML_LANES];        /* weight when deposits were last booked (cml_flush_deposits) */
     cml_u32 draw0[CML_LANES], draw1[CML_LANES], draw2[CML_LANES]; /* words of the next interaction */

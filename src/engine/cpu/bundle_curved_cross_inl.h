@@ -47,6 +47,7 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
         .exit_x = p.x,
         .exit_y = p.y,
         .uz = u.z,
+        .path = b->path[i],
         .primitive = primitive,
     };
     cml_push_termination(f, i, end);
@@ -90,6 +91,15 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
     cml_load_medium(f, i);
 }
 
+/* P11: the paths to the hits, in a medium of index n, but for those that kernels/walk.h does again. */
+static void cml_count_hit_paths(struct cml_bundle *b, const struct cml_hits *h, real n)
+{
+    for (int k = 0; k < h->count; k++) {
+        real *path = &b->path[h->lane[k]];
+        if (!h->doubtful[k]) *path = cml_path_after(*path, h->t[k], n);
+    }
+}
+
 /* Gathered hits of one boundary: roots and directions in vector loops, then lane by lane back into the
  * bundle. Doubtful ones are done again by kernels/walk.h. Leaves the hits empty for the next round. */
 static void cml_process_hits(struct cml_flight *f, int medium, real side, struct cml_hits *h)
@@ -105,6 +115,7 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
         counts[CML_COUNT_SHADING_OVERRULED] +=
             (uint64_t)cml_hits_reflect_or_refract(&world->setup, side, n1, n2, h);
     CML_HOOK_END(CML_HOOK_REFLECT);
+    if (world->setup.gates.count) cml_count_hit_paths(f->b, h, n1);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {
             cml_process_lane(f, h->lane[k]);

@@ -39,6 +39,24 @@ __attribute__((always_inline)) static inline int cml_bundle_hop_drop(const struc
     return low;
 }
 
+/* P11, where time is asked for: the paths of the same lanes, before their hop. Of all lanes the gate, and
+ * whether it is another one than before: [CML_LANES] each. */
+CML_LOOP void cml_bundle_count_paths(const struct cml_setup *setup, struct cml_bundle *b, int *gate,
+                                     int *changed)
+{
+    const int lanes = b->lanes;
+    const struct cml_gates gates = setup->gates;
+    const real *restrict const n = CML_OF_MEDIUM(b, n);
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) {
+        const int active = b->task[i] == CML_LANE_INTERACT;
+        const real path = cml_pick(active, CML_FMA(b->s[i], n[i], b->path[i]), b->path[i]);
+        b->path[i] = path;
+        gate[i] = cml_gate(gates, path);
+        changed[i] = gate[i] != b->gate[i];
+    }
+}
+
 /* The same lanes: spin (P4), where no medium has a phase function's table. */
 __attribute__((always_inline)) static inline void cml_bundle_spin(struct cml_bundle *b)
 {

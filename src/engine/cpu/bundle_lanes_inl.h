@@ -40,9 +40,19 @@ static void cml_load_medium(struct cml_flight *f, int i)
     for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
-/* Books what the lane's packet has deposited since it was last called, into its layer's sum and the packet's
- * own. A packet loses weight by deposits only, so they need not be added up one by one: they are the
- * difference of two weights. To be called before the medium changes, or the weight by anything else. */
+/* P11: what the lane's packet has deposited since its gate, or its medium, was another one. A function of its
+ * own: inlined, it would cost registers where no time is asked for. */
+__attribute__((noinline, cold)) static void cml_book_gate(struct cml_flight *f, int i, cml_u32 deposited)
+{
+    const int gate = f->b->gate[i];
+    f->to.A_t[gate] += deposited;
+    if (f->late & CML_LANE_BIT(i)) f->late_profiles[i][f->profiles.A_t + (size_t)gate] += deposited;
+}
+
+/* Books what the lane's packet has deposited since it was last called, into its layer's sum, its gate (P11)
+ * and the packet's own. A packet loses weight by deposits only, so they need not be added up one by one: they
+ * are the difference of two weights. To be called before the medium or the gate changes, or the weight by
+ * anything else. */
 static void cml_flush_deposits(struct cml_flight *f, int i)
 {
     struct cml_bundle *b = f->b;
@@ -51,6 +61,7 @@ static void cml_flush_deposits(struct cml_flight *f, int i)
     f->tally->A_l[b->medium[i]] += deposited;
     f->absorbed[i] += deposited;
     b->flushed_w[i] = b->w[i];
+    if (f->to.A_t) cml_book_gate(f, i, deposited);
 }
 
 /* Photon index of the lane's packet. It is held as two words, so that all columns are 4 bytes wide. */
@@ -74,6 +85,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->u.y = b->uy[i];
     packet->u.z = b->uz[i];
     packet->tau = b->tau[i];
+    packet->path = b->path[i];
     packet->w = b->w[i];
     packet->interactions = b->interactions[i];
     packet->crossings = b->crossings[i];
@@ -112,6 +124,7 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     struct cml_bundle *b = f->b;
     cml_store_ray(b, i, packet->p, packet->u);
     b->tau[i] = packet->tau;
+    b->path[i] = packet->path;
     b->crossings[i] = packet->crossings;
     b->interactions_at_hit[i] = packet->interactions;
     b->bounces[i] = packet->bounces;
@@ -156,6 +169,8 @@ static void cml_end_late(const struct cml_flight *f, int i, int at)
     row[(up ? places.Rd_r : places.Tt_r) +
         (size_t)cml_radial_bin(setup, terminated->exit_x[at], terminated->exit_y[at])] += w;
     row[(up ? places.Rd_a : places.Tt_a) + (size_t)cml_angle_bin(setup, terminated->uz[at])] += w;
+    if (setup->gates.count)
+        row[(up ? places.Rd_t : places.Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
 }
 
 /* The lane's packet has ended, as `end` says but for what it has absorbed. Inlined, so that `end` goes from
@@ -188,6 +203,7 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
         .exit_x = b->x[i],
         .exit_y = b->y[i],
         .uz = b->uz[i],
+        .path = b->path[i],
     };
     cml_push_termination(f, i, end);
 }

@@ -140,6 +140,7 @@ static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_p
     if (f->world->setup.num_sources > 1) cml_add_specular(&f->to, cml_split_off(f->world, start->index));
     b->w[i] = b->flushed_w[i] = start->w;
     b->entered[i] = start->entered;
+    b->path[i] = start->path;
     if (b->medium[i] == start->medium) return;
     b->medium[i] = start->medium;
     cml_load_medium(f, i);
@@ -195,6 +196,8 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     cml_u32 elsewhere = lanes & ~cml_group_equal(b->medium + first, start->medium);
     CML_HOOK_LANES(CML_HOOK_LAUNCH, __builtin_popcount(lanes));
     cml_bundle_launch(b, start, f->absorbed, first, lanes);
+    for (cml_u32 rest = f->world->setup.gates.count ? lanes : 0; rest; rest &= rest - 1)
+        b->path[first + __builtin_ctz(rest)] = start->path;
     for (; elsewhere; elsewhere &= elsewhere - 1) {
         const int i = first + __builtin_ctz(elsewhere);
         b->medium[i] = start->medium;

@@ -82,6 +82,7 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     const int at = terminated->count;
     _Alignas(64) cml_u32 deposit[CML_GROUP];
     _Alignas(64) int fate[CML_GROUP];
+    if (f->to.A_t) cml_for_lanes(f, (uint64_t)exits << first, cml_flush_deposits);
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         deposit[k] = b->flushed_w[first + k] - b->w[first + k];
@@ -94,6 +95,7 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->x + first, exits, terminated->exit_x + at);
     cml_group_pack(b->y + first, exits, terminated->exit_y + at);
     cml_group_pack(b->uz + first, exits, terminated->uz + at);
+    if (setup->gates.count) cml_group_pack(b->path + first, exits, terminated->path + at);
     cml_group_pack(b->w + first, exits, terminated->w + at);
     cml_group_pack(b->interactions + first, exits, terminated->interactions + at);
     cml_group_pack(b->boundary_events + first, exits, terminated->boundary_events + at);
@@ -170,7 +172,7 @@ static void cml_cross_planes(struct cml_flight *f)
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
     CML_HOOK_LANES(CML_HOOK_PLANES, b->lanes);
-    const int any = cml_bundle_reach_planes(b);
+    const int any = setup->gates.count ? cml_bundle_reach_planes_in_time(b) : cml_bundle_reach_planes(b);
     if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
     if (f->to.facets) cml_score_planes(f);
     if (any & CML_ANY_AT_LIMIT) cml_handle_limits(f);
@@ -291,12 +293,28 @@ static void cml_scatter_volume(const struct cml_flight *f)
     }
 }
 
+/* P11: the paths of lanes that are about to interact. What a lane has deposited is booked when its gate
+ * changes, so that most interactions cost nothing more. */
+static void cml_count_lane_paths(struct cml_flight *f)
+{
+    struct cml_bundle *b = f->b;
+    _Alignas(64) int gate[CML_LANES], changed[CML_LANES];
+    cml_bundle_count_paths(&f->world->setup, b, gate, changed);
+    for (int first = 0; f->to.A_t && first < b->lanes; first += CML_GROUP)
+        for (cml_u32 rest = cml_group_equal(changed + first, 1); rest; rest &= rest - 1) {
+            const int i = first + __builtin_ctz(rest);
+            cml_flush_deposits(f, i);
+            b->gate[i] = gate[i];
+        }
+}
+
 /* The interactions of a pass, for all lanes that have come to theirs. */
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     const int tables = f->world->phase_cells != NULL;
     int low;
+    if (setup->gates.count) cml_count_lane_paths(f);
     if (f->tally->A_rz) {
         low = tables ? cml_bundle_interact_by_tables(f->world, f->b, 1) : cml_bundle_interact(setup, f->b);
         cml_scatter_deposits(f->b, f->tally);

@@ -143,6 +143,8 @@ static cml_status fill_head(const struct cml_merge_input *inputs, int count, con
                                    .nz = first->nz,
                                    .nr = first->nr,
                                    .na = first->na,
+                                   .time_end = first->time_end,
+                                   .num_gates = first->num_gates,
                                    .num_layers = first->num_layers,
                                    .num_bodies = first->num_bodies,
                                    .merged = true,

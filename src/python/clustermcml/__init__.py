@@ -19,9 +19,9 @@ from .errors import ClustermcmlError, InputError
 from .phases import Phase
 from .program import run
 from .results import read
-from .scene import Beam, Layer, Map, Scene
+from .scene import Beam, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
 __all__ = ["Beam", "Body", "ClustermcmlError", "Cylinder", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
-           "Sphere", "read", "run", "sweep"]
+           "Sphere", "Time", "read", "run", "sweep"]

@@ -39,6 +39,9 @@ QUANTITIES = {
     "Rd_ra": (("r", "alpha"), "1/(cm2 sr)", "diffuse reflectance by radius and angle"),
     "Tt_ra": (("r", "alpha"), "1/(cm2 sr)", "transmittance by radius and angle"),
 }
+for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), ("A", "absorption")):
+    QUANTITIES[_name + "_t"] = (("gate",), "1/ps", _meaning + " by time")
+    QUANTITIES[_name + "_t_later"] = ((), "1", _meaning + " later than all gates")
 QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in TOTALS})
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
 QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
@@ -56,6 +59,7 @@ AXES = {
     "alpha": ("rad", "angle from the outward vertical, middle of the bin"),
     "layer": ("1", "layer, from 1"),
     "body": ("1", "body, from 1, in the order of the file"),
+    "gate": ("ps", "time, middle of the gate"),
 }
 
 
@@ -166,6 +170,9 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     axes, media, above, below = _grid(words, len(text) // 2)
     if "A_body" in sections:
         axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
+    if "time" in sections:
+        gates = _count("number of gates", sections["time"][1], len(text) // 2)
+        axes["gate"] = _middles(gates, float(sections["time"][0]) / gates)
     data = xr.Dataset(_numbers(sections, axes))
     bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):

@@ -155,12 +155,31 @@ class Map:
 
 
 @dataclass
+class Time:
+    """Gates of time: n of them from 0 to end [ps], all as long. What comes later is counted as such.
+
+    >>> Time(end=2000, n=200).line()
+    'time 2000 200'
+    """
+
+    end: float
+    n: int
+
+    def __post_init__(self) -> None:
+        errors.above_zero("Time.end", self.end)
+        errors.whole("Time.n", self.n, 1, 100_000)
+
+    def line(self) -> str:
+        return f"time {shortest(self.end)} {int(self.n)}"
+
+
+@dataclass
 class Scene:
     """Layers from above to below, what lies beyond them, light, and what is recorded.
 
     n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
-    exitance of every triangle. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
+    exitance of every triangle. time: when light leaves or is absorbed. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
     >>> print(slab.text("slab.mco"))
@@ -190,6 +209,7 @@ class Scene:
     beam: Union[Beam, Sequence[Beam]] = field(default_factory=Beam)
     map: Optional[Map] = None
     facets: bool = False
+    time: Optional[Time] = None
     format: str = "B"
 
     def __post_init__(self) -> None:
@@ -210,6 +230,8 @@ class Scene:
             raise errors.refuse("Scene.beam", self.beam, "a Beam, or a list of Beam")
         if not isinstance(self.map, Map) and self.map is not None:
             raise errors.refuse("Scene.map", self.map, "a Map")
+        if not isinstance(self.time, Time) and self.time is not None:
+            raise errors.refuse("Scene.time", self.time, "a Time")
 
     def beams(self) -> Sequence[Beam]:
         """All beams, one or several."""
@@ -224,6 +246,7 @@ class Scene:
         lines += [beam.line() for beam in self.beams() if len(self.beams()) > 1 or beam.line() != Beam().line()]
         lines += [self.map.line()] if self.map is not None else []
         lines += ["facets"] if self.facets else []
+        lines += [self.time.line()] if self.time is not None else []
         lines += [str(len(self.layers)), shortest(self.n_above)]
         for index, surface in enumerate([*(layer.top for layer in self.layers), self.bottom]):
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []

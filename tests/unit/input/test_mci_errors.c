@@ -336,6 +336,19 @@ static void maps_that_are_none(void **state)
          "x.mci:6: line = #@ map 2 2 1 1 (expected one map line per run)"},
         {NAME "facets 1\n", "x.mci:4: text after facets = 1 (expected the end of the line or a # comment)"},
         {NAME "facets\nfacets\n", "x.mci:5: line = facets (expected one facets line per run)"},
+        {NAME "time\n", "x.mci:4: time: T1 is missing (expected a time of 1e-6..1e12 ps)"},
+        {NAME "time 0 5\n", "x.mci:4: time: T1 = 0 (expected a time of 1e-6..1e12 ps)"},
+        {NAME "time 1e13 5\n", "x.mci:4: time: T1 = 1e13 (expected a time of 1e-6..1e12 ps)"},
+        {NAME "time nan 5\n", "x.mci:4: time: T1 = nan (expected a time of 1e-6..1e12 ps)"},
+        {NAME "time 100 # 5\n",
+         "x.mci:4: time: number of gates is missing (expected a whole number of 1..100000)"},
+        {NAME "time 100 0\n", "x.mci:4: time: number of gates = 0 (expected a whole number of 1..100000)"},
+        {NAME "time 100 100001\n",
+         "x.mci:4: time: number of gates = 100001 (expected a whole number of 1..100000)"},
+        {NAME "time 100 5 7\n",
+         "x.mci:4: time: number after number of gates = 7 (expected the end of the line or a comment)"},
+        {NAME "time 100 5\n#@ time 100 5\n",
+         "x.mci:5: line = #@ time 100 5 (expected one time line per run)"},
         {NAME "map 30000 30000 1 1\n1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",
          "x.mci:4: map: nx ny = 30000 30000 (expected at most 2^31 cells in maps and volume together; these "
          "are 3.6e+09, 80.5 GiB)"},
@@ -373,10 +386,12 @@ static void lines_in_the_wrong_place(void **state)
                                     "stands between a run's first line and its number of layers)"},
         {ONE "facets\n", "x.mci:9: line = facets (expected layer 1; a facets line stands between a run's "
                          "first line and its number of layers)"},
+        {ONE "time 1 1\n", "x.mci:9: line = time 1 1 (expected layer 1; a time line stands between a run's "
+                           "first line and its number of layers)"},
         {NAME "#@ baem disk 1\n",
-         "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, beam, map or facets behind #@)"},
+         "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, beam, map, facets or time behind #@)"},
         {NAME "#@baem disk 1\n",
-         "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, beam, map or facets behind #@)"},
+         "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, beam, map, facets or time behind #@)"},
     };
     CHECK_ALL(state, table);
 }

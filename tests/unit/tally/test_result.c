@@ -169,6 +169,32 @@ static void cells_beyond_the_grid_go_into_its_rim(void **state)
     cml_result_free(&result);
 }
 
+/* Batch 7: gates 1 and 2 of Rd_t, and what is later; absorption in gate 0. */
+static void gates_are_kept_by_batch_and_balance(void **state)
+{
+    (void)state;
+    struct cml_grid timed = grid;
+    timed.gates = 3;
+    struct cml_result result = make_result(&timed, 100);
+    struct cml_tally tally = make_tally(&timed);
+    tally.Rd_t[1] = 1;
+    tally.Rd_t[3] = 2;
+    tally.Tt_t[2] = 4;
+    tally.A_t[0] = 8;
+    tally.balance[CML_BALANCE_LAUNCHED] = 15;
+    tally.balance[CML_BALANCE_REFLECTED] = tally.Rd_ra[0] = 3;
+    tally.balance[CML_BALANCE_TRANSMITTED] = tally.Tt_ra[0] = 4;
+    tally.balance[CML_BALANCE_ABSORBED] = tally.A_rz[1] = tally.A_l[1] = 8;
+    add_to_batch(&result, 7, &tally);
+    assert_true(result.Rd_t[7 * 3 + 1] == 1 && result.Rd_t[7 * 3 + 2] == 0 && result.Rd_t_later[7] == 2);
+    assert_true(result.Tt_t[7 * 3 + 2] == 4 && result.A_t[7 * 3] == 8 && result.A_t_later[7] == 0);
+    cml_u128 *const cells[] = {&result.Rd_t[0],       &result.Rd_t_later[63], &result.Tt_t[7],
+                               &result.Tt_t_later[0], &result.A_t[191],       &result.A_t_later[1]};
+    assert_every_cell_counts(&result, cells, COUNT(cells));
+    cml_tally_free(&tally);
+    cml_result_free(&result);
+}
+
 static void a_broken_cell_does_not_balance(void **state)
 {
     (void)state;
@@ -317,6 +343,7 @@ int main(void)
         cmocka_unit_test(a_result_has_the_margins_of_its_batches),
         cmocka_unit_test(a_tally_may_serve_many_batches),
         cmocka_unit_test(cells_beyond_the_grid_go_into_its_rim),
+        cmocka_unit_test(gates_are_kept_by_batch_and_balance),
         cmocka_unit_test(a_broken_cell_does_not_balance),
         cmocka_unit_test(the_error_of_a_total_is_that_of_its_bins),
         cmocka_unit_test(errors_are_the_spread_of_batches),

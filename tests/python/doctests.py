@@ -35,7 +35,7 @@ for module in pkgutil.iter_modules(clustermcml.__path__, "clustermcml."):
     result = doctest.testmod(importlib.import_module(module.name))
     failed, tried = failed + result.failed, tried + result.attempted
 said = run_text(os.path.join(TOP, "samples", "python.md"))
-for expected in ("Rd = 0.", "middle of the light at x = 0.", "absorbed by the vessel: 0.", "Layer.g = 1.9 (expected a number from -1 to 1)"):
+for expected in ("Rd = 0.", "middle of the light at x = 0.", "absorbed by the vessel: 0.", "Rd of the flat scene: 0.", "Layer.g = 1.9 (expected a number from -1 to 1)"):
     tried, failed = tried + 1, failed + (expected not in said)
     if expected not in said:
         print(f"python.md does not print {expected}:\n{said}")

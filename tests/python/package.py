@@ -402,6 +402,50 @@ class Runs(unittest.TestCase):
         with self.assertWarnsRegex(UserWarning, "a.mci"):
             mc.run(os.path.join(self.folder, "a.mci"), output_dir=self.folder)
 
+    def test_commands_say_what_the_program_says(self):
+        said = {name: json.loads(command(name, SKIN, "--json")) for name in ("check", "exact")}
+        mine = mc.check(SKIN)
+        for check in (mine[0], said["check"]):
+            check.pop("memory_bytes")  # what a process holds, and how long it took, is its own
+            for boundary in check["boundaries"]:
+                boundary.pop("build_s")
+        self.assertEqual(mine, [said["check"]])
+        self.assertEqual(mc.exact(SKIN), [said["exact"]])
+        thick = mc.exact(mc.Scene([SLAB]), set={"layer1.mua": 0})[0]
+        self.assertLess(abs(thick["A"]), 1e-7)
+        self.assertNotIn("scene", thick)
+        plan = mc.plan(mc.Scene([SLAB], photons=100), target_error=0.5, photons=100)[0]
+        self.assertEqual((plan["error"], plan["plans"][0]["engine"]), (0.5, "cpu"))
+        self.assertEqual("clustermcml " + mc.__version__, command("--version").splitlines()[0])
+
+    def test_commands_of_results(self):
+        paths = []
+        for seed in (1, 2):
+            folder = os.path.join(self.folder, str(seed))
+            os.mkdir(folder)
+            mc.run(mc.Scene([SLAB], photons=1000), seed=seed, output_dir=folder)
+            paths.append(os.path.join(folder, "scene.h5"))
+        self.assertEqual(mc.compare(*paths), json.loads(command("compare", *paths, "--json")))
+        mc.run(mc.Scene([mc.Layer(1.4, 9, 100, 0.9, 0.1)], photons=1000), output_dir=os.path.join(self.folder, "1"))
+        self.assertFalse(mc.compare(*paths)["agree"])  # and is no failure
+        with self.assertRaisesRegex(mc.InputError, "scene.h5"):
+            mc.merge(paths, os.path.join(self.folder, "sum.h5"))  # of two scenes
+        mc.run(mc.Scene([SLAB], photons=1000), output_dir=os.path.join(self.folder, "1"))
+        joined = mc.merge(paths, os.path.join(self.folder, "sum.h5"))
+        self.assertAlmostEqual(float(joined.Rd), np.mean([mc.read(path).Rd for path in paths]), 12)
+        for results, output, text in ((paths, "sum.txt", "output = 'sum.txt'"), ("a.mco", "sum.mco", "results = 'a.mco'"), (5, "sum.mco", "results = 5"),
+                                      (["none.mco"], "sum.mco", r"results\[0\] = 'none.mco'")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                mc.merge(results, output)
+
+    def test_commands_refuse_and_warn_as_run(self):
+        with self.assertRaisesRegex(mc.InputError, "^Scene: boundary 0: its surface"):
+            mc.check(mc.Scene([mc.Layer(1.4, 1, 10, 0, 0.1, top=mc.Mesh(vertices=[[0, 0, 0], [1, 0, 0], [0, 1, 0]], faces=[[0, 0, 1]]))]))
+        with open(os.path.join(self.folder, "a.mci"), "w", encoding="utf-8") as file:
+            file.write(mc.Scene([SLAB], photons=100).text("a.h5") + "b.mco A\n")  # a second run, beyond the number of runs
+        with self.assertWarnsRegex(UserWarning, "a.mci"):
+            mc.check(os.path.join(self.folder, "a.mci"))
+
     def test_interrupt(self):
         """Ctrl-C while it flies: the program stops, its checkpoint stays, and resuming gives the result of one run."""
         script = ("import sys; sys.path.insert(0, sys.argv[1]); import clustermcml as mc\n"

@@ -15,6 +15,7 @@ SPDX-License-Identifier: MIT
 """
 
 from .bodies import Body, Cylinder, Sphere
+from .commands import check, compare, exact, merge, plan, version
 from .errors import ClustermcmlError, InputError
 from .phases import Phase
 from .program import run
@@ -24,4 +25,11 @@ from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
 __all__ = ["Beam", "Body", "ClustermcmlError", "Cylinder", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
-           "Sphere", "Time", "read", "run", "sweep"]
+           "Sphere", "Time", "check", "compare", "exact", "merge", "plan", "read", "run", "sweep"]
+
+
+def __getattr__(name: str) -> str:
+    """__version__ is the program's, asked when it is wanted: a package without its program can still read results."""
+    if name == "__version__":
+        return version()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

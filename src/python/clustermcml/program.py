@@ -82,10 +82,10 @@ def option_words(options: dict[str, Any]) -> list[str]:
     return words
 
 
-def _renamed(text: str, folder: str) -> str:
+def renamed(text: str, folder: str) -> str:
     """What the program says of the files of a folder that will be gone, in the caller's names.
 
-    >>> _renamed("/tmp/x/scene.mci:9: boundary 0: /tmp/x/scene.surface0.obj: no faces", "/tmp/x")
+    >>> renamed("/tmp/x/scene.mci:9: boundary 0: /tmp/x/scene.surface0.obj: no faces", "/tmp/x")
     'Scene: boundary 0: its surface: no faces'
     """
     names = {r"scene\.mci": "Scene", r"scene\.surface\d+\.\w+": "its surface", r"scene\.layer\d+body\d+\.\w+": "its surface",
@@ -95,7 +95,7 @@ def _renamed(text: str, folder: str) -> str:
     return text
 
 
-def _raise_failure(code: int, said: Sequence[str]) -> NoReturn:
+def raise_failure(code: int, said: Sequence[str]) -> NoReturn:
     """The program's own message, as an error of its kind."""
     own = [line.removeprefix(PREFIX) for line in said if line.startswith(PREFIX)]
     text = own[-1] if own else "\n".join(said) or f"clustermcml ended with {code} and said nothing"
@@ -215,11 +215,11 @@ def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scrat
         finally:
             listener.join()
             os.close(here)
-    said = [_renamed(line, scratch) for line in said]
+    said = [renamed(line, scratch) for line in said]
     for note in (line for line in said if line.startswith(PREFIX + "note: ")):
         warnings.warn(note.removeprefix(PREFIX + "note: "), stacklevel=3)
     if process.returncode != 0:
-        _raise_failure(process.returncode, said)
+        raise_failure(process.returncode, said)
     return told
 
 

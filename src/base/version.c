@@ -5,3 +5,8 @@ const char *cml_version(void)
 {
     return CML_GIT[0] ? CML_VERSION " (" CML_GIT ")" : CML_VERSION;
 }
+
+const char *cml_version_parts(void)
+{
+    return CML_PARTS;
+}

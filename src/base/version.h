@@ -3,5 +3,6 @@
 #define CML_VERSION_H
 
 const char *cml_version(void); /* "0.1.0 (git hash)"; without the hash where no repository was at hand */
+const char *cml_version_parts(void); /* "MPI no, HDF5 yes, OpenCL yes": what may be left out of a build */
 
 #endif

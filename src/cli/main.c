@@ -46,7 +46,7 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
         return first || commands[options->which].parallel ? commands[options->which].run(options, err)
                                                           : CML_OK;
     if (first && options->help) return cml_help_print(stdout, topic, err);
-    if (first) printf("clustermcml %s\n", cml_version());
+    if (first) printf("clustermcml %s\n%s\n", cml_version(), cml_version_parts());
     return CML_OK;
 }
 

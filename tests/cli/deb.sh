@@ -16,7 +16,7 @@ field() { # NAME
     dpkg-deb -f "$package" "$1"
 }
 test "$(field Section)" = science || complain "section $(field Section)"
-test "$(field Version)" = "$("$program" --version | cut -d' ' -f2)" || complain "version $(field Version)"
+test "$(field Version)" = "$("$program" --version | head -n 1 | cut -d' ' -f2)" || complain "version $(field Version)"
 for library in libc6 libembree libjansson4 zlib1g; do
     field Depends | grep -q "$library" || complain "depends on no $library: $(field Depends)"
 done

@@ -58,7 +58,7 @@ if command -v man >/dev/null; then
     for folder in $(sed -n 's/^ *PREFIX\///p' "$work/page"); do
         test -d "$work/root/usr/$folder" || complain "the manual page names $folder, which is not there"
     done
-    grep -q "^$("$program" --version | cut -d' ' -f1-2) " "$work/page" || complain "the manual page has another version"
+    grep -q "^$("$program" --version | head -n 1 | cut -d' ' -f1-2) " "$work/page" || complain "the manual page has another version"
 else
     echo "man is missing: the manual page is not rendered"
 fi

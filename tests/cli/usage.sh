@@ -121,7 +121,8 @@ expect_error 2 "help: no text on inputs (did you mean input?)" help inputs
 expect_error 2 "help: no text on everything (try clustermcml help)" help everything
 
 expect_code 0 --version
-grep -Eq '^clustermcml [0-9]+\.[0-9]+\.[0-9]+( \([^)]*\))?$' "$work/out" || complain "--version: $(cat "$work/out")"
+grep -Eq '^clustermcml [0-9]+\.[0-9]+\.[0-9]+( \([^)]*\))?$' "$work/out" &&
+    grep -Eqx 'MPI (yes|no), HDF5 (yes|no), OpenCL (yes|no)' "$work/out" || complain "--version: $(cat "$work/out")"
 
 # The command's name may be left out; - is standard input; --json prints one line and nothing else.
 expect_code 0 check $sample

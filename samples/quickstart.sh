@@ -1,8 +1,9 @@
 #!/bin/sh
 # From a bare Debian 12 to the first picture: installs what is missing, builds into build/, flies a rough surface,
-# draws it. May be run again.
+# draws it. May be run again. Takes no arguments.
 # SPDX-License-Identifier: MIT
 set -eu
+case ${1:-} in -*) sed -n '2,/^# SPDX/{/^# SPDX/!s/^# \{0,1\}//p;}' "$0"; exit 0 ;; esac
 root=$(cd "$(dirname "$0")/.." && pwd)
 sh "$root/samples/packages.sh"
 

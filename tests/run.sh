@@ -2,15 +2,23 @@
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
 # all tests but the long ones; then the program without MPI, the unit tests and all samples again under clang with the
 # address and undefined behaviour sanitizers, the engines' threads under the thread sanitizer, and each fuzzer for some
-# ten seconds.
+# ten seconds. Some 20 minutes on two cores.
+#
+#     sh tests/run.sh          all of that
+#     sh tests/run.sh NAME     builds, and runs the tests of one label (unit, cli, stat ...) or one test (unit.mci)
 # SPDX-License-Identifier: MIT
 set -eu
+case ${1:-} in -*) sed -n '2,/^# SPDX/{/^# SPDX/!s/^# \{0,1\}//p;}' "$0"; exit 0 ;; esac
 root=$(cd "$(dirname "$0")/.." && pwd)
 cd "$root"
 sh samples/packages.sh test
 
 cmake -S . -B build -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build --parallel 2
+if test $# -gt 0; then
+    case $1 in *.*) by=-R ;; *) by=-L ;; esac
+    exec ctest --test-dir build $by "^$1\$" --no-tests=error --output-on-failure -j2
+fi
 cmake --build build --parallel 2 --target benches
 ctest --test-dir build -LE long --output-on-failure -j2
 

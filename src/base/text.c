@@ -85,8 +85,10 @@ cml_status cml_text_read(const struct cml_text_source *source, const char *path,
 {
     CML_TRY(cml_text_read_bytes(source, path, text, err));
     if (strlen(text->data) == text->size) return CML_OK;
-    const cml_status status = cml_fail(
-        err, CML_E_INPUT, "%s: cannot be read (it holds a NUL byte, so it is not a text file)", text->path);
+    const bool utf16 = memcmp(text->data, "\xFF\xFE", 2) == 0 || memcmp(text->data, "\xFE\xFF", 2) == 0;
+    const cml_status status =
+        cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", text->path,
+                 utf16 ? "it is UTF-16; save it as UTF-8" : "it holds a NUL byte, so it is not a text file");
     cml_text_clear(text);
     return status;
 }

@@ -14,9 +14,16 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Who reads only the first lines of a text, as head does, wants no complaint. */
+static cml_status print_help(const char *topic, struct cml_error *err)
+{
+    cml_stop_without_reader();
+    return cml_help_print(stdout, topic, err);
+}
+
 static cml_status help(const struct cml_options *options, struct cml_error *err)
 {
-    return cml_help_print(stdout, options->num_operands > 0 ? options->operands[0] : NULL, err);
+    return print_help(options->num_operands > 0 ? options->operands[0] : NULL, err);
 }
 
 static const struct {
@@ -45,7 +52,7 @@ static cml_status answer(const struct cml_options *options, struct cml_error *er
     if (!options->help && !options->version)
         return first || commands[options->which].parallel ? commands[options->which].run(options, err)
                                                           : CML_OK;
-    if (first && options->help) return cml_help_print(stdout, topic, err);
+    if (first && options->help) return print_help(topic, err);
     if (first) printf("clustermcml %s\n%s\n", cml_version(), cml_version_parts());
     return CML_OK;
 }

@@ -157,14 +157,30 @@ static cml_status level_border(struct cml_mesh_work *work, struct depths depths,
     return CML_OK;
 }
 
+/* The other axis along which the border is level, as that of a mesh whose y points up; 0: neither. */
+static char level_axis(const struct cml_mesh *mesh)
+{
+    for (int axis = 0; axis < 2; axis++) {
+        double low = mesh->vertex[mesh->border[0]][axis], high = low;
+        for (size_t i = 1; i < mesh->num_border; i++) {
+            low = fmin(low, mesh->vertex[mesh->border[i]][axis]);
+            high = fmax(high, mesh->vertex[mesh->border[i]][axis]);
+        }
+        if (high - low <= nearly_level * largest_extent(mesh)) return (char)('x' + axis);
+    }
+    return 0;
+}
+
 static cml_status refuse_slope(const struct cml_mesh_work *work, const uint32_t *leaving,
                                struct depths depths, struct cml_error *err)
 {
-    char place[112];
+    char place[112], hint[16] = "";
+    const char axis = level_axis(work->mesh);
+    if (axis) snprintf(hint, sizeof hint, "; up=%c?", axis);
     return cml_mesh_fail(work, cml_mesh_triangle_line(work, leaving[depths.highest] / 3), err,
                          "the border is not horizontal: its height spans %.6g cm, the highest point is %s "
-                         "(expected a border on one horizontal plane, or skirt=WIDTH)",
-                         depths.span, cml_mesh_place(work->mesh->vertex[depths.highest], place));
+                         "(expected a border on one horizontal plane, or skirt=WIDTH%s)",
+                         depths.span, cml_mesh_place(work->mesh->vertex[depths.highest], place), hint);
 }
 
 /* Names the edge's first vertex: an edge number would mean nothing to whoever made the mesh. */

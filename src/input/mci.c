@@ -220,6 +220,11 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
                                                "a whole number of 1..100000"};
     double number = 0;
     CML_TRY(next_data_line(reader, STAGE_RUN, scene, 0, field.name));
+    const char first = (char)(*reader->cursor | 0x20);
+    if (first >= 'a' && first <= 'z')
+        return cml_mci_fail(
+            reader, "line", cml_mci_raw(reader),
+            "number of layers, or a line that begins with a word of `clustermcml help input`");
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, &number));
     scene->num_layers = (int)number;
     const size_t layers = (size_t)scene->num_layers;
@@ -231,6 +236,15 @@ static cml_status allocate_layers(struct cml_mci_reader *reader, struct cml_scen
                            "the layers");
 }
 
+/* How many numbers a line holds that holds nothing else; 0: it does. */
+static int numbers_alone(const char *text)
+{
+    int count = 0;
+    for (char *end; strtod(text, &end), end != text; text = end) count++;
+    text += strspn(text, " \t\r");
+    return *text == '\0' || *text == '#' ? count : 0;
+}
+
 /* The media above and below have a refractive index only: nothing is absorbed or scattered there. */
 static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *scene, bool above)
 {
@@ -239,6 +253,9 @@ static cml_status read_ambient(struct cml_mci_reader *reader, struct cml_scene *
                                         n->expected};
     CML_TRY(next_data_line(reader, above ? STAGE_ABOVE : STAGE_LAYERS, scene, scene->num_layers, field.name));
     double *index = &scene->media[above ? 0 : scene->num_layers + 1].n;
+    if (!above && numbers_alone(reader->cursor) == CML_MCI_MEDIUM_FIELDS + 1)
+        return cml_mci_fail(reader, field.name, cml_mci_raw(reader),
+                            "one number; is the number of layers too small?");
     CML_TRY(cml_mci_numbers(reader, NULL, &field, 1, index));
     return cml_mci_set(reader, cml_mci_setting(reader, above ? "above.n" : "below.n"), &field, index);
 }
@@ -252,6 +269,9 @@ static cml_status read_layer(struct cml_mci_reader *reader, struct cml_scene *sc
     double values[5];
     snprintf(owner, sizeof owner, "layer %d", layer);
     CML_TRY(next_data_line(reader, STAGE_LAYERS, scene, layer - 1, owner));
+    if (numbers_alone(reader->cursor) == 1)
+        return cml_mci_fail(reader, owner, cml_mci_raw(reader),
+                            "n mua mus g d; is the number of layers too large?");
     memcpy(fields, cml_mci_medium_fields, sizeof cml_mci_medium_fields);
     fields[CML_MCI_MEDIUM_FIELDS] = thickness;
     CML_TRY(cml_mci_numbers(reader, owner, fields, 5, values));
@@ -332,6 +352,9 @@ static cml_status read_version(struct cml_mci_reader *reader)
     cml_mci_cut_comment(reader->cursor);
     const char *version = cml_text_word(&reader->cursor);
     if (cml_parse_double(version, &number)) return CML_OK;
+    if (strcmp(version, "A1") == 0)
+        return cml_mci_fail(reader, "file version", version,
+                            "1.0; this is a result, which plot, compare and merge read");
     return cml_mci_fail(reader, "file version", version,
                         strncmp(version, "mcmli2", strlen("mcmli2")) == 0
                             ? "1.0, the format of MCML 1; this is input of MCML 2, which is not read"

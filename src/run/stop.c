@@ -26,6 +26,11 @@ void cml_stop_ignore(void)
     signal(SIGXFSZ, SIG_IGN);
 }
 
+void cml_stop_without_reader(void)
+{
+    signal(SIGPIPE, SIG_DFL);
+}
+
 void cml_stop_watch(void)
 {
     static const int signals[] = {SIGTERM, SIGINT, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};

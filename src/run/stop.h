@@ -9,6 +9,9 @@
  * exit code, where they would else end the process. */
 void cml_stop_ignore(void);
 
+/* From now on a pipe that nobody reads ends the process, without a word. */
+void cml_stop_without_reader(void);
+
 /* From here on the first of the signals is remembered, the second ends the process at once. Signals that were
  * ignored stay ignored. Call it after MPI_Init, which may set handlers of its own. */
 void cml_stop_watch(void);

@@ -28,6 +28,8 @@ expect_error 2 "unknown option --phot (did you mean --photons?)" $sample --phot=
 expect_error 2 "unknown option --r $try" $sample --r 3
 expect_error 2 "unknown option --wavelength $try" $sample --wavelength 600
 expect_error 2 "--quiet takes no value $try" $sample --quiet=yes
+expect_error 2 "unknown option -photons (did you mean --photons?)" $sample -photons 10
+expect_error 2 "unknown option -seed=2 (did you mean --seed?)" $sample -seed=2
 expect_error 2 "unknown option -x $try" -xh
 expect_error 2 "unknown option -q $try" $sample -qz -o x
 expect_error 2 "unknown option -z $try" $sample -hz
@@ -78,6 +80,10 @@ expect_code 2 "$work/missing.mci"
 expect_code 2 "$work"
 expect_code 5 $sample --photons 10 -o "$work/missing"
 
+printf '\377\3761\0.\0000\0\n\0' >"$work/utf16.mci"
+expect_error 2 "$work/utf16.mci: cannot be read (it is UTF-16; save it as UTF-8)" "$work/utf16.mci"
+expect_error 2 "run: -o $work/none.mco (expected a folder; --output names the result)" $sample -o "$work/none.mco"
+
 # Nothing is written, and nothing said on standard output, when the input is wrong.
 printf '1.0\n1\nx.mco A\nten\n' >"$work/wrong.mci"
 expect_code 2 "$work/wrong.mci" -o "$work"
@@ -119,6 +125,12 @@ for text in input output; do
 done
 expect_error 2 "help: no text on inputs (did you mean input?)" help inputs
 expect_error 2 "help: no text on everything (try clustermcml help)" help everything
+
+# nobody reads on, which is no error
+for words in help --help "help input"; do
+    { sleep 0.1; "$program" $words 2>"$work/err"; } | true
+    test ! -s "$work/err" || complain "$words without a reader: $(cat "$work/err")"
+done
 
 expect_code 0 --version
 grep -Eq '^clustermcml [0-9]+\.[0-9]+\.[0-9]+( \([^)]*\))?$' "$work/out" &&

@@ -16,6 +16,7 @@
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* What all runs of one call share. */
 struct session {
@@ -90,10 +91,19 @@ static cml_status check_output(const char *name, struct cml_error *err)
                     "--output %.200s (expected a name that ends in .mco or .h5, or has no ending)", name);
 }
 
+/* -o names a folder; a result that it seems to name is meant for --output. */
+static cml_status check_folder(const char *name, struct cml_error *err)
+{
+    const bool result = name && (cml_file_ends_in(name, ".mco") || cml_file_ends_in(name, ".h5"));
+    if (!result || access(name, F_OK) == 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
+}
+
 /* What cannot stand together. --more goes on from tallies, and leaves some. */
 static cml_status check_options(struct cml_options *options, struct cml_error *err)
 {
     CML_TRY(check_output(options->output, err));
+    CML_TRY(check_folder(options->directory, err));
     if (options->control && options->ignore_heightfields)
         return cml_fail(err, CML_E_INPUT, "--control flat (expected no --ignore-heightfields beside it)");
     if (options->more > 0) options->keep = true;

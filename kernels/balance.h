@@ -4,6 +4,10 @@
 #ifndef CML_BALANCE_H
 #define CML_BALANCE_H
 
+/* A packet escapes once, so the sum of its squared weights gives a standard error. Weights are rounded to
+ * 2^-16 of a packet before they are squared: 2^30 packets then fit into 64 bits. */
+#define CML_SQUARE_SHIFT 15
+
 /* The photons of a run are dealt out in turn to 64 batches: photon i is point i / 64 of batch i mod 64. How
  * many photons there are does not matter, so a longer run has all packets of a shorter one, in the same
  * batches. Standard errors come from the spread of the batches. */

@@ -12,7 +12,8 @@
  * ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. */
 struct cml_deposits {
     cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets;
-    cml_u64 *specular; /* one thread's sum */
+    cml_u64 *specular;   /* one thread's sum */
+    cml_u64 *upright[2]; /* all threads' sum of it, which goes straight up (P7), and of squares; or NULL */
 };
 
 /* To a cell of an array that threads share. */
@@ -36,9 +37,19 @@ CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 
     to->A_l[medium] += dw;
 }
 
+/* `times` packets' weight, and its square in units of 2^CML_SQUARE_SHIFT squared, so that 64 bits hold the
+ * sum of all, into cells that other threads score into, too. */
+CML_FN void cml_add_once(cml_u64 *weight, cml_u64 *square, cml_u32 w, cml_u64 times)
+{
+    const cml_u64 rounded = ((cml_u64)w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
+    cml_add_shared(weight, times * w);
+    cml_add_shared(square, times * rounded * rounded);
+}
+
 CML_FN void cml_add_specular(const struct cml_deposits *to, cml_u32 w)
 {
     *to->specular += w;
+    if (to->upright[0]) cml_add_once(to->upright[0], to->upright[1], w, 1);
 }
 
 CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)

@@ -108,6 +108,12 @@ struct cml_gates {
     real per_cm; /* gates per cm of optical path */
 };
 
+/* Bins of directions (P7). */
+struct cml_direction_bins {
+    int nt, np;          /* 0: they are not asked for */
+    real per_dt, per_dp; /* 1/rad */
+};
+
 /* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
  * in the frame of its layer: lowest <= z <= highest everywhere. */
 struct cml_surface {
@@ -222,6 +228,7 @@ struct cml_setup {
     real r0_x, r0_y;      /* the same from where results count r */
     struct cml_map map;
     struct cml_gates gates;
+    struct cml_direction_bins directions;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
     /* launch */
     int num_sources;

@@ -117,6 +117,8 @@ static void print_map(const struct cml_scene *scene)
                map->angles ? ", na angle bins in each pixel" : "",
                map->volume ? ", and nz layers of voxels" : "");
     if (scene->facets) printf("  facets: irradiance and exitance of every boundary\n");
+    if (scene->directions.nt > 0)
+        printf("  directions: %d angles, %d azimuths\n", scene->directions.nt, scene->directions.np);
     if (scene->time.gates > 0)
         printf("  time: %d gates of %g ps\n", scene->time.gates, scene->time.end / scene->time.gates);
 }

@@ -20,6 +20,8 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .num_bodies = scene->num_bodies,
                             .absorption = options->absorption,
                             .gates = scene->time.gates,
+                            .nt = scene->directions.nt,
+                            .np = scene->directions.np,
                             .nx = map->nx,
                             .ny = map->ny,
                             .map_na = map->angles ? scene->na : 1,

@@ -9,6 +9,8 @@
 #include "tally/tally.h"
 #include "walk.h"
 
+#include <math.h>
+
 #define CML_TERMINATED 128
 /* So many may be added at once: the collection is flushed while it has room for as many. */
 #define CML_TERMINATED_TOGETHER 16
@@ -21,7 +23,8 @@ struct cml_terminated {
     cml_u32 deposit[CML_TERMINATED]; /* absorbed as well, in the layer that the packet left, and not booked
                                         there yet */
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
-    real path[CML_TERMINATED]; /* P11, where time is asked for */
+    real ux[CML_TERMINATED], uy[CML_TERMINATED]; /* P7, where directions are asked for */
+    real path[CML_TERMINATED];                   /* P11, where time is asked for */
     cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
     int fate[CML_TERMINATED];
     int cell[CML_TERMINATED];       /* of Rd_ra or Tt_ra */
@@ -99,6 +102,9 @@ static inline void cml_terminated_add_sums(const struct cml_setup *setup,
     tally->balance[CML_BALANCE_ABSORBED] += times * sums.absorbed;
     tally->A_l[1] += times * sums.deposited_above;
     tally->A_l[setup->num_layers] += times * (sums.deposited - sums.deposited_above);
+    if (tally->Rsp_dir && specular)
+        cml_add_once(tally->Rsp_dir, tally->Rd_dir2 + 2 * (tally->Tt_dir - tally->Rd_dir), setup->specular,
+                     count);
     tally->count[CML_COUNT_PHOTONS] += count;
     tally->count[CML_COUNT_INTERACTIONS] += times * sums.interactions;
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
@@ -148,18 +154,9 @@ struct cml_termination {
     uint64_t index, absorbed;
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
-    real exit_x, exit_y, uz, path;
+    real exit_x, exit_y, ux, uy, uz, path;
     int primitive; /* touched last; 0 on planes */
 };
-
-/* A weight and its square into cells that other threads score into, too. The square is rounded to units of
- * 2^CML_SQUARE_SHIFT squared, so that 64 bits hold the sum of all. */
-static inline void cml_tally_once(uint64_t *weight, uint64_t *square, cml_u32 w)
-{
-    const uint64_t rounded = ((uint64_t)w + (1u << (CML_SQUARE_SHIFT - 1))) >> CML_SQUARE_SHIFT;
-    cml_add_shared(weight, w);
-    cml_add_shared(square, rounded * rounded);
-}
 
 /* Packet i of the collection, which has left, into its pixel. */
 static inline void cml_tally_pixel(const struct cml_setup *setup, const struct cml_terminated *terminated,
@@ -168,8 +165,8 @@ static inline void cml_tally_pixel(const struct cml_setup *setup, const struct c
     const int up = terminated->fate[i] == CML_FATE_REFLECTED, na = setup->map.na;
     const size_t cell = cml_map_pixel(setup, terminated->exit_x[i], terminated->exit_y[i]) * (size_t)na +
                         (size_t)(na > 1 ? cml_angle_bin(setup, terminated->uz[i]) : 0);
-    cml_tally_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, (up ? tally->Rd_xya2 : tally->Tt_xya2) + cell,
-                   terminated->w[i]);
+    cml_add_once((up ? tally->Rd_xya : tally->Tt_xya) + cell, (up ? tally->Rd_xya2 : tally->Tt_xya2) + cell,
+                 terminated->w[i], 1);
 }
 
 /* The same into the facet that it touched last. */
@@ -180,22 +177,49 @@ static inline void cml_tally_escape(const struct cml_setup *setup, const struct 
         &setup->outer_facets[terminated->fate[i] == CML_FATE_REFLECTED ? 0 : 1];
     if (range->count == 0) return;
     uint64_t *score = tally->facets + (size_t)cml_facet_index(range, primitive) * CML_FACET_SCORES;
-    cml_tally_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, terminated->w[i]);
+    cml_add_once(score + CML_FACET_ESCAPED, score + CML_FACET_ESCAPED_SQUARES, terminated->w[i], 1);
+}
+
+/* P7: bin of a direction; straight up or down has azimuth 0. */
+static inline size_t cml_direction_bin(const struct cml_direction_bins *bins, real ux, real uy, real uz)
+{
+    const real size = CML_FABS(uz), turn = (real)6.283185307179586;
+    const real azimuth = ux == 0 && uy == 0 ? (real)0 : (real)atan2((double)uy, (double)ux);
+    const int it = (int)(cml_acos(size < 1 ? size : (real)1) * bins->per_dt);
+    const int ip = (int)((azimuth < 0 ? azimuth + turn : azimuth) * bins->per_dp);
+    return (size_t)(it < bins->nt ? it : bins->nt - 1) * (size_t)bins->np +
+           (size_t)(ip < bins->np ? ip : bins->np - 1);
+}
+
+/* Packet i of the collection, which has left, into the bin of its direction. */
+static inline void cml_tally_direction(const struct cml_setup *setup, const struct cml_terminated *terminated,
+                                       int i, const struct cml_tally *tally)
+{
+    const int fate = terminated->fate[i];
+    uint64_t *const to = fate == CML_FATE_REFLECTED     ? tally->Rd_dir
+                         : fate == CML_FATE_TRANSMITTED ? tally->Tt_dir
+                         : fate == CML_FATE_SPECULAR    ? tally->Rsp_dir
+                                                        : NULL;
+    if (!to) return;
+    uint64_t *const cell =
+        to + cml_direction_bin(&setup->directions, terminated->ux[i], terminated->uy[i], terminated->uz[i]);
+    cml_add_once(cell, cell + (tally->Rd_dir2 - tally->Rd_dir), terminated->w[i], 1);
 }
 
 /* primitive: touched last; 0 on planes. */
 static inline void cml_tally_places(const struct cml_setup *setup, const struct cml_terminated *terminated,
                                     int i, int primitive, const struct cml_tally *tally)
 {
+    if (tally->Rd_dir) cml_tally_direction(setup, terminated, i, tally);
     if (terminated->fate[i] != CML_FATE_REFLECTED && terminated->fate[i] != CML_FATE_TRANSMITTED) return;
     if (tally->Rd_xya) cml_tally_pixel(setup, terminated, i, tally);
     if (tally->facets) cml_tally_escape(setup, terminated, i, primitive, tally);
 }
 
-/* Whether maps or facets are scored, for which every packet must be looked at by itself. */
+/* Whether maps, facets or directions are scored, for which every packet must be looked at by itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
-    return tally->Rd_xya || tally->facets;
+    return tally->Rd_xya || tally->facets || tally->Rd_dir;
 }
 
 /* P9: what is rare goes into the tally at once. */
@@ -220,6 +244,8 @@ static inline void cml_terminated_push(const struct cml_setup *setup, struct cml
     terminated->deposit[i] = 0;
     terminated->exit_x[i] = end->exit_x;
     terminated->exit_y[i] = end->exit_y;
+    terminated->ux[i] = end->ux;
+    terminated->uy[i] = end->uy;
     terminated->uz[i] = end->uz;
     terminated->path[i] = end->path;
     terminated->w[i] = end->w;
@@ -244,12 +270,14 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
 /* Where kernels/walk.h puts deposits: straight into the arrays of the tally. */
 static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
 {
+    uint64_t *const squares = tally->Rd_dir2 ? tally->Rd_dir2 + 2 * (tally->Tt_dir - tally->Rd_dir) : NULL;
     const struct cml_deposits to = {.A_rz = tally->A_rz,
                                     .A_l = tally->A_l,
                                     .A_t = tally->A_t,
                                     .A_xyz = tally->A_xyz,
                                     .facets = tally->facets,
-                                    .specular = &tally->balance[CML_BALANCE_SPECULAR]};
+                                    .specular = &tally->balance[CML_BALANCE_SPECULAR],
+                                    .upright = {tally->Rsp_dir, squares}};
     return to;
 }
 
@@ -266,6 +294,8 @@ static inline struct cml_termination cml_termination_of(const struct cml_packet 
         .boundary_events = packet->boundary_events,
         .exit_x = packet->exit_x,
         .exit_y = packet->exit_y,
+        .ux = packet->u.x,
+        .uy = packet->u.y,
         .uz = packet->u.z,
         .path = packet->path,
         .primitive = packet->on_primitive,

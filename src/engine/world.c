@@ -308,6 +308,14 @@ static void set_gates(const struct cml_time_def *time, struct cml_gates *gates)
     gates->per_cm = (real)(time->gates / (time->end * CML_LIGHT_CM_PER_PS));
 }
 
+static void set_directions(const struct cml_directions_def *def, struct cml_direction_bins *bins)
+{
+    bins->nt = def->nt;
+    bins->np = def->np;
+    bins->per_dt = (real)(def->nt / 1.5707963267948966);
+    bins->per_dp = (real)(def->np / 6.283185307179586);
+}
+
 static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
 {
     const struct cml_roulette_rule window = {(cml_u32)(options->below * CML_WEIGHT_ONE),
@@ -339,6 +347,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     setup->per_da = (real)(scene->na / 1.5707963267948966);
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
+    set_directions(&scene->directions, &setup->directions);
     setup->x0 = (real)scene->beams[0].x;
     setup->y0 = (real)scene->beams[0].y;
     setup->r0_x = scene->beams[0].radial ? 0 : setup->x0;

@@ -24,7 +24,7 @@
 /* Where the reader stands decides which of our own lines may come before the next data line. */
 enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
-    STAGE_RUN,   /* beam, map, facets, time */
+    STAGE_RUN,   /* beam, map, facets, time, directions */
     STAGE_ABOVE, /* none */
     STAGE_LAYERS /* b, m, and behind the first layer i and phase */
 };
@@ -32,20 +32,23 @@ enum stage {
 /* Lines that hold for the whole run, not for one boundary. */
 static bool is_of_run(enum cml_mci_kind kind)
 {
-    return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS || kind == CML_MCI_TIME;
+    return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS || kind == CML_MCI_TIME ||
+           kind == CML_MCI_DIRECTIONS;
 }
 
 /* A line of ours where it cannot stand: says where it can. */
 static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_mci_kind kind,
                                  const char *instead)
 {
-    const char *name = kind == CML_MCI_BEAM   ? "beam"
-                       : kind == CML_MCI_MAP  ? "map"
-                       : kind == CML_MCI_TIME ? "time"
-                                              : "facets";
+    const char *name = kind == CML_MCI_BEAM         ? "beam"
+                       : kind == CML_MCI_MAP        ? "map"
+                       : kind == CML_MCI_TIME       ? "time"
+                       : kind == CML_MCI_DIRECTIONS ? "directions"
+                                                    : "facets";
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
-        snprintf(expected, sizeof expected, "b, m, i, phase, beam, map, facets or time behind #@");
+        snprintf(expected, sizeof expected,
+                 "b, m, i, phase, beam, map, facets, time or directions behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
@@ -76,6 +79,7 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
                                 struct cml_scene *scene)
 {
     if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, scene);
+    if (kind == CML_MCI_DIRECTIONS) return cml_mci_directions(reader, &scene->directions);
     if (kind == CML_MCI_TIME) return cml_mci_time(reader, &scene->time);
     return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
 }

@@ -1,4 +1,4 @@
-/* Lines map, facets and time. SPDX-License-Identifier: MIT */
+/* Lines map, facets, time and directions. SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
 #include "boundary.h"
@@ -82,6 +82,20 @@ cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time
     CML_TRY(cml_mci_numbers(reader, "time", fields, 2, values));
     time->end = values[0];
     time->gates = (int)values[1];
+    return CML_OK;
+}
+
+cml_status cml_mci_directions(struct cml_mci_reader *reader, struct cml_directions_def *directions)
+{
+    static const struct cml_mci_field fields[] = {{"NT", 1, 3600, true, "a whole number of 1..3600"},
+                                                  {"NP", 1, 3600, true, "a whole number of 1..3600"}};
+    double values[2];
+    if (directions->nt > 0)
+        return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one directions line per run");
+    directions->line = reader->text.line;
+    CML_TRY(cml_mci_numbers(reader, "directions", fields, 2, values));
+    directions->nt = (int)values[0];
+    directions->np = (int)values[1];
     return CML_OK;
 }
 

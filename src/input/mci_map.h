@@ -1,4 +1,5 @@
-/* The lines of .mci files that ask for more than original MCML tallies: map, facets and time.
+/* The lines of .mci files that ask for more than original MCML tallies: map, facets, time and
+ * directions.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_MAP_H
 #define CML_MCI_MAP_H
@@ -14,6 +15,10 @@ CML_NODISCARD cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *fac
 
 /* Reads the current line "time T1 N", cursor behind the keyword. */
 CML_NODISCARD cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time);
+
+/* Reads the current line "directions NT NP", cursor behind the keyword. */
+CML_NODISCARD cml_status cml_mci_directions(struct cml_mci_reader *reader,
+                                            struct cml_directions_def *directions);
 
 /* Once nz and na are known: refuses more cells in maps and volume than an array may have, in figures. */
 CML_NODISCARD cml_status cml_mci_check_map(const struct cml_mci_reader *reader,

@@ -21,6 +21,8 @@ static cml_status fill_input(const struct cml_report *report, struct cml_outcome
     o->na = scene->na;
     o->time_end = scene->time.end;
     o->num_gates = scene->time.gates;
+    o->nt = scene->directions.nt;
+    o->np = scene->directions.np;
     o->num_layers = scene->num_layers;
     o->num_bodies = scene->num_bodies;
     o->n_above = scene->media[0].n;

@@ -96,6 +96,17 @@ static cml_status read_gates(const struct reader *r)
     return CML_OK;
 }
 
+static cml_status read_directions(const struct reader *r)
+{
+    struct cml_outcome *o = r->o;
+    double *middle, width;
+    CML_TRY(cml_h5_numbers(&r->file, "theta", 0, &middle, NULL, r->err));
+    if (!middle) return CML_OK;
+    free(middle);
+    CML_TRY(read_axis(r, "theta", false, &o->nt, &width));
+    return read_axis(r, "phi", false, &o->np, &width);
+}
+
 static cml_status read_grid(const struct reader *r)
 {
     struct cml_outcome *o = r->o;
@@ -105,6 +116,7 @@ static cml_status read_grid(const struct reader *r)
     CML_TRY(read_axis(r, "z", true, &o->nz, &o->dz));
     CML_TRY(read_axis(r, "layer", false, &o->num_layers, &width));
     CML_TRY(read_gates(r));
+    CML_TRY(read_directions(r));
     const double most = (double)cml_hdf5_most_numbers(&r->file);
     if (cml_outcome_numbers(o) > most)
         return cml_fail(

@@ -20,6 +20,8 @@ static void set_axes(struct fields *f, const struct cml_outcome *o)
     const double width[CML_NUM_AXES] = {[CML_AXIS_r] = o->dr,
                                         [CML_AXIS_z] = o->dz,
                                         [CML_AXIS_alpha] = da,
+                                        [CML_AXIS_theta] = o->nt > 0 ? cml_angle_width(o->nt) : 0,
+                                        [CML_AXIS_phi] = o->np > 0 ? 4 * cml_angle_width(o->np) : 0,
                                         [CML_AXIS_gate] = o->num_gates > 0 ? o->time_end / o->num_gates : 0};
     for (int i = 1; i < CML_NUM_AXES; i++) {
         const enum cml_axis_kind kind = (enum cml_axis_kind)i;

@@ -118,6 +118,8 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     write_lines(out, "# ", o->phases);
     write_lines(out, "# ", o->shapes);
     write_lines(out, "# scene ", o->scene);
+    if (o->nt > 0)
+        fprintf(out, "\ndirections # bins of the angle and of the azimuth\n%d\n%d\n", o->nt, o->np);
     if (o->num_gates > 0)
         fprintf(out, "\ntime # T1 [ps] and the number of gates up to it\n%.17g\n%d\n", o->time_end,
                 o->num_gates);

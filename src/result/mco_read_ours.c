@@ -205,6 +205,19 @@ static void read_gates(struct section *s)
                 numbers[1]);
 }
 
+static void read_directions(struct section *s)
+{
+    struct cml_outcome *o = s->r->o;
+    double n[2];
+    if (o->nt > 0 || !read_numbers(s, 2, false, n)) return;
+    if (n[0] >= 1 && n[0] <= 3600 && n[0] == floor(n[0]) && n[1] >= 1 && n[1] <= 3600 &&
+        n[1] == floor(n[1])) {
+        o->nt = (int)n[0];
+        o->np = (int)n[1];
+    } else
+        damaged(s->r, "%.200s: directions = %g %g (expected two numbers of bins)", s->r->path, n[0], n[1]);
+}
+
 /* Behind the number of lost packets stand the smallest of their indices. */
 static cml_status read_lost(struct section *s, struct cml_error *err)
 {
@@ -257,6 +270,7 @@ static cml_status read_section(struct section *s, struct cml_error *err)
         if (strcmp(s->key, several[i].key) == 0)
             return read_several(s, several[i].first, several[i].count, several[i].errors, err);
     if (strcmp(s->key, "lattice") == 0 && s->line) (void)leading_number(s->line, false, lattice);
+    if (strcmp(s->key, "directions") == 0) read_directions(s);
     if (strcmp(s->key, "time") == 0) read_gates(s);
     if (strcmp(s->key, "lost") == 0) return read_lost(s, err);
     if (begins(s->key, "heightfield")) return read_heights(s, err);

@@ -19,6 +19,8 @@ int cml_outcome_places(const struct cml_outcome *o, enum cml_axis_kind axis)
                                       [CML_AXIS_z] = o->nz,
                                       [CML_AXIS_alpha] = o->na,
                                       [CML_AXIS_gate] = o->num_gates,
+                                      [CML_AXIS_theta] = o->nt,
+                                      [CML_AXIS_phi] = o->np,
                                       [CML_AXIS_side] = 4};
     return places[axis];
 }
@@ -45,6 +47,7 @@ double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quanti
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
     const double da = cml_angle_width(o->na);
+    if (axis[0] == CML_AXIS_theta) return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
     if (axis[1] != CML_AXIS_NONE) {
         const size_t n = (size_t)cml_outcome_places(o, axis[1]);
         const double ring = cml_ring_area(o->dr, (int)(i / n));
@@ -200,6 +203,22 @@ static cml_status take_batches(struct cml_outcome *o, const struct cml_result *s
     return CML_OK;
 }
 
+static cml_status take_once(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
+                            struct cml_error *err)
+{
+    const cml_u128 *cells = cells_of(sums, &cml_quantities[quantity]);
+    if (!cells) return CML_OK;
+    const cml_u128 *squares = cells + (sums->Rd_dir2 - sums->Rd_dir);
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    CML_TRY(cml_outcome_add(o, quantity, true, err));
+    for (size_t i = 0; i < cml_outcome_size(o, quantity); i++) {
+        o->value[quantity][i] = density(o, quantity, i, (double)cells[i]);
+        o->error[quantity][i] =
+            cml_result_once_error(sums, cells[i], squares[i]) / cml_outcome_measure(o, quantity, i);
+    }
+    return CML_OK;
+}
+
 /* Cells by medium begin with the one above; media outside absorb nothing. */
 static cml_status take_cells(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                              struct cml_error *err)
@@ -267,6 +286,7 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
         const enum cml_estimator estimator = cml_quantities[i].estimator;
         if (estimator == CML_FROM_BATCHES && !is_batched_number((enum cml_quantity)i))
             CML_TRY(take_batches(o, sums, (enum cml_quantity)i, err));
+        if (estimator == CML_FROM_ONCE) CML_TRY(take_once(o, sums, (enum cml_quantity)i, err));
         if (estimator >= CML_FROM_LAYERS && estimator <= CML_FROM_CELLS)
             CML_TRY(take_cells(o, sums, (enum cml_quantity)i, err));
     }

@@ -37,6 +37,7 @@ struct cml_outcome {
     int nz, nr, na;
     double time_end; /* ps; what is later is in no gate */
     int num_gates;   /* 0: nothing is known by time */
+    int nt, np;      /* of directions; 0: nothing is known by them */
     int num_layers, num_bodies;
     double n_above, n_below;
     double *value[CML_NUM_QUANTITIES]; /* [cml_outcome_size] as written, i.e. scaled; NULL: not there */

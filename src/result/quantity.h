@@ -19,6 +19,7 @@ enum cml_estimator {
     CML_FROM_BODIES,  /* by body, of the same cells */
     CML_FROM_CELLS,   /* of cells over two axes, without errors: a member */
     CML_FROM_BATCHES, /* a profile, of sums by batch, with errors: a member */
+    CML_FROM_ONCE,    /* of cells that a packet adds to at most once, with errors from squares: a member */
     CML_FROM_INPUT,   /* a number of the scene */
     CML_FROM_TWIN,    /* a total with the flat twin as control variate, with an error */
     CML_FROM_FACETS,  /* sums over facets; who knows the surfaces fills them in */
@@ -37,6 +38,8 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(z, "depth, middle of the bin", "cm")                                                                   \
     X(alpha, "angle from the outward vertical, middle of the bin", "rad")                                    \
     X(gate, "time, middle of the gate", "ps")                                                                \
+    X(theta, "angle of flight from the outward vertical, middle of the bin", "rad")                          \
+    X(phi, "azimuth of flight, from x towards y, middle of the bin", "rad")                                  \
     X(x, "x, middle of the pixel", "cm")                                                                     \
     X(y, "y, middle of the pixel", "cm")                                                                     \
     X(z_volume, "depth, middle of the voxel", "cm")                                                          \
@@ -95,6 +98,9 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Tt_t_later, "1", BATCHES, IN(Tt_t_later), NUMBER, MCO | H5 | JSON, "transmittance later than all gates", NULL) \
     Q(A_t, "1/ps", BATCHES, IN(A_t), OVER1(gate), MCO | H5, "absorption by time", NULL) \
     Q(A_t_later, "1", BATCHES, IN(A_t_later), NUMBER, MCO | H5 | JSON, "absorption later than all gates", NULL) \
+    Q(Rd_dir, "1/sr", ONCE, IN(Rd_dir), OVER2(theta, phi), MCO | H5, "diffuse reflectance by direction", NULL) \
+    Q(Tt_dir, "1/sr", ONCE, IN(Tt_dir), OVER2(theta, phi), MCO | H5, "transmittance by direction", NULL) \
+    Q(Rsp_dir, "1/sr", ONCE, IN(Rsp_dir), OVER2(theta, phi), MCO | H5, "specular reflectance by direction", NULL) \
     Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index", NULL)                                              \
     Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient", NULL)                                   \
     Q(body_mus, "1/cm", INPUT, 0, OVER1(body), H5, "scattering coefficient", NULL)                                   \

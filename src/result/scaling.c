@@ -24,3 +24,9 @@ double cml_projected_solid_angle(double da, int ia)
 {
     return 2 * CML_PI * sin(da / 2) * sin(2 * (ia + 0.5) * da);
 }
+
+double cml_direction_solid_angle(int nt, int np, int it)
+{
+    const double dt = cml_angle_width(nt);
+    return 2 * sin((it + 0.5) * dt) * sin(dt / 2) * (2 * CML_PI / np);
+}

@@ -22,4 +22,8 @@ double cml_solid_angle(double da, int ia);
  * the bin. The exact one is smaller by cos(da/2): by 0.03 % for 30 bins, by 29 % for one. */
 double cml_projected_solid_angle(double da, int ia);
 
+/* Solid angle of a bin of directions, sr: nt even ones of the angle from the vertical, of which this is
+ * number it, and np of the azimuth. */
+double cml_direction_solid_angle(int nt, int np, int it);
+
 #endif

@@ -129,6 +129,12 @@ struct cml_time_def {
     int line;   /* of the .mci */
 };
 
+/* Directions of what leaves: even bins of the angle from the outward vertical and of the azimuth. */
+struct cml_directions_def {
+    int nt, np; /* 0: no directions line */
+    int line;   /* of the .mci */
+};
+
 /* Of light in vacuum, cm/ps. */
 #define CML_LIGHT_CM_PER_PS 0.0299792458
 
@@ -151,6 +157,7 @@ struct cml_scene {
     double *shares;                  /* [num_beams] > 0, of the light */
     struct cml_map_def map;
     struct cml_time_def time;
+    struct cml_directions_def directions;
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
     char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */

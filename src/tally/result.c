@@ -242,6 +242,12 @@ static double gate_imbalance(const struct cml_result *result, const cml_u128 *ga
     return gates ? difference(sum_of(gates, CML_NUM_BATCHES * ((size_t)result->grid.gates + 1)), total) : 0;
 }
 
+/* Directions minus what they come of; 0 where there are none. */
+static double direction_imbalance(const struct cml_result *result, const cml_u128 *cells, cml_u128 total)
+{
+    return cells ? difference(sum_of(cells, cml_cells_directions(&result->grid)), total) : 0;
+}
+
 /* All of it is exact, in integers, so any difference at all is a fault; the first is enough to say so. */
 double cml_result_imbalance(const struct cml_result *result)
 {
@@ -266,6 +272,9 @@ double cml_result_imbalance(const struct cml_result *result)
         gate_imbalance(result, result->A_t, absorbed),
         gate_imbalance(result, result->Rd_t, balance[CML_BALANCE_REFLECTED]),
         gate_imbalance(result, result->Tt_t, balance[CML_BALANCE_TRANSMITTED]),
+        direction_imbalance(result, result->Rd_dir, balance[CML_BALANCE_REFLECTED]),
+        direction_imbalance(result, result->Tt_dir, balance[CML_BALANCE_TRANSMITTED]),
+        direction_imbalance(result, result->Rsp_dir, balance[CML_BALANCE_SPECULAR]),
     };
     for (size_t i = 0; i < sizeof differences / sizeof *differences; i++)
         if (differences[i] != 0) return differences[i];

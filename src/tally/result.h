@@ -30,6 +30,7 @@ struct cml_result {
     cml_u128 *Rd_t, *Tt_t, *A_t;                                    /* [64][gates] or NULL */
     cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
+    cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir, *Rd_dir2;                  /* the same */
     struct cml_summary summary;
 };
 
@@ -59,10 +60,10 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from);
 uint64_t cml_batch_size(uint64_t photons, int batch);
 
 /* By how much the weight does not balance (P10), units of weight: launched + gained minus everything that
- * came of it; then the sums of A_l, A_rz, A_xyz and A_t minus the absorbed weight, those of Rd_ra, Rd_xya and
- * Rd_t minus the reflected, those of Tt_ra, Tt_xya and Tt_t minus the transmitted, and what arrives at the
- * facets minus what leaves them. The first difference that is not 0, else 0; a fault of the program where it
- * is not 0. */
+ * came of it; then the sums of A_l, A_rz, A_xyz and A_t minus the absorbed weight, those of Rd_ra, Rd_xya,
+ * Rd_dir and Rd_t minus the reflected, those of Tt_ra, Tt_xya, Tt_dir and Tt_t minus the transmitted, that of
+ * Rsp_dir minus the specular, and what arrives at the facets minus what leaves them. The first difference
+ * that is not 0, else 0; a fault of the program where it is not 0. */
 double cml_result_imbalance(const struct cml_result *result);
 
 /* A term of the balance as a share of the launched weight. */

@@ -30,6 +30,7 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
     small.nx = small.ny = small.map_na = 0;
     small.volume = false;
     small.facets = 0;
+    small.nt = small.np = 0;
     small.depths = tally_cells_A(grid) > CML_THREAD_CELLS;
     if (small.depths) small.absorption = false;
     return small;
@@ -105,6 +106,10 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     tally->Tt_xya2 = owner->Tt_xya2;
     tally->A_xyz = owner->A_xyz;
     tally->facets = owner->facets;
+    tally->Rd_dir = owner->Rd_dir;
+    tally->Tt_dir = owner->Tt_dir;
+    tally->Rsp_dir = owner->Rsp_dir;
+    tally->Rd_dir2 = owner->Rd_dir2;
 }
 
 /* Not what is borrowed: others score there meanwhile. */

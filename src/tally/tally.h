@@ -30,6 +30,7 @@ struct cml_grid {
     int nx, ny;    /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
     int map_na;    /* angle bins of a pixel: na or 1 */
     bool volume;   /* A_xyz, nz deep */
+    int nt, np;    /* bins of Rd_dir, Tt_dir and Rsp_dir */
     size_t facets; /* of all boundaries and bodies */
 };
 
@@ -39,10 +40,7 @@ static inline size_t cml_grid_media(const struct cml_grid *grid)
     return (size_t)grid->num_layers + 2 + (size_t)grid->num_bodies;
 }
 
-/* A packet escapes once, so the sum of its squared weights gives a pixel's standard error. Weights are
- * rounded to 2^-16 of a packet before they are squared: 2^30 packets then fit into 64 bits. */
-#define CML_SQUARE_SHIFT 15
-#define CML_SQUARE_UNIT 1.52587890625e-5
+#define CML_SQUARE_UNIT 1.52587890625e-5 /* that of weights before they are squared (CML_SQUARE_SHIFT) */
 
 /* The packets lost with the smallest indices, in order: each can be flown again alone (`clustermcml trace`).
  */
@@ -75,7 +73,9 @@ struct cml_tally {
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
-    uint64_t *facets;            /* [facets][CML_FACET_SCORES] or NULL */
+    uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
+    uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
+    uint64_t *facets;                    /* [facets][CML_FACET_SCORES] or NULL */
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;

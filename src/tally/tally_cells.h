@@ -1,7 +1,7 @@
 /* The sizes and places of the arrays that a tally and a result have in common: maps, volume and facets, which
  * are kept only when asked for. They lie behind all other arrays of the block, in this order:
- * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, facets. Private to tally.c and result.c.
- * SPDX-License-Identifier: MIT */
+ * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, facets, Rd_dir, Tt_dir, Rsp_dir and the squares of these. Private
+ * to tally.c and result.c. SPDX-License-Identifier: MIT */
 #ifndef CML_TALLY_CELLS_H
 #define CML_TALLY_CELLS_H
 
@@ -19,10 +19,17 @@ static inline size_t cml_cells_volume(const struct cml_grid *grid)
     return grid->volume ? (size_t)grid->nx * (size_t)grid->ny * (size_t)grid->nz + 1 : 0;
 }
 
+/* Cells of one of Rd_dir, Tt_dir and Rsp_dir. */
+static inline size_t cml_cells_directions(const struct cml_grid *grid)
+{
+    return (size_t)grid->nt * (size_t)grid->np;
+}
+
 /* Cells of all arrays that this header is about. */
 static inline size_t cml_cells_maps(const struct cml_grid *grid)
 {
-    return 4 * cml_cells_map(grid) + cml_cells_volume(grid) + grid->facets * CML_FACET_SCORES;
+    return 4 * cml_cells_map(grid) + cml_cells_volume(grid) + grid->facets * CML_FACET_SCORES +
+           6 * cml_cells_directions(grid);
 }
 
 /* Sets these arrays of a tally or a result, which begin at `block`; those that are not kept stay as they are.
@@ -38,6 +45,13 @@ static inline size_t cml_cells_maps(const struct cml_grid *grid)
         }                                                                                                    \
         if ((to)->grid.volume) (to)->A_xyz = (block) + 4 * pixels_;                                          \
         if ((to)->grid.facets) (to)->facets = (block) + 4 * pixels_ + cml_cells_volume(&(to)->grid);         \
+        const size_t directions_ = cml_cells_directions(&(to)->grid);                                        \
+        if (directions_) {                                                                                   \
+            (to)->Rd_dir = (block) + cml_cells_maps(&(to)->grid) - 6 * directions_;                          \
+            (to)->Tt_dir = (to)->Rd_dir + directions_;                                                       \
+            (to)->Rsp_dir = (to)->Rd_dir + 2 * directions_;                                                  \
+            (to)->Rd_dir2 = (to)->Rd_dir + 3 * directions_;                                                  \
+        }                                                                                                    \
     } while (0)
 
 /* Where they begin in a tally; one past its last cell when it has none of them. */

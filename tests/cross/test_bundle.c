@@ -89,6 +89,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
         list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
         compare(&list.scenes[i], kind, photons, true);
         list.scenes[i].time = (struct cml_time_def){0};
+        list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
         compare(&list.scenes[i], kind, photons / 4, false);
     }
     cml_scene_list_clear(&list);

@@ -46,6 +46,8 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
         .boundary_events = b->boundary_events[i] + 1,
         .exit_x = p.x,
         .exit_y = p.y,
+        .ux = u.x,
+        .uy = u.y,
         .uz = u.z,
         .path = b->path[i],
         .primitive = primitive,

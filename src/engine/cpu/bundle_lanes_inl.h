@@ -202,6 +202,8 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
         .boundary_events = b->boundary_events[i],
         .exit_x = b->x[i],
         .exit_y = b->y[i],
+        .ux = b->ux[i],
+        .uy = b->uy[i],
         .uz = b->uz[i],
         .path = b->path[i],
     };

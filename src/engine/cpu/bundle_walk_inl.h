@@ -95,6 +95,10 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->x + first, exits, terminated->exit_x + at);
     cml_group_pack(b->y + first, exits, terminated->exit_y + at);
     cml_group_pack(b->uz + first, exits, terminated->uz + at);
+    if (f->tally->Rd_dir) {
+        cml_group_pack(b->ux + first, exits, terminated->ux + at);
+        cml_group_pack(b->uy + first, exits, terminated->uy + at);
+    }
     if (setup->gates.count) cml_group_pack(b->path + first, exits, terminated->path + at);
     cml_group_pack(b->w + first, exits, terminated->w + at);
     cml_group_pack(b->interactions + first, exits, terminated->interactions + at);

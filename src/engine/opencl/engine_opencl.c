@@ -55,13 +55,19 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
-/* Nor do their kernels score maps, volumes and facets (kernels/device_deposits.h), or keep time. */
+/* Nor do their kernels score maps, volumes, facets and directions (kernels/device_deposits.h), or keep time.
+ */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
     if (scene->time.gates)
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: a time line and --engine opencl, which keeps no time (expected --engine cpu)",
                         scene->file, scene->time.line);
+    if (scene->directions.nt)
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%s:%d: a directions line and --engine opencl, which scores none (expected --engine cpu)",
+            scene->file, scene->directions.line);
     const bool map = scene->map.nx > 0;
     if (!map && !scene->facets) return CML_OK;
     return cml_fail(

@@ -145,6 +145,8 @@ static cml_status fill_head(const struct cml_merge_input *inputs, int count, con
                                    .na = first->na,
                                    .time_end = first->time_end,
                                    .num_gates = first->num_gates,
+                                   .nt = first->nt,
+                                   .np = first->np,
                                    .num_layers = first->num_layers,
                                    .num_bodies = first->num_bodies,
                                    .merged = true,

@@ -49,6 +49,8 @@ static cml_status check_parameters(const struct cml_merge_input *first, const st
     CML_TRY(check_number(first, other, "na", a->na, b->na, err));
     CML_TRY(check_number(first, other, "time: T1", a->time_end, b->time_end, err));
     CML_TRY(check_number(first, other, "time: number of gates", a->num_gates, b->num_gates, err));
+    CML_TRY(check_number(first, other, "directions: NT", a->nt, b->nt, err));
+    CML_TRY(check_number(first, other, "directions: NP", a->np, b->np, err));
     CML_TRY(check_number(first, other, "number of layers", a->num_layers, b->num_layers, err));
     CML_TRY(check_layers(first, other, err));
     if (!(a->n_above > 0 && b->n_above > 0)) return CML_OK; /* an .h5 has them in its input only */

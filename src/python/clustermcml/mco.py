@@ -42,6 +42,8 @@ QUANTITIES = {
 for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), ("A", "absorption")):
     QUANTITIES[_name + "_t"] = (("gate",), "1/ps", _meaning + " by time")
     QUANTITIES[_name + "_t_later"] = ((), "1", _meaning + " later than all gates")
+for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), ("Rsp", "specular reflectance")):
+    QUANTITIES[_name + "_dir"] = (("theta", "phi"), "1/sr", _meaning + " by direction")
 QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in TOTALS})
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
 QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
@@ -60,6 +62,8 @@ AXES = {
     "layer": ("1", "layer, from 1"),
     "body": ("1", "body, from 1, in the order of the file"),
     "gate": ("ps", "time, middle of the gate"),
+    "theta": ("rad", "angle of flight from the outward vertical, middle of the bin"),
+    "phi": ("rad", "azimuth of flight, from x towards y, middle of the bin"),
 }
 
 
@@ -173,6 +177,9 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     if "time" in sections:
         gates = _count("number of gates", sections["time"][1], len(text) // 2)
         axes["gate"] = _middles(gates, float(sections["time"][0]) / gates)
+    if "directions" in sections:
+        nt, np_ = (_count("bins of directions", word, len(text) // 2) for word in sections["directions"][:2])
+        axes["theta"], axes["phi"] = _middles(nt, np.pi / 2 / nt), _middles(np_, 2 * np.pi / np_)
     data = xr.Dataset(_numbers(sections, axes))
     bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):

@@ -174,12 +174,31 @@ class Time:
 
 
 @dataclass
+class Directions:
+    """Where to what leaves goes: nt even bins of the angle from the outward vertical, np of the azimuth.
+
+    >>> Directions(nt=18, np=36).line()
+    'directions 18 36'
+    """
+
+    nt: int
+    np: int
+
+    def __post_init__(self) -> None:
+        errors.whole("Directions.nt", self.nt, 1, 3600)
+        errors.whole("Directions.np", self.np, 1, 3600)
+
+    def line(self) -> str:
+        return f"directions {int(self.nt)} {int(self.np)}"
+
+
+@dataclass
 class Scene:
     """Layers from above to below, what lies beyond them, light, and what is recorded.
 
     n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
-    exitance of every triangle. time: when light leaves or is absorbed. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
+    exitance of every triangle. time: when light leaves or is absorbed. directions: where to it leaves. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
     >>> print(slab.text("slab.mco"))
@@ -210,6 +229,7 @@ class Scene:
     map: Optional[Map] = None
     facets: bool = False
     time: Optional[Time] = None
+    directions: Optional[Directions] = None
     format: str = "B"
 
     def __post_init__(self) -> None:
@@ -232,6 +252,8 @@ class Scene:
             raise errors.refuse("Scene.map", self.map, "a Map")
         if not isinstance(self.time, Time) and self.time is not None:
             raise errors.refuse("Scene.time", self.time, "a Time")
+        if not isinstance(self.directions, Directions) and self.directions is not None:
+            raise errors.refuse("Scene.directions", self.directions, "Directions")
 
     def beams(self) -> Sequence[Beam]:
         """All beams, one or several."""
@@ -247,6 +269,7 @@ class Scene:
         lines += [self.map.line()] if self.map is not None else []
         lines += ["facets"] if self.facets else []
         lines += [self.time.line()] if self.time is not None else []
+        lines += [self.directions.line()] if self.directions is not None else []
         lines += [str(len(self.layers)), shortest(self.n_above)]
         for index, surface in enumerate([*(layer.top for layer in self.layers), self.bottom]):
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []

@@ -310,7 +310,8 @@ static void maps_are_read_anywhere_before_the_layers(void **state)
     const char *text =
         "1.0\n3\n"
         "a A\n#@ map 20 10 0.1 2e-3 # pixels\n1\n1 1\n2 2 2\ntime 2e3 50 # ps\n1\n1\n1 1 1 0 1\n1\n"
-        "b A\n1\n#@ facets\n1 1\nmap 1e3 1 1 1 volume top=-0.5 angles\n2 2 2\n1\n1\n1 1 1 0 1\n1\n"
+        "b A\n1\n#@ facets\n1 1\nmap 1e3 1 1 1 volume top=-0.5 angles\n#@ directions 18 36\n2 2 2\n1\n1\n1 1 "
+        "1 0 1\n1\n"
         "map A\n1\n1 1\n1 1 1\n1\n1\n1 1 1 0 1\n1\n";
     assert_int_equal(case_read(state, text, &list, &err), CML_OK);
     const struct cml_map_def *a = &list.scenes[0].map, *b = &list.scenes[1].map;
@@ -324,6 +325,9 @@ static void maps_are_read_anywhere_before_the_layers(void **state)
     assert_int_equal(list.scenes[0].time.gates, 50);
     assert_true(list.scenes[0].time.end == 2000);
     assert_int_equal(list.scenes[1].time.gates, 0);
+    assert_int_equal(list.scenes[0].directions.nt, 0);
+    assert_int_equal(list.scenes[1].directions.nt, 18);
+    assert_int_equal(list.scenes[1].directions.np, 36);
     assert_int_equal(list.scenes[2].map.nx, 0);
     assert_string_equal(list.scenes[2].output, "map");
     cml_scene_list_clear(&list);

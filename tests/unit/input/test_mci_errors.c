@@ -349,6 +349,11 @@ static void maps_that_are_none(void **state)
          "x.mci:4: time: number after number of gates = 7 (expected the end of the line or a comment)"},
         {NAME "time 100 5\n#@ time 100 5\n",
          "x.mci:5: line = #@ time 100 5 (expected one time line per run)"},
+        {NAME "directions\n", "x.mci:4: directions: NT is missing (expected a whole number of 1..3600)"},
+        {NAME "directions 0 5\n", "x.mci:4: directions: NT = 0 (expected a whole number of 1..3600)"},
+        {NAME "directions 5 3601\n", "x.mci:4: directions: NP = 3601 (expected a whole number of 1..3600)"},
+        {NAME "directions 5 5\ndirections 5 5\n",
+         "x.mci:5: line = directions 5 5 (expected one directions line per run)"},
         {NAME "map 30000 30000 1 1\n1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",
          "x.mci:4: map: nx ny = 30000 30000 (expected at most 2^31 cells in maps and volume together; these "
          "are 3.6e+09, 80.5 GiB)"},
@@ -388,10 +393,10 @@ static void lines_in_the_wrong_place(void **state)
                          "first line and its number of layers)"},
         {ONE "time 1 1\n", "x.mci:9: line = time 1 1 (expected layer 1; a time line stands between a run's "
                            "first line and its number of layers)"},
-        {NAME "#@ baem disk 1\n",
-         "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, beam, map, facets or time behind #@)"},
-        {NAME "#@baem disk 1\n",
-         "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, beam, map, facets or time behind #@)"},
+        {NAME "#@ baem disk 1\n", "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, beam, map, "
+                                  "facets, time or directions behind #@)"},
+        {NAME "#@baem disk 1\n", "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, beam, map, facets, "
+                                 "time or directions behind #@)"},
     };
     CHECK_ALL(state, table);
 }

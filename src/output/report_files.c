@@ -245,7 +245,9 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *gr
     const double line_of_boundary = 250, line_of_body = 150;
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
                          2.0 * grid->na + grid->num_layers + grid->num_bodies;
+    const double directions = 6.0 * grid->nt * grid->np; /* three, with errors */
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies);
     const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
-    return cells * sizeof(double) + text + 8.0 * 1048576 + (image ? image_bytes(grid, cells) : 0);
+    return (cells + directions) * sizeof(double) + text + 8.0 * 1048576 +
+           (image ? image_bytes(grid, cells + directions / 2) : 0);
 }

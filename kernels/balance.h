@@ -18,8 +18,8 @@
  * of the beam, from 0, above so many bits, and their number there below. */
 #define CML_SOURCE_SHIFT 48
 
-/* launched + gained = specular + reflected + transmitted + absorbed + roulette + trapped + lost, exactly
- * (P10). */
+/* launched + gained = specular + reflected + transmitted + absorbed + roulette + trapped + lost + backing,
+ * exactly (P10). */
 enum cml_balance_term {
     CML_BALANCE_LAUNCHED,
     CML_BALANCE_GAINED, /* by packets that survived roulette */
@@ -35,6 +35,7 @@ enum cml_balance_term {
                             beyond it */
     CML_BALANCE_OVERFLOW_Z, /* of absorbed: in the last depth bin from below it */
     CML_BALANCE_ABOVE,      /* of absorbed: in the first depth bin from z < 0 */
+    CML_BALANCE_BACKING,    /* kept by the backing; in the balance */
     CML_NUM_BALANCE_TERMS
 };
 
@@ -53,12 +54,14 @@ enum cml_count {
     CML_NUM_COUNTS
 };
 
-/* Totals that have standard errors, in the order in which they stand everywhere: Rsp, Rd, A, Tt. */
+/* Totals that have standard errors, in the order in which they stand everywhere: Rsp, Rd, A, Tt, and
+ * A_backing where there is a backing. */
 enum cml_total {
     CML_TOTAL_SPECULAR,
     CML_TOTAL_REFLECTED,
     CML_TOTAL_ABSORBED,
     CML_TOTAL_TRANSMITTED,
+    CML_TOTAL_BACKING,
     CML_NUM_TOTALS
 };
 

@@ -63,7 +63,7 @@ struct cml_control {
 };
 
 struct cml_device_fate {
-    cml_u64 absorbed;
+    cml_u64 absorbed, backing;
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
     real exit_x, exit_y;

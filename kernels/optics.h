@@ -221,6 +221,20 @@ CML_FN real cml_fresnel(real n1, real n2, real ci, real *ct)
     return total ? (real)1 : R;
 }
 
+/* P12: the same of a medium with the index n + i k, relative to that of the near side [Born & Wolf,
+ * Principles of Optics, section 14.2, with p^2 - q^2 = n^2 - k^2 - sin^2 and p q = n k]. Nothing cancels
+ * where k is large. */
+CML_FN real cml_metal_reflectance(real n, real k, real ci)
+{
+    const real c2 = ci * ci, s2 = 1 - c2, nk = n * k, d = CML_FMA(n, n, -(k * k)) - s2;
+    const real size = CML_SQRT(CML_FMA(d, d, 4 * nk * nk)); /* p^2 + q^2 */
+    const real p = CML_SQRT(d < 0 ? 2 * nk * nk / (size - d) : (real)0.5 * (size + d));
+    const real s_mid = size + c2, s_two = 2 * p * ci, p_mid = CML_FMA(size, c2, s2 * s2), p_two = s_two * s2;
+    const real Rs = (s_mid - s_two) / (s_mid + s_two), Rp = Rs * (p_mid - p_two) / (p_mid + p_two);
+    const real R = (real)0.5 * (Rs + Rp);
+    return ci > 0 ? (R > 0 ? R : (real)0) : (real)1;
+}
+
 /* Mirror direction; normal is a unit vector, its sign is free. */
 CML_FN struct cml_vec cml_reflect(struct cml_vec u, struct cml_vec normal)
 {

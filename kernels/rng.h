@@ -15,10 +15,12 @@ enum cml_purpose {
     CML_PURPOSE_INTERACTION, /* event e: [0] optical depth to interaction e, [1] [2] its angles, [3] its
                                 roulette */
     CML_PURPOSE_BOUNDARY,    /* event c: [0] reflection at the c-th boundary event with unequal indices */
-    CML_PURPOSE_TAIL,   /* event e: further optical depths when word [0] of interaction e fell in the lowest
-                           cell */
-    CML_PURPOSE_LAUNCH, /* event 0: where in the beam */
-    CML_PURPOSE_SHIFT,  /* of a batch, not of a photon: shifts of the lattice (lattice.h) */
+    CML_PURPOSE_TAIL,    /* event e: further optical depths when word [0] of interaction e fell in the lowest
+                            cell */
+    CML_PURPOSE_LAUNCH,  /* event 0: where in the beam */
+    CML_PURPOSE_SHIFT,   /* of a batch, not of a photon: shifts of the lattice (lattice.h) */
+    CML_PURPOSE_BACKING, /* event c, counted among those of CML_PURPOSE_BOUNDARY: [0] [3] what a backing
+                            keeps, [1] [2] the direction from it */
 };
 
 struct cml_block {

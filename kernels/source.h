@@ -304,8 +304,8 @@ CML_FN void cml_place(const struct cml_world *world, cml_u64 index, CML_PACKET s
 /* P10 for one packet, whose weight at the start and later gains are all accounted for. */
 CML_FN int cml_packet_balances(const struct cml_world *world, CML_PACKET const struct cml_packet *packet)
 {
-    return CML_WEIGHT_ONE + packet->gained ==
-           cml_split_off(world, packet->index) + packet->absorbed + packet->roulette + packet->w;
+    return CML_WEIGHT_ONE + packet->gained == cml_split_off(world, packet->index) + packet->absorbed +
+                                                  packet->backing + packet->roulette + packet->w;
 }
 
 #endif

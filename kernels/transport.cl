@@ -43,6 +43,7 @@ CML_FN void cml_score(const struct cml_setup *setup, CML_PACKET const struct cml
     cml_add_to_balance(to, CML_BALANCE_ABSORBED, packet->absorbed);
     cml_add_to_balance(to, CML_BALANCE_GAINED, packet->gained);
     cml_add_to_balance(to, CML_BALANCE_ROULETTE, packet->roulette);
+    cml_add_to_balance(to, CML_BALANCE_BACKING, packet->backing);
     cml_add_count(to, CML_COUNT_PHOTONS, 1);
     cml_add_count(to, CML_COUNT_INTERACTIONS, packet->interactions);
     cml_add_count(to, CML_COUNT_BOUNDARY_EVENTS, packet->boundary_events);
@@ -73,6 +74,7 @@ CML_FN void cml_device_write_fate(CML_PACKET const struct cml_packet *packet,
                                   __global struct cml_device_fate *fate)
 {
     fate->absorbed = packet->absorbed;
+    fate->backing = packet->backing;
     fate->fate = packet->fate;
     fate->cause = packet->cause;
     fate->w = packet->w;
@@ -267,6 +269,7 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
     } else if (cml_device_nearest_hit(world, packet, t, &hit)) {
         cml_device_flush_deposits(to, f, i);
         cml_score_boundary_event(world, to, packet, &hit);
+        f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w; /* of which a backing keeps a part */
     } else if (!(t < CML_INFINITY)) {
         cml_leave_scene(world, packet);
     } else if (cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z)) {

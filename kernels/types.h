@@ -215,6 +215,17 @@ struct cml_light_cell {
     real v, width, begin, end;
 };
 
+/* What lies under the last boundary and sends light back (P12). */
+enum cml_backing_kind { CML_BACKING_NONE, CML_BACKING_MIRROR, CML_BACKING_LAMBERTIAN, CML_BACKING_METAL };
+
+struct cml_backing {
+    int kind;
+    int boundary; /* the last one; -1 without a backing */
+    real kept; /* mirror, lambertian: share of the weight that does not come back; a little over 1 where none
+                * does */
+    real n, k; /* metal: index n + i k, relative to that of the last layer */
+};
+
 struct cml_setup {
     struct cml_stream stream;
     struct cml_roulette_rule roulette;
@@ -230,6 +241,7 @@ struct cml_setup {
     struct cml_gates gates;
     struct cml_direction_bins directions;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
+    struct cml_backing backing;
     /* launch */
     int num_sources;
     cml_u32 specular; /* what is split off every packet before its launch; 0 where sources differ in that */
@@ -258,7 +270,7 @@ struct cml_packet {
     real path; /* n times length, cm, up to where it is (P11); below 0: its clock has not started */
 #endif
     /* terms of this packet in the weight balance, in weight units */
-    cml_u64 gained, roulette, absorbed;
+    cml_u64 gained, roulette, absorbed, backing;
     cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */
     cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
 };

@@ -1,5 +1,5 @@
 /* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
- * The rules it cites, P1 to P11, are written down in README.md beside it. A packet's part of the weight
+ * The rules it cites, P1 to P12, are written down in README.md beside it. A packet's part of the weight
  * balance is kept here, the deposits are streamed into the arrays of the caller, everything else is returned
  * in the packet. SPDX-License-Identifier: MIT */
 #ifndef CML_WALK_H
@@ -312,6 +312,47 @@ CML_FN int cml_reflect_or_refract(const struct cml_world *world, CML_PACKET stru
     return transmitted;
 }
 
+/* P12: direction from a backing with the normal `against` u, by the cosine law or as from a mirror. */
+CML_FN struct cml_vec cml_backing_direction(struct cml_backing backing, struct cml_vec u,
+                                            struct cml_vec against, struct cml_block draw)
+{
+    real c, s;
+    if (backing.kind != CML_BACKING_LAMBERTIAN) return cml_reflect(u, against);
+    const real square = cml_uniform(draw.w[1]); /* never 0: light is level in no packet */
+    cml_circle_point(draw.w[2], &c, &s);
+    return cml_spin(against, (real)1 / cml_frame_divisor(against), CML_SQRT(square), CML_SQRT(1 - square), c,
+                    s);
+}
+
+/* P12: the backing keeps a part of the weight, rounded as in P3, and the packet turns back. The facet has the
+ * last word, as in cml_reflect_or_refract. */
+CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
+                          const struct cml_hit *hit)
+{
+    const struct cml_backing backing = world->setup.backing;
+    const struct cml_vec from = packet->u;
+    const struct cml_block draw =
+        cml_draw(world->setup.stream, packet->index, CML_PURPOSE_BACKING, packet->crossings);
+    const int shaded = hit->normal.x != hit->facet.x || hit->normal.y != hit->facet.y;
+    struct cml_vec normal = hit->normal;
+    packet->crossings++;
+    if (cml_dot(from, hit->facet) > 0) return;
+    packet->u = cml_backing_direction(backing, from, normal, draw);
+    if (cml_dot(packet->u, hit->facet) < (shaded ? CML_SHADED_LEAST : (real)0) ||
+        (shaded && packet->bounces >= CML_SHADED_LIMIT)) {
+        normal = hit->facet;
+        packet->u = cml_backing_direction(backing, from, normal, draw);
+        packet->shading_overruled++;
+    }
+    const real kept = backing.kind == CML_BACKING_METAL
+                          ? 1 - cml_metal_reflectance(backing.n, backing.k, cml_incidence(from, normal))
+                          : backing.kept;
+    const cml_u32 dw = cml_absorbed_part(packet->w, kept, draw.w[0], draw.w[3]);
+    packet->backing += dw;
+    packet->w -= dw;
+    if (packet->w == 0) cml_end_packet(packet, CML_FATE_ABSORBED);
+}
+
 /* P7: bin of the angle between the packet's direction and the outward vertical, 0..pi/2. */
 CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
 {
@@ -356,7 +397,7 @@ CML_FN void cml_count_bounce(const struct cml_world *world, CML_PACKET struct cm
         cml_lose_packet(packet, CML_LOST_STUCK);
 }
 
-/* The packet has reached a boundary: P5, then P6. */
+/* The packet has reached a boundary: P5 or P12, then P6. */
 CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct cml_packet *packet,
                                const struct cml_hit *hit)
 {
@@ -370,9 +411,12 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
     packet->on_boundary = boundary;
     packet->on_primitive = hit->primitive;
     if (CML_MAY_HAVE_BODIES && boundary > world->setup.num_layers) packet->off = hit->off;
-    packet->undeflected = n1 == n2;
+    const int backed = boundary == world->setup.backing.boundary;
+    packet->undeflected = !backed & (n1 == n2);
+    if (backed) cml_turn_back(world, packet, hit);
     const int transmitted =
-        packet->undeflected || cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2);
+        packet->undeflected ||
+        (!backed && cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2));
     CML_ASSERT(cml_is_unit(packet->u));
     if (transmitted) packet->medium = other;
     packet->p = hit->point;
@@ -389,10 +433,10 @@ CML_FN int cml_facet_index(const struct cml_facet_range *range, int primitive)
     return range->first + (primitive < outer_plane ? primitive : outer_plane);
 }
 
-/* Weight w came from medium `from` to a primitive of the boundary at x, y, and left it into medium `other`.
- */
+/* Weight w came from medium `from` to a primitive of the boundary at x, y, and `left` of it left it into
+ * medium `other`. */
 CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_deposits *to, int boundary,
-                            int primitive, real x, real y, int from, int other, cml_u32 w)
+                            int primitive, real x, real y, int from, int other, cml_u32 w, cml_u32 left)
 {
     const struct cml_facet_range range = world->surfaces[boundary].facets;
     if (range.count == 0) return;
@@ -401,7 +445,7 @@ CML_FN void cml_score_facet(const struct cml_world *world, const struct cml_depo
     const int facet = cml_facet_index(&range, primitive);
     const int came_from_below = from == boundary + 1, went_below = other == boundary + 1;
     cml_add_to_facet(to, facet, came_from_below ? CML_FACET_IRRADIANCE_BELOW : CML_FACET_IRRADIANCE_ABOVE, w);
-    cml_add_to_facet(to, facet, went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE, w);
+    cml_add_to_facet(to, facet, went_below ? CML_FACET_EXITANCE_BELOW : CML_FACET_EXITANCE_ABOVE, left);
 }
 
 /* A packet that starts below planes has come through them without an event (P1): its specular part has left
@@ -415,9 +459,9 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     const int passed = source->inside ? 0 : packet->medium;
     const real x = packet->p.x, y = packet->p.y;
     for (int b = 0; b < passed; b++) {
-        cml_score_facet(world, to, b, 0, x, y, b, b + 1, packet->w);
-        if (b == 0) cml_score_facet(world, to, 0, 0, x, y, 0, 0, source->specular);
-        if (passed == 2) cml_score_facet(world, to, b, 0, x, y, 1, 1, source->between);
+        cml_score_facet(world, to, b, 0, x, y, b, b + 1, packet->w, packet->w);
+        if (b == 0) cml_score_facet(world, to, 0, 0, x, y, 0, 0, source->specular, source->specular);
+        if (passed == 2) cml_score_facet(world, to, b, 0, x, y, 1, 1, source->between, source->between);
     }
 }
 
@@ -426,10 +470,11 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
                                      CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {
     const int from = packet->medium;
+    const cml_u32 arriving = packet->w;
     cml_boundary_event(world, packet, hit);
     if (cml_has_facets(to))
         cml_score_facet(world, to, hit->boundary, hit->primitive, packet->p.x, packet->p.y, from,
-                        packet->medium, packet->w);
+                        packet->medium, arriving, packet->w);
 }
 
 /* P9: no boundary ahead and no interaction: right only outside the material, or on a path parallel to

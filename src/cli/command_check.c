@@ -154,7 +154,7 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
     const struct cml_exact_options little = {.tolerance = 1e-6, .most_work = CML_EXACT_LITTLE_WORK};
     const cml_status status = cml_exact_scene(scene, NULL, &little, exact, err);
     *known = status == CML_OK;
-    return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_has_light(scene) ? CML_OK : status;
+    return status == CML_E_NUMERIC || scene->num_bodies > 0 || !cml_exact_knows(scene) ? CML_OK : status;
 }
 
 /* The memory is looked at before the twin takes some of it. */
@@ -169,7 +169,7 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
     if (status == CML_OK && options->json)
         status = cml_report_check_json(stdout, scene, surfaces, bytes, known ? &exact : NULL, err);
     else if (status == CML_OK && known)
-        cml_report_flat_twin(stdout, &exact);
+        cml_report_flat_twin(stdout, scene, &exact);
     else if (status == CML_OK)
         printf("  no totals of the flat scene: %s\n", err->text);
     if (known) cml_exact_clear(&exact);

@@ -44,6 +44,7 @@ struct cml_fate_record {
     uint32_t weight; /* left at the end, 2^-31 of a packet */
     uint32_t interactions, boundary_events;
     double specular, absorbed; /* shares of a packet: split off before the launch, left on the way */
+    double backing;            /* the same, left in the backing */
     double exit[2];            /* x, y of the scene, cm, where it touched the surface last, from outside */
     double direction[3];       /* opencl: of an absorbed packet that before its last interaction */
 };

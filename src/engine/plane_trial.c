@@ -277,13 +277,10 @@ static bool is_face_of_glass(const struct cml_scene *scene, int b)
            scene->beams[0].angle == 0 && scene->beams[0].light.kind == CML_LIGHT_OF_PARALLEL;
 }
 
-/* Whether packets of a beam may start where the boundary is: a plane would leave some on another side. Few of
- * a Gaussian start beyond five of its radii. */
+/* Whether packets of a beam may start where the boundary is: a plane would leave some on another side. */
 static bool starts_within(const struct cml_beam *beam, const struct cml_surface_def *def)
 {
-    const double reach[] = {
-        0, beam->size[0], 5 * beam->size[0], beam->size[1], beam->size[0] / 2, beam->size[0] / 2};
-    const double height = reach[beam->kind] * fabs(sin(beam->angle));
+    const double height = cml_beam_height(beam);
     return beam->inside && beam->z + height >= def->depth + def->lowest &&
            beam->z - height <= def->depth + def->highest;
 }

@@ -71,6 +71,7 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
         .boundary_events = packet->boundary_events,
         .specular = cml_split_off(world, packet->index) * CML_WEIGHT_UNIT,
         .absorbed = (double)packet->absorbed * CML_WEIGHT_UNIT,
+        .backing = (double)packet->backing * CML_WEIGHT_UNIT,
         .exit = {packet->exit_x + world->setup.x0, packet->exit_y + world->setup.y0},
         .direction = {packet->u.x, packet->u.y, packet->u.z},
     };

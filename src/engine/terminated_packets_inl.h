@@ -257,12 +257,13 @@ static inline void cml_terminated_push(const struct cml_setup *setup, struct cml
     cml_terminated_make_room(setup, terminated, tally);
 }
 
-/* What a packet of kernels/walk.h has counted itself, and lanes of a bundle have not: roulette and queries.
- */
+/* What a packet of kernels/walk.h has counted itself, and lanes of a bundle have not: roulette, backing and
+ * queries. */
 static inline void cml_tally_events(const struct cml_packet *packet, struct cml_tally *tally)
 {
     tally->balance[CML_BALANCE_GAINED] += packet->gained;
     tally->balance[CML_BALANCE_ROULETTE] += packet->roulette;
+    tally->balance[CML_BALANCE_BACKING] += packet->backing;
     tally->count[CML_COUNT_QUERIES] += packet->queries;
     tally->count[CML_COUNT_SHADING_OVERRULED] += packet->shading_overruled;
 }

@@ -316,6 +316,20 @@ static void set_directions(const struct cml_directions_def *def, struct cml_dire
     bins->per_dp = (real)(def->np / 6.283185307179586);
 }
 
+/* What R keeps is 1 - R, to the last bit of a weight: all of it or nothing at both ends. */
+static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
+{
+    static const int kinds[] = {CML_BACKING_NONE, CML_BACKING_MIRROR, CML_BACKING_LAMBERTIAN,
+                                CML_BACKING_METAL};
+    const struct cml_backing_def *def = &scene->backing;
+    const double n = scene->media[scene->num_layers].n;
+    backing->kind = kinds[def->kind];
+    backing->boundary = backing->kind == CML_BACKING_NONE ? -1 : scene->num_layers;
+    backing->kept = (real)(def->R > 0 ? 1 - def->R : 1 + 4 * (double)CML_EPSILON);
+    backing->n = (real)(def->n / n);
+    backing->k = (real)(def->k / n);
+}
+
 static struct cml_roulette_rule roulette_of(const struct cml_roulette_options *options)
 {
     const struct cml_roulette_rule window = {(cml_u32)(options->below * CML_WEIGHT_ONE),
@@ -345,6 +359,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     setup->per_dr = (real)(1 / scene->dr);
     setup->per_dz = (real)(1 / scene->dz);
     setup->per_da = (real)(scene->na / 1.5707963267948966);
+    set_backing(scene, &setup->backing);
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);

@@ -223,6 +223,22 @@ static cml_status check_place(const struct cml_scene *scene, const struct cml_wo
     return CML_OK;
 }
 
+/* No light starts below a backing, nor beside its boundary's heights where a shape is slanted. */
+static cml_status check_backing(const struct cml_scene *scene, const struct cml_world *world,
+                                const struct cml_beam *beam, int medium, struct cml_error *err)
+{
+    const int last = scene->num_layers;
+    const double highest = (double)world->media[last + 1].depth + (double)world->surfaces[last].lowest;
+    char value[40];
+    if (scene->backing.kind == CML_NO_BACKING ||
+        (medium <= last && beam->z + cml_beam_height(beam) < highest) ||
+        (medium <= last && cml_beam_height(beam) == 0))
+        return CML_OK;
+    snprintf(value, sizeof value, "%g", beam->z);
+    return cml_fail_field(err, scene->file, beam->line, "beam: z", value,
+                          "a source that lies above the backing with all its points");
+}
+
 static cml_status check_aperture(const struct cml_scene *scene, const struct cml_beam *beam, int medium,
                                  struct cml_error *err)
 {
@@ -243,6 +259,7 @@ static cml_status place_inside(const struct cml_scene *scene, const struct cml_b
     source->medium = layer_at(world, beam, none, &source->middle);
     const int medium = medium_beside(world, beam, none);
     CML_TRY(check_place(scene, world, beam, medium, err));
+    CML_TRY(check_backing(scene, world, beam, medium, err));
     CML_TRY(check_aperture(scene, beam, medium, err));
     source->is_pencil = beam->kind == CML_BEAM_PENCIL;
     if (!source->is_pencil) return CML_OK;

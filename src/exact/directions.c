@@ -164,16 +164,18 @@ static int greatest(int a, int b)
     return a > b ? a : b;
 }
 
-/* Light is in a direction of a medium where it comes from outside, is scattered, or comes from a neighbour:
- * once down and once up, as on the way it turns it has been before. A clear layer that reflects totally on
- * both sides would hold light for ever, but none gets in. */
-static void find_live(const struct cml_medium_def *media, struct cml_directions *to)
+/* Light is in a direction of a medium where it comes from outside, is scattered, or comes from a neighbour or
+ * from a lambertian backing: once down and once up, as on the way it turns it has been before. A clear layer
+ * that reflects totally on both sides would hold light for ever, but none gets in. */
+static void find_live(const struct cml_medium_def *media, bool diffuse_backing, struct cml_directions *to)
 {
     const int last = to->num_media - 1;
     int *live = to->live;
     for (int m = 0; m <= last; m++) {
         const int all = count_directions(to, media[m].n);
-        live[m] = m == 0 || scatters(&media[m]) ? all : least(live[m - 1], all);
+        live[m] = m == 0 || scatters(&media[m]) || (diffuse_backing && m == last - 1)
+                      ? all
+                      : least(live[m - 1], all);
     }
     for (int m = last - 1; m > 0; m--)
         live[m] = greatest(live[m], least(live[m + 1], count_directions(to, media[m].n)));
@@ -208,7 +210,7 @@ static cml_status allocate(int num_media, int most, struct cml_directions *to, s
     return cml_fail_memory(err, 4.0 * most * sizeof(double), "directions");
 }
 
-cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers,
+cml_status cml_directions_create(const struct cml_medium_def *media, int num_layers, bool diffuse_backing,
                                  const struct cml_exact_light *light, int order, struct cml_directions *to,
                                  struct cml_error *err)
 {
@@ -229,7 +231,7 @@ cml_status cml_directions_create(const struct cml_medium_def *media, int num_lay
     const cml_status status = allocate(num_media, most, to, err);
     if (status == CML_OK) {
         add_all(to, index, distinct, media[0].n, light, order, x, gathered);
-        find_live(media, to);
+        find_live(media, diffuse_backing, to);
         if (light->diffuse > 0) add_diffuse(to, light->diffuse, media[0].n);
     }
     free(index);

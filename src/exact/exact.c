@@ -60,13 +60,14 @@ static cml_status solve_order(struct search *search, const struct cml_directions
                               struct cml_error *err)
 {
     double *value = search->history[2], *absorbed = value + CML_EXACT_LAYERS, reflected, transmitted, sum = 0;
-    CML_TRY(cml_stack_shares(search->media, directions, TERMS_PER_NODE * order, &reflected, &transmitted,
-                             absorbed, err));
+    CML_TRY(cml_stack_shares(search->media, search->options->backing, directions, TERMS_PER_NODE * order,
+                             &reflected, &transmitted, absorbed, err));
     for (int l = 0; l < search->num_layers; l++) sum += absorbed[l];
     value[CML_EXACT_RSP] = specular(search, directions);
     value[CML_EXACT_RD] = reflected - value[CML_EXACT_RSP];
     value[CML_EXACT_A] = sum;
-    value[CML_EXACT_TT] = transmitted;
+    value[search->options->backing ? CML_EXACT_BACKING : CML_EXACT_TT] = transmitted;
+    value[search->options->backing ? CML_EXACT_TT : CML_EXACT_BACKING] = 0;
     search->defect = fabs(1 - reflected - transmitted - sum);
     if (!(search->defect < 0.01))
         return cml_fail(err, CML_E_NUMERIC, "adding-doubling loses light (numbers too large or too small?)");
@@ -76,10 +77,16 @@ static cml_status solve_order(struct search *search, const struct cml_directions
     return CML_OK;
 }
 
+static bool is_diffuse(const struct cml_backing_def *backing)
+{
+    return backing && backing->kind == CML_BACKED_BY_LAMBERTIAN;
+}
+
 static cml_status raise_order(struct search *search, int order, struct cml_error *err)
 {
     struct cml_directions directions;
-    CML_TRY(cml_directions_create(search->media, search->num_layers, search->light, order, &directions, err));
+    CML_TRY(cml_directions_create(search->media, search->num_layers, is_diffuse(search->options->backing),
+                                  search->light, order, &directions, err));
     search->spent += work(search->media, &directions);
     search->enough = search->spent > search->options->most_work;
     const cml_status status = search->enough ? CML_OK : solve_order(search, &directions, order, err);
@@ -161,6 +168,11 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     if (scene->num_bodies > 0)
         return cml_fail_field(err, scene->file, scene->bodies[0].line, "body 1", "i",
                               "layers without bodies: adding-doubling knows no others");
+    if (scene->backing.kind == CML_BACKED_BY_METAL)
+        return cml_fail_field(err, scene->file, scene->backing.line, "backing", "metal",
+                              "mirror or lambertian: adding-doubling knows no others");
+    struct cml_exact_options own = *options;
+    own.backing = scene->backing.kind == CML_NO_BACKING ? NULL : &scene->backing;
     struct cml_medium_def *media = malloc(count * sizeof *media);
     if (!media) return cml_fail_memory(err, (double)(count * sizeof *media), "media");
     cml_status status = cml_exact_light_create(scene, &light, err);
@@ -170,7 +182,7 @@ cml_status cml_exact_scene(const struct cml_scene *scene, const double *depth,
     }
     memcpy(media, scene->media, count * sizeof *media);
     for (int l = 1; depth && l <= scene->num_layers; l++) media[l].d = depth[l] - depth[l - 1];
-    status = cml_exact_solve(media, scene->num_layers, &light, options, exact, err);
+    status = cml_exact_solve(media, scene->num_layers, &light, &own, exact, err);
     cml_exact_light_clear(&light);
     free(media);
     if (status != CML_E_NUMERIC) return status;

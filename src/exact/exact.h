@@ -7,13 +7,21 @@
 #include "exact/directions.h"
 
 /* Rsp as the program splits it off (rule P1 of kernels/README.md), Rd the rest of what is reflected, A what
- * all layers absorb, Tt what is transmitted, ballistic light with it; from CML_EXACT_LAYERS on, what layers
- * 1, 2 ... absorb. */
-enum cml_exact_share { CML_EXACT_RSP, CML_EXACT_RD, CML_EXACT_A, CML_EXACT_TT, CML_EXACT_LAYERS };
+ * all layers absorb, Tt what is transmitted, ballistic light with it, or what a backing keeps; from
+ * CML_EXACT_LAYERS on, what layers 1, 2 ... absorb. */
+enum cml_exact_share {
+    CML_EXACT_RSP,
+    CML_EXACT_RD,
+    CML_EXACT_A,
+    CML_EXACT_TT,
+    CML_EXACT_BACKING,
+    CML_EXACT_LAYERS
+};
 
 struct cml_exact_options {
-    double tolerance; /* the order rises until no error is larger */
-    double most_work; /* multiplications after which it does not rise any more */
+    double tolerance;                      /* the order rises until no error is larger */
+    double most_work;                      /* multiplications after which it does not rise any more */
+    const struct cml_backing_def *backing; /* mirror or lambertian; NULL: none; cml_exact_scene has its own */
 };
 
 struct cml_exact {

@@ -113,8 +113,9 @@ static cml_status check_beams(const struct cml_scene *scene, struct cml_error *e
     return CML_OK;
 }
 
-bool cml_exact_has_light(const struct cml_scene *scene)
+bool cml_exact_knows(const struct cml_scene *scene)
 {
+    if (scene->backing.kind == CML_BACKED_BY_METAL) return false;
     for (int k = 0; k < scene->num_beams; k++)
         if (scene->beams[k].inside) return false;
     return true;

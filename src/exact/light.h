@@ -24,8 +24,9 @@ struct cml_exact_light {
  * out of memory; *light is empty then, else the caller clears it. */
 CML_NODISCARD cml_status cml_exact_light_create(const struct cml_scene *scene, struct cml_exact_light *light,
                                                 struct cml_error *err);
-/* Whether all light comes from above. */
-bool cml_exact_has_light(const struct cml_scene *scene);
+/* Whether adding-doubling takes the light, all of which comes from above, and the backing, which is no metal.
+ */
+bool cml_exact_knows(const struct cml_scene *scene);
 
 void cml_exact_light_clear(struct cml_exact_light *light);
 

@@ -102,14 +102,34 @@ static void begin(struct stack *stack, int n)
     for (int j = 0; j < n; j++) stack->below[n * n + j] = 1;
 }
 
-static cml_status build(const struct cml_medium_def *media, const struct cml_directions *directions,
-                        int terms, struct stack *stack, struct cml_error *err)
+/* A backing below a medium of index m with n directions: share 0 is what it keeps. Diffuse light has its part
+ * in the etendue of all directions, and all are there. */
+static void begin_backed(struct stack *stack, const struct cml_backing_def *backing,
+                         const struct cml_directions *directions, double m, int n)
+{
+    const bool diffuse = backing->kind == CML_BACKED_BY_LAMBERTIAN;
+    stack->n = n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            stack->below[i * n + j] = diffuse  ? backing->R * 2 * directions->etendue[i] / (m * m)
+                                      : i == j ? backing->R
+                                               : 0;
+    for (int j = 0; j < n; j++) stack->below[n * n + j] = 1 - backing->R;
+}
+
+static cml_status build(const struct cml_medium_def *media, const struct cml_backing_def *backing,
+                        const struct cml_directions *directions, int terms, struct stack *stack,
+                        struct cml_error *err)
 {
     const int num_layers = directions->num_media - 2;
-    begin(stack, directions->live[num_layers + 1]);
+    if (backing)
+        begin_backed(stack, backing, directions, media[num_layers].n, directions->live[num_layers]);
+    else
+        begin(stack, directions->live[num_layers + 1]);
     for (int b = num_layers; b >= 0; b--) {
         struct cml_layer_response layer;
-        add_boundary(stack, directions, media[b].n, media[b + 1].n, directions->live[b]);
+        if (b < num_layers || !backing)
+            add_boundary(stack, directions, media[b].n, media[b + 1].n, directions->live[b]);
         if (b == 0) break;
         CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, &layer, err));
         add_layer(stack, &layer, b);
@@ -126,13 +146,13 @@ static double share(const struct stack *stack, int row, const double *light)
     return sum;
 }
 
-cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_directions *directions,
-                            int terms, double *reflected, double *transmitted, double *absorbed,
-                            struct cml_error *err)
+cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml_backing_def *backing,
+                            const struct cml_directions *directions, int terms, double *reflected,
+                            double *transmitted, double *absorbed, struct cml_error *err)
 {
     struct stack stack = {.rows = directions->num_media - 1, .most = directions->count};
     cml_status status = allocate(&stack, err);
-    if (status == CML_OK) status = build(media, directions, terms, &stack, err);
+    if (status == CML_OK) status = build(media, backing, directions, terms, &stack, err);
     if (status == CML_OK) {
         *reflected = 0;
         for (int i = 0; i < stack.n; i++) *reflected += share(&stack, i, directions->light);

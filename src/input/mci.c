@@ -26,7 +26,7 @@ enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
     STAGE_RUN,   /* beam, map, facets, time, directions */
     STAGE_ABOVE, /* none */
-    STAGE_LAYERS /* b, m, and behind the first layer i and phase */
+    STAGE_LAYERS /* b, m, behind the first layer i and phase, behind the last one backing */
 };
 
 /* Lines that hold for the whole run, not for one boundary. */
@@ -48,13 +48,16 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
         snprintf(expected, sizeof expected,
-                 "b, m, i, phase, beam, map, facets, time or directions behind #@");
+                 "b, m, i, phase, backing, beam, map, facets, time or directions behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
     else if (kind == CML_MCI_PHASE)
         snprintf(expected, sizeof expected,
                  "%s; a phase line stands behind the line of the layer or body whose it is", instead);
+    else if (kind == CML_MCI_BACKING)
+        snprintf(expected, sizeof expected,
+                 "%s; a backing line stands behind the last layer and its lines, before n below", instead);
     else if (kind == CML_MCI_I)
         snprintf(expected, sizeof expected,
                  "%s; an i line stands behind the line of the layer that it lies in", instead);
@@ -103,6 +106,8 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
             CML_TRY(cml_mci_body(reader, b, scene));
         else if (kind == CML_MCI_PHASE && stage == STAGE_LAYERS && b > 0 && scene->boundaries[b].line == 0)
             CML_TRY(cml_mci_phase(reader, b, scene));
+        else if (kind == CML_MCI_BACKING && stage == STAGE_LAYERS && b == scene->num_layers)
+            CML_TRY(cml_mci_backing(reader, &scene->backing));
         else
             return fail_misplaced(reader, kind, field);
     }
@@ -341,7 +346,8 @@ static cml_status check_rest(struct cml_mci_reader *reader, const struct cml_sce
 {
     enum cml_mci_kind kind;
     CML_TRY(cml_mci_next(reader, true, &kind));
-    if (kind == CML_MCI_B || kind == CML_MCI_M || kind == CML_MCI_I || kind == CML_MCI_PHASE)
+    if (kind == CML_MCI_B || kind == CML_MCI_M || kind == CML_MCI_I || kind == CML_MCI_PHASE ||
+        kind == CML_MCI_BACKING)
         return fail_misplaced(reader, kind, "the end of the run");
     if (kind == CML_MCI_DATA) note_run(reader, list);
     return CML_OK;

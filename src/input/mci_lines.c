@@ -77,9 +77,11 @@ static bool is_marked(const char *text)
 static const struct {
     const char *word;
     enum cml_mci_kind kind;
-} keyword[] = {{"b", CML_MCI_B},           {"m", CML_MCI_M},       {"i", CML_MCI_I},
-               {"phase", CML_MCI_PHASE},   {"beam", CML_MCI_BEAM}, {"map", CML_MCI_MAP},
-               {"facets", CML_MCI_FACETS}, {"time", CML_MCI_TIME}, {"directions", CML_MCI_DIRECTIONS}};
+} keyword[] = {{"b", CML_MCI_B},           {"m", CML_MCI_M},
+               {"i", CML_MCI_I},           {"phase", CML_MCI_PHASE},
+               {"beam", CML_MCI_BEAM},     {"map", CML_MCI_MAP},
+               {"facets", CML_MCI_FACETS}, {"backing", CML_MCI_BACKING},
+               {"time", CML_MCI_TIME},     {"directions", CML_MCI_DIRECTIONS}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
@@ -121,12 +123,14 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
     const enum cml_mci_kind kind = take_keyword(&behind);
     behind += strspn(behind, blanks);
     const bool number = *behind >= '0' && *behind <= '9', name = *behind == '"';
-    const bool ours =
-        (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
-        (kind == CML_MCI_I && (name || begins_with(behind, shapes))) ||
-        (kind == CML_MCI_PHASE && begins_with(behind, phases)) ||
-        ((kind == CML_MCI_MAP || kind == CML_MCI_TIME || kind == CML_MCI_DIRECTIONS) && number) ||
-        (kind == CML_MCI_FACETS && *behind == '\0') || (kind == CML_MCI_BEAM && begins_with(behind, sources));
+    const bool ours = (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
+                      (kind == CML_MCI_I && (name || begins_with(behind, shapes))) ||
+                      (kind == CML_MCI_PHASE && begins_with(behind, phases)) ||
+                      ((kind == CML_MCI_MAP || kind == CML_MCI_TIME || kind == CML_MCI_BACKING ||
+                        kind == CML_MCI_DIRECTIONS) &&
+                       number) ||
+                      (kind == CML_MCI_FACETS && *behind == '\0') ||
+                      (kind == CML_MCI_BEAM && begins_with(behind, sources));
     if (ours)
         cml_mci_note(reader, "a comment: %.60s (did you mean #@ %.60s?)", reader->cursor, reader->cursor + 1);
 }

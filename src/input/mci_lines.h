@@ -32,6 +32,7 @@ enum cml_mci_kind {
     CML_MCI_M,
     CML_MCI_I,
     CML_MCI_PHASE,
+    CML_MCI_BACKING,
     CML_MCI_BEAM,
     CML_MCI_MAP,
     CML_MCI_FACETS,
@@ -55,9 +56,9 @@ CML_NODISCARD cml_status cml_mci_open(const char *path, const struct cml_input_o
                                       struct cml_mci_reader *reader, struct cml_error *err);
 void cml_mci_close(struct cml_mci_reader *reader);
 
-/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, i, phase, beam, map, facets,
- * time and directions also count without "#@ " before them (an output may be named "b"). The cursor stands
- * behind the keyword, or at the start of a data line. */
+/* Goes to the next line that is neither blank nor comment. `keywords`: b, m, i, phase, backing, beam, map,
+ * facets, time and directions also count without "#@ " before them (an output may be named "b"). The cursor
+ * stands behind the keyword, or at the start of a data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
 /* The keyword that the first word of a data line may have been meant for; NULL: none, or it is a number. */

@@ -220,3 +220,43 @@ cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_sc
     cml_phases_free(phase);
     return status;
 }
+
+/* ---- backing: what lies under the last boundary ---- */
+
+static cml_status backing_number(struct cml_mci_reader *reader, const char *word, const char *setting,
+                                 const struct cml_mci_field *field, double *value)
+{
+    if (!word || !cml_mci_parse(field, word, value))
+        return cml_mci_fail(reader, field->name, word, field->expected);
+    return cml_mci_set(reader, cml_mci_setting(reader, "%s", setting), field, value);
+}
+
+cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing)
+{
+    static const struct cml_mci_field R = {"backing: R", 0, 1, false, "a reflectance of 0..1, or metal N K"},
+                                      n = {"backing: N", 0, MAX_INDEX, false,
+                                           "the real part of an index, 0..100"},
+                                      k = {"backing: K", 0, MAX_INDEX, false,
+                                           "the imaginary part of an index, 0..100"};
+    if (backing->kind != CML_NO_BACKING)
+        return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one backing line");
+    cml_mci_cut_comment(reader->cursor);
+    const char *word = cml_text_word(&reader->cursor);
+    backing->line = reader->text.line;
+    if (word && strcmp(word, "metal") == 0) {
+        backing->kind = CML_BACKED_BY_METAL;
+        CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), "backing.n", &n, &backing->n));
+        CML_TRY(backing_number(reader, cml_text_word(&reader->cursor), "backing.k", &k, &backing->k));
+        word = cml_text_word(&reader->cursor);
+    } else {
+        CML_TRY(backing_number(reader, word, "backing.r", &R, &backing->R));
+        word = cml_text_word(&reader->cursor);
+        const bool diffuse = word && strcmp(word, "lambertian") == 0;
+        if (word && !diffuse && strcmp(word, "mirror") != 0)
+            return cml_mci_fail(reader, "backing", word, "mirror, lambertian or the end of the line");
+        backing->kind = diffuse ? CML_BACKED_BY_LAMBERTIAN : CML_BACKED_BY_MIRROR;
+        if (word) word = cml_text_word(&reader->cursor);
+    }
+    if (word) return cml_mci_fail(reader, "backing", word, "the end of the line or a comment");
+    return CML_OK;
+}

@@ -1,5 +1,5 @@
 /* The numbers of a medium, n mua mus g, that lines of layers and of bodies have in common, and the line
- * behind them that says how it scatters. SPDX-License-Identifier: MIT */
+ * behind them that says how it scatters; and what lies under the last one. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_MEDIUM_H
 #define CML_MCI_MEDIUM_H
 
@@ -23,5 +23,8 @@ CML_NODISCARD cml_status cml_mci_medium(struct cml_mci_reader *reader, const cha
  * 1e-3.
  */
 CML_NODISCARD cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_scene *scene);
+
+/* A line `backing`: what lies under the last boundary. */
+CML_NODISCARD cml_status cml_mci_backing(struct cml_mci_reader *reader, struct cml_backing_def *backing);
 
 #endif

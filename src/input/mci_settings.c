@@ -75,6 +75,10 @@ static void write_names(FILE *out, const struct cml_scene *scene)
     for (int l = 1; l <= scene->num_layers; l++) write_phase(out, "layer", l, scene->media[l].phase);
     for (int k = 0; k < scene->num_bodies; k++)
         write_phase(out, "body", k + 1, scene->media[cml_body_medium(scene, k)].phase);
+    if (scene->backing.kind == CML_BACKED_BY_METAL)
+        fputs(", backing.n, backing.k", out);
+    else if (scene->backing.kind != CML_NO_BACKING)
+        fputs(", backing.r", out);
     write_shapes(out, scene);
     write_beams(out, scene);
 }

@@ -9,7 +9,8 @@
 static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
 {
     const double error = cml_result_error(report->sums, total);
-    fprintf(stream, "  %-4s %.6f ", cml_quantities[total].name, cml_result_total(report->sums, total));
+    fprintf(stream, "  %-4s %.6f ", cml_quantities[cml_quantity_of_total(total)].name,
+            cml_result_total(report->sums, total));
     if (isnan(error))
         fputs("(one packet: no standard error)", stream);
     else
@@ -35,8 +36,9 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
             exact->order);
     print_flattened(stream, scene);
     for (int i = 0; i < exact->count; i++) {
+        if (i == CML_EXACT_BACKING && scene->backing.kind == CML_NO_BACKING) continue;
         if (i < CML_EXACT_LAYERS)
-            fprintf(stream, "  %-4s", cml_quantities[i].name);
+            fprintf(stream, "  %-4s", cml_quantities[cml_quantity_of_total(i)].name);
         else
             fprintf(stream, "  A of layer %d", i - CML_EXACT_LAYERS + 1);
         fprintf(stream, " %.9f +- %.1g\n", exact->value[i], exact->error[i]);
@@ -45,11 +47,12 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
         fprintf(stream, "  errors are above the aim at the highest order that was tried\n");
 }
 
-void cml_report_flat_twin(FILE *stream, const struct cml_exact *exact)
+void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
     for (int i = 0; i < CML_EXACT_LAYERS; i++)
-        fprintf(stream, " %s %.7f", cml_quantities[i].name, exact->value[i]);
+        if (i < CML_TOTALS || scene->backing.kind != CML_NO_BACKING)
+            fprintf(stream, " %s %.7f", cml_quantities[cml_quantity_of_total(i)].name, exact->value[i]);
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
@@ -106,7 +109,8 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
     const double seconds = report->timing->seconds, steps = cml_result_steps(result);
-    for (int i = 0; i < CML_NUM_TOTALS; i++) print_total(stream, report, (enum cml_total)i);
+    const int totals = report->scene->backing.kind == CML_NO_BACKING ? CML_TOTALS : CML_NUM_TOTALS;
+    for (int i = 0; i < totals; i++) print_total(stream, report, (enum cml_total)i);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));

@@ -86,7 +86,7 @@ CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_sc
                                                const struct cml_exact *exact, struct cml_error *err);
 
 /* The same in one line, for what the scene would be with planes in place of all shapes. */
-void cml_report_flat_twin(FILE *stream, const struct cml_exact *exact);
+void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 
 /* What check says of a scene, as one object on one line, keys as documented in samples/output.md. bytes: the
  * most memory that its run will hold; flat: the totals of its flat twin, NULL: not known. */

@@ -109,7 +109,8 @@ static void set_quantity(json_t *object, enum cml_quantity quantity, const char 
 static cml_status set_results(json_t *object, const struct cml_report *report, struct cml_error *err)
 {
     const struct cml_result *result = report->sums;
-    struct cml_outcome o = {.photons = result->photons};
+    struct cml_outcome o = {.photons = result->photons,
+                            .backed = report->scene->backing.kind != CML_NO_BACKING};
     const cml_status status = cml_outcome_take_numbers(&o, result, err);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);
@@ -173,12 +174,13 @@ static void set_speed(json_t *object, const struct cml_report *report)
 }
 
 /* Totals by adding-doubling, and for each the limit of its error. */
-static void set_exact(json_t *object, const struct cml_exact *exact)
+static void set_exact(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
+    const int last = scene->backing.kind == CML_NO_BACKING ? CML_EXACT_TT : CML_EXACT_BACKING;
     json_t *layers = json_array(), *layer_errors = json_array();
-    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", &exact->value[i]);
-    for (int i = 0; i < CML_TOTALS; i++)
-        set_quantity(object, (enum cml_quantity)i, "_error", &exact->error[i]);
+    for (int i = 0; i <= last; i++) set_quantity(object, cml_quantity_of_total(i), "", &exact->value[i]);
+    for (int i = 0; i <= last; i++)
+        set_quantity(object, cml_quantity_of_total(i), "_error", &exact->error[i]);
     for (int i = CML_EXACT_LAYERS; i < exact->count; i++) {
         json_array_append_new(layers, json_real(exact->value[i]));
         json_array_append_new(layer_errors, json_real(exact->error[i]));
@@ -261,7 +263,7 @@ cml_status cml_report_exact_json(FILE *stream, const struct cml_scene *scene, co
     json_t *object =
         json_pack("{s:o, s:o}", "scene", cml_json_name(scene->file), "output", cml_json_name(scene->output));
     if (!object) return cml_fail_memory(err, 1, "the JSON record");
-    set_exact(object, exact);
+    set_exact(object, scene, exact);
     return print_object(stream, object, err);
 }
 

@@ -29,6 +29,17 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
+static void print_backing(FILE *stream, const char *prefix, const struct cml_backing_def *backing)
+{
+    static const char *const names[] = {"", "mirror", "lambertian", "metal"};
+    if (backing->kind == CML_NO_BACKING) return;
+    fprintf(stream, "%sbacking: %s, ", prefix, names[backing->kind]);
+    if (backing->kind == CML_BACKED_BY_METAL)
+        fprintf(stream, "index %.15g + %.15g i\n", backing->n, backing->k);
+    else
+        fprintf(stream, "R = %.15g\n", backing->R);
+}
+
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader)
 {
@@ -44,6 +55,7 @@ void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene 
     }
     if (shown > most && reader == CML_READ_BY_PEOPLE)
         fprintf(stream, "%sand phase functions of %d more media\n", prefix, shown - most);
+    print_backing(stream, prefix, &scene->backing);
 }
 
 /* Between which depths a boundary lies: bins there are shared by two media. */

@@ -77,12 +77,13 @@ static void print_notes(FILE *stream, const struct cml_compare_report *report)
         fputs("note: A_z is left out: one of the runs did not tally it\n", stream);
 }
 
-/* Tests are ordered by quantity, totals first. */
+/* Tests are ordered by quantity, the totals of every run first. */
 static void print_totals(FILE *stream, const struct cml_comparison *c)
 {
     fprintf(stream, "%-5s %12s %10s %12s %10s %8s\n", "", "a", "error", "b", "error", "z");
-    for (int i = 0; i < c->count && cml_quantity_is_total(c->test[i].quantity); i++) {
+    for (int i = 0; i < c->count; i++) {
         const struct cml_compare_test *t = &c->test[i];
+        if (!cml_quantity_is_total(t->quantity)) continue;
         fprintf(stream, "%-5s %12.6g %10.2g %12.6g %10.2g %+8.2f\n", cml_quantities[t->quantity].name,
                 t->value[0], t->error[0], t->value[1], t->error[1], t->z);
     }

@@ -71,7 +71,8 @@ cml_status cml_mco_read_merged(const char *line, struct cml_outcome *o, struct c
 /* What is not the scene is the head, line by line. */
 static cml_status read_head(const struct reader *r, struct cml_error *err)
 {
-    static const char *const scene[] = {"# set ", "# beam ", "# boundary ", "# body ", "# scene "};
+    static const char *const scene[] = {
+        "# set ", "# beam ", "# phase ", "# backing: ", "# boundary ", "# body ", "# scene "};
     struct cml_outcome *o = r->o;
     char head[256];
     for (const char *line = r->text; line; line = line_after(line)) {
@@ -97,7 +98,7 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
     CML_TRY(read_head(r, err));
     CML_TRY(gather(r->text, "# set ", "# set ", 6, &o->settings, err));
     CML_TRY(gather(r->text, "# beam ", "# beam ", 2, &o->beam, err));
-    CML_TRY(gather(r->text, "# phase ", "# phase ", 2, &o->phases, err));
+    CML_TRY(gather(r->text, "# phase ", "# backing: ", 2, &o->phases, err));
     CML_TRY(gather(r->text, "# boundary ", "# body ", 2, &o->shapes, err));
     CML_TRY(gather(r->text, "# scene ", "# scene ", 8, &o->scene, err));
     CML_TRY(cml_outcome_place_shapes(o, err));

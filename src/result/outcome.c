@@ -260,6 +260,7 @@ static cml_status take_number(struct cml_outcome *o, const struct cml_result *su
                               enum cml_quantity quantity, struct cml_error *err)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
+    if (quantity == CML_QUANTITY_A_backing && !o->backed) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     o->value[quantity][0] = number_of(sums, info);
     if (info->estimator != CML_FROM_TOTAL) return CML_OK;

@@ -39,6 +39,7 @@ struct cml_outcome {
     int num_gates;   /* 0: nothing is known by time */
     int nt, np;      /* of directions; 0: nothing is known by them */
     int num_layers, num_bodies;
+    bool backed; /* of what is filled from sums: A_backing is among the totals */
     double n_above, n_below;
     double *value[CML_NUM_QUANTITIES]; /* [cml_outcome_size] as written, i.e. scaled; NULL: not there */
     double *error[CML_NUM_QUANTITIES]; /* standard errors of those; NULL: not known */

@@ -31,9 +31,10 @@ enum { MCO = CML_IN_MCO, H5 = CML_IN_H5, JSON = CML_IN_JSON };
     {#name, units, long_name, CML_FROM_##estimator, sums, axes, where, comment},
 const struct cml_quantity_info cml_quantities[CML_NUM_QUANTITIES] = {CML_QUANTITIES(ROW)};
 
-_Static_assert((int)CML_TOTALS == (int)CML_NUM_TOTALS, "a row for every total");
+_Static_assert((int)CML_TOTALS == (int)CML_TOTAL_BACKING && CML_TOTALS + 1 == (int)CML_NUM_TOTALS,
+               "a row for every total");
 _Static_assert((int)CML_QUANTITY_Tt == (int)CML_TOTAL_TRANSMITTED, "totals first, in their order");
-_Static_assert((int)CML_BOOKS == (int)CML_NUM_BALANCE_TERMS, "a row for every term");
+_Static_assert((int)CML_BOOKS == (int)CML_BALANCE_BACKING, "a row for every term of every run");
 _Static_assert(CML_QUANTITY_book_above - CML_QUANTITY_book_launched == CML_BOOKS - 1, "terms are neighbours");
 
 static const struct {
@@ -88,4 +89,9 @@ bool cml_quantity_is_errors(const char *name)
 {
     const size_t length = strlen(name);
     return length > 3 && strcmp(name + length - 3, "_se") == 0;
+}
+
+enum cml_quantity cml_quantity_of_total(int total)
+{
+    return total < CML_TOTALS ? (enum cml_quantity)total : CML_QUANTITY_A_backing;
 }

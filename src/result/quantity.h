@@ -107,6 +107,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(body_g, "1", INPUT, 0, OVER1(body), H5, "anisotropy of scattering", NULL)                                      \
     Q(A_body, "1", BODIES, IN(A_l), OVER1(body), MCO | H5, "absorption by body",                                     \
       "absorption in each body, in the order of the .mci [-]")                                                       \
+    Q(A_backing, "1", TOTAL, CML_TOTAL_BACKING, NUMBER, MCO | H5 | JSON, "kept by the backing", NULL)                 \
     Q(flux_body, "1", FACETS, 0, OVER2(body, side), MCO,                                                             \
       "weight at each body's surface: arrives outside, inside, leaves outside, inside", NULL)                        \
     Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance", NULL)                                         \
@@ -139,8 +140,8 @@ enum cml_axis_kind { CML_AXIS_NONE, CML_AXES(CML_ENUMERATOR) CML_NUM_AXES };
 enum cml_quantity { CML_QUANTITIES(CML_ENUMERATOR) CML_NUM_QUANTITIES };
 #undef CML_ENUMERATOR
 
-/* The totals are the first quantities, in the order of enum cml_total; the terms of the balance, the numbers
- * of a layer (in the order of a line of an .mci) and totals with the twin are neighbours. */
+/* The totals of every run are the first quantities, in the order of enum cml_total; the terms of the balance,
+ * the numbers of a layer (in the order of a line of an .mci) and totals with the twin are neighbours. */
 enum { CML_TOTALS = 4, CML_BOOKS = 12, CML_LAYER_NUMBERS = 5, CML_QUANTITY_AXES = 3 };
 
 struct cml_quantity_info {
@@ -159,12 +160,15 @@ struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double firs
 /* One number; a profile over r. */
 static inline bool cml_quantity_is_total(enum cml_quantity quantity)
 {
-    return quantity <= CML_QUANTITY_Tt;
+    return quantity <= CML_QUANTITY_Tt || quantity == CML_QUANTITY_A_backing;
 }
 static inline bool cml_quantity_is_radial(enum cml_quantity quantity)
 {
     return cml_quantities[quantity].axis[0] == CML_AXIS_r;
 }
+
+/* Of enum cml_total. */
+enum cml_quantity cml_quantity_of_total(int total);
 
 /* Its axes and units as they stand beside numbers for people: "r [cm]", NULL for a number; "1/sr", "-". */
 const char *cml_quantity_place(enum cml_quantity quantity);

@@ -52,6 +52,16 @@ struct cml_boundary {
 
 enum cml_body_form { CML_BODY_MESH, CML_BODY_SPHERE, CML_BODY_CYLINDER };
 
+/* What lies under the last boundary and sends light back; the medium below is opaque then. */
+enum cml_backing_form { CML_NO_BACKING, CML_BACKED_BY_MIRROR, CML_BACKED_BY_LAMBERTIAN, CML_BACKED_BY_METAL };
+
+struct cml_backing_def {
+    enum cml_backing_form kind;
+    double R;    /* share that comes back, 0..1; mirror, lambertian */
+    double n, k; /* index n + i k relative to vacuum; metal */
+    int line;    /* of the .mci */
+};
+
 /* A body: a medium of its own inside a layer or inside another body of that layer. In scene coordinates, cm,
  * z down. */
 struct cml_scene_body {
@@ -152,9 +162,10 @@ struct cml_scene {
     struct cml_phase *phases;        /* all that differ, the last one first; at most CML_MOST_PHASES */
     struct cml_boundary *boundaries; /* [L+1] */
     struct cml_scene_body *bodies;   /* [num_bodies], layer after layer */
-    int num_beams;                   /* >= 1 */
-    struct cml_beam *beams;          /* [num_beams] */
-    double *shares;                  /* [num_beams] > 0, of the light */
+    struct cml_backing_def backing;
+    int num_beams;          /* >= 1 */
+    struct cml_beam *beams; /* [num_beams] */
+    double *shares;         /* [num_beams] > 0, of the light */
     struct cml_map_def map;
     struct cml_time_def time;
     struct cml_directions_def directions;
@@ -179,6 +190,10 @@ static inline int cml_body_medium(const struct cml_scene *scene, int k)
 
 /* The largest angle to its axis at which a light shines, rad. medium_n: of the medium it starts in. */
 double cml_light_widest(const struct cml_light *light, double medium_n);
+
+/* How far above and below its middle the packets of a slanted shape start, cm; few of a Gaussian start beyond
+ * five of its radii. */
+double cml_beam_height(const struct cml_beam *beam);
 
 /* The bodies of layer l, at whatever depth of nesting: those from number `first` to before `end`. */
 struct cml_body_range {

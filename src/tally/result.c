@@ -224,7 +224,8 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* Both sides of all facets: what arrives minus what leaves. */
+/* Both sides of all facets: what arrives minus what leaves. A backing keeps the rest, unless its boundary has
+ * no facets. */
 static double facet_imbalance(const struct cml_result *result)
 {
     cml_u128 in = 0, out = 0;
@@ -233,7 +234,7 @@ static double facet_imbalance(const struct cml_result *result)
         in += score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW];
         out += score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW];
     }
-    return difference(in, out);
+    return in == out + result->summary.balance[CML_BALANCE_BACKING] ? 0 : difference(in, out);
 }
 
 /* Gates of all batches, what is later included, minus what they come of; 0 where there are none. */
@@ -254,7 +255,7 @@ double cml_result_imbalance(const struct cml_result *result)
     const struct cml_grid *grid = &result->grid;
     const cml_u128 *balance = result->summary.balance;
     const cml_u128 in = balance[CML_BALANCE_LAUNCHED] + balance[CML_BALANCE_GAINED];
-    cml_u128 out = 0;
+    cml_u128 out = balance[CML_BALANCE_BACKING];
     for (int i = CML_BALANCE_SPECULAR; i <= CML_BALANCE_LOST; i++) out += balance[i];
     const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED];
     const double differences[] = {

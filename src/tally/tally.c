@@ -12,7 +12,8 @@ enum cml_balance_term cml_balance_term_of_total(enum cml_total total)
                                                                 [CML_TOTAL_REFLECTED] = CML_BALANCE_REFLECTED,
                                                                 [CML_TOTAL_TRANSMITTED] =
                                                                     CML_BALANCE_TRANSMITTED,
-                                                                [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED};
+                                                                [CML_TOTAL_ABSORBED] = CML_BALANCE_ABSORBED,
+                                                                [CML_TOTAL_BACKING] = CML_BALANCE_BACKING};
     return terms[total];
 }
 

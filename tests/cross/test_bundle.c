@@ -441,6 +441,26 @@ static void bodies_have_the_same_tally(void **state)
     compare_text(text, 4000);
 }
 
+/* Backings of every kind, below planes, cones and a mesh, in a clear and in a thick last layer, beside
+ * bodies, with maps and facets. */
+static void backings_have_the_same_tally(void **state)
+{
+    (void)state;
+    static const char *const backings[] = {"backing 0", "backing 1 lambertian", "backing 0.7 mirror",
+                                           "backing 0.4 lambertian", "backing metal 0.18 3.4"};
+    static const char *const media[] = {"1.4 0.5 80 0.8 0.05", "1.5 0 0 0 0.1",
+                                        "1.4 0.5 80 0.8 0.05\ni sphere 0 0 0.015 0.01 1.5 1 20 0.5"};
+    static const char *const shapes[] = {"", "b 3 0.02 0.1 0.01 0.1 0 1\n"};
+    char text[1024];
+    for (int i = 0; i < 15; i++)
+        for (int k = 0; k < 2; k++) {
+            snprintf(text, sizeof text, HEAD "%s" GRID "1\n1\n%s\n%s%s\n1.2\n",
+                     i % 4 == 3 && k ? "map 8 8 0.1 0.1 volume\nfacets\n" : "", media[i % 3], shapes[k],
+                     backings[i / 3]);
+            compare_text(text, 1000);
+        }
+}
+
 /* The same bits at every level of the processor that this machine can run. */
 int main(void)
 {
@@ -450,6 +470,7 @@ int main(void)
         cmocka_unit_test(odd_scenes_have_the_same_tally),
         cmocka_unit_test(random_scenes_have_the_same_tally),
         cmocka_unit_test(bodies_have_the_same_tally),
+        cmocka_unit_test(backings_have_the_same_tally),
         cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
         cmocka_unit_test(ballistic_light_has_the_same_tally),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),

@@ -44,6 +44,10 @@ class Files(unittest.TestCase):
         scene = mc.Scene([mc.Layer(1.34, 0.2, 0, 0, 0.02), mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=bodies, phase=mc.Phase("gk", g=0.9, a=0.5))], photons=2000, nr=7, nz=5, na=3, dr=0.05, dz=0.03,
                          map=mc.Map(4, 3, 0.1, 0.2, angles=True, volume=True), facets=True, format="A",
                          bottom=mc.Heightfield([0, 0.1], [0.02, 0]))
+        backed = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=2000, backing=mc.Backing("lambertian", R=0.5), format="A")
+        backed.write(os.path.join(cls.folder.name, "backed.mci"))
+        for end in (".mco", ".h5"):
+            command(os.path.join(cls.folder.name, "backed.mci"), "--quiet", "--output", "backed" + end, "-o", cls.folder.name)
         scene.write(os.path.join(cls.folder.name, "a.mci"))
         command(os.path.join(cls.folder.name, "a.mci"), "--quiet", "--control", "flat", "-o", cls.folder.name)
         cls.mco, cls.h5 = (os.path.join(cls.folder.name, "a" + end) for end in (".mco", ".h5"))
@@ -95,6 +99,19 @@ class Files(unittest.TestCase):
         for wrong in (dict(kind="hg"), dict(kind="gk", g=0.9), dict(kind="rayleigh", a=1), dict(kind="table", angles=[0, 180])):
             with self.assertRaises(mc.InputError):
                 mc.Phase(**wrong)
+
+    def test_backing(self):
+        """Both files say what it was and what it kept; what is no backing is refused."""
+        mco, h5 = (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5"))
+        for data in (mco, h5):
+            self.assertEqual(data.phases.strip(), "backing: lambertian, R = 0.5")
+            self.assertGreater(data.A_backing, 0)
+            self.assertGreater(data.A_backing_se, 0)
+        np.testing.assert_allclose(mco.A_backing, h5.A_backing, rtol=1e-8)
+        self.assertAlmostEqual(float(h5.Rsp + h5.Rd + h5.A + h5.Tt + h5.A_backing), 1, 3)
+        for wrong in (dict(), dict(R=1.1), dict(kind="metal", n=1), dict(kind="mirror", R=1, n=1), dict(kind="paint", R=1)):
+            with self.assertRaises(mc.InputError):
+                mc.Backing(**wrong)
 
     def test_merged(self):
         """Says whose results it holds."""

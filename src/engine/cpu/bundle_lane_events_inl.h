@@ -65,6 +65,7 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
 static void cml_return_to_lane(struct cml_flight *f, int i, const struct cml_packet *packet)
 {
     cml_tally_events(packet, f->tally);
+    if (f->late & CML_LANE_BIT(i)) f->late_profiles[i][CML_TOTAL_BACKING] += packet->backing;
     if (packet->fate != CML_FATE_ALIVE)
         cml_push_termination(f, i, cml_termination_of(packet));
     else

@@ -103,7 +103,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->fate = CML_FATE_ALIVE;
     packet->cause = CML_LOST_NOT;
     packet->queries = packet->shading_overruled = 0;
-    packet->absorbed = packet->gained = packet->roulette = 0;
+    packet->absorbed = packet->gained = packet->roulette = packet->backing = 0;
 }
 
 /* Position (cm, frame of the medium) and direction of a lane's packet. */
@@ -136,6 +136,10 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     b->off_z[i] = packet->off.z;
     b->undeflected[i] = packet->undeflected;
     b->entered[i] = packet->entered;
+    if (packet->backing) {
+        cml_flush_deposits(f, i);
+        b->w[i] = b->flushed_w[i] = packet->w;
+    }
     if (packet->medium == b->medium[i]) return;
     cml_flush_deposits(f, i);
     b->medium[i] = packet->medium;

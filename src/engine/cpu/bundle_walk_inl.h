@@ -156,7 +156,8 @@ static void cml_score_planes(const struct cml_flight *f)
         const int through = b->task[i] == CML_LANE_TRANSMITTED, upwards = b->uz[i] < 0, m = b->medium[i];
         const int boundary = through == upwards ? m - 1 : m, beyond = upwards ? m - 1 : m + 1;
         if (!through && b->task[i] != CML_LANE_REFLECTED) continue;
-        cml_score_facet(f->world, &f->to, boundary, 0, b->x[i], b->y[i], m, through ? beyond : m, b->w[i]);
+        cml_score_facet(f->world, &f->to, boundary, 0, b->x[i], b->y[i], m, through ? beyond : m, b->w[i],
+                        b->w[i]);
     }
 }
 
@@ -366,6 +367,7 @@ static void cml_flight_begin(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
     f->to = cml_deposits_of(f->tally);
+    f->curves = setup->backing.kind != CML_BACKING_NONE;
     for (int i = 0; i <= setup->num_layers; i++) {
         const struct cml_surface *surface = &f->world->surfaces[i];
         if (surface->kind == CML_SURFACE_PLANE) continue;

@@ -292,6 +292,7 @@ static void copy_record(const struct cml_world *world, uint64_t index, const str
         .boundary_events = from->boundary_events,
         .specular = cml_split_off(world, index) * CML_WEIGHT_UNIT,
         .absorbed = (double)from->absorbed * CML_WEIGHT_UNIT,
+        .backing = (double)from->backing * CML_WEIGHT_UNIT,
         .exit = {from->exit_x + setup->x0, from->exit_y + setup->y0},
         .direction = {from->u.x, from->u.y, from->u.z},
     };

@@ -97,7 +97,7 @@ static cml_status check_quantity(const struct cml_merge_input *input, enum cml_q
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
     const double *numbers = (errors ? input->outcome->error : input->outcome->value)[quantity];
-    const bool total = info->estimator == CML_FROM_TOTAL, book = info->estimator == CML_FROM_BALANCE;
+    const bool total = quantity <= CML_QUANTITY_Tt, book = info->estimator == CML_FROM_BALANCE;
     const bool negative =
         info->estimator == CML_FROM_RESIDUE || (info->estimator == CML_FROM_TWIN && !errors);
     char name[64];

@@ -20,11 +20,11 @@ from .errors import ClustermcmlError, InputError
 from .phases import Phase
 from .program import run
 from .results import read
-from .scene import Beam, Directions, Layer, Map, Scene, Time
+from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
-__all__ = ["Beam", "Body", "ClustermcmlError", "Cylinder", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
            "Sphere", "Time", "check", "compare", "exact", "merge", "plan", "read", "run", "sweep"]
 
 

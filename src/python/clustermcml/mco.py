@@ -29,6 +29,7 @@ QUANTITIES = {
     "A": ((), "1", "absorbed fraction"),
     "Tt": ((), "1", "transmittance"),
     "A_l": (("layer",), "1", "absorption by layer"),
+    "A_backing": ((), "1", "kept by the backing"),
     "A_body": (("body",), "1", "absorption by body"),
     "A_z": (("z",), "1/cm", "absorption by depth; what lies outside is in the outermost bins"),
     "Rd_r": (("r",), "1/cm2", "diffuse reflectance by radius; the last bin holds what lies beyond"),
@@ -120,7 +121,7 @@ def _provenance(text: str) -> dict[str, Any]:
     if merged:
         known["merged"] = "".join(merged)
     known["boundaries"] = "\n".join(re.findall(r"^# (boundary \d+: .*)$", text, re.MULTILINE))
-    phases = re.findall(r"^# (phase of .*)$", text, re.MULTILINE)
+    phases = re.findall(r"^# (phase of .*|backing: .*)$", text, re.MULTILINE)
     if phases:
         known["phases"] = "\n".join(phases)
     sampling = re.search(r"^# sampling (\w+)", text, re.MULTILINE)

@@ -193,10 +193,42 @@ class Directions:
 
 
 @dataclass
+class Backing:
+    """What lies under the last layer and sends light back. kind: "mirror" or "lambertian", which send back the share R of it, or
+    "metal", of index n + i k, by Fresnel's formula.
+
+    >>> Backing("lambertian", R=0.9).line()
+    'backing 0.9 lambertian'
+    >>> Backing("metal", n=0.18, k=3.43).line()
+    'backing metal 0.18 3.43'
+    """
+
+    kind: str = "mirror"
+    R: Optional[float] = None
+    n: Optional[float] = None
+    k: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        errors.choice("Backing.kind", self.kind, "mirror", "lambertian", "metal")
+        metal = self.kind == "metal"
+        for name, used, most in (("R", not metal, 1), ("n", metal, 100), ("k", metal, 100)):
+            value = getattr(self, name)
+            if used:
+                errors.number("Backing." + name, value, 0, most, f"a number from 0 to {most}")
+            elif value is not None:
+                raise errors.refuse("Backing." + name, value, f"None for {self.kind}")
+
+    def line(self) -> str:
+        numbers = " ".join(shortest(value) for value in (self.R, self.n, self.k) if value is not None)
+        return f"backing metal {numbers}" if self.kind == "metal" else f"backing {numbers} {self.kind}"
+
+
+@dataclass
 class Scene:
     """Layers from above to below, what lies beyond them, light, and what is recorded.
 
-    n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane.
+    n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; backing: what
+    lies under it and sends light back, n_below then has no effect.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
     exitance of every triangle. time: when light leaves or is absorbed. directions: where to it leaves. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
@@ -231,6 +263,7 @@ class Scene:
     time: Optional[Time] = None
     directions: Optional[Directions] = None
     format: str = "B"
+    backing: Optional[Backing] = None
 
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
@@ -248,6 +281,8 @@ class Scene:
         several = isinstance(self.beam, (list, tuple)) and bool(self.beam) and all(isinstance(beam, Beam) for beam in self.beam)
         if not isinstance(self.beam, Beam) and not several:
             raise errors.refuse("Scene.beam", self.beam, "a Beam, or a list of Beam")
+        if not isinstance(self.backing, Backing) and self.backing is not None:
+            raise errors.refuse("Scene.backing", self.backing, "a Backing or None")
         if not isinstance(self.map, Map) and self.map is not None:
             raise errors.refuse("Scene.map", self.map, "a Map")
         if not isinstance(self.time, Time) and self.time is not None:
@@ -281,6 +316,7 @@ class Scene:
                     name = f"{stem}.layer{index + 1}body{k}"
                     lines.append(body.line(directory, name))
                     lines += [body.phase.line(directory, name)] if body.phase else []
+        lines += [self.backing.line()] if self.backing else []
         return "\n".join([*lines, shortest(self.n_below), ""])
 
     def write(self, path: Union[str, os.PathLike[str]], comment: str = "") -> None:

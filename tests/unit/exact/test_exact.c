@@ -48,7 +48,7 @@ static struct cml_exact solve(const struct stack *stack, bool diffuse, double an
 {
     struct cml_exact_ray beam = {cos(angle), 1};
     const struct cml_exact_light light = {.diffuse = diffuse, .num_beams = !diffuse, .beam = &beam};
-    const struct cml_exact_options options = {tolerance, 1e11};
+    const struct cml_exact_options options = {tolerance, 1e11, NULL};
     struct cml_exact exact;
     struct cml_error err;
     require_ok(cml_exact_solve(stack->media, stack->layers, &light, &options, &exact, &err), &err);
@@ -361,7 +361,7 @@ static void too_much_work_is_refused_or_cut_short(void **state)
     const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
     struct cml_exact exact;
     struct cml_error err;
-    const struct cml_exact_options none = {1e-7, 1e5}, some = {1e-7, 3e7};
+    const struct cml_exact_options none = {1e-7, 1e5, NULL}, some = {1e-7, 3e7, NULL};
     assert_int_equal(cml_exact_solve(stack.media, 1, &light, &none, &exact, &err), CML_E_NUMERIC);
     assert_null(exact.value);
     require_ok(cml_exact_solve(stack.media, 1, &light, &some, &exact, &err), &err);
@@ -377,7 +377,7 @@ static void a_million_indices_are_refused_at_once(void **state)
     (void)state;
     struct cml_exact_ray beam = {1, 1};
     const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
-    const struct cml_exact_options options = {1e-7, 1e9};
+    const struct cml_exact_options options = {1e-7, 1e9, NULL};
     struct cml_medium_def *media = calloc(LAYERS + 2, sizeof *media);
     struct cml_exact exact;
     struct cml_error err;
@@ -395,7 +395,7 @@ static void numbers_beyond_double_precision_are_refused(void **state)
     const struct stack stack = slab(1e200, 1, 10, 0.5, 1);
     struct cml_exact_ray beam = {1, 1};
     const struct cml_exact_light light = {.num_beams = 1, .beam = &beam};
-    const struct cml_exact_options options = {1e-7, 1e11};
+    const struct cml_exact_options options = {1e-7, 1e11, NULL};
     struct cml_exact exact;
     struct cml_error err;
     assert_int_equal(cml_exact_solve(stack.media, 1, &light, &options, &exact, &err), CML_E_NUMERIC);

@@ -393,10 +393,12 @@ static void lines_in_the_wrong_place(void **state)
                          "first line and its number of layers)"},
         {ONE "time 1 1\n", "x.mci:9: line = time 1 1 (expected layer 1; a time line stands between a run's "
                            "first line and its number of layers)"},
-        {NAME "#@ baem disk 1\n", "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, beam, map, "
-                                  "facets, time or directions behind #@)"},
-        {NAME "#@baem disk 1\n", "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, beam, map, facets, "
-                                 "time or directions behind #@)"},
+        {NAME "#@ baem disk 1\n",
+         "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, backing, beam, map, "
+         "facets, time or directions behind #@)"},
+        {NAME "#@baem disk 1\n",
+         "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, backing, beam, map, facets, "
+         "time or directions behind #@)"},
     };
     CHECK_ALL(state, table);
 }

@@ -1,6 +1,8 @@
 /* Cases of kernels/optics.h, compiled once in float and once in double. SPDX-License-Identifier: MIT */
 #include "lib/dice.h"
 
+#include <complex.h>
+
 /* The optical depth's redraws are scripted here: no seed reaches a word of 0 in reasonable time. */
 static uint32_t script[8];
 static int script_length, script_read;
@@ -96,6 +98,32 @@ static void fresnel_at_normal_incidence_is_the_textbook_number(void **state)
     assert_near("R", (double)cml_fresnel(1, (real)1.5, 1, &ct), 0.04, eps);
     assert_near("R", (double)cml_fresnel((real)1.37, 1, 1, &ct), 0.37 * 0.37 / (2.37 * 2.37), 2 * eps);
     assert_true(ct == 1);
+}
+
+/* From the amplitudes with a complex index, at all angles; without K it is a dielectric, whose own formula is
+ * met, and next to a matched one nothing is 0 / 0. */
+static void a_metal_reflects_by_its_complex_index(void **state)
+{
+    (void)state;
+    static const double metals[][2] = {{0.183, 3.434}, {1.373, 7.618}, {3.9, 0.02}, {0.05, 0.3}, {1, 1}};
+    real ct;
+    for (size_t m = 0; m < sizeof metals / sizeof *metals; m++)
+        for (int i = 1; i <= 1000; i++) {
+            const long double c = i / 1000.0L, s2 = 1 - c * c;
+            const long double complex index = metals[m][0] + metals[m][1] * 1.0iL,
+                                      ct2 = csqrtl(1 - s2 / (index * index)),
+                                      rs = (c - index * ct2) / (c + index * ct2),
+                                      rp = (index * c - ct2) / (index * c + ct2);
+            const double R = (double)((powl(cabsl(rs), 2) + powl(cabsl(rp), 2)) / 2);
+            assert_near("R", (double)cml_metal_reflectance((real)metals[m][0], (real)metals[m][1], (real)c),
+                        R, 60 * eps);
+        }
+    for (int i = 0; i <= 100; i++) {
+        const real c = (real)(i / 100.0), R = cml_metal_reflectance((real)1.5, 0, c);
+        assert_near("R", (double)R, (double)cml_fresnel(1, (real)1.5, c, &ct), 60 * eps);
+        const real matched = cml_metal_reflectance(1, 0, c);
+        assert_true(matched >= 0 && matched <= 1);
+    }
 }
 
 static void total_reflection_is_exactly_one(void **state)
@@ -478,6 +506,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(fresnel_agrees_with_the_formula_in_angles),
         cmocka_unit_test(fresnel_at_normal_incidence_is_the_textbook_number),
+        cmocka_unit_test(a_metal_reflects_by_its_complex_index),
         cmocka_unit_test(total_reflection_is_exactly_one),
         cmocka_unit_test(the_reflectance_is_symmetric),
         cmocka_unit_test(directions_obey_snell_and_the_mirror),

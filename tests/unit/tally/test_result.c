@@ -214,6 +214,7 @@ static void a_broken_cell_does_not_balance(void **state)
                                &result.summary.balance[CML_BALANCE_ROULETTE],
                                &result.summary.balance[CML_BALANCE_TRAPPED],
                                &result.summary.balance[CML_BALANCE_LOST],
+                               &result.summary.balance[CML_BALANCE_BACKING],
                                &result.summary.balance[CML_BALANCE_ABSORBED],
                                &result.summary.balance[CML_BALANCE_TRANSMITTED]};
     assert_every_cell_counts(&result, cells, COUNT(cells));

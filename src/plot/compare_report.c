@@ -102,7 +102,9 @@ static void print_profiles(FILE *stream, const struct cml_comparison *c)
     for (int q = CML_TOTALS; q < CML_NUM_QUANTITIES; q++) {
         int tests = 0;
         const struct cml_compare_test *worst = worst_of(c, (enum cml_quantity)q, &tests);
-        if (!cml_compare_tests((enum cml_quantity)q) || (!worst && q > CML_QUANTITY_Tt_a)) continue;
+        if (!cml_compare_tests((enum cml_quantity)q) || cml_quantity_is_total((enum cml_quantity)q) ||
+            (!worst && q > CML_QUANTITY_Tt_a))
+            continue;
         fprintf(stream, "%-5s ", cml_quantities[q].name);
         if (!worst) {
             fputs("not tested: too few packets\n", stream);

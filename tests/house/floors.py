@@ -1,5 +1,5 @@
 """A source file includes its own room and those below, never above; modules include and call each other in no circle;
-foreign libraries stay behind one file each; no room grows over 20 files.
+foreign libraries stay behind one file each; no room grows over 24 files.
 
 ROOMS below is the only list of rooms and of what each may use. A file in no room is an error: decide first where it
 belongs. A module is a source file with its header. A header that is code says so in its name and in its first words.
@@ -9,7 +9,7 @@ import os
 import re
 import sys
 
-MOST_FILES = 20
+MOST_FILES = 24
 
 # Lowest first. A room may use itself, those it names, and nothing else; a folder is one room, but for the files named.
 ROOMS = {

@@ -63,16 +63,6 @@ cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *
     return CML_OK;
 }
 
-cml_status cml_tile_copy(const struct cml_heightmap *tile, struct cml_heightmap *copy, struct cml_error *err)
-{
-    const size_t bytes = (size_t)tile->nx * (size_t)tile->ny * sizeof *tile->h;
-    *copy = *tile;
-    copy->h = malloc(bytes);
-    if (!copy->h) return cml_fail_memory(err, (double)bytes, "a heightmap");
-    memcpy(copy->h, tile->h, bytes);
-    return CML_OK;
-}
-
 double cml_tile_period(const struct cml_heightmap *tile, int axis)
 {
     return axis == 0 ? tile->nx * tile->dx : tile->ny * tile->dy;

@@ -29,10 +29,6 @@ struct cml_tile_cells {
 CML_NODISCARD cml_status cml_tile_make(const char *path, bool mirrored, struct cml_heightmap *map,
                                        struct cml_tile_notes *notes, struct cml_error *err);
 
-/* A copy, the caller's to clear. CML_E_INPUT for memory. */
-CML_NODISCARD cml_status cml_tile_copy(const struct cml_heightmap *tile, struct cml_heightmap *copy,
-                                       struct cml_error *err);
-
 /* Length of the period along an axis, cm. */
 double cml_tile_period(const struct cml_heightmap *tile, int axis);
 

@@ -57,17 +57,18 @@ struct cml_launch {
 struct cml_control {
     cml_u64 first, stride;
     cml_u32 count, taken;
-    cml_u32 alive; /* packets that the next launch goes on with */
-    cml_u32 num_lost;
-    cml_u64 lost[CML_LOST_KEPT]; /* the first of a launch */
+    cml_u32 alive;               /* packets that the next launch goes on with */
+    cml_u32 num_lost;            /* photons, of which the first CML_LOST_KEPT are listed */
+    cml_u64 lost[CML_LOST_KEPT]; /* indices of photons, the first of a launch */
 };
 
+/* How one packet ended. Weights are in units of 1/CML_WEIGHT_ONE of a whole packet. */
 struct cml_device_fate {
     cml_u64 absorbed, backing;
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
-    real exit_x, exit_y;
-    struct cml_vec u;
+    real exit_x, exit_y; /* cm */
+    struct cml_vec u;    /* unit direction */
 };
 
 #define CML_LAYOUT                                                                                           \

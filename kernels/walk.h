@@ -191,7 +191,7 @@ CML_FN void cml_roulette(struct cml_roulette_rule rule, CML_PACKET struct cml_pa
     }
 }
 
-/* The same of a body. */
+/* P9: a packet at depth z has slipped through the surface of the body in which it is. */
 CML_FN int cml_leaked_from_body(const CML_GLOBAL struct cml_surface *surface, real z)
 {
     const real margin =

@@ -9,7 +9,7 @@
 static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
 {
     const double error = cml_result_error(report->sums, total);
-    fprintf(stream, "  %-4s %.6f ", cml_quantities[cml_quantity_of_total(total)].name,
+    fprintf(stream, "  %-4s %.6f ", cml_quantities[cml_quantity_of_total((int)total)].name,
             cml_result_total(report->sums, total));
     if (isnan(error))
         fputs("(one packet: no standard error)", stream);

@@ -2,7 +2,7 @@
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
 # all tests but the long ones; then the program without MPI, the unit tests and all samples again under clang with the
 # address and undefined behaviour sanitizers, the engines' threads under the thread sanitizer, and each fuzzer for some
-# ten seconds. Some 20 minutes on two cores.
+# five seconds. Some 20 minutes on two cores.
 #
 #     sh tests/run.sh          all of that
 #     sh tests/run.sh NAME     builds, and runs the tests of one label (unit, cli, stat ...) or one test (unit.mci)
@@ -34,6 +34,6 @@ CLUSTERMCML=$root/build-asan/clustermcml sh tests/sanitize/samples.sh
 sh tests/sanitize/threads.sh
 
 # By number, not by time, so that a change is judged by the same inputs on any machine.
-bash tests/fuzz/run.sh runs=15000 fly mco
-bash tests/fuzz/run.sh runs=200000 mci obj heightmap vti csv options checkpoint merge sweep
-bash tests/fuzz/run.sh runs=5000 h5
+bash tests/fuzz/run.sh runs=8000 fly mco
+bash tests/fuzz/run.sh runs=100000 mci obj heightmap vti csv options checkpoint merge sweep
+bash tests/fuzz/run.sh runs=2000 h5

@@ -81,6 +81,17 @@ static struct stack parse_layers(const char *text)
     return stack;
 }
 
+/* Of the tables sanitizers see every eighth row: they take ten times as long, and look for other faults than
+ * wrong digits. */
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ROW_STEP 8
+#endif
+#endif
+#ifndef ROW_STEP
+#define ROW_STEP 1
+#endif
+
 static FILE *open_reference(const char *name)
 {
     FILE *file = fopen(name, "r");
@@ -99,6 +110,7 @@ static void slabs_agree_with_other_adding_doubling(void **state)
         double n, outside, mua, mus, g, d, R, T;
         if (sscanf(line, "%lf,%lf,%lf,%lf,%lf,%lf,%lf,%lf", &n, &outside, &mua, &mus, &g, &d, &R, &T) != 8)
             continue;
+        if (rows++ % ROW_STEP) continue;
         struct stack stack = stack_of(outside, outside);
         add(&stack, n, mua, mus, g, d);
         struct cml_exact exact = solve(&stack, false, 0, 1e-6);
@@ -106,7 +118,6 @@ static void slabs_agree_with_other_adding_doubling(void **state)
                     exact.error[CML_EXACT_RD] + 6e-8);
         assert_near(line, exact.value[CML_EXACT_TT], T, exact.error[CML_EXACT_TT] + 6e-8);
         cml_exact_clear(&exact);
-        rows++;
     }
     fclose(file);
     assert_int_equal(rows, 228);
@@ -123,9 +134,9 @@ static void stacks_agree_with_other_adding_doubling(void **state)
         const char *totals = layers ? strchr(layers + 1, ',') : NULL;
         double R, T;
         if (line[0] == '#' || !totals || sscanf(totals, ",%lf,%lf", &R, &T) != 2) continue;
+        if (rows++ % ROW_STEP) continue;
         const struct stack stack = parse_layers(layers + 1);
         expect(line, &stack, false, 0, R, T, 1.5e-7);
-        rows++;
     }
     fclose(file);
     assert_int_equal(rows, 6);

@@ -17,7 +17,7 @@
 
 #include <string.h>
 
-static int timed; /* whether the parts are */
+static int parts_timed; /* whether the parts are */
 static struct {
     double begin, ns;
     long times;
@@ -30,12 +30,12 @@ static double nanoseconds(void)
 
 static void begin(enum cml_hook_part part)
 {
-    if (timed) spent[part].begin = nanoseconds();
+    if (parts_timed) spent[part].begin = nanoseconds();
 }
 
 static void end(enum cml_hook_part part)
 {
-    if (!timed) return;
+    if (!parts_timed) return;
     spent[part].ns += nanoseconds() - spent[part].begin;
     spent[part].times++;
 }
@@ -62,11 +62,11 @@ static struct clocks time_clocks(void)
 {
     enum { COUNT = 1000000 };
     reset();
-    timed = 1;
+    parts_timed = 1;
     const double start = nanoseconds();
     for (int i = 0; i < COUNT; i++) begin(CML_HOOK_HITS), end(CML_HOOK_HITS);
     const double within = spent[CML_HOOK_HITS].ns / COUNT, both = (nanoseconds() - start) / COUNT;
-    timed = 0;
+    parts_timed = 0;
     return (struct clocks){within, both};
 }
 
@@ -107,7 +107,7 @@ static cml_status measure(const char *path, enum cml_surface_kind force, struct 
     CML_TRY(bench_open(path, force, &flight, err));
     CML_TRY(bench_fly(&flight, reset, err));
     const double ns = 1e9 * flight.seconds / (double)flight.photons;
-    timed = 1;
+    parts_timed = 1;
     CML_TRY(bench_fly(&flight, reset, err));
     report(path, &flight, ns, nanoseconds() - flight_begin, clocks);
     bench_close(&flight);

@@ -176,7 +176,7 @@ enum {
     AT_BEGIN = 80,
     AT_END = 88,
     AT_SECONDS = 96,
-    AT_RANGES = 184 + sizeof identity - 1,
+    AT_RANGES = 120 + 16 * CML_NUM_TOTALS + sizeof identity - 1,
     AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
     AT_PHOTONS = AT_SUMMARY + offsetof(struct cml_summary, count) + 16 * CML_COUNT_PHOTONS,
     AT_LOST_COUNT = AT_SUMMARY + offsetof(struct cml_summary, lost.count),
@@ -258,8 +258,8 @@ static void what_cannot_be_understood_is_refused(void **state)
     } cases[] = {
         {0, 0x6c63207265746f6eu, ": is no checkpoint"},
         {AT_ORDER, 0x0807060504030201u,
-         ": the checkpoint has another format or byte order (expected format 4)"},
-        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 4)"},
+         ": the checkpoint has another format or byte order (expected format 5)"},
+        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 5)"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         enum cml_checkpoint_kind kind;

@@ -4,7 +4,7 @@
 #
 #     sh samples/wheel.sh [FOLDER]     the wheel lies in FOLDER afterwards; none: build/wheel
 #
-# Its tag (manylinux_2_36 on Debian 12) is the oldest glibc on which it runs, as auditwheel finds it out from the symbols: who needs an older
+# Its tag (manylinux_2_35 on Debian 12) is the oldest glibc on which it runs, as auditwheel finds it out from the symbols: who needs an older
 # one builds on an older system. Needs what samples/packages.sh installs, python3-venv, and a package registry.
 # SPDX-License-Identifier: MIT
 set -eu

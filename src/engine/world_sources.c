@@ -223,16 +223,17 @@ static cml_status check_place(const struct cml_scene *scene, const struct cml_wo
     return CML_OK;
 }
 
-/* No light starts below a backing, nor beside its boundary's heights where a shape is slanted. */
+/* No light starts below a backing, nor beside its boundary's heights where a shape is slanted. Bodies lie in
+ * layers, so one that starts in a body starts above. */
 static cml_status check_backing(const struct cml_scene *scene, const struct cml_world *world,
                                 const struct cml_beam *beam, int medium, struct cml_error *err)
 {
     const int last = scene->num_layers;
     const double highest = (double)world->media[last + 1].depth + (double)world->surfaces[last].lowest;
+    const double height = cml_beam_height(beam);
     char value[40];
     if (scene->backing.kind == CML_NO_BACKING ||
-        (medium <= last && beam->z + cml_beam_height(beam) < highest) ||
-        (medium <= last && cml_beam_height(beam) == 0))
+        (medium != last + 1 && (height == 0 || beam->z + height < highest)))
         return CML_OK;
     snprintf(value, sizeof value, "%g", beam->z);
     return cml_fail_field(err, scene->file, beam->line, "beam: z", value,

@@ -459,6 +459,9 @@ static void backings_have_the_same_tally(void **state)
                      backings[i / 3]);
             compare_text(text, 1000);
         }
+    snprintf(text, sizeof text, HEAD "beam disk 0.002 z=0.015 light=isotropic\n" GRID "1\n1\n%s\n%s\n1\n",
+             media[2], backings[3]); /* light that begins in a body */
+    compare_text(text, 1000);
 }
 
 /* The same bits at every level of the processor that this machine can run. */

@@ -298,9 +298,12 @@ def refusals(verdict):
     """What is known only where surfaces are."""
     for beam, expected in (("beam pencil z=0", "beam: at z = (0 0 0) (expected a place inside a medium; it lies on a surface"),
                            ("beam disk 0.1 z=1 at=0.3,0", "beam: at z = (0.3 0 1) (expected a place inside a medium"),
-                           ("beam pencil light=na:1.45 z=0.5", "beam: light = na:1.45 (expected at most n = 1.4")):
+                           ("beam pencil light=na:1.45 z=0.5", "beam: light = na:1.45 (expected at most n = 1.4"),
+                           ("beam pencil z=1.5", "beam: z = 1.5 (expected a source that lies above the backing"),
+                           ("beam disk 0.6 angle=60 z=0.5", "beam: z = 0.5 (expected a source that lies above the backing")):
+        layer = "1.4 1 2 0.9 1" + ("\nbacking 0.5" if "backing" in expected else "")
         try:
-            fly(cml.mci(["1.4 1 2 0.9 1"], extra=[beam]))
+            fly(cml.mci([layer], extra=[beam]))
             verdict.check(beam, False, "was not refused")
         except RuntimeError as error:
             verdict.check(beam, "exit 2" in str(error) and expected in str(error), str(error))

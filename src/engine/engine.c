@@ -28,6 +28,8 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .volume = map->volume && options->absorption};
     for (int b = 0; scene->facets && surfaces && b < surfaces->count; b++)
         grid.facets += cml_surface_facets(&surfaces->item[b], map);
+    grid.backed = scene->facets && surfaces && scene->backing.kind != CML_NO_BACKING &&
+                  cml_surface_facets(&surfaces->item[scene->num_layers], map) > 0;
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
     return grid;

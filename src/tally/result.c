@@ -224,17 +224,16 @@ static double difference(cml_u128 a, cml_u128 b)
     return a >= b ? (double)(a - b) : -(double)(b - a);
 }
 
-/* Both sides of all facets: what arrives minus what leaves. A backing keeps the rest, unless its boundary has
- * no facets. */
+/* Both sides of all facets: what arrives minus what leaves, or a backing keeps. */
 static double facet_imbalance(const struct cml_result *result)
 {
-    cml_u128 in = 0, out = 0;
+    cml_u128 in = 0, out = result->grid.backed ? result->summary.balance[CML_BALANCE_BACKING] : 0;
     for (size_t i = 0; i < result->grid.facets; i++) {
         const cml_u128 *score = result->facets + i * CML_FACET_SCORES;
         in += score[CML_FACET_IRRADIANCE_ABOVE] + score[CML_FACET_IRRADIANCE_BELOW];
         out += score[CML_FACET_EXITANCE_ABOVE] + score[CML_FACET_EXITANCE_BELOW];
     }
-    return in == out + result->summary.balance[CML_BALANCE_BACKING] ? 0 : difference(in, out);
+    return difference(in, out);
 }
 
 /* Gates of all batches, what is later included, minus what they come of; 0 where there are none. */

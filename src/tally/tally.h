@@ -32,6 +32,7 @@ struct cml_grid {
     bool volume;   /* A_xyz, nz deep */
     int nt, np;    /* bins of Rd_dir, Tt_dir and Rsp_dir */
     size_t facets; /* of all boundaries and bodies */
+    bool backed;   /* some of them lie on a backing, which keeps what does not leave them */
 };
 
 /* Media of a grid: layers, the two outer ones, bodies. */

@@ -18,11 +18,25 @@ static void assert_every_cell_counts(const struct cml_result *result, cml_u128 *
 static void a_broken_map_does_not_balance(void **state)
 {
     (void)state;
-    struct cml_result result = make_result(&map_grid, 100);
-    cml_u128 *const cells[] = {&result.Rd_xya[5], &result.Tt_xya[0], &result.A_xyz[8],
+    struct cml_grid grid_of_all = map_grid;
+    grid_of_all.nt = 2;
+    grid_of_all.np = 3;
+    grid_of_all.backed = true;
+    struct cml_result result = make_result(&grid_of_all, 100);
+    cml_u128 *const cells[] = {&result.Rd_xya[5],
+                               &result.Tt_xya[0],
+                               &result.A_xyz[8],
+                               &result.Rd_dir[1],
+                               &result.Tt_dir[5],
+                               &result.Rsp_dir[0],
                                &result.facets[CML_FACET_IRRADIANCE_BELOW],
                                &result.facets[CML_FACET_SCORES + CML_FACET_EXITANCE_ABOVE]};
     assert_every_cell_counts(&result, cells, COUNT(cells));
+    /* what a backing keeps has arrived at its facets */
+    result.summary.balance[CML_BALANCE_LAUNCHED] = result.summary.balance[CML_BALANCE_BACKING] = 1;
+    assert_true(cml_result_imbalance(&result) != 0);
+    result.facets[CML_FACET_IRRADIANCE_ABOVE] = 1;
+    assert_true(cml_result_imbalance(&result) == 0);
     cml_result_free(&result);
 }
 

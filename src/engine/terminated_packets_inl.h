@@ -87,6 +87,12 @@ static inline struct cml_terminated_sums cml_terminated_sum(const struct cml_ter
     return sums;
 }
 
+/* Where the squares of a cell of directions are summed. */
+static inline uint64_t *cml_squares_of(const struct cml_tally *tally, uint64_t *cell)
+{
+    return cell + (tally->Rd_dir2 - tally->Rd_dir);
+}
+
 /* Adds all sums to the tally: books (P10), deposits by layer and counts. times: how often every
  * packet of the collection has ended so; more than 1 for ballistic packets only. */
 static inline void cml_terminated_add_sums(const struct cml_setup *setup,
@@ -103,8 +109,7 @@ static inline void cml_terminated_add_sums(const struct cml_setup *setup,
     tally->A_l[1] += times * sums.deposited_above;
     tally->A_l[setup->num_layers] += times * (sums.deposited - sums.deposited_above);
     if (tally->Rsp_dir && specular)
-        cml_add_once(tally->Rsp_dir, tally->Rd_dir2 + 2 * (tally->Tt_dir - tally->Rd_dir), setup->specular,
-                     count);
+        cml_add_once(tally->Rsp_dir, cml_squares_of(tally, tally->Rsp_dir), setup->specular, count);
     tally->count[CML_COUNT_PHOTONS] += count;
     tally->count[CML_COUNT_INTERACTIONS] += times * sums.interactions;
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
@@ -203,7 +208,7 @@ static inline void cml_tally_direction(const struct cml_setup *setup, const stru
     if (!to) return;
     uint64_t *const cell =
         to + cml_direction_bin(&setup->directions, terminated->ux[i], terminated->uy[i], terminated->uz[i]);
-    cml_add_once(cell, cell + (tally->Rd_dir2 - tally->Rd_dir), terminated->w[i], 1);
+    cml_add_once(cell, cml_squares_of(tally, cell), terminated->w[i], 1);
 }
 
 /* primitive: touched last; 0 on planes. */
@@ -271,7 +276,7 @@ static inline void cml_tally_events(const struct cml_packet *packet, struct cml_
 /* Where kernels/walk.h puts deposits: straight into the arrays of the tally. */
 static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
 {
-    uint64_t *const squares = tally->Rd_dir2 ? tally->Rd_dir2 + 2 * (tally->Tt_dir - tally->Rd_dir) : NULL;
+    uint64_t *const squares = tally->Rsp_dir ? cml_squares_of(tally, tally->Rsp_dir) : NULL;
     const struct cml_deposits to = {.A_rz = tally->A_rz,
                                     .A_l = tally->A_l,
                                     .A_t = tally->A_t,

@@ -66,57 +66,37 @@ cml_status cml_h5_numbers(const struct cml_hdf5 *file, const char *name, size_t 
 
 /* ---- grid ---- */
 
-/* Number and width of the bins of an axis, whose first middle is half a width; 1 bin where the file has none
- * of this name, which it has not when nothing was tallied over it. */
-static cml_status read_axis(const struct reader *r, const char *name, bool may_miss, int *n, double *width)
+enum { MUST_BE_THERE = -1 };
+
+/* Number and width of the bins of an axis, whose first middle is half a width; `without` bins where the file
+ * has none of this name, as when nothing was tallied over it. */
+static cml_status read_axis(const struct reader *r, const char *name, int without, int *n, double *width)
 {
     const size_t most = 100000000;
     double *middle;
     struct cml_hdf5_dataset shape;
     CML_TRY(cml_h5_numbers(&r->file, name, 0, &middle, &shape, r->err));
     const bool missing = !middle;
-    *n = middle && shape.num_axes == 1 && shape.size <= most ? (int)shape.size : missing && may_miss;
+    *n = middle && shape.num_axes == 1 && shape.size <= most ? (int)shape.size : without;
     *width = middle ? 2 * middle[0] : 1;
     free(middle);
-    if (*n > 0 && *width > 0) return CML_OK;
+    if (missing ? without != MUST_BE_THERE : *n > 0 && *width > 0) return CML_OK;
     return cml_fail(r->err, CML_E_INPUT, "%.400s: no axis %s (expected the .h5 file of a run)", r->file.path,
                     name);
-}
-
-/* None where the file has no axis of them. */
-static cml_status read_gates(const struct reader *r)
-{
-    struct cml_outcome *o = r->o;
-    double *middle, width;
-    CML_TRY(cml_h5_numbers(&r->file, "gate", 0, &middle, NULL, r->err));
-    if (!middle) return CML_OK;
-    free(middle);
-    CML_TRY(read_axis(r, "gate", false, &o->num_gates, &width));
-    o->time_end = o->num_gates * width;
-    return CML_OK;
-}
-
-static cml_status read_directions(const struct reader *r)
-{
-    struct cml_outcome *o = r->o;
-    double *middle, width;
-    CML_TRY(cml_h5_numbers(&r->file, "theta", 0, &middle, NULL, r->err));
-    if (!middle) return CML_OK;
-    free(middle);
-    CML_TRY(read_axis(r, "theta", false, &o->nt, &width));
-    return read_axis(r, "phi", false, &o->np, &width);
 }
 
 static cml_status read_grid(const struct reader *r)
 {
     struct cml_outcome *o = r->o;
     double width;
-    CML_TRY(read_axis(r, "r", false, &o->nr, &o->dr));
-    CML_TRY(read_axis(r, "alpha", false, &o->na, &width));
-    CML_TRY(read_axis(r, "z", true, &o->nz, &o->dz));
-    CML_TRY(read_axis(r, "layer", false, &o->num_layers, &width));
-    CML_TRY(read_gates(r));
-    CML_TRY(read_directions(r));
+    CML_TRY(read_axis(r, "r", MUST_BE_THERE, &o->nr, &o->dr));
+    CML_TRY(read_axis(r, "alpha", MUST_BE_THERE, &o->na, &width));
+    CML_TRY(read_axis(r, "z", 1, &o->nz, &o->dz));
+    CML_TRY(read_axis(r, "layer", MUST_BE_THERE, &o->num_layers, &width));
+    CML_TRY(read_axis(r, "gate", 0, &o->num_gates, &width));
+    o->time_end = o->num_gates * width;
+    CML_TRY(read_axis(r, "theta", 0, &o->nt, &width));
+    CML_TRY(read_axis(r, "phi", o->nt > 0 ? MUST_BE_THERE : 0, &o->np, &width));
     const double most = (double)cml_hdf5_most_numbers(&r->file);
     if (cml_outcome_numbers(o) > most)
         return cml_fail(

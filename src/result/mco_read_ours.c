@@ -197,7 +197,7 @@ static void read_gates(struct section *s)
     struct cml_outcome *o = s->r->o;
     double numbers[2];
     if (o->num_gates > 0 || !read_numbers(s, 2, false, numbers)) return;
-    if (numbers[0] > 0 && numbers[0] <= 1e30 && numbers[1] >= 1 && numbers[1] <= 1e5 &&
+    if (numbers[0] > 0 && numbers[0] <= 1e12 && numbers[1] >= 1 && numbers[1] <= 1e5 &&
         numbers[1] == floor(numbers[1])) {
         o->time_end = numbers[0];
         o->num_gates = (int)numbers[1];

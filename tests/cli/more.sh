@@ -18,7 +18,7 @@ compare() { # TEXT
     done <"$work/names"
 }
 
-for scene in samples/skinmap.mci samples/pulse.mci; do
+for scene in samples/skinmap.mci samples/two_runs.mci samples/pulse.mci; do
     rm -f "$work"/one/* "$work"/more/*
     expect_code 0 $scene --photons 20001 --keep --threads 1 --quiet -o "$work/more"
     expect_code 0 $scene --more 7003 --threads 3 --quiet -o "$work/more"

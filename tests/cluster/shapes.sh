@@ -14,7 +14,7 @@ one_shape() { # SCENE RANKS THREADS
     test "$(ls "$work/here")" = "$(ls "$work/alone")" || complain "$1 on $2 x $3: $(ls "$work/here")"
 }
 
-for scene in shapes/hinoise mixed pulse skinmap; do
+for scene in shapes/hinoise mixed two_runs pulse skinmap; do
     rm -rf "$work/alone"
     mkdir "$work/alone"
     expect_code 0 "samples/$scene.mci" --photons 20000 --threads 1 --quiet -o "$work/alone"

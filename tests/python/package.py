@@ -44,7 +44,8 @@ class Files(unittest.TestCase):
         scene = mc.Scene([mc.Layer(1.34, 0.2, 0, 0, 0.02), mc.Layer(1.4, 1, 100, 0.9, 0.1, bodies=bodies, phase=mc.Phase("gk", g=0.9, a=0.5))], photons=2000, nr=7, nz=5, na=3, dr=0.05, dz=0.03,
                          map=mc.Map(4, 3, 0.1, 0.2, angles=True, volume=True), facets=True, format="A",
                          bottom=mc.Heightfield([0, 0.1], [0.02, 0]))
-        backed = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=2000, backing=mc.Backing("lambertian", R=0.5), format="A")
+        backed = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=2000, backing=mc.Backing("lambertian", R=0.5), format="A",
+                          time=mc.Time(end=50, n=10), directions=mc.Directions(nt=3, np=4))
         backed.write(os.path.join(cls.folder.name, "backed.mci"))
         for end in (".mco", ".h5"):
             command(os.path.join(cls.folder.name, "backed.mci"), "--quiet", "--output", "backed" + end, "-o", cls.folder.name)
@@ -112,6 +113,19 @@ class Files(unittest.TestCase):
         for wrong in (dict(), dict(R=1.1), dict(kind="metal", n=1), dict(kind="mirror", R=1, n=1), dict(kind="paint", R=1)):
             with self.assertRaises(mc.InputError):
                 mc.Backing(**wrong)
+
+    def test_time_and_directions(self):
+        """Over their axes, and all of it is there: gates and directions sum to the totals, of which an .mco has six digits."""
+        edges = np.linspace(0, np.pi / 2, 4)
+        solid = (np.cos(edges[:-1]) - np.cos(edges[1:])) * 2 * np.pi / 4
+        for data in (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5")):
+            np.testing.assert_allclose(data.gate, np.arange(2.5, 50, 5))
+            self.assertEqual((data.Rd_t.dims, data.Rd_dir.dims, data.Rsp_dir.shape), (("gate",), ("theta", "phi"), (3, 4)))
+            for name in ("Rd", "A"):
+                self.assertAlmostEqual(float((data[name + "_t"] * 5).sum() + data[name + "_t_later"]), float(data[name]), delta=1e-6)
+            for name in ("Rsp", "Rd"):
+                self.assertAlmostEqual(float((data[name + "_dir"].values * solid[:, None]).sum()), float(data[name]), delta=1e-6)
+            self.assertGreater(float(data.Rd_dir_se.min()) * float(data.Rd_t_se.max()), 0)
 
     def test_merged(self):
         """Says whose results it holds."""

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "exact/exact.h"
 
+#include "exact/layer_response.h"
 #include "exact/stack.h"
 #include "scene/specular.h"
 
@@ -94,8 +95,16 @@ static cml_status raise_order(struct search *search, int order, struct cml_error
     return status;
 }
 
+/* By how much a share changes where what its logarithm is made of, depths in mean free paths, changes by 1:
+ * of a large share an absolute error, of a small one nearly a relative one. */
+static double weight_of(double share)
+{
+    return share > 0 && share < 1 ? share * (1 - log(share)) : share > 0;
+}
+
 /* Changes of two orders, and a tenth of what other shares change, because one may be small by chance; twice
- * of them, because they may become smaller slowly. The last term is the rounding of a sum of shares. */
+ * of them, because they may become smaller slowly. The last terms are the rounding of a sum of shares, and of
+ * Rd's difference. */
 static void estimate(const struct search *search, struct cml_exact *exact)
 {
     double *const *history = search->history, most = 0;
@@ -105,8 +114,12 @@ static void estimate(const struct search *search, struct cml_exact *exact)
         exact->error[i] = fmax(fabs(value - history[1][i]), fabs(value - history[2][i]));
         most = fmax(most, exact->error[i]);
     }
-    for (int i = 0; i < exact->count; i++)
-        exact->error[i] = 2 * fmax(exact->error[i], 0.1 * most) + search->defect + DBL_EPSILON;
+    for (int i = 0; i < exact->count; i++) {
+        const double weight = weight_of(exact->value[i]);
+        exact->error[i] = 2 * fmax(exact->error[i], 0.1 * most * weight) +
+                          (search->defect + DBL_EPSILON) * weight + CML_LEAST_THROUGH;
+    }
+    exact->error[CML_EXACT_RD] += DBL_EPSILON;
     const bool spread = search->light->diffuse > 0 || search->light->num_samples > 0;
     exact->error[CML_EXACT_RSP] = spread ? exact->error[CML_EXACT_RSP] : DBL_EPSILON;
 }

@@ -15,7 +15,6 @@
 #include "exact/dense.h"
 #include "exact/phase_moments.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -162,33 +161,33 @@ static void start(struct work *w, double h, struct cml_layer_response *to)
     }
 }
 
-/* Two of the same, one upon the other. With X = (1 - RR)^-1 - 1, W = (1 + X) R T goes up between them and
- * (1 + X) T = 1 + U + Y down; T grows by Y + U (U + Y) + U, R by T W. */
+/* Two of the same, one upon the other; e: `through`. With X = (1 - RR)^-1 - 1, W = (1 + X) R T goes up
+ * between them and (1 + X) T = e + B down, B = U + eX + X U; T grows to e + eU + eB + U B, R by T W. */
 static void double_layer(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;
     const size_t size = (size_t)n * (size_t)n, bytes = size * sizeof(double);
+    const double e = to->through;
     double *R = to->R, *U = to->U, *a = to->a;
-    double *X = w->buffer[0], *B = w->buffer[1], *Y = w->buffer[2], *V = w->buffer[3], *W = w->buffer[4];
+    double *X = w->buffer[0], *B = w->buffer[1], *V = w->buffer[2], *W = w->buffer[3];
     memset(X, 0, bytes);
     cml_dense_add_product(n, n, R, R, X);
     for (size_t i = 0; i < size; i++) B[i] = -X[i];
     for (int i = 0; i < n; i++) B[i * n + i] += 1;
     cml_dense_divide(n, n, B, X);
-    memcpy(Y, X, bytes);
-    cml_dense_add_product(n, n, X, U, Y);
-    memcpy(V, R, bytes);
+    for (size_t i = 0; i < size; i++) B[i] = U[i] + e * X[i];
+    cml_dense_add_product(n, n, X, U, B);
+    for (size_t i = 0; i < size; i++) V[i] = e * R[i];
     cml_dense_add_product(n, n, R, U, V);
     memcpy(W, V, bytes);
     cml_dense_add_product(n, n, X, V, W);
-    for (size_t i = 0; i < size; i++) B[i] = U[i] + Y[i];
-    for (int j = 0; j < n; j++) w->scratch[j] = 2 * a[j];
+    for (int j = 0; j < n; j++) w->scratch[j] = (1 + e) * a[j];
     cml_dense_add_product(1, n, a, B, w->scratch);
     cml_dense_add_product(1, n, a, W, w->scratch);
     memcpy(a, w->scratch, (size_t)n * sizeof *a);
-    for (size_t i = 0; i < size; i++) R[i] += W[i];
+    for (size_t i = 0; i < size; i++) R[i] += e * W[i];
     cml_dense_add_product(n, n, U, W, R);
-    for (size_t i = 0; i < size; i++) X[i] = 2 * U[i] + Y[i];
+    for (size_t i = 0; i < size; i++) X[i] = e * (U[i] + B[i]);
     cml_dense_add_product(n, n, U, B, X);
     memcpy(U, X, bytes);
 }
@@ -199,27 +198,37 @@ static int halvings(double d, double rate)
     return (int)fmax(0, ceil(log2(d) + log2(rate)));
 }
 
-/* Nothing comes through that double precision could tell from nothing: more of the same changes no more. */
-static bool is_opaque(const struct cml_layer_response *layer)
+/* The largest part of a direction's light that goes through into one direction. */
+static double most_through(const struct cml_layer_response *layer)
 {
     const int n = layer->count;
     double most = 0;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) most = fmax(most, fabs(layer->U[i * n + j] + (i == j)));
-    return most < 64 * DBL_EPSILON;
+        for (int j = 0; j < n; j++) most = fmax(most, fabs(layer->U[i * n + j] + (i == j) * layer->through));
+    return most;
 }
 
+/* From T = 1 + U to T. */
+static void count_all_through(struct cml_layer_response *layer)
+{
+    for (int j = 0; j < layer->count; j++) layer->U[j * layer->count + j] += layer->through;
+    layer->through = 0;
+}
+
+/* Doubling ends where nothing comes through any more: then more of the same changes nothing. */
 static void fill_scattering(struct work *w, struct cml_layer_response *to)
 {
-    double rate = 0;
+    double rate = 0, most = 1;
     transfer(w, w->buffer[0], w->buffer[1]);
     for (int j = 0; j < w->n; j++) rate = fmax(rate, w->out[j] / w->cosine[j]);
     const int steps = halvings(w->medium->d, rate);
     start(w, ldexp(w->medium->d, -steps), to);
-    for (int k = 0; k < steps && !is_opaque(to); k++) double_layer(w, to);
-    if (!is_opaque(to)) return;
-    memset(to->U, 0, (size_t)w->n * (size_t)w->n * sizeof *to->U);
-    for (int j = 0; j < w->n; j++) to->U[j * w->n + j] = -1;
+    for (int k = 0; k < steps && most > CML_LEAST_THROUGH; k++) {
+        double_layer(w, to);
+        most = most_through(to);
+        if (most < 0.5) count_all_through(to);
+    }
+    if (most <= CML_LEAST_THROUGH) memset(to->U, 0, (size_t)w->n * (size_t)w->n * sizeof *to->U);
 }
 
 /* Nothing changes its direction. */
@@ -227,8 +236,8 @@ static void fill_absorbing(struct work *w, struct cml_layer_response *to)
 {
     const int n = w->n;
     for (int j = 0; j < n; j++) {
-        to->U[j * n + j] = expm1(-w->medium->mua * w->medium->d / w->cosine[j]);
-        to->a[j] = -to->U[j * n + j];
+        to->U[j * n + j] = exp(-w->medium->mua * w->medium->d / w->cosine[j]);
+        to->a[j] = -expm1(-w->medium->mua * w->medium->d / w->cosine[j]);
     }
 }
 
@@ -255,7 +264,7 @@ cml_status cml_layer_response_create(const struct cml_medium_def *medium,
 {
     struct work w = {.n = count, .terms = terms, .medium = medium};
     const size_t n = (size_t)count;
-    *to = (struct cml_layer_response){.count = count};
+    *to = (struct cml_layer_response){.count = count, .through = medium->mus > 0};
     to->R = calloc(n * (n + 1), sizeof(double));
     to->U = calloc(n * (n + 1), sizeof(double));
     to->a = calloc(n, sizeof(double));

@@ -5,14 +5,20 @@
 
 #include "exact/directions.h"
 
+/* Where less goes through a layer it counts as nothing: twice as thick, little of it would be a double. */
+#define CML_LEAST_THROUGH 1e-150
+
 /* For `count` directions. Light is given by the power that each direction carries through a unit of area, so
  * columns add up to shares: of a unit of power that comes in direction j, R[i][j] goes back in direction i,
- * T[i][j] goes through, and a[j] is absorbed. T = 1 + U; U and a are kept so that thin layers lose no digits.
+ * T[i][j] goes through, and a[j] is absorbed. T = through + U, with through 1 (times the unit matrix) of a
+ * layer that lets most light pass and 0 of another: so thin layers lose no digits of what they do, and thick
+ * ones none of what little goes through.
  */
 struct cml_layer_response {
     int count;
     double *R, *U; /* [count][count] */
     double *a;     /* [count] */
+    double through;
 };
 
 /* terms: of the phase function's Legendre series. CML_E_INPUT: out of memory. On failure *to is empty; else

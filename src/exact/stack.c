@@ -85,12 +85,13 @@ static void add_layer(struct stack *stack, const struct cml_layer_response *laye
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) matrix[i * n + j] = (i == j) - matrix[i * n + j];
     cml_dense_divide(n + stack->rows, n, matrix, old);
-    memcpy(Z, old, (size_t)(n + stack->rows) * (size_t)n * sizeof *Z);
+    for (int i = 0; i < (n + stack->rows) * n; i++) Z[i] = layer->through * old[i];
     cml_dense_add_product(n + stack->rows, n, old, layer->U, Z);
     double *absorbed = Z + (size_t)(n + number) * (size_t)n;
     memcpy(absorbed, layer->a, (size_t)n * sizeof *absorbed);
     cml_dense_add_product(1, n, layer->a, Z, absorbed);
-    memcpy(old, Z, (size_t)(n + stack->rows) * (size_t)n * sizeof *old);
+    memcpy(old + n * n, Z + n * n, (size_t)stack->rows * (size_t)n * sizeof *old);
+    for (int i = 0; i < n * n; i++) old[i] = layer->through * Z[i];
     cml_dense_add_product(n, n, layer->U, Z, old);
     for (int i = 0; i < n * n; i++) old[i] += layer->R[i];
 }

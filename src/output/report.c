@@ -41,7 +41,8 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
             fprintf(stream, "  %-4s", cml_quantities[cml_quantity_of_total(i)].name);
         else
             fprintf(stream, "  A of layer %d", i - CML_EXACT_LAYERS + 1);
-        fprintf(stream, " %.9f +- %.1g\n", exact->value[i], exact->error[i]);
+        fprintf(stream, exact->value[i] > 0 && exact->value[i] < 1e-3 ? " %.8e +- %.1g\n" : " %.9f +- %.1g\n",
+                exact->value[i], exact->error[i]);
     }
     if (!exact->converged)
         fprintf(stream, "  errors are above the aim at the highest order that was tried\n");

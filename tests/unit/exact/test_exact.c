@@ -327,6 +327,68 @@ static void limits_are_finite_and_keep_all_light(void **state)
     }
 }
 
+/* The diffusion length of light deep in a medium, in mean free paths: exp(-k tau) solves the equation of
+ * transfer where the moments psi_l of its radiance obey a_l psi_l = k ((l + 1) psi_{l+1} + l psi_{l-1}), a_l
+ * = (2 l + 1) (1 - w g^l). So a_0 = k^2 / (a_1 - 4 k^2 / (a_2 - 9 k^2 / ...)), by bisection. */
+static long double diffusion_exponent(long double w, long double g)
+{
+    long double low = 0, high = 1;
+    for (int step = 0; step < 200; step++) {
+        const long double k = (low + high) / 2;
+        long double rest = 0;
+        for (int l = 400; l > 0; l--) {
+            const long double next = rest != 0 ? (l + 1) * (l + 1) * k * k / rest : 0;
+            rest = (2 * l + 1) * (1 - w * powl(g, l)) - next;
+        }
+        if (k * k < (1 - w) * rest)
+            low = k;
+        else
+            high = k;
+    }
+    return low;
+}
+
+/* What goes through a thick slab falls by exp(-k) with each mean free path, to a relative error as stated. */
+static void thick_slabs_lose_light_as_in_the_milne_problem(void **state)
+{
+    (void)state;
+    const double g[] = {0, 0.9, -0.5}, lengths[] = {14, 20, 40, 300};
+    for (int i = 0; i < 3; i++) {
+        const double exponent = (double)diffusion_exponent(100 / 100.5L, g[i]) * 100.5;
+        struct cml_exact exact[4];
+        for (int k = 0; k < 4; k++) {
+            const struct stack stack = slab(1.4, 0.5, 100, g[i], lengths[k] / exponent);
+            exact[k] = solve(&stack, false, 0, 1e-7);
+            assert_true(exact[k].value[CML_EXACT_TT] > 0);
+            assert_true(exact[k].error[CML_EXACT_TT] < 1e-5 * exact[k].value[CML_EXACT_TT]);
+        }
+        for (int k = 1; k < 4; k++) {
+            const double *thin = exact[k - 1].value, *thick = exact[k].value;
+            const double error = exact[k - 1].error[CML_EXACT_TT] / thin[CML_EXACT_TT] +
+                                 exact[k].error[CML_EXACT_TT] / thick[CML_EXACT_TT];
+            assert_near("exponent", log(thin[CML_EXACT_TT] / thick[CML_EXACT_TT]),
+                        lengths[k] - lengths[k - 1], error);
+        }
+        for (int k = 0; k < 4; k++) cml_exact_clear(&exact[k]);
+    }
+}
+
+/* Twice as thick by the layer's own doubling, and by adding two halves: in all digits but for rounding. */
+static void thick_slabs_are_two_halves(void **state)
+{
+    (void)state;
+    const double depth[] = {0.01, 4.95, 9.9, 40};
+    for (int i = 0; i < 4; i++) {
+        const struct stack whole = slab(1.4, 0.5, 100, 0.9, depth[i]);
+        struct stack halves = slab(1.4, 0.5, 100, 0.9, depth[i] * 3 / 8);
+        add(&halves, 1.4, 0.5, 100, 0.9, depth[i] * 5 / 8);
+        struct cml_exact a = solve(&whole, false, 0, 1e-6), b = solve(&halves, false, 0, 1e-6);
+        assert_near("halves", b.value[CML_EXACT_TT] / a.value[CML_EXACT_TT], 1, 1e-11);
+        cml_exact_clear(&a);
+        cml_exact_clear(&b);
+    }
+}
+
 /* A stack of one to three layers of any kind, up to some 30 mean free paths. */
 static struct stack random_stack(struct dice *dice)
 {
@@ -356,7 +418,7 @@ static void stated_errors_are_no_smaller_than_true_ones(void **state)
         for (int i = 0; i < 3; i++) {
             struct cml_exact coarse = solve(&stack, diffuse, angle, tolerances[i]);
             for (int j = 0; j < fine.count; j++)
-                assert_near("coarse", coarse.value[j], fine.value[j], coarse.error[j] + 1e-9);
+                assert_near("coarse", coarse.value[j], fine.value[j], coarse.error[j] + fine.error[j]);
             cml_exact_clear(&coarse);
         }
         cml_exact_clear(&fine);
@@ -497,6 +559,8 @@ int main(void)
         cmocka_unit_test(transmission_is_reciprocal),
         cmocka_unit_test(a_layer_in_two_parts_is_the_same),
         cmocka_unit_test(limits_are_finite_and_keep_all_light),
+        cmocka_unit_test(thick_slabs_lose_light_as_in_the_milne_problem),
+        cmocka_unit_test(thick_slabs_are_two_halves),
         cmocka_unit_test(stated_errors_are_no_smaller_than_true_ones),
         cmocka_unit_test(too_much_work_is_refused_or_cut_short),
         cmocka_unit_test(a_million_indices_are_refused_at_once),

@@ -26,7 +26,8 @@ struct cml_convex cml_body_convex(const struct cml_scene_body *body)
     return convex;
 }
 
-/* A disk across the axis reaches r sqrt(1 - axis_k^2) along each coordinate. */
+/* A disk across the axis reaches r sqrt(1 - axis_k^2) along each coordinate, which is r times the length of
+ * the axis' other two coordinates: that does not cancel where the axis lies along one. */
 void cml_body_box(const struct cml_scene_body *body, double lower[3], double upper[3])
 {
     if (body->form == CML_BODY_MESH) {
@@ -36,8 +37,10 @@ void cml_body_box(const struct cml_scene_body *body, double lower[3], double upp
     }
     const struct cml_convex convex = cml_body_convex(body);
     for (int k = 0; k < 3; k++) {
-        const double reach = body->radius * sqrt(fmax(0, 1 - convex.axis[k] * convex.axis[k]));
-        const double end = body->form == CML_BODY_CYLINDER ? body->end[k] : body->centre[k];
+        const bool round = body->form == CML_BODY_SPHERE;
+        const double across = hypot(convex.axis[(k + 1) % 3], convex.axis[(k + 2) % 3]);
+        const double reach = round ? body->radius : body->radius * across;
+        const double end = round ? body->centre[k] : body->end[k];
         lower[k] = fmin(body->centre[k], end) - reach;
         upper[k] = fmax(body->centre[k], end) + reach;
     }

@@ -3,6 +3,8 @@
 #include "cli/command.h"
 
 #include "base/atomic_file.h"
+#include "base/json_name.h"
+#include "base/version.h"
 #include "result/quantity.h"
 #include "run/cluster.h"
 #include "run/crosscheck.h"
@@ -11,6 +13,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 struct dump {
     FILE *stream;
@@ -78,6 +81,71 @@ static void print_all(const struct cml_check_setup *setup, const struct cml_chec
     for (int s = 1; s < setup->num_sides; s++) print_pair(setup, s, &result->pairs[s]);
 }
 
+/* ---- JSON ---- */
+
+/* It cannot say NaN, the error of one packet, nor infinity: null. */
+static json_t *real_json(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+/* What a side found, and how that differs from the first side. */
+static json_t *side_json(const struct cml_check_setup *setup, int s, const struct cml_check_result *result)
+{
+    const struct cml_result *sums = &result->runs[s].result;
+    const struct cml_check_pair *pair = &result->pairs[s];
+    json_t *side = json_pack("{s:s, s:I, s:f}", "name", setup->sides[s].name, "lost",
+                             (json_int_t)cml_result_lost(sums), "residue", cml_result_imbalance(sums));
+    json_t *differences = json_object();
+    const int totals = setup->scene->backing.kind == CML_NO_BACKING ? CML_TOTALS : CML_NUM_TOTALS;
+    for (int t = 0; t < totals; t++) {
+        const char *name = cml_quantities[cml_quantity_of_total(t)].name;
+        const struct cml_check_total *total = &pair->total[t];
+        char error[32];
+        snprintf(error, sizeof error, "%s_se", name);
+        json_object_set_new(side, name, real_json(cml_result_total(sums, t)));
+        json_object_set_new(side, error, real_json(cml_result_error(sums, t)));
+        json_object_set_new(differences, name,
+                            json_pack("{s:o, s:o, s:o}", "mean", real_json(total->mean), "error",
+                                      real_json(total->error), "z", real_json(total->z)));
+    }
+    if (s == 0) {
+        json_decref(differences);
+        return side;
+    }
+    json_t *worst = !pair->worst_profile ? json_null()
+                                         : json_pack("{s:s, s:i, s:o}", "quantity", pair->worst_profile,
+                                                     "bin", pair->worst_bin, "z", real_json(pair->worst_z));
+    json_t *more =
+        json_pack("{s:b, s:I, s:i, s:o, s:o}", "agree", pair->agrees, "equal", (json_int_t)pair->equal,
+                  "values", pair->values, "differences", differences, "worst", worst);
+    json_object_update(side, more);
+    json_decref(more);
+    return side;
+}
+
+static cml_status print_json(const struct cml_check_setup *setup, const struct cml_check_result *result,
+                             double tolerance, struct cml_error *err)
+{
+    bool agree = true;
+    json_t *ways = json_array();
+    for (int s = 0; s < setup->num_sides; s++) {
+        agree = agree && (s == 0 || result->pairs[s].agrees);
+        json_array_append_new(ways, side_json(setup, s, result));
+    }
+    json_t *object =
+        json_pack("{s:o, s:o, s:I, s:I, s:f, s:b, s:o, s:s}", "scene", cml_json_name(setup->scene->file),
+                  "output", cml_json_name(setup->scene->output), "photons", (json_int_t)setup->photons,
+                  "seed", (json_int_t)setup->options.seed, "tolerance", tolerance, "agree", agree, "ways",
+                  ways, "version", cml_version());
+    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
+    json_decref(object);
+    if (!text) return cml_fail_memory(err, 1, "the JSON record");
+    printf("%s\n", text);
+    free(text);
+    return CML_OK;
+}
+
 static cml_status verdict(const struct cml_check_setup *setup, const struct cml_check_result *result,
                           struct cml_error *err)
 {
@@ -107,7 +175,10 @@ static cml_status check_and_dump(const struct cml_options *options, struct cml_c
         return status;
     }
     if (options->dump) status = cml_file_commit(&file, err);
-    if (!options->quiet) print_all(setup, &result, options->surface.tolerance);
+    if (options->json && status == CML_OK)
+        status = print_json(setup, &result, options->surface.tolerance, err);
+    else if (!options->quiet && !options->json)
+        print_all(setup, &result, options->surface.tolerance);
     if (status == CML_OK) status = verdict(setup, &result, err);
     cml_check_clear(&result);
     return status;

@@ -31,6 +31,14 @@ expect_code 1 crosscheck samples/shapes/hinoise.mci --photons 2e4 --tolerance 0.
 grep -q '^cpu (mesh) against cpu (cones): DISAGREE$' "$work/out" || complain "a coarse mesh agrees"
 grep -q '^opencl against cpu (cones): agree$' "$work/out" || complain "opencl does not agree"
 test "$(cat "$work/err")" = "clustermcml: hinoise.mco: 1 of 2 comparisons disagree" || complain "$(cat "$work/err")"
+expect_code 1 crosscheck samples/shapes/hinoise.mci --photons 2e4 --tolerance 0.1 --rings inscribed --json
+python3 -c 'import json, sys
+told = json.loads(sys.stdin.read())
+ways = {way["name"]: way for way in told["ways"]}
+assert not told["agree"] and not ways["cpu (mesh)"]["agree"] and ways["opencl"]["agree"], told
+assert ways["opencl"]["equal"] == told["photons"] == 20000 > ways["cpu (mesh)"]["equal"], told
+mean = ways["cpu (mesh)"]["Rd"] - ways["cpu (cones)"]["Rd"]
+assert abs(mean - ways["cpu (mesh)"]["differences"]["Rd"]["mean"]) < 1e-9, told' <"$work/out" || complain "--json: $(cat "$work/out")"
 photon=$(awk '!/^#/ { print $1; exit }' "$work/dump")
 fate=$(awk '!/^#/ { print $2; exit }' "$work/dump")
 expect_code 0 trace samples/shapes/hinoise.mci "$photon" --engine opencl

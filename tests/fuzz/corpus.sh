@@ -107,6 +107,7 @@ printf -- '--checkpoint\noff\n--patience\n1e3\n--target-error\n.01\n--tolerance\
 printf 'layer1.mua, photons\n1, 100\n2e0, 200 # two\n' >"$out/sweep/two"
 printf 'seed,layer2.g,beam.angle,body1.n\r\n9007199254740992,-1,45,1.1\r\n' >"$out/sweep/seed"
 printf 'boundary0.scale,boundary0.height,above.n\n0.5,0.1,1.2\n-1,0,nan\n' >"$out/sweep/shape"
+printf '"nm, ""a"" #",layer1.mua\n"450, x",1 # one\n500,"2"\n' >"$out/sweep/labels"
 for name in plane hill; do
     for seed in 1 2; do
         "$program" "$out/fly/$name" --quiet --threads 1 --seed $seed --photons $seed -o "$scratch"

@@ -21,7 +21,7 @@ static void put_row(const struct cml_sweep_table *table, int row)
         uint64_t count;
         FUZZ_CHECK(cell.value[0] != '\0' && cell.name[0] != '\0' && cell.line > 0);
         if (cml_parse_count(cell.value, &count)) FUZZ_CHECK(count <= (uint64_t)1 << 53);
-        status = cml_settings_copy(&settings, &cell, &err);
+        if (!table->label[c]) status = cml_settings_copy(&settings, &cell, &err);
     }
     struct fuzz_files files = {(const uint8_t *)scene_text, sizeof scene_text - 1};
     const struct cml_text_source source = fuzz_source(&files);

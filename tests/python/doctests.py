@@ -1,9 +1,11 @@
-"""The examples in the texts of the Python package give what stands there, and the blocks of samples/python.md run, one after the
-other."""
+"""The examples in the texts of the Python package give what stands there, and the blocks of samples/python.md and the cells of
+samples/notebook.ipynb run, one after the other; those that draw, where matplotlib is installed."""
 import contextlib
 import doctest
 import importlib
+import importlib.util
 import io
+import json
 import os
 import pkgutil
 import re
@@ -14,11 +16,20 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."
 from python_package import TOP, mc as clustermcml  # noqa: E402
 
 
+def blocks_of(path):
+    """The Python in a text or a notebook."""
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    if not path.endswith(".ipynb"):
+        return re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    cells = ["".join(cell["source"]) for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+    drawn = importlib.util.find_spec("matplotlib") is not None
+    return [cell if drawn else re.sub(r"(?m)^.*\.plot\(.*$", "", cell) for cell in cells]
+
 
 def run_text(path):
-    """What the blocks of Python in a text print, run in an empty folder."""
-    with open(path, encoding="utf-8") as file:
-        blocks = re.findall(r"```python\n(.*?)```", file.read(), re.DOTALL)
+    """What the blocks of a text print, run in an empty folder."""
+    blocks = blocks_of(path)
     printed, names, here = io.StringIO(), {}, os.getcwd()
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(printed):
         os.chdir(folder)
@@ -34,10 +45,10 @@ failed = tried = 0
 for module in pkgutil.iter_modules(clustermcml.__path__, "clustermcml."):
     result = doctest.testmod(importlib.import_module(module.name))
     failed, tried = failed + result.failed, tried + result.attempted
-said = run_text(os.path.join(TOP, "samples", "python.md"))
-for expected in ("Rd = 0.", "middle of the light at x = 0.", "absorbed by the vessel: 0.", "Rd of the flat scene: 0.", "Layer.g = 1.9 (expected a number from -1 to 1)"):
+said = "".join(run_text(os.path.join(TOP, "samples", name)) for name in ("python.md", "notebook.ipynb"))
+for expected in ("Rd = 0.", "mesh because", "the same skin, flat: Rd = 0.", "Rd at 500 nm: 0.", "middle of the light at x = 0.", "absorbed by the vessel: 0.", "Rd of the flat scene: 0.", "Layer.g = 1.9 (expected a number from -1 to 1)"):
     tried, failed = tried + 1, failed + (expected not in said)
     if expected not in said:
-        print(f"python.md does not print {expected}:\n{said}")
+        print(f"samples do not print {expected}:\n{said}")
 print(f"{tried} examples, {failed} failed")
 sys.exit(failed > 0 or tried == 0)

@@ -1,9 +1,10 @@
 #!/bin/sh
 # pip install . into clean virtual environments, of every Python from 3.9 on that is here; then five lines and a picture, and the first
-# reader of samples/output.md, which needs nothing else.
+# reader of samples/output.md, which needs nothing else. The notebook of samples runs from its first cell to its last, and trimesh reads an STL.
 # Skipped without a package registry.
 # SPDX-License-Identifier: MIT
 set -u
+here=$PWD
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 tried=0
@@ -12,7 +13,7 @@ for python in python3.9 python3.10 python3.11 python3.12 python3.13; do
     $python -m venv "$work/$python" || { echo "$python makes no virtual environment"; continue; }
     pip="$work/$python/bin/pip"
     $pip download --quiet --no-deps --dest "$work" scikit-build-core >/dev/null 2>&1 || { echo "no package registry"; exit 77; }
-    $pip install --quiet . matplotlib || { echo "$python: pip install . failed"; exit 1; }
+    $pip install --quiet . matplotlib nbconvert ipykernel trimesh || { echo "$python: pip install . failed"; exit 1; }
     (cd "$work" && "$work/$python/bin/python" -c '
 import clustermcml as mc
 skin = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1, top=mc.Heightfield(r=[0, 0.1], h=[0.02, 0]))
@@ -23,6 +24,10 @@ result.Rd_r.plot()[0].figure.savefig("picture.png")
     sed -n '/^```python$/,/^```$/p' samples/output.md | sed -e 1d -e '/^```$/,$d' >"$work/reader.py"
     "$work/$python/bin/clustermcml" samples/skinmap.mci --photons 2e4 --quiet -o "$work" || exit 1
     (cd "$work" && "$work/$python/bin/python" reader.py) || { echo "$python: no result read"; exit 1; }
+    (cd "$work" && "$work/$python/bin/jupyter" nbconvert --execute --to html --output-dir "$work" "$here/samples/notebook.ipynb" >"$work/said" 2>&1) ||
+        { cat "$work/said"; echo "$python: the notebook failed"; exit 1; }
+    test "$(grep -c 'data:image/png' "$work/notebook.html")" -ge 4 || { echo "$python: a notebook without pictures"; exit 1; }
+    CLUSTERMCML="$work/$python/bin/clustermcml" "$work/$python/bin/python" tests/python/commands.py Meshes || exit 1
     echo "$python: installed, flown, drawn"
     rm "$work/picture.png"
     tried=1

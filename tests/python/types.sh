@@ -1,7 +1,21 @@
 #!/bin/sh
-# The types of the Python package hold, by mypy's strict rules.
+# The types of the Python package hold, by mypy's strict rules, and find what is wrong in calls of it: options, too.
 # SPDX-License-Identifier: MIT
 command -v mypy >/dev/null || { echo "mypy is missing"; exit 77; }
-cache=$(mktemp -d)
-trap 'rm -rf "$cache"' EXIT
-mypy --config-file pyproject.toml --cache-dir "$cache"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mypy --config-file pyproject.toml --cache-dir "$work" || exit 1
+cat >"$work/calls.py" <<'END'
+import clustermcml as mc
+mc.run("a.mci", photons=1e5, roulette=[0.003, 0.01], set={"layer1.mua": 1}, output_dir=".", threads=2)
+mc.sweep("a.mci", {"layer1.mua": [1, 2]}, dim="row", engine="cpu")
+mc.Mesh([[0, 0, 0]], [[0, 0, 0]])
+mc.run("a.mci", photon=1)  # wrong
+mc.run("a.mci", photons="many")  # wrong
+mc.exact("a.mci", photons=1)  # wrong
+mc.check("a.mci", engine="gpu")  # wrong
+mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d="thick")  # wrong
+END
+mypy --config-file pyproject.toml --cache-dir "$work" "$work/calls.py" >"$work/found"
+sed -n 's/.*calls\.py:\([0-9]*\): error.*/\1/p' "$work/found" | sort -u >"$work/lines"
+grep -n '# wrong' "$work/calls.py" | cut -d: -f1 | cmp -s - "$work/lines" || { cat "$work/found"; exit 1; }

@@ -34,7 +34,7 @@ install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT plain)
 # without the scripts that build from source, and those that make what is here
 install(DIRECTORY samples meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml
         FILES_MATCHING PATTERN "*.mci" PATTERN "*.obj" PATTERN "*.gsf" PATTERN "*.asc" PATTERN "*.md"
-        PATTERN "*.txt" PATTERN "*.csv")
+        PATTERN "*.txt" PATTERN "*.csv" PATTERN "*.ipynb")
 install(PROGRAMS samples/slurm.sh samples/slurm-array.sh DESTINATION ${CMAKE_INSTALL_DATADIR}/clustermcml/samples)
 if(CLUSTERMCML_PAGES)
     find_program(AWK NAMES mawk gawk awk REQUIRED)

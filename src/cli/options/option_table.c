@@ -125,7 +125,7 @@ const struct cml_option cml_option_table[] = {
      "Else the picture, .svg, .png, .pdf or .eps; of compare and check: none without it; of plot: default "
      "plot.svg",
      TEXT(output)},
-    {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE, NULL,
+    {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE | CROSSCHECK, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},
     {"alpha", 0, "A", COMPARE, NULL, "p below it is a difference, default 0.01", .read = cml_read_alpha},
     {"dump", 0, "FILE", CROSSCHECK, NULL, "the photons that differ, for trace", TEXT(dump)},

@@ -66,14 +66,15 @@ static cml_status table_path(const struct sweep *sweep, const char *suffix, char
 
 /* ---- rows ---- */
 
-/* All but the seed is for the reader of the scene. */
+/* All but the seed and labels is for the reader of the scene. */
 static cml_status row_settings(const struct sweep *sweep, int row, struct cml_settings *settings,
                                struct cml_error *err)
 {
     *settings = sweep->options->settings;
     for (int c = 0; c < sweep->table.num_columns; c++) {
         const struct cml_setting setting = cml_sweep_cell(&sweep->table, row, c);
-        if (c != sweep->seed_column) CML_TRY(cml_settings_copy(settings, &setting, err));
+        if (c != sweep->seed_column && !sweep->table.label[c])
+            CML_TRY(cml_settings_copy(settings, &setting, err));
     }
     return CML_OK;
 }
@@ -178,6 +179,16 @@ static cml_status identify(struct sweep *sweep, struct cml_error *err)
     return cml_identity_inputs(&files, &sweep->identity, err);
 }
 
+/* Their columns in the results have names of their own. */
+static cml_status check_labels(const struct cml_sweep_table *table, struct cml_error *err)
+{
+    for (int c = 0; c < table->num_columns; c++)
+        if (table->label[c] && cml_sweep_is_of_results(table->name[c]))
+            return cml_fail_field(err, table->text.path, 0, "label", table->name[c],
+                                  "a name that the table of results has not already");
+    return CML_OK;
+}
+
 static cml_status open_sweep(struct sweep *sweep, struct cml_error *err)
 {
     const struct cml_text_source replay = cml_inputs_replayer(sweep->inputs);
@@ -185,7 +196,8 @@ static cml_status open_sweep(struct sweep *sweep, struct cml_error *err)
     CML_TRY(cml_sweep_table_read(&replay, options->sweep, &sweep->table, err));
     sweep->seed_column = -1;
     for (int c = 0; c < sweep->table.num_columns; c++)
-        if (strcmp(sweep->table.name[c], "seed") == 0) sweep->seed_column = c;
+        if (strcmp(sweep->table.name[c], "seed") == 0 && !sweep->table.label[c]) sweep->seed_column = c;
+    CML_TRY(check_labels(&sweep->table, err));
     sweep->digits = snprintf(NULL, 0, "%d", sweep->table.num_rows);
     if (sweep->digits < 4) sweep->digits = 4;
     CML_TRY(identify(sweep, err));
@@ -289,6 +301,7 @@ static cml_status publish(const struct sweep *sweep, struct cml_error *err)
                                               .num_columns = (int)columns,
                                               .num_rows = (int)rows,
                                               .name = names,
+                                              .label = sweep->table.label,
                                               .cell = sweep->table.cell,
                                               .seed = seeds,
                                               .file = files,

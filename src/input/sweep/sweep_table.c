@@ -16,26 +16,56 @@ static char *trim(char *text)
     return text;
 }
 
+/* Where a comment begins, or the line ends: at a # outside of quotation marks. */
+static char *find_comment(char *line)
+{
+    bool quoted = false;
+    for (; *line && (quoted || *line != '#'); line++) quoted ^= *line == '"';
+    return line;
+}
+
 /* The next line with anything in it; NULL: none. */
 static char *next_line(struct cml_text *text)
 {
     for (char *line; (line = cml_text_next(text));) {
-        line[strcspn(line, "#")] = '\0';
+        *find_comment(line) = '\0';
         line = trim(line);
         if (*line) return line;
     }
     return NULL;
 }
 
-/* Cuts the next cell off; NULL behind the last one. */
-static char *next_cell(char **line)
+struct cell {
+    char *text;
+    bool quoted;
+    char *behind; /* what stands behind the closing quotation mark, which should be nothing; NULL: it is
+                     missing */
+};
+
+/* Takes the marks off, and returns what stands behind; NULL, and the cell as it was, where none closes. */
+static char *unquote(char *cell)
 {
-    char *cell = *line;
-    if (!cell) return NULL;
-    char *comma = strchr(cell, ',');
+    char *end = cell + 1, *to = cell;
+    for (; *end && (*end != '"' || end[1] == '"'); end += *end == '"' ? 2 : 1) {
+    }
+    if (!*end) return NULL;
+    for (const char *from = cell + 1; from < end; from += *from == '"' ? 2 : 1) *to++ = *from;
+    *to = '\0';
+    return end + 1;
+}
+
+/* Cuts the next cell off; false behind the last one. */
+static bool next_cell(char **line, struct cell *cell)
+{
+    if (!*line) return false;
+    char *text = *line + strspn(*line, blanks);
+    const bool quoted = *text == '"';
+    char *behind = quoted ? unquote(text) : NULL;
+    char *comma = strchr(behind ? behind : text, ',');
     *line = comma ? comma + 1 : NULL;
     if (comma) *comma = '\0';
-    return trim(cell);
+    *cell = (struct cell){quoted ? text : trim(text), quoted, behind ? trim(behind) : NULL};
+    return true;
 }
 
 static cml_status fail_at(const struct cml_text *text, const char *field, const char *value,
@@ -44,20 +74,48 @@ static cml_status fail_at(const struct cml_text *text, const char *field, const 
     return cml_fail_field(err, text->path, text->line, field, value, expected);
 }
 
-static cml_status read_name(struct cml_sweep_table *table, const char *name, struct cml_error *err)
+static cml_status check_quotes(const struct cml_sweep_table *table, const struct cell *cell, int column,
+                               struct cml_error *err)
 {
     char field[32];
+    if (!cell->quoted || (cell->behind && !*cell->behind)) return CML_OK;
+    snprintf(field, sizeof field, "column %d", column + 1);
+    return fail_at(&table->text, field, cell->behind ? cell->behind : cell->text,
+                   cell->behind ? "a comma behind the closing quotation mark"
+                                : "a closing quotation mark in the line",
+                   err);
+}
+
+static cml_status read_name(struct cml_sweep_table *table, const struct cell *cell, struct cml_error *err)
+{
+    char field[32];
+    const char *name = cell->text;
     const int column = table->num_columns;
     snprintf(field, sizeof field, "column %d", column + 1);
+    CML_TRY(check_quotes(table, cell, column, err));
     if (*name == '\0' || strlen(name) >= sizeof *table->name)
-        return fail_at(&table->text, field, name, "a name like layer1.mua", err);
-    if (strpbrk(name, "; \t"))
+        return fail_at(&table->text, field, name,
+                       cell->quoted ? "a label of at most 63 bytes" : "a name like layer1.mua", err);
+    if (!cell->quoted && strchr(name, ';'))
         return fail_at(&table->text, field, name, "one name; commas part the columns", err);
+    if (!cell->quoted && strpbrk(name, " \t"))
+        return fail_at(&table->text, field, name,
+                       "one name; commas part the columns, and labels stand in quotation marks", err);
     for (int i = 0; i < column; i++)
         if (strcmp(table->name[i], name) == 0)
             return fail_at(&table->text, field, name, "a name that no other column has", err);
+    table->label[column] = cell->quoted;
     strcpy(table->name[table->num_columns++], name);
     return CML_OK;
+}
+
+/* Programs that put all texts in quotation marks would have labels only. */
+static cml_status check_labels(const struct cml_sweep_table *table, struct cml_error *err)
+{
+    for (int i = 0; i < table->num_columns; i++)
+        if (!table->label[i]) return CML_OK;
+    return fail_at(&table->text, "column 1", table->name[0],
+                   "a name without quotation marks, which is set: those in quotation marks are labels", err);
 }
 
 static cml_status read_header(struct cml_sweep_table *table, struct cml_error *err)
@@ -65,13 +123,15 @@ static cml_status read_header(struct cml_sweep_table *table, struct cml_error *e
     char *line = next_line(&table->text);
     if (!line) return fail_at(&table->text, "the line of names", NULL, "layer1.mua, photons or others", err);
     table->name = calloc(CML_MOST_SETTINGS, sizeof *table->name);
-    if (!table->name) return cml_fail_memory(err, CML_MOST_SETTINGS * sizeof *table->name, "a table");
-    for (char *cell; (cell = next_cell(&line));) {
+    table->label = calloc(CML_MOST_SETTINGS, sizeof *table->label);
+    if (!table->name || !table->label)
+        return cml_fail_memory(err, CML_MOST_SETTINGS * sizeof *table->name, "a table");
+    for (struct cell cell; next_cell(&line, &cell);) {
         if (table->num_columns == CML_MOST_SETTINGS)
-            return fail_at(&table->text, "columns", cell, "at most 256", err);
-        CML_TRY(read_name(table, cell, err));
+            return fail_at(&table->text, "columns", cell.text, "at most 256", err);
+        CML_TRY(read_name(table, &cell, err));
     }
-    return CML_OK;
+    return check_labels(table, err);
 }
 
 static cml_status grow(struct cml_sweep_table *table, struct cml_error *err)
@@ -95,10 +155,11 @@ static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml
     CML_TRY(grow(table, err));
     const int row = table->num_rows++;
     table->line[row] = table->text.line;
-    for (char *cell; (cell = next_cell(&line)); cells++) {
+    for (struct cell cell; next_cell(&line, &cell); cells++) {
+        CML_TRY(check_quotes(table, &cell, cells, err));
         if (cells >= table->num_columns) continue;
-        table->cell[(size_t)row * (size_t)table->num_columns + (size_t)cells] = cell;
-        if (*cell) continue;
+        table->cell[(size_t)row * (size_t)table->num_columns + (size_t)cells] = cell.text;
+        if (*cell.text) continue;
         char field[CML_SETTING_NAME + 32];
         snprintf(field, sizeof field, "column %d, %s", cells + 1, table->name[cells]);
         return fail_at(&table->text, field, NULL, "a value", err);
@@ -133,6 +194,7 @@ void cml_sweep_table_clear(struct cml_sweep_table *table)
 {
     cml_text_clear(&table->text);
     free(table->name);
+    free(table->label);
     free(table->cell);
     free(table->line);
     *table = (struct cml_sweep_table){0};

@@ -1,6 +1,7 @@
 /* The table of --sweep: names in the first line, one run in every other. Commas part the cells; blanks around
- * them, blank lines and what stands behind # do not count. What the names mean, and which values they may
- * have, the reader of scenes knows (mci_settings.h). SPDX-License-Identifier: MIT */
+ * them, blank lines and what stands behind # do not count. Cells may stand in quotation marks, in which "" is
+ * one: names that do are labels, which are carried along. What the other names mean, and which values they
+ * may have, the reader of scenes knows (mci_settings.h). SPDX-License-Identifier: MIT */
 #ifndef CML_SWEEP_TABLE_H
 #define CML_SWEEP_TABLE_H
 
@@ -12,6 +13,7 @@ struct cml_sweep_table {
     struct cml_text text; /* what the cells point into */
     int num_columns, num_rows;
     char (*name)[CML_SETTING_NAME]; /* [num_columns] */
+    bool *label;                    /* [num_columns] carried along, not set */
     char **cell;                    /* [num_rows][num_columns] none empty */
     int *line;                      /* [num_rows] of the file, from 1 */
 };

@@ -2,6 +2,7 @@
 #include "output/study/sweep_files.h"
 
 #include "base/atomic_file.h"
+#include "base/text.h"
 #include "base/version.h"
 #include "result/quantity.h"
 
@@ -15,23 +16,26 @@ static bool is_of_every_row(const char *name)
     return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
 }
 
-/* ---- .csv ---- */
-
-static void write_names(FILE *out, const struct cml_sweep_results *r)
+bool cml_sweep_is_of_results(const char *name)
 {
-    fputs("row", out);
-    for (int c = 0; c < r->num_columns; c++)
-        if (!is_of_every_row(r->name[c])) fprintf(out, ",%s", r->name[c]);
-    fputs(",photons,seed", out);
-    for (int t = 0; t < CML_TOTALS; t++)
-        fprintf(out, ",%s,%s_se", cml_quantities[t].name, cml_quantities[t].name);
-    fputs(",lost,file\n", out);
+    const size_t length = strlen(name);
+    for (int t = 0; t < CML_TOTALS; t++) {
+        const size_t own = strlen(cml_quantities[t].name);
+        if (strncmp(name, cml_quantities[t].name, own) == 0 &&
+            (length == own || strcmp(name + own, "_se") == 0))
+            return true;
+    }
+    /* call: a group of the .h5 */
+    return is_of_every_row(name) || strcmp(name, "row") == 0 || strcmp(name, "lost") == 0 ||
+           strcmp(name, "file") == 0 || strcmp(name, "call") == 0;
 }
 
-/* Names with a comma or a quotation mark, after RFC 4180. */
-static void write_file_name(FILE *out, const char *name)
+/* ---- .csv ---- */
+
+/* Names with a comma or a quotation mark, after RFC 4180, and what stood in quotation marks. */
+static void write_text(FILE *out, const char *name, bool label)
 {
-    const bool quoted = strpbrk(name, ",\"") != NULL;
+    const bool quoted = label || strpbrk(name, ",\"#") != NULL;
     if (quoted) fputc('"', out);
     for (; *name; name++) {
         if (*name == '"') fputc('"', out);
@@ -40,17 +44,33 @@ static void write_file_name(FILE *out, const char *name)
     if (quoted) fputc('"', out);
 }
 
+static void write_names(FILE *out, const struct cml_sweep_results *r)
+{
+    fputs("row", out);
+    for (int c = 0; c < r->num_columns; c++)
+        if (!is_of_every_row(r->name[c])) {
+            fputc(',', out);
+            write_text(out, r->name[c], r->label[c]);
+        }
+    fputs(",photons,seed", out);
+    for (int t = 0; t < CML_TOTALS; t++)
+        fprintf(out, ",%s,%s_se", cml_quantities[t].name, cml_quantities[t].name);
+    fputs(",lost,file\n", out);
+}
+
 static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
 {
     const struct cml_record *record = &r->record[row];
     fprintf(out, "%d", row + 1);
     for (int c = 0; c < r->num_columns; c++)
-        if (!is_of_every_row(r->name[c]))
-            fprintf(out, ",%s", r->cell[(size_t)row * (size_t)r->num_columns + (size_t)c]);
+        if (!is_of_every_row(r->name[c])) {
+            fputc(',', out);
+            write_text(out, r->cell[(size_t)row * (size_t)r->num_columns + (size_t)c], false);
+        }
     fprintf(out, ",%" PRIu64 ",%" PRIu64, record->photons, r->seed[row]);
     for (int t = 0; t < CML_TOTALS; t++) fprintf(out, ",%.17g,%.17g", record->value[t], record->error[t]);
     fprintf(out, ",%" PRIu64 ",", record->lost);
-    write_file_name(out, r->file[row]);
+    write_text(out, r->file[row], false);
     fputc('\n', out);
 }
 
@@ -108,6 +128,7 @@ static bool find_axes(struct grid *grid)
 {
     const struct cml_sweep_results *r = grid->results;
     for (int c = 0; c < r->num_columns; c++) {
+        if (r->label[c]) continue;
         double *places = grid->places + (size_t)c * (size_t)r->num_rows;
         const size_t n = find_places(grid, c, places);
         if (n == 1) continue;
@@ -222,14 +243,26 @@ static void fill_whole(struct fields *list, enum whole which, const char *name, 
     for (int i = 0; i < grid->results->num_rows; i++) to[i] = whole_of(grid->results, grid->row[i], which);
 }
 
+/* Whether all cells of a column are numbers. */
+static bool is_numeric(const struct cml_sweep_results *r, int column)
+{
+    double value;
+    for (int row = 0; row < r->num_rows; row++)
+        if (!cml_parse_double(r->cell[(size_t)row * (size_t)r->num_columns + (size_t)column], &value))
+            return false;
+    return true;
+}
+
 static void fill(struct fields *list)
 {
     const struct grid *grid = list->grid;
     const struct cml_sweep_results *r = grid->results;
     for (int t = 0; t < CML_TOTALS; t++) fill_total(list, t);
     for (int c = 0; c < r->num_columns; c++) {
-        if (is_axis(grid, c) || is_of_every_row(r->name[c])) continue;
-        double *to = add(list, r->name[c], "what was swept", unit_of(r->name[c]));
+        if (is_axis(grid, c) || is_of_every_row(r->name[c]) || (r->label[c] && !is_numeric(r, c))) continue;
+        double *to = r->label[c] ? add(list, r->name[c], "label", "1")
+                                 : add(list, r->name[c], "what was swept", unit_of(r->name[c]));
+        for (char *name = list->field[list->count - 1].name; (name = strchr(name, '/'));) *name = '_';
         for (int i = 0; i < r->num_rows; i++)
             to[i] = grid->value[(size_t)grid->row[i] * (size_t)r->num_columns + (size_t)c];
     }

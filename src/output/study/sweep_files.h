@@ -14,11 +14,15 @@ struct cml_sweep_results {
     struct cml_hdf5_call call;
     int num_columns, num_rows;
     const char *const *name;         /* [num_columns] what was swept */
+    const bool *label;               /* [num_columns] not swept, but carried along */
     char *const *cell;               /* [num_rows][num_columns] its values, numbers as written */
     const uint64_t *seed;            /* [num_rows] */
     char *const *file;               /* [num_rows] main results */
     const struct cml_record *record; /* [num_rows] */
 };
+
+/* Whether a column of every table is called so. */
+bool cml_sweep_is_of_results(const char *name);
 
 /* A line of names, then a line for each row: row, what was swept, photons, seed, the totals each with its
  * standard error, lost packets, the row's file. Numbers with 17 digits. Atomic; CML_E_IO. */
@@ -27,7 +31,8 @@ CML_NODISCARD cml_status cml_sweep_write_csv(const char *path, const struct cml_
 
 /* Where the rows are all combinations of the values in their columns, each once, and at most CML_FIELD_AXES
  * columns have more than one value, those columns are the axes, in their order, with values rising. Else
- * there is one axis, row, and all columns are arrays over it. Atomic; CML_E_IO, CML_E_INPUT when memory runs
+ * there is one axis, row, and all columns are arrays over it. Labels are no axes, and are left out where they
+ * are no numbers; / in their names is _. Atomic; CML_E_IO, CML_E_INPUT when memory runs
  * out. */
 CML_NODISCARD cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *results,
                                             struct cml_error *err);

@@ -15,7 +15,7 @@ SPDX-License-Identifier: MIT
 """
 
 from .bodies import Body, Cylinder, Sphere
-from .commands import check, compare, exact, merge, plan, version
+from .commands import check, compare, crosscheck, exact, merge, mesh, plan, trace, version
 from .errors import ClustermcmlError, InputError
 from .phases import Phase
 from .program import run
@@ -25,7 +25,7 @@ from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
-           "Sphere", "Time", "check", "compare", "exact", "merge", "plan", "read", "run", "sweep"]
+           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "merge", "mesh", "plan", "read", "run", "sweep", "trace"]
 
 
 def __getattr__(name: str) -> str:

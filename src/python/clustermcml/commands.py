@@ -1,4 +1,4 @@
-"""Commands of the program beside `run`: what they say with --json, as Python's own numbers and lists.
+"""Commands of the program beside `run`: what they say, as Python's own numbers and lists.
 
 SPDX-License-Identifier: MIT
 """
@@ -7,20 +7,26 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
-import tempfile
 import warnings
-from typing import Any, Sequence, Union
+from typing import TYPE_CHECKING, Any, Mapping, Sequence, Union
 
+import numpy as np
 import xarray as xr
 
 from . import errors
-from .program import PREFIX, find_program, option_words, raise_failure, renamed, scene_file
+from .options import CheckOptions, CompareOptions, CrosscheckOptions, ExactOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
+from .program import PREFIX, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
 from .results import read
 from .scene import Scene
 
-Path = Union[str, os.PathLike[str]]
-DIFFERENT = 1  # exit code of compare where two results disagree
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+DIFFERENT = 1  # exit code of compare and crosscheck where results disagree
+EVENT = {"what": "what happened", "medium": "medium behind it: layer, 0 above", "x": "place", "y": "place", "z": "depth",
+         "ux": "direction", "uy": "direction", "uz": "direction, down", "weight": "weight behind it"}  # columns of trace
 
 
 def _say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
@@ -38,10 +44,10 @@ def _say(words: Sequence[str], scratch: str, fine: Sequence[int] = (0,)) -> str:
     return ended.stdout
 
 
-def _of_scene(command: str, scene: Union[Scene, Path], options: dict[str, Any]) -> list[dict[str, Any]]:
+def _of_scene(command: str, scene: Union[Scene, Path], options: Mapping[str, object], kind: Any, fine: Sequence[int] = (0,)) -> list[dict[str, Any]]:
     """What a command says of a scene, one dict a run. The file of an object is gone afterwards, so its name is left out."""
-    with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch, scene_file(scene, scratch) as path:
-        told = _say([command, path, "--json", *option_words(options)], scratch)
+    with scratch_folder() as scratch, scene_file(scene, scratch) as path:
+        told = _say([command, path, "--json", *option_words(options, kind)], scratch, fine)
     runs: list[dict[str, Any]] = [json.loads(line) for line in told.splitlines()]
     for run in runs:
         if isinstance(scene, Scene):
@@ -54,28 +60,66 @@ def version() -> str:
     return _say(["--version"], "").splitlines()[0].removeprefix("clustermcml ")
 
 
-def check(scene: Union[Scene, Path], **options: Any) -> list[dict[str, Any]]:
+@shown
+def check(scene: Union[Scene, Path], **options: Unpack[CheckOptions]) -> list[dict[str, Any]]:
     """What the program understands of a scene, for each of its runs: layers, boundaries and how they are represented, memory.
+    output: a picture of the section through it, .svg, .png, .pdf or .eps.
 
-    Raises InputError where `run` would refuse it. Options as of `run`: `clustermcml help check` lists them.
+    Raises InputError where `run` would refuse it. `clustermcml help check` says what the options do.
     """
-    return _of_scene("check", scene, options)
+    return _of_scene("check", scene, options, CheckOptions)
 
 
-def exact(scene: Union[Scene, Path], **options: Any) -> list[dict[str, Any]]:
+@shown
+def exact(scene: Union[Scene, Path], **options: Unpack[ExactOptions]) -> list[dict[str, Any]]:
     """Rsp, Rd, A, Tt and A_l of the scene with planes in place of all shapes, for each of its runs, without photons; NAME_error is the
     limit of the error."""
-    return _of_scene("exact", scene, options)
+    return _of_scene("exact", scene, options, ExactOptions)
 
 
-def plan(scene: Union[Scene, Path], **options: Any) -> list[dict[str, Any]]:
+@shown
+def plan(scene: Union[Scene, Path], **options: Unpack[PlanOptions]) -> list[dict[str, Any]]:
     """How many photons, and how much time, an error takes on this machine, for each run of the scene: target_error=1e-2."""
-    return _of_scene("plan", scene, options)
+    return _of_scene("plan", scene, options, PlanOptions)
 
 
-def compare(a: Path, b: Path, **options: Any) -> dict[str, Any]:
-    """Whether two results (.mco, .h5) agree within their noise: what `clustermcml compare --json` says, and `agree`."""
-    words = ["compare", errors.existing_file("a", a), errors.existing_file("b", b), "--json", *option_words(options)]
+@shown
+def crosscheck(scene: Union[Scene, Path], **options: Unpack[CrosscheckOptions]) -> list[dict[str, Any]]:
+    """The same photons flown in several ways, for each run of the scene: the `ways`, and `agree` of all of them and of each with the
+    first. dump: a file for the photons that differ."""
+    return _of_scene("crosscheck", scene, options, CrosscheckOptions, (0, DIFFERENT))
+
+
+@shown
+def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions]) -> xr.Dataset:
+    """Every event of one photon (from 0), alone, with the random numbers that it has in a run with the same options; its attribute
+    `end` says what became of it."""
+    index = errors.whole("photon", photon, 0, 2**53)
+    with scratch_folder() as scratch, scene_file(scene, scratch) as path:
+        lines = _say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()
+    rows = [line.split()[1:] for line in lines if not line.startswith("#")]
+    units = {"x": "cm", "y": "cm", "z": "cm"}
+    events = {name: xr.DataArray(np.array([row[k] for row in rows], dtype={"what": str, "medium": int}.get(name, float)), dims="event",
+                                 attrs={"units": units.get(name, "1"), "long_name": meaning})
+              for k, (name, meaning) in enumerate(EVENT.items())}
+    return xr.Dataset(events, attrs={"photon": index, "end": lines[-1].removeprefix("# ")})
+
+
+@shown
+def mesh(scene: Union[Scene, Path], output_dir: Path = ".", **options: Unpack[MeshOptions]) -> list[str]:
+    """Writes every boundary that is no plane, and every body, as an OBJ file into a folder, as a run would give it to Embree. Returns the
+    paths of the files."""
+    folder = errors.folder("output_dir", output_dir)
+    with scratch_folder() as scratch, scene_file(scene, scratch) as path:
+        said = _say(["mesh", path, "-o", folder, *option_words(options, MeshOptions)], scratch)
+    return re.findall(r" triangles -> (.*)$", said, re.MULTILINE)
+
+
+@shown
+def compare(a: Path, b: Path, **options: Unpack[CompareOptions]) -> dict[str, Any]:
+    """Whether two results (.mco, .h5) agree within their noise: what `clustermcml compare --json` says, and `agree`. output: a picture of
+    both."""
+    words = ["compare", errors.existing_file("a", a), errors.existing_file("b", b), "--json", *option_words(options, CompareOptions)]
     told: dict[str, Any] = json.loads(_say(words, "", (0, DIFFERENT)))
     return told
 

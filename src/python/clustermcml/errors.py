@@ -108,7 +108,7 @@ def array(name: str, value: Any, kinds: str, expected: str) -> Any:
         numbers = np.asarray(value)
     except (TypeError, ValueError):
         raise refuse(name, value, expected) from None
-    if numbers.dtype.kind not in kinds or not np.all(np.isfinite(numbers)) or np.any(getattr(value, "mask", False)):
+    if numbers.dtype.kind not in kinds or not np.all(np.isfinite(numbers)) or (isinstance(value, np.ma.MaskedArray) and np.any(value.mask)):
         raise refuse(name, value, expected)
     return numbers
 

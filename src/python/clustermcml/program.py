@@ -19,7 +19,7 @@ import sys
 import tempfile
 import threading
 import warnings
-from typing import IO, Any, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
+from typing import IO, TYPE_CHECKING, Any, Iterable, Iterator, Mapping, NoReturn, Optional, Sequence, Union
 
 import numpy as np
 import xarray as xr
@@ -27,8 +27,12 @@ import xarray as xr
 from . import errors
 from .h5 import read_h5
 from .mco import read_mco
+from .options import Path, RunOptions, shown
 from .progress import Progress
 from .scene import Scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 PREFIX = "clustermcml: "
 OWN = "# written by clustermcml.run or sweep\n"
@@ -59,9 +63,9 @@ NO_ARGUMENTS = {"json": "results are returned", "quiet": "results are returned",
                 "version": "results have it as an attribute"}
 
 
-def option_words(options: dict[str, Any]) -> list[str]:
+def option_words(options: Mapping[str, object], kind: Any = RunOptions) -> list[str]:
     """Keywords as the program's options: True is an option without a value, None and False leave it out, a list is joined by commas,
-    a dict is the option with NAME=VALUE once for each item.
+    a dict is the option with NAME=VALUE once for each item. kind: the class that lists them; others are the program's to refuse.
 
     >>> option_words({"photons": 1e5, "target_error": None, "no_reentry": True, "device": [0, 1]})
     ['--photons', '100000.0', '--no-reentry', '--device', '0,1']
@@ -70,7 +74,7 @@ def option_words(options: dict[str, Any]) -> list[str]:
     """
     words = []
     for name, value in options.items():
-        if name in NO_ARGUMENTS:
+        if name in NO_ARGUMENTS and name not in kind.__annotations__:
             raise errors.refuse(name, value, "no such argument: " + NO_ARGUMENTS[name])
         option = "--" + name.replace("_", "-")
         if isinstance(value, (bool, np.bool_)):
@@ -87,12 +91,25 @@ def renamed(text: str, folder: str) -> str:
 
     >>> renamed("/tmp/x/scene.mci:9: boundary 0: /tmp/x/scene.surface0.obj: no faces", "/tmp/x")
     'Scene: boundary 0: its surface: no faces'
+    >>> renamed("/tmp/x/scene.mco: cannot be written (No space left on device)", "/tmp/x")
+    'scene.mco: cannot be written (No space left on device)'
     """
     names = {r"scene\.mci": "Scene", r"scene\.surface\d+\.\w+": "its surface", r"scene\.layer\d+body\d+\.\w+": "its surface",
-             r"sweep\.csv": "parameters"}
+             r"scene\.layer\d+(body\d+)?\.phase\.txt": "table of a Phase", r"sweep\.csv": "parameters"}
     for file, name in names.items():
         text = re.sub(re.escape(folder + os.sep) + file + r"(:\d+)?(?!\w)", name, text)
-    return text
+    return text.replace(folder + os.sep, "") if folder else text
+
+
+@contextlib.contextmanager
+def scratch_folder() -> Iterator[str]:
+    """A folder that will be gone: errors name none of its files."""
+    with tempfile.TemporaryDirectory(prefix="clustermcml_") as folder:
+        try:
+            yield folder
+        except errors.ClustermcmlError as error:
+            error.args = (renamed(str(error), folder),)
+            raise
 
 
 def raise_failure(code: int, said: Sequence[str]) -> NoReturn:
@@ -169,7 +186,7 @@ def _unlock(file: IO[bytes]) -> None:
 
 
 @contextlib.contextmanager
-def scene_file(scene: Union[Scene, str, os.PathLike[str]], folder: str) -> Iterator[str]:
+def scene_file(scene: Union[Scene, Path], folder: str) -> Iterator[str]:
     """The path of the scene's file; of one in the folder where it is an object. Until its result is read, no other call writes there."""
     if not isinstance(scene, Scene):
         yield errors.existing_file("scene", scene)
@@ -237,8 +254,9 @@ def result_of(told: dict[str, Any]) -> xr.Dataset:
     return data
 
 
-def run(scene: Union[Scene, str, os.PathLike[str]], *, output_dir: Union[None, str, os.PathLike[str]] = None,
-        progress: Optional[bool] = None, **options: Any) -> xr.Dataset:
+@shown
+def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progress: Optional[bool] = None,
+        **options: Unpack[RunOptions]) -> xr.Dataset:
     """Flies a scene and returns its result, as `read` does, with how long it took among the attributes.
 
     scene: a Scene, or the path of an `.mci` file with one run. output_dir: a folder that is there, in which results and checkpoints
@@ -249,7 +267,7 @@ def run(scene: Union[Scene, str, os.PathLike[str]], *, output_dir: Union[None, s
     Raises InputError for what is refused, ClustermcmlError for what fails later; the text is the program's. Notes of the program are
     warnings. A KeyboardInterrupt stops the program cleanly: with output_dir its checkpoint stays, and resume=True continues.
     """
-    with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch:
+    with scratch_folder() as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         with scene_file(scene, folder) as path:
             told = fly(path, folder, option_words(options), progress, scratch)

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from typing import Any, Optional, Sequence, Union
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from . import errors
-from .surface_files import write_gsf, write_obj
+from .surface_files import read_triangles, write_gsf, write_obj
 
 
 HIGHEST = 1e30  # cm; as in the files
@@ -126,7 +127,8 @@ def _option_words(options: dict[str, Any]) -> list[str]:
 
 @dataclass
 class Mesh:
-    """A surface as triangles: a file (`.obj`, `.gsf`, `.asc`), or vertices and faces.
+    """A surface as triangles: Mesh(path) of a file (`.obj`, `.gsf`, `.asc`; `.stl` and `.ply` where trimesh is installed, which reads them
+    when the Mesh is made), or Mesh(vertices, faces).
 
     vertices: array [n, 3]; x, y and up. faces: array [m, 3] of indices into the vertices, from 0. units: of the file's or the
     array's numbers (cm mm um m). up: the axis of the file that points up (z, -z, y, -y, x, -x). rotate: degrees about the vertical.
@@ -135,9 +137,9 @@ class Mesh:
     its ends fit.
     """
 
-    path: Optional[Union[str, os.PathLike[str]]] = None
-    vertices: Any = None
-    faces: Any = None
+    path: Union[None, str, os.PathLike[str], ArrayLike] = None
+    vertices: Optional[ArrayLike] = None
+    faces: Optional[ArrayLike] = None
     units: str = "cm"
     up: str = "z"
     rotate: float = 0.0
@@ -148,6 +150,10 @@ class Mesh:
     tile: Union[bool, str] = False
 
     def __post_init__(self) -> None:
+        if self.faces is None and self.vertices is not None:  # by position
+            self.path, self.vertices, self.faces = None, self.path, self.vertices
+        if isinstance(self.path, (str, os.PathLike)) and os.path.splitext(self.path)[1].lower() in (".stl", ".ply"):
+            self.path, self.vertices, self.faces = None, *read_triangles(errors.existing_file("Mesh.path", self.path))
         if (self.path is None) == (self.vertices is None and self.faces is None):
             raise errors.refuse("Mesh.path", self.path, "either a path, or vertices and faces")
         if self.path is None:

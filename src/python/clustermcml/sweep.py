@@ -1,48 +1,108 @@
-"""Sweeps: a scene flown for all combinations of some values.
+"""Sweeps: a scene flown for all combinations of some values, or for the rows of a table.
 
 SPDX-License-Identifier: MIT
 """
 
 from __future__ import annotations
 
-import csv
 import itertools
 import math
 import os
-import tempfile
 import warnings
-from typing import Any, Mapping, Optional, Sequence, Union
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
+import pandas as pd
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from . import errors
-from .program import fly, option_words, result_of, scene_file
+from .options import Path, RunOptions, shown
+from .program import fly, option_words, result_of, scene_file, scratch_folder
 from .scene import Scene
 
-
-def _checked(parameters: Mapping[str, Sequence[float]]) -> dict[str, list[float]]:
-    """The values as lists of numbers, each list without doubles."""
-    if not isinstance(parameters, Mapping) or not parameters:
-        raise errors.refuse("parameters", parameters, 'a dict of names and lists of values, {"layer1.mua": [0.1, 0.2]}')
-    checked = {}
-    for name, values in parameters.items():
-        expected = "a list of at least one number"
-        numbers = errors.array(f"parameters[{name!r}]", values, "iuf", expected)
-        if numbers.ndim != 1 or not numbers.size:
-            raise errors.refuse(f"parameters[{name!r}]", values, expected)
-        checked[name] = [float(value) for value in numbers]
-        if len(set(checked[name])) < len(checked[name]):
-            raise errors.refuse(f"parameters[{name!r}]", values, "values that differ")
-    return checked
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
-def _write_table(path: str, parameters: Mapping[str, Sequence[float]]) -> None:
-    """A row for each combination, the last name running first."""
-    with open(path, "w", encoding="utf-8", newline="") as file:
-        table = csv.writer(file)
-        table.writerow(parameters)
-        table.writerows([[repr(value) for value in row] for row in itertools.product(*parameters.values())])
+@dataclass
+class _Table:
+    """What is flown. columns: a value of each for every row; labels: those that are carried along. sizes: of the new dimensions."""
+
+    columns: dict[str, list[Any]]
+    labels: Sequence[str]
+    sizes: dict[str, int]
+    coords: dict[str, Any]
+
+    def write(self, path: str) -> None:
+        """For --sweep. Labels stand in quotation marks."""
+        def cell(name: str, value: object) -> str:
+            return '"' + str(value).replace('"', '""') + '"' if name in self.labels else str(value)
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(",".join(cell(name, name) for name in self.columns) + "\n")
+            for row in zip(*self.columns.values()):
+                file.write(",".join(map(cell, self.columns, row)) + "\n")
+
+
+def _column(name: str, values: Any, kinds: str, expected: str) -> list[Any]:
+    """Its values as Python's own. kinds: of arrays; numbers are floats."""
+    array = np.asarray(values) if "U" in kinds else errors.array(name, values, kinds, expected)
+    array = array.astype(str) if array.dtype.kind == "O" else array
+    if array.ndim != 1 or not array.size or array.dtype.kind not in kinds or any("\n" in str(value) for value in array):
+        raise errors.refuse(name, values, expected)
+    return list((array.astype(float) if kinds == "iuf" else array).tolist())
+
+
+def _numbers(columns: Mapping[str, Any]) -> dict[str, list[float]]:
+    return {name: _column(f"parameters[{name!r}]", values, "iuf", "a list of at least one number") for name, values in columns.items()}
+
+
+def _grid(parameters: Mapping[str, Any]) -> _Table:
+    """All combinations, the last name running first."""
+    values = _numbers(parameters)
+    for name, numbers in values.items():
+        if len(set(numbers)) < len(numbers):
+            raise errors.refuse(f"parameters[{name!r}]", parameters[name], "values that differ")
+    columns = dict(zip(values, map(list, zip(*itertools.product(*values.values())))))
+    return _Table(columns, (), {name: len(numbers) for name, numbers in values.items()}, {**values})
+
+
+def _rows(parameters: Mapping[str, Any], dim: str, coords: Sequence[str]) -> _Table:
+    """One run for each row of the columns, of which those in coords are carried along."""
+    missing = [name for name in coords if name not in parameters]
+    if missing:
+        raise errors.refuse("coords", missing[0], "names of columns of the table, or a dict of them")
+    columns = {name: _column(f"parameters[{name!r}]", values, "iufU", "a list of numbers or texts of one line") if name in coords
+               else _numbers({name: values})[name] for name, values in parameters.items()}
+    lengths = {name: len(values) for name, values in columns.items()}
+    rows = next(iter(lengths.values()))
+    for name, length in lengths.items():
+        if length != rows:
+            raise errors.refuse(f"parameters[{name!r}]", parameters[name], f"{rows} values, as many as the first column has")
+    if set(columns) <= set(coords):
+        raise errors.refuse("coords", coords, "columns left that are set")
+    return _Table(columns, coords, {dim: rows}, {name: (dim, values) for name, values in columns.items()})
+
+
+def _table(parameters: Any, dim: Optional[str], coords: Union[Sequence[str], Mapping[str, ArrayLike]]) -> _Table:
+    """Of what was given; a DataFrame's index counts where it has a name."""
+    columns, index = parameters, None
+    if isinstance(parameters, pd.DataFrame):
+        index = parameters.index.name
+        columns = parameters if index is None else parameters.reset_index()
+        if not columns.columns.is_unique:
+            raise errors.refuse("parameters", list(columns.columns), "names that differ")
+    if not isinstance(columns, (Mapping, pd.DataFrame)) or not len(columns):
+        raise errors.refuse("parameters", parameters, 'a dict of names and lists of values, {"layer1.mua": [0.1, 0.2]}, or a DataFrame')
+    if isinstance(coords, str) or not isinstance(coords, (Sequence, Mapping)):
+        raise errors.refuse("coords", coords, "names of columns of the table, or a dict of them")
+    if isinstance(columns, Mapping) and dim is None and not coords:
+        return _grid(columns)
+    held = {str(name): values for name, values in columns.items()}
+    held.update(coords if isinstance(coords, Mapping) else {})
+    labels = [*coords, *([] if index is None else [str(index)])]
+    return _rows(held, str(dim or index or "row"), labels)
 
 
 def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
@@ -53,9 +113,9 @@ def _common(rows: Sequence[xr.Dataset]) -> tuple[list[str], list[str]]:
     return everywhere, [name for name in names if name not in everywhere]
 
 
-def _stack(rows: Sequence[xr.Dataset], parameters: Mapping[str, Sequence[float]]) -> xr.Dataset:
-    """The rows' arrays along the parameters, in front of their own axes."""
-    shape, dims = [len(values) for values in parameters.values()], list(parameters)
+def _stack(rows: Sequence[xr.Dataset], table: _Table) -> xr.Dataset:
+    """The rows' arrays along the new dimensions, in front of their own axes."""
+    shape, dims = list(table.sizes.values()), list(table.sizes)
     stacked = xr.Dataset(attrs={key: value for key, value in rows[0].attrs.items() if all(row.attrs.get(key) == value for row in rows)})
     everywhere, elsewhere = _common(rows)
     if elsewhere:
@@ -65,15 +125,30 @@ def _stack(rows: Sequence[xr.Dataset], parameters: Mapping[str, Sequence[float]]
         values = np.stack([row[name].values for row in rows])
         stacked[name] = xr.DataArray(values.reshape(shape + list(first.shape)), dims=dims + list(first.dims), attrs=first.attrs)
     own = {name: axis for name, axis in rows[0].coords.items() if name in stacked.dims}
-    return stacked.assign_coords({**own, **{name: list(values) for name, values in parameters.items()}})
+    return stacked.assign_coords({**own, **table.coords})
 
 
-def sweep(scene: Union[Scene, str, os.PathLike[str]], parameters: Mapping[str, Sequence[float]], *,
-          variables: Optional[Sequence[str]] = None, output_dir: Union[None, str, os.PathLike[str]] = None,
-          progress: Optional[bool] = None, **options: Any) -> xr.Dataset:
-    """Flies a scene for all combinations of values, and returns one Dataset with the parameters as further dimensions, first.
+def _kept(result: xr.Dataset, table: _Table, variables: Optional[Sequence[str]]) -> xr.Dataset:
+    """A row's result, of which only the variables are kept."""
+    for name in (*table.sizes, *table.labels):
+        if name in result.variables:
+            raise errors.refuse("coords" if name in table.labels else "dim", name, "a name that no quantity or axis has")
+    missing = [name for name in variables or () if name not in result]
+    if missing:
+        raise errors.refuse("variables", missing[0], "one of " + " ".join(map(str, result.data_vars)))
+    return result if variables is None else result[list(variables)]
 
-    parameters: {name: values}, names as `--set` takes them: layer1.mua, boundary0.height, above.n, beam.angle, photons, seed.
+
+@shown
+def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], pd.DataFrame], *, dim: Optional[str] = None,
+          coords: Union[Sequence[str], Mapping[str, ArrayLike]] = (), variables: Optional[Sequence[str]] = None,
+          output_dir: Optional[Path] = None, progress: Optional[bool] = None, **options: Unpack[RunOptions]) -> xr.Dataset:
+    """Flies a scene for all combinations of values, or for the rows of a table, and returns one Dataset with further dimensions, first.
+
+    parameters: {name: values}, names as `--set` takes them: layer1.mua, boundary0.height, above.n, beam.angle, photons, seed; all
+    combinations are flown, and each name is a dimension. With dim or coords, and always as a DataFrame, it is a table: a run for each row.
+    dim: the name of its dimension, "row" without it; where a column has that name, its values are the axis. coords: names of columns that
+    are carried along and not set, or {name: values}, numbers or texts.
     variables: names of what is kept, None for everything. Meshes are built once for all rows that leave them as they are. All else
     is as for `run`; with output_dir each row's result stays there, and resume=True goes on where an interrupt has stopped.
 
@@ -82,20 +157,15 @@ def sweep(scene: Union[Scene, str, os.PathLike[str]], parameters: Mapping[str, S
     ...
     clustermcml.errors.InputError: parameters['layer1.mua'] = [] (expected a list of at least one number)
     """
-    checked = _checked(parameters)
+    table = _table(parameters, dim, coords)
     if variables is not None and not isinstance(variables, (list, tuple)):
         raise errors.refuse("variables", variables, "a list of names, or None for everything")
-    with tempfile.TemporaryDirectory(prefix="clustermcml_") as scratch:
+    with scratch_folder() as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
-        table = os.path.join(scratch, "sweep.csv")
-        _write_table(table, checked)
-        words = ["--sweep", table, *option_words(options)]
-        rows = []
-        with scene_file(scene, folder) as path:
-            for one in sorted(fly(path, folder, words, progress, scratch, math.prod(map(len, checked.values()))), key=lambda one: int(one["row"])):
-                result = result_of(one)
-                missing = [name for name in variables or () if name not in result]
-                if missing:
-                    raise errors.refuse("variables", missing[0], "one of " + " ".join(map(str, result.data_vars)))
-                rows.append(result if variables is None else result[list(variables)])
-    return _stack(rows, checked)
+        path = os.path.join(scratch, "sweep.csv")
+        table.write(path)
+        words = ["--sweep", path, *option_words(options)]
+        with scene_file(scene, folder) as file:
+            told = fly(file, folder, words, progress, scratch, math.prod(table.sizes.values()))
+            rows = [_kept(result_of(one), table, variables) for one in sorted(told, key=lambda one: int(one["row"]))]
+    return _stack(rows, table)

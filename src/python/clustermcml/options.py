@@ -1,0 +1,98 @@
+"""The options of the program's commands as keyword arguments: their names and types. `clustermcml help COMMAND` says what they do.
+
+Type checkers and editors read the classes; `shown` puts their names into the signatures that notebooks and help() ask for.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+from typing import Any, Callable, Literal, Mapping, Sequence, TypedDict, TypeVar, Union
+
+Path = Union[str, os.PathLike[str]]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+class ExactOptions(TypedDict, total=False):
+    set: Mapping[str, float]
+    tolerance: float
+    mesh_budget: float
+
+
+class MeshOptions(ExactOptions, total=False):
+    ignore_heightfields: bool
+    boundaries: Literal["auto", "plane", "cone", "mesh"]
+    normals: Literal["analytic", "vertex", "facet"]
+    rings: Literal["area", "inscribed"]
+
+
+class _Flight(MeshOptions, total=False):
+    no_reentry: bool
+    mesh_search: Literal["auto", "tree", "embree"]
+
+
+class CheckOptions(_Flight, total=False):
+    run: int
+    ignore_absorption: bool
+    engine: Literal["cpu", "reference", "opencl"]
+    threads: int
+    output: Path
+
+
+class _Packets(_Flight, total=False):
+    seed: int
+    roulette: Union[str, Sequence[float]]
+    device: Union[int, str, Sequence[int]]
+    group: int
+    build_options: str
+
+
+class TraceOptions(_Packets, total=False):
+    run: int
+    sampling: Literal["lattice", "random"]
+    engine: Literal["cpu", "reference", "opencl"]
+
+
+class _Photons(_Packets, total=False):
+    photons: float
+    ignore_absorption: bool
+    threads: int
+    chunk: float
+
+
+class PlanOptions(_Photons, total=False):
+    target_error: float
+    patience: float
+
+
+class CrosscheckOptions(_Photons, total=False):
+    sampling: Literal["lattice", "random"]
+    dump: Path
+
+
+class RunOptions(PlanOptions, total=False):
+    sampling: Literal["lattice", "random"]
+    control: Literal["flat"]
+    engine: Literal["cpu", "reference", "opencl"]
+    checkpoint: Union[float, Literal["off"]]
+    resume: bool
+    keep: bool
+    more: float
+
+
+class CompareOptions(TypedDict, total=False):
+    alpha: float
+    output: Path
+
+
+def shown(function: Function) -> Function:
+    """The function, whose **options: Unpack[KIND] stand one by one in its signature."""
+    signature = inspect.signature(function)
+    *fixed, options = signature.parameters.values()
+    kind = globals()[options.annotation.removeprefix("Unpack[").removesuffix("]")]
+    keywords = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=kept.__forward_arg__)
+                for name, kept in kind.__annotations__.items()]
+    setattr(function, "__signature__", signature.replace(parameters=[*fixed, *keywords]))
+    return function

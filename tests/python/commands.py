@@ -1,0 +1,155 @@
+"""What Python offers of the program's commands: the same options, the same answers, and no names of files that are gone."""
+import inspect
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+from python_package import TOP, mc, np, xr  # noqa: E402
+from clustermcml import options  # noqa: E402
+from clustermcml.program import NO_ARGUMENTS, find_program  # noqa: E402
+
+SLAB = mc.Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)
+RIDGES = os.path.join(TOP, "samples", "ridges.mci")
+HILL = os.path.join(TOP, "samples", "shapes", "hihill.mci")
+
+
+def command(*words):
+    """Standard output of the program, whose answer may be that results differ."""
+    ended = subprocess.run([find_program(), *words], stdout=subprocess.PIPE, text=True)
+    assert ended.returncode in (0, 1), words
+    return ended.stdout
+
+
+class Options(unittest.TestCase):
+    def test_are_those_of_the_program(self):
+        """All of them, and no others; and they stand in the signature that completion asks for."""
+        for name in ("run", "check", "plan", "exact", "trace", "mesh", "crosscheck", "compare"):
+            kind = set(vars(options)[name.capitalize() + "Options"].__annotations__)
+            theirs = {word.replace("-", "_") for word in re.findall(r"^  (?:-\w, )?--([\w-]+)", command("help", name), re.MULTILINE)}
+            self.assertEqual(kind, theirs - (set(NO_ARGUMENTS) - kind) - {"output_dir"}, name)
+            self.assertLessEqual(kind, set(inspect.signature(getattr(mc, name)).parameters), name)
+        self.assertEqual(inspect.signature(mc.sweep).parameters["target_error"].annotation, "float")
+
+    def test_of_one_command_are_refused_by_others(self):
+        for call, text in ((lambda: mc.exact(HILL, photons=5), "--photons"), (lambda: mc.run(HILL, output="a.svg"), "output = 'a.svg'"), (lambda: mc.trace(HILL, 0, json=True), "json = True")):
+            with self.assertRaisesRegex(mc.InputError, text):
+                call()
+
+
+class Commands(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+
+    def test_trace(self):
+        """Every number of the table, and what became of the photon."""
+        said = command("trace", RIDGES, "17", "--seed", "3").splitlines()
+        events = mc.trace(RIDGES, 17, seed=3)
+        rows = [line.split()[1:] for line in said if not line.startswith("#")]
+        self.assertGreater(len(rows), 3)
+        for k, name in enumerate(("what", "medium", "x", "y", "z", "ux", "uy", "uz", "weight")):
+            np.testing.assert_array_equal(events[name].values, np.array([row[k] for row in rows]).astype(events[name].dtype), name)
+        self.assertEqual((events.end, events.photon, events.z.units), (said[-1][2:], 17, "cm"))
+        self.assertEqual(mc.trace(mc.Scene([SLAB]), 0).what[0], "launch")
+        with self.assertRaisesRegex(mc.InputError, r"photon = -1 \(expected"):
+            mc.trace(RIDGES, -1)
+
+    def test_mesh(self):
+        os.mkdir(os.path.join(self.folder, "mine"))
+        mine = mc.mesh(HILL, os.path.join(self.folder, "mine"), tolerance=0.1)
+        theirs = re.findall("-> (.*)", command("mesh", HILL, "--tolerance", "0.1", "-o", self.folder))
+        self.assertEqual([os.path.basename(path) for path in mine], [os.path.basename(path) for path in theirs])
+        for path, other in zip(mine, theirs):
+            with open(path, encoding="utf-8") as one, open(other, encoding="utf-8") as two:
+                self.assertEqual(one.read(), two.read())
+        self.assertEqual(len(mine), 2)
+        self.assertEqual(mc.mesh(mc.Scene([SLAB]), self.folder), [])
+
+    def test_crosscheck(self):
+        words = ("crosscheck", HILL, "--photons", "2000")
+        mine = mc.crosscheck(HILL, photons=2000)
+        self.assertEqual(mine, [json.loads(command(*words, "--json"))])
+        self.assertIs(mine[0]["agree"], True)
+        noise = os.path.join(TOP, "samples", "shapes", "hinoise.mci")
+        self.assertIs(mc.crosscheck(noise, photons=20000, tolerance=0.1, rings="inscribed")[0]["agree"], False)
+
+    def test_pictures(self):
+        path = os.path.join(self.folder, "section.svg")
+        mc.check(HILL, output=path)
+        self.assertGreater(os.path.getsize(path), 1000)
+
+    def test_messages_name_no_files_that_are_gone(self):
+        """Of files beside the scene the program says something, of results this package."""
+        dark = mc.Layer(1.4, 1, 100, 0, 0.1, phase=mc.Phase("table", angles=[0, 180], densities=[0, 0]))
+        with self.assertRaisesRegex(mc.InputError, "^table of a Phase: p = 0"):
+            mc.run(mc.Scene([dark]))
+        wrapper = os.path.join(self.folder, "program")
+        with open(wrapper, "w", encoding="utf-8") as file:
+            file.write(f'#!/bin/sh\n"{find_program()}" "$@"; rm -f "$4"/scene.h5\n')
+        os.chmod(wrapper, 0o755)
+        with unittest.mock.patch.dict(os.environ, CLUSTERMCML=wrapper), self.assertRaisesRegex(mc.InputError, "^scene = 'scene.h5' .expected"):
+            mc.run(mc.Scene([SLAB], photons=10))
+
+
+class Meshes(unittest.TestCase):
+    VERTICES = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0], [0, 0, 0.3]]
+    FACES = [[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]
+
+    def test_by_position(self):
+        mine, named = mc.Mesh(self.VERTICES, self.FACES, units="mm"), mc.Mesh(vertices=self.VERTICES, faces=self.FACES, units="mm")
+        self.assertEqual((mine, mine.path), (named, None))
+        with self.assertRaisesRegex(mc.InputError, "Mesh.path"):
+            mc.Mesh(self.VERTICES)
+        with self.assertRaisesRegex(mc.InputError, "Mesh.vertices = 'a.obj'"):
+            mc.Mesh("a.obj", self.FACES)
+
+    def test_files_of_others(self):
+        """trimesh reads them where it is; else the message says so."""
+        path = os.path.join(tempfile.mkdtemp(), "pyramid.stl")
+        self.addCleanup(lambda: (os.remove(path), os.rmdir(os.path.dirname(path))))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("solid a\n")
+            for face in self.FACES:
+                corners = "".join("vertex %g %g %g\n" % tuple(self.VERTICES[k]) for k in face)
+                file.write("facet normal 0 0 1\nouter loop\n" + corners + "endloop\nendfacet\n")
+            file.write("endsolid a\n")
+        try:
+            import trimesh  # noqa: F401
+        except ImportError:
+            with self.assertRaisesRegex(mc.InputError, "pyramid.stl' .expected .*trimesh, which reads this one, is not installed"):
+                mc.Mesh(path)
+            return
+        mesh = mc.Mesh(path, units="mm")
+        self.assertEqual((np.shape(mesh.vertices), np.shape(mesh.faces)), ((5, 3), (4, 3)))
+        told = mc.check(mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1, top=mesh)]))[0]["boundaries"][0]
+        self.assertEqual((told["kind"], told["primitives"]), ("mesh", 4))
+
+
+class Files(unittest.TestCase):
+    def test_netcdf(self):
+        """Results are written and read by what the package installs, and `.h5` files are netCDF."""
+        with tempfile.TemporaryDirectory() as folder:
+            scene = mc.Scene([SLAB], photons=500, map=mc.Map(4, 3, 0.1, 0.1), directions=mc.Directions(2, 4))
+            result = mc.run(scene, output_dir=folder)
+            path = os.path.join(folder, "a.nc")
+            result.to_netcdf(path, engine="h5netcdf")
+            with xr.open_dataset(path, engine="h5netcdf") as again:
+                xr.testing.assert_identical(again.load(), result)
+            swept = mc.sweep(scene, {"layer1.mua": [1, 2], "text": ["a", "b"]}, coords=["text"], photons=100)
+            swept.to_netcdf(path, engine="h5netcdf")
+            with xr.open_dataset(path, engine="h5netcdf") as again:
+                xr.testing.assert_identical(again.load(), swept)
+            with xr.open_dataset(os.path.join(folder, "scene.h5"), engine="h5netcdf") as direct:
+                np.testing.assert_array_equal(direct.Rd_xy, result.Rd_xy)
+                self.assertEqual((direct.Rd_xy.dims, direct.Rd_xy.units), (("y", "x"), "1/cm2"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -114,6 +114,39 @@ struct cml_direction_bins {
     real per_dt, per_dp; /* 1/rad */
 };
 
+#ifndef __OPENCL_VERSION__
+enum cml_detector_shape { CML_DETECTS_RING, CML_DETECTS_RECTANGLE, CML_DETECTS_MAP };
+
+/* What sees packets that have left for good (P13). Lengths in cm, places in scene coordinates. */
+struct cml_detector {
+    int shape;             /* enum cml_detector_shape */
+    int aimed, diffuse;    /* sees a cone about the axis, not all angles; no light that never was inside */
+    struct cml_vec axis;   /* unit, along which light goes */
+    real most_sine2;       /* square of the sine of the widest angle to it; above 1: the half space */
+    struct cml_vec middle; /* z is not used */
+    real inner2, outer2;   /* of a ring: squares of the radii */
+    real low_x, high_x, low_y, high_y; /* of a rectangle */
+    struct cml_map pixels;             /* of a map: its grid, about the middle */
+    cml_u64 first_pixel;               /* among those of all detectors; of a map, else not used */
+};
+
+/* All detectors on one side at one level, and a grid over them: cell c has those that reach into it,
+ * list[start[first + c]] to before list[start[first + c + 1]]. */
+struct cml_detector_level {
+    int below;
+    real z;                                          /* frame of the outer medium */
+    int nx, ny, first;                               /* cells; first: in `start` */
+    real corner_x, corner_y, per_cell_x, per_cell_y; /* scene coordinates */
+};
+
+struct cml_detection {
+    int num_detectors, num_levels;
+    const struct cml_detector *detectors;
+    const struct cml_detector_level *levels;
+    const int *start, *list;
+};
+#endif
+
 /* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
  * in the frame of its layer: lowest <= z <= highest everywhere. */
 struct cml_surface {
@@ -314,6 +347,7 @@ struct cml_world {
      * same of the columns of every row, [ny][1 + nx]. */
     CML_GLOBAL const cml_u32 *image_words;
 #ifndef __OPENCL_VERSION__
+    struct cml_detection detection;
     int only_tables;                              /* every medium that scatters has one */
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */

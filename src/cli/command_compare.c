@@ -25,7 +25,7 @@ static cml_status verdict(const struct cml_compare_report *report, struct cml_er
     if (!(c->p < report->alpha)) return CML_OK;
     const struct cml_compare_test *worst = &c->test[c->worst];
     return cml_fail(err, CML_E_DIFFER, "%s and %s differ: p = %.3g, worst z = %+.2f in %s", report->names[0],
-                    report->names[1], c->p, worst->z, cml_quantities[worst->quantity].name);
+                    report->names[1], c->p, worst->z, worst->key);
 }
 
 /* Nothing is said of results that cannot be compared. */

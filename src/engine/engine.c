@@ -25,7 +25,13 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .nx = map->nx,
                             .ny = map->ny,
                             .map_na = map->angles ? scene->na : 1,
-                            .volume = map->volume && options->absorption};
+                            .volume = map->volume && options->absorption,
+                            .detectors = scene->num_detectors};
+    for (int k = 0; k < scene->num_detectors; k++) {
+        const struct cml_detector_def *detector = &scene->detectors[k];
+        if (detector->kind == CML_DETECTOR_MAP)
+            grid.detector_pixels += (size_t)detector->nx * (size_t)detector->ny;
+    }
     for (int b = 0; scene->facets && surfaces && b < surfaces->count; b++)
         grid.facets += cml_surface_facets(&surfaces->item[b], map);
     grid.backed = scene->facets && surfaces && scene->backing.kind != CML_NO_BACKING &&

@@ -30,7 +30,7 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
         CML_ASSERT(cml_packet_balances(world, &packet));
         cml_tally_events(&packet, tally);
         const struct cml_termination end = cml_termination_of(&packet);
-        cml_terminated_push(&world->setup, &terminated, &end, tally);
+        cml_terminated_push(world, &terminated, &end, tally);
     }
     cml_terminated_flush(&world->setup, &terminated, tally);
     return true;

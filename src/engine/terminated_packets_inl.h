@@ -6,6 +6,7 @@
 #ifndef CML_TERMINATED_PACKETS_INL_H
 #define CML_TERMINATED_PACKETS_INL_H
 
+#include "engine/detected_light_inl.h"
 #include "tally/tally.h"
 #include "walk.h"
 
@@ -23,8 +24,10 @@ struct cml_terminated {
     cml_u32 deposit[CML_TERMINATED]; /* absorbed as well, in the layer that the packet left, and not booked
                                         there yet */
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
-    real ux[CML_TERMINATED], uy[CML_TERMINATED]; /* P7, where directions are asked for */
-    real path[CML_TERMINATED];                   /* P11, where time is asked for */
+    real ux[CML_TERMINATED], uy[CML_TERMINATED];                   /* P7, P13, where asked for */
+    real path[CML_TERMINATED];                                     /* P11, where time is asked for */
+    real exit_z[CML_TERMINATED];                                   /* P13, where detectors are */
+    cml_u32 index_low[CML_TERMINATED], index_high[CML_TERMINATED]; /* the same */
     cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
     int fate[CML_TERMINATED];
     int cell[CML_TERMINATED];       /* of Rd_ra or Tt_ra */
@@ -159,8 +162,8 @@ struct cml_termination {
     uint64_t index, absorbed;
     int fate, cause;
     cml_u32 w, interactions, boundary_events;
-    real exit_x, exit_y, ux, uy, uz, path;
-    int primitive; /* touched last; 0 on planes */
+    real exit_x, exit_y, exit_z, ux, uy, uz, path; /* exit_z: frame of the medium */
+    int primitive;                                 /* touched last; 0 on planes */
 };
 
 /* Packet i of the collection, which has left, into its pixel. */
@@ -211,20 +214,47 @@ static inline void cml_tally_direction(const struct cml_setup *setup, const stru
     cml_add_once(cell, cml_squares_of(tally, cell), terminated->w[i], 1);
 }
 
+/* P13: packet i of the collection, whatever its end, and before it what was split off it at its launch.
+ * sums, pixels: as in cml_score_light. */
+static inline void cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
+                                       int i, uint64_t *sums, const struct cml_tally *pixels)
+{
+    const int fate = terminated->fate[i];
+    const cml_u64 index = (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
+    struct cml_light_out split = {.w = cml_split_off(world, index)}, rest = {.w = terminated->w[i]};
+    if (split.w) {
+        struct cml_packet start;
+        const struct cml_vec up = {0, 0, -1};
+        cml_place(world, index, &start);
+        split.ray = (struct cml_ray_out){.p = {start.p.x, start.p.y, 0}, .u = up, .fresh = 1};
+        cml_score_light(world, &split, NULL, sums, pixels);
+    }
+    if (fate != CML_FATE_REFLECTED && fate != CML_FATE_TRANSMITTED && fate != CML_FATE_SPECULAR) return;
+    rest.gate = cml_gate(world->setup.gates, terminated->path[i]);
+    rest.ray.p = (struct cml_vec){terminated->exit_x[i], terminated->exit_y[i], terminated->exit_z[i]};
+    rest.ray.u = (struct cml_vec){terminated->ux[i], terminated->uy[i], terminated->uz[i]};
+    rest.ray.below = fate == CML_FATE_TRANSMITTED;
+    rest.ray.fresh = fate == CML_FATE_SPECULAR;
+    cml_score_light(world, &rest, split.w ? &split : NULL, sums, pixels);
+}
+
 /* primitive: touched last; 0 on planes. */
-static inline void cml_tally_places(const struct cml_setup *setup, const struct cml_terminated *terminated,
+static inline void cml_tally_places(const struct cml_world *world, const struct cml_terminated *terminated,
                                     int i, int primitive, const struct cml_tally *tally)
 {
+    const struct cml_setup *setup = &world->setup;
+    if (tally->detected) cml_tally_detectors(world, terminated, i, tally->detected, tally);
     if (tally->Rd_dir) cml_tally_direction(setup, terminated, i, tally);
     if (terminated->fate[i] != CML_FATE_REFLECTED && terminated->fate[i] != CML_FATE_TRANSMITTED) return;
     if (tally->Rd_xya) cml_tally_pixel(setup, terminated, i, tally);
     if (tally->facets) cml_tally_escape(setup, terminated, i, primitive, tally);
 }
 
-/* Whether maps, facets or directions are scored, for which every packet must be looked at by itself. */
+/* Whether maps, facets, directions or detectors are scored, for which every packet must be looked at by
+ * itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
-    return tally->Rd_xya || tally->facets || tally->Rd_dir;
+    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detected;
 }
 
 /* P9: what is rare goes into the tally at once. */
@@ -241,7 +271,7 @@ static inline void cml_tally_loss(const struct cml_termination *end, struct cml_
 }
 
 /* Adds one packet to the collection; its deposits have been booked by the caller. */
-static inline void cml_terminated_push(const struct cml_setup *setup, struct cml_terminated *terminated,
+static inline void cml_terminated_push(const struct cml_world *world, struct cml_terminated *terminated,
                                        const struct cml_termination *end, struct cml_tally *tally)
 {
     const int i = terminated->count++;
@@ -249,6 +279,9 @@ static inline void cml_terminated_push(const struct cml_setup *setup, struct cml
     terminated->deposit[i] = 0;
     terminated->exit_x[i] = end->exit_x;
     terminated->exit_y[i] = end->exit_y;
+    terminated->exit_z[i] = end->exit_z;
+    terminated->index_low[i] = (cml_u32)end->index;
+    terminated->index_high[i] = (cml_u32)(end->index >> 32);
     terminated->ux[i] = end->ux;
     terminated->uy[i] = end->uy;
     terminated->uz[i] = end->uz;
@@ -258,8 +291,8 @@ static inline void cml_terminated_push(const struct cml_setup *setup, struct cml
     terminated->boundary_events[i] = end->boundary_events;
     terminated->fate[i] = end->fate;
     cml_tally_loss(end, tally);
-    if (cml_tallies_places(tally)) cml_tally_places(setup, terminated, i, end->primitive, tally);
-    cml_terminated_make_room(setup, terminated, tally);
+    if (cml_tallies_places(tally)) cml_tally_places(world, terminated, i, end->primitive, tally);
+    cml_terminated_make_room(&world->setup, terminated, tally);
 }
 
 /* What a packet of kernels/walk.h has counted itself, and lanes of a bundle have not: roulette, backing and
@@ -300,6 +333,7 @@ static inline struct cml_termination cml_termination_of(const struct cml_packet 
         .boundary_events = packet->boundary_events,
         .exit_x = packet->exit_x,
         .exit_y = packet->exit_y,
+        .exit_z = packet->p.z,
         .ux = packet->u.x,
         .uy = packet->u.y,
         .uz = packet->u.z,

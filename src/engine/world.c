@@ -52,6 +52,10 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->sources);
     free(to->light_cells);
     free(to->image_words);
+    free(to->detectors);
+    free(to->detector_levels);
+    free(to->detector_start);
+    free(to->detector_list);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
@@ -397,6 +401,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     set_up(scene, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
+    if (status == CML_OK) status = cml_set_detectors(scene, to, err);
     if (status != CML_OK) cml_owned_world_free(to);
     return status;
 }

@@ -14,6 +14,7 @@
 #define cml_copy_bodies cml_copy_bodies_double
 #define cml_source_media cml_source_media_double
 #define cml_source_medium cml_source_medium_double
+#define cml_set_detectors cml_set_detectors_double
 #define cml_set_sources cml_set_sources_double
 #define cml_owned_world_create cml_owned_world_create_double
 #define cml_owned_world_free cml_owned_world_free_double
@@ -38,6 +39,9 @@ struct cml_owned_world {
     struct cml_source *sources; /* [num_beams] */
     struct cml_light_cell *light_cells;
     cml_u32 *image_words;
+    struct cml_detector *detectors; /* [num_detectors] */
+    struct cml_detector_level *detector_levels;
+    int *detector_start, *detector_list;
     size_t num_light_cells, num_image_words;
     size_t num_body_nodes, num_body_grids, num_body_cells;
     struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
@@ -61,6 +65,10 @@ double cml_world_bytes(const struct cml_surface_set *surfaces);
 CML_NODISCARD cml_status cml_copy_bodies(const struct cml_scene *scene,
                                          const struct cml_body_surfaces *surfaces, struct cml_owned_world *to,
                                          struct cml_error *err);
+
+/* world_detectors.c's part: detectors and the grids over them. */
+CML_NODISCARD cml_status cml_set_detectors(const struct cml_scene *scene, struct cml_owned_world *to,
+                                           struct cml_error *err);
 
 /* world_sources.c's part, after all others: where packets start. start_as: as in cml_engine_options.
  * CML_E_INPUT: a beam starts within rounding of a surface, or has a larger numerical aperture than the medium

@@ -5,6 +5,7 @@
 #include "input/mci_beam.h"
 #include "input/mci_body.h"
 #include "input/mci_boundary.h"
+#include "input/mci_detector.h"
 #include "input/mci_lines.h"
 #include "input/mci_map.h"
 #include "input/mci_settings.h"
@@ -24,7 +25,7 @@
 /* Where the reader stands decides which of our own lines may come before the next data line. */
 enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
-    STAGE_RUN,   /* beam, map, facets, time, directions */
+    STAGE_RUN,   /* beam, map, facets, time, directions, detector */
     STAGE_ABOVE, /* none */
     STAGE_LAYERS /* b, m, behind the first layer i and phase, behind the last one backing */
 };
@@ -33,7 +34,7 @@ enum stage {
 static bool is_of_run(enum cml_mci_kind kind)
 {
     return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS || kind == CML_MCI_TIME ||
-           kind == CML_MCI_DIRECTIONS;
+           kind == CML_MCI_DIRECTIONS || kind == CML_MCI_DETECTOR;
 }
 
 /* A line of ours where it cannot stand: says where it can. */
@@ -44,11 +45,12 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
                        : kind == CML_MCI_MAP        ? "map"
                        : kind == CML_MCI_TIME       ? "time"
                        : kind == CML_MCI_DIRECTIONS ? "directions"
+                       : kind == CML_MCI_DETECTOR   ? "detector"
                                                     : "facets";
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
         snprintf(expected, sizeof expected,
-                 "b, m, i, phase, backing, beam, map, facets, time or directions behind #@");
+                 "b, m, i, phase, backing, beam, map, facets, time, directions or detector behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
@@ -82,6 +84,7 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
                                 struct cml_scene *scene)
 {
     if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, scene);
+    if (kind == CML_MCI_DETECTOR) return cml_mci_detector(reader, scene);
     if (kind == CML_MCI_DIRECTIONS) return cml_mci_directions(reader, &scene->directions);
     if (kind == CML_MCI_TIME) return cml_mci_time(reader, &scene->time);
     return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
@@ -324,6 +327,7 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     CML_TRY(cml_mci_check_map(reader, scene));
     if (!reader->options->known) CML_TRY(cml_scene_place_bodies(scene, reader->err));
     CML_TRY(cml_mci_end_beams(reader, scene));
+    CML_TRY(cml_mci_end_detectors(reader, scene));
     CML_TRY(cml_mci_check_settings(reader, scene));
     if (reader->options->settings)
         CML_TRY(cml_settings_text(reader->options->settings, &scene->settings, reader->err));

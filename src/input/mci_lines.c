@@ -77,11 +77,17 @@ static bool is_marked(const char *text)
 static const struct {
     const char *word;
     enum cml_mci_kind kind;
-} keyword[] = {{"b", CML_MCI_B},           {"m", CML_MCI_M},
-               {"i", CML_MCI_I},           {"phase", CML_MCI_PHASE},
-               {"beam", CML_MCI_BEAM},     {"map", CML_MCI_MAP},
-               {"facets", CML_MCI_FACETS}, {"backing", CML_MCI_BACKING},
-               {"time", CML_MCI_TIME},     {"directions", CML_MCI_DIRECTIONS}};
+} keyword[] = {{"b", CML_MCI_B},
+               {"m", CML_MCI_M},
+               {"i", CML_MCI_I},
+               {"phase", CML_MCI_PHASE},
+               {"beam", CML_MCI_BEAM},
+               {"map", CML_MCI_MAP},
+               {"facets", CML_MCI_FACETS},
+               {"backing", CML_MCI_BACKING},
+               {"time", CML_MCI_TIME},
+               {"directions", CML_MCI_DIRECTIONS},
+               {"detector", CML_MCI_DETECTOR}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
@@ -117,6 +123,7 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
     static const char *const sources[] = {"pencil",     "disk ",  "gaussian ", "ring ",
                                           "rectangle ", "image ", NULL};
     static const char *const shapes[] = {"sphere ", "cylinder ", NULL};
+    static const char *const seen[] = {"disk ", "ring ", "rectangle ", "map ", NULL};
     static const char *const phases[] = {"hg2 ", "mhg ", "gk ", "rayleigh", "table ", NULL};
     char *behind = reader->cursor + 1;
     if (*behind == '\0' || strchr(blanks, *behind)) return;
@@ -130,7 +137,8 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
                         kind == CML_MCI_DIRECTIONS) &&
                        number) ||
                       (kind == CML_MCI_FACETS && *behind == '\0') ||
-                      (kind == CML_MCI_BEAM && begins_with(behind, sources));
+                      (kind == CML_MCI_BEAM && begins_with(behind, sources)) ||
+                      (kind == CML_MCI_DETECTOR && begins_with(behind, seen));
     if (ours)
         cml_mci_note(reader, "a comment: %.60s (did you mean #@ %.60s?)", reader->cursor, reader->cursor + 1);
 }

@@ -64,6 +64,10 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader);
 
+/* A line per detector, behind the prefix: "detector NAME: ring of ...". People see the first of many. */
+void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                          enum cml_report_reader reader);
+
 /* Rsp, Rd, A, Tt with standard errors and, where there are any, exact values; weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 

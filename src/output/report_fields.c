@@ -105,24 +105,47 @@ static void set_facet_axes(struct cml_field_list *c)
     }
 }
 
-/* Room for the map's twelve fields, ten of bodies, and fourteen for every boundary. */
+/* Two for each detector that is a map, about its middle. */
+static void set_pixel_axes(struct cml_field_list *c)
+{
+    static const enum cml_axis_kind kinds[2] = {CML_AXIS_x, CML_AXIS_y};
+    for (int k = 0; k < c->report->scene->num_detectors; k++) {
+        const struct cml_detector_def *detector = &c->report->scene->detectors[k];
+        const int n[2] = {detector->nx, detector->ny};
+        const double middle[2] = {detector->x, detector->y};
+        for (int i = 0; i < 2; i++) {
+            const size_t at = 2 * (size_t)k + (size_t)i;
+            snprintf(c->pixel_names[at], sizeof *c->pixel_names, "detector_%s_%c", detector->name, "xy"[i]);
+            c->pixel[at] =
+                cml_quantity_axis(kinds[i], (size_t)n[i], middle[i] + (0.5 - 0.5 * n[i]) * detector->size[i],
+                                  detector->size[i]);
+            c->pixel[at].name = c->pixel_names[at];
+        }
+    }
+}
+
+/* Room for the map's twelve fields, ten of bodies, fourteen for every boundary and two for every detector. */
 cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *c,
                                  struct cml_error *err)
 {
     const size_t boundaries = (size_t)report->surfaces->count,
-                 capacity = CML_NUM_QUANTITIES + 14 * boundaries;
+                 detectors = (size_t)report->scene->num_detectors,
+                 capacity = CML_NUM_QUANTITIES + 14 * boundaries + 2 * detectors;
     *c = (struct cml_field_list){.report = report, .capacity = (int)capacity};
     c->fields = calloc(capacity, sizeof *c->fields);
     c->sources = calloc(capacity, sizeof *c->sources);
     c->facet = calloc(boundaries, sizeof *c->facet);
     c->facet_names = calloc(boundaries, sizeof *c->facet_names);
-    if (!c->fields || !c->sources || !c->facet || !c->facet_names) {
+    c->pixel = calloc(2 * detectors + 1, sizeof *c->pixel);
+    c->pixel_names = calloc(2 * detectors + 1, sizeof *c->pixel_names);
+    if (!c->fields || !c->sources || !c->facet || !c->facet_names || !c->pixel || !c->pixel_names) {
         cml_field_list_free(c);
         return cml_fail_memory(err, (double)(capacity * (sizeof *c->fields + sizeof *c->sources)),
                                "a list of fields");
     }
     set_axes(c);
     set_facet_axes(c);
+    set_pixel_axes(c);
     return CML_OK;
 }
 
@@ -132,6 +155,8 @@ void cml_field_list_free(struct cml_field_list *c)
     free(c->sources);
     free(c->facet);
     free(c->facet_names);
+    free(c->pixel);
+    free(c->pixel_names);
     *c = (struct cml_field_list){0};
 }
 
@@ -209,6 +234,28 @@ void cml_add_volume_fields(struct cml_field_list *c)
     source->cells = c->report->sums->A_xyz;
     source->scale = 1 / (scene->map.dx * scene->map.dy * scene->dz);
     cml_last_field(c)->single = true;
+}
+
+void cml_add_detector_fields(struct cml_field_list *c)
+{
+    const struct cml_scene *scene = c->report->scene;
+    const struct cml_result *r = c->report->sums;
+    size_t first = 0;
+    for (int k = 0; k < scene->num_detectors; k++) {
+        const struct cml_detector_def *detector = &scene->detectors[k];
+        if (detector->kind != CML_DETECTOR_MAP) continue;
+        struct cml_field_source *source = cml_add_field(c, CML_QUANTITY_detector_map, pixel_values);
+        struct cml_field *field = cml_last_field(c);
+        source->cells = r->detector_map + first;
+        source->squares = r->detector_map2 + first;
+        source->scale = 1 / (detector->size[0] * detector->size[1]);
+        snprintf(field->name, sizeof field->name, "detector_%s_map", detector->name);
+        field->num_axes = 2;
+        for (int i = 0; i < 2; i++) field->axis[i] = &c->pixel[2 * k + 1 - i];
+        field->single = true;
+        cml_add_error_field(c, pixel_errors);
+        first += (size_t)detector->nx * (size_t)detector->ny;
+    }
 }
 
 /* With them the sums of map and volume are the totals, which is how a reader can check them. */

@@ -24,6 +24,8 @@ static size_t stem_length(const char *path)
 /* Maps and facets have no place in an .mco file. */
 bool cml_report_wants_fields(const struct cml_scene *scene)
 {
+    for (int k = 0; k < scene->num_detectors; k++)
+        if (scene->detectors[k].kind == CML_DETECTOR_MAP) return true;
     return scene->format == 'B' || scene->map.nx > 0 || scene->facets;
 }
 
@@ -78,6 +80,7 @@ static void fill_list(struct cml_field_list *list)
     cml_add_map_fields(list);
     cml_add_volume_fields(list);
     cml_add_outside_fields(list);
+    cml_add_detector_fields(list);
     cml_add_body_fields(list);
     for (int b = 0; b <= list->report->scene->num_layers; b++) {
         name_boundary(b, prefix);
@@ -232,7 +235,8 @@ static double image_bytes(const struct cml_grid *grid, double cells)
     const double voxels = grid->volume ? pixels * grid->nz : 0;
     const double bytes = 2 * cells * sizeof(double) +
                          4 * pixels * (1.0 + (grid->map_na > 1 ? grid->map_na : 0)) * sizeof(float) +
-                         voxels * sizeof(float) + 64.0 * (double)grid->facets + 320.0 * grid->num_bodies;
+                         2 * (double)grid->detector_pixels * sizeof(float) + voxels * sizeof(float) +
+                         64.0 * (double)grid->facets + 320.0 * grid->num_bodies;
     return 1.01 * bytes + fmin(bytes, 32 * mib);
 }
 
@@ -245,9 +249,12 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *gr
     const double line_of_boundary = 250, line_of_body = 150;
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
                          2.0 * grid->na + grid->num_layers + grid->num_bodies;
-    const double directions = 6.0 * grid->nt * grid->np; /* three, with errors */
-    const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies);
+    const double directions = 6.0 * grid->nt * grid->np;                 /* three, with errors */
+    const double detected = 2.0 * grid->detectors * (2.0 + grid->gates); /* with errors */
+    const double line_of_detector = 250;
+    const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies +
+                             line_of_detector * grid->detectors);
     const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
-    return (cells + directions) * sizeof(double) + text + 8.0 * 1048576 +
-           (image ? image_bytes(grid, cells + directions / 2) : 0);
+    return (cells + directions + detected) * sizeof(double) + text + 8.0 * 1048576 +
+           (image ? image_bytes(grid, cells + directions / 2 + detected / 2) : 0);
 }

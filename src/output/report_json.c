@@ -1,6 +1,6 @@
 /* The JSON lines of run, check and exact. Programs read their keys, so they stay as they are; texts name
  * them. SPDX-License-Identifier: MIT */
-#include "output/report.h"
+#include "output/report_parts.h"
 
 #include "base/json_name.h"
 #include "base/settings.h"
@@ -104,6 +104,19 @@ static void set_quantity(json_t *object, enum cml_quantity quantity, const char 
     if (value && !json_object_get(object, key)) set_real(object, key, *value);
 }
 
+/* The number and its error, of every detector where there is one of each. */
+static void set_parts(json_t *object, const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    char key[CML_OUTCOME_KEY + 4];
+    for (int part = 0; o->value[quantity] && part < cml_outcome_parts(o, quantity); part++) {
+        cml_outcome_key(o, quantity, part, key);
+        if (!json_object_get(object, key)) set_real(object, key, o->value[quantity][part]);
+        strcat(key, "_se");
+        if (o->error[quantity] && !json_object_get(object, key))
+            set_real(object, key, o->error[quantity][part]);
+    }
+}
+
 /* Numbers of the table that are new to it come last. `residue` is the imbalance of weight in units of 2^-31
  * packets, 0 unless the program is wrong. */
 static cml_status set_results(json_t *object, const struct cml_report *report, struct cml_error *err)
@@ -111,7 +124,9 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
     const struct cml_result *result = report->sums;
     struct cml_outcome o = {.photons = result->photons,
                             .backed = report->scene->backing.kind != CML_NO_BACKING};
-    const cml_status status = cml_outcome_take_numbers(&o, result, err);
+    cml_status status = cml_report_words(report, CML_READ_IN_MCO, &o, err);
+    if (status == CML_OK) status = cml_outcome_name_detectors(&o, err);
+    if (status == CML_OK) status = cml_outcome_take_numbers(&o, result, err);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);
     set_integer(object, "lost", cml_result_lost(result));
@@ -121,8 +136,7 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
     set_real(object, "overflow_r", cml_result_share(result, CML_BALANCE_OVERFLOW_R));
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         if (!(cml_quantities[i].where & CML_IN_JSON)) continue;
-        set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
-        set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);
+        set_parts(object, &o, (enum cml_quantity)i);
     }
     cml_outcome_clear(&o);
     return status;
@@ -283,6 +297,21 @@ static json_t *map_json(const struct cml_map_def *map)
                      map->dy, "angles", map->angles, "volume", map->volume);
 }
 
+/* Sizes as behind the word: radii, lengths, or those of a pixel. */
+static json_t *detector_json(const struct subject *subject, int k)
+{
+    static const char *const names[] = {"ring", "rectangle", "map"};
+    const struct cml_detector_def *d = &subject->scene->detectors[k];
+    const double degrees = 180 / acos(-1.0);
+    json_t *object =
+        json_pack("{s:s, s:s, s:[f,f], s:i, s:i, s:f, s:f, s:f, s:s, s:f, s:f, s:b}", "name", d->name,
+                  "shape", names[d->kind], "size", d->size[0], d->size[1], "nx", d->nx, "ny", d->ny, "x",
+                  d->x, "y", d->y, "z", d->z, "side", d->below ? "bottom" : "top", "angle",
+                  d->angle * degrees, "azimuth", d->azimuth * degrees, "diffuse", d->diffuse);
+    json_object_set_new(object, "na", d->aimed ? json_real(d->na) : json_null());
+    return object;
+}
+
 static json_t *flat_json(const struct cml_exact *flat)
 {
     if (!flat) return json_null();
@@ -300,6 +329,7 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     const struct subject subject = {.scene = scene, .surfaces = surfaces};
     const struct list lists[] = {{"layers", scene->num_layers, layer_json},
                                  {"boundaries", surfaces->count, boundary_json},
+                                 {"detectors", scene->num_detectors, detector_json},
                                  {"bodies", scene->num_bodies, body_json}};
     json_t *object = json_pack("{s:o, s:i, s:o, s:s}", "scene", cml_json_name(scene->file), "line",
                                scene->line, "output", cml_json_name(scene->output), "format", format);
@@ -316,6 +346,7 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     if (scene->directions.nt > 0)
         json_object_set_new(object, "directions",
                             json_pack("{s:i, s:i}", "nt", scene->directions.nt, "np", scene->directions.np));
+    if (scene->num_detectors > 0) json_object_set_new(object, "detectors", json_null());
     if (scene->time.gates > 0)
         json_object_set_new(object, "time",
                             json_pack("{s:f, s:i}", "end", scene->time.end, "gates", scene->time.gates));

@@ -94,21 +94,25 @@ static char *close_words(FILE *out, char **text)
 cml_status cml_report_words(const struct cml_report *report, enum cml_report_reader reader,
                             struct cml_outcome *o, struct cml_error *err)
 {
+    char **const text[] = {&o->shapes, &o->beam, &o->phases, &o->detectors};
+    enum { TEXTS = sizeof text / sizeof *text };
+    FILE *out[TEXTS];
     size_t size = 0;
-    free(o->shapes);
-    free(o->beam);
-    free(o->phases);
-    o->shapes = o->beam = o->phases = NULL;
-    FILE *shapes = open_memstream(&o->shapes, &size), *beam = open_memstream(&o->beam, &size),
-         *phases = open_memstream(&o->phases, &size);
-    if (shapes) cml_report_shapes(shapes, "", report->scene, report->surfaces, reader);
-    if (beam) cml_report_beams(beam, "", report->scene);
-    if (phases) cml_report_phases(phases, "", report->scene, reader);
-    o->shapes = close_words(shapes, &o->shapes);
-    o->beam = close_words(beam, &o->beam);
-    o->phases = close_words(phases, &o->phases);
-    if (o->shapes && o->beam && o->phases) return CML_OK;
-    return cml_fail_memory(err, (double)size, "the scene in words");
+    bool failed = false;
+    for (int i = 0; i < TEXTS; i++) {
+        free(*text[i]);
+        *text[i] = NULL;
+        out[i] = open_memstream(text[i], &size);
+    }
+    if (out[0]) cml_report_shapes(out[0], "", report->scene, report->surfaces, reader);
+    if (out[1]) cml_report_beams(out[1], "", report->scene);
+    if (out[2]) cml_report_phases(out[2], "", report->scene, reader);
+    if (out[3]) cml_report_detectors(out[3], "", report->scene, reader);
+    for (int i = 0; i < TEXTS; i++) {
+        *text[i] = close_words(out[i], text[i]);
+        failed = failed || !*text[i];
+    }
+    return failed ? cml_fail_memory(err, (double)size, "the scene in words") : CML_OK;
 }
 
 /* What may fail comes first. */
@@ -119,6 +123,7 @@ static cml_status fill(const struct cml_report *report, struct cml_outcome *o, s
     CML_TRY(cml_text_copy(cml_version(), &o->program, err));
     if (settings) CML_TRY(cml_text_copy(settings, &o->settings, err));
     CML_TRY(cml_report_words(report, CML_READ_IN_MCO, o, err));
+    CML_TRY(cml_outcome_name_detectors(o, err));
     CML_TRY(fill_input(report, o, err));
     CML_TRY(fill_bodies(report->scene, o, err));
     CML_TRY(fill_heights(report->scene, o, err));

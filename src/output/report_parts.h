@@ -44,6 +44,8 @@ struct cml_field_list {
     struct cml_axis axis[CML_NUM_AXES];
     struct cml_axis *facet;  /* [L + 1] of every boundary */
     char (*facet_names)[32]; /* [L + 1] */
+    struct cml_axis *pixel;  /* [num_detectors][2] of maps: x and y */
+    char (*pixel_names)[64]; /* [num_detectors][2] */
 };
 
 CML_NODISCARD cml_status cml_field_list_create(const struct cml_report *report, struct cml_field_list *list,
@@ -72,6 +74,9 @@ void cml_add_map_fields(struct cml_field_list *list);
 
 /* A_xyz; nothing when it is not tallied. */
 void cml_add_volume_fields(struct cml_field_list *list);
+
+/* detector_NAME_map of all detectors that are maps, with standard errors. */
+void cml_add_detector_fields(struct cml_field_list *list);
 
 /* What lies outside map and volume. */
 void cml_add_outside_fields(struct cml_field_list *list);

@@ -192,3 +192,27 @@ void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *
     for (int k = 0; k < scene->num_beams; k++)
         if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k);
 }
+
+static void report_detector(FILE *stream, const char *prefix, const struct cml_detector_def *detector)
+{
+    static const char *const names[] = {"ring of radii", "rectangle of", "map of"};
+    const double degrees = 180 / acos(-1.0), *size = detector->size;
+    fprintf(stream, "%sdetector %s: %s ", prefix, detector->name, names[detector->kind]);
+    if (detector->kind == CML_DETECTOR_MAP) fprintf(stream, "%d x %d pixels of ", detector->nx, detector->ny);
+    fprintf(stream, "%.15g %s %.15g cm at (%.15g %.15g %.15g) cm, %s", size[0],
+            detector->kind == CML_DETECTOR_RING ? "and" : "x", size[1], detector->x, detector->y, detector->z,
+            detector->below ? "bottom" : "top");
+    if (detector->aimed)
+        fprintf(stream, ", na %.15g, angle %.15g, azimuth %.15g degrees", detector->na,
+                detector->angle * degrees, detector->azimuth * degrees);
+    fputs(detector->diffuse ? ", diffuse light\n" : "\n", stream);
+}
+
+void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
+                          enum cml_report_reader reader)
+{
+    const int n = scene->num_detectors, most = 20,
+              shown = reader == CML_READ_BY_PEOPLE && n > most ? most : n;
+    for (int k = 0; k < shown; k++) report_detector(stream, prefix, &scene->detectors[k]);
+    if (shown < n) fprintf(stream, "%sand %d more detectors\n", prefix, n - shown);
+}

@@ -5,12 +5,14 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { BATCHES = 64 };
 
 /* One quantity of both files, in weight per launched packet. */
 struct quantity {
     enum cml_quantity which;
+    char key[CML_OUTCOME_KEY];
     const struct cml_outcome *outcome[2];
     double packets[2];
     int bins;
@@ -233,6 +235,7 @@ static struct cml_compare_test test_group(const struct quantity *q, const struct
                                     .upper = (group->last + 1) * width,
                                     .z = z,
                                     .p = cml_two_sided(z)};
+    memcpy(test.key, q->key, sizeof test.key);
     for (int k = 0; k < 2; k++) {
         test.value[k] = group->mean[k] / group->measure;
         test.error[k] = sqrt(spread.variance[k]) / group->measure;
@@ -259,7 +262,7 @@ static void test_quantity(const struct quantity *q, struct cml_comparison *c)
         join(&closed, &group);
         c->test[c->count - 1] = test_group(q, &closed);
     }
-    c->bins[q->which] = q->bins;
+    c->bins[q->which] += q->bins;
 }
 
 static bool tallied_absorption(const struct cml_outcome *o)
@@ -274,6 +277,26 @@ bool cml_compare_tests(enum cml_quantity which)
     return cml_quantity_is_total(which) || cml_quantities[which].estimator == CML_FROM_BATCHES;
 }
 
+/* Both results' own part under one name: detectors may stand in another order, or be in one of them alone. */
+static void test_part(const struct cml_outcome *const outcome[2], enum cml_quantity which, int part,
+                      struct cml_comparison *c)
+{
+    const size_t size = cml_outcome_part_size(outcome[0], which);
+    struct quantity q = {.which = which, .bins = (int)size};
+    cml_outcome_key(outcome[0], which, part, q.key);
+    for (int k = 0; k < 2; k++) {
+        const char *name = cml_quantity_is_of_detector(which) ? outcome[0]->detector[part] : NULL;
+        const int own = name ? cml_outcome_find_detector(outcome[k], name, strlen(name)) : 0;
+        if (own < 0) return;
+        const double *error = errors_of(outcome[k], which);
+        q.outcome[k] = outcome[k];
+        q.packets[k] = (double)outcome[k]->photons;
+        q.value[k] = outcome[k]->value[which] + (size_t)own * size;
+        q.error[k] = error ? error + (size_t)own * size : NULL;
+    }
+    test_quantity(&q, c);
+}
+
 static void test_all(const struct cml_outcome *const outcome[2], struct cml_comparison *c)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
@@ -281,14 +304,8 @@ static void test_all(const struct cml_outcome *const outcome[2], struct cml_comp
         if (!cml_compare_tests(which) || (which == CML_QUANTITY_A_z && c->no_absorption) ||
             !outcome[0]->value[which] || !outcome[1]->value[which])
             continue;
-        struct quantity q = {.which = which, .bins = (int)cml_outcome_size(outcome[0], which)};
-        for (int k = 0; k < 2; k++) {
-            q.outcome[k] = outcome[k];
-            q.packets[k] = (double)outcome[k]->photons;
-            q.value[k] = outcome[k]->value[which];
-            q.error[k] = errors_of(outcome[k], which);
-        }
-        test_quantity(&q, c);
+        for (int part = 0; part < cml_outcome_parts(outcome[0], which); part++)
+            test_part(outcome, which, part, c);
     }
 }
 

@@ -31,6 +31,7 @@ bool cml_compare_tests(enum cml_quantity quantity);
 /* One test: a total (first = last = 0), a bin, or neighbouring bins. */
 struct cml_compare_test {
     enum cml_quantity quantity;
+    char key[CML_OUTCOME_KEY]; /* its name in files: of detectors each has its own */
     int first, last;           /* bins */
     double lower, upper;       /* their ends on the axis, cm, rad or ps */
     double value[2], error[2]; /* of both files in the file's unit; means over merged bins */

@@ -33,12 +33,17 @@ struct drawing {
     double limit; /* |z| at the level */
 };
 
-/* Profiles without a single test get none. */
+/* Profiles without a single test get none, nor do those of detectors, of which there may be hundreds. */
+static bool has_panel(const struct cml_comparison *c, int q)
+{
+    const enum cml_quantity quantity = (enum cml_quantity)q;
+    return c->bins[q] > 0 && cml_quantity_place(quantity) && !cml_quantity_is_of_detector(quantity);
+}
+
 static int count_panels(const struct cml_comparison *c)
 {
     int panels = 0;
-    for (int q = 0; q < CML_NUM_QUANTITIES; q++)
-        panels += cml_quantity_place((enum cml_quantity)q) && c->bins[q] > 0;
+    for (int q = 0; q < CML_NUM_QUANTITIES; q++) panels += has_panel(c, q);
     return panels;
 }
 
@@ -168,7 +173,7 @@ cml_status cml_compare_script(FILE *out, const void *report, struct cml_error *e
     d.limit = cml_two_sided_limit(cml_sidak_level(d.report->alpha, c->count));
     write_head(&d);
     for (int q = 0, place = 0; q < CML_NUM_QUANTITIES; q++)
-        if (cml_quantity_place((enum cml_quantity)q) && c->bins[q] > 0) write_panel(&d, q, place++);
+        if (has_panel(c, q)) write_panel(&d, q, place++);
     fputs("unset multiplot\n", out);
     return CML_OK;
 }

@@ -93,6 +93,7 @@ static void print_totals(FILE *stream, const struct cml_comparison *c)
 static void print_place(FILE *stream, const struct cml_compare_test *t)
 {
     const char *axis = cml_quantity_place(t->quantity);
+    if (cml_quantity_is_of_detector(t->quantity)) fprintf(stream, "%s ", t->key);
     if (axis) fprintf(stream, "%s %.4g..%.4g", axis, t->lower, t->upper);
 }
 
@@ -125,8 +126,7 @@ static void print_worst(FILE *stream, const struct cml_comparison *c)
     for (int i = 0; i < count; i++) {
         const struct cml_compare_test *t = worst[i];
         fprintf(stream, "  z %+6.2f  p %-8.2g  %-4s %11.5g +- %-8.2g %11.5g +- %-8.2g %-5s ", t->z, t->p,
-                cml_quantities[t->quantity].name, t->value[0], t->error[0], t->value[1], t->error[1],
-                cml_quantity_unit(t->quantity));
+                t->key, t->value[0], t->error[0], t->value[1], t->error[1], cml_quantity_unit(t->quantity));
         print_place(stream, t);
         fputc('\n', stream);
     }
@@ -156,11 +156,10 @@ static double without_infinity(double z)
 /* Values in the unit of the file, ends of the bins on the axis in cm or rad. */
 static json_t *test_json(const struct cml_compare_test *t)
 {
-    return json_pack("{s:s, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "quantity",
-                     cml_quantities[t->quantity].name, "first", t->first, "last", t->last, "lower", t->lower,
-                     "upper", t->upper, "a", t->value[0], "a_se", t->error[0], "b", t->value[1], "b_se",
-                     t->error[1], "z", without_infinity(t->z), "p", t->p, "unit",
-                     cml_quantity_unit(t->quantity));
+    return json_pack("{s:s, s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "quantity", t->key,
+                     "first", t->first, "last", t->last, "lower", t->lower, "upper", t->upper, "a",
+                     t->value[0], "a_se", t->error[0], "b", t->value[1], "b_se", t->error[1], "z",
+                     without_infinity(t->z), "p", t->p, "unit", cml_quantity_unit(t->quantity));
 }
 
 /* z of all tests of a quantity, and the bins with which they begin. */

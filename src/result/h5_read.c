@@ -180,6 +180,8 @@ static cml_status read_scene(const struct reader *r)
     CML_TRY(cml_hdf5_text(&r->file, NULL, "settings", &o->settings, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "beam", &o->beam, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "phases", &o->phases, r->err));
+    CML_TRY(cml_hdf5_text(&r->file, NULL, "detectors", &o->detectors, r->err));
+    CML_TRY(cml_outcome_name_detectors(o, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, "boundaries", &o->shapes, r->err));
     CML_TRY(cml_hdf5_text(&r->file, NULL, o->merged ? "scene" : "input", &o->scene, r->err));
     drop_lines(o->scene, o->merged ? 0 : 2);
@@ -195,20 +197,30 @@ static bool must_be_there(enum cml_quantity quantity, bool errors)
     return quantity <= CML_QUANTITY_Tt || (profile && !errors);
 }
 
-static cml_status read_quantity(const struct reader *r, enum cml_quantity quantity, bool errors)
+/* Of detectors all or none are there. */
+static cml_status read_part(const struct reader *r, enum cml_quantity quantity, int part, bool errors)
 {
     double **array = errors ? &r->o->error[quantity] : &r->o->value[quantity], *values;
-    const size_t size = cml_outcome_size(r->o, quantity);
-    char name[64];
-    if (!(cml_quantities[quantity].where & CML_IN_H5) || size == 0) return CML_OK;
-    snprintf(name, sizeof name, "%s%s", cml_quantities[quantity].name, errors ? "_se" : "");
+    const size_t size = cml_outcome_part_size(r->o, quantity);
+    char name[CML_OUTCOME_KEY + 4];
+    cml_outcome_key(r->o, quantity, part, name);
+    if (errors) strcat(name, "_se");
     CML_TRY(cml_h5_numbers(&r->file, name, size, &values, NULL, r->err));
-    if (!values && must_be_there(quantity, errors))
+    if (!values && (must_be_there(quantity, errors) || (part > 0 && *array)))
         return cml_fail(r->err, CML_E_INPUT, "%.400s: %.80s has 0 numbers (expected %zu)", r->file.path, name,
                         size);
     if (!values) return CML_OK;
-    free(*array);
-    *array = values;
+    const cml_status status = cml_outcome_add(r->o, quantity, errors, r->err);
+    if (status == CML_OK) memcpy(*array + (size_t)part * size, values, size * sizeof *values);
+    free(values);
+    return status;
+}
+
+static cml_status read_quantity(const struct reader *r, enum cml_quantity quantity, bool errors)
+{
+    if (!(cml_quantities[quantity].where & CML_IN_H5) || cml_outcome_size(r->o, quantity) == 0) return CML_OK;
+    for (int part = 0; part < cml_outcome_parts(r->o, quantity); part++)
+        CML_TRY(read_part(r, quantity, part, errors));
     return CML_OK;
 }
 

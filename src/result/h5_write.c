@@ -39,20 +39,23 @@ static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
            !(deep && o->provenance.value[CML_DECIDES_absorption] == 0);
 }
 
-static void add_quantity(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity)
+static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity, int part)
 {
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
+    const size_t first = (size_t)part * cml_outcome_part_size(o, quantity);
     struct cml_field *field = &f->field[f->count++];
     cml_quantity_name(field, quantity);
-    for (int i = 0; i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE; i++)
+    cml_outcome_key(o, quantity, part, field->name);
+    for (int i = cml_quantity_is_of_detector(quantity); i < CML_QUANTITY_AXES && axis[i] != CML_AXIS_NONE;
+         i++)
         field->axis[field->num_axes++] = &f->axis[axis[i]];
     field->values = cml_field_array_values;
-    field->context = o->value[quantity];
+    field->context = o->value[quantity] + first;
     if (!o->error[quantity]) return;
     struct cml_field *errors = &f->field[f->count++];
     cml_quantity_name_errors(errors, field);
     errors->values = cml_field_array_values;
-    errors->context = o->error[quantity];
+    errors->context = o->error[quantity] + first;
 }
 
 static bool has_field(const struct fields *f, const char *name)
@@ -85,6 +88,7 @@ static int fill_attributes(const struct cml_outcome *o, const struct cml_h5_more
     *a++ = (struct cml_attribute){"photons", NULL, (double)o->photons};
     if (o->merged || (o->beam && o->beam[0])) *a++ = (struct cml_attribute){"beam", o->beam, 0};
     if (o->phases && o->phases[0]) *a++ = (struct cml_attribute){"phases", o->phases, 0};
+    if (o->detectors && o->detectors[0]) *a++ = (struct cml_attribute){"detectors", o->detectors, 0};
     if (o->merged || (o->settings && o->settings[0]))
         *a++ = (struct cml_attribute){"settings", o->settings, 0};
     if (o->merged) *a++ = (struct cml_attribute){"scene", o->scene, 0};
@@ -111,7 +115,7 @@ static char *describe_streams(const struct cml_outcome *o)
 static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                                const struct fields *f, struct cml_error *err)
 {
-    struct cml_attribute attributes[CML_NUM_OPTIONS_OF_BITS + 12];
+    struct cml_attribute attributes[CML_NUM_OPTIONS_OF_BITS + 13];
     int count = fill_attributes(o, more, attributes);
     char *streams = o->merged ? describe_streams(o) : NULL;
     if (o->merged && !streams) return cml_fail_memory(err, 1, "a merged result");
@@ -125,12 +129,15 @@ static cml_status write_fields(const char *path, const struct cml_outcome *o, co
 cml_status cml_h5_write(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                         struct cml_error *err)
 {
-    const size_t most = 2 * (size_t)CML_NUM_QUANTITIES + (size_t)more->num_fields;
+    const size_t most =
+        2 * (size_t)CML_NUM_QUANTITIES * (1 + (size_t)o->num_detectors) + (size_t)more->num_fields;
     struct fields f = {.field = calloc(most, sizeof *f.field)};
     if (!f.field) return cml_fail_memory(err, (double)(most * sizeof *f.field), "a list of fields");
     set_axes(&f, o);
     for (int i = 0; i < CML_NUM_QUANTITIES; i++)
-        if (is_written(o, (enum cml_quantity)i)) add_quantity(&f, o, (enum cml_quantity)i);
+        for (int part = 0;
+             is_written(o, (enum cml_quantity)i) && part < cml_outcome_parts(o, (enum cml_quantity)i); part++)
+            add_part(&f, o, (enum cml_quantity)i, part);
     for (int i = 0; i < more->num_fields; i++)
         if (!has_field(&f, more->field[i].name)) f.field[f.count++] = more->field[i];
     const cml_status status = write_fields(path, o, more, &f, err);

@@ -116,6 +116,7 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
     write_lines(out, "# set ", o->settings);
     write_lines(out, "# ", o->beam);
     write_lines(out, "# ", o->phases);
+    write_lines(out, "# ", o->detectors);
     write_lines(out, "# ", o->shapes);
     write_lines(out, "# scene ", o->scene);
     if (o->nt > 0)
@@ -133,6 +134,7 @@ static void write_comments(FILE *out, const struct cml_outcome *o)
  * do not have. */
 static void write_errors(FILE *out, const struct cml_outcome *o)
 {
+    char key[CML_OUTCOME_KEY];
     const char *const total = o->merged ? "%.9G\n" : "%.6G\n", *const bin =
                                                                    o->merged ? "%12.9E\n" : "%12.4E\n";
     if (o->error[CML_QUANTITY_Rsp]) fputs("\nse_RAT # Standard errors of Rsp, Rd, A, Tt [-]\n", out);
@@ -141,8 +143,12 @@ static void write_errors(FILE *out, const struct cml_outcome *o)
     for (int i = CML_TOTALS; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
         if (!o->error[i] || cml_quantities[i].estimator == CML_FROM_TWIN) continue;
-        fprintf(out, "\nse_%s # [%s]\n", cml_quantities[i].name, cml_quantities[i].units);
-        for (size_t k = 0; k < cml_outcome_size(o, quantity); k++) fprintf(out, bin, o->error[i][k]);
+        const size_t size = cml_outcome_part_size(o, quantity);
+        for (int part = 0; part < cml_outcome_parts(o, quantity); part++) {
+            cml_outcome_key(o, quantity, part, key);
+            fprintf(out, "\nse_%s # [%s]\n", key, cml_quantities[i].units);
+            for (size_t k = 0; k < size; k++) fprintf(out, bin, o->error[i][(size_t)part * size + k]);
+        }
     }
 }
 
@@ -168,18 +174,25 @@ static void write_balance(FILE *out, const struct cml_outcome *o)
     for (int i = 0; i < o->lost.count; i++) fprintf(out, "%" PRIu64 "\n", o->lost.index[i]);
 }
 
+static void write_part(FILE *out, const struct cml_outcome *o, enum cml_quantity quantity, int part)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    const size_t size = cml_outcome_part_size(o, quantity);
+    char key[CML_OUTCOME_KEY];
+    cml_outcome_key(o, quantity, part, key);
+    if (info->comment)
+        fprintf(out, "\n%s # %s\n", key, info->comment);
+    else
+        fprintf(out, "\n%s # %s [%s]\n", key, info->long_name, cml_quantity_unit(quantity));
+    for (size_t k = 0; k < size; k++) fprintf(out, "%.9G\n", o->value[quantity][(size_t)part * size + k]);
+}
+
 static void write_ours(FILE *out, const struct cml_outcome *o)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
-        const struct cml_quantity_info *info = &cml_quantities[i];
-        if (!(info->where & CML_IN_MCO) || !o->value[i]) continue;
-        if (info->comment)
-            fprintf(out, "\n%s # %s\n", info->name, info->comment);
-        else
-            fprintf(out, "\n%s # %s [%s]\n", info->name, info->long_name,
-                    cml_quantity_unit((enum cml_quantity)i));
-        for (size_t k = 0; k < cml_outcome_size(o, (enum cml_quantity)i); k++)
-            fprintf(out, "%.9G\n", o->value[i][k]);
+        const enum cml_quantity quantity = (enum cml_quantity)i;
+        if (!(cml_quantities[i].where & CML_IN_MCO) || !o->value[i]) continue;
+        for (int part = 0; part < cml_outcome_parts(o, quantity); part++) write_part(out, o, quantity, part);
     }
 }
 

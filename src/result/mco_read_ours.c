@@ -72,7 +72,7 @@ cml_status cml_mco_read_merged(const char *line, struct cml_outcome *o, struct c
 static cml_status read_head(const struct reader *r, struct cml_error *err)
 {
     static const char *const scene[] = {
-        "# set ", "# beam ", "# phase ", "# backing: ", "# boundary ", "# body ", "# scene "};
+        "# set ", "# beam ", "# phase ", "# backing: ", "# detector ", "# boundary ", "# body ", "# scene "};
     struct cml_outcome *o = r->o;
     char head[256];
     for (const char *line = r->text; line; line = line_after(line)) {
@@ -99,6 +99,8 @@ static cml_status read_comments(const struct reader *r, struct cml_error *err)
     CML_TRY(gather(r->text, "# set ", "# set ", 6, &o->settings, err));
     CML_TRY(gather(r->text, "# beam ", "# beam ", 2, &o->beam, err));
     CML_TRY(gather(r->text, "# phase ", "# backing: ", 2, &o->phases, err));
+    CML_TRY(gather(r->text, "# detector ", "# detector ", 2, &o->detectors, err));
+    CML_TRY(cml_outcome_name_detectors(o, err));
     CML_TRY(gather(r->text, "# boundary ", "# body ", 2, &o->shapes, err));
     CML_TRY(gather(r->text, "# scene ", "# scene ", 8, &o->scene, err));
     CML_TRY(cml_outcome_place_shapes(o, err));
@@ -162,16 +164,26 @@ static bool read_numbers(struct section *s, size_t count, bool more, double *out
     return false;
 }
 
-/* All values, or errors, of a quantity. Of two sections of one name the first counts, and one without numbers
- * is none. */
-static cml_status read_array(struct section *s, enum cml_quantity quantity, bool errors,
+/* Numbers of detectors whose section is missing are none. */
+static void forget_parts(double *array, size_t size)
+{
+    for (size_t i = 0; i < size; i++) array[i] = NAN;
+}
+
+/* All values, or errors, of a quantity, or those of one detector. Of two sections of one name the first
+ * counts, and one without numbers is none. */
+static cml_status read_array(struct section *s, enum cml_quantity quantity, int part, bool errors,
                              struct cml_error *err)
 {
-    double **array = errors ? &s->r->o->error[quantity] : &s->r->o->value[quantity];
-    const size_t size = cml_outcome_size(s->r->o, quantity);
-    if (size == 0 || *array) return CML_OK;
-    CML_TRY(cml_outcome_add(s->r->o, quantity, errors, err));
-    if (read_numbers(s, size, false, *array)) return CML_OK;
+    struct cml_outcome *o = s->r->o;
+    double **array = errors ? &o->error[quantity] : &o->value[quantity];
+    const size_t size = cml_outcome_part_size(o, quantity), at = (size_t)part * size;
+    if (size == 0 || (*array && !isnan((*array)[at]))) return CML_OK;
+    if (!*array) {
+        CML_TRY(cml_outcome_add(o, quantity, errors, err));
+        forget_parts(*array, cml_outcome_size(o, quantity));
+    }
+    if (read_numbers(s, size, false, *array + at)) return CML_OK;
     free(*array);
     *array = NULL;
     return CML_OK;
@@ -276,11 +288,12 @@ static cml_status read_section(struct section *s, struct cml_error *err)
     if (strcmp(s->key, "lost") == 0) return read_lost(s, err);
     if (begins(s->key, "heightfield")) return read_heights(s, err);
     const bool errors = begins(s->key, "se_");
-    for (int i = CML_TOTALS; i < CML_NUM_QUANTITIES; i++)
-        if (strcmp(s->key + (errors ? 3 : 0), cml_quantities[i].name) == 0 &&
-            (errors || cml_quantities[i].where & CML_IN_MCO))
-            return read_array(s, (enum cml_quantity)i, errors, err);
-    return CML_OK;
+    enum cml_quantity quantity;
+    int part;
+    if (!cml_outcome_find(s->r->o, s->key + (errors ? 3 : 0), &quantity, &part) ||
+        (int)quantity < CML_TOTALS || !(errors || cml_quantities[quantity].where & CML_IN_MCO))
+        return CML_OK;
+    return read_array(s, quantity, part, errors, err);
 }
 
 cml_status cml_mco_read_ours(const char *text, const char *path, struct cml_outcome *o, struct cml_error *err)

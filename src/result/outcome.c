@@ -19,6 +19,7 @@ int cml_outcome_places(const struct cml_outcome *o, enum cml_axis_kind axis)
                                       [CML_AXIS_z] = o->nz,
                                       [CML_AXIS_alpha] = o->na,
                                       [CML_AXIS_gate] = o->num_gates,
+                                      [CML_AXIS_detector] = o->num_detectors,
                                       [CML_AXIS_theta] = o->nt,
                                       [CML_AXIS_phi] = o->np,
                                       [CML_AXIS_side] = 4};
@@ -34,9 +35,21 @@ size_t cml_outcome_size(const struct cml_outcome *o, enum cml_quantity quantity)
     return size;
 }
 
+int cml_outcome_parts(const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    return cml_quantity_is_of_detector(quantity) ? o->num_detectors : 1;
+}
+
+size_t cml_outcome_part_size(const struct cml_outcome *o, enum cml_quantity quantity)
+{
+    const int parts = cml_outcome_parts(o, quantity);
+    return parts > 0 ? cml_outcome_size(o, quantity) / (size_t)parts : 0;
+}
+
 double cml_outcome_width(const struct cml_outcome *o, enum cml_quantity quantity)
 {
-    const enum cml_axis_kind axis = cml_quantities[quantity].axis[0];
+    const enum cml_axis_kind axis =
+        cml_quantities[quantity].axis[cml_quantity_is_of_detector(quantity) ? 1 : 0];
     if (axis == CML_AXIS_alpha) return cml_angle_width(o->na);
     if (axis == CML_AXIS_gate) return o->time_end / o->num_gates;
     return axis == CML_AXIS_z ? o->dz : axis == CML_AXIS_r ? o->dr : 0;
@@ -48,6 +61,7 @@ double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quanti
     const enum cml_axis_kind *axis = cml_quantities[quantity].axis;
     const double da = cml_angle_width(o->na);
     if (axis[0] == CML_AXIS_theta) return cml_direction_solid_angle(o->nt, o->np, (int)(i / (size_t)o->np));
+    if (axis[0] == CML_AXIS_detector) return axis[1] == CML_AXIS_gate ? cml_outcome_width(o, quantity) : 1;
     if (axis[1] != CML_AXIS_NONE) {
         const size_t n = (size_t)cml_outcome_places(o, axis[1]);
         const double ring = cml_ring_area(o->dr, (int)(i / n));
@@ -56,6 +70,70 @@ double cml_outcome_measure(const struct cml_outcome *o, enum cml_quantity quanti
     if (axis[0] == CML_AXIS_r) return cml_ring_area(o->dr, (int)i);
     if (axis[0] == CML_AXIS_gate) return cml_outcome_width(o, quantity);
     return axis[0] == CML_AXIS_alpha ? cml_solid_angle(da, (int)i) : axis[0] == CML_AXIS_z ? o->dz : 1;
+}
+
+/* ---- names ---- */
+
+static const char *ending_of(enum cml_quantity quantity)
+{
+    return cml_quantities[quantity].name + strlen("detector");
+}
+
+void cml_outcome_key(const struct cml_outcome *o, enum cml_quantity quantity, int part,
+                     char key[CML_OUTCOME_KEY])
+{
+    if (cml_quantity_is_of_detector(quantity))
+        snprintf(key, CML_OUTCOME_KEY, "detector_%s%s", o->detector[part], ending_of(quantity));
+    else
+        snprintf(key, CML_OUTCOME_KEY, "%s", cml_quantities[quantity].name);
+}
+
+int cml_outcome_find_detector(const struct cml_outcome *o, const char *name, size_t length)
+{
+    for (int k = 0; k < o->num_detectors; k++)
+        if (strlen(o->detector[k]) == length && memcmp(o->detector[k], name, length) == 0) return k;
+    return -1;
+}
+
+/* Endings are tried on every name, which has none of them itself. */
+bool cml_outcome_find(const struct cml_outcome *o, const char *key, enum cml_quantity *quantity, int *part)
+{
+    const char before[] = "detector_";
+    const size_t skip = sizeof before - 1, size = strlen(key);
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        *quantity = (enum cml_quantity)i;
+        *part = 0;
+        if (!cml_quantity_is_of_detector(*quantity)) {
+            if (strcmp(key, cml_quantities[i].name) == 0) return true;
+            continue;
+        }
+        const size_t end = strlen(ending_of(*quantity));
+        if (size < skip + end || strncmp(key, before, skip) != 0 ||
+            strcmp(key + size - end, ending_of(*quantity)) != 0)
+            continue;
+        *part = cml_outcome_find_detector(o, key + skip, size - skip - end);
+        if (*part >= 0) return true;
+    }
+    return false;
+}
+
+/* Words that are none of ours name no detector. */
+cml_status cml_outcome_name_detectors(struct cml_outcome *o, struct cml_error *err)
+{
+    char name[CML_OUTCOME_KEY];
+    size_t lines = 0;
+    for (const char *at = o->detectors; at && *at; at++) lines += *at == '\n';
+    o->detector = calloc(lines + 1, sizeof *o->detector);
+    if (!o->detector) return cml_fail_memory(err, (double)lines * sizeof *o->detector, "detectors");
+    for (const char *at = o->detectors; at && *at && lines > 0; lines--) {
+        if (sscanf(at, "detector %24[A-Za-z0-9_]: ", name) == 1 &&
+            cml_outcome_find_detector(o, name, strlen(name)) < 0) {
+            CML_TRY(cml_text_copy(name, &o->detector[o->num_detectors], err));
+            o->num_detectors++;
+        }
+        at += strcspn(at, "\n") + 1;
+    }
+    return CML_OK;
 }
 
 /* ---- memory ---- */
@@ -109,8 +187,10 @@ void cml_outcome_clear(struct cml_outcome *o)
     free_arrays(o);
     for (int i = 0; i < o->num_streams; i++) free(o->stream[i].file);
     for (int i = 0; i < o->num_heights; i++) free(o->heights[i].pair);
-    void *const owned[] = {o->output, o->program, o->stream, o->settings, o->beam,  o->phases,
-                           o->shapes, o->scene,   o->extent, o->heights,  o->damage};
+    for (int k = 0; k < o->num_detectors; k++) free(o->detector[k]);
+    void *const owned[] = {o->output,  o->program,   o->stream, o->settings, o->beam,
+                           o->phases,  o->detectors, o->shapes, o->scene,    o->extent,
+                           o->heights, o->detector,  o->damage};
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++) free(owned[i]);
     *o = (struct cml_outcome){0};
 }
@@ -253,7 +333,8 @@ static double number_of(const struct cml_result *sums, const struct cml_quantity
 static bool is_batched_number(enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
-    return info->estimator == CML_FROM_BATCHES && info->axis[0] == CML_AXIS_NONE;
+    const enum cml_axis_kind axis = info->axis[cml_quantity_is_of_detector(quantity) ? 1 : 0];
+    return info->estimator == CML_FROM_BATCHES && axis == CML_AXIS_NONE;
 }
 
 static cml_status take_number(struct cml_outcome *o, const struct cml_result *sums,

@@ -38,6 +38,8 @@ struct cml_outcome {
     double time_end; /* ps; what is later is in no gate */
     int num_gates;   /* 0: nothing is known by time */
     int nt, np;      /* of directions; 0: nothing is known by them */
+    int num_detectors;
+    char **detector; /* [num_detectors] their names */
     int num_layers, num_bodies;
     bool backed; /* of what is filled from sums: A_backing is among the totals */
     double n_above, n_below;
@@ -54,7 +56,7 @@ struct cml_outcome {
     struct cml_lost_list lost;
     /* The scene in words, each line ended by a line feed; "" or NULL: none. `scene`: of its input without the
      * lines for name and photons, which only .h5 files have. */
-    char *settings, *beam, *phases, *shapes, *scene;
+    char *settings, *beam, *phases, *detectors, *shapes, *scene;
     int num_extents;
     struct cml_extent *extent; /* of all shapes, of what was read */
     int num_heights;
@@ -68,6 +70,26 @@ int cml_outcome_places(const struct cml_outcome *outcome, enum cml_axis_kind axi
 
 /* Numbers of a quantity. */
 size_t cml_outcome_size(const struct cml_outcome *outcome, enum cml_quantity quantity);
+
+/* What files have of a quantity by itself: all of it, or the numbers of one detector. How many of these there
+ * are, and numbers in each. */
+int cml_outcome_parts(const struct cml_outcome *outcome, enum cml_quantity quantity);
+size_t cml_outcome_part_size(const struct cml_outcome *outcome, enum cml_quantity quantity);
+
+/* The name of a part in files: that of the quantity, or detector_NAME and what follows `detector` in it. */
+#define CML_OUTCOME_KEY 64
+void cml_outcome_key(const struct cml_outcome *outcome, enum cml_quantity quantity, int part,
+                     char key[CML_OUTCOME_KEY]);
+
+/* The detector of this name; -1: there is none. */
+int cml_outcome_find_detector(const struct cml_outcome *outcome, const char *name, size_t length);
+
+/* What a key is of; false: of nothing. */
+bool cml_outcome_find(const struct cml_outcome *outcome, const char *key, enum cml_quantity *quantity,
+                      int *part);
+
+/* Names and number of detectors, of their words: a line "detector NAME: ..." each. */
+CML_NODISCARD cml_status cml_outcome_name_detectors(struct cml_outcome *outcome, struct cml_error *err);
 
 /* Width of a bin of a profile, cm, rad or ps; 0 of a total. */
 double cml_outcome_width(const struct cml_outcome *outcome, enum cml_quantity quantity);

@@ -50,7 +50,8 @@ struct cml_axis cml_quantity_axis(enum cml_axis_kind kind, size_t n, double firs
 
 const char *cml_quantity_place(enum cml_quantity quantity)
 {
-    switch (cml_quantities[quantity].axis[0]) {
+    const enum cml_axis_kind axis = cml_quantities[quantity].axis[cml_quantity_is_of_detector(quantity)];
+    switch (axis) {
     case CML_AXIS_NONE:
         return NULL;
     case CML_AXIS_z:
@@ -58,7 +59,7 @@ const char *cml_quantity_place(enum cml_quantity quantity)
     case CML_AXIS_gate:
         return "t [ps]";
     default:
-        return cml_quantities[quantity].axis[0] == CML_AXIS_r ? "r [cm]" : "a [rad]";
+        return axis == CML_AXIS_r ? "r [cm]" : "a [rad]";
     }
 }
 

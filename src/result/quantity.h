@@ -37,6 +37,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(r, "distance from the z axis, middle of the bin", "cm")                                                \
     X(z, "depth, middle of the bin", "cm")                                                                   \
     X(alpha, "angle from the outward vertical, middle of the bin", "rad")                                    \
+    X(detector, "detector, in the order of the file: each has numbers of its own", "1")                      \
     X(gate, "time, middle of the gate", "ps")                                                                \
     X(theta, "angle of flight from the outward vertical, middle of the bin", "rad")                          \
     X(phi, "azimuth of flight, from x towards y, middle of the bin", "rad")                                  \
@@ -101,6 +102,10 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Rd_dir, "1/sr", ONCE, IN(Rd_dir), OVER2(theta, phi), MCO | H5, "diffuse reflectance by direction", NULL) \
     Q(Tt_dir, "1/sr", ONCE, IN(Tt_dir), OVER2(theta, phi), MCO | H5, "transmittance by direction", NULL) \
     Q(Rsp_dir, "1/sr", ONCE, IN(Rsp_dir), OVER2(theta, phi), MCO | H5, "specular reflectance by direction", NULL) \
+    Q(detector, "1", BATCHES, IN(detector), OVER1(detector), MCO | H5 | JSON, "detected", NULL) \
+    Q(detector_t, "1/ps", BATCHES, IN(detector_t), OVER2(detector, gate), MCO | H5, "detected by time", NULL) \
+    Q(detector_t_later, "1", BATCHES, IN(detector_t_later), OVER1(detector), MCO | H5 | JSON, "detected later than all gates", NULL) \
+    Q(detector_map, "1/cm2", FIELD, 0, OVER1(detector), 0, "detected by pixel", NULL) \
     Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index", NULL)                                              \
     Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient", NULL)                                   \
     Q(body_mus, "1/cm", INPUT, 0, OVER1(body), H5, "scattering coefficient", NULL)                                   \
@@ -165,6 +170,12 @@ static inline bool cml_quantity_is_total(enum cml_quantity quantity)
 static inline bool cml_quantity_is_radial(enum cml_quantity quantity)
 {
     return cml_quantities[quantity].axis[0] == CML_AXIS_r;
+}
+
+/* There is one of it for each detector, under the name of that (cml_outcome_key). */
+static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
+{
+    return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
 }
 
 /* Of enum cml_total. */

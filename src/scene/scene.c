@@ -39,6 +39,8 @@ void cml_scene_clear(struct cml_scene *scene)
         free(scene->beams[k].light.intensity);
         free(scene->beams[k].pixel);
     }
+    for (int k = 0; k < scene->num_detectors; k++) free(scene->detectors[k].name);
+    free(scene->detectors);
     free(scene->beams);
     free(scene->shares);
     free(scene->bodies);

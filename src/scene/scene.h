@@ -145,6 +145,25 @@ struct cml_directions_def {
     int line;   /* of the .mci */
 };
 
+enum cml_detector_kind { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP };
+
+/* What sees light that leaves on one side, where the line of its last flight crosses a level plane, at any
+ * angle or about an axis. */
+struct cml_detector_def {
+    char *name;
+    enum cml_detector_kind kind;
+    double size[2];   /* cm; both radii of a ring, a disk's first one 0; lengths of a rectangle or pixel */
+    int nx, ny;       /* pixels of a map; else 1 */
+    double x, y, z;   /* cm, of the middle; the scene's */
+    bool below, at_z; /* on the bottom side; z was given, else it is the side's nominal plane */
+    bool aimed;       /* sees a cone about the axis, else all angles */
+    double na;        /* n sin of its widest angle; n or more: the half space about the axis */
+    double angle;     /* rad, 0 to pi/2; of the axis, along which light goes, to the outward vertical */
+    double azimuth;   /* rad */
+    bool diffuse;     /* no light that never was in the material */
+    int line;         /* of the .mci */
+};
+
 /* Of light in vacuum, cm/ps. */
 #define CML_LIGHT_CM_PER_PS 0.0299792458
 
@@ -169,6 +188,8 @@ struct cml_scene {
     struct cml_map_def map;
     struct cml_time_def time;
     struct cml_directions_def directions;
+    int num_detectors;
+    struct cml_detector_def *detectors; /* [num_detectors] */
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
     char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */

@@ -26,10 +26,16 @@ static size_t cells_t(const struct cml_grid *grid)
     return grid->gates ? ((size_t)grid->gates + 1) * (grid->absorption ? 3 : 2) : 0;
 }
 
+/* What each detector has seen, and its gates with what is later. */
+static size_t cells_detected(const struct cml_grid *grid)
+{
+    return (size_t)grid->detectors * (1 + (grid->gates ? (size_t)grid->gates + 1 : 0));
+}
+
 static size_t cells_batched(const struct cml_grid *grid)
 {
     const size_t bins = CML_NUM_TOTALS + 2 * (size_t)grid->nr + 2 * (size_t)grid->na +
-                        (grid->absorption ? (size_t)grid->nz : 0) + cells_t(grid);
+                        (grid->absorption ? (size_t)grid->nz : 0) + cells_t(grid) + cells_detected(grid);
     return CML_NUM_BATCHES * bins;
 }
 
@@ -51,12 +57,25 @@ double cml_result_bytes(const struct cml_grid *grid)
 }
 
 /* These come last. */
+static void set_detectors(struct cml_result *result)
+{
+    const struct cml_grid *grid = &result->grid;
+    const size_t each = CML_NUM_BATCHES * (size_t)grid->detectors;
+    if (!each) return;
+    result->detector = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_detected(grid);
+    if (!grid->gates) return;
+    result->detector_t = result->detector + each;
+    result->detector_t_later = result->detector_t + each * (size_t)grid->gates;
+}
+
+/* These stand before them. */
 static void set_gates(struct cml_result *result)
 {
     const struct cml_grid *grid = &result->grid;
     const size_t gates = CML_NUM_BATCHES * (size_t)grid->gates, both = gates + CML_NUM_BATCHES;
     if (!gates) return;
-    result->Rd_t = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_t(grid);
+    result->Rd_t =
+        result->totals + cells_batched(grid) - CML_NUM_BATCHES * (cells_t(grid) + cells_detected(grid));
     result->Rd_t_later = result->Rd_t + gates;
     result->Tt_t = result->Rd_t + both;
     result->Tt_t_later = result->Tt_t + gates;
@@ -83,6 +102,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     result->Tt_a = result->Rd_a + CML_NUM_BATCHES * (size_t)grid->na;
     if (grid->absorption) result->A_z = result->Tt_a + CML_NUM_BATCHES * (size_t)grid->na;
     set_gates(result);
+    set_detectors(result);
     return CML_OK;
 }
 
@@ -110,6 +130,18 @@ static void add_gates(cml_u128 *profile, cml_u128 *later, size_t gates, size_t b
     later[batch] += brought[gates];
 }
 
+/* What detectors have seen, to that of a batch. */
+static void add_detected(struct cml_result *result, size_t batch, const struct cml_profile_places *at,
+                         const uint64_t *brought)
+{
+    const size_t n = (size_t)result->grid.detectors, gates = (size_t)result->grid.gates;
+    if (!result->detector) return;
+    add_bins(result->detector + batch * n, n, 0, brought + at->detector, n);
+    for (size_t k = 0; result->detector_t && k < n; k++)
+        add_gates(result->detector_t, result->detector_t_later, gates, batch * n + k,
+                  brought + at->detector_t + k * (gates + 1));
+}
+
 /* Totals and profiles of a tally with the same profiles, to those of a batch. */
 static void add_to_batch(struct cml_result *result, int batch, const uint64_t *brought)
 {
@@ -126,6 +158,7 @@ static void add_to_batch(struct cml_result *result, int batch, const uint64_t *b
     add_gates(result->Rd_t, result->Rd_t_later, gates, b, brought + at.Rd_t);
     add_gates(result->Tt_t, result->Tt_t_later, gates, b, brought + at.Tt_t);
     add_gates(result->A_t, result->A_t_later, gates, b, brought + at.A_t);
+    add_detected(result, b, &at, brought);
 }
 
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)

@@ -31,6 +31,9 @@ struct cml_result {
     cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
     cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir, *Rd_dir2;                  /* the same */
+    cml_u128 *detector_map, *detector_map2;                         /* the same */
+    cml_u128 *detector, *detector_t, *detector_t_later; /* [64][detectors], the second [64][detectors][gates],
+                                                           or NULL */
     struct cml_summary summary;
 };
 

@@ -32,6 +32,7 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
     small.volume = false;
     small.facets = 0;
     small.nt = small.np = 0;
+    small.detector_pixels = 0;
     small.depths = tally_cells_A(grid) > CML_THREAD_CELLS;
     if (small.depths) small.absorption = false;
     return small;
@@ -54,12 +55,18 @@ static size_t num_t(const struct cml_grid *grid)
     return grid->absorption || grid->depths ? 3 : 2;
 }
 
+/* Of what detectors have seen: sums, and gates. */
+static size_t tally_cells_detected(const struct cml_grid *grid)
+{
+    return (size_t)grid->detectors * (1 + tally_cells_t(grid));
+}
+
 /* Of all arrays whose cells are in the same order in the tally of a thread and in that which it borrows from.
  */
 static size_t cells_in_common(const struct cml_grid *grid)
 {
     return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + cml_grid_media(grid) +
-           num_t(grid) * tally_cells_t(grid);
+           num_t(grid) * tally_cells_t(grid) + tally_cells_detected(grid);
 }
 
 size_t cml_tally_cells(const struct cml_grid *grid)
@@ -69,7 +76,8 @@ size_t cml_tally_cells(const struct cml_grid *grid)
 
 double cml_tally_bytes(const struct cml_grid *grid)
 {
-    return (double)cml_tally_cells(grid) * sizeof(uint64_t);
+    const double profiles = 2.0 + CML_NUM_BATCHES; /* now, before, and of late packets of every batch */
+    return ((double)cml_tally_cells(grid) + profiles * (double)tally_cells_detected(grid)) * sizeof(uint64_t);
 }
 
 /* All arrays of a tally lie in one block, A_l first, so that merging and clearing are one loop. */
@@ -89,7 +97,9 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     if (gates) tally->Rd_t = tally->A_l + cml_grid_media(grid);
     if (gates) tally->Tt_t = tally->Rd_t + gates;
     if (gates && num_t(grid) > 2) tally->A_t = tally->Tt_t + gates;
-    tally->Rd_ra = tally->A_l + cml_grid_media(grid) + num_t(grid) * gates;
+    uint64_t *const detected = tally->A_l + cml_grid_media(grid) + num_t(grid) * gates;
+    if (grid->detectors) tally->detected = detected;
+    tally->Rd_ra = detected + tally_cells_detected(grid);
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
     if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
     if (grid->depths) tally->A_z = tally->Tt_ra + tally_cells_ra(grid);
@@ -111,6 +121,8 @@ void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
     tally->Tt_dir = owner->Tt_dir;
     tally->Rsp_dir = owner->Rsp_dir;
     tally->Rd_dir2 = owner->Rd_dir2;
+    tally->detector_map = owner->detector_map;
+    tally->detector_map2 = owner->detector_map2;
 }
 
 /* Not what is borrowed: others score there meanwhile. */
@@ -172,7 +184,9 @@ struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
     at.Rd_t = at.A_z + z;
     at.Tt_t = at.Rd_t + tally_cells_t(grid);
     at.A_t = at.Tt_t + tally_cells_t(grid);
-    at.bins = at.Rd_t + num_t(grid) * tally_cells_t(grid);
+    at.detector = at.Rd_t + num_t(grid) * tally_cells_t(grid);
+    at.detector_t = at.detector + (size_t)grid->detectors;
+    at.bins = at.detector + tally_cells_detected(grid);
     return at;
 }
 
@@ -224,7 +238,8 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
     sum_table(tally->Tt_ra, rows, na, sums + at.Tt_r, sums + at.Tt_a);
     if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, sums + at.A_z);
     if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, columns * sizeof *sums);
-    if (tally->grid.gates) memcpy(sums + at.Rd_t, tally->Rd_t, (at.bins - at.Rd_t) * sizeof *sums);
+    if (tally->grid.gates) memcpy(sums + at.Rd_t, tally->Rd_t, (at.detector - at.Rd_t) * sizeof *sums);
+    if (tally->detected) memcpy(sums + at.detector, tally->detected, (at.bins - at.detector) * sizeof *sums);
 }
 
 /* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter

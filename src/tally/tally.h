@@ -27,12 +27,14 @@ struct cml_grid {
     int gates;       /* of Rd_t, Tt_t and, with either of those, A_t; 0: they do not exist */
     /* What is tallied only when asked for; 0 and false: it does not exist. Maps have nx * ny pixels and one
      * more for whatever lies outside, so that their sums are the totals. */
-    int nx, ny;    /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
-    int map_na;    /* angle bins of a pixel: na or 1 */
-    bool volume;   /* A_xyz, nz deep */
-    int nt, np;    /* bins of Rd_dir, Tt_dir and Rsp_dir */
-    size_t facets; /* of all boundaries and bodies */
-    bool backed;   /* some of them lie on a backing, which keeps what does not leave them */
+    int nx, ny;             /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
+    int map_na;             /* angle bins of a pixel: na or 1 */
+    bool volume;            /* A_xyz, nz deep */
+    int nt, np;             /* bins of Rd_dir, Tt_dir and Rsp_dir */
+    int detectors;          /* what each has seen, and by gates */
+    size_t detector_pixels; /* of all of them that are maps */
+    size_t facets;          /* of all boundaries and bodies */
+    bool backed;            /* some of them lie on a backing, which keeps what does not leave them */
 };
 
 /* Media of a grid: layers, the two outer ones, bodies. */
@@ -76,7 +78,9 @@ struct cml_tally {
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
     uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
     uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
-    uint64_t *facets;                    /* [facets][CML_FACET_SCORES] or NULL */
+    uint64_t *detected; /* by detector, and by detector and gate: as profiles have them; or NULL */
+    uint64_t *detector_map, *detector_map2; /* [detector_pixels], and sums of squares as above; or NULL */
+    uint64_t *facets;                       /* [facets][CML_FACET_SCORES] or NULL */
     uint64_t balance[CML_NUM_BALANCE_TERMS];
     uint64_t count[CML_NUM_COUNTS];
     struct cml_lost_list lost;
@@ -89,11 +93,11 @@ struct cml_tally {
 /* The term of the balance that is this total. */
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 
-/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, Rd_ra, Tt_ra, A_rz or A_z, and the maps in this order,
- * which lie in one block from A_l on. */
+/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, Rd_ra, Tt_ra, A_rz or A_z, and the maps in this
+ * order, which lie in one block from A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
-/* Bytes that a tally of this grid takes. */
+/* Bytes that a tally of this grid takes; of profiles those of detectors count, which may be many. */
 double cml_tally_bytes(const struct cml_grid *grid);
 
 /* All cells zero, owned by the tally. CML_E_INPUT when memory runs out. */
@@ -125,9 +129,11 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 
 /* Where totals [CML_NUM_TOTALS] and profiles begin that lie one behind the other, with the bins beyond the
  * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz, and where there are
- * gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]. */
+ * gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]; then of every detector its sum, and its gates [gates + 1].
+ */
 struct cml_profile_places {
-    size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, bins; /* totals begin at 0; bins: of all */
+    size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t; /* totals begin at 0 */
+    size_t detector, detector_t, bins;                   /* bins: of all */
 };
 struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid);
 

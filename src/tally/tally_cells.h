@@ -1,7 +1,7 @@
 /* The sizes and places of the arrays that a tally and a result have in common: maps, volume and facets, which
  * are kept only when asked for. They lie behind all other arrays of the block, in this order:
- * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, facets, Rd_dir, Tt_dir, Rsp_dir and the squares of these. Private
- * to tally.c and result.c. SPDX-License-Identifier: MIT */
+ * Rd_xya, Tt_xya, Rd_xya2, Tt_xya2, A_xyz, facets, detector_map, detector_map2, Rd_dir, Tt_dir, Rsp_dir and
+ * the squares of these. Private to tally.c and result.c. SPDX-License-Identifier: MIT */
 #ifndef CML_TALLY_CELLS_H
 #define CML_TALLY_CELLS_H
 
@@ -29,7 +29,7 @@ static inline size_t cml_cells_directions(const struct cml_grid *grid)
 static inline size_t cml_cells_maps(const struct cml_grid *grid)
 {
     return 4 * cml_cells_map(grid) + cml_cells_volume(grid) + grid->facets * CML_FACET_SCORES +
-           6 * cml_cells_directions(grid);
+           2 * grid->detector_pixels + 6 * cml_cells_directions(grid);
 }
 
 /* Sets these arrays of a tally or a result, which begin at `block`; those that are not kept stay as they are.
@@ -45,7 +45,11 @@ static inline size_t cml_cells_maps(const struct cml_grid *grid)
         }                                                                                                    \
         if ((to)->grid.volume) (to)->A_xyz = (block) + 4 * pixels_;                                          \
         if ((to)->grid.facets) (to)->facets = (block) + 4 * pixels_ + cml_cells_volume(&(to)->grid);         \
-        const size_t directions_ = cml_cells_directions(&(to)->grid);                                        \
+        const size_t directions_ = cml_cells_directions(&(to)->grid), seen_ = (to)->grid.detector_pixels;    \
+        if (seen_) {                                                                                         \
+            (to)->detector_map = (block) + cml_cells_maps(&(to)->grid) - 6 * directions_ - 2 * seen_;        \
+            (to)->detector_map2 = (to)->detector_map + seen_;                                                \
+        }                                                                                                    \
         if (directions_) {                                                                                   \
             (to)->Rd_dir = (block) + cml_cells_maps(&(to)->grid) - 6 * directions_;                          \
             (to)->Tt_dir = (to)->Rd_dir + directions_;                                                       \

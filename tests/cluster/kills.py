@@ -21,7 +21,7 @@ def timed_scene(folder):
     """samples/thick.mci with gates of time and directions, as thick.mci in FOLDER."""
     path = os.path.join(folder, "thick.mci")
     with open("samples/thick.mci", encoding="utf-8") as sample, open(path, "w", encoding="utf-8") as scene:
-        scene.write(sample.read().replace("\n1                       # layers", "\ntime 3000 30\ndirections 9 12\n1                       # layers"))
+        scene.write(sample.read().replace("\n1                       # layers", "\ntime 3000 30\ndirections 9 12\ndetector disk 0.3 na=0.5\n1                       # layers"))
     return path
 
 
@@ -105,7 +105,7 @@ def main():
         subprocess.run([PROGRAM, *SCENE, "--quiet", "-o", folder, "--checkpoint", "off"], check=True)
         result = os.path.join(folder, "thick.mco")
         expected, resume = bits(result), False
-        assert b"\nse_Rd_t #" in expected and b"\nse_Rsp_dir #" in expected
+        assert b"\nse_Rd_t #" in expected and b"\nse_Rsp_dir #" in expected and b"\nse_detector_1_t #" in expected
         os.remove(result)
         while (kills < KILLS or resume) and not complaints:
             shape = dice.choice(SHAPES)

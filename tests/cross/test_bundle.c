@@ -78,6 +78,29 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
     cml_surfaces_free(&surfaces);
 }
 
+/* Of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
+static struct cml_detector_def detectors[] = {
+    {.kind = CML_DETECTOR_RING, .size = {0, 0.1}, .nx = 1, .ny = 1},
+    {.kind = CML_DETECTOR_RING,
+     .size = {0.05, 0.5},
+     .nx = 1,
+     .ny = 1,
+     .z = -0.02,
+     .aimed = true,
+     .na = 0.8,
+     .angle = 0.7,
+     .azimuth = 2},
+    {.kind = CML_DETECTOR_RECTANGLE, .size = {0.4, 3}, .nx = 1, .ny = 1, .x = 0.1, .diffuse = true},
+    {.kind = CML_DETECTOR_MAP, .size = {0.05, 0.1}, .nx = 40, .ny = 30, .y = -0.3, .z = 0.3, .below = true},
+    {.kind = CML_DETECTOR_MAP, .size = {0.1, 0.1}, .nx = 30, .ny = 30, .aimed = true, .na = 9},
+};
+
+static void set_detectors(struct cml_scene *scene, bool on)
+{
+    scene->detectors = on ? detectors : NULL;
+    scene->num_detectors = on ? (int)(sizeof detectors / sizeof *detectors) : 0;
+}
+
 static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t photons)
 {
     struct cml_error err;
@@ -87,7 +110,9 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     require_ok(cml_mci_read(full, NULL, &list, &err), &err);
     for (int i = 0; i < list.count; i++) {
         list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
+        set_detectors(&list.scenes[i], true);
         compare(&list.scenes[i], kind, photons, true);
+        set_detectors(&list.scenes[i], false);
         list.scenes[i].time = (struct cml_time_def){0};
         list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
         compare(&list.scenes[i], kind, photons / 4, false);

@@ -45,7 +45,9 @@ class Files(unittest.TestCase):
                          map=mc.Map(4, 3, 0.1, 0.2, angles=True, volume=True), facets=True, format="A",
                          bottom=mc.Heightfield([0, 0.1], [0.02, 0]))
         backed = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=2000, backing=mc.Backing("lambertian", R=0.5), format="A",
-                          time=mc.Time(end=50, n=10), directions=mc.Directions(nt=3, np=4))
+                          time=mc.Time(end=50, n=10), directions=mc.Directions(nt=3, np=4), map=mc.Map(4, 3, 0.1, 0.2),
+                          detectors=[mc.Detector("map", nx=4, ny=3, dx=0.1, dy=0.2, na=1, diffuse=True, name="cam"), mc.Detector("disk", radius=0.2, na=0.5),
+                                     mc.Detector("ring", r1=0, r2=1e6)])
         backed.write(os.path.join(cls.folder.name, "backed.mci"))
         for end in (".mco", ".h5"):
             command(os.path.join(cls.folder.name, "backed.mci"), "--quiet", "--output", "backed" + end, "-o", cls.folder.name)
@@ -126,6 +128,28 @@ class Files(unittest.TestCase):
             for name in ("Rsp", "Rd"):
                 self.assertAlmostEqual(float((data[name + "_dir"].values * solid[:, None]).sum()), float(data[name]), delta=1e-6)
             self.assertGreater(float(data.Rd_dir_se.min()) * float(data.Rd_t_se.max()), 0)
+
+    def test_detectors(self):
+        """With NA = n one sees what the map sees, bit for bit; one that takes all, all. Both files say the same, and merging is a mean."""
+        mco, h5 = (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5"))
+        for end in ("", "_se"):
+            np.testing.assert_array_equal(h5["detector_cam_map" + end].values, h5["Rd_xy" + end].values)
+        np.testing.assert_allclose(h5.detector_cam_x, h5.x)
+        self.assertAlmostEqual(float(h5.detector_cam_map.astype(float).sum() * 0.02), float(h5.detector_cam), delta=1e-6)
+        self.assertAlmostEqual(float(h5.detector_3), float(h5.Rd + h5.Rsp), delta=1e-12)
+        self.assertAlmostEqual(float((h5.detector_2_t * 5).sum() + h5.detector_2_t_later), float(h5.detector_2), delta=1e-12)
+        for name in ("cam", "2", "3"):
+            for end in ("", "_t", "_t_later"):
+                np.testing.assert_allclose(mco[f"detector_{name}{end}"], h5[f"detector_{name}{end}"], rtol=1e-8)
+                np.testing.assert_allclose(mco[f"detector_{name}{end}_se"], h5[f"detector_{name}{end}_se"], rtol=1e-4)
+        self.assertTrue(mco.detectors.startswith("detector cam: map of 4 x 3 pixels of 0.1 x 0.2 cm at (0 0 0) cm, top, na 1"))
+        self.assertEqual(mco.detectors, h5.detectors.rstrip("\n"))
+        other, both = (os.path.join(self.folder.name, name) for name in ("other.h5", "both.h5"))
+        command(os.path.join(self.folder.name, "backed.mci"), "--quiet", "--seed", "2", "--output", "other.h5", "-o", self.folder.name)
+        command("merge", os.path.join(self.folder.name, "backed.h5"), other, "-o", both, "--quiet")
+        other, both = mc.read(other), mc.read(both)
+        for name in ("detector_2", "detector_2_t", "detector_cam_map"):
+            np.testing.assert_allclose(both[name], (h5[name] + other[name]) / 2, rtol=1e-6, atol=1e-9)
 
     def test_merged(self):
         """Says whose results it holds."""

@@ -46,6 +46,7 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
         .boundary_events = b->boundary_events[i] + 1,
         .exit_x = p.x,
         .exit_y = p.y,
+        .exit_z = p.z,
         .ux = u.x,
         .uy = u.y,
         .uz = u.z,

@@ -167,6 +167,7 @@ static void cml_end_late(const struct cml_flight *f, int i, int at)
     const cml_u32 w = terminated->w[at];
     uint64_t *row = f->late_profiles[i];
     row[CML_TOTAL_SPECULAR] += setup->specular + (fate == CML_FATE_SPECULAR ? w : 0u);
+    if (f->tally->detected) cml_tally_detectors(f->world, terminated, at, row + places.detector, NULL);
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
     if (!up && fate != CML_FATE_TRANSMITTED) return;
     row[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += w;
@@ -186,7 +187,7 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     cml_flush_deposits(f, i);
     end.absorbed = f->absorbed[i];
     const int at = f->terminated.count;
-    cml_terminated_push(&f->world->setup, &f->terminated, &end, f->tally);
+    cml_terminated_push(f->world, &f->terminated, &end, f->tally);
     if (f->late & CML_LANE_BIT(i)) cml_end_late(f, i, at);
     CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* it held a packet, which ends once */
     f->b->task[i] = CML_LANE_ENDED;
@@ -206,6 +207,7 @@ static void cml_end_lane(struct cml_flight *f, int i, enum cml_fate fate, enum c
         .boundary_events = b->boundary_events[i],
         .exit_x = b->x[i],
         .exit_y = b->y[i],
+        .exit_z = b->z[i],
         .ux = b->ux[i],
         .uy = b->uy[i],
         .uz = b->uz[i],

@@ -69,7 +69,7 @@ static void cml_note_batch(struct cml_flight *f)
     const struct cml_setup *setup = &f->world->setup;
     cml_terminated_flush(setup, &f->terminated, f->tally);
     if (f->ballistic.count > 0) {
-        cml_terminated_push(setup, &f->terminated, &f->ballistic.end, f->tally);
+        cml_terminated_push(f->world, &f->terminated, &f->ballistic.end, f->tally);
         cml_terminated_flush_times(setup, &f->terminated, f->ballistic.count, f->tally);
         f->ballistic.count = 0;
     }

@@ -95,9 +95,14 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->x + first, exits, terminated->exit_x + at);
     cml_group_pack(b->y + first, exits, terminated->exit_y + at);
     cml_group_pack(b->uz + first, exits, terminated->uz + at);
-    if (f->tally->Rd_dir) {
+    if (f->tally->Rd_dir || f->tally->detected) {
         cml_group_pack(b->ux + first, exits, terminated->ux + at);
         cml_group_pack(b->uy + first, exits, terminated->uy + at);
+    }
+    if (f->tally->detected) {
+        cml_group_pack(b->index_low + first, exits, terminated->index_low + at);
+        cml_group_pack(b->index_high + first, exits, terminated->index_high + at);
+        memset(terminated->exit_z + at, 0, (size_t)__builtin_popcount(exits) * sizeof(real));
     }
     if (setup->gates.count) cml_group_pack(b->path + first, exits, terminated->path + at);
     cml_group_pack(b->w + first, exits, terminated->w + at);
@@ -111,7 +116,7 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
         cml_end_late(f, first + k, at + __builtin_popcount(exits & ((1u << k) - 1)));
     }
     if (cml_tallies_places(f->tally))
-        for (int i = at; i < terminated->count; i++) cml_tally_places(setup, terminated, i, 0, f->tally);
+        for (int i = at; i < terminated->count; i++) cml_tally_places(f->world, terminated, i, 0, f->tally);
     cml_terminated_make_room(setup, terminated, f->tally);
 }
 

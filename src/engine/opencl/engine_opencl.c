@@ -68,6 +68,10 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
             err, CML_E_INPUT,
             "%s:%d: a directions line and --engine opencl, which scores none (expected --engine cpu)",
             scene->file, scene->directions.line);
+    if (scene->num_detectors > 0)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: a detector line and --engine opencl, which has none (expected --engine cpu)",
+                        scene->file, scene->detectors[0].line);
     const bool map = scene->map.nx > 0;
     if (!map && !scene->facets) return CML_OK;
     return cml_fail(

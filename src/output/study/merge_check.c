@@ -60,7 +60,7 @@ static cml_status check_parameters(const struct cml_merge_input *first, const st
 
 /* ---- the scene in words ---- */
 
-enum { LINE = 512, TEXTS = 5 };
+enum { LINE = 512, TEXTS = 6 };
 
 /* Lines without the folders of their files, each behind the prefix. How many packets were flown, a scene may
  * be asked in different numbers. */
@@ -82,8 +82,8 @@ static void write_lines(FILE *out, const char *prefix, const char *text)
 static cml_status write_words(const struct cml_outcome *o, int first, int end, char **words,
                               struct cml_error *err)
 {
-    const char *const texts[TEXTS] = {o->settings, o->beam, o->phases, o->shapes, o->scene};
-    static const char *const prefix[TEXTS] = {"set ", "", "", "", "scene "};
+    const char *const texts[TEXTS] = {o->settings, o->beam, o->phases, o->detectors, o->shapes, o->scene};
+    static const char *const prefix[TEXTS] = {"set ", "", "", "", "", "scene "};
     size_t size = 0;
     *words = NULL;
     FILE *out = open_memstream(words, &size);
@@ -97,10 +97,10 @@ static cml_status write_words(const struct cml_outcome *o, int first, int end, c
 
 cml_status cml_merge_words(const struct cml_outcome *from, struct cml_outcome *merged, struct cml_error *err)
 {
-    char **const to[TEXTS] = {&merged->settings, &merged->beam, &merged->phases, &merged->shapes,
-                              &merged->scene};
+    char **const to[TEXTS] = {&merged->settings,  &merged->beam,   &merged->phases,
+                              &merged->detectors, &merged->shapes, &merged->scene};
     for (int i = 0; i < TEXTS; i++) CML_TRY(write_words(from, i, i + 1, to[i], err));
-    return CML_OK;
+    return cml_outcome_name_detectors(merged, err);
 }
 
 /* The first line that differs. */

@@ -16,6 +16,7 @@ SPDX-License-Identifier: MIT
 
 from .bodies import Body, Cylinder, Sphere
 from .commands import check, compare, crosscheck, exact, merge, mesh, plan, trace, version
+from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .phases import Phase
 from .program import run
@@ -24,7 +25,7 @@ from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
            "Sphere", "Time", "check", "compare", "crosscheck", "exact", "merge", "mesh", "plan", "read", "run", "sweep", "trace"]
 
 

@@ -45,6 +45,12 @@ for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), 
     QUANTITIES[_name + "_t_later"] = ((), "1", _meaning + " later than all gates")
 for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), ("Rsp", "specular reflectance")):
     QUANTITIES[_name + "_dir"] = (("theta", "phi"), "1/sr", _meaning + " by direction")
+# of every detector, behind detector_NAME
+OF_DETECTORS = {
+    "": ((), "1", "detected"),
+    "_t": (("gate",), "1/ps", "detected by time"),
+    "_t_later": ((), "1", "detected later than all gates"),
+}
 QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in TOTALS})
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
 QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
@@ -124,31 +130,40 @@ def _provenance(text: str) -> dict[str, Any]:
     phases = re.findall(r"^# (phase of .*|backing: .*)$", text, re.MULTILINE)
     if phases:
         known["phases"] = "\n".join(phases)
+    detectors = re.findall(r"^# (detector \w+: .*)$", text, re.MULTILINE)
+    if detectors:
+        known["detectors"] = "\n".join(detectors)
     sampling = re.search(r"^# sampling (\w+)", text, re.MULTILINE)
     if sampling:
         known["sampling"] = sampling[1]
     return known
 
 
-def _variable(name: str, axes: dict[str, Any], words: list[str]) -> xr.DataArray:
+def _known(text: str) -> dict[str, Any]:
+    """All quantities that the file may have, those of its detectors too."""
+    names = re.findall(r"^# detector (\w+): ", text, re.MULTILINE)
+    return {**QUANTITIES, **{f"detector_{name}{ending}": what for name in names for ending, what in OF_DETECTORS.items()}}
+
+
+def _variable(name: str, known: dict[str, Any], axes: dict[str, Any], words: list[str]) -> xr.DataArray:
     """A quantity or, as NAME_se, its standard error."""
-    dims, unit, meaning = QUANTITIES[name.removesuffix("_se")]
+    dims, unit, meaning = known[name.removesuffix("_se")]
     values = np.array(words, dtype=float).reshape([axes[dim].size for dim in dims])
     long_name = "standard error" if name.endswith("_se") else meaning
     return xr.DataArray(values, dims=dims, attrs={"units": unit, "long_name": long_name})
 
 
-def _numbers(sections: dict[str, list[str]], axes: dict[str, Any]) -> dict[str, xr.DataArray]:
+def _numbers(sections: dict[str, list[str]], known: dict[str, Any], axes: dict[str, Any]) -> dict[str, xr.DataArray]:
     """All quantities that the file has, and their errors. Behind `lost` stand indices of packets."""
-    words = {name: sections[name] for name in QUANTITIES if name in sections and name not in (*TOTALS, "lost")}
+    words = {name: sections[name] for name in known if name in sections and name not in (*TOTALS, "lost")}
     words.update({name: [word] for name, word in zip(TOTALS, sections["RAT"])})
-    words.update({key[3:] + "_se": values for key, values in sections.items() if key[3:] in QUANTITIES and key.startswith("se_")})
+    words.update({key[3:] + "_se": values for key, values in sections.items() if key[3:] in known and key.startswith("se_")})
     words.update({name + "_se": [word] for name, word in zip(TOTALS, sections.get("se_RAT", []))})
     words.update({"book_" + name: [word] for name, word in zip(BOOKS, sections.get("books", []))})
     words.update({"lost": sections["lost"][:1]} if "lost" in sections else {})
     control = [f"{name}_control{error}" for error in ("", "_se") for name in TOTALS]
     words.update({name: [word] for name, word in zip(control, sections.get("control", []))})
-    variables = {name: _variable(name, axes, values) for name, values in words.items()}
+    variables = {name: _variable(name, known, axes, values) for name, values in words.items()}
     for name, variable in variables.items():
         if name + "_se" in variables:
             variable.attrs["ancillary_variables"] = name + "_se"
@@ -181,7 +196,7 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     if "directions" in sections:
         nt, np_ = (_count("bins of directions", word, len(text) // 2) for word in sections["directions"][:2])
         axes["theta"], axes["phi"] = _middles(nt, np.pi / 2 / nt), _middles(np_, 2 * np.pi / np_)
-    data = xr.Dataset(_numbers(sections, axes))
+    data = xr.Dataset(_numbers(sections, _known(text), axes))
     bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):
         column = [layer[index] for layer in media]

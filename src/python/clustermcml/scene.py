@@ -15,6 +15,7 @@ from typing import Optional, Sequence, Union
 
 from . import errors
 from .bodies import Body, Cylinder, Sphere
+from .detectors import Detector
 from .phases import Phase, check_phase
 from .surfaces import Surface, check_surface, shortest, vector
 
@@ -230,7 +231,8 @@ class Scene:
     n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; backing: what
     lies under it and sends light back, n_below then has no effect.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
-    exitance of every triangle. time: when light leaves or is absorbed. directions: where to it leaves. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
+    exitance of every triangle. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
+    angle. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
     >>> print(slab.text("slab.mco"))
@@ -264,6 +266,7 @@ class Scene:
     directions: Optional[Directions] = None
     format: str = "B"
     backing: Optional[Backing] = None
+    detectors: Sequence[Detector] = ()
 
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
@@ -289,6 +292,8 @@ class Scene:
             raise errors.refuse("Scene.time", self.time, "a Time")
         if not isinstance(self.directions, Directions) and self.directions is not None:
             raise errors.refuse("Scene.directions", self.directions, "Directions")
+        if not isinstance(self.detectors, (list, tuple)) or not all(isinstance(detector, Detector) for detector in self.detectors):
+            raise errors.refuse("Scene.detectors", self.detectors, "a list of Detector")
 
     def beams(self) -> Sequence[Beam]:
         """All beams, one or several."""
@@ -305,6 +310,7 @@ class Scene:
         lines += ["facets"] if self.facets else []
         lines += [self.time.line()] if self.time is not None else []
         lines += [self.directions.line()] if self.directions is not None else []
+        lines += [detector.line() for detector in self.detectors]
         lines += [str(len(self.layers)), shortest(self.n_above)]
         for index, surface in enumerate([*(layer.top for layer in self.layers), self.bottom]):
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []

@@ -310,7 +310,9 @@ static void maps_are_read_anywhere_before_the_layers(void **state)
     const char *text =
         "1.0\n3\n"
         "a A\n#@ map 20 10 0.1 2e-3 # pixels\n1\n1 1\n2 2 2\ntime 2e3 50 # ps\n1\n1\n1 1 1 0 1\n1\n"
-        "b A\n1\n#@ facets\n1 1\nmap 1e3 1 1 1 volume top=-0.5 angles\n#@ directions 18 36\n2 2 2\n1\n1\n1 1 "
+        "b A\n1\n#@ facets\n1 1\nmap 1e3 1 1 1 volume top=-0.5 angles\n#@ directions 18 36\ndetector disk "
+        "0.1\n#@ detector map 4 3 0.1 0.2 at=1,2 z=-0.5 side=bottom na=0.2 "
+        "angle=90 azimuth=-90 diffuse name=c\ndetector ring 0 2 side=bottom\n2 2 2\n1\n1\n1 1 "
         "1 0 1\n1\n"
         "map A\n1\n1 1\n1 1 1\n1\n1\n1 1 1 0 1\n1\n";
     assert_int_equal(case_read(state, text, &list, &err), CML_OK);
@@ -328,6 +330,17 @@ static void maps_are_read_anywhere_before_the_layers(void **state)
     assert_int_equal(list.scenes[0].directions.nt, 0);
     assert_int_equal(list.scenes[1].directions.nt, 18);
     assert_int_equal(list.scenes[1].directions.np, 36);
+    const struct cml_detector_def *d = list.scenes[1].detectors;
+    assert_int_equal(list.scenes[1].num_detectors, 3);
+    assert_string_equal(d[0].name, "1");
+    assert_true(d[0].kind == CML_DETECTOR_RING && d[0].size[0] == 0 && d[0].size[1] == 0.1 && d[0].nx == 1);
+    assert_true(d[0].z == 0 && !d[0].below && !d[0].aimed && !d[0].diffuse);
+    assert_string_equal(d[1].name, "c");
+    assert_true(d[1].kind == CML_DETECTOR_MAP && d[1].nx == 4 && d[1].ny == 3 && d[1].size[1] == 0.2);
+    assert_true(d[1].x == 1 && d[1].y == 2 && d[1].z == -0.5 && d[1].below && d[1].aimed && d[1].diffuse);
+    assert_true(fabs(d[1].angle - 1.5707963267948966) < 1e-15 && d[1].azimuth < -1.57 && d[1].na == 0.2);
+    assert_true(d[2].z == 1 && d[2].below);
+    assert_int_equal(list.scenes[2].num_detectors, 0);
     assert_int_equal(list.scenes[2].map.nx, 0);
     assert_string_equal(list.scenes[2].output, "map");
     cml_scene_list_clear(&list);

@@ -364,6 +364,41 @@ static void maps_that_are_none(void **state)
     CHECK_ALL(state, table);
 }
 
+static void detectors_that_are_none(void **state)
+{
+    static const struct refusal table[] = {
+        {NAME "detector\n",
+         "x.mci:4: detector: shape is missing (expected disk R, ring R1 R2, rectangle W H or "
+         "map NX NY DX DY)"},
+        {NAME "detector disk 0\n", "x.mci:4: detector: radius = 0 (expected a length of 1e-30..1e30 cm)"},
+        {NAME "detector ring 2 2\n", "x.mci:4: detector: r1 r2 = 2 2 (expected r1 < r2)"},
+        {NAME "detector map 3 0 1 1\n", "x.mci:4: detector: ny = 0 (expected a whole number of 1..1e9)"},
+        {NAME "detector disk 1 side=left\n", "x.mci:4: detector: side = left (expected top or bottom)"},
+        {NAME "detector disk 1 na=0\n",
+         "x.mci:4: detector: na = 0 (expected a numerical aperture of 1e-30..100)"},
+        {NAME "detector disk 1 angle=20\n",
+         "x.mci:4: detector: angle = without na (expected na= beside it: else all directions are seen)"},
+        {NAME "detector disk 1 na=1 angle=91\n",
+         "x.mci:4: detector: angle = 91 (expected degrees, 0 <= angle <= 90)"},
+        {NAME "detector disk 1 diffuse=1\n",
+         "x.mci:4: detector: diffuse = 1 (expected the word diffuse alone)"},
+        {NAME "detector disk 1 at=1\n", "x.mci:4: detector: at = 1 (expected x,y in cm without blanks)"},
+        {NAME "detector disk 1 name=a-b\n",
+         "x.mci:4: detector: name = a-b (expected 1 to 24 letters, digits and underscores)"},
+        {NAME "detector disk 1 name=a_t\n",
+         "x.mci:4: detector: name = a_t (expected a name that does not end as results do, in _t, _later, "
+         "_map, _path, _interactions, _deepest, _se, _x, _y or _outside)"},
+        {NAME "detector disk 1 2\n", "x.mci:4: detector: option = 2 (expected at=, z=, side=, na=, angle=, "
+                                     "azimuth=, diffuse or name=)"},
+        {NAME "detector disk 1 name=2\ndetector disk 2\n1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",
+         "x.mci:5: detector: name = 2 (expected another name than that of the detector in line 4)"},
+        {NAME "detector map 20000 20000 1 1\ndetector map 20000 20000 1 1\ndetector map 20000 20000 1 1\n"
+              "1\n1 1\n1 1 1\n1\n1\n" LAYER "1\n",
+         "x.mci:6: detector: nx ny = 20000 20000 (expected at most 2^30 pixels in all detectors together)"},
+    };
+    CHECK_ALL(state, table);
+}
+
 static void lines_in_the_wrong_place(void **state)
 {
     static const struct refusal table[] = {
@@ -395,10 +430,10 @@ static void lines_in_the_wrong_place(void **state)
                            "first line and its number of layers)"},
         {NAME "#@ baem disk 1\n",
          "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, backing, beam, map, "
-         "facets, time or directions behind #@)"},
+         "facets, time, directions or detector behind #@)"},
         {NAME "#@baem disk 1\n",
          "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, backing, beam, map, facets, "
-         "time or directions behind #@)"},
+         "time, directions or detector behind #@)"},
     };
     CHECK_ALL(state, table);
 }
@@ -424,7 +459,8 @@ int main(void)
         cmocka_unit_test(names_that_cannot_be_files),  cmocka_unit_test(heightfields_that_are_none),
         cmocka_unit_test(height_files_that_are_wrong), cmocka_unit_test(meshes_that_cannot_be_read),
         cmocka_unit_test(beams_that_are_none),         cmocka_unit_test(maps_that_are_none),
-        cmocka_unit_test(lines_in_the_wrong_place),    cmocka_unit_test(missing_input_file),
+        cmocka_unit_test(detectors_that_are_none),     cmocka_unit_test(lines_in_the_wrong_place),
+        cmocka_unit_test(missing_input_file),
     };
     return cmocka_run_group_tests_name("mci_errors", tests, case_setup, case_teardown);
 }

@@ -1,0 +1,72 @@
+/* Which detectors see a packet that has left for good (P13). On the host only.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_DETECTOR_H
+#define CML_DETECTOR_H
+
+#include "optics.h"
+#include "types.h"
+
+/* Light that goes out along a straight line: through p, cm from the first beam's axis and in the frame of the
+ * outer medium, in direction u. */
+struct cml_ray_out {
+    struct cml_vec p, u;
+    int below; /* on the bottom side */
+    int fresh; /* never was in the material */
+};
+
+/* Where the whole line crosses a level; 0: nowhere. */
+CML_FN int cml_crosses_level(const struct cml_ray_out *ray, real z, real *x, real *y)
+{
+    const real t = (z - ray->p.z) / ray->u.z;
+    if (ray->u.z == 0) return 0;
+    *x = CML_FMA(t, ray->u.x, ray->p.x);
+    *y = CML_FMA(t, ray->u.y, ray->p.y);
+    return 1;
+}
+
+/* Sines tell small angles, cosines do not. */
+CML_FN int cml_is_in_cone(const struct cml_detector *detector, struct cml_vec u)
+{
+    const struct cml_vec a = detector->axis;
+    const struct cml_vec cross = {CML_FMA(u.y, a.z, -(u.z * a.y)), CML_FMA(u.z, a.x, -(u.x * a.z)),
+                                  CML_FMA(u.x, a.y, -(u.y * a.x))};
+    return (cml_dot(u, a) > 0) & (cml_dot(cross, cross) <= detector->most_sine2);
+}
+
+/* Whether x, y (scene coordinates) lie in the shape. A border belongs to the shape on its upper side, so that
+ * shapes side by side see all and nothing twice. */
+CML_FN int cml_is_in_shape(const struct cml_detector *detector, real x, real y, cml_u64 *pixel)
+{
+    const struct cml_map *map = &detector->pixels;
+    const real dx = x - detector->middle.x, dy = y - detector->middle.y;
+    *pixel = 0;
+    if (detector->shape == CML_DETECTS_RING) {
+        const real square = CML_FMA(dx, dx, dy * dy);
+        return (square >= detector->inner2) & (square < detector->outer2);
+    }
+    if (detector->shape == CML_DETECTS_RECTANGLE)
+        return (x >= detector->low_x) & (x < detector->high_x) & (y >= detector->low_y) &
+               (y < detector->high_y);
+    const real ix = CML_FMA(dx, map->per_dx, map->half_x), iy = CML_FMA(dy, map->per_dy, map->half_y);
+    if (!((ix >= 0) & (ix < (real)map->nx) & (iy >= 0) & (iy < (real)map->ny))) return 0;
+    *pixel = (cml_u64)iy * (cml_u64)map->nx + (cml_u64)ix;
+    return 1;
+}
+
+/* x, y: where the ray crosses the detector's level, scene coordinates. */
+CML_FN int cml_detects(const struct cml_detector *detector, const struct cml_ray_out *ray, real x, real y,
+                       cml_u64 *pixel)
+{
+    if (detector->diffuse && ray->fresh) return 0;
+    return cml_is_in_shape(detector, x, y, pixel) && (!detector->aimed || cml_is_in_cone(detector, ray->u));
+}
+
+/* The cell of the grid over a level's detectors; -1: there are none. */
+CML_FN int cml_detector_cell(const struct cml_detector_level *level, real x, real y)
+{
+    const real ix = (x - level->corner_x) * level->per_cell_x, iy = (y - level->corner_y) * level->per_cell_y;
+    const int inside = (ix >= 0) & (ix < (real)level->nx) & (iy >= 0) & (iy < (real)level->ny);
+    return inside ? (int)iy * level->nx + (int)ix : -1;
+}
+
+#endif

@@ -1,0 +1,254 @@
+/* Detectors as the kernels read them (struct cml_detection): a packet is held against those alone that reach
+ * into its cell, so that hundreds cost little more than one. SPDX-License-Identifier: MIT */
+#include "engine/world.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* ---- one detector ---- */
+
+static struct cml_detector detector_of(const struct cml_scene *scene, const struct cml_detector_def *def)
+{
+    static const int shapes[] = {CML_DETECTS_RING, CML_DETECTS_RECTANGLE, CML_DETECTS_MAP};
+    const double n = scene->media[def->below ? scene->num_layers + 1 : 0].n;
+    const double sine = sin(def->angle), half_w = def->nx * def->size[0] / 2,
+                 half_h = def->ny * def->size[1] / 2;
+    struct cml_detector d = {.shape = shapes[def->kind], .aimed = def->aimed, .diffuse = def->diffuse};
+    d.axis = cml_vec_of(sine * cos(def->azimuth), sine * sin(def->azimuth),
+                        (def->below ? 1 : -1) * cos(def->angle));
+    d.most_sine2 = (real)(def->na < n ? (def->na / n) * (def->na / n) : 2);
+    d.middle = cml_vec_of(def->x, def->y, 0);
+    d.inner2 = (real)(def->size[0] * def->size[0]);
+    d.outer2 = (real)(def->size[1] * def->size[1]);
+    d.low_x = (real)(def->x - half_w);
+    d.high_x = (real)(def->x + half_w);
+    d.low_y = (real)(def->y - half_h);
+    d.high_y = (real)(def->y + half_h);
+    d.pixels = (struct cml_map){.nx = def->nx,
+                                .ny = def->ny,
+                                .per_dx = (real)(1 / def->size[0]),
+                                .per_dy = (real)(1 / def->size[1]),
+                                .half_x = (real)(0.5 * def->nx),
+                                .half_y = (real)(0.5 * def->ny)};
+    return d;
+}
+
+/* ---- a grid over those of one level ---- */
+
+struct rectangle {
+    double low[2], high[2];
+};
+
+static struct rectangle rectangle_around(const struct cml_detector_def *def)
+{
+    const bool ring = def->kind == CML_DETECTOR_RING;
+    const double w = ring ? def->size[1] : def->nx * def->size[0] / 2,
+                 h = ring ? def->size[1] : def->ny * def->size[1] / 2;
+    return (struct rectangle){{def->x - w, def->y - h}, {def->x + w, def->y + h}};
+}
+
+/* Detectors of one level, place[count], and a grid of n by n cells over the rectangle around all. */
+struct place {
+    bool below;
+    double z;
+    int number; /* of the detector */
+};
+struct level {
+    const struct cml_scene *scene;
+    const struct place *place;
+    int count, n;
+    struct rectangle all;
+};
+
+static const struct cml_detector_def *detector_at(const struct level *level, int k)
+{
+    return &level->scene->detectors[level->place[k].number];
+}
+
+/* The cells along an axis that a detector reaches into, with more to spare than rounding moves a place. */
+static void find_cells(const struct level *level, const struct rectangle *own, int axis, int *first,
+                       int *last)
+{
+    const double per_cell = level->n / (level->all.high[axis] - level->all.low[axis]), most = level->n - 1;
+    *first = (int)fmax(0, floor((own->low[axis] - level->all.low[axis]) * per_cell - 0.01));
+    *last = (int)fmin(most, floor((own->high[axis] - level->all.low[axis]) * per_cell + 0.01));
+}
+
+/* Whether a ring reaches into a cell, not with its hole alone. */
+static bool ring_reaches(const struct level *level, const struct cml_detector_def *def, int ix, int iy)
+{
+    const int at[2] = {ix, iy};
+    const double middle[2] = {def->x, def->y};
+    double near[2], far[2];
+    for (int i = 0; i < 2; i++) {
+        const double width = (level->all.high[i] - level->all.low[i]) / level->n;
+        const double low = level->all.low[i] + (at[i] - 0.01) * width - middle[i], high = low + 1.02 * width;
+        near[i] = fmax(0, fmax(low, -high));
+        far[i] = fmax(high, -low);
+    }
+    return hypot(far[0], far[1]) >= def->size[0] && hypot(near[0], near[1]) <= def->size[1];
+}
+
+/* Counts, or with a list enters, the detectors of every cell: next[n * n] is how many there are, or where the
+ * list of the cell goes on. Returns how many there are in all, or no less than `most`. */
+static double fill_cells(const struct level *level, double most, int *next, int *list)
+{
+    double entries = 0;
+    for (int k = 0; k < level->count; k++) {
+        const struct cml_detector_def *def = detector_at(level, k);
+        const struct rectangle own = rectangle_around(def);
+        int first[2], last[2];
+        for (int i = 0; i < 2; i++) find_cells(level, &own, i, &first[i], &last[i]);
+        for (int iy = first[1]; iy <= last[1]; iy++)
+            for (int ix = first[0]; ix <= last[0] && entries < most; ix++) {
+                if (def->kind == CML_DETECTOR_RING && !ring_reaches(level, def, ix, iy)) continue;
+                const int entry = next[iy * level->n + ix]++;
+                if (list) list[entry] = level->place[k].number;
+                entries++;
+            }
+    }
+    return entries;
+}
+
+static void find_rectangle(struct level *level)
+{
+    struct rectangle *all = &level->all;
+    *all = rectangle_around(detector_at(level, 0));
+    for (int k = 1; k < level->count; k++) {
+        const struct rectangle own = rectangle_around(detector_at(level, k));
+        for (int i = 0; i < 2; i++) {
+            all->low[i] = fmin(all->low[i], own.low[i]);
+            all->high[i] = fmax(all->high[i], own.high[i]);
+        }
+    }
+    for (int i = 0; i < 2; i++) {
+        const double pad =
+            1e-3 * (all->high[i] - all->low[i]) + 1e-5 * fmax(fabs(all->low[i]), fabs(all->high[i]));
+        all->low[i] -= pad;
+        all->high[i] += pad;
+    }
+}
+
+/* ---- all of them ---- */
+
+/* What is being made: lists grow level by level. */
+struct detection {
+    struct cml_owned_world *to;
+    int num_starts, num_entries;
+};
+
+static cml_status make_room(struct detection *d, int starts, int entries, struct cml_error *err)
+{
+    const size_t all_starts = (size_t)d->num_starts + (size_t)starts,
+                 all_entries = (size_t)d->num_entries + (size_t)entries;
+    int *start = realloc(d->to->detector_start, all_starts * sizeof *start);
+    if (start) d->to->detector_start = start;
+    int *list = realloc(d->to->detector_list, (all_entries + 1) * sizeof *list);
+    if (list) d->to->detector_list = list;
+    if (start && list) return CML_OK;
+    return cml_fail_memory(err, (double)(all_starts + all_entries) * sizeof *list, "detectors");
+}
+
+/* As fine as leaves few detectors in a cell; one cell where all lie over each other. *count is the caller's
+ * to free: [n * n], how many detectors reach into each cell. */
+static cml_status choose_cells(struct level *level, int **count, double *entries, struct cml_error *err)
+{
+    const double most = 16.0 * level->count;
+    for (level->n = 1; level->n * level->n < level->count;) level->n *= 2;
+    for (;; level->n /= 2) {
+        const size_t cells = (size_t)level->n * (size_t)level->n;
+        *count = calloc(cells, sizeof **count);
+        if (!*count) return cml_fail_memory(err, (double)(cells * sizeof **count), "detectors");
+        *entries = fill_cells(level, most, *count, NULL);
+        if (*entries < most || level->n == 1) return CML_OK;
+        free(*count);
+    }
+}
+
+static cml_status add_level(struct detection *d, struct level *level, struct cml_detector_level *made,
+                            struct cml_error *err)
+{
+    const struct cml_scene *scene = level->scene;
+    int *next = NULL, end = d->num_entries;
+    double entries = 0;
+    find_rectangle(level);
+    CML_TRY(choose_cells(level, &next, &entries, err));
+    const int cells = level->n * level->n;
+    const cml_status status = make_room(d, cells + 1, (int)entries, err);
+    for (int c = 0; status == CML_OK && c < cells; c++) {
+        const int count = next[c];
+        d->to->detector_start[d->num_starts + c] = next[c] = end;
+        end += count;
+    }
+    if (status == CML_OK) {
+        d->to->detector_start[d->num_starts + cells] = end;
+        (void)fill_cells(level, INFINITY, next, d->to->detector_list);
+        const bool below = level->place->below;
+        *made = (struct cml_detector_level){
+            .below = below,
+            .z = (real)(level->place->z - scene->boundaries[below ? scene->num_layers : 0].z),
+            .nx = level->n,
+            .ny = level->n,
+            .first = d->num_starts,
+            .corner_x = (real)level->all.low[0],
+            .corner_y = (real)level->all.low[1],
+            .per_cell_x = (real)(level->n / (level->all.high[0] - level->all.low[0])),
+            .per_cell_y = (real)(level->n / (level->all.high[1] - level->all.low[1]))};
+        d->num_starts += cells + 1;
+        d->num_entries = end;
+    }
+    free(next);
+    return status;
+}
+
+static int compare_places(const void *a, const void *b)
+{
+    const struct place *one = a, *other = b;
+    if (one->below != other->below) return one->below ? 1 : -1;
+    if (one->z != other->z) return one->z < other->z ? -1 : 1;
+    return (one->number > other->number) - (one->number < other->number);
+}
+
+static cml_status add_levels(const struct cml_scene *scene, const struct place *place, struct detection *d,
+                             int *num_levels, struct cml_error *err)
+{
+    const int n = scene->num_detectors;
+    for (int first = 0, end; first < n; first = end) {
+        struct level level = {.scene = scene, .place = place + first};
+        for (end = first;
+             end < n && place[end].below == place[first].below && place[end].z == place[first].z;)
+            end++;
+        level.count = end - first;
+        CML_TRY(add_level(d, &level, &d->to->detector_levels[(*num_levels)++], err));
+    }
+    return CML_OK;
+}
+
+cml_status cml_set_detectors(const struct cml_scene *scene, struct cml_owned_world *to, struct cml_error *err)
+{
+    struct detection d = {.to = to};
+    const size_t n = (size_t)scene->num_detectors;
+    cml_u64 pixels = 0;
+    int num_levels = 0;
+    if (n == 0) return CML_OK;
+    struct place *place = malloc(n * sizeof *place);
+    to->detectors = calloc(n, sizeof *to->detectors);
+    to->detector_levels = calloc(n, sizeof *to->detector_levels);
+    if (!place || !to->detectors || !to->detector_levels) {
+        free(place);
+        return cml_fail_memory(err, (double)(n * sizeof *to->detectors), "detectors");
+    }
+    for (size_t k = 0; k < n; k++) {
+        const struct cml_detector_def *def = &scene->detectors[k];
+        place[k] = (struct place){def->below, def->z, (int)k};
+        to->detectors[k] = detector_of(scene, def);
+        to->detectors[k].first_pixel = pixels;
+        if (def->kind == CML_DETECTOR_MAP) pixels += (cml_u64)def->nx * (cml_u64)def->ny;
+    }
+    qsort(place, n, sizeof *place, compare_places);
+    const cml_status status = add_levels(scene, place, &d, &num_levels, err);
+    free(place);
+    to->world.detection = (struct cml_detection){
+        (int)n, num_levels, to->detectors, to->detector_levels, to->detector_start, to->detector_list};
+    return status;
+}

@@ -1,0 +1,265 @@
+/* Detector lines. SPDX-License-Identifier: MIT */
+#include "input/mci_detector.h"
+
+#include "base/constants.h"
+#include "input/mci_options.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MOST_DETECTORS 32767
+#define MOST_NAME 24
+
+/* The order of the keys in cml_mci_detector. */
+enum { KEY_AT, KEY_Z, KEY_SIDE, KEY_NA, KEY_ANGLE, KEY_AZIMUTH, KEY_DIFFUSE, KEY_NAME };
+
+/* ---- shapes ---- */
+
+static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9",
+                  inner[] = "a length of 0..1e30 cm";
+
+static const struct {
+    const char *name;
+    enum cml_detector_kind kind;
+    int numbers;
+    struct cml_mci_field field[4];
+} shapes[] = {
+    {"disk", CML_DETECTOR_RING, 1, {{"radius", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+    {"ring",
+     CML_DETECTOR_RING,
+     2,
+     {{"r1", 0, CML_MCI_HUGE, false, inner}, {"r2", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+    {"rectangle",
+     CML_DETECTOR_RECTANGLE,
+     2,
+     {{"w", CML_MCI_TINY, CML_MCI_HUGE, false, length}, {"h", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+    {"map",
+     CML_DETECTOR_MAP,
+     4,
+     {{"nx", 1, 1e9, true, count},
+      {"ny", 1, 1e9, true, count},
+      {"dx", CML_MCI_TINY, CML_MCI_HUGE, false, length},
+      {"dy", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
+};
+enum { NUM_SHAPES = sizeof shapes / sizeof *shapes };
+
+static cml_status check_radii(const struct cml_mci_line_options *options, const double *radius)
+{
+    char value[80];
+    if (radius[0] < radius[1]) return CML_OK;
+    snprintf(value, sizeof value, "%g %g", radius[0], radius[1]);
+    return cml_mci_fail_option(options, "r1 r2", value, "r1 < r2");
+}
+
+static cml_status read_shape(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+{
+    const char *word = cml_text_word(&options->reader->cursor);
+    double number[4] = {0};
+    int s = 0;
+    while (s < NUM_SHAPES && !(word && strcmp(shapes[s].name, word) == 0)) s++;
+    if (s == NUM_SHAPES)
+        return cml_mci_fail_option(options, "shape", word,
+                                   "disk R, ring R1 R2, rectangle W H or map NX NY DX DY");
+    for (int i = 0; i < shapes[s].numbers; i++) {
+        const struct cml_mci_field *field = &shapes[s].field[i];
+        word = cml_text_word(&options->reader->cursor);
+        if (!word || !cml_mci_parse(field, word, &number[i]))
+            return cml_mci_fail_option(options, field->name, word, field->expected);
+    }
+    const bool map = shapes[s].kind == CML_DETECTOR_MAP;
+    detector->kind = shapes[s].kind;
+    detector->nx = map ? (int)number[0] : 1;
+    detector->ny = map ? (int)number[1] : 1;
+    for (int i = 0; i < 2; i++) detector->size[i] = number[map ? i + 2 : i];
+    if (shapes[s].numbers == 1) memcpy(detector->size, (double[]){0, number[0]}, sizeof detector->size);
+    return detector->kind == CML_DETECTOR_RING ? check_radii(options, detector->size) : CML_OK;
+}
+
+/* ---- options ---- */
+
+/* Endings of what there is of every detector: with one of them a name could be read in two ways. */
+static bool ends_as_results_do(const char *name)
+{
+    static const char *const endings[] = {"_t",       "_later", "_map", "_path", "_interactions",
+                                          "_deepest", "_se",    "_x",   "_y",    "_outside"};
+    const size_t size = strlen(name);
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
+        const size_t end = strlen(endings[i]);
+        if (size >= end && strcmp(name + size - end, endings[i]) == 0) return true;
+    }
+    return false;
+}
+
+static cml_status set_name(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+{
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+    const char *name = options->value;
+    const size_t size = strlen(name);
+    if (size == 0 || size > MOST_NAME || strspn(name, letters) < size)
+        return cml_mci_fail_value(options, "1 to 24 letters, digits and underscores");
+    if (ends_as_results_do(name))
+        return cml_mci_fail_value(options,
+                                  "a name that does not end as results do, in _t, _later, _map, _path, "
+                                  "_interactions, _deepest, _se, _x, _y or _outside");
+    return cml_text_copy(name, &detector->name, options->reader->err);
+}
+
+static cml_status set_place(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+{
+    double values[2];
+    if (options->key == KEY_Z) {
+        detector->at_z = true;
+        return cml_mci_parse_list(options->value, 1, &detector->z)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, "a coordinate of -1e30..1e30 cm");
+    }
+    if (!cml_mci_parse_list(options->value, 2, values))
+        return cml_mci_fail_value(options, "x,y in cm without blanks");
+    detector->x = values[0];
+    detector->y = values[1];
+    return CML_OK;
+}
+
+/* Degrees in the file, rad from here on. */
+static cml_status set_angle(const struct cml_mci_line_options *options, double lowest, double highest,
+                            const char *expected, double *angle)
+{
+    double degrees;
+    if (!cml_mci_parse_list(options->value, 1, &degrees) || degrees < lowest || degrees > highest)
+        return cml_mci_fail_value(options, expected);
+    *angle = degrees * CML_PI / 180;
+    return CML_OK;
+}
+
+static cml_status set_option(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
+{
+    static const char *const sides[] = {"top", "bottom"};
+    static const struct cml_mci_field na = {"na", CML_MCI_TINY, 100, false,
+                                            "a numerical aperture of 1e-30..100"};
+    int side;
+    switch (options->key) {
+    case KEY_SIDE:
+        side = cml_mci_choose(options->value, sides, 2);
+        detector->below = side == 1;
+        return side >= 0 ? CML_OK : cml_mci_fail_value(options, "top or bottom");
+    case KEY_NA:
+        detector->aimed = true;
+        return cml_mci_parse(&na, options->value, &detector->na) ? CML_OK
+                                                                 : cml_mci_fail_value(options, na.expected);
+    case KEY_ANGLE:
+        return set_angle(options, 0, 90, "degrees, 0 <= angle <= 90", &detector->angle);
+    case KEY_AZIMUTH:
+        return set_angle(options, -360, 360, "degrees, -360..360", &detector->azimuth);
+    case KEY_DIFFUSE:
+        detector->diffuse = true;
+        return options->alone ? CML_OK : cml_mci_fail_value(options, "the word diffuse alone");
+    case KEY_NAME:
+        return set_name(options, detector);
+    default:
+        return set_place(options, detector);
+    }
+}
+
+/* ---- the line ---- */
+
+/* Room for one more; the array is enlarged when its number is a power of two. */
+static cml_status grow(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    const int n = scene->num_detectors;
+    if (n == MOST_DETECTORS)
+        return cml_mci_fail(reader, "line", cml_mci_raw(reader), "at most 32767 detectors");
+    if ((n & (n - 1)) == 0) {
+        const size_t capacity = n ? 2 * (size_t)n : 1;
+        struct cml_detector_def *larger = realloc(scene->detectors, capacity * sizeof *larger);
+        if (!larger) return cml_fail_memory(reader->err, (double)(capacity * sizeof *larger), "detectors");
+        scene->detectors = larger;
+    }
+    scene->detectors[scene->num_detectors++] = (struct cml_detector_def){.line = reader->text.line};
+    return CML_OK;
+}
+
+cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    struct cml_mci_line_options options = {
+        .reader = reader,
+        .owner = "detector",
+        .keys = {"at", "z", "side", "na", "angle", "azimuth", "diffuse", "name"},
+        .flag = "diffuse",
+        .list = "at=, z=, side=, na=, angle=, azimuth=, diffuse or name="};
+    CML_TRY(grow(reader, scene));
+    struct cml_detector_def *detector = &scene->detectors[scene->num_detectors - 1];
+    cml_mci_cut_comment(reader->cursor);
+    CML_TRY(read_shape(&options, detector));
+    for (bool more = true; more;) {
+        CML_TRY(cml_mci_next_option(&options, &more));
+        if (more) CML_TRY(set_option(&options, detector));
+    }
+    if (!detector->aimed && (options.seen[KEY_ANGLE] || options.seen[KEY_AZIMUTH]))
+        return cml_mci_fail_option(&options, options.seen[KEY_ANGLE] ? "angle" : "azimuth", "without na",
+                                   "na= beside it: else all directions are seen");
+    return CML_OK;
+}
+
+/* ---- what belongs together ---- */
+
+static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
+                                const char *field, const char *value, const char *expected)
+{
+    return cml_fail_field(reader->err, scene->file, scene->detectors[k].line, field, value, expected);
+}
+
+/* A detector without a name has its number, from 1. */
+static cml_status fill_in(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
+{
+    struct cml_detector_def *detector = &scene->detectors[k];
+    char number[16];
+    if (!detector->at_z) detector->z = scene->boundaries[detector->below ? scene->num_layers : 0].z;
+    snprintf(number, sizeof number, "%d", k + 1);
+    return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
+}
+
+static int compare_names(const void *a, const void *b)
+{
+    const struct cml_detector_def *const *one = a, *const *other = b;
+    const int order = strcmp((*one)->name, (*other)->name);
+    return order ? order : ((*one)->line > (*other)->line) - ((*one)->line < (*other)->line);
+}
+
+static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    const size_t n = (size_t)scene->num_detectors;
+    const struct cml_detector_def **sorted = malloc(n * sizeof *sorted);
+    if (!sorted) return cml_fail_memory(reader->err, (double)(n * sizeof *sorted), "detectors");
+    for (size_t i = 0; i < n; i++) sorted[i] = &scene->detectors[i];
+    qsort(sorted, n, sizeof *sorted, compare_names);
+    cml_status status = CML_OK;
+    for (size_t i = 1; status == CML_OK && i < n; i++) {
+        char expected[80];
+        if (strcmp(sorted[i - 1]->name, sorted[i]->name) != 0) continue;
+        snprintf(expected, sizeof expected, "another name than that of the detector in line %d",
+                 sorted[i - 1]->line);
+        status = fail_detector(reader, scene, (int)(sorted[i] - scene->detectors), "detector: name",
+                               sorted[i]->name, expected);
+    }
+    free(sorted);
+    return status;
+}
+
+cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene)
+{
+    const double most = 2147483648.0;
+    double pixels = 0;
+    char value[64];
+    if (scene->num_detectors == 0) return CML_OK;
+    for (int k = 0; k < scene->num_detectors; k++) {
+        const struct cml_detector_def *detector = &scene->detectors[k];
+        CML_TRY(fill_in(reader, scene, k));
+        if (detector->kind == CML_DETECTOR_MAP) pixels += 2.0 * detector->nx * detector->ny;
+        snprintf(value, sizeof value, "%d %d", detector->nx, detector->ny);
+        if (pixels > most)
+            return fail_detector(reader, scene, k, "detector: nx ny", value,
+                                 "at most 2^30 pixels in all detectors together");
+    }
+    return check_names(reader, scene);
+}

@@ -1,0 +1,85 @@
+"""What sees light that leaves: `detector` lines.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Optional, Sequence
+
+from . import errors
+from .surfaces import shortest
+
+SHAPES = {"disk": ("radius",), "ring": ("r1", "r2"), "rectangle": ("width", "height"), "map": ("nx", "ny", "dx", "dy")}
+
+
+@dataclass
+class Detector:
+    """Sees packets that leave on a side where the line of their last flight crosses the level z in its shape. kind: "disk" (of `radius`
+    cm), "ring" (from `r1` to `r2`), "rectangle" (`width` by `height`) or "map" (nx by ny pixels of dx by dy cm). at: x, y of its middle [cm]. z: None, the
+    nominal plane of the side; or a depth [cm], on which a camera is focused. side: "top" or "bottom". na: numerical aperture about an axis that lies at
+    `angle` degrees to the outward vertical, at `azimuth`; None: all directions. diffuse: no light that never was in the material. name: of its results,
+    `detector_NAME`; without one its number counts, from 1.
+
+    >>> Detector("disk", radius=0.01, na=0.22, at=(0.3, 0), name="far").line()
+    'detector disk 0.01 at=0.3,0 na=0.22 name=far'
+    >>> Detector("map", nx=80, ny=60, dx=0.01, dy=0.01, z=-0.05, na=0.1, angle=45, diffuse=True).line()
+    'detector map 80 60 0.01 0.01 z=-0.05 na=0.1 angle=45 diffuse'
+    """
+
+    kind: str = "disk"
+    radius: Optional[float] = None
+    at: Sequence[float] = (0.0, 0.0)
+    z: Optional[float] = None
+    side: str = "top"
+    na: Optional[float] = None
+    angle: float = 0.0
+    azimuth: float = 0.0
+    diffuse: bool = False
+    name: Optional[str] = None
+    r1: Optional[float] = None
+    r2: Optional[float] = None
+    width: Optional[float] = None
+    height: Optional[float] = None
+    nx: Optional[int] = None
+    ny: Optional[int] = None
+    dx: Optional[float] = None
+    dy: Optional[float] = None
+
+    def __post_init__(self) -> None:
+        errors.choice("Detector.kind", self.kind, *SHAPES)
+        for name in sorted({name for names in SHAPES.values() for name in names}):
+            value = getattr(self, name)
+            if name not in SHAPES[self.kind]:
+                if value is not None:
+                    raise errors.refuse("Detector." + name, value, f"None for a {self.kind}")
+            elif name in ("nx", "ny"):
+                errors.whole("Detector." + name, value, 1, 1_000_000_000)
+            else:
+                (errors.at_least_zero if name == "r1" else errors.above_zero)("Detector." + name, value)
+        if not isinstance(self.at, (list, tuple)) or len(self.at) != 2:
+            raise errors.refuse("Detector.at", self.at, "x and y")
+        for value in self.at:
+            errors.finite("Detector.at", value)
+        errors.choice("Detector.side", self.side, "top", "bottom")
+        for name in ("z", "na"):
+            if getattr(self, name) is not None:
+                (errors.finite if name == "z" else errors.above_zero)("Detector." + name, getattr(self, name))
+        if self.na is None and (self.angle != 0 or self.azimuth != 0):
+            raise errors.refuse("Detector.angle", self.angle, "0 without na")
+        errors.number("Detector.angle", self.angle, 0, 90, "degrees, 0 <= angle <= 90")
+        errors.number("Detector.azimuth", self.azimuth, -360, 360, "degrees, -360..360")
+        errors.flag("Detector.diffuse", self.diffuse)
+        if self.name is not None and not (isinstance(self.name, str) and re.fullmatch(r"[A-Za-z0-9_]{1,24}", self.name)):
+            raise errors.refuse("Detector.name", self.name, "1 to 24 letters, digits and underscores")
+
+    def line(self) -> str:
+        words = ["detector", self.kind] + [shortest(getattr(self, name)) for name in SHAPES[self.kind]]
+        words += ["at=" + ",".join(map(shortest, self.at))] if tuple(self.at) != (0.0, 0.0) else []
+        words += [] if self.z is None else [f"z={shortest(self.z)}"]
+        words += ["side=bottom"] if self.side == "bottom" else []
+        words += [] if self.na is None else [f"na={shortest(self.na)}"]
+        words += [f"{name}={shortest(getattr(self, name))}" for name in ("angle", "azimuth") if getattr(self, name) != 0]
+        return " ".join(words + (["diffuse"] if self.diffuse else []) + ([f"name={self.name}"] if self.name else []))

@@ -22,14 +22,14 @@ static void print_media(const struct cml_scene *scene)
             continue;
         }
         printf("  %-8d %10g %10g %10g %10g %10g %12g\n", m, medium->n, medium->mua, medium->mus, medium->g,
-               medium->d, 1 / (medium->mua + medium->mus));
+               medium->d, 1 / cml_medium_mut(medium));
     }
     for (int k = 0; k < scene->num_bodies && k < 20; k++) {
         const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
         char name[24];
         snprintf(name, sizeof name, "body %d", k + 1);
         printf("  %-8s %10g %10g %10g %10g %10s %12g\n", name, medium->n, medium->mua, medium->mus, medium->g,
-               "", 1 / (medium->mua + medium->mus));
+               "", 1 / cml_medium_mut(medium));
     }
 }
 

@@ -273,7 +273,7 @@ static cml_status try_level(const struct search *search, struct verdict *verdict
 static bool is_face_of_glass(const struct cml_scene *scene, int b)
 {
     const struct cml_medium_def *first = &scene->media[1];
-    return b <= 1 && scene->num_layers > 1 && first->mua + first->mus == 0 && !scene->beams[0].inside &&
+    return b <= 1 && scene->num_layers > 1 && cml_medium_mut(first) == 0 && !scene->beams[0].inside &&
            scene->beams[0].angle == 0 && scene->beams[0].light.kind == CML_LIGHT_OF_PARALLEL;
 }
 

@@ -1,7 +1,7 @@
 /* The scene as the kernels read it (struct cml_world of kernels/types.h): media, boundaries, rings of
  * heightfields, bounds of depth, beam and grids, from a scene and its surfaces. SPDX-License-Identifier: MIT
  */
-#include "engine/world.h"
+#include "engine/world_parts.h"
 
 #include "cone.h"
 #include "lattice.h"

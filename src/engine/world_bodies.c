@@ -1,6 +1,6 @@
 /* Bodies as the kernels read them: media, surfaces, shapes, tree and clearance, from a scene and its
  * surfaces. SPDX-License-Identifier: MIT */
-#include "engine/world.h"
+#include "engine/world_parts.h"
 
 #include "scene/body/body_shape.h"
 

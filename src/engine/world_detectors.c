@@ -1,6 +1,6 @@
 /* Detectors as the kernels read them (struct cml_detection): a packet is held against those alone that reach
  * into its cell, so that hundreds cost little more than one. SPDX-License-Identifier: MIT */
-#include "engine/world.h"
+#include "engine/world_parts.h"
 
 #include <math.h>
 #include <stdlib.h>

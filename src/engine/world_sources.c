@@ -1,6 +1,6 @@
 /* Beams as the kernels read them (struct cml_source), with the tables of their light and the sums of their
  * images; and what is said of a beam that starts inside the scene. SPDX-License-Identifier: MIT */
-#include "engine/world.h"
+#include "engine/world_parts.h"
 
 #include "base/constants.h"
 #include "scene/specular.h"

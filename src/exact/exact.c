@@ -23,7 +23,7 @@ static double work(const struct cml_medium_def *media, const struct cml_directio
         if (!(media[m].mus > 0)) continue;
         const int n = directions->live[m];
         const double steepest = cml_directions_cosine(directions, n - 1, media[m].n);
-        const double depth = media[m].d * (media[m].mua + media[m].mus) / steepest;
+        const double depth = media[m].d * cml_medium_mut(&media[m]) / steepest;
         sum += pow(n, 3) * (40 + 7.5 * fmax(0, log2(depth)));
     }
     return sum;

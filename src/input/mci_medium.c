@@ -28,7 +28,7 @@ static cml_status check_absorption(struct cml_mci_reader *reader, const char *ki
 {
     static const char expected[] = "0, or at least 1e-11 of mua + mus";
     char field[48], value[32];
-    const double mut = medium->mua + medium->mus;
+    const double mut = cml_medium_mut(medium);
     if (!(medium->mua > 0 && medium->mua < CML_LEAST_ABSORPTION * mut)) return CML_OK;
     const struct cml_setting *mua = cml_mci_setting(reader, "%s%d.mua", kind, number);
     snprintf(field, sizeof field, "%s %d: mua", kind, number);

@@ -26,6 +26,12 @@ struct cml_medium_def {
     const struct cml_phase *phase; /* the scene's; NULL: Henyey and Greenstein's, of g */
 };
 
+/* Attenuation, 1/cm: its inverse is the mean free path. 0: the medium is transparent. */
+static inline double cml_medium_mut(const struct cml_medium_def *medium)
+{
+    return medium->mua + medium->mus;
+}
+
 /* n samples (r_i, h_i), r_0 = 0, radii strictly rising; heights count against z: surface z(r) = z_b - h(r),
  * linear between samples, h_{n-1} beyond r_{n-1}. */
 struct cml_radial {

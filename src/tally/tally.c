@@ -74,6 +74,11 @@ size_t cml_tally_cells(const struct cml_grid *grid)
     return cells_in_common(grid) + (grid->depths ? (size_t)grid->nz + 2 : 0) + cml_cells_maps(grid);
 }
 
+uint64_t *cml_tally_maps(const struct cml_tally *tally)
+{
+    return tally->A_l + cml_tally_cells(&tally->grid) - cml_cells_maps(&tally->grid);
+}
+
 double cml_tally_bytes(const struct cml_grid *grid)
 {
     const double profiles = 2.0 + CML_NUM_BATCHES; /* now, before, and of late packets of every batch */

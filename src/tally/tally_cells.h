@@ -59,9 +59,6 @@ static inline size_t cml_cells_maps(const struct cml_grid *grid)
     } while (0)
 
 /* Where they begin in a tally; one past its last cell when it has none of them. */
-static inline uint64_t *cml_tally_maps(const struct cml_tally *tally)
-{
-    return tally->A_l + cml_tally_cells(&tally->grid) - cml_cells_maps(&tally->grid);
-}
+uint64_t *cml_tally_maps(const struct cml_tally *tally);
 
 #endif

@@ -4,7 +4,7 @@
 
 #include "body_files.h"
 
-#include "engine/world.h"
+#include "engine/world_parts.h"
 #include "surface_hit.h"
 
 #include <math.h>

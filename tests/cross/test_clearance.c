@@ -4,7 +4,7 @@
 #include "flight.h"
 #include "lib/mesh_shapes.h"
 
-#include "engine/world.h"
+#include "engine/world_parts.h"
 #include "walk.h"
 
 struct bench {

@@ -10,6 +10,7 @@ import re
 import sys
 
 MOST_FILES = 24
+MORE_FILES = {}  # {room: why it may have more}
 
 # Lowest first. A room may use itself, those it names, and nothing else; a folder is one room, but for the files named.
 ROOMS = {
@@ -80,8 +81,10 @@ CXX_COMMON = set("cmath cstddef cstdint cstdio cstdlib cstring exception fstream
                  "sstream streambuf string utility vector".split())
 # Sources that define what others define, and are built in their place.
 STAND_INS = "src/run/cluster_alone src/engine/opencl/opencl_none".split()
-DEFINITION = re.compile(r"^[a-z][^\n;{}()#]*?\b(cml_\w+)\([^;{}]*\)\n\{", re.M)
+DEFINITION = re.compile(r"^(?:CML_FN )?[a-z][^\n;{}()#]*?\b(cml_\w+)\([^;{}]*\)\n\{", re.M)
+BODY = re.compile(r"\)\n\{\n.*?\n\}\n", re.S)
 NAME = re.compile(r"\bcml_\w+\b")
+TAG = re.compile(r"\b(?:struct|enum) cml_\w+")
 COMMENT = re.compile(r"/\*.*?\*/", re.S)
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.M)
 
@@ -184,12 +187,17 @@ def graph_of(files):
 
 
 def calls_of(files):
-    """{module: modules whose functions it names}: a shared header of declarations hides such a circle from includes."""
-    sources = {module_of(path): COMMENT.sub("", text) for path, text in files.items()
-               if path.endswith((".c", ".cpp")) and module_of(path) not in STAND_INS}
-    home = {name: module for module, text in sources.items() for name in DEFINITION.findall(text)}
+    """{module: modules whose functions it names}: a shared header of declarations hides such a circle from includes. Of
+    a header, code or not, what its functions call; what it declares is another's."""
+    texts, calls = {}, {}
+    for path, text in files.items():
+        module, text = module_of(path), TAG.sub("", COMMENT.sub("", text))
+        if module not in STAND_INS:
+            texts[module] = texts.get(module, "") + text
+            calls[module] = calls.get(module, "") + ("".join(BODY.findall(text)) if path.endswith(".h") else text)
+    home = {name: module for module, text in texts.items() for name in DEFINITION.findall(text)}
     return {module: {home[name] for name in NAME.findall(text) if name in home} - {module}
-            for module, text in sources.items()}
+            for module, text in calls.items()}
 
 
 def check_circles(files):
@@ -204,7 +212,7 @@ def check_sizes(files):
     for path in files:
         counts[os.path.dirname(path)] = counts.get(os.path.dirname(path), 0) + 1
     return [f"{room}: {count} files, at most {MOST_FILES}" for room, count in sorted(counts.items())
-            if count > MOST_FILES]
+            if count > MOST_FILES and room not in MORE_FILES]
 
 
 def check(files):
@@ -248,6 +256,11 @@ def check_the_check():
     assert check({**sound, **calls}) == [], check({**sound, **calls})
     calls["src/run/cores.c"] = caller.format("", "three", "one")
     assert len(check({**sound, **calls})) == 1, check({**sound, **calls})
+    inline = {"src/run/stop.h": "static inline int cml_run_stop(int a)\n{\n    return cml_run_one(a);\n}\n",
+              "src/run/run.c": "int cml_run_one(int a)\n{\n    return a ? cml_run_stop(a) : 0;\n}\n"}
+    assert len(check({**sound, **inline})) == 1, check({**sound, **inline})
+    inline["src/run/stop.h"] = "int cml_run_one(int a);\nstruct cml_run_one\n{\n    int a;\n}\n"
+    assert check({**sound, **inline}) == [], check({**sound, **inline})
     rooms, rows = ["kernels", "base", "plot", "cli"], "| `kernels` | a | - |\n| `base` | b | - |\n| `plot` | c | - |\n| `cli` | d | - |\n"
     assert check_map(rows + "**base.** It.\n**plot, cli.** They.\n", rooms) == []
     assert len(check_map(rows + "**base.** It.\n**plot.** It.\n", rooms)) == 1

@@ -5,7 +5,7 @@
 #include "atlas.h"
 #include "base/clock.h"
 #include "engine/terminated_packets_inl.h"
-#include "engine/world.h"
+#include "engine/world_parts.h"
 #include "geometry/vec3.h"
 
 #define PASTE_NAME(precision, level) atlas_fly_##precision##_##level

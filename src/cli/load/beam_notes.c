@@ -102,7 +102,7 @@ static void note_trapped(const struct cml_scene *scene, int k, int medium)
     if (medium < 1 || medium > scene->num_layers || cml_layer_has_bodies(scene, medium)) return;
     const struct cml_medium_def *own = &scene->media[medium];
     const double most = fmax(own[-1].n, own[1].n);
-    if (own->mua + own->mus > 0 || most >= own->n || !is_flat(beam, own->n, asin(most / own->n))) return;
+    if (cml_medium_mut(own) > 0 || most >= own->n || !is_flat(beam, own->n, asin(most / own->n))) return;
     note_line(
         scene, beam->line,
         "beam %d starts in layer %d, which is clear and has a larger n than both its neighbours: what planes "

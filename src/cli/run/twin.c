@@ -19,7 +19,7 @@
 static cml_status flatten(const struct cml_scene *scene, struct cml_scene *flat, struct cml_error *err)
 {
     const size_t count = (size_t)scene->num_layers + 1;
-    if (cml_layer_has_bodies(scene, 1) && scene->media[1].mua + scene->media[1].mus == 0)
+    if (cml_layer_has_bodies(scene, 1) && cml_medium_mut(&scene->media[1]) == 0)
         return cml_fail_field(err, scene->file, scene->bodies[0].line, "layer 1", "clear, with bodies",
                               "no --control flat: its twin counts other light as specular");
     struct cml_boundary *own = calloc(count, sizeof *own);

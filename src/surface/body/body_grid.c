@@ -354,11 +354,11 @@ static cml_status fill(struct filling *f, int layer, struct cml_body_near *near,
 /* The mean free path of the thickest medium of a layer, its bodies among them. */
 static double shortest_path(const struct cml_scene *scene, int layer)
 {
-    double mut = scene->media[layer].mua + scene->media[layer].mus;
+    double mut = cml_medium_mut(&scene->media[layer]);
     const struct cml_body_range bodies = cml_layer_bodies(scene, layer);
     for (int k = bodies.first; k < bodies.end; k++) {
         const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
-        mut = fmax(mut, medium->mua + medium->mus);
+        mut = fmax(mut, cml_medium_mut(medium));
     }
     return 1 / mut;
 }

@@ -5,7 +5,7 @@
 #include "lib/dice.h"
 #include "lib/mci_case.h"
 
-#include "engine/world.h"
+#include "engine/world_parts.h"
 #include "surface_hit.h"
 
 #define SIDE 7 /* cells of a sheet along an axis */

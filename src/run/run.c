@@ -355,36 +355,36 @@ static bool ends_round(const struct cml_run_setup *setup, uint64_t end)
 }
 
 /* A checkpoint says that the run is finished, but somebody took its result away. */
-static void note_lost_result(const struct cml_run_setup *setup, enum cml_checkpoint_kind kind, bool again)
+static void note_lost_result(const struct cml_run_setup *setup, enum cml_run_intent intent)
 {
     char text[512];
-    if (kind != CML_CHECKPOINT_FINISHED || !setup->result_gone || !setup->on_note) return;
+    if (!setup->on_note) return;
     snprintf(text, sizeof text, "%.200s is of a finished run, but its result %.200s is gone: it %s",
-             setup->checkpoint, setup->scene->output, again ? "is written again" : "begins anew");
+             setup->checkpoint, setup->scene->output,
+             intent == CML_RUN_REPUBLISH ? "is written again" : "begins anew");
     setup->on_note(setup->context, text);
 }
 
-/* On rank 0: the state of a checkpoint where --resume asks for it. *fresh: there was none, and the run begins
- * anew. */
-static cml_status restore(struct flight *flight, bool *fresh, struct cml_error *err)
+/* On rank 0: what there is to do, and the state of a checkpoint where --resume asks for it. */
+static cml_status restore(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
-    enum cml_checkpoint_kind kind = CML_CHECKPOINT_NONE;
+    struct cml_run_findings found = {
+        .extends = setup->base > 0, .resumes = setup->resume, .result_gone = setup->result_gone};
     struct cml_error note = {CML_OK, ""};
-    const bool again = setup->result_gone && cml_checkpoint_look(setup->checkpoint).tallies;
+    if (setup->result_gone) found.tallies = cml_checkpoint_look(setup->checkpoint).tallies;
     if (setup->resume)
-        CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &kind, &flight->state,
-                                    &flight->out->result, again, &flight->out->record, &note, err));
-    if (kind == CML_CHECKPOINT_PARTIAL && !ends_round(setup, flight->state.end))
+        CML_TRY(cml_checkpoint_read(setup->checkpoint, setup->identity, &found.kind, &flight->state,
+                                    &flight->out->result, found.tallies, &flight->out->record, &note, err));
+    if (found.kind == CML_CHECKPOINT_PARTIAL && !ends_round(setup, flight->state.end))
         return cml_fail(err, CML_E_INPUT, "%s: the checkpoint is damaged (%llu photons in a run of %llu)",
                         setup->checkpoint, (unsigned long long)flight->state.end,
                         (unsigned long long)setup->photons);
     if (note.text[0] && setup->on_note) setup->on_note(setup->context, note.text);
-    flight->out->finished = kind == CML_CHECKPOINT_FINISHED && !setup->result_gone;
-    flight->out->published_again = kind == CML_CHECKPOINT_FINISHED && again;
+    flight->out->intent = cml_run_intent_of(&found);
     flight->out->result.photons = flight->state.end;
-    *fresh = kind == CML_CHECKPOINT_NONE || (kind == CML_CHECKPOINT_FINISHED && setup->result_gone && !again);
-    note_lost_result(setup, kind, again);
+    if (found.kind == CML_CHECKPOINT_FINISHED && found.result_gone)
+        note_lost_result(setup, flight->out->intent);
     return CML_OK;
 }
 
@@ -416,10 +416,9 @@ static cml_status begin_after_base(struct flight *flight, struct cml_error *err)
 static cml_status begin_state(struct flight *flight, struct cml_error *err)
 {
     const struct cml_run_setup *setup = flight->setup;
-    bool fresh = true;
-    if (setup->base > 0) return begin_after_base(flight, err);
-    CML_TRY(restore(flight, &fresh, err));
-    if (!fresh) return CML_OK;
+    CML_TRY(restore(flight, err));
+    if (flight->out->intent == CML_RUN_EXTEND) return begin_after_base(flight, err);
+    if (flight->out->intent != CML_RUN_FRESH) return CML_OK;
     flight->state.end = flight->out->result.photons = first_round(setup);
     return cml_ranges_add(&flight->state.open, (struct cml_range){0, flight->state.end}, err);
 }
@@ -459,11 +458,13 @@ static cml_status gather_reports(struct flight *flight, struct cml_error *err)
  * would wait for it. So failures are carried there, and agreed on. */
 static cml_status run_flight(struct flight *flight, cml_status ready, struct cml_error *err)
 {
-    enum next_step next = flight->out->finished ? FINISHED : CONTINUE;
+    enum next_step next = flight->out->intent == CML_RUN_NOTHING_LEFT ? FINISHED : CONTINUE;
     CML_TRY(cml_cluster_agree(ready, err));
     CML_TRY(share_decision(flight, &next, err));
-    flight->out->finished = next == FINISHED;
-    if (next == FINISHED) return CML_OK;
+    if (next == FINISHED) {
+        flight->out->intent = CML_RUN_NOTHING_LEFT; /* other ranks have not looked */
+        return CML_OK;
+    }
     flight->work.flown = flight->state.end - flight->state.open.total;
     flight->begin = cml_now();
     flight->mine.processor = processor_seconds();

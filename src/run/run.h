@@ -9,7 +9,7 @@
 #include "engine/engine.h"
 #include "result/provenance.h"
 #include "result/timing.h"
-#include "run/checkpoint.h"
+#include "run/intent.h"
 
 struct cml_progress {
     uint64_t done, total; /* photons */
@@ -49,9 +49,8 @@ struct cml_run_setup {
 struct cml_run_result {
     struct cml_result result;
     struct cml_timing timing;
-    bool finished; /* the run was found finished by --resume: nothing was flown, the result is empty */
-    struct cml_record record; /* rank 0's, of a run that was found finished */
-    bool published_again;     /* on rank 0: nothing was flown, the result is that of a finished checkpoint */
+    enum cml_run_intent intent; /* what it had to do; with CML_RUN_NOTHING_LEFT the result is empty */
+    struct cml_record record;   /* rank 0's, of a run that was found finished */
     struct cml_run_state state; /* rank 0's at the end: nothing is open */
 };
 

@@ -156,7 +156,7 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
 {
     const struct cml_options *options = call->options;
     if (cml_cluster_rank() != 0) return CML_OK;
-    if (run->finished) {
+    if (run->intent == CML_RUN_NOTHING_LEFT) {
         CML_TRY(take_record(call, &run->record, record, err));
         cml_checkpoint_remove_older(setup->checkpoint); /* of a process that was killed before it had */
         if (!options->quiet && !options->json && call->row == 0) printf("  finished before\n");
@@ -171,7 +171,7 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
                                 .control = control,
                                 .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
                                 .command = options->command};
-    const bool tallies = options->keep || run->published_again; /* what was there stays */
+    const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
     if (!setup->checkpoint || !call->stays) return CML_OK;
     if (call->pending && !tallies)
@@ -211,7 +211,7 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(cml_run(setup, &run, err));
-    cml_status status = setup->controlled && !run.finished
+    cml_status status = setup->controlled && run.intent != CML_RUN_NOTHING_LEFT
                             ? control_run(call, setup, &run, twin, record, err)
                             : publish_run(call, setup, &run, NULL, NULL, record, err);
     if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)

@@ -10,7 +10,8 @@ against adding-doubling, a point source in an unbounded medium, shares of severa
   source is (2 / mut^2) (n / (1 - g) - g (1 - g^n) / (1 - g)^2); absorbed weight is the sum over n with (1 - a) a^(n - 1).
 - Shares: numbers of packets by largest remainder, to the last one. Engines: the same packets.
 - Reciprocity: of `lambertian` light on a rough plate between equal media as much goes down as comes up when it shines from below.
-N = 1e5 a case; statistic: z, level 1e-4 over all."""
+N = 1e5 a case; statistic: z, level 1e-4 over all.
+usage: sources.py [GROUP N]: one of the groups, with N packets a case; what grids of quantiles are held to bears 1e6 at most."""
 import json
 import math
 import os
@@ -310,8 +311,12 @@ def refusals(verdict):
 
 
 def main():
+    global PHOTONS
+    groups = (places, directions, slabs, absorbers, point_source, shares, reciprocity, engines, refusals)
+    if len(sys.argv) > 1:
+        groups, PHOTONS = [group for group in groups if group.__name__ == sys.argv[1]], int(sys.argv[2])
     verdict = cml.Verdict("sources")
-    for group in (places, directions, slabs, absorbers, point_source, shares, reciprocity, engines, refusals):
+    for group in groups:
         group(verdict)
     verdict.finish()
 

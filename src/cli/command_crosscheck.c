@@ -61,7 +61,7 @@ static void print_pair(const struct cml_check_setup *setup, int s, const struct 
            100 * (double)pair->equal / (double)setup->photons, (unsigned long long)differ,
            (unsigned long long)setup->photons,
            setup->sides[s].same_geometry ? ", at most 0.01 % may" : "; another geometry");
-    const int totals = setup->scene->backing.kind == CML_NO_BACKING ? CML_TOTALS : CML_NUM_TOTALS;
+    const int totals = cml_num_totals(setup->scene->backing.kind != CML_NO_BACKING);
     for (int t = 0; t < totals; t++)
         printf("  %-3s %+.3e +- %.1e  z = %+.2f\n", cml_quantities[cml_quantity_of_total(t)].name,
                pair->total[t].mean, pair->total[t].error, pair->total[t].z);

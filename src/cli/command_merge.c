@@ -20,8 +20,11 @@ static const char *name_of(const char *path)
 static void print_summary(const struct cml_outcome *merged, const char *path, int count)
 {
     printf("%d results, %llu photons\n", count, (unsigned long long)merged->photons);
-    for (int i = 0; i < CML_TOTALS; i++)
-        printf("  %-4s %.6f +- %.6f\n", cml_quantities[i].name, merged->value[i][0], merged->error[i][0]);
+    for (int i = 0; i < cml_merged_totals(merged); i++) {
+        const enum cml_quantity total = cml_quantity_of_total(i);
+        printf("  %-4s %.6f +- %.6f\n", cml_quantities[total].name, merged->value[total][0],
+               merged->error[total][0]);
+    }
     printf("  -> %s\n", path);
 }
 

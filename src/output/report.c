@@ -51,9 +51,8 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     fprintf(stream, "  with planes in place of all shapes, by adding-doubling:");
-    for (int i = 0; i < CML_EXACT_LAYERS; i++)
-        if (i < CML_TOTALS || scene->backing.kind != CML_NO_BACKING)
-            fprintf(stream, " %s %.7f", cml_quantities[cml_quantity_of_total(i)].name, exact->value[i]);
+    for (int i = 0; i < cml_num_totals(scene->backing.kind != CML_NO_BACKING); i++)
+        fprintf(stream, " %s %.7f", cml_quantities[cml_quantity_of_total(i)].name, exact->value[i]);
     fprintf(stream, ", errors <= %.1g\n", cml_exact_worst(exact));
 }
 
@@ -110,7 +109,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
 {
     const struct cml_result *result = report->sums;
     const double seconds = report->timing->seconds, steps = cml_result_steps(result);
-    const int totals = report->scene->backing.kind == CML_NO_BACKING ? CML_TOTALS : CML_NUM_TOTALS;
+    const int totals = cml_num_totals(report->scene->backing.kind != CML_NO_BACKING);
     for (int i = 0; i < totals; i++) print_total(stream, report, (enum cml_total)i);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),

@@ -205,12 +205,17 @@ static void set_exact(json_t *object, const struct cml_scene *scene, const struc
     json_object_set_new(object, "converged", json_boolean(exact->converged));
 }
 
+static int totals_of(const struct cml_scene *scene)
+{
+    return cml_num_totals(scene->backing.kind != CML_NO_BACKING);
+}
+
 /* What a run prints beside its own totals; null where there is none. */
-static void set_exact_totals(json_t *object, const struct cml_exact *exact)
+static void set_exact_totals(json_t *object, const struct cml_scene *scene, const struct cml_exact *exact)
 {
     const double none = NAN, worst = exact ? cml_exact_worst(exact) : NAN;
-    for (int i = 0; i < CML_TOTALS; i++)
-        set_quantity(object, (enum cml_quantity)i, "_exact", exact ? &exact->value[i] : &none);
+    for (int i = 0; i < totals_of(scene); i++)
+        set_quantity(object, cml_quantity_of_total(i), "_exact", exact ? &exact->value[i] : &none);
     set_real(object, "exact_error", worst);
 }
 
@@ -218,7 +223,7 @@ static void set_exact_totals(json_t *object, const struct cml_exact *exact)
 static void set_control(json_t *object, const struct cml_report *report)
 {
     const struct cml_controlled none = {NAN, NAN, NAN};
-    for (int i = 0; i < CML_TOTALS; i++) {
+    for (int i = 0; i < totals_of(report->scene); i++) {
         const struct cml_controlled *control = report->control ? &report->control[i] : &none;
         set_quantity(object, (enum cml_quantity)(CML_QUANTITY_Rsp_control + i), "", &control->value);
         set_quantity(object, (enum cml_quantity)(CML_QUANTITY_Rsp_control + i), "_se", &control->error);
@@ -312,11 +317,12 @@ static json_t *detector_json(const struct subject *subject, int k)
     return object;
 }
 
-static json_t *flat_json(const struct cml_exact *flat)
+static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *flat)
 {
     if (!flat) return json_null();
     json_t *object = json_object();
-    for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", &flat->value[i]);
+    for (int i = 0; i < totals_of(scene); i++)
+        set_quantity(object, cml_quantity_of_total(i), "", &flat->value[i]);
     set_real(object, "error", cml_exact_worst(flat));
     return object;
 }
@@ -353,7 +359,7 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     json_object_set_new(object, "boundaries", json_null());
     if (scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     set_integer(object, "memory_bytes", (uint64_t)bytes);
-    json_object_set_new(object, "flat", flat_json(flat));
+    json_object_set_new(object, "flat", flat_json(scene, flat));
     return print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
 }
 
@@ -408,7 +414,7 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
         json_decref(object);
         return status;
     }
-    set_exact_totals(object, report->exact);
+    set_exact_totals(object, report->scene, report->exact);
     set_control(object, report);
     set_speed(object, report);
     return print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);

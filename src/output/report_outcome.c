@@ -74,7 +74,7 @@ static cml_status fill_heights(const struct cml_scene *scene, struct cml_outcome
 /* The totals with the flat twin as control variate, if it was flown. */
 static cml_status fill_control(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)
 {
-    for (int i = 0; report->control && i < CML_TOTALS; i++) {
+    for (int i = 0; report->control && i < cml_num_totals(o->backed); i++) {
         const enum cml_quantity quantity = (enum cml_quantity)(CML_QUANTITY_Rsp_control + i);
         CML_TRY(cml_outcome_add(o, quantity, false, err));
         CML_TRY(cml_outcome_add(o, quantity, true, err));

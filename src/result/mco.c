@@ -212,10 +212,13 @@ static void write_control(FILE *out, const struct cml_outcome *o)
 {
     double *const *value = o->value + CML_QUANTITY_Rsp_control, *const *error =
                                                                     o->error + CML_QUANTITY_Rsp_control;
+    const bool backed = o->value[CML_QUANTITY_A_backing_control];
     if (!value[0] || o->merged) return;
-    fprintf(out, "\ncontrol # Rsp, Rd, A, Tt with the flat twin as control variate, then their errors [-]\n");
-    for (int i = 0; i < CML_TOTALS; i++) fprintf(out, "%.9G\n", value[i][0]);
-    for (int i = 0; i < CML_TOTALS; i++) fprintf(out, "%.6G\n", error[i][0]);
+    fprintf(out,
+            "\ncontrol # Rsp, Rd, A, Tt%s with the flat twin as control variate, then their errors [-]\n",
+            backed ? ", A_backing" : "");
+    for (int i = 0; i < cml_num_totals(backed); i++) fprintf(out, "%.9G\n", value[i][0]);
+    for (int i = 0; i < cml_num_totals(backed); i++) fprintf(out, "%.6G\n", error[i][0]);
 }
 
 /* Errors of single prints stay with the stream, and the commit looks at it. */

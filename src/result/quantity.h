@@ -61,6 +61,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Rd_control, "1", TWIN, CML_TOTAL_REFLECTED, NUMBER, H5, WITH_TWIN, NULL)                                       \
     Q(A_control, "1", TWIN, CML_TOTAL_ABSORBED, NUMBER, H5, WITH_TWIN, NULL)                                         \
     Q(Tt_control, "1", TWIN, CML_TOTAL_TRANSMITTED, NUMBER, H5, WITH_TWIN, NULL)                                     \
+    Q(A_backing_control, "1", TWIN, CML_TOTAL_BACKING, NUMBER, H5, WITH_TWIN, NULL)                                  \
     Q(book_launched, "1", BALANCE, CML_BALANCE_LAUNCHED, NUMBER, H5, "launched", NULL)                               \
     Q(book_gained, "1", BALANCE, CML_BALANCE_GAINED, NUMBER, H5, "gained in roulette", NULL)                         \
     Q(book_specular, "1", BALANCE, CML_BALANCE_SPECULAR, NUMBER, H5, "specular (Rsp)", NULL)                         \
@@ -178,8 +179,14 @@ static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
 }
 
-/* Of enum cml_total. */
+/* Of enum cml_total; the last of them is what a backing keeps. */
 enum cml_quantity cml_quantity_of_total(int total);
+
+/* How many totals a scene has. */
+static inline int cml_num_totals(bool backed)
+{
+    return backed ? CML_TOTALS + 1 : CML_TOTALS;
+}
 
 /* Its axes and units as they stand beside numbers for people: "r [cm]", NULL for a number; "1/sr", "-". */
 const char *cml_quantity_place(enum cml_quantity quantity);

@@ -54,10 +54,10 @@ def check_total(verdict, name, records, key, truth, ratio):
 
 def check_nearly_flat(verdict):
     """A hill of 1e-9 cm changes nothing, and the twin's packets fare as the scene's: so the totals are those of `exact`, within
-    4 of their errors of one packet in 1e5, where light enters through planes, shapes, glass, slanted and wide."""
-    for beam in ([], ["beam pencil angle=40"], ["beam gaussian 0.2"]):
+    4 of their errors of one packet in 1e5, where light enters through planes, shapes, glass, slanted and wide, and over a backing."""
+    for beam in ([], ["beam pencil angle=40"], ["beam gaussian 0.2"], ["beam disk 0.1 light=lambertian"]):
         for top in ("1.5 0 0 0 0.1", "1.5 0.1 0 0 0.1"):
-            for hills in ({0: HILL}, {1: HILL}):
+            for hills in ({0: HILL}, {1: HILL}, {0: HILL, 2: "backing 0.6 lambertian"}):
                 text = cml.mci([top, "1.4 1 10 0.5 0.4"], photons=100000, surfaces=hills, extra=beam)
                 record, = cml.run(text, "--seed", 5, "--control", "flat")
                 done = subprocess.run([cml.PROGRAM, "exact", "-", "--json"], input=text, capture_output=True, text=True,
@@ -67,6 +67,8 @@ def check_nearly_flat(verdict):
                 reflected = record["Rsp_control"] + record["Rd_control"]
                 aim = {"A": record["A_control"] - exact["A"], "Tt": record["Tt_control"] - exact["Tt"],
                        "R": reflected - exact["Rsp"] - exact["Rd"]}
+                if 2 in hills:
+                    aim["A_backing"] = record["A_backing_control"] - exact["A_backing"]
                 verdict.check(name, max(map(abs, aim.values())) <= 4e-5, f"{aim}")
                 verdict.check(name, abs(record["Rsp"] - record["Rsp_control"]) <= 4 * record["Rsp_se"] + 1e-9, "Rsp")
 

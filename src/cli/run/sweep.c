@@ -300,6 +300,8 @@ static cml_status publish(const struct sweep *sweep, struct cml_error *err)
                                               .call = {sweep->options->command, base->file},
                                               .num_columns = (int)columns,
                                               .num_rows = (int)rows,
+                                              .num_totals =
+                                                  cml_num_totals(base->backing.kind != CML_NO_BACKING),
                                               .name = names,
                                               .label = sweep->table.label,
                                               .cell = sweep->table.cell,

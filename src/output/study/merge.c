@@ -209,6 +209,11 @@ cml_status cml_merge_write_h5(const char *path, const struct cml_outcome *merged
     return status;
 }
 
+int cml_merged_totals(const struct cml_outcome *merged)
+{
+    return cml_num_totals(merged->value[CML_QUANTITY_A_backing] && merged->error[CML_QUANTITY_A_backing]);
+}
+
 cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge_input *inputs, int count,
                           const struct cml_outcome *merged, struct cml_error *err)
 {
@@ -217,10 +222,11 @@ cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge
     json_t *object = json_pack("{s:o, s:o, s:I}", "output", cml_json_name(path), "inputs", names, "photons",
                                (json_int_t)merged->photons);
     for (int errors = 0; errors < 2; errors++)
-        for (int i = 0; i < CML_TOTALS; i++) {
+        for (int i = 0; i < cml_merged_totals(merged); i++) {
+            const enum cml_quantity total = cml_quantity_of_total(i);
             char key[16];
-            snprintf(key, sizeof key, "%s%s", cml_quantities[i].name, errors ? "_se" : "");
-            json_object_set_new(object, key, json_real((errors ? merged->error : merged->value)[i][0]));
+            snprintf(key, sizeof key, "%s%s", cml_quantities[total].name, errors ? "_se" : "");
+            json_object_set_new(object, key, json_real((errors ? merged->error : merged->value)[total][0]));
         }
     json_object_set_new(object, "version", json_string(cml_version()));
     char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;

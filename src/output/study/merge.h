@@ -28,6 +28,9 @@ CML_NODISCARD cml_status cml_merge_write_h5(const char *path, const struct cml_o
                                             const struct cml_merge_input *inputs, int count,
                                             const struct cml_hdf5_call *call, struct cml_error *err);
 
+/* How many totals of a merged result are known with their errors, in the order of enum cml_total. */
+int cml_merged_totals(const struct cml_outcome *merged);
+
 /* One object on one line: output, inputs, photons, totals and their errors. */
 CML_NODISCARD cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge_input *inputs,
                                         int count, const struct cml_outcome *merged, struct cml_error *err);

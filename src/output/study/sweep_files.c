@@ -19,11 +19,10 @@ static bool is_of_every_row(const char *name)
 bool cml_sweep_is_of_results(const char *name)
 {
     const size_t length = strlen(name);
-    for (int t = 0; t < CML_TOTALS; t++) {
-        const size_t own = strlen(cml_quantities[t].name);
-        if (strncmp(name, cml_quantities[t].name, own) == 0 &&
-            (length == own || strcmp(name + own, "_se") == 0))
-            return true;
+    for (int t = 0; t < cml_num_totals(true); t++) {
+        const char *total = cml_quantities[cml_quantity_of_total(t)].name;
+        const size_t own = strlen(total);
+        if (strncmp(name, total, own) == 0 && (length == own || strcmp(name + own, "_se") == 0)) return true;
     }
     /* call: a group of the .h5 */
     return is_of_every_row(name) || strcmp(name, "row") == 0 || strcmp(name, "lost") == 0 ||
@@ -53,8 +52,10 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
             write_text(out, r->name[c], r->label[c]);
         }
     fputs(",photons,seed", out);
-    for (int t = 0; t < CML_TOTALS; t++)
-        fprintf(out, ",%s,%s_se", cml_quantities[t].name, cml_quantities[t].name);
+    for (int t = 0; t < r->num_totals; t++) {
+        const char *name = cml_quantities[cml_quantity_of_total(t)].name;
+        fprintf(out, ",%s,%s_se", name, name);
+    }
     fputs(",lost,file\n", out);
 }
 
@@ -68,7 +69,7 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
             write_text(out, r->cell[(size_t)row * (size_t)r->num_columns + (size_t)c], false);
         }
     fprintf(out, ",%" PRIu64 ",%" PRIu64, record->photons, r->seed[row]);
-    for (int t = 0; t < CML_TOTALS; t++) fprintf(out, ",%.17g,%.17g", record->value[t], record->error[t]);
+    for (int t = 0; t < r->num_totals; t++) fprintf(out, ",%.17g,%.17g", record->value[t], record->error[t]);
     fprintf(out, ",%" PRIu64 ",", record->lost);
     write_text(out, r->file[row], false);
     fputc('\n', out);
@@ -215,7 +216,7 @@ static bool has_axis(const struct grid *grid, const char *name)
 static void fill_total(struct fields *list, int total)
 {
     const struct grid *grid = list->grid;
-    const struct cml_quantity_info *info = &cml_quantities[total];
+    const struct cml_quantity_info *info = &cml_quantities[cml_quantity_of_total(total)];
     double *value = add(list, info->name, info->long_name, "1"), *error = add(list, "", "", "1");
     struct cml_field *errors = &list->field[list->count - 1];
     cml_quantity_name_errors(errors, errors - 1);
@@ -257,7 +258,7 @@ static void fill(struct fields *list)
 {
     const struct grid *grid = list->grid;
     const struct cml_sweep_results *r = grid->results;
-    for (int t = 0; t < CML_TOTALS; t++) fill_total(list, t);
+    for (int t = 0; t < r->num_totals; t++) fill_total(list, t);
     for (int c = 0; c < r->num_columns; c++) {
         if (is_axis(grid, c) || is_of_every_row(r->name[c]) || (r->label[c] && !is_numeric(r, c))) continue;
         double *to = r->label[c] ? add(list, r->name[c], "label", "1")
@@ -292,7 +293,7 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
                               struct cml_error *err)
 {
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
-    const size_t most = 2 * CML_TOTALS + columns + 4;
+    const size_t most = 2 * (size_t)results->num_totals + columns + 4;
     struct grid grid = {.results = results};
     struct fields list = {&grid, calloc(most, sizeof *list.field), calloc(most * rows, sizeof *list.value),
                           0};

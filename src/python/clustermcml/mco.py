@@ -51,7 +51,7 @@ OF_DETECTORS = {
     "_t": (("gate",), "1/ps", "detected by time"),
     "_t_later": ((), "1", "detected later than all gates"),
 }
-QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in TOTALS})
+QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in (*TOTALS, "A_backing")})
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
 QUANTITIES["residue"] = ((), "1", "launched + gained - all fates, in 2^-31 packets")
 QUANTITIES["lost"] = ((), "1", "packets lost to numerical failure")
@@ -161,7 +161,8 @@ def _numbers(sections: dict[str, list[str]], known: dict[str, Any], axes: dict[s
     words.update({name + "_se": [word] for name, word in zip(TOTALS, sections.get("se_RAT", []))})
     words.update({"book_" + name: [word] for name, word in zip(BOOKS, sections.get("books", []))})
     words.update({"lost": sections["lost"][:1]} if "lost" in sections else {})
-    control = [f"{name}_control{error}" for error in ("", "_se") for name in TOTALS]
+    totals = (*TOTALS, "A_backing") if "A_backing" in sections else TOTALS
+    control = [f"{name}_control{error}" for error in ("", "_se") for name in totals]
     words.update({name: [word] for name, word in zip(control, sections.get("control", []))})
     variables = {name: _variable(name, known, axes, values) for name, values in words.items()}
     for name, variable in variables.items():

@@ -1,0 +1,89 @@
+#!/bin/sh
+# What a backing keeps, wherever totals stand: tables of sweeps, --control flat, merge, plan, --tolerance. stat.backings judges
+# the numbers.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+
+value() { # KEY FILE: of the JSON line, the first of that name
+    grep -o "\"$1\":[^],}]*" "$2" | sed 's/.*://;q'
+}
+scene() { # NAME BACKING
+    printf '1.0\n1\n%s A\n20000\n0.01 0.02\n20 20 10\n1\n1.0\nb 3 0.02 0.1 0.01 0.1 0 1\n1.4 0.5 50 0.8 0.05\nb 3 0.01 0.1 0 0.1 0 1\n%s\n1.0\n' \
+        "$1" "$2" >"$work/${1%.*}.mci"
+}
+scene b.mco "backing 0.7 lambertian"
+
+# A sweep: columns in the .csv and arrays in the .h5, with the values of the rows' files.
+mkdir "$work/rows"
+printf 'layer1.mua\n0.5\n2\n' >"$work/table.csv"
+expect_code 0 "$work/b.mci" --sweep "$work/table.csv" -o "$work/rows" --quiet
+test "$(head -1 "$work/rows/b.sweep.csv")" = \
+    "row,layer1.mua,photons,seed,Rsp,Rsp_se,Rd,Rd_se,A,A_se,Tt,Tt_se,A_backing,A_backing_se,lost,file" ||
+    complain "the header: $(head -1 "$work/rows/b.sweep.csv")"
+for row in 1 2; do
+    for at in 13:A_backing 14:se_A_backing; do
+        wanted=$(awk -v key="${at#*:}" '$1 == key { getline; print $1; exit }' "$work/rows/b-000$row.mco")
+        found=$(awk -F, -v row=$row -v at="${at%:*}" '$1 == row { printf "%.9G", $at }' "$work/rows/b.sweep.csv")
+        awk -v a="$wanted" -v b="$found" 'BEGIN { exit !(a > 0 && (a - b) ^ 2 < 1e-10 * a * a) }' ||
+            complain "row $row: ${at#*:} is $found in the table, $wanted in the file"
+    done
+done
+if test -e "$work/rows/b.sweep.h5" && /usr/bin/python3 -c 'import h5py' 2>"$work/err"; then
+    /usr/bin/python3 tests/lib/h5_text.py "$work/rows/b.sweep.h5" >"$work/h5"
+    grep -q 'A_backing_se' "$work/h5" || complain "the .h5 of the sweep: $(head -30 "$work/h5")"
+fi
+
+# The flat twin: a total more, in the summary, the file and the JSON line; without a backing none.
+expect_code 0 "$work/b.mci" --control flat -o "$work"
+grep -Eq '^  A_backing 0\.[0-9]{6} \+- 0\.[0-9]{6}   control 0\.[0-9]{7} \+- 0\.[0-9]{7}$' "$work/out" ||
+    complain "summary: $(cat "$work/out")"
+sed '1,/^control # Rsp, Rd, A, Tt, A_backing with /d' "$work/b.mco" >"$work/section"
+expect_code 0 "$work/b.mci" --control flat --json -o "$work"
+for end in "" _se; do
+    for key in Rsp Rd A Tt A_backing; do value ${key}_control$end "$work/out"; done
+done >"$work/json"
+paste "$work/section" "$work/json" | awk '{ d = $1 - $2; bad += d * d > 1e-10 * $2 * $2 } END { exit NR != 10 || bad }' ||
+    complain "JSON: $(paste "$work/section" "$work/json")"
+awk 'NR <= 5 { sum += $1 } END { exit !((sum - 1) ^ 2 < 1e-5) }' "$work/json" || complain "controlled totals: $(cat "$work/json")"
+test "$(value A_backing_exact "$work/out")" = null || complain "a shape that is exact: $(cat "$work/out")"
+expect_code 0 samples/shapes/hihill.mci --photons 1000 --control flat --json -o "$work"
+! grep A_backing "$work/out" || complain "no backing"
+scene metal.mco "backing metal 0.183 3.434"
+expect_error 2 "$work/metal.mci:12: backing = metal (expected mirror or lambertian: adding-doubling knows no others)" \
+    "$work/metal.mci" --control flat --quiet -o "$work"
+
+# check names the flat scene's.
+expect_code 0 check "$work/b.mci" --json
+grep -q '"flat":{"Rsp":[0-9.e-]*,"Rd":[0-9.]*,"A":[0-9.]*,"Tt":[0-9.e-]*,"A_backing":0\.[0-9]*,"error"' "$work/out" ||
+    complain "check --json: $(cat "$work/out")"
+
+# merge: the mean of what both kept.
+for seed in 1 2; do
+    mkdir "$work/$seed"
+    expect_code 0 "$work/b.mci" --seed $seed --json -o "$work/$seed"
+    value A_backing "$work/out" >>"$work/kept"
+done
+expect_code 0 merge "$work/1/b.mco" "$work/2/b.mco" -o "$work/m.mco" --json
+value A_backing "$work/out" >>"$work/kept"
+awk '{ v[NR] = $1 } END { exit !(NR == 3 && v[1] != v[2] && (v[3] - (v[1] + v[2]) / 2) ^ 2 < 1e-16) }' "$work/kept" ||
+    complain "merge: $(cat "$work/kept" "$work/out")"
+expect_code 0 merge "$work/1/b.mco" "$work/2/b.mco" -o "$work/m.mco"
+grep -Eq '^  A_backing 0\.[0-9]{6} \+- 0\.[0-9]{6}$' "$work/out" || complain "merge: $(cat "$work/out")"
+
+# plan: nothing is transmitted, and what it says of the rest holds to a factor of 1.5.
+expect_code 0 plan "$work/b.mci" --photons 4096 --target-error 0.003 --json
+grep -q '"Tt":{"photons":null,"seconds":null}' "$work/out" || complain "plan: $(cat "$work/out")"
+photons=$(sed 's/.*"engine":"cpu","sampling":"random"[^}]*"Rd":{"photons":\([0-9.e+]*\).*/\1/' "$work/out")
+expect_code 0 "$work/b.mci" --sampling random --photons "${photons%.*}" --json -o "$work"
+awk -v e="$(value Rd_se "$work/out")" -v v="$(value Rd "$work/out")" 'BEGIN { r = e / v / 0.003; exit !(r > 1 / 1.5 && r < 1.5) }' ||
+    complain "plan: $photons photons: $(cat "$work/out")"
+
+# --tolerance: the backing's shape is tried as a plane.
+scene bump.mco "backing 0.1"
+sed -i -e 's/^b 3 0.02.*//' -e 's/^1.4 0.5 50 0.8 0.05/1.4 0.01 1 0 0.2/' -e 's/^b 3 0.01.*/b 2 0.15 0.1 0 0.1/' "$work/bump.mci"
+expect_code 0 check "$work/bump.mci" --tolerance 0.02
+grep -Eq 'boundary 1: cone at .*, as a plane [A-Z][a-z_]* is off by more than 0.02\)' "$work/out" || complain "bump: $(cat "$work/out")"
+sed -i 's/^b 2 0.15/b 2 0.0001/' "$work/bump.mci"
+expect_code 0 check "$work/bump.mci" --tolerance 0.02
+grep -Eq 'boundary 1: plane at .*as a plane [A-Z][a-z_]* is off by at most' "$work/out" || complain "level: $(cat "$work/out")"
+finish

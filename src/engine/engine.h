@@ -107,8 +107,9 @@ struct cml_engine {
     /* How packets [first, first + count) end, without a tally: records[count]. */
     cml_status (*fates)(void *self, uint64_t first, uint64_t count, struct cml_fate_record *records,
                         struct cml_error *err);
-    int (*threads)(const void *self);                        /* NULL: as many as it takes unless told */
-    double (*bytes)(const struct cml_surface_set *surfaces); /* that `open` takes, without tallies */
+    int (*threads)(const void *self); /* NULL: as many as it takes unless told */
+    double (*bytes)(const struct cml_scene *scene,
+                    const struct cml_surface_set *surfaces); /* that `open` takes, without tallies */
     void (*close)(void *self);
 };
 

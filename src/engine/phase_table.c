@@ -72,8 +72,7 @@ static bool is_accurate(const struct source *source, int cell, struct cml_phase_
 /* Room for the parts of one cell more; arrays are enlarged when they are full. */
 static cml_status grow(struct cml_phase_tables *tables, size_t *capacity, struct cml_error *err)
 {
-    const size_t most = 1u << 24; /* beyond which single precision cannot count */
-    if (tables->count + CML_PHASE_PARTS > most)
+    if (tables->count + CML_PHASE_PARTS > CML_MOST_PHASE_CELLS)
         return cml_fail(err, CML_E_INPUT,
                         "phase functions: tables of more than 2^24 cells (expected fewer phase functions, or "
                         "smoother ones)");

@@ -12,6 +12,9 @@ struct cml_phase_line {
     double start, slope;
 };
 
+/* Beyond which single precision cannot count. */
+#define CML_MOST_PHASE_CELLS (1 << 24)
+
 /* The tables of all functions, that of index i from cell i CML_PHASE_CELLS on, then the parts of cells. */
 struct cml_phase_tables {
     struct cml_phase_line *item; /* [count] */

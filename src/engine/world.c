@@ -80,7 +80,19 @@ static cml_status allocate(const struct cml_surface_set *surfaces, struct cml_ow
         err, (double)((CML_RING_ROWS * rings + 2 * cells) * sizeof(real) + rings * sizeof(int)), "the scene");
 }
 
-double cml_world_bytes(const struct cml_surface_set *surfaces)
+/* Cells are made in double precision. How many of them have parts is known only then: all of a table of the
+ * user's may, of the other functions up to 130 were found to. */
+static double phase_bytes(const struct cml_scene *scene)
+{
+    double cells = 0;
+    for (const struct cml_phase *phase = scene->phases; phase; phase = phase->next)
+        cells +=
+            CML_PHASE_CELLS + CML_PHASE_PARTS * (phase->kind == CML_PHASE_TABLE ? CML_PHASE_CELLS : 150.0);
+    return fmin(cells, CML_MOST_PHASE_CELLS) *
+           (sizeof(struct cml_phase_line) + sizeof(struct cml_phase_cell));
+}
+
+double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const double bodies = surfaces->bodies.count, boundaries = surfaces->count + bodies,
                  cells = (double)count_clearance_cells(surfaces) + (double)count_horizon_cells(surfaces);
@@ -90,7 +102,8 @@ double cml_world_bytes(const struct cml_surface_set *surfaces)
            2 * cells * sizeof(real) + bodies * sizeof(struct cml_body) +
            surfaces->bodies.tree.count * (double)sizeof(struct cml_body_node) +
            surfaces->bodies.grids.count * (double)sizeof(struct cml_body_grid) +
-           (double)surfaces->bodies.grids.num_cells * sizeof(struct cml_body_cell);
+           (double)surfaces->bodies.grids.num_cells * sizeof(struct cml_body_cell) + phase_bytes(scene) +
+           cml_source_bytes(scene);
 }
 
 static void copy_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,

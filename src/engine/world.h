@@ -12,6 +12,7 @@
  * double one have names of their own. */
 #ifdef CML_DOUBLE
 #define cml_copy_bodies cml_copy_bodies_double
+#define cml_source_bytes cml_source_bytes_double
 #define cml_source_media cml_source_media_double
 #define cml_source_medium cml_source_medium_double
 #define cml_set_detectors cml_set_detectors_double
@@ -57,8 +58,12 @@ CML_NODISCARD cml_status cml_owned_world_create(const struct cml_scene *scene,
                                                 struct cml_owned_world *to, struct cml_error *err);
 void cml_owned_world_free(struct cml_owned_world *to);
 
-/* Bytes that a world of these surfaces takes. */
-double cml_world_bytes(const struct cml_surface_set *surfaces);
+/* Bytes that a world takes, and while it is made: of phase functions at most, which is known when their
+ * tables are there. */
+double cml_world_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces);
+
+/* Of that the beams. */
+double cml_source_bytes(const struct cml_scene *scene);
 
 /* In which medium the middle of a beam lies; 0 of one that starts above all surfaces. */
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam);

@@ -284,6 +284,17 @@ static void place_above(const struct cml_scene *scene, const struct cml_beam *be
 
 /* ---- all of it ---- */
 
+double cml_source_bytes(const struct cml_scene *scene)
+{
+    double bytes = 0;
+    for (int k = 0; k < scene->num_beams; k++)
+        bytes +=
+            (double)sizeof(struct cml_source) +
+            (double)light_cells(&scene->beams[k].light) * (sizeof(struct cml_light_cell) + sizeof(double)) +
+            (double)image_words(&scene->beams[k]) * sizeof(cml_u32);
+    return bytes;
+}
+
 static cml_status allocate_sources(const struct cml_scene *scene, struct cml_owned_world *to,
                                    struct cml_error *err)
 {

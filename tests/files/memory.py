@@ -1,11 +1,13 @@
-"""Runs stay within the memory that is printed before them, and scenes of many bodies, layers and triangles come close to it; what is
+"""Runs stay within the memory that is printed before them, and scenes of many bodies, layers, triangles, cells of phase functions and pixels come close to it; what is
 larger is refused with the figure.
 
 Maps: a wide beam on a slab, so that pixels all over the map are touched. Peak resident memory, as the system counts it for the one
 process, against the printed line of `run` and of `check`."""
 import math
 import os
+import random
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -87,6 +89,25 @@ def write_waves(path, cells):
                 file.write(f"f {a} {a + 1} {a + cells + 2} {a + cells + 1}\n")
 
 
+def write_phases(folder, count):
+    """Densities of which no two rows are alike, so that all cells of their tables have parts; c is as good as even."""
+    dice, cosines = random.Random(5), [math.cos(math.radians(180 * k / 5000)) for k in range(5001)]
+    for k in range(count):
+        p = [dice.random() ** 8 for _ in cosines]
+        pairs = list(zip(zip(cosines, p), zip(cosines[1:], p[1:])))
+        mean = sum((a - b) * (p0 * (2 * a + b) + p1 * (a + 2 * b)) for (a, p0), (b, p1) in pairs) / 3
+        mean /= sum((a - b) * (p0 + p1) for (a, p0), (b, p1) in pairs)
+        with open(os.path.join(folder, f"{k}.txt"), "w", encoding="utf-8") as file:
+            file.write("".join(f"{180 * i / 5000} {value}\n" for i, value in enumerate(p)))
+        yield f'i sphere {0.1 * k} 0 0.5 0.04 1.3 1 10 {mean:.6f}\nphase table "{k}.txt"'
+
+
+def write_image(path, edge):
+    header = f"Gwyddion Simple Field 1.0\nXRes = {edge}\nYRes = {edge}\nXReal = 1\nYReal = 1\nXYUnits = cm\n".encode()
+    with open(path, "wb") as file:
+        file.write(header + b"\0" * (4 - len(header) % 4) + struct.pack("<f", 1) * edge**2)
+
+
 def check_scenes(verdict):
     """Neither more than is printed, nor much less: by check 0.7 of it at least."""
     scenes = {
@@ -96,9 +117,14 @@ def check_scenes(verdict):
         "bodies of meshes": with_bodies([f'i "ball.obj" 1.3 1 10 0.8 scale=1e-3 shift={0.01 * (k % 50)},{0.01 * (k // 50)},-0.5'
                                          for k in range(2000)]),
         "mesh": cml.mci(["1.4 1 10 0.8 1"], photons=100, surfaces={0: 'm "waves.obj"'}),
+        "phase functions": None,
+        "image": cml.mci(["1.4 1 10 0.8 1"], photons=100, extra=['beam image "pattern.gsf"']),
     }
     for name, text in scenes.items():
         with tempfile.TemporaryDirectory() as keep:
+            if name == "phase functions":
+                text = with_bodies(list(write_phases(keep, 2)))
+            write_image(os.path.join(keep, "pattern.gsf"), 1500)
             write_waves(os.path.join(keep, "waves.obj"), 400)
             with open(os.path.join(keep, "ball.obj"), "w", encoding="utf-8") as file:
                 file.write(OCTAHEDRON)

@@ -246,7 +246,8 @@ static struct memory memory_of(const struct cml_options *options, const struct c
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, &options->engine_options);
     const int asked = options->engine_options.threads;
     const int threads = asked > 0 ? asked : options->engine->threads(NULL);
-    const double ranks = cml_cluster_local_size(), world = surfaces ? options->engine->bytes(surfaces) : 0;
+    const double ranks = cml_cluster_local_size(),
+                 world = surfaces ? options->engine->bytes(scene, surfaces) : 0;
     const double mib = 1048576;
     double now, so_far;
     find_held(&now, &so_far);

@@ -231,10 +231,10 @@ static int cpu_threads(const void *self)
     return self ? ((const struct cpu_engine *)self)->threads : choose_threads(0);
 }
 
-static double cpu_bytes(const struct cml_surface_set *surfaces)
+static double cpu_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
     const double media = (double)surfaces->count + 1 + surfaces->bodies.count;
-    return cml_world_bytes(surfaces) + media * sizeof(struct cml_lane_medium);
+    return cml_world_bytes(scene, surfaces) + media * sizeof(struct cml_lane_medium);
 }
 
 /* declared in engine_cpu.c only, which picks one */

@@ -397,9 +397,9 @@ static int opencl_threads(const void *self)
 }
 
 /* A device that is the processor keeps its buffers in the same memory. */
-static double opencl_bytes(const struct cml_surface_set *surfaces)
+static double opencl_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
-    return 2 * cml_world_bytes(surfaces);
+    return 2 * cml_world_bytes(scene, surfaces);
 }
 
 const struct cml_engine cml_engine_opencl = {

@@ -21,9 +21,9 @@ static int none_threads(const void *self)
     return 0;
 }
 
-static double none_bytes(const struct cml_surface_set *surfaces)
+static double none_bytes(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
 {
-    (void)surfaces;
+    (void)scene, (void)surfaces;
     return 0;
 }
 

@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "output/report.h"
+#include "tally/deal.h"
 #include "types.h"
 
 #include <stdio.h>
@@ -18,13 +19,22 @@ static void print_event(void *context, const struct cml_trace_event *event)
 }
 
 /* It can be flown all the same: a run may have had more. */
-static void note_beyond(const struct cml_scene *scene, uint64_t photon)
+static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, struct cml_error *err)
 {
-    char text[512];
-    snprintf(text, sizeof text,
-             "photon %llu is not among those of %.300s (0 to %llu, unless --photons says more)",
-             (unsigned long long)photon, scene->output, (unsigned long long)scene->photons - 1);
-    cml_show_note(NULL, text);
+    struct cml_deal deal;
+    char text[512], which[80];
+    CML_TRY(cml_deal_create(scene->shares, scene->num_beams, &deal, err));
+    const cml_status status = cml_deal_round(&deal, 0, scene->photons, err);
+    if (scene->num_beams > 1)
+        snprintf(which, sizeof which, "%llu of %d beams", (unsigned long long)scene->photons,
+                 scene->num_beams);
+    else
+        snprintf(which, sizeof which, "0 to %llu", (unsigned long long)scene->photons - 1);
+    snprintf(text, sizeof text, "photon %llu is not among those of %.300s (%s, unless --photons says more)",
+             (unsigned long long)photon, scene->output, which);
+    if (status == CML_OK && !cml_deal_has(&deal, photon)) cml_show_note(NULL, text);
+    cml_deal_clear(&deal);
+    return status;
 }
 
 /* Lines that are no events begin with #, so that the table can be read by other programs. */
@@ -33,7 +43,6 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
 {
     struct cml_fate_record record;
     long row = 0;
-    if (photon >= scene->photons) note_beyond(scene, photon);
     printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
            options->engine->name, (unsigned long long)options->engine_options.seed);
     cml_report_phases(stdout, "# ", scene, CML_READ_BY_PEOPLE);
@@ -43,6 +52,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
                         "trace: photon %llu (expected an index of one of %d beams: that of beam k begins at "
                         "(k - 1) 2^48)",
                         (unsigned long long)photon, scene->num_beams);
+    CML_TRY(note_beyond(scene, photon, err));
     if (scene->beams[beam].given) cml_report_beam(stdout, "# ", scene, (int)beam);
     printf("#%5s  %-8s %6s  %15s %15s %15s  %12s %12s %12s  %s\n", "event", "what", "medium", "x cm", "y cm",
            "z cm", "ux", "uy", "uz", "weight");

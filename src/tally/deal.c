@@ -92,6 +92,14 @@ cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end, s
     return CML_OK;
 }
 
+bool cml_deal_has(const struct cml_deal *deal, uint64_t photon)
+{
+    const uint64_t beam = photon >> CML_SOURCE_SHIFT, own = photon - (beam << CML_SOURCE_SHIFT);
+    if (deal->count == 1) return photon < deal->end;
+    return beam < (uint64_t)deal->count &&
+           own / CML_NUM_BATCHES < of_beam(deal->after, (int)beam, own % CML_NUM_BATCHES);
+}
+
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t place)
 {
     const struct cml_piece all = cml_piece_at(deal->begin, deal->end, place);

@@ -9,6 +9,8 @@
 #include "base/status.h"
 #include "tally/places.h"
 
+#include <stdbool.h>
+
 struct cml_deal {
     int count;           /* beams */
     const double *share; /* [count] > 0, borrowed */
@@ -32,6 +34,9 @@ void cml_deal_clear(struct cml_deal *deal);
  * flown. */
 CML_NODISCARD cml_status cml_deal_round(struct cml_deal *deal, uint64_t begin, uint64_t end,
                                         struct cml_error *err);
+
+/* Whether a photon is among the round's, or those before it. */
+bool cml_deal_has(const struct cml_deal *deal, uint64_t photon);
 
 /* cml_piece_at of the round, of one beam. */
 struct cml_piece cml_deal_piece_at(const struct cml_deal *deal, uint64_t place);

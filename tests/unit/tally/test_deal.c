@@ -79,6 +79,8 @@ static void rounds_are_one_run(void **state)
             uint64_t flown = 0;
             for (int i = 0; i < SPAN; i++) {
                 flown += whole[k][i];
+                assert_int_equal(cml_deal_has(&deal, ((uint64_t)k << CML_SOURCE_SHIFT) + (uint64_t)i),
+                                 whole[k][i]);
                 if (i >= CML_NUM_BATCHES && whole[k][i]) assert_true(whole[k][i - CML_NUM_BATCHES]);
             }
             assert_int_equal(flown, number[k]);

@@ -1,0 +1,64 @@
+#!/bin/sh
+# Lines `beam`: what results, check, trace and --json say of them; radial=beam; photons of later beams. stat.sources judges the
+# light, cli.bad_input what is refused.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+
+scene() { # NAME, then lines of beams
+    name=$1
+    shift
+    { printf '1.0\n1\n%s.mco A\n1000\n' "$name"
+        printf '%s\n' "$@"
+        printf '0.02 0.02\n20 20 5\n2\n1.0\n1.4 1 50 0.8 0.1\n1.5 2 10 0.5 0.1\n1.0\n'; } >"$work/$name.mci"
+}
+body() { sed -e '/^# User time/d' -e '/^# beam/d' -e '/^[^ ]* \tA\t/d' "$work/$1.mco"; }
+
+# radial=beam: on planes all profiles are those of the beam in the middle, bit for bit; without it they are not.
+for line in "disk 0.05 angle=30 azimuth=40" "ring 0.02 0.05 light=na:0.4" "pencil z=0.05 light=isotropic"; do
+    scene middle "beam $line"
+    scene aside "beam $line at=0.25,-0.5 radial=beam"
+    scene axis "beam $line at=0.25,-0.5"
+    for name in middle aside axis; do expect_code 0 "$work/$name.mci" --quiet -o "$work"; body $name >"$work/$name"; done
+    cmp -s "$work/middle" "$work/aside" || complain "radial=beam, $line: $(diff "$work/middle" "$work/aside" | head -4)"
+    ! cmp -s "$work/middle" "$work/axis" || complain "r counts from the z axis, $line"
+done
+grep -qx '# beam pencil at (0.25 -0.5 0.05) cm, angle 0, azimuth 0 degrees, light isotropic, r about its place' "$work/aside.mco" ||
+    complain "the .mco of radial=beam: $(grep beam "$work/aside.mco")"
+
+# Several: the results name all of them; the JSON line stays one object of one line, with what was set.
+scene three "beam pencil" "beam disk 0.1 at=0.5,0 z=0.05 angle=180 share=3" "#@ beam ring 0.1 0.2 light=na:0.5 share=0.5"
+expect_code 0 "$work/three.mci" --json --set beam2.angle=170 --set beam3.na=0.6 -o "$work"
+test "$(wc -l <"$work/out")" -eq 1 && grep -q '"set":{"beam2.angle":170.0,"beam3.na":0.5999*[0-9]*}' "$work/out" && python3 -m json.tool "$work/out" >"$work/json" ||
+    complain "JSON: $(cat "$work/out")"
+cat >"$work/expected" <<'END'
+# beam pencil at (0 0) cm, angle 0, azimuth 0 degrees, share 1
+# beam disk of radius 0.1 cm at (0.5 0 0.05) cm, angle 170, azimuth 0 degrees, share 3
+# beam ring of radii 0.1 and 0.2 cm at (0 0) cm, angle 0, azimuth 0 degrees, light na:0.6, share 0.5
+END
+grep '^# beam' "$work/three.mco" | cmp -s - "$work/expected" || complain "the .mco: $(grep '^# beam' "$work/three.mco")"
+expect_code 0 check "$work/three.mci" --json
+python3 -m json.tool "$work/out" >"$work/json" || complain "check --json: $(cat "$work/out")"
+
+# trace: that of beam k begins at (k - 1) 2^48. Of 1000 photons the beams have 222, 667 and 111.
+launch() { # PHOTON: place and direction of its launch
+    expect_code 0 trace "$work/three.mci" "$1"
+    awk '$2 == "launch" { print $4, $5, $6, $9 }' "$work/out"
+}
+test "$(launch 3)" = "0 0 0 1.000000000" || complain "photon 3: $(cat "$work/out")"
+test ! -s "$work/err" || complain "photon 3: $(cat "$work/err")"
+launch 281474976710656 | awk '{ exit !(($1 - 0.5) ^ 2 + $2 ^ 2 <= 0.01 && ($3 - 0.05) ^ 2 < 1e-12 && $4 == -1) }' ||
+    complain "the first photon of beam 2: $(cat "$work/out")"
+grep -q '^# beam disk of radius 0.1 cm' "$work/out" && test ! -s "$work/err" || complain "beam 2: $(cat "$work/out" "$work/err")"
+launch 562949953421315 | awk '{ r = $1 ^ 2 + $2 ^ 2; exit !(r >= 0.00999 && r <= 0.04001 && $4 > 0.86) }' ||
+    complain "a photon of beam 3: $(cat "$work/out")"
+for photon in 900 281474976711400 562949953421500; do
+    expect_code 0 trace "$work/three.mci" $photon
+    grep -qx "clustermcml: note: photon $photon is not among those of three.mco (1000 of 3 beams, unless --photons says more)" "$work/err" ||
+        complain "photon $photon: $(cat "$work/err")"
+done
+expect_code 0 trace "$work/three.mci" 900 --set photons=1e5
+test ! -s "$work/err" || complain "photon 900 of 1e5: $(cat "$work/err")"
+expect_code 2 trace "$work/three.mci" 844424930131968
+grep -qx 'clustermcml: trace: photon 844424930131968 (expected an index of one of 3 beams: that of beam k begins at (k - 1) 2^48)' "$work/err" ||
+    complain "a fourth beam: $(cat "$work/err")"
+finish

@@ -24,6 +24,17 @@ for scene in shapes/hinoise mixed two_runs pulse skinmap; do
     one_shape $scene 4 1
 done
 
+# beams with shares, from above, inside and in a body: their photons are dealt to all ranks
+printf '1.0\n1\nbeams.mco A\n20001\n%s\n%s\n%s\n0.02 0.02\n20 20 5\n1\n1.0\n1.4 1 50 0.8 0.5\ni sphere 0 0 0.2 0.1 1.5 2 10 0.5\n1.0\n' \
+    "beam disk 0.2 light=na:0.5" "beam pencil z=0.2 light=isotropic share=0.7" "beam ring 0.05 0.15 z=0.2 angle=70 share=1.9" \
+    >"$work/beams.mci"
+expect_code 0 "$work/beams.mci" --threads 1 --quiet -o "$work"
+mv "$work/beams.mco" "$work/expected"
+for count in 2 3; do
+    ranks $count "$work/beams.mci" --quiet -o "$work" || complain "beams on $count ranks"
+    expect_bits "beams on $count ranks" "$work/beams.mco" "$work/expected"
+done
+
 # fewer photons than ranks, and standard input, which only rank 0 has
 expect_code 0 samples/fig5.mci --photons 2 --quiet -o "$work"
 mv "$work/fig5.mco" "$work/expected"

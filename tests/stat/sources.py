@@ -8,6 +8,7 @@ against adding-doubling, a point source in an unbounded medium, shares of severa
   of exp(-mua d / cos) for absorbing matched layers, to 1e-5.
 - Isotropic light in an absorber ends as exp(-mut r) / (4 pi r^2). In a scatterer the mean square distance of interaction n from the
   source is (2 / mut^2) (n / (1 - g) - g (1 - g^n) / (1 - g)^2); absorbed weight is the sum over n with (1 - a) a^(n - 1).
+- Starts across a mesh body: what it absorbs along straight ways, by the planes of its facets.
 - Shares: numbers of packets by largest remainder, to the last one. Engines: the same packets.
 - Reciprocity: of `lambertian` light on a rough plate between equal media as much goes down as comes up when it shines from below.
 N = 1e5 a case; statistic: z, level 1e-4 over all.
@@ -276,6 +277,39 @@ def reciprocity(verdict):
         verdict.z(f"reciprocity {height}", found[0]["Tt"], found[0]["Tt_se"], found[1]["Rd"], found[1]["Rd_se"])
 
 
+def mesh_bodies(verdict):
+    """A clear layer with an octahedron of 0.1 cm that absorbs, of equal index: light that starts across it, level or slanted, in
+    it or beside it, is absorbed along its way to the surface, whose planes are sx x + sy y + sz z = 0.1."""
+    def octahedron(path):
+        with open(path, "w", encoding="utf-8") as file:
+            file.write("v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\nf 2 4 5\nf 4 1 5\n"
+                       "f 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n")
+
+    mua, size, width = 8.0, 0.1, 0.24
+    for angle, azimuth in ((0, 0), (180, 0), (70, 25), (110, 200)):
+        ca, sa, cp, sp = (f(math.radians(t)) for t in (angle, azimuth) for f in (math.cos, math.sin))
+        u, own_x, own_y = (sa * cp, sa * sp, ca), (ca * cp, ca * sp, -sa), (-sp, cp, 0.0)
+        truth, cells = 0.0, 120
+        for i in range(cells):
+            for k in range(cells):
+                p = [width * (((i + 0.5) / cells - 0.5) * x + ((k + 0.5) / cells - 0.5) * y) for x, y in zip(own_x, own_y)]
+                begin, end = 0.0, math.inf  # of the way inside: behind its planes, one after the other
+                for signs in range(8):
+                    s = [1 - 2 * (signs >> j & 1) for j in range(3)]
+                    speed, left = sum(x * y for x, y in zip(s, u)), size - sum(x * y for x, y in zip(s, p))
+                    if speed > 0:
+                        end = min(end, left / speed)
+                    else:
+                        begin = max(begin, left / speed)
+                truth += -math.expm1(-mua * max(0, end - begin)) / cells**2
+        text = cml.mci([f"1.3 0 0 0 1\ni \"o.obj\" 1.3 {mua} 0 0 scale={size} shift=0,0,-0.5"], photons=PHOTONS, n_above=1.3, n_below=1.3,
+                       extra=[f"beam rectangle {width} {width} z=0.5 angle={angle} azimuth={azimuth}"])
+        for engine in ("cpu", "reference"):
+            record, _ = fly(text, "--engine", engine, "--seed", 6, files=[(octahedron, "o.obj")])
+            cml.check_balance(verdict, f"octahedron {angle}", record)
+            verdict.z(f"octahedron {angle} {engine}", record["A"], math.sqrt(truth / PHOTONS), truth)
+
+
 def engines(verdict):
     """Beams that cut cones and start in a sphere, in both precisions and on a device: the same packets but for one in a thousand."""
     text = cml.mci(["1.4 1 20 0.8 0.2", "1.3 0.5 5 0.5 0.2\ni sphere 0.1 0 0.3 0.05 1.5 2 10 0.5"], photons=20000,
@@ -312,7 +346,8 @@ def refusals(verdict):
 
 def main():
     global PHOTONS
-    groups = (places, directions, slabs, absorbers, point_source, shares, reciprocity, engines, refusals)
+    groups = (places, directions, slabs, absorbers, point_source, shares, reciprocity, mesh_bodies, engines,
+              refusals)
     if len(sys.argv) > 1:
         groups, PHOTONS = [group for group in groups if group.__name__ == sys.argv[1]], int(sys.argv[2])
     verdict = cml.Verdict("sources")

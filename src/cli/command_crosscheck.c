@@ -97,7 +97,7 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
     json_t *side = json_pack("{s:s, s:I, s:f}", "name", setup->sides[s].name, "lost",
                              (json_int_t)cml_result_lost(sums), "residue", cml_result_imbalance(sums));
     json_t *differences = json_object();
-    const int totals = setup->scene->backing.kind == CML_NO_BACKING ? CML_TOTALS : CML_NUM_TOTALS;
+    const int totals = cml_num_totals(setup->scene->backing.kind != CML_NO_BACKING);
     for (int t = 0; t < totals; t++) {
         const char *name = cml_quantities[cml_quantity_of_total(t)].name;
         const struct cml_check_total *total = &pair->total[t];

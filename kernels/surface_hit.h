@@ -86,11 +86,26 @@ CML_FN double cml_err_position(double x, double y, double z, double span)
     return 4 * (double)CML_EPSILON * (fabs(x) + fabs(y) + fabs(z) + span);
 }
 
+/* Whether a path is one whose answer is known. */
+CML_FN int cml_is_known_path(const struct cml_known_path *known, int boundary, struct cml_vec p,
+                             struct cml_vec u, real t_max, int on_primitive)
+{
+    return p.x == known->p.x && p.y == known->p.y && p.z == known->p.z && u.x == known->u.x &&
+           u.y == known->u.y && u.z == known->u.z && boundary == 0 && on_primitive == known->on_primitive &&
+           t_max > known->least && (t_max < known->clear || t_max > known->from);
+}
+
 /* *near_facet: the crossing's ends_near_facet. */
 CML_FN int cml_intersect_mesh(const struct cml_world *world, int boundary, struct cml_vec p, struct cml_vec u,
                               real side, real t_max, int on_primitive, int undeflected, struct cml_hit *hit,
                               int *near_facet)
 {
+    const struct cml_known_path *known = world->known_path;
+    if (known && cml_is_known_path(known, boundary, p, u, t_max, on_primitive)) {
+        *near_facet = 0;
+        if (t_max > known->from) *hit = known->hit;
+        return t_max > known->from;
+    }
     const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z};
     const double span =
         side < 0 ? (double)world->media[boundary].span : 0; /* p.z was rounded as part of it */

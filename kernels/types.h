@@ -318,6 +318,18 @@ struct cml_hit {
     struct cml_vec off;    /* of a sphere or a cylinder: place from its centre or its axis */
 };
 
+#ifndef __OPENCL_VERSION__
+/* What paths from p along u meet of the first boundary, a mesh, on whose primitive they begin, below it:
+ * nothing where they are longer than `least` and shorter than `clear`, `hit` where they are longer than
+ * `from`, cm. Others are to be asked. */
+struct cml_known_path {
+    struct cml_vec p, u;
+    int on_primitive;
+    double least, clear, from;
+    struct cml_hit hit;
+};
+#endif
+
 /* Body k is medium num_layers + 2 + k, and its surface boundary num_layers + 1 + k: as for layers, the medium
  * below boundary b is b + 1. */
 
@@ -352,6 +364,7 @@ struct cml_world {
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */
     const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] of boundaries */
+    const struct cml_known_path *known_path;      /* NULL where none is */
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
     void *on_event_context;
 #endif

@@ -372,6 +372,25 @@ static void ballistic_light_has_the_same_tally(void **state)
     compare_text(HEAD GRID "1\n1\n1.4 1 3 0.5 0.5\nb 3 0.1 0.1 -0.1 0.2 0 0\n1\n", 3000);
 }
 
+/* Pencils that enter on edges of a mesh that overhangs: what lies on their way is asked once, which is its
+ * lower side (i = 1) or not. */
+static void paths_known_before_launch_have_the_same_tally(void **state)
+{
+    (void)state;
+    static struct bundle_flight b;
+    static const char *const at[] = {"0,0", "0.2,0"};
+    for (int i = 0; i < 2; i++) {
+        char text[1024];
+        snprintf(text, sizeof text, HEAD "beam pencil at=%s\n" GRID "1\n1\nm \"%s\"\n1.34 0.1 1 0.5 0.5\n1\n",
+                 at[i], CML_SOURCE_DIR "/meshes/overhang.obj");
+        bundle_flight_take_off(text, CML_SURFACE_AUTO, CML_GROUP, &b);
+        assert_non_null(b.f.world->known_path);
+        assert_int_equal(b.f.known.from < INFINITY, i);
+        bundle_flight_close(&b);
+        compare_text(text, 3000);
+    }
+}
+
 /* What a lane stands beside after its interaction, and only until the next one. */
 static void a_lane_stands_beside_facets_for_one_flight(void **state)
 {
@@ -501,6 +520,7 @@ int main(void)
         cmocka_unit_test(backings_have_the_same_tally),
         cmocka_unit_test(a_lane_without_a_packet_ends_nothing),
         cmocka_unit_test(ballistic_light_has_the_same_tally),
+        cmocka_unit_test(paths_known_before_launch_have_the_same_tally),
         cmocka_unit_test(a_lane_stands_beside_facets_for_one_flight),
         cmocka_unit_test(an_interaction_beside_a_facet_is_remembered),
     };

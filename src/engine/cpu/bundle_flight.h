@@ -48,6 +48,8 @@ struct cml_flight {
     struct cml_hit first_hit; /* in the frame of boundary 0 */
     int enters; /* those that are transmitted there are `inside` but for their indices and draws */
     struct cml_packet inside;
+    struct cml_known_path known; /* their way on; the world then has it */
+    struct cml_world aware;
     real reflectance; /* there */
     struct cml_ballistic ballistic;
     /* the scene */

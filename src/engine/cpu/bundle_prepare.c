@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "engine/cpu/bundle_prepare.h"
 
+#include "surface/mesh/mesh_surface.h"
+
 /* A plane needs no start: it is only met by a path that ends beyond it (cml_find_lane_candidates). One with a
  * backing counts as curved, so that lanes go by kernels/walk.h there. A medium
  * without a boundary on one side, an outer one or that of a body, has infinite depths there, and its own
@@ -74,6 +76,26 @@ void cml_find_first_hit(struct cml_flight *f)
     if (!f->first_hit_known || f->to.facets) return;
     f->reflectance = cml_reflectance_at(f->world, &f->start, &f->first_hit);
     f->enters = cml_transmit_like(f->world, &f->start, &f->first_hit, &f->inside);
+}
+
+/* Those that begin alike inside, at a mesh: their way on. Its hit is that of a path without an end. */
+void cml_find_known_path(struct cml_flight *f)
+{
+    const struct cml_world *world = f->world;
+    const struct cml_packet *in = &f->inside;
+    const struct cml_vec p = in->p, u = in->u;
+    const double dp[3] = {p.x, p.y, p.z}, du[3] = {u.x, u.y, u.z}, err = cml_err_position(p.x, p.y, p.z, 0);
+    const int on = in->on_primitive, undeflected = in->undeflected;
+    struct cml_mesh_stretch s;
+    int near_facet;
+    if (!f->enters || in->medium != 1 || world->surfaces[0].kind != CML_SURFACE_MESH ||
+        !cml_mesh_surface_stretch(world->meshes[0], dp, du, 1, on, undeflected, err, &s))
+        return;
+    f->known = (struct cml_known_path){p, u, on, s.least, s.clear, s.from, {.boundary = 0}};
+    cml_intersect_mesh(world, 0, p, u, 1, CML_INFINITY, on, undeflected, &f->known.hit, &near_facet);
+    f->aware = *world;
+    f->aware.known_path = &f->known;
+    f->world = &f->aware;
 }
 
 /* Ballistic packets: they start alike, do not interact in their first medium, and end at the boundary behind

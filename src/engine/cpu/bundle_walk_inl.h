@@ -385,6 +385,7 @@ static void cml_flight_begin(struct cml_flight *f)
     f->elsewhere = setup->num_sources > 1 || f->world->sources->inside;
     cml_place(f->world, 0, &f->start);
     cml_find_first_hit(f);
+    cml_find_known_path(f);
     cml_find_ballistic(f);
     f->b->lanes = CML_LANES;
     f->batch = -1;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "surface/mesh/mesh_surface.h"
 
+#include "geometry/vec3.h"
 #include "surface/mesh/grid_walk.h"
 #include "surface/mesh/mesh_facet.h"
 #include "surface/mesh/mesh_line.h"
@@ -10,6 +11,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #if CML_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
@@ -291,6 +293,58 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
 {
     return (surface->period.n[0] ? hit_tile : hit_mesh)(surface, p, u, below, t_max, exclude, undeflected,
                                                         exact, err_position, crossing);
+}
+
+/* What a facet close to a line does to its stretch, at whose end it has a hit: the line moves away from it,
+ * from its beginning, or it is among those that are hit. False when neither: then no stretch is known. */
+static bool bound_stretch(const struct cml_mesh_query *q, int primitive, double margin, double t_hit,
+                          struct cml_mesh_stretch *stretch)
+{
+    const double *plane = q->body->plane[primitive];
+    const double along = (q->below ? 1 : -1) * cml_vec3_dot(q->direction, plane);
+    const double height = plane[3] - cml_vec3_dot(q->origin, plane), reach = 3 * margin / fabs(along);
+    const double t = cml_query_plane_distance(q, primitive);
+    if (along < 0 && fabs(height) <= 2 * margin) {
+        stretch->least = fmax(stretch->least, reach);
+        return true;
+    }
+    stretch->clear = fmin(stretch->clear, t - reach);
+    stretch->from = fmax(stretch->from, t + reach);
+    return along > 0 && fabs(t - t_hit) <= reach;
+}
+
+/* The tree is asked with a margin larger by that of a path that ends near a facet, up to the hit. All facets
+ * that it names are those around the place where the packet stands, and left behind, or those that are hit.
+ * So no answer depends on the length of a path that does not end within the margin of them, but in the last
+ * bits: what lies behind a hit can make the query compute it in another way. Then no stretch is known. */
+bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
+                              int below, int exclude, int undeflected, double err_position,
+                              struct cml_mesh_stretch *stretch)
+{
+    struct cml_mesh_query q;
+    struct cml_mesh_crossing hit = {.t = INFINITY}, least_hit;
+    struct cml_tree_answer answer;
+    if (!surface->tree.nodes || surface->period.n[0] || surface->body.mesh.unite || exclude < 0 ||
+        exclude == CML_OUTER_PLANE)
+        return false;
+    cml_query_begin(&q, &surface->body, p, u, below, INFINITY, exclude, undeflected, err_position);
+    if (!cml_query_enter(&q) || q.t_entry > 0) return false;
+    const int found = hit_mesh(surface, p, u, below, INFINITY, exclude, undeflected, 0, err_position, &hit);
+    if (found && hit.primitive == CML_OUTER_PLANE) return false;
+    struct cml_tree_ray ray = tree_ray(&q);
+    const float margin = ray.margin += (float)(err_line_factor * q.err_query);
+    if (found)
+        ray.length = (float)(hit.t + 4 * margin / fabs(cml_vec3_dot(u, surface->body.plane[hit.primitive])));
+    surface->level->ask(&surface->tree, &ray, &answer);
+    *stretch = (struct cml_mesh_stretch){0, INFINITY, found ? 0 : INFINITY};
+    bool known = !answer.blurred && bound_stretch(&q, exclude, margin, hit.t, stretch);
+    if (answer.facet >= 0) known = known && bound_stretch(&q, answer.facet, margin, hit.t, stretch);
+    for (int i = 0; i < answer.doubts; i++)
+        known = known && bound_stretch(&q, answer.doubt[i], margin, hit.t, stretch);
+    if (!known || !(stretch->from > 0 && stretch->least < stretch->clear)) return false;
+    return !found || (hit_mesh(surface, p, u, below, stretch->from, exclude, undeflected, 0, err_position,
+                               &least_hit) &&
+                      memcmp(&hit, &least_hit, offsetof(struct cml_mesh_crossing, ends_near_facet)) == 0);
 }
 
 /* A tile's cells are those of one copy, and a shading normal is that of a place in a facet. Vectors look up

@@ -67,6 +67,19 @@ int cml_mesh_surface_hit(const struct cml_mesh_surface *surface, const double p[
                          int below, double t_max, int exclude, int undeflected, int exact,
                          double err_position, struct cml_mesh_crossing *crossing);
 
+/* Paths of any length from one place in one direction: those longer than `least` and shorter than `clear`
+ * meet nothing, nor do they end near a facet, and those longer than `from` all have the same crossing. cm;
+ * the last two may be infinite. */
+struct cml_mesh_stretch {
+    double least, clear, from;
+};
+
+/* The stretch before a packet that stands on a facet; arguments as of the query itself. False where that is
+ * not proven: the path passes other facets too closely, or there are cells instead of a tree. */
+bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
+                              int below, int exclude, int undeflected, double err_position,
+                              struct cml_mesh_stretch *stretch);
+
 /* Its cells, if rays can be answered many at a time (grid_lanes_inl.h), else NULL; *body: its mesh. Borrowed.
  */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,

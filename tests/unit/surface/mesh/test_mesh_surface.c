@@ -247,6 +247,65 @@ static void floats_are_not_believed_at_vertices_and_edges(void **state)
     cml_mesh_surface_free(surface);
 }
 
+/* Paths of many lengths, most of them about as long as the stretch says, against what it says; how many. */
+static int compare_with_stretch(struct dice *dice, const struct cml_mesh_surface *surface, const double p[3],
+                                const double u[3], int below, int on, const struct cml_mesh_stretch *stretch)
+{
+    const double end = stretch->from < INFINITY ? stretch->from : 3;
+    struct cml_mesh_crossing endless, c;
+    int compared = 0;
+    cml_mesh_surface_hit(surface, p, u, below, INFINITY, on, 0, 0, 1e-7, &endless);
+    for (int n = 0; n < 40; n++) {
+        const double near = exp(dice_between(dice, -16, 0)),
+                     far = stretch->clear < end ? stretch->clear : end;
+        const double length[4] = {stretch->least * (1 + near), far * (1 - near), end * (1 + near),
+                                  dice_between(dice, 0, 2 * end)};
+        const double t_max = (float)length[n % 4];
+        const int hits = t_max > stretch->from;
+        if (!(t_max > stretch->least && (t_max < stretch->clear || hits))) continue;
+        compared++;
+        assert_int_equal(cml_mesh_surface_hit(surface, p, u, below, t_max, on, 0, 0, 1e-7, &c), hits);
+        if (hits) assert_memory_equal(&c, &endless, offsetof(struct cml_mesh_crossing, ends_near_facet));
+        if (!hits) assert_int_equal(c.ends_near_facet, 0);
+    }
+    return compared;
+}
+
+/* From edges and vertices, and from facets beside them, to others and elsewhere. */
+static void a_stretch_says_what_its_paths_meet(void **state)
+{
+    (void)state;
+    static const double down[3] = {0, 0, 1};
+    struct dice dice = dice_new(70);
+    patch_make(&patch, 9, 0.1, 0.9, 0, 0);
+    struct cml_mesh_surface *surface = searched(&patch, 0, 0, CML_SEARCH_TREE);
+    int known = 0, to_hits = 0, compared = 0;
+    for (int n = 0; n < 8000; n++) {
+        double p[3], u[3], target[3];
+        struct cml_mesh_crossing at;
+        struct cml_mesh_stretch stretch;
+        const int below = dice_below(&dice, 2);
+        random_target(&dice, p);
+        random_target(&dice, target);
+        p[2] = -1;
+        if (!query(surface, p, down, 0, -1, &at) || at.primitive == CML_OUTER_PLANE) continue;
+        for (int k = 0; k < 3; k++) p[k] = (float)at.point[k];
+        dice_direction(&dice, u);
+        if (n % 2)
+            for (int k = 0; k < 3; k++) u[k] = target[k] - p[k];
+        const double size = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
+        for (int k = 0; k < 3; k++) u[k] = (float)(u[k] / size);
+        if (!cml_mesh_surface_stretch(surface, p, u, below, at.primitive, 0, 1e-7, &stretch)) continue;
+        known++;
+        to_hits += stretch.from < INFINITY;
+        compared += compare_with_stretch(&dice, surface, p, u, below, at.primitive, &stretch);
+    }
+    printf("%d stretches, %d to hits, %d paths\n", known, to_hits, compared);
+    assert_true(known > 1000 && to_hits > 200);
+    assert_true(compared > 10 * known);
+    cml_mesh_surface_free(surface);
+}
+
 /* Starts in the line of an edge, so that two facets are met in their own planes. */
 static void a_ray_along_an_edge_stays_on_its_side(void **state)
 {
@@ -375,7 +434,7 @@ static void a_tessellated_hill_has_the_normals_of_its_cones(void **state)
     assert_int_equal(cml_tessellate(&radial, &options, NULL, &mesh, &err), CML_OK);
     assert_int_equal(cml_mesh_surface_create(&mesh, 0.3, 0.1, CML_SEARCH_AUTO, &surface, &err), CML_OK);
     struct dice dice = dice_new(67);
-    for (int n = 0; n < 20000; n++) {
+    for (int n = 0; n < 8000; n++) {
         const double x = dice_between(&dice, -2, 2), y = dice_between(&dice, -2, 2), s = hypot(x, y);
         const int ring = cml_ring_of(rings, s);
         if (ring == 3 || fabs(s - r[ring]) < 0.01 || fabs(s - r[ring + 1]) < 0.01) continue;
@@ -443,6 +502,7 @@ int main(void)
         cmocka_unit_test(a_ray_from_ten_thousand_sizes_away_arrives),
         cmocka_unit_test(no_ray_at_a_vertex_or_an_edge_slips_through),
         cmocka_unit_test(floats_are_not_believed_at_vertices_and_edges),
+        cmocka_unit_test(a_stretch_says_what_its_paths_meet),
         cmocka_unit_test(a_ray_along_an_edge_stays_on_its_side),
         cmocka_unit_test(a_packet_that_rounding_put_beyond_the_surface_crosses_at_once),
         cmocka_unit_test(the_seam_of_the_outer_plane_has_no_gap),

@@ -72,3 +72,12 @@ void cml_settings_print(FILE *out, const char *prefix, const char *text)
         text += length + (text[length] == '\n');
     }
 }
+
+const char *cml_setting_unit(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    const char *last = dot ? dot + 1 : name;
+    if (strcmp(last, "mua") == 0 || strcmp(last, "mus") == 0) return "1/cm";
+    if (strcmp(last, "d") == 0 || strcmp(last, "radius") == 0) return "cm";
+    return strcmp(last, "angle") == 0 || strcmp(last, "azimuth") == 0 ? "degree" : "1";
+}

@@ -51,4 +51,11 @@ CML_NODISCARD cml_status cml_pilot_fly(const struct cml_run_setup *setup, double
  * round saw nothing. The errors of rounds are known to 9 % (64 batches), so the photons to some 20 %. */
 double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error);
 
+/* Of the i-th operand of `plot`: its label or its name. */
+const char *cml_plot_label(const struct cml_options *options, int i);
+
+/* `plot` of tables of sweeps. */
+CML_NODISCARD cml_status cml_plot_sweeps(const struct cml_options *options, enum cml_picture picture,
+                                         const char *path, struct cml_error *err);
+
 #endif

@@ -14,7 +14,7 @@
 #include <string.h>
 
 /* What the operands are drawn as. */
-enum kind { CURVES, GRIDS, MAPS };
+enum kind { CURVES, GRIDS, MAPS, SWEEPS };
 
 /* For plot --output is the picture, not a folder. */
 static const char *picture_path(const struct cml_options *options)
@@ -32,11 +32,11 @@ static bool is_map(const char *path)
     return cml_file_ends_in(path, ".vti");
 }
 
-/* Of the i-th operand: its label or its name. */
-static const char *name_of(const struct cml_options *options, int i)
+static bool is_sweep(const char *path)
 {
-    if (i < options->num_labels) return options->labels[i];
-    return cml_plot_name((const char *const *)options->operands, options->num_operands, i);
+    static const char ending[] = ".sweep.csv";
+    const size_t length = strlen(path);
+    return length >= strlen(ending) && strcmp(path + length - strlen(ending), ending) == 0;
 }
 
 /* ---- curves ---- */
@@ -71,7 +71,7 @@ static cml_status read_all(const struct cml_options *options, struct curves *c, 
             const char *path = options->operands[i];
             if (is_curve(path) != (curves == 1)) continue;
             c->paths[count] = path;
-            c->names[count++] = name_of(options, i);
+            c->names[count++] = cml_plot_label(options, i);
             if (curves == 0) {
                 CML_TRY(read_result(path, &c->results[c->plot.num_results], err));
                 c->plot.num_results++;
@@ -161,12 +161,14 @@ static cml_status draw_maps(const struct cml_options *options, const struct cml_
                                       .quantity = quantity,
                                       .grey =
                                           fluence ? "no light, nothing absorbs, or two media" : "no light",
-                                      .axes = shown ? &cml_map_rz : &cml_map_xy,
+                                      .axes = !shown         ? &cml_map_xy
+                                              : shown->polar ? &cml_map_polar
+                                                             : &cml_map_rz,
                                       .picture = picture,
                                       .style = options->style};
     cml_status status = maps && names ? CML_OK : cml_fail_memory(err, 1, "the maps");
     for (int i = 0; i < count && status == CML_OK; i++) {
-        names[i] = name_of(options, i);
+        names[i] = cml_plot_label(options, i);
         status = read_map(options->operands[i], options->of, shown, &maps[i], quantity, err);
     }
     if (status == CML_OK) status = cml_gnuplot_draw(cml_map_script, &plot, picture_path(options), err);
@@ -184,6 +186,11 @@ static cml_status check_operand(const struct cml_options *options, int i, enum k
 {
     const char *path = options->operands[i], *first = options->operands[0];
     const bool table = cml_file_ends_in(path, ".h5") && options->of;
+    if (kind == SWEEPS || is_sweep(path))
+        return kind == SWEEPS && is_sweep(path)
+                   ? CML_OK
+                   : cml_fail(err, CML_E_INPUT, "%s (expected %s, like %s)", path,
+                              kind == SWEEPS ? "the table of a sweep" : "no table of a sweep", first);
     if (kind == MAPS ? is_map(path) || table : !is_map(path) && (kind == CURVES || !is_curve(path)))
         return CML_OK;
     if (kind == GRIDS)
@@ -192,14 +199,16 @@ static cml_status check_operand(const struct cml_options *options, int i, enum k
                     kind == MAPS ? "a map" : "a result or a curve", first);
 }
 
-/* .vti files are maps, .csv files curves; what .mco and .h5 files are, --of says: what it does not know of
- * results can only be an array of a map. */
+/* .vti files are maps, .sweep.csv files sweeps, other .csv files curves; what .mco and .h5 files are, --of
+ * says: what it does not know of results can only be an array of a map. */
 static cml_status find_kind(const struct cml_options *options, enum kind *kind,
                             const struct cml_shown **shown, struct cml_error *err)
 {
     const char *first = options->operands[0];
     const cml_status known = cml_shown_find(options->of, shown, err);
-    if (is_map(first) || (known != CML_OK && cml_file_ends_in(first, ".h5")))
+    if (is_sweep(first))
+        *kind = SWEEPS;
+    else if (is_map(first) || (known != CML_OK && cml_file_ends_in(first, ".h5")))
         *kind = MAPS;
     else if (known != CML_OK)
         return known;
@@ -213,20 +222,25 @@ static cml_status find_kind(const struct cml_options *options, enum kind *kind,
 static cml_status check_style(const struct cml_options *options, enum kind kind, struct cml_error *err)
 {
     const struct cml_plot_style *style = &options->style;
-    const struct cml_axis_range *logged = kind == CURVES ? &style->y : &style->colour;
+    const bool swept = kind == SWEEPS,
+               curves = kind == CURVES || (swept && !(options->over && strchr(options->over, ',')));
+    const struct cml_axis_range *logged = curves ? &style->y : &style->colour;
     const bool log = style->scale == CML_SCALE_LOG || (kind == CURVES && style->scale != CML_SCALE_LINEAR);
     const bool coloured = !isnan(style->colour.from) || !isnan(style->colour.to);
     if (options->num_labels > 0 && options->num_labels != options->num_operands)
         return cml_fail(err, CML_E_INPUT, "--label given %d times (expected once for each of %d files)",
                         options->num_labels, options->num_operands);
-    if (kind == CURVES && (coloured || style->percentile < 100))
+    if (!swept && (options->over || options->by))
+        return cml_fail(err, CML_E_INPUT, "--%s (expected with the table of a sweep, NAME.sweep.csv)",
+                        options->over ? "over" : "by");
+    if (curves && (coloured || style->percentile < 100))
         return cml_fail(err, CML_E_INPUT, "--%s (expected with maps only)",
                         coloured ? "crange" : "percentile");
     if (coloured && style->percentile < 100)
         return cml_fail(err, CML_E_INPUT, "--percentile (expected without --crange)");
     if (log && (logged->from <= 0 || logged->to <= 0))
         return cml_fail(err, CML_E_INPUT, "--%srange (expected numbers above 0 on a log scale, or --linear)",
-                        kind == CURVES ? "y" : "c");
+                        curves ? "y" : "c");
     return CML_OK;
 }
 
@@ -241,8 +255,9 @@ cml_status cml_command_plot(const struct cml_options *options, struct cml_error 
         cml_check_overwrite("plot", picture_path(options), options->operands, options->num_operands, err));
     CML_TRY(find_kind(options, &kind, &shown, err));
     CML_TRY(check_style(options, kind, err));
-    CML_TRY(kind == CURVES ? draw_curves(options, shown, picture, err)
-                           : draw_maps(options, kind == GRIDS ? shown : NULL, picture, err));
+    CML_TRY(kind == SWEEPS   ? cml_plot_sweeps(options, picture, picture_path(options), err)
+            : kind == CURVES ? draw_curves(options, shown, picture, err)
+                             : draw_maps(options, kind == GRIDS ? shown : NULL, picture, err));
     if (!options->quiet) printf("%s\n", picture_path(options));
     return CML_OK;
 }

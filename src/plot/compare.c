@@ -69,7 +69,7 @@ static cml_status fail_grid(const char *const names[2], const char *field, doubl
 static cml_status check_grids(const struct cml_outcome *a, const struct cml_outcome *b,
                               const char *const names[2], struct cml_error *err)
 {
-    const bool timed = a->num_gates > 0 && b->num_gates > 0;
+    const bool timed = a->num_gates > 0 && b->num_gates > 0, directed = a->nt > 0 && b->nt > 0;
     const struct {
         const char *field;
         double a, b;
@@ -81,6 +81,8 @@ static cml_status check_grids(const struct cml_outcome *a, const struct cml_outc
         {"na", a->na, b->na},
         {"time: T1", timed ? a->time_end : 0, timed ? b->time_end : 0},
         {"time: number of gates", timed ? a->num_gates : 0, timed ? b->num_gates : 0},
+        {"directions: NT", directed ? a->nt : 0, directed ? b->nt : 0},
+        {"directions: NP", directed ? a->np : 0, directed ? b->np : 0},
     };
     const double printed = 1e-5; /* a length has six digits in the file */
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
@@ -274,7 +276,8 @@ static bool tallied_absorption(const struct cml_outcome *o)
 
 bool cml_compare_tests(enum cml_quantity which)
 {
-    return cml_quantity_is_total(which) || cml_quantities[which].estimator == CML_FROM_BATCHES;
+    const enum cml_estimator estimator = cml_quantities[which].estimator;
+    return cml_quantity_is_total(which) || estimator == CML_FROM_BATCHES || estimator == CML_FROM_ONCE;
 }
 
 /* Both results' own part under one name: detectors may stand in another order, or be in one of them alone. */

@@ -60,10 +60,17 @@ struct drawing {
     struct panel panels[2];
 };
 
-/* Curves span decades, so log is what they are without being asked. */
+/* Curves span decades, so log is what they are without being asked; those of sweeps do not. */
 static bool linear(const struct drawing *d)
 {
-    return d->plot->style.scale == CML_SCALE_LINEAR;
+    const enum cml_scale scale = d->plot->style.scale;
+    return scale == CML_SCALE_LINEAR || (d->plot->over && scale == CML_SCALE_AUTO);
+}
+
+/* Drawn as curves of others, dashed. */
+static bool of_others(const struct drawing *d, int k)
+{
+    return k >= d->plot->num_results && !d->plot->over;
 }
 
 /* What has no place on the axis, and is a gap. */
@@ -200,11 +207,21 @@ static double bottom_of(const struct drawing *d, const struct panel *panel)
     return panel->low / pow(panel->high / panel->low, strip / (1 - strip));
 }
 
-/* Up to the last light of any curve. */
+/* Up to the last light of any curve; of sweeps from their first place. One place alone has some room. */
 static cml_status find_axis(struct drawing *d, int num_panels, struct cml_error *err)
 {
+    if (d->plot->over) {
+        d->from = INFINITY;
+        d->to = -INFINITY;
+        for (int k = 0; k < d->count; k++) d->from = fmin(d->from, d->panels[0].curves[k].x[0]);
+    }
     for (int i = 0; i < num_panels; i++)
         for (int k = 0; k < d->count; k++) d->to = fmax(d->to, d->panels[i].curves[k].end);
+    if (d->plot->over && !(d->to - d->from > 1e-4 * fabs(d->to))) {
+        const double room = d->to != 0 ? 0.1 * fabs(d->to) : 1;
+        d->from -= room;
+        d->to += room;
+    }
     return cml_axis_range_within(&d->plot->style.x, "--xrange", &d->from, &d->to, err);
 }
 
@@ -325,7 +342,8 @@ static void write_axes(const struct drawing *d, const struct panel *panel, bool 
     if (last)
         cml_page_write(&d->page, LABEL_X,
                        &(struct cml_page_text){across, panel->bottom - TITLE_BELOW, CML_ALIGN_CENTER,
-                                               CML_PAGE_NORMAL, cml_shown_axis(panel->shown)});
+                                               CML_PAGE_NORMAL,
+                                               d->plot->over ? d->plot->over : cml_shown_axis(panel->shown)});
     const double low = panel->high > 0 ? bottom_of(d, panel) : 0.1, high = panel->high > 0 ? panel->high : 1;
     fprintf(out, "set yrange [%.6g:%.6g]\nset ytics autofreq\n", low, high);
     if (!linear(d)) cml_plot_log_ticks(out, "ytics", low, high);
@@ -341,7 +359,7 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
 {
     FILE *out = d->page.out;
     const struct cml_curve *curve = &panel->curves[k];
-    const bool others = k >= d->plot->num_results;
+    const bool others = of_others(d, k);
     const int place = others ? k - d->plot->num_results : k, at = panel->place;
     const int dash = others ? 2 : 1 + 3 * (place / NUM_COLOURS % 2);
     const char *colour = colours[place % NUM_COLOURS];
@@ -352,7 +370,8 @@ static void write_curve(const struct drawing *d, const struct panel *panel, int 
         fprintf(out, "$c%d_%d using 1:2:3:4 with yerrorbars pt 0 lw 1 lc rgb '%s', ", at, k, colour);
     if (lit(curve))
         fprintf(out, "$c%d_%d using 1:2 with linespoints lw %g dt %d pt %d ps 0.6 pi %d lc rgb '%s'", at, k,
-                others ? 1.3 : 2, dash, marks[others][place % NUM_COLOURS], 1 + curve->n / 14, colour);
+                others ? 1.3 : 2, dash, marks[others][place % NUM_COLOURS],
+                d->plot->over ? 1 : 1 + curve->n / 14, colour);
     else
         fprintf(out, "NaN with linespoints lw 2 dt %d pt %d ps 0.6 lc rgb '%s'", dash,
                 marks[others][place % NUM_COLOURS], colour);

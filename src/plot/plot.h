@@ -16,6 +16,8 @@ struct cml_plot {
     const char *const *paths;          /* [num_results], borrowed: of the files, for messages */
     struct cml_curve (*curves)[2];     /* [num_curves] of each panel, borrowed */
     const char *const *names;          /* [num_results + num_curves], borrowed: for the legend */
+    const char
+        *over; /* NULL; or the curves are of sweeps, and this is their lower axis: they look like results */
     enum cml_picture picture;
     struct cml_plot_style style; /* a log axis unless linear */
 };

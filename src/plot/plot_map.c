@@ -12,8 +12,11 @@ static const char palette[] =
     "set palette defined (0 '#440154', 1 '#482878', 2 '#3E4989', 3 '#31688E', 4 '#26828E', 5 '#1F9E89', "
     "6 '#35B779', 7 '#6ECE58', 8 '#B5DE2B', 9 '#FDE725')\n";
 
-const struct cml_map_axes cml_map_xy = {{"x [cm]", "y [cm]"}, false, false};
-const struct cml_map_axes cml_map_rz = {{"radius r [cm]", "depth z [cm]"}, true, true};
+const struct cml_map_axes cml_map_xy = {{"x [cm]", "y [cm]"}, false, false, false, {NULL, NULL}};
+const struct cml_map_axes cml_map_rz = {{"radius r [cm]", "depth z [cm]"}, true, true, false, {NULL, NULL}};
+static const char every_30[] = "'-90' -90, '-60' -60, '-30' -30, '0' 0, '30' 30, '60' 60, '90' 90";
+const struct cml_map_axes cml_map_polar = {
+    {"θ cos φ [degree]", "θ sin φ [degree]"}, false, false, true, {every_30, every_30}};
 
 /* Lengths in points of the page. TITLE_* are middles of axis titles, from a panel's left and bottom; BAR_*
  * are the colour bar's distance, width and its title's distance. */
@@ -92,7 +95,7 @@ static int by_size(const void *a, const void *b)
 /* All cells above 0, sorted; the caller frees them. */
 static cml_status lit_values(struct drawing *d, float **values, size_t *count, struct cml_error *err)
 {
-    size_t capacity = 0;
+    size_t capacity = 0, outside = 0;
     for (int k = 0; k < d->plot->count; k++)
         capacity += axis_of(&d->plot->maps[k], 0).cells * axis_of(&d->plot->maps[k], 1).cells;
     *count = 0;
@@ -105,9 +108,10 @@ static cml_status lit_values(struct drawing *d, float **values, size_t *count, s
             const float value = (float)cell_value(map, axis, i % axis[0].cells, i / axis[0].cells);
             if (value > 0) (*values)[(*count)++] = value;
             d->unknown = d->unknown || isnan(value);
+            outside += value < 0;
         }
     }
-    d->dark = *count < capacity;
+    d->dark = *count + outside < capacity;
     qsort(*values, *count, sizeof **values, by_size);
     return CML_OK;
 }
@@ -256,6 +260,9 @@ static void write_axes(const struct drawing *d)
             "unset grid\nset tics out nomirror scale 0.6\nset format x '%%g'\nset format y '%%g'\n"
             "set xrange [%.9g:%.9g]\nset yrange [%.9g:%.9g]\nset xtics %g\nset ytics %g\n",
             d->from[0], d->to[0], down ? d->to[1] : d->from[1], down ? d->from[1] : d->to[1], x_step, y_step);
+    for (int axis = 0; axis < 2; axis++)
+        if (d->plot->axes->ticks[axis])
+            fprintf(d->page.out, "set %ctics (%s)\n", "xy"[axis], d -> plot -> axes -> ticks[axis]);
 }
 
 /* What all panels share. */
@@ -272,10 +279,19 @@ static void write_frame(const struct drawing *d)
     (void)cml_plot_caption(&d->page, d->plot->style.caption, d->foot - FOOT);
 }
 
-/* Grey below the map: what has no colour shows it. */
+/* Grey below the map: what has no colour shows it. Of directions with rings every 30 degrees above it. */
 static void write_map_frame(const struct drawing *d, const struct cml_pixels *map)
 {
     double end[2];
+    for (int ring = 1; d->plot->axes->round && ring <= 3; ring++)
+        fprintf(d->page.out,
+                "set object %d circle at 0,0 size %d front clip fs empty border rgb '#FFFFFF' lw 0.6\n",
+                1 + ring, 30 * ring);
+    if (d->plot->axes->round) {
+        fputs("set object 1 circle at 0,0 size 90 behind clip fc rgb '#D4D4D4' fs solid noborder\n",
+              d->page.out);
+        return;
+    }
     for (int axis = 0; axis < 2; axis++)
         end[axis] = map->origin[axis] + (double)map->n[axis] * map->spacing[axis];
     fprintf(d->page.out,

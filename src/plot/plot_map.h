@@ -12,10 +12,12 @@
 /* Names of a map's axes, with their unit, and how it lies. */
 struct cml_map_axes {
     const char *name[2];
-    bool down; /* the second axis points down */
-    bool free; /* a centimetre need not be as long on both axes */
+    bool down;            /* the second axis points down */
+    bool free;            /* a centimetre need not be as long on both axes */
+    bool round;           /* a disc of 90 degrees; pixels outside are -1 */
+    const char *ticks[2]; /* for gnuplot, in place of round numbers; NULL: those */
 };
-extern const struct cml_map_axes cml_map_xy, cml_map_rz;
+extern const struct cml_map_axes cml_map_xy, cml_map_rz, cml_map_polar;
 
 struct cml_map_plot {
     int count;

@@ -13,17 +13,44 @@ static const struct cml_shown all[] = {
      .num_panels = 2,
      .panel = {{CML_QUANTITY_Rd_r, CML_SHOWN_TIMES_R, "Reflectance", "r·Rd(r)  [1/cm]"},
                {CML_QUANTITY_Tt_r, CML_SHOWN_TIMES_R, "Transmittance", "r·Tt(r)  [1/cm]"}}},
-    {"Rd_r", 1, {{CML_QUANTITY_Rd_r, CML_SHOWN_PLAIN, "Reflectance by radius", "Rd(r)  [1/cm²]"}}, NULL},
-    {"Tt_r", 1, {{CML_QUANTITY_Tt_r, CML_SHOWN_PLAIN, "Transmittance by radius", "Tt(r)  [1/cm²]"}}, NULL},
-    {"Rd_a", 1, {{CML_QUANTITY_Rd_a, CML_SHOWN_PLAIN, "Reflectance by angle", "Rd(α)  [1/sr]"}}, NULL},
-    {"Tt_a", 1, {{CML_QUANTITY_Tt_a, CML_SHOWN_PLAIN, "Transmittance by angle", "Tt(α)  [1/sr]"}}, NULL},
-    {"A_z", 1, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, "Absorption by depth", "A(z)  [1/cm]"}}, NULL},
-    {"Rd_t", 1, {{CML_QUANTITY_Rd_t, CML_SHOWN_PLAIN, "Reflectance by time", "Rd(t)  [1/ps]"}}, NULL},
-    {"Tt_t", 1, {{CML_QUANTITY_Tt_t, CML_SHOWN_PLAIN, "Transmittance by time", "Tt(t)  [1/ps]"}}, NULL},
-    {"A_t", 1, {{CML_QUANTITY_A_t, CML_SHOWN_PLAIN, "Absorption by time", "A(t)  [1/ps]"}}, NULL},
-    {"fluence", 1, {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"}}, NULL},
-    {"A_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, NULL, NULL}}, "A(r,z)  [1/cm³]"},
-    {"fluence_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, NULL, NULL}}, "φ(r,z) = A(r,z)/μa  [1/cm²]"},
+    {"Rd_r",
+     1,
+     {{CML_QUANTITY_Rd_r, CML_SHOWN_PLAIN, "Reflectance by radius", "Rd(r)  [1/cm²]"}},
+     NULL,
+     false},
+    {"Tt_r",
+     1,
+     {{CML_QUANTITY_Tt_r, CML_SHOWN_PLAIN, "Transmittance by radius", "Tt(r)  [1/cm²]"}},
+     NULL,
+     false},
+    {"Rd_a", 1, {{CML_QUANTITY_Rd_a, CML_SHOWN_PLAIN, "Reflectance by angle", "Rd(α)  [1/sr]"}}, NULL, false},
+    {"Tt_a",
+     1,
+     {{CML_QUANTITY_Tt_a, CML_SHOWN_PLAIN, "Transmittance by angle", "Tt(α)  [1/sr]"}},
+     NULL,
+     false},
+    {"A_z", 1, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, "Absorption by depth", "A(z)  [1/cm]"}}, NULL, false},
+    {"Rd_t", 1, {{CML_QUANTITY_Rd_t, CML_SHOWN_PLAIN, "Reflectance by time", "Rd(t)  [1/ps]"}}, NULL, false},
+    {"Tt_t",
+     1,
+     {{CML_QUANTITY_Tt_t, CML_SHOWN_PLAIN, "Transmittance by time", "Tt(t)  [1/ps]"}},
+     NULL,
+     false},
+    {"A_t", 1, {{CML_QUANTITY_A_t, CML_SHOWN_PLAIN, "Absorption by time", "A(t)  [1/ps]"}}, NULL, false},
+    {"fluence",
+     1,
+     {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"}},
+     NULL,
+     false},
+    {"A_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, NULL, NULL}}, "A(r,z)  [1/cm³]", false},
+    {"fluence_rz",
+     0,
+     {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, NULL, NULL}},
+     "φ(r,z) = A(r,z)/μa  [1/cm²]",
+     false},
+    {"Rd_dir", 0, {{CML_QUANTITY_Rd_dir, CML_SHOWN_PLAIN, NULL, NULL}}, "Rd(θ,φ)  [1/sr]", true},
+    {"Tt_dir", 0, {{CML_QUANTITY_Tt_dir, CML_SHOWN_PLAIN, NULL, NULL}}, "Tt(θ,φ)  [1/sr]", true},
+    {"Rsp_dir", 0, {{CML_QUANTITY_Rsp_dir, CML_SHOWN_PLAIN, NULL, NULL}}, "Rsp(θ,φ)  [1/sr]", true},
 };
 enum { NUM_SHOWN = sizeof all / sizeof *all };
 
@@ -104,6 +131,15 @@ static double end_of(const struct cml_curve *curve, double width, bool whole)
     return fmin(last + 2, curve->n + !whole) * width;
 }
 
+/* Or what is left of it. */
+static cml_status fail_missing(const struct cml_outcome *o, const char *path, enum cml_quantity quantity,
+                               const char *line, struct cml_error *err)
+{
+    if (o->damage) return cml_fail(err, CML_E_INPUT, "%s", o->damage);
+    return cml_fail(err, CML_E_INPUT, "%s: no %s (expected the result of a scene with a %s line)", path,
+                    cml_quantities[quantity].name, line);
+}
+
 cml_status cml_shown_curve(const struct cml_outcome *o, const char *path, const struct cml_shown_panel *panel,
                            struct cml_curve *curve, struct cml_error *err)
 {
@@ -113,9 +149,7 @@ cml_status cml_shown_curve(const struct cml_outcome *o, const char *path, const 
     const int bins = (int)cml_outcome_size(o, panel->quantity);
     double *mua;
     *curve = (struct cml_curve){0};
-    if (!values)
-        return cml_fail(err, CML_E_INPUT, "%s: no %s (expected the result of a scene with a time line)", path,
-                        cml_quantities[panel->quantity].name);
+    if (!values) return fail_missing(o, path, panel->quantity, "time", err);
     CML_TRY(find_absorption(o, path, panel->as, false, &mua, err));
     const cml_status status = cml_curve_create(bins, true, curve, err);
     if (status != CML_OK) {
@@ -151,12 +185,41 @@ cml_status cml_shown_curve_of_others(const struct cml_curve *from, const struct 
     return CML_OK;
 }
 
+/* The bin of a direction, whose distance from the middle is its angle; -1: beyond 90 degrees. */
+static int direction_at(const struct cml_outcome *o, double x, double y)
+{
+    const double full = 360, quarter = 90, theta = hypot(x, y);
+    const double phi = atan2(y, x) * (full / 2 / acos(-1.0));
+    if (!(theta < quarter)) return -1;
+    const int it = (int)(theta / quarter * o->nt), ip = (int)((phi < 0 ? phi + full : phi) / full * o->np);
+    return it * o->np + (ip < o->np ? ip : o->np - 1);
+}
+
+static cml_status polar_map(const struct cml_outcome *o, const char *path, enum cml_quantity quantity,
+                            struct cml_pixels *map, struct cml_error *err)
+{
+    const size_t n = 720;
+    const double most = 1e30, quarter = 90, spacing = 2 * quarter / (double)n;
+    if (!o->value[quantity]) return fail_missing(o, path, quantity, "directions", err);
+    *map = (struct cml_pixels){.n = {n, n}, .origin = {-quarter, -quarter}, .spacing = {spacing, spacing}};
+    map->value = malloc(n * n * sizeof *map->value);
+    if (!map->value) return cml_fail_memory(err, (double)(n * n * sizeof *map->value), "a map");
+    for (size_t i = 0; i < n * n; i++) {
+        const double x = ((double)(i % n) + 0.5) * spacing - quarter,
+                     y = ((double)(i / n) + 0.5) * spacing - quarter;
+        const int bin = direction_at(o, x, y);
+        map->value[i] = bin < 0 ? -1 : (float)fmin(o->value[quantity][bin], most);
+    }
+    return CML_OK;
+}
+
 cml_status cml_shown_map(const struct cml_outcome *o, const char *path, const struct cml_shown *shown,
                          struct cml_pixels *map, struct cml_error *err)
 {
     const double most = 1e30; /* only a damaged file has more */
     double *mua;
     *map = (struct cml_pixels){0};
+    if (shown->polar) return polar_map(o, path, shown->panel[0].quantity, map, err);
     if (o->nr < 2 || o->nz < 2)
         return cml_fail(err, CML_E_INPUT, "%s: nz, nr = %d %d (expected 2 or more of each for a map)", path,
                         o->nz, o->nr);

@@ -1,4 +1,4 @@
-/* What `plot --of` can show of a result: curves over r, z or the angle, and maps over (r, z).
+/* What `plot --of` can show of a result: curves over r, z or the angle, and maps over (r, z) or directions.
  * Fluence is absorbed weight per volume over the absorption coefficient of the layer (MCML manual, eqs 4.27
  * and 4.28), per launched packet: [-] over z, 1/cm2 over (r, z). A bin that two media share has none.
  * SPDX-License-Identifier: MIT */
@@ -20,9 +20,10 @@ struct cml_shown_panel {
 
 struct cml_shown {
     const char *name;
-    int num_panels; /* 1 or 2, one above the other with a common axis; 0: a map over (r, z) */
+    int num_panels; /* 1 or 2, one above the other with a common axis; 0: a map */
     struct cml_shown_panel panel[2];
     const char *map; /* beside its colours, with their unit; NULL: curves */
+    bool polar;      /* a map over directions: the angle from the middle on, the azimuth around it */
 };
 
 /* NULL: what is shown without being asked, r Rd(r) and r Tt(r). CML_E_INPUT with all names. */
@@ -48,8 +49,9 @@ CML_NODISCARD cml_status cml_shown_curve_of_others(const struct cml_curve *from,
                                                    const struct cml_shown_panel *panel,
                                                    struct cml_curve *curve, struct cml_error *err);
 
-/* A map over (r, z), z from above, without the last bins; NAN where a fluence is asked for and has a gap.
- * The caller clears it. CML_E_INPUT as above, and when there are fewer than 2 bins. */
+/* A map over (r, z), z from above, without the last bins; NAN where a fluence is asked for and has a gap. Or
+ * one over directions, in degrees; -1 beyond 90. The caller clears it. CML_E_INPUT as above, and when there
+ * are fewer than 2 bins, or no directions. */
 CML_NODISCARD cml_status cml_shown_map(const struct cml_outcome *outcome, const char *path,
                                        const struct cml_shown *shown, struct cml_pixels *map,
                                        struct cml_error *err);

@@ -164,6 +164,13 @@ static bool read_numbers(struct section *s, size_t count, bool more, double *out
     return false;
 }
 
+/* What stands over gates or directions is written with these. */
+static bool over_own_bins(enum cml_quantity quantity)
+{
+    const enum cml_axis_kind axis = cml_quantities[quantity].axis[0];
+    return axis == CML_AXIS_gate || axis == CML_AXIS_theta;
+}
+
 /* Numbers of detectors whose section is missing are none. */
 static void forget_parts(double *array, size_t size)
 {
@@ -178,6 +185,9 @@ static cml_status read_array(struct section *s, enum cml_quantity quantity, int 
     struct cml_outcome *o = s->r->o;
     double **array = errors ? &o->error[quantity] : &o->value[quantity];
     const size_t size = cml_outcome_part_size(o, quantity), at = (size_t)part * size;
+    if (size == 0 && over_own_bins(quantity))
+        damaged(s->r, "%.200s: %s without bins (expected the section %s before it)", s->r->path, s->key,
+                cml_quantities[quantity].axis[0] == CML_AXIS_gate ? "time" : "directions");
     if (size == 0 || (*array && !isnan((*array)[at]))) return CML_OK;
     if (!*array) {
         CML_TRY(cml_outcome_add(o, quantity, errors, err));
@@ -296,6 +306,17 @@ static cml_status read_section(struct section *s, struct cml_error *err)
     return read_array(s, quantity, part, errors, err);
 }
 
+static void check_whole(const struct reader *r)
+{
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_quantity quantity = (enum cml_quantity)i;
+        if (!over_own_bins(quantity) || cml_outcome_size(r->o, quantity) == 0) continue;
+        if (!r->o->value[i] || !r->o->error[i])
+            damaged(r, "%.200s: %s%s is missing (expected it with its bins)", r->path,
+                    r->o->value[i] ? "se_" : "", cml_quantities[i].name);
+    }
+}
+
 cml_status cml_mco_read_ours(const char *text, const char *path, struct cml_outcome *o, struct cml_error *err)
 {
     const struct reader r = {text, path, o};
@@ -307,6 +328,7 @@ cml_status cml_mco_read_ours(const char *text, const char *path, struct cml_outc
         snprintf(section.key, sizeof section.key, "%.*s", (int)length, line);
         CML_TRY(read_section(&section, err));
     }
+    check_whole(&r);
     o->provenance.value[CML_DECIDES_absorption] = o->error[CML_QUANTITY_A_z] != NULL;
     return CML_OK;
 }

@@ -52,6 +52,7 @@ double cml_outcome_width(const struct cml_outcome *o, enum cml_quantity quantity
         cml_quantities[quantity].axis[cml_quantity_is_of_detector(quantity) ? 1 : 0];
     if (axis == CML_AXIS_alpha) return cml_angle_width(o->na);
     if (axis == CML_AXIS_gate) return o->time_end / o->num_gates;
+    if (axis == CML_AXIS_theta) return 1;
     return axis == CML_AXIS_z ? o->dz : axis == CML_AXIS_r ? o->dr : 0;
 }
 

@@ -40,7 +40,7 @@ ROOMS = {
     "src/output": "src/result src/output/files src/exact src/surface src/surface/body src/surface/mesh src/tally src/scene/body src/scene src/geometry src/base kernels",
     "src/output/study": "src/result src/output/files src/tally src/base",
     "src/plot/files": "src/result src/output/files src/tally src/base",
-    "src/plot": "src/plot/files src/result src/output/files src/tally src/base",
+    "src/plot": "src/plot/files src/result src/output/files src/tally src/input/sweep src/base",
     "src/cli/options": "src/plot src/engine src/engine/engines src/surface src/base",
     "src/cli/load": "src/input/sweep src/cli/options src/output src/result src/output/files src/exact src/run src/engine src/engine/engines src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",
     "src/cli/run": "src/input/sweep src/cli/load src/cli/options src/output src/result src/output/files src/output/study src/exact src/run src/engine src/surface src/input src/scene/body src/scene src/tally src/geometry src/base kernels",

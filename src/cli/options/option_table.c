@@ -132,9 +132,16 @@ const struct cml_option cml_option_table[] = {
     {"verbose", 0, NULL, RUN, NULL, "photons, idle and communication share of every rank", FLAG(verbose)},
     {"of", 0, "NAME", PLOT, NULL,
      "of a result: Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t, fluence (A_z/mua), or in colours A_rz, "
-     "fluence_rz; default "
-     "r*Rd(r) and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file",
+     "fluence_rz, Rd_dir, Tt_dir, Rsp_dir; default "
+     "r*Rd(r) and r*Tt(r). Of a map: Rd (default), Tt, or any array of the file. Of a sweep: a column, "
+     "default "
+     "Rd",
      TEXT(of)},
+    {"over", 0, "NAME[,NAME]", PLOT, NULL,
+     "of a sweep: the column along the lower axis, default what was swept first; two: in colours over both",
+     TEXT(over)},
+    {"by", 0, "NAME", PLOT, NULL,
+     "of a sweep: a curve for each value of this column; default where rows need it", TEXT(by)},
     {"label", 0, "TEXT", PLOT, NULL, "in place of a file's name; once for each file, in their order",
      .read = cml_read_label},
     {"title", 0, "TEXT", PLOT, NULL, "above the picture; default: names of the scenes, none above maps",

@@ -2,6 +2,7 @@
 #include "output/study/sweep_files.h"
 
 #include "base/atomic_file.h"
+#include "base/settings.h"
 #include "base/text.h"
 #include "base/version.h"
 #include "result/quantity.h"
@@ -115,15 +116,6 @@ static size_t find_places(const struct grid *grid, int column, double *places)
     return n;
 }
 
-static const char *unit_of(const char *name)
-{
-    const char *dot = strrchr(name, '.');
-    const char *last = dot ? dot + 1 : name;
-    if (strcmp(last, "mua") == 0 || strcmp(last, "mus") == 0) return "1/cm";
-    if (strcmp(last, "d") == 0 || strcmp(last, "radius") == 0) return "cm";
-    return strcmp(last, "angle") == 0 || strcmp(last, "azimuth") == 0 ? "degree" : "1";
-}
-
 /* Columns with more than one value. false: too many. */
 static bool find_axes(struct grid *grid)
 {
@@ -136,7 +128,7 @@ static bool find_axes(struct grid *grid)
         if (grid->num_axes == CML_FIELD_AXES) return false;
         grid->column[grid->num_axes] = c;
         grid->axis[grid->num_axes++] =
-            (struct cml_axis){r->name[c], "what was swept", unit_of(r->name[c]), n, 0, 0, places};
+            (struct cml_axis){r->name[c], "what was swept", cml_setting_unit(r->name[c]), n, 0, 0, places};
     }
     return grid->num_axes > 0;
 }
@@ -262,7 +254,7 @@ static void fill(struct fields *list)
     for (int c = 0; c < r->num_columns; c++) {
         if (is_axis(grid, c) || is_of_every_row(r->name[c]) || (r->label[c] && !is_numeric(r, c))) continue;
         double *to = r->label[c] ? add(list, r->name[c], "label", "1")
-                                 : add(list, r->name[c], "what was swept", unit_of(r->name[c]));
+                                 : add(list, r->name[c], "what was swept", cml_setting_unit(r->name[c]));
         for (char *name = list->field[list->count - 1].name; (name = strchr(name, '/'));) *name = '_';
         for (int i = 0; i < r->num_rows; i++)
             to[i] = grid->value[(size_t)grid->row[i] * (size_t)r->num_columns + (size_t)c];

@@ -25,13 +25,23 @@ cml_status cml_fail(struct cml_error *err, cml_status status, const char *format
     return status;
 }
 
-/* "0,5" where one number belongs. */
-static bool has_decimal_comma(const char *value, const char *expected)
+/* "x,y" is one value. */
+static bool takes_commas(const char *expected)
 {
-    const size_t whole = strspn(value, "+-0123456789");
-    if (whole == 0 || value[whole] != ',' || strchr(expected, ',')) return false;
+    const char *comma = strchr(expected, ',');
+    while (comma && (comma[1] == ' ' || comma[1] == '\0')) comma = strchr(comma + 1, ',');
+    return comma != NULL;
+}
+
+const char *cml_number_hint(const char *value, const char *expected)
+{
+    const size_t whole = strspn(value, "+-0123456789.eE");
+    if (whole == 0 || (value[whole] != ',' && value[whole] != ';') || takes_commas(expected)) return "";
     const char *part = value + whole + 1;
-    return *part && part[strspn(part, "0123456789eE+-")] == '\0';
+    if (value[whole] == ';') return ", without ;";
+    if (part[strspn(part, "0123456789eE+-,")] != '\0') return "";
+    return !*part || strncmp(expected, "a whole number", 14) == 0 ? ", without commas"
+                                                                  : ", with a decimal point";
 }
 
 cml_status cml_fail_field(struct cml_error *err, const char *file, int line, const char *field,
@@ -42,7 +52,7 @@ cml_status cml_fail_field(struct cml_error *err, const char *file, int line, con
     if (!value || !*value)
         return cml_fail(err, CML_E_INPUT, "%s%s: %s is missing (expected %s)", file, where, field, expected);
     return cml_fail(err, CML_E_INPUT, "%s%s: %s = %.80s (expected %s%s)", file, where, field, value, expected,
-                    has_decimal_comma(value, expected) ? ", with a decimal point" : "");
+                    cml_number_hint(value, expected));
 }
 
 cml_status cml_fail_memory(struct cml_error *err, double bytes, const char *what)

@@ -34,6 +34,10 @@ struct cml_error {
 CML_NODISCARD CML_PRINTF(3, 4) cml_status
     cml_fail(struct cml_error *err, cml_status status, const char *format, ...);
 
+/* What a number that others write so lacks or has too much: "0,5", "1,000", "1.4;"; "" of all else, and where
+ * commas are expected in one value. */
+const char *cml_number_hint(const char *value, const char *expected);
+
 /* The one grammar of input errors: "FILE:LINE: FIELD = VALUE (expected EXPECTED)"; line <= 0 leaves ":LINE"
  * out, value NULL or "" prints "FIELD is missing". Returns CML_E_INPUT. */
 CML_NODISCARD cml_status cml_fail_field(struct cml_error *err, const char *file, int line, const char *field,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/text.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -86,9 +87,12 @@ cml_status cml_text_read(const struct cml_text_source *source, const char *path,
     CML_TRY(cml_text_read_bytes(source, path, text, err));
     if (strlen(text->data) == text->size) return CML_OK;
     const bool utf16 = memcmp(text->data, "\xFF\xFE", 2) == 0 || memcmp(text->data, "\xFE\xFF", 2) == 0;
+    const bool hdf5 = strncmp(text->data, "\x89HDF", 4) == 0;
     const cml_status status =
         cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", text->path,
-                 utf16 ? "it is UTF-16; save it as UTF-8" : "it holds a NUL byte, so it is not a text file");
+                 utf16  ? "it is UTF-16; save it as UTF-8"
+                 : hdf5 ? "it is HDF5, not text; results are for plot, compare and merge"
+                        : "it holds a NUL byte, so it is not a text file");
     cml_text_clear(text);
     return status;
 }
@@ -192,7 +196,12 @@ static size_t least(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* Levenshtein's distance, a row of its table at a time. */
+static bool is_same(char a, char b)
+{
+    return tolower((unsigned char)a) == tolower((unsigned char)b);
+}
+
+/* Levenshtein's distance, a row of its table at a time; capitals are as good as small letters. */
 static size_t distance(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     size_t row[LONGEST + 1];
@@ -202,7 +211,7 @@ static size_t distance(const char *a, size_t a_length, const char *b, size_t b_l
         row[0] = i;
         for (size_t j = 1; j <= b_length; j++) {
             const size_t above = row[j];
-            row[j] = least(least(above, row[j - 1]) + 1, diagonal + (a[i - 1] != b[j - 1]));
+            row[j] = least(least(above, row[j - 1]) + 1, diagonal + !is_same(a[i - 1], b[j - 1]));
             diagonal = above;
         }
     }
@@ -226,8 +235,7 @@ void cml_guess_offer(struct cml_guess *guess, const char *name)
 const char *cml_guess_best(const struct cml_guess *guess)
 {
     if (guess->completions == 1) return guess->complete;
-    return guess->nearest && guess->length > 3 && guess->distance <= 2 &&
-                   2 * guess->distance <= strlen(guess->nearest)
-               ? guess->nearest
-               : NULL;
+    if (!guess->nearest || guess->length < 3) return NULL;
+    const size_t most = guess->length == 3 ? 1 : 2;
+    return guess->distance <= most && 2 * guess->distance <= strlen(guess->nearest) ? guess->nearest : NULL;
 }

@@ -91,7 +91,7 @@ struct cml_guess {
 void cml_guess_offer(struct cml_guess *guess, const char *name);
 
 /* The only name that begins with the word; else the nearest one, if at most two letters of more than three,
- * and at most half of its own, are wrong; else NULL. */
+ * or one of three, and at most half of its own, are wrong; else NULL. Capitals are not wrong. */
 const char *cml_guess_best(const struct cml_guess *guess);
 
 #endif

@@ -98,7 +98,7 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
     for (;;) {
         enum cml_mci_kind kind;
         CML_TRY(cml_mci_next(reader, stage != STAGE_NAME, &kind));
-        if (kind == CML_MCI_DATA) return stage == STAGE_RUN ? check_keyword(reader, field) : CML_OK;
+        if (kind == CML_MCI_DATA) return stage != STAGE_NAME ? check_keyword(reader, field) : CML_OK;
         if (kind == CML_MCI_END)
             return cml_mci_fail(reader, field, NULL, "a line for it, but the file ends here");
         if (is_of_run(kind) && stage == STAGE_RUN)
@@ -369,6 +369,9 @@ static cml_status read_version(struct cml_mci_reader *reader)
     if (strcmp(version, "A1") == 0)
         return cml_mci_fail(reader, "file version", version,
                             "1.0; this is a result, which plot, compare and merge read");
+    if (cml_file_ends_in(reader->text.path, ".obj"))
+        return cml_mci_fail(reader, "file version", version,
+                            "1.0; this is a mesh, which an m line of a scene names");
     return cml_mci_fail(reader, "file version", version,
                         strncmp(version, "mcmli2", strlen("mcmli2")) == 0
                             ? "1.0, the format of MCML 1; this is input of MCML 2, which is not read"

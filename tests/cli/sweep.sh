@@ -89,7 +89,7 @@ wrong ":2: column 1, layer1.mua = x (expected a coefficient of 0..1e30 1/cm)" 'l
 wrong ":3: number of cells = 1 (expected 2, as many as names)" 'layer1.mua,layer1.g\n1,0\n1\n'
 wrong ":2: number of cells = 3 (expected 2, as many as names; commas part cells, decimals have a point)" 'layer1.mua,layer1.g\n1,0,1\n'
 wrong ":1: column 1 = layer1.mua; layer1.g (expected one name; commas part the columns)" 'layer1.mua; layer1.g\n1; 0,5\n'
-wrong ":2: column 1, layer1.mua = 0;5 (expected a coefficient of 0..1e30 1/cm)" 'layer1.mua\n0;5\n'
+wrong ":2: column 1, layer1.mua = 0;5 (expected a coefficient of 0..1e30 1/cm, without ;)" 'layer1.mua\n0;5\n'
 wrong ":2: column 2, layer1.g is missing (expected a value)" 'layer1.mua,layer1.g\n1,\n'
 wrong ":1: column 2 = layer1.mua (expected a name that no other column has)" 'layer1.mua,layer1.mua\n1,1\n'
 wrong ":1: column 2 is missing (expected a name like layer1.mua)" 'layer1.mua,\n1,1\n'

@@ -5,7 +5,7 @@
 sample=samples/fig5.mci
 try="(try clustermcml --help)"
 
-expect_error 2 "usage: clustermcml run scene.mci (try clustermcml help run)"
+expect_error 2 "no scene (expected clustermcml scene.mci; clustermcml help lists all commands)"
 expect_error 2 "usage: clustermcml run scene.mci (try clustermcml help run)" run
 expect_error 2 "usage: clustermcml trace scene.mci N (try clustermcml help trace)" trace $sample
 expect_error 2 "usage: clustermcml check scene.mci (try clustermcml help check)" check
@@ -65,7 +65,7 @@ belongs plan -o "run, mesh" plan $sample -o "$work"
 belongs plan --output-dir "run, mesh" plan $sample --output-dir "$work"
 belongs plan --output "run, check, compare, merge, plot" plan $sample --output "$work"
 belongs exact --engine "run, check, trace" exact $sample --engine cpu
-belongs devices --json "run, plan, check, exact, compare, merge" devices --json
+belongs devices --json "run, plan, check, exact, crosscheck, compare, merge" devices --json
 only="(it belongs to: opencl)"
 expect_error 2 "run: --device does not apply to engine cpu $only" $sample --device 7 --photons 10 -o "$work"
 expect_error 2 "run: --group does not apply to engine reference $only" $sample --group 64 --engine reference

@@ -10,7 +10,8 @@
 static cml_status fail(struct cml_error *err, const struct cml_option *option, const char *value,
                        const char *expected)
 {
-    return cml_fail(err, CML_E_INPUT, "--%s %s (expected %s)", option->name, value, expected);
+    return cml_fail(err, CML_E_INPUT, "--%s %s (expected %s%s)", option->name, value, expected,
+                    cml_number_hint(value, expected));
 }
 
 /* ---- shared by several options ---- */

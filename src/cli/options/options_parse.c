@@ -136,6 +136,9 @@ static cml_status refuse_operands(const struct cml_options *options, struct cml_
 {
     const struct cml_command_def *command = &cml_commands[options->which];
     char *const *operands = options->operands;
+    if (!options->named && options->num_operands == 0)
+        return cml_fail(err, CML_E_INPUT,
+                        "no scene (expected clustermcml scene.mci; clustermcml help lists all commands)");
     if (options->num_operands > 1 && strcmp(command->operands, "scene.mci") == 0)
         return cml_fail(
             err, CML_E_INPUT,

@@ -91,7 +91,7 @@ static void words_where_numbers_belong(void **state)
         {NAME "0x10\n", "x.mci:4: photons = 0x10 (expected a whole number of 1..2^48)"},
         {NAME "100\nnan 0.2\n", "x.mci:5: dz = nan (expected a length of 1e-30..1e30 cm)"},
         {NAME "100\n0.1 inf\n", "x.mci:5: dr = inf (expected a length of 1e-30..1e30 cm)"},
-        {NAME "100\n0.1, 0.2\n", "x.mci:5: dz = 0.1, (expected a length of 1e-30..1e30 cm)"},
+        {NAME "100\n0.1, 0.2\n", "x.mci:5: dz = 0.1, (expected a length of 1e-30..1e30 cm, without commas)"},
         {NAME "100\n1e999 1\n", "x.mci:5: dz = 1e999 (expected a length of 1e-30..1e30 cm)"},
         {BINS "3 4 5x\n", "x.mci:6: na = 5x (expected a whole number of 1..1e9)"},
         {RUN "1\nair\n", "x.mci:8: n above = air (expected a refractive index of 0.01..100)"},

@@ -162,7 +162,7 @@ static void an_option_may_belong_to_one_engine(void **state)
 static void operands_are_counted(void **state)
 {
     (void)state;
-    refused("", "usage: clustermcml run scene.mci (try clustermcml help run)");
+    refused("", "no scene (expected clustermcml scene.mci; clustermcml help lists all commands)");
     refused("trace a.mci", "usage: clustermcml trace scene.mci N (try clustermcml help trace)");
     refused("devices a", "usage: clustermcml devices (try clustermcml help devices)");
     refused("plann a.mci", "unknown command plann (did you mean plan?)");

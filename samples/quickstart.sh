@@ -1,6 +1,6 @@
 #!/bin/sh
-# From a bare Debian 12 to the first picture: installs what is missing, builds into build/, flies a rough surface,
-# draws it. May be run again. Takes no arguments.
+# From a bare Debian 12 to the first picture: installs what is missing, builds into build/, flies skin in grazing light,
+# draws how bright it is. May be run again. Takes no arguments.
 # SPDX-License-Identifier: MIT
 set -eu
 case ${1:-} in -*) sed -n '2,/^# SPDX/{/^# SPDX/!s/^# \{0,1\}//p;}' "$0"; exit 0 ;; esac
@@ -15,7 +15,6 @@ cmake --build "$root/build" --parallel "$(nproc)" --target clustermcml
 results=$root/build/quickstart
 mkdir -p "$results"
 cd "$results"
-"$root/build/clustermcml" "$root/samples/shapes/hinoise.mci"
-"$root/build/clustermcml" "$root/samples/shapes/plane.mci" --quiet
-"$root/build/clustermcml" plot hinoise.mco plane.mco -o hinoise.png --quiet
-echo "the picture: $results/hinoise.png"
+"$root/build/clustermcml" "$root/samples/skinmap.mci" --photons 2e6
+"$root/build/clustermcml" plot skinmap.map.vti --percentile 99.9 --title "Ridged skin in grazing light" -o skinmap.png --quiet
+echo "the picture: $results/skinmap.png"

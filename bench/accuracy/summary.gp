@@ -24,9 +24,9 @@ set grid lc rgb '#eeeeee' lt 1
 set key off
 known(scene) = system('cat ' . work . '/' . scene . '.known') + 0.
 title_of(scene) = system('cat ' . work . '/' . scene . '.title')
-set label 1 'Bias of reflectance against time to a 0.1 % error' at screen 0.02, screen 1 - 20 / height font ',17'
-set label 2 'bias against exact surfaces in double precision; arrow: at most so much' at screen 0.02, screen 1 - 42 / height font ',13'
-set label 3 'grey: too small to be seen by an independent program of 1e7 packets, or MMC' at screen 0.02, screen 1 - 59 / height font ',13'
+set label 1 'How wrong the reflectance stays, and how long it takes' at screen 0.02, screen 1 - 20 / height font ',17'
+set label 2 'up: wrong share of Rd, however many photons fly; arrow: at most so much' at screen 0.02, screen 1 - 42 / height font ',13'
+set label 3 'right: seconds of a core to 0.1 % noise; grey: no other program sees it' at screen 0.02, screen 1 - 59 / height font ',13'
 do for [i = 1:words(scenes)] {
     scene = word(scenes, i)
     top = 1 - (head + 18 + (i - 1) * (panel + gap)) / height
@@ -35,10 +35,10 @@ do for [i = 1:words(scenes)] {
     set lmargin at screen 78 / width
     set rmargin at screen (width - 14) / width
     set label 4 title_of(scene) at graph 0, 1 left offset 0, 0.6
-    set label 5 '|bias| of Rd' at screen 16 / width, screen top - (panel - 18) / height / 2 center rotate
+    set label 5 'wrong share of Rd' at screen 16 / width, screen top - (panel - 18) / height / 2 center rotate
     if (i == words(scenes)) {
         set format x '%g'
-        set label 6 'core seconds to a standard error of 0.1 % of Rd' at screen 0.55, screen 18 / height center
+        set label 6 'seconds of one core until the noise of Rd is 0.1 %' at screen 0.55, screen 18 / height center
     } else {
         set format x ''
     }
@@ -46,7 +46,7 @@ do for [i = 1:words(scenes)] {
     old = system('cat ' . work . '/' . scene . '.2019') + 0.
     if (old > 0) {
         set arrow 1 from 0.03, old to 30, old nohead dt 2 lw 1.3 lc rgb '#D55E00'
-        set label 7 'printed in 2019' at 29, old right offset 0, 0.55 font ',13'
+        set label 7 'the program of 2019, as published' at 29, old right offset 0, 0.55 font ',13'
     }
     file = work . '/' . scene
     plot file using ($4 == 0 ? $1 : NaN):2 with points pt 7 ps 0.9 lc rgb '#0072B2', \

@@ -34,6 +34,7 @@ FRONTIER, SPEED = "accuracy/results/frontier-amd-epyc-2core.csv", "speed/results
 MMC = "peers/results/mmc-amd-epyc-2core.md"
 TITLES = {"lohill": "radial hill of 0.1 cm", "lonoise": "random rings of +-0.05 cm", "scan": "one point of a rough scan"}
 CHARTED = ("plane", "cone", "mesh 1e-2", "mesh 1e-3", "heightmap 1e-2", "mesh", "auto", "original MCML", "MMC")
+SHOWN = {"plane": "shape left out", "cone": "exact cones", "original MCML": "original MCML, flat"}  # words for who sees it first
 LEAST = 1e-9  # of a bias on the chart
 
 
@@ -190,10 +191,10 @@ def merged(rows):
         x, (y, limit) = float(row["s_Rd"]), shown_bias(row)
         for place in out:
             if abs(math.log10(x / place["x"])) < 0.1 and abs(math.log10(y / place["y"])) < 0.25:
-                place["names"].append(row["method"])
+                place["names"].append(SHOWN.get(row["method"], row["method"]))
                 break
         else:
-            out.append({"x": x, "y": y, "limit": limit, "names": [row["method"]]})
+            out.append({"x": x, "y": y, "limit": limit, "names": [SHOWN.get(row["method"], row["method"])]})
     return out
 
 
@@ -227,7 +228,7 @@ def main_series(arguments):
         with open(os.path.join(arguments.folder, scene), "w") as stream:
             places = merged([row for row in flown if row["method"] in CHARTED])
             for place, (side, up) in zip(places, label_places(places)):
-                others = place["names"][0] in ("original MCML", "MMC")
+                others = place["names"][0] in (SHOWN["original MCML"], "MMC")
                 stream.write('%.4g %.4g %d %d "%s" %.4g %d\n' % (place["x"], place["y"], place["limit"], others,
                                                                 " = ".join(place["names"]), 10 ** up, side))
         with open(os.path.join(arguments.folder, scene + ".title"), "w") as stream:

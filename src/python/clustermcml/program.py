@@ -53,7 +53,9 @@ def find_program() -> str:
 
 
 def main() -> NoReturn:
-    """The command `clustermcml` of the package: becomes the program."""
+    """The command `clustermcml` of the package: becomes the program. CLUSTERMCML may name this very command."""
+    if os.path.realpath(os.environ.get("CLUSTERMCML", "")) == os.path.realpath(sys.argv[0]):
+        del os.environ["CLUSTERMCML"]
     program = find_program()
     os.execv(program, [program, *sys.argv[1:]])
 

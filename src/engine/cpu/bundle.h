@@ -114,7 +114,10 @@ struct cml_launch_queue {
     cml_u32 draw1[CML_QUEUE + CML_GROUP], draw2[CML_QUEUE + CML_GROUP];
     real tau[CML_QUEUE + CML_GROUP]; /* optical depth to the first interaction */
     int through[CML_QUEUE +
-                CML_GROUP];       /* transmitted at the boundary that all photons of the beam meet first */
+                CML_GROUP]; /* transmitted at the boundary that all photons of the beam meet first */
+    real x[CML_QUEUE + CML_GROUP], y[CML_QUEUE + CML_GROUP]; /* where they start, if the queue places them */
+    real ux[CML_QUEUE + CML_GROUP], uy[CML_QUEUE + CML_GROUP], uz[CML_QUEUE + CML_GROUP];
+    cml_u32 launch[4][CML_QUEUE]; /* what places them */
     int not_ballistic[CML_QUEUE]; /* does not end as ballistic packets do (struct cml_ballistic) */
 };
 

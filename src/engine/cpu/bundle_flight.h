@@ -44,6 +44,7 @@ struct cml_flight {
     struct cml_packet start;  /* a packet as the beam places it */
     int pencil;               /* it places all of them alike */
     int elsewhere;            /* they may differ in weight or medium */
+    int queue_places;         /* they differ in place and direction, which the queue has */
     int first_hit_known;      /* then all of them hit first_hit, above the material */
     struct cml_hit first_hit; /* in the frame of boundary 0 */
     int enters; /* those that are transmitted there are `inside` but for their indices and draws */

@@ -6,6 +6,7 @@
 
 #include "engine/cpu/bundle_lanes_inl.h"
 #include "engine/cpu/bundle_loops_inl.h"
+#include "engine/cpu/bundle_place_inl.h"
 
 #include <string.h>
 
@@ -115,6 +116,7 @@ static int cml_fill_queue(struct cml_flight *f)
         const int count = f->left < CML_QUEUE ? (int)f->left : CML_QUEUE;
         if (cml_queue_draw(&f->world->setup, f->next, f->enters ? f->reflectance : (real)0, queue))
             cml_queue_draw_tails(stream, f->next, queue);
+        if (f->queue_places) cml_queue_place(f->world, queue);
         f->next += CML_NUM_BATCHES * (uint64_t)count;
         f->left -= (uint64_t)count;
         queue->first = 0;
@@ -146,7 +148,7 @@ static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_p
     cml_load_medium(f, i);
 }
 
-/* P1 where every packet of the beam starts elsewhere (disk, Gaussian), and scores of the launch where facets
+/* P1 where packets start elsewhere and the queue does not know where, and scores of the launch where facets
  * are asked for: a lane at a time. */
 static void cml_place_lane(struct cml_flight *f, int i)
 {
@@ -222,6 +224,19 @@ static void cml_launch_lattice(struct cml_flight *f, int first, cml_u32 lanes)
     cml_bundle_launch_lattice(f->b, reversed, queue->shifts, first, lanes);
 }
 
+/* P1: packets of the queue, from entry `at` on, start where it says. Their depth is that of all. */
+static void cml_launch_placed(struct cml_flight *f, int at, int first, cml_u32 lanes)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_launch_queue *queue = &f->queue;
+    cml_group_unpack(queue->x + at, lanes, b->x + first);
+    cml_group_unpack(queue->y + at, lanes, b->y + first);
+    if (f->world->sources->light == CML_LIGHT_PARALLEL) return;
+    cml_group_unpack(queue->ux + at, lanes, b->ux + first);
+    cml_group_unpack(queue->uy + at, lanes, b->uy + first);
+    cml_group_unpack(queue->uz + at, lanes, b->uz + first);
+}
+
 /* Packets of the queue into lanes of a group; the queue holds enough. Columns are unpacked: values that lie
  * side by side go to the lanes of the mask, in order. Packets that are transmitted at the first boundary
  * start behind it. */
@@ -241,7 +256,10 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     f->late &= ~((uint64_t)lanes << first);
     if (inside) cml_launch_like(f, &f->inside, first, inside);
     if (lanes & ~inside) cml_launch_like(f, &f->start, first, lanes & ~inside);
-    if (!f->pencil || f->to.facets) cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
+    if (f->queue_places)
+        cml_launch_placed(f, at, first, lanes);
+    else if (!f->pencil || f->to.facets)
+        cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
 }
 
 /* New packets for lanes of a group, from as many fillings of the queue as it takes; lanes for which there are

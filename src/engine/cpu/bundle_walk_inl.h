@@ -383,6 +383,7 @@ static void cml_flight_begin(struct cml_flight *f)
     f->pencil = setup->num_sources == 1 && f->world->sources->shape == CML_SHAPE_POINT &&
                 f->world->sources->light == CML_LIGHT_PARALLEL;
     f->elsewhere = setup->num_sources > 1 || f->world->sources->inside;
+    f->queue_places = !f->to.facets && cml_queue_can_place(setup, f->world->sources);
     cml_place(f->world, 0, &f->start);
     cml_find_first_hit(f);
     cml_find_known_path(f);

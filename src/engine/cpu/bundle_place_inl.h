@@ -1,0 +1,128 @@
+/* Code, included by bundle_launch_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Where the photons of the launch queue start, and where to: vector loops over
+ * what cml_place (kernels/source.h) does for one packet, for beams whose packets differ in nothing else.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_PLACE_INL_H
+#define CML_BUNDLE_PLACE_INL_H
+
+#include "engine/cpu/bundle_loops_inl.h"
+
+/* One beam from above all surfaces. Images and tables are searched, which vector loops do not; others start
+ * at another weight, in another medium, or all alike. */
+static int cml_queue_can_place(const struct cml_setup *setup, const struct cml_source *source)
+{
+    const int alike = source->shape == CML_SHAPE_POINT && source->light == CML_LIGHT_PARALLEL;
+    return setup->num_sources == 1 && !alike && !source->inside && source->shape != CML_SHAPE_IMAGE &&
+           source->light != CML_LIGHT_TABLE;
+}
+
+/* The words that place a photon, as cml_draw_launch. */
+CML_LOOP void cml_queue_draw_launch(struct cml_stream stream, struct cml_launch_queue *queue)
+{
+    static const cml_u32 dimension[4] = {CML_LATTICE_LAUNCH_RADIUS, CML_LATTICE_LAUNCH_AZIMUTH,
+                                         CML_LATTICE_LAUNCH_POLAR, CML_LATTICE_LAUNCH_ROUND};
+    const int even = stream.lattice > 0u;
+    cml_u32 generator[4], shift[4];
+    for (int k = 0; k < 4; k++) {
+        generator[k] = cml_lattice_generator(dimension[k]);
+        shift[k] = queue->shifts[dimension[k] / 4u].w[dimension[k] % 4u];
+    }
+#pragma omp simd
+    for (int i = 0; i < CML_QUEUE; i++) {
+        const struct cml_block random =
+            cml_threefry(stream, queue->index_low[i], queue->index_high[i], 0, CML_PURPOSE_LAUNCH);
+        for (int k = 0; k < 4; k++)
+            queue->launch[k][i] =
+                cml_even_or_random(even, queue->reversed[i] * generator[k] + shift[k], random.w[k]);
+    }
+}
+
+static inline struct cml_block cml_queue_launch(const struct cml_launch_queue *queue, int i)
+{
+    const struct cml_block draw = {
+        {queue->launch[0][i], queue->launch[1][i], queue->launch[2][i], queue->launch[3][i]}};
+    return draw;
+}
+
+/* shape: constant, so that the loop has no other. Places go to x and y of the queue. */
+static inline void cml_queue_offsets(const struct cml_world *world, struct cml_launch_queue *queue,
+                                     const int shape)
+{
+    struct cml_source source = world->sources[0];
+    source.shape = shape;
+#pragma omp simd
+    for (int i = 0; i < CML_QUEUE; i++) {
+        real x, y;
+        cml_source_offset(world, &source, cml_queue_launch(queue, i), &x, &y);
+        queue->x[i] = x;
+        queue->y[i] = y;
+    }
+}
+
+CML_LOOP void cml_queue_place_on_shape(const struct cml_world *world, struct cml_launch_queue *queue)
+{
+    switch (world->sources[0].shape) {
+    case CML_SHAPE_POINT:
+        memset(queue->x, 0, sizeof queue->x);
+        memset(queue->y, 0, sizeof queue->y);
+        break;
+    case CML_SHAPE_DISK:
+        cml_queue_offsets(world, queue, CML_SHAPE_DISK);
+        break;
+    case CML_SHAPE_GAUSSIAN:
+        cml_queue_offsets(world, queue, CML_SHAPE_GAUSSIAN);
+        break;
+    case CML_SHAPE_RING:
+        cml_queue_offsets(world, queue, CML_SHAPE_RING);
+        break;
+    default:
+        cml_queue_offsets(world, queue, CML_SHAPE_RECTANGLE);
+    }
+}
+
+/* light: constant. From the place on the shape to where packets start, on their lines. */
+static inline void cml_queue_aim(const struct cml_world *world, struct cml_launch_queue *queue,
+                                 const int light)
+{
+    struct cml_source source = world->sources[0];
+    const real n = world->media[source.medium].n;
+    source.light = light;
+#pragma omp simd
+    for (int i = 0; i < CML_QUEUE; i++) {
+        const struct cml_vec u = light == CML_LIGHT_PARALLEL
+                                     ? source.axis
+                                     : cml_source_direction(world, &source, cml_queue_launch(queue, i), n);
+        const struct cml_vec at =
+            cml_along(cml_along(source.middle, queue->x[i], source.e1), queue->y[i], source.e2);
+        const struct cml_vec p = cml_along(at, (source.start - at.z) / u.z, u);
+        queue->x[i] = p.x;
+        queue->y[i] = p.y;
+        queue->ux[i] = u.x;
+        queue->uy[i] = u.y;
+        queue->uz[i] = u.z;
+    }
+}
+
+CML_LOOP void cml_queue_place_above(const struct cml_world *world, struct cml_launch_queue *queue)
+{
+    switch (world->sources[0].light) {
+    case CML_LIGHT_PARALLEL:
+        cml_queue_aim(world, queue, CML_LIGHT_PARALLEL);
+        break;
+    case CML_LIGHT_EVEN:
+        cml_queue_aim(world, queue, CML_LIGHT_EVEN);
+        break;
+    default:
+        cml_queue_aim(world, queue, CML_LIGHT_COSINE);
+    }
+}
+
+/* All photons of the queue, whose indices and points of the lattice are there. */
+static void cml_queue_place(const struct cml_world *world, struct cml_launch_queue *queue)
+{
+    cml_queue_draw_launch(world->setup.stream, queue);
+    cml_queue_place_on_shape(world, queue);
+    cml_queue_place_above(world, queue);
+}
+
+#endif

@@ -58,7 +58,7 @@ struct verdict {
     const char *what;       /* of this total or profile */
 };
 
-/* Of all values: those of cml_tally_note, then what each medium absorbs. */
+/* Of all values, which are those of cml_tally_note. */
 static void list_series(const struct cml_grid *grid, struct series *series)
 {
     const struct cml_profile_places at = cml_tally_profiles(grid);
@@ -69,8 +69,8 @@ static void list_series(const struct cml_grid *grid, struct series *series)
         {"Rd_a", at.Rd_a, na},
         {"Tt_a", at.Tt_a, na},
         {"A_z", at.A_z, nz},
-        {"A_l", at.bins + 1, (size_t)grid->num_layers},
-        {"A_body", at.bins + (size_t)grid->num_layers + 2, (size_t)grid->num_bodies}};
+        {"A_l", at.A_l + 1, (size_t)grid->num_layers},
+        {"A_body", at.A_l + (size_t)grid->num_layers + 2, (size_t)grid->num_bodies}};
     for (int i = 0; i < CML_NUM_TOTALS; i++)
         series[i] = (struct series){cml_quantities[i].name, (size_t)i, 1};
     memcpy(series + CML_NUM_TOTALS, profiles, sizeof profiles);
@@ -115,9 +115,7 @@ static cml_status fly_batch(struct trial *trial, uint64_t count, struct cml_erro
         trial->steps += (1 + ALONE / (double)count) * (double)(tally->count[CML_COUNT_INTERACTIONS] +
                                                                tally->count[CML_COUNT_BOUNDARY_EVENTS]);
     }
-    const size_t bins = cml_tally_profile_bins(&trial->tally[0].grid), media = trial->num_values - bins;
-    add_values(trial->tally[0].brought, trial->tally[1].brought, bins, trial->value);
-    add_values(trial->tally[0].A_l, trial->tally[1].A_l, media, trial->value + bins);
+    add_values(trial->tally[0].brought, trial->tally[1].brought, trial->num_values, trial->value);
     trial->packets += count;
     return CML_OK;
 }
@@ -214,7 +212,7 @@ static cml_status open_trial(const struct cml_scene *scene, const struct cml_eng
 {
     const struct cml_grid grid = cml_engine_grid(scene, ways[0], options);
     list_series(&grid, trial->series);
-    trial->num_values = cml_tally_profile_bins(&grid) + cml_grid_media(&grid);
+    trial->num_values = cml_tally_profile_bins(&grid);
     trial->overhead = 2 * BATCHES * CELLS_AS_STEPS * (double)cml_tally_cells(&grid);
     trial->value = calloc(trial->num_values, sizeof *trial->value);
     if (!trial->value)

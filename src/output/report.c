@@ -4,23 +4,48 @@
 #include <math.h>
 #include <string.h>
 
-/* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
- */
-static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
+static void print_estimate(FILE *stream, double value, double error)
 {
-    const double error = cml_result_error(report->sums, total);
-    fprintf(stream, "  %-4s %.6f ", cml_quantities[cml_quantity_of_total((int)total)].name,
-            cml_result_total(report->sums, total));
+    fprintf(stream, " %.6f ", value);
     if (isnan(error))
         fputs("(one packet: no standard error)", stream);
     else
         fprintf(stream, "+- %.6f", error);
+}
+
+/* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
+ */
+static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
+{
+    fprintf(stream, "  %-4s", cml_quantities[cml_quantity_of_total((int)total)].name);
+    print_estimate(stream, cml_result_total(report->sums, total), cml_result_error(report->sums, total));
     if (report->control)
         fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
                 report->control[total].error);
     if (report->exact)
         fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[total], report->exact->error[total]);
     fputc('\n', stream);
+}
+
+/* Of more bodies than that, the files have what they absorb. */
+#define MOST_MEDIA 16
+
+/* Only where A is not all of one layer. */
+static void print_absorbed(FILE *stream, const struct cml_report *report)
+{
+    const int layers = report->scene->num_layers, bodies = report->scene->num_bodies;
+    for (int k = 0; k < layers + bodies && layers + bodies > 1; k++) {
+        const int medium = k < layers ? k + 1 : k + 2;
+        if (k == MOST_MEDIA) {
+            fprintf(stream, "  A of %d more layers and bodies: A_l and A_body of the result\n",
+                    layers + bodies - k);
+            return;
+        }
+        fprintf(stream, "  A of %s %d", k < layers ? "layer" : "body", k < layers ? k + 1 : k - layers + 1);
+        print_estimate(stream, cml_result_absorbed(report->sums, medium),
+                       cml_result_absorbed_error(report->sums, medium));
+        fputc('\n', stream);
+    }
 }
 
 /* Boundaries that are given a shape have a line in the file. */
@@ -111,6 +136,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     const double seconds = report->timing->seconds, steps = cml_result_steps(result);
     const int totals = cml_num_totals(report->scene->backing.kind != CML_NO_BACKING);
     for (int i = 0; i < totals; i++) print_total(stream, report, (enum cml_total)i);
+    print_absorbed(stream, report);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));

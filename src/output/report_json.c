@@ -14,9 +14,14 @@
 
 /* Keys keep the order in which they are set (jansson 2.8 and later). */
 /* JSON cannot say NaN, the error of one packet: null. */
+static json_t *real_json(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
 static void set_real(json_t *object, const char *key, double value)
 {
-    json_object_set_new(object, key, isfinite(value) ? json_real(value) : json_null());
+    json_object_set_new(object, key, real_json(value));
 }
 
 /* What lists are about; sums NULL: nothing has been flown. */
@@ -79,7 +84,8 @@ static json_t *body_json(const struct subject *subject, int k)
                              (json_int_t)surface->primitives, "in", host_json(scene, scene->bodies[k].host),
                              "n", medium->n, "mua", medium->mua, "mus", medium->mus, "g", medium->g);
     const struct cml_result *result = subject->sums;
-    if (result) set_real(body, "A", (double)result->A_l[m] * CML_WEIGHT_UNIT / (double)result->photons);
+    if (result) set_real(body, "A", cml_result_absorbed(result, m));
+    if (result) set_real(body, "A_se", cml_result_absorbed_error(result, m));
     return with_phase(body, medium->phase);
 }
 
@@ -104,16 +110,30 @@ static void set_quantity(json_t *object, enum cml_quantity quantity, const char 
     if (value && !json_object_get(object, key)) set_real(object, key, *value);
 }
 
-/* The number and its error, of every detector where there is one of each. */
+/* One number, or a list where the quantity has an axis that is not that of detectors. */
+static json_t *part_json(const struct cml_outcome *o, enum cml_quantity quantity, const double *values,
+                         int part)
+{
+    const bool one =
+        cml_quantities[quantity].axis[0] == CML_AXIS_NONE || cml_quantity_is_of_detector(quantity);
+    if (one) return real_json(values[part]);
+    json_t *list = json_array();
+    for (size_t i = 0; i < cml_outcome_size(o, quantity); i++)
+        json_array_append_new(list, real_json(values[i]));
+    return list;
+}
+
+/* The values and their errors, of every detector where there is one of each. A key that is there stays. */
 static void set_parts(json_t *object, const struct cml_outcome *o, enum cml_quantity quantity)
 {
     char key[CML_OUTCOME_KEY + 4];
     for (int part = 0; o->value[quantity] && part < cml_outcome_parts(o, quantity); part++) {
         cml_outcome_key(o, quantity, part, key);
-        if (!json_object_get(object, key)) set_real(object, key, o->value[quantity][part]);
+        if (!json_object_get(object, key))
+            json_object_set_new(object, key, part_json(o, quantity, o->value[quantity], part));
         strcat(key, "_se");
         if (o->error[quantity] && !json_object_get(object, key))
-            set_real(object, key, o->error[quantity][part]);
+            json_object_set_new(object, key, part_json(o, quantity, o->error[quantity], part));
     }
 }
 
@@ -123,6 +143,7 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
 {
     const struct cml_result *result = report->sums;
     struct cml_outcome o = {.photons = result->photons,
+                            .num_layers = report->scene->num_layers,
                             .backed = report->scene->backing.kind != CML_NO_BACKING};
     cml_status status = cml_report_words(report, CML_READ_IN_MCO, &o, err);
     if (status == CML_OK) status = cml_outcome_name_detectors(&o, err);

@@ -267,19 +267,25 @@ static double density(const struct cml_outcome *o, enum cml_quantity quantity, s
     return over_depth ? sum * per_photon / measure : sum * (per_photon / measure);
 }
 
+/* Sums by medium begin with the one above; media outside absorb nothing. */
 static cml_status take_batches(struct cml_outcome *o, const struct cml_result *sums,
                                enum cml_quantity quantity, struct cml_error *err)
 {
-    const cml_u128 *batches = cells_of(sums, &cml_quantities[quantity]);
-    const int n = (int)cml_outcome_size(o, quantity);
-    if (!batches) return CML_OK;
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    const cml_u128 *batches = cells_of(sums, info);
+    const int size = (int)cml_outcome_size(o, quantity),
+              first = info->estimator == CML_FROM_LAYERS   ? 1
+                      : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
+                                                           : 0,
+              n = first > 0 ? (int)cml_grid_media(&sums->grid) : size;
+    if (!batches || size == 0) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     CML_TRY(cml_outcome_add(o, quantity, true, err));
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < size; i++) {
         const size_t bin = (size_t)i;
-        o->value[quantity][i] = density(o, quantity, bin, cml_result_bin_sum(batches, n, i));
+        o->value[quantity][i] = density(o, quantity, bin, cml_result_bin_sum(batches, n, first + i));
         o->error[quantity][i] =
-            cml_result_bin_error(sums, batches, n, i) / cml_outcome_measure(o, quantity, bin);
+            cml_result_bin_error(sums, batches, n, first + i) / cml_outcome_measure(o, quantity, bin);
     }
     return CML_OK;
 }
@@ -300,16 +306,12 @@ static cml_status take_once(struct cml_outcome *o, const struct cml_result *sums
     return CML_OK;
 }
 
-/* Cells by medium begin with the one above; media outside absorb nothing. */
 static cml_status take_cells(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                              struct cml_error *err)
 {
-    const struct cml_quantity_info *info = &cml_quantities[quantity];
-    const cml_u128 *cells = cells_of(sums, info);
+    const cml_u128 *cells = cells_of(sums, &cml_quantities[quantity]);
     const size_t size = cml_outcome_size(o, quantity);
-    if (!cells || size == 0) return CML_OK;
-    if (info->estimator == CML_FROM_LAYERS) cells += 1;
-    if (info->estimator == CML_FROM_BODIES) cells += o->num_layers + 2;
+    if (!cells) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     for (size_t i = 0; i < size; i++) o->value[quantity][i] = density(o, quantity, i, (double)cells[i]);
     return CML_OK;
@@ -331,11 +333,13 @@ static double number_of(const struct cml_result *sums, const struct cml_quantity
     }
 }
 
+/* By medium, too: these are few. */
 static bool is_batched_number(enum cml_quantity quantity)
 {
     const struct cml_quantity_info *info = &cml_quantities[quantity];
     const enum cml_axis_kind axis = info->axis[cml_quantity_is_of_detector(quantity) ? 1 : 0];
-    return info->estimator == CML_FROM_BATCHES && axis == CML_AXIS_NONE;
+    return info->estimator == CML_FROM_LAYERS || info->estimator == CML_FROM_BODIES ||
+           (info->estimator == CML_FROM_BATCHES && axis == CML_AXIS_NONE);
 }
 
 static cml_status take_number(struct cml_outcome *o, const struct cml_result *sums,
@@ -370,8 +374,7 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
         if (estimator == CML_FROM_BATCHES && !is_batched_number((enum cml_quantity)i))
             CML_TRY(take_batches(o, sums, (enum cml_quantity)i, err));
         if (estimator == CML_FROM_ONCE) CML_TRY(take_once(o, sums, (enum cml_quantity)i, err));
-        if (estimator >= CML_FROM_LAYERS && estimator <= CML_FROM_CELLS)
-            CML_TRY(take_cells(o, sums, (enum cml_quantity)i, err));
+        if (estimator == CML_FROM_CELLS) CML_TRY(take_cells(o, sums, (enum cml_quantity)i, err));
     }
     o->lost = sums->summary.lost;
     return CML_OK;

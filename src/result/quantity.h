@@ -14,11 +14,11 @@ enum cml_estimator {
     CML_FROM_COUNT,   /* sum over packets: enum cml_count */
     CML_FROM_RESIDUE, /* by how much the weight does not balance */
     CML_FROM_LOST,    /* packets */
-    CML_FROM_LAYERS,  /* share of the launched weight by layer, of cells by medium: a member of struct
-                         cml_result */
-    CML_FROM_BODIES,  /* by body, of the same cells */
-    CML_FROM_CELLS,   /* of cells over two axes, without errors: a member */
+    CML_FROM_LAYERS,  /* share of the launched weight by layer, of sums by batch and medium, with errors: a
+                         member of struct cml_result */
+    CML_FROM_BODIES,  /* by body, of the same sums */
     CML_FROM_BATCHES, /* a profile, of sums by batch, with errors: a member */
+    CML_FROM_CELLS,   /* of cells over two axes, without errors: a member */
     CML_FROM_ONCE,    /* of cells that a packet adds to at most once, with errors from squares: a member */
     CML_FROM_INPUT,   /* a number of the scene */
     CML_FROM_TWIN,    /* a total with the flat twin as control variate, with an error */
@@ -82,7 +82,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(layer_mus, "1/cm", INPUT, 0, OVER1(layer), H5, "scattering coefficient", NULL)                                 \
     Q(layer_g, "1", INPUT, 0, OVER1(layer), H5, "anisotropy of scattering", NULL)                                    \
     Q(layer_d, "cm", INPUT, 0, OVER1(layer), H5, "thickness", NULL)                                                  \
-    Q(A_l, "1", LAYERS, IN(A_l), OVER1(layer), H5, "absorption by layer", NULL)                                      \
+    Q(A_l, "1", LAYERS, IN(A_l), OVER1(layer), H5 | JSON, "absorption by layer", NULL)                               \
     Q(A_z, "1/cm", BATCHES, IN(A_z), OVER1(z), H5,                                                                   \
       "absorption by depth; what lies outside is in the outermost bins", NULL)                                       \
     Q(Rd_r, "1/cm2", BATCHES, IN(Rd_r), OVER1(r), H5,                                                                \

@@ -30,10 +30,15 @@ double cml_timing_processor(const struct cml_timing *timing);
 double cml_timing_idle(const struct cml_timing *timing);
 double cml_timing_communication(const struct cml_timing *timing);
 
+/* So many layers and bodies have columns in the table of a sweep. */
+#define CML_RECORD_MEDIA 32
+
 /* What is left to be said of a finished run. Zeroed: nothing. */
 struct cml_record {
     uint64_t photons, lost;
     double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS]; /* totals, shares of the launched weight */
+    int num_layers, num_bodies; /* of these the following; 0 where they are too many */
+    double absorbed[CML_RECORD_MEDIA], absorbed_error[CML_RECORD_MEDIA]; /* layers, then bodies */
     char *json; /* its object, as --json prints it, with the line feed; owned */
 };
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All arrays lie in one block, in the order A_l, Rd_ra, Tt_ra, A_rz, maps, then totals and profiles batch by
+/* All arrays lie in one block, in the order Rd_ra, Tt_ra, A_rz, maps, then totals and profiles batch by
  * batch: so a checkpoint or a sum over ranks is one loop over cells. */
 
 static size_t cells_A(const struct cml_grid *grid)
@@ -35,20 +35,21 @@ static size_t cells_detected(const struct cml_grid *grid)
 static size_t cells_batched(const struct cml_grid *grid)
 {
     const size_t bins = CML_NUM_TOTALS + 2 * (size_t)grid->nr + 2 * (size_t)grid->na +
-                        (grid->absorption ? (size_t)grid->nz : 0) + cells_t(grid) + cells_detected(grid);
+                        (grid->absorption ? (size_t)grid->nz : 0) + cml_grid_media(grid) + cells_t(grid) +
+                        cells_detected(grid);
     return CML_NUM_BATCHES * bins;
 }
 
 /* Of all arrays that are not kept apart by batch. */
 static size_t cells_unbatched(const struct cml_grid *grid)
 {
-    return cells_A(grid) + 2 * cells_ra(grid) + cml_grid_media(grid) + cml_cells_maps(grid);
+    return cells_A(grid) + 2 * cells_ra(grid) + cml_cells_maps(grid);
 }
 
 /* The maps come last among the arrays without batches. */
 static cml_u128 *result_maps(const struct cml_result *result)
 {
-    return result->A_l + cells_unbatched(&result->grid) - cml_cells_maps(&result->grid);
+    return result->Rd_ra + cells_unbatched(&result->grid) - cml_cells_maps(&result->grid);
 }
 
 double cml_result_bytes(const struct cml_grid *grid)
@@ -89,9 +90,8 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
 {
     *result = (struct cml_result){.grid = *grid, .photons = photons};
     cml_u128 *block = calloc(cells_unbatched(grid) + cells_batched(grid), sizeof *block);
-    result->A_l = block;
     if (!block) return cml_fail_memory(err, cml_result_bytes(grid), "the result");
-    result->Rd_ra = result->A_l + cml_grid_media(grid);
+    result->Rd_ra = block;
     result->Tt_ra = result->Rd_ra + cells_ra(grid);
     if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
     CML_SET_MAPS(result, result_maps(result));
@@ -100,7 +100,8 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     result->Tt_r = result->Rd_r + CML_NUM_BATCHES * (size_t)grid->nr;
     result->Rd_a = result->Tt_r + CML_NUM_BATCHES * (size_t)grid->nr;
     result->Tt_a = result->Rd_a + CML_NUM_BATCHES * (size_t)grid->na;
-    if (grid->absorption) result->A_z = result->Tt_a + CML_NUM_BATCHES * (size_t)grid->na;
+    result->A_l = result->Tt_a + CML_NUM_BATCHES * (size_t)grid->na;
+    if (grid->absorption) result->A_z = result->A_l + CML_NUM_BATCHES * cml_grid_media(grid);
     set_gates(result);
     set_detectors(result);
     return CML_OK;
@@ -108,7 +109,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
 
 void cml_result_free(struct cml_result *result)
 {
-    free(result->A_l);
+    free(result->Rd_ra);
     *result = (struct cml_result){0};
 }
 
@@ -147,13 +148,14 @@ static void add_to_batch(struct cml_result *result, int batch, const uint64_t *b
 {
     const struct cml_profile_places at = cml_tally_profiles(&result->grid);
     const size_t nr = (size_t)result->grid.nr, na = (size_t)result->grid.na, nz = (size_t)result->grid.nz;
-    const size_t b = (size_t)batch;
+    const size_t b = (size_t)batch, media = cml_grid_media(&result->grid);
     add_bins(result->totals + b * CML_NUM_TOTALS, CML_NUM_TOTALS, 0, brought, CML_NUM_TOTALS);
     add_bins(result->Rd_r + b * nr, nr, 0, brought + at.Rd_r, nr + 1);
     add_bins(result->Tt_r + b * nr, nr, 0, brought + at.Tt_r, nr + 1);
     add_bins(result->Rd_a + b * na, na, 0, brought + at.Rd_a, na);
     add_bins(result->Tt_a + b * na, na, 0, brought + at.Tt_a, na);
     if (result->grid.absorption) add_bins(result->A_z + b * nz, nz, 1, brought + at.A_z, nz + 2);
+    add_bins(result->A_l + b * media, media, 0, brought + at.A_l, media);
     const size_t gates = (size_t)result->grid.gates;
     add_gates(result->Rd_t, result->Rd_t_later, gates, b, brought + at.Rd_t);
     add_gates(result->Tt_t, result->Tt_t_later, gates, b, brought + at.Tt_t);
@@ -213,8 +215,6 @@ static void add_maps(struct cml_result *result, const struct cml_tally *tally)
 
 void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 {
-    const struct cml_grid *grid = &result->grid;
-    for (size_t m = 0; m < cml_grid_media(grid); m++) result->A_l[m] += tally->A_l[m];
     add_exits(result, result->Rd_ra, tally->Rd_ra);
     add_exits(result, result->Tt_ra, tally->Tt_ra);
     if (tally->grid.absorption) add_absorption(result, tally->A_rz);
@@ -227,7 +227,7 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
 cml_u128 *cml_result_cells(struct cml_result *result, size_t *count)
 {
     *count = cells_unbatched(&result->grid) + cells_batched(&result->grid);
-    return result->A_l;
+    return result->Rd_ra;
 }
 
 void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from)
@@ -292,7 +292,7 @@ double cml_result_imbalance(const struct cml_result *result)
     const cml_u128 absorbed = balance[CML_BALANCE_ABSORBED];
     const double differences[] = {
         difference(in, out),
-        difference(sum_of(result->A_l, cml_grid_media(grid)), absorbed),
+        difference(sum_of(result->A_l, CML_NUM_BATCHES * cml_grid_media(grid)), absorbed),
         grid->absorption ? difference(sum_of(result->A_rz, cells_A(grid)), absorbed) : 0,
         difference(sum_of(result->Rd_ra, cells_ra(grid)), balance[CML_BALANCE_REFLECTED]),
         difference(sum_of(result->Tt_ra, cells_ra(grid)), balance[CML_BALANCE_TRANSMITTED]),
@@ -338,6 +338,17 @@ double cml_result_total(const struct cml_result *result, enum cml_total total)
 double cml_result_error(const struct cml_result *result, enum cml_total total)
 {
     return cml_result_bin_error(result, result->totals, CML_NUM_TOTALS, (int)total);
+}
+
+double cml_result_absorbed(const struct cml_result *result, int medium)
+{
+    const int media = (int)cml_grid_media(&result->grid);
+    return cml_result_bin_sum(result->A_l, media, medium) * (CML_WEIGHT_UNIT / (double)result->photons);
+}
+
+double cml_result_absorbed_error(const struct cml_result *result, int medium)
+{
+    return cml_result_bin_error(result, result->A_l, (int)cml_grid_media(&result->grid), medium);
 }
 
 const enum cml_total cml_goals[CML_NUM_GOALS] = {CML_TOTAL_REFLECTED, CML_TOTAL_ABSORBED,

@@ -22,11 +22,11 @@ struct cml_result {
     uint64_t photons;                                               /* asked for */
     cml_u128 *A_rz;                                                 /* [nr][nz] or NULL */
     cml_u128 *Rd_ra, *Tt_ra;                                        /* [nr][na] */
-    cml_u128 *A_l;                                                  /* [cml_grid_media] by medium */
     cml_u128 *totals;                                               /* [64][CML_NUM_TOTALS] */
     cml_u128 *Rd_r, *Tt_r;                                          /* [64][nr] */
     cml_u128 *Rd_a, *Tt_a;                                          /* [64][na] */
     cml_u128 *A_z;                                                  /* [64][nz] or NULL */
+    cml_u128 *A_l;                                                  /* [64][cml_grid_media] by medium */
     cml_u128 *Rd_t, *Tt_t, *A_t;                                    /* [64][gates] or NULL */
     cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
@@ -79,6 +79,10 @@ double cml_result_error(const struct cml_result *result, enum cml_total total);
 /* The totals whose errors a run is judged by: what is diffusely reflected, absorbed, transmitted. */
 #define CML_NUM_GOALS 3
 extern const enum cml_total cml_goals[CML_NUM_GOALS];
+
+/* What a medium absorbs, as a share of the launched weight, and its standard error likewise. */
+double cml_result_absorbed(const struct cml_result *result, int medium);
+double cml_result_absorbed_error(const struct cml_result *result, int medium);
 
 /* Standard error over total; INFINITY where one of them is 0, as nothing is known then. */
 double cml_result_relative_error(const struct cml_result *result, enum cml_total total);

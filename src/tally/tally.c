@@ -186,7 +186,8 @@ struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
     at.Rd_a = at.Tt_r + r;
     at.Tt_a = at.Rd_a + a;
     at.A_z = at.Tt_a + a;
-    at.Rd_t = at.A_z + z;
+    at.A_l = at.A_z + z;
+    at.Rd_t = at.A_l + cml_grid_media(grid);
     at.Tt_t = at.Rd_t + tally_cells_t(grid);
     at.A_t = at.Tt_t + tally_cells_t(grid);
     at.detector = at.Rd_t + num_t(grid) * tally_cells_t(grid);
@@ -243,8 +244,8 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
     sum_table(tally->Tt_ra, rows, na, sums + at.Tt_r, sums + at.Tt_a);
     if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, sums + at.A_z);
     if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, columns * sizeof *sums);
-    if (tally->grid.gates) memcpy(sums + at.Rd_t, tally->Rd_t, (at.detector - at.Rd_t) * sizeof *sums);
-    if (tally->detected) memcpy(sums + at.detector, tally->detected, (at.bins - at.detector) * sizeof *sums);
+    /* gates and detectors lie behind it in both */
+    memcpy(sums + at.A_l, tally->A_l, (at.bins - at.A_l) * sizeof *sums);
 }
 
 /* A tally goes on from batch to batch and is summed anew each time, because its profiles are much shorter

@@ -128,12 +128,12 @@ void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *f
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 
 /* Where totals [CML_NUM_TOTALS] and profiles begin that lie one behind the other, with the bins beyond the
- * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz, and where there are
- * gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]; then of every detector its sum, and its gates [gates + 1].
- */
+ * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz, A_l
+ * [cml_grid_media], and where there are gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]; then of every
+ * detector its sum, and its gates [gates + 1]. */
 struct cml_profile_places {
-    size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, Rd_t, Tt_t, A_t; /* totals begin at 0 */
-    size_t detector, detector_t, bins;                   /* bins: of all */
+    size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, A_l, Rd_t, Tt_t, A_t; /* totals begin at 0 */
+    size_t detector, detector_t, bins;                        /* bins: of all */
 };
 struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid);
 

@@ -164,7 +164,7 @@ scene '' '' '' >a.mci
 for seed in 1 2 3; do
     expect_code 0 a.mci --photons 1 --seed $seed -o .
     test "$(grep -c '(one packet: no standard error)' out)" -eq 4 || complain "the summary of one packet: $(cat out)"
-    test "$(grep -c '^ *NAN$' s.mco)" -eq 19 || complain "errors of one packet: $(grep -c NAN s.mco), expected 4 + 3 + 2 (4 + 2)"
+    test "$(grep -c '^ *NAN$' s.mco)" -eq 20 || complain "errors of one packet: $(grep -c NAN s.mco), expected 4 + 1 + 3 + 2 (4 + 2)"
     mv s.mco one$seed.mco
 done
 expect_code 0 a.mci --photons 1 --quiet --json -o .

@@ -34,13 +34,14 @@ for set in "0.5 1 0 2000 1" "2 1 30 2000 1" "0.5 0.5 0 1500 7" "0.5 1 0 2000 2";
     # the table has the totals of the file, with more digits
     wanted=$(awk '/^RAT/ { getline; a = $1; getline; b = $1; getline; c = $1; getline; print a, b, c, $1; exit }' "$work/rows/ridges-000$row.mco")
     found=$(awk -F, -v row=$row 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } $1 == row {
-        printf "%.6G %.6G %.6G %.6G\n", $at["Rsp"], $at["Rd"], $at["A"], $at["Tt"] }' "$work/rows/ridges.sweep.csv")
+        printf "%.6G %.6G %.6G %.6G %.4G %.4E\n", $at["Rsp"], $at["Rd"], $at["A"], $at["Tt"], $at["layer1.A"], $at["layer1.A_se"] }' "$work/rows/ridges.sweep.csv")
+    wanted="$wanted $(awk '/^A_l/ { getline; print $1; exit }' "$work/rows/ridges-000$row.mco") $(awk '/^se_A_l/ { getline; print $1; exit }' "$work/rows/ridges-000$row.mco")"
     test "$found" = "$wanted" || complain "row $row: $found in the table, $wanted in the file"
     test "$(awk -F, -v row=$row '$1 == row { print $NF }' "$work/rows/ridges.sweep.csv")" = ridges-000$row.mco || complain "the file of row $row"
     rm -r "$work/single"
 done
 test "$(head -1 "$work/rows/ridges.sweep.csv")" = \
-    "row,layer1.mua,boundary0.height,beam.angle,photons,seed,Rsp,Rsp_se,Rd,Rd_se,A,A_se,Tt,Tt_se,lost,file" ||
+    "row,layer1.mua,boundary0.height,beam.angle,photons,seed,Rsp,Rsp_se,Rd,Rd_se,A,A_se,Tt,Tt_se,layer1.A,layer1.A_se,lost,file" ||
     complain "the header: $(head -1 "$work/rows/ridges.sweep.csv")"
 
 # --json: one object a row, with its number.

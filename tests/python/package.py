@@ -63,7 +63,8 @@ class Files(unittest.TestCase):
         data = mc.read(self.mco)
         for name, shape in (("A_l", 2), ("A_z", 5), ("Rd_r", 7), ("Tt_a", 3), ("A_rz", (7, 5)), ("Rd_ra", (7, 3))):
             np.testing.assert_array_equal(data[name].values, np.reshape(numbers_of(self.mco, name, np.prod(shape)), shape), name)
-        np.testing.assert_array_equal(data.Rd_r_se.values, numbers_of(self.mco, "se_Rd_r", 7))
+        for name, count in (("Rd_r", 7), ("A_l", 2)):
+            np.testing.assert_array_equal(data[name + "_se"].values, numbers_of(self.mco, "se_" + name, count))
         self.assertEqual(data.photons, 2000)
         self.assertEqual(data.attrs["seed"], 1)
         np.testing.assert_array_equal(data.layer_n, [1.34, 1.4])

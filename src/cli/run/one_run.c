@@ -64,9 +64,18 @@ static cml_status fill_record(const struct cml_report *report, struct cml_record
     size_t size = 0;
     record->photons = result->photons;
     record->lost = cml_result_lost(result);
+    if (result->grid.num_layers + result->grid.num_bodies <= CML_RECORD_MEDIA) {
+        record->num_layers = result->grid.num_layers;
+        record->num_bodies = result->grid.num_bodies;
+    }
     for (int t = 0; t < CML_NUM_TOTALS; t++) {
         record->value[t] = cml_result_total(result, (enum cml_total)t);
         record->error[t] = cml_result_error(result, (enum cml_total)t);
+    }
+    for (int l = 0; l < record->num_layers + record->num_bodies; l++) {
+        const int medium = l < record->num_layers ? l + 1 : l + 2;
+        record->absorbed[l] = cml_result_absorbed(result, medium);
+        record->absorbed_error[l] = cml_result_absorbed_error(result, medium);
     }
     FILE *out = open_memstream(&record->json, &size);
     return close_json(out, size, out ? cml_report_json(out, report, err) : CML_OK, err);

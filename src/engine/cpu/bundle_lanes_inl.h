@@ -40,13 +40,16 @@ static void cml_load_medium(struct cml_flight *f, int i)
     for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
-/* P11: what the lane's packet has deposited since its gate, or its medium, was another one. A function of its
- * own: inlined, it would cost registers where no time is asked for. */
-__attribute__((noinline, cold)) static void cml_book_gate(struct cml_flight *f, int i, cml_u32 deposited)
+/* What the lane's packet has deposited since its gate (P11), or its medium, was another one: where time is
+ * asked for, or the packet is late. A function of its own: inlined, it would cost registers where neither is
+ * so. */
+__attribute__((noinline, cold)) static void cml_book_rare(struct cml_flight *f, int i, cml_u32 deposited)
 {
     const int gate = f->b->gate[i];
-    f->to.A_t[gate] += deposited;
-    if (f->late & CML_LANE_BIT(i)) f->late_profiles[i][f->profiles.A_t + (size_t)gate] += deposited;
+    if (f->to.A_t) f->to.A_t[gate] += deposited;
+    if (!(f->late & CML_LANE_BIT(i))) return;
+    f->late_profiles[i][f->profiles.A_l + (size_t)f->b->medium[i]] += deposited;
+    if (f->to.A_t) f->late_profiles[i][f->profiles.A_t + (size_t)gate] += deposited;
 }
 
 /* Books what the lane's packet has deposited since it was last called, into its layer's sum, its gate (P11)
@@ -61,7 +64,7 @@ static void cml_flush_deposits(struct cml_flight *f, int i)
     f->tally->A_l[b->medium[i]] += deposited;
     f->absorbed[i] += deposited;
     b->flushed_w[i] = b->w[i];
-    if (f->to.A_t) cml_book_gate(f, i, deposited);
+    if (f->to.A_t || f->late & CML_LANE_BIT(i)) cml_book_rare(f, i, deposited);
 }
 
 /* Photon index of the lane's packet. It is held as two words, so that all columns are 4 bytes wide. */
@@ -169,6 +172,7 @@ static void cml_end_late(const struct cml_flight *f, int i, int at)
     row[CML_TOTAL_SPECULAR] += setup->specular + (fate == CML_FATE_SPECULAR ? w : 0u);
     if (f->tally->detected) cml_tally_detectors(f->world, terminated, at, row + places.detector, NULL);
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
+    row[places.A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];
     if (!up && fate != CML_FATE_TRANSMITTED) return;
     row[up ? CML_TOTAL_REFLECTED : CML_TOTAL_TRANSMITTED] += w;
     row[(up ? places.Rd_r : places.Tt_r) +

@@ -17,6 +17,16 @@ static bool is_of_every_row(const char *name)
     return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
 }
 
+/* What layers and bodies absorb: layer1.A and the like; and what these are as axes. */
+static bool is_of_media(const char *name)
+{
+    const size_t word = strncmp(name, "layer", 5) == 0 ? 5 : strncmp(name, "body", 4) == 0 ? 4 : 0;
+    const char *rest = name + word + strspn(name + word, "0123456789");
+    return strcmp(name, "A_l") == 0 || strcmp(name, "A_l_se") == 0 || strcmp(name, "A_body") == 0 ||
+           strcmp(name, "A_body_se") == 0 ||
+           (word > 0 && (!*rest || strcmp(rest, ".A") == 0 || strcmp(rest, ".A_se") == 0));
+}
+
 bool cml_sweep_is_of_results(const char *name)
 {
     const size_t length = strlen(name);
@@ -26,8 +36,8 @@ bool cml_sweep_is_of_results(const char *name)
         if (strncmp(name, total, own) == 0 && (length == own || strcmp(name + own, "_se") == 0)) return true;
     }
     /* call: a group of the .h5 */
-    return is_of_every_row(name) || strcmp(name, "row") == 0 || strcmp(name, "lost") == 0 ||
-           strcmp(name, "file") == 0 || strcmp(name, "call") == 0;
+    return is_of_every_row(name) || is_of_media(name) || strcmp(name, "row") == 0 ||
+           strcmp(name, "lost") == 0 || strcmp(name, "file") == 0 || strcmp(name, "call") == 0;
 }
 
 /* ---- .csv ---- */
@@ -57,6 +67,11 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
         const char *name = cml_quantities[cml_quantity_of_total(t)].name;
         fprintf(out, ",%s,%s_se", name, name);
     }
+    for (int m = 0; r->num_rows > 0 && m < r->record->num_layers + r->record->num_bodies; m++) {
+        const bool layer = m < r->record->num_layers;
+        const int number = layer ? m + 1 : m - r->record->num_layers + 1;
+        fprintf(out, ",%s%d.A,%s%d.A_se", layer ? "layer" : "body", number, layer ? "layer" : "body", number);
+    }
     fputs(",lost,file\n", out);
 }
 
@@ -71,6 +86,8 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
         }
     fprintf(out, ",%" PRIu64 ",%" PRIu64, record->photons, r->seed[row]);
     for (int t = 0; t < r->num_totals; t++) fprintf(out, ",%.17g,%.17g", record->value[t], record->error[t]);
+    for (int m = 0; m < record->num_layers + record->num_bodies; m++)
+        fprintf(out, ",%.17g,%.17g", record->absorbed[m], record->absorbed_error[m]);
     fprintf(out, ",%" PRIu64 ",", record->lost);
     write_text(out, r->file[row], false);
     fputc('\n', out);
@@ -92,8 +109,8 @@ cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results 
 struct grid {
     const struct cml_sweep_results *results;
     double *value;                        /* [num_rows][num_columns] of the cells */
-    int num_axes, column[CML_FIELD_AXES]; /* of an axis; -1: the row's number */
-    struct cml_axis axis[CML_FIELD_AXES];
+    int num_axes, column[CML_SWEEP_AXES]; /* of an axis; -1: the row's number */
+    struct cml_axis axis[CML_SWEEP_AXES];
     double *places; /* [num_columns][num_rows] of axes */
     int *row;       /* [num_rows] the row at each place of the array */
 };
@@ -125,7 +142,7 @@ static bool find_axes(struct grid *grid)
         double *places = grid->places + (size_t)c * (size_t)r->num_rows;
         const size_t n = find_places(grid, c, places);
         if (n == 1) continue;
-        if (grid->num_axes == CML_FIELD_AXES) return false;
+        if (grid->num_axes == CML_SWEEP_AXES) return false;
         grid->column[grid->num_axes] = c;
         grid->axis[grid->num_axes++] =
             (struct cml_axis){r->name[c], "what was swept", cml_setting_unit(r->name[c]), n, 0, 0, places};
@@ -170,24 +187,34 @@ static void arrange(struct grid *grid)
 struct fields {
     const struct grid *grid;
     struct cml_field *field;
-    double *value; /* [count][num_rows] */
+    double *value, *free; /* of the fields, one behind the other, [num_rows] or [num_rows][n] */
+    struct cml_axis layer, body;
     int count;
 };
 
-/* Returns its values by place, to be filled in. */
-static double *add(struct fields *list, const char *name, const char *long_name, const char *units)
+/* Returns its values by place, to be filled in. last: the fastest axis, NULL: none beside those of the grid.
+ */
+static double *add_over(struct fields *list, const struct cml_axis *last, const char *name,
+                        const char *long_name, const char *units)
 {
     const struct grid *grid = list->grid;
-    struct cml_field *field = &list->field[list->count];
-    double *value = list->value + (size_t)list->count++ * (size_t)grid->results->num_rows;
+    struct cml_field *field = &list->field[list->count++];
+    double *value = list->free;
+    list->free += (size_t)grid->results->num_rows * (last ? last->n : 1);
     snprintf(field->name, sizeof field->name, "%s", name);
     field->long_name = long_name;
     field->units = units;
     field->num_axes = grid->num_axes;
     for (int a = 0; a < grid->num_axes; a++) field->axis[a] = &grid->axis[a];
+    if (last) field->axis[field->num_axes++] = last;
     field->values = cml_field_array_values;
     field->context = value;
     return value;
+}
+
+static double *add(struct fields *list, const char *name, const char *long_name, const char *units)
+{
+    return add_over(list, NULL, name, long_name, units);
 }
 
 static bool is_axis(const struct grid *grid, int column)
@@ -205,17 +232,41 @@ static bool has_axis(const struct grid *grid, const char *name)
     return false;
 }
 
+/* A quantity, and its errors behind it: errors[size of the quantity]. */
+static double *add_with_errors(struct fields *list, const struct cml_axis *last, enum cml_quantity quantity,
+                               double **errors)
+{
+    const struct cml_quantity_info *info = &cml_quantities[quantity];
+    double *value = add_over(list, last, info->name, info->long_name, "1");
+    *errors = add_over(list, last, "", "", "1");
+    struct cml_field *field = &list->field[list->count - 1];
+    cml_quantity_name_errors(field, field - 1);
+    return value;
+}
+
 static void fill_total(struct fields *list, int total)
 {
     const struct grid *grid = list->grid;
-    const struct cml_quantity_info *info = &cml_quantities[cml_quantity_of_total(total)];
-    double *value = add(list, info->name, info->long_name, "1"), *error = add(list, "", "", "1");
-    struct cml_field *errors = &list->field[list->count - 1];
-    cml_quantity_name_errors(errors, errors - 1);
+    double *error, *value = add_with_errors(list, NULL, cml_quantity_of_total(total), &error);
     for (int i = 0; i < grid->results->num_rows; i++) {
         value[i] = grid->results->record[grid->row[i]].value[total];
         error[i] = grid->results->record[grid->row[i]].error[total];
     }
+}
+
+/* Of the layers, or of the bodies, of which the first is medium `first` of a record. */
+static void fill_media(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
+                       size_t first)
+{
+    const struct grid *grid = list->grid;
+    if (axis->n == 0) return;
+    double *error, *value = add_with_errors(list, axis, quantity, &error);
+    for (int i = 0; i < grid->results->num_rows; i++)
+        for (size_t m = 0; m < axis->n; m++) {
+            const struct cml_record *record = &grid->results->record[grid->row[i]];
+            *value++ = record->absorbed[first + m];
+            *error++ = record->absorbed_error[first + m];
+        }
 }
 
 /* What there is of every row beside its totals. */
@@ -251,6 +302,8 @@ static void fill(struct fields *list)
     const struct grid *grid = list->grid;
     const struct cml_sweep_results *r = grid->results;
     for (int t = 0; t < r->num_totals; t++) fill_total(list, t);
+    fill_media(list, &list->layer, CML_QUANTITY_A_l, 0);
+    fill_media(list, &list->body, CML_QUANTITY_A_body, list->layer.n);
     for (int c = 0; c < r->num_columns; c++) {
         if (is_axis(grid, c) || is_of_every_row(r->name[c]) || (r->label[c] && !is_numeric(r, c))) continue;
         double *to = r->label[c] ? add(list, r->name[c], "label", "1")
@@ -285,10 +338,16 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
                               struct cml_error *err)
 {
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
-    const size_t most = 2 * (size_t)results->num_totals + columns + 4;
+    const size_t layers = rows > 0 ? (size_t)results->record->num_layers : 0,
+                 bodies = rows > 0 ? (size_t)results->record->num_bodies : 0,
+                 most = 2 * ((size_t)results->num_totals + 2 + layers + bodies) + columns + 4;
     struct grid grid = {.results = results};
-    struct fields list = {&grid, calloc(most, sizeof *list.field), calloc(most * rows, sizeof *list.value),
-                          0};
+    struct fields list = {.grid = &grid,
+                          .field = calloc(most, sizeof *list.field),
+                          .value = calloc(most * rows, sizeof *list.value),
+                          .layer = cml_quantity_axis(CML_AXIS_layer, layers, 1, 1),
+                          .body = cml_quantity_axis(CML_AXIS_body, bodies, 1, 1)};
+    list.free = list.value;
     grid.value = calloc(rows * columns, sizeof *grid.value);
     grid.places = calloc(rows * columns, sizeof *grid.places);
     grid.row = calloc(rows, sizeof *grid.row);

@@ -26,11 +26,15 @@ struct cml_sweep_results {
 bool cml_sweep_is_of_results(const char *name);
 
 /* A line of names, then a line for each row: row, what was swept, photons, seed, the totals each with its
- * standard error, lost packets, the row's file. Numbers with 17 digits. Atomic; CML_E_IO. */
+ * standard error, what layers and bodies absorb likewise, lost packets, the row's file. Numbers with 17
+ * digits. Atomic; CML_E_IO. */
 CML_NODISCARD cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                              struct cml_error *err);
 
-/* Where the rows are all combinations of the values in their columns, each once, and at most CML_FIELD_AXES
+/* One axis less than fields have: layers and bodies are one, too. */
+#define CML_SWEEP_AXES (CML_FIELD_AXES - 1)
+
+/* Where the rows are all combinations of the values in their columns, each once, and at most CML_SWEEP_AXES
  * columns have more than one value, those columns are the axes, in their order, with values rising. Else
  * there is one axis, row, and all columns are arrays over it. Labels are no axes, and are left out where they
  * are no numbers; / in their names is _. Atomic; CML_E_IO, CML_E_INPUT when memory runs

@@ -116,12 +116,14 @@ static void a_result_has_the_margins_of_its_batches(void **state)
         for (int z = 0; z < 4; z++)
             assert_true(result.A_z[b * 4 + z] ==
                         (cml_u128)tally.A_rz[1 + z] + tally.A_rz[7 + z] + tally.A_rz[13 + z]);
+        for (int m = 0; m < 4; m++) assert_true(result.A_l[b * 4 + m] == tally.A_l[m]);
         cml_tally_free(&tally);
     }
     for (int r = 0; r < 3; r++)
         for (int a = 0; a < 2; a++) assert_true(result.Rd_ra[2 * r + a] == wanted[r][a]);
     assert_true(cml_result_imbalance(&result) == 0);
     assert_true(cml_result_share(&result, CML_BALANCE_ABSORBED) == 0.5);
+    assert_true(cml_result_absorbed(&result, 1) == 0.5 && cml_result_absorbed_error(&result, 1) == 0);
     cml_result_free(&result);
 }
 

@@ -30,7 +30,7 @@ CML_FN int cml_is_in_cone(const struct cml_detector *detector, struct cml_vec u)
     const struct cml_vec a = detector->axis;
     const struct cml_vec cross = {CML_FMA(u.y, a.z, -(u.z * a.y)), CML_FMA(u.z, a.x, -(u.x * a.z)),
                                   CML_FMA(u.x, a.y, -(u.y * a.x))};
-    return (cml_dot(u, a) > 0) & (cml_dot(cross, cross) <= detector->most_sine2);
+    return cml_dot(u, a) > 0 && cml_dot(cross, cross) <= detector->most_sine2;
 }
 
 /* Whether x, y (scene coordinates) lie in the shape. A border belongs to the shape on its upper side, so that

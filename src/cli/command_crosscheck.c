@@ -103,8 +103,8 @@ static json_t *side_json(const struct cml_check_setup *setup, int s, const struc
         const struct cml_check_total *total = &pair->total[t];
         char error[32];
         snprintf(error, sizeof error, "%s_se", name);
-        json_object_set_new(side, name, real_json(cml_result_total(sums, t)));
-        json_object_set_new(side, error, real_json(cml_result_error(sums, t)));
+        json_object_set_new(side, name, real_json(cml_result_total(sums, (enum cml_total)t)));
+        json_object_set_new(side, error, real_json(cml_result_error(sums, (enum cml_total)t)));
         json_object_set_new(differences, name,
                             json_pack("{s:o, s:o, s:o}", "mean", real_json(total->mean), "error",
                                       real_json(total->error), "z", real_json(total->z)));

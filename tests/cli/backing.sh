@@ -18,7 +18,7 @@ mkdir "$work/rows"
 printf 'layer1.mua\n0.5\n2\n' >"$work/table.csv"
 expect_code 0 "$work/b.mci" --sweep "$work/table.csv" -o "$work/rows" --quiet
 test "$(head -1 "$work/rows/b.sweep.csv")" = \
-    "row,layer1.mua,photons,seed,Rsp,Rsp_se,Rd,Rd_se,A,A_se,Tt,Tt_se,A_backing,A_backing_se,lost,file" ||
+    "row,layer1.mua,photons,seed,Rsp,Rsp_se,Rd,Rd_se,A,A_se,Tt,Tt_se,A_backing,A_backing_se,layer1.A,layer1.A_se,lost,file" ||
     complain "the header: $(head -1 "$work/rows/b.sweep.csv")"
 for row in 1 2; do
     for at in 13:A_backing 14:se_A_backing; do

@@ -246,9 +246,9 @@ static double image_bytes(const struct cml_grid *grid, double cells)
  * room there: the text is held once. */
 double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *grid)
 {
-    const double line_of_boundary = 250, line_of_body = 150;
+    const double line_of_boundary = 250, line_of_body = 250;
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
-                         2.0 * grid->na + grid->num_layers + grid->num_bodies;
+                         2.0 * grid->na + 2.0 * (grid->num_layers + grid->num_bodies);
     const double directions = 6.0 * grid->nt * grid->np;                 /* three, with errors */
     const double detected = 2.0 * grid->detectors * (2.0 + grid->gates); /* with errors */
     const double line_of_detector = 250;

@@ -71,12 +71,15 @@ static bool is_quick(const struct cml_scene *scene)
     return true;
 }
 
-/* All of the tally is one batch of the result. */
-static void check_tally(const struct cml_tally *tally)
+/* All of the tally is one batch of the result, whichever batches it was noted for before. */
+static void check_tally(struct cml_tally *tally)
 {
     struct cml_result result;
     struct cml_error err = {CML_OK, ""};
     FUZZ_CHECK(cml_result_create(&tally->grid, PHOTONS, &result, &err) == CML_OK);
+    memset(tally->summed, 0, cml_tally_profile_bins(&tally->grid) * sizeof *tally->summed);
+    tally->late.count = 0;
+    cml_tally_note(tally);
     cml_result_note(&result, 0, tally);
     cml_result_add(&result, tally);
     FUZZ_CHECK(result.summary.count[CML_COUNT_PHOTONS] == PHOTONS);

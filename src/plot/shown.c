@@ -7,50 +7,36 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define CURVE(name_, quantity_, as_, title_, axis_)                                                          \
+    {                                                                                                        \
+        .name = name_, .num_panels = 1, .panel = { {CML_QUANTITY_##quantity_, as_, title_, axis_} }          \
+    }
+#define MAP(name_, quantity_, as_, colours_, polar_)                                                         \
+    {                                                                                                        \
+        .name = name_, .panel = {{CML_QUANTITY_##quantity_, as_, NULL, NULL}}, .map = colours_,              \
+        .polar = polar_                                                                                      \
+    }
+
 /* The first is what is shown without being asked. */
 static const struct cml_shown all[] = {
     {.name = "profiles",
      .num_panels = 2,
      .panel = {{CML_QUANTITY_Rd_r, CML_SHOWN_TIMES_R, "Reflectance", "r·Rd(r)  [1/cm]"},
                {CML_QUANTITY_Tt_r, CML_SHOWN_TIMES_R, "Transmittance", "r·Tt(r)  [1/cm]"}}},
-    {"Rd_r",
-     1,
-     {{CML_QUANTITY_Rd_r, CML_SHOWN_PLAIN, "Reflectance by radius", "Rd(r)  [1/cm²]"}},
-     NULL,
-     false},
-    {"Tt_r",
-     1,
-     {{CML_QUANTITY_Tt_r, CML_SHOWN_PLAIN, "Transmittance by radius", "Tt(r)  [1/cm²]"}},
-     NULL,
-     false},
-    {"Rd_a", 1, {{CML_QUANTITY_Rd_a, CML_SHOWN_PLAIN, "Reflectance by angle", "Rd(α)  [1/sr]"}}, NULL, false},
-    {"Tt_a",
-     1,
-     {{CML_QUANTITY_Tt_a, CML_SHOWN_PLAIN, "Transmittance by angle", "Tt(α)  [1/sr]"}},
-     NULL,
-     false},
-    {"A_z", 1, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, "Absorption by depth", "A(z)  [1/cm]"}}, NULL, false},
-    {"Rd_t", 1, {{CML_QUANTITY_Rd_t, CML_SHOWN_PLAIN, "Reflectance by time", "Rd(t)  [1/ps]"}}, NULL, false},
-    {"Tt_t",
-     1,
-     {{CML_QUANTITY_Tt_t, CML_SHOWN_PLAIN, "Transmittance by time", "Tt(t)  [1/ps]"}},
-     NULL,
-     false},
-    {"A_t", 1, {{CML_QUANTITY_A_t, CML_SHOWN_PLAIN, "Absorption by time", "A(t)  [1/ps]"}}, NULL, false},
-    {"fluence",
-     1,
-     {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"}},
-     NULL,
-     false},
-    {"A_rz", 0, {{CML_QUANTITY_A_z, CML_SHOWN_PLAIN, NULL, NULL}}, "A(r,z)  [1/cm³]", false},
-    {"fluence_rz",
-     0,
-     {{CML_QUANTITY_A_z, CML_SHOWN_OVER_MUA, NULL, NULL}},
-     "φ(r,z) = A(r,z)/μa  [1/cm²]",
-     false},
-    {"Rd_dir", 0, {{CML_QUANTITY_Rd_dir, CML_SHOWN_PLAIN, NULL, NULL}}, "Rd(θ,φ)  [1/sr]", true},
-    {"Tt_dir", 0, {{CML_QUANTITY_Tt_dir, CML_SHOWN_PLAIN, NULL, NULL}}, "Tt(θ,φ)  [1/sr]", true},
-    {"Rsp_dir", 0, {{CML_QUANTITY_Rsp_dir, CML_SHOWN_PLAIN, NULL, NULL}}, "Rsp(θ,φ)  [1/sr]", true},
+    CURVE("Rd_r", Rd_r, CML_SHOWN_PLAIN, "Reflectance by radius", "Rd(r)  [1/cm²]"),
+    CURVE("Tt_r", Tt_r, CML_SHOWN_PLAIN, "Transmittance by radius", "Tt(r)  [1/cm²]"),
+    CURVE("Rd_a", Rd_a, CML_SHOWN_PLAIN, "Reflectance by angle", "Rd(α)  [1/sr]"),
+    CURVE("Tt_a", Tt_a, CML_SHOWN_PLAIN, "Transmittance by angle", "Tt(α)  [1/sr]"),
+    CURVE("A_z", A_z, CML_SHOWN_PLAIN, "Absorption by depth", "A(z)  [1/cm]"),
+    CURVE("Rd_t", Rd_t, CML_SHOWN_PLAIN, "Reflectance by time", "Rd(t)  [1/ps]"),
+    CURVE("Tt_t", Tt_t, CML_SHOWN_PLAIN, "Transmittance by time", "Tt(t)  [1/ps]"),
+    CURVE("A_t", A_t, CML_SHOWN_PLAIN, "Absorption by time", "A(t)  [1/ps]"),
+    CURVE("fluence", A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"),
+    MAP("A_rz", A_z, CML_SHOWN_PLAIN, "A(r,z)  [1/cm³]", false),
+    MAP("fluence_rz", A_z, CML_SHOWN_OVER_MUA, "φ(r,z) = A(r,z)/μa  [1/cm²]", false),
+    MAP("Rd_dir", Rd_dir, CML_SHOWN_PLAIN, "Rd(θ,φ)  [1/sr]", true),
+    MAP("Tt_dir", Tt_dir, CML_SHOWN_PLAIN, "Tt(θ,φ)  [1/sr]", true),
+    MAP("Rsp_dir", Rsp_dir, CML_SHOWN_PLAIN, "Rsp(θ,φ)  [1/sr]", true),
 };
 enum { NUM_SHOWN = sizeof all / sizeof *all };
 

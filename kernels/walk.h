@@ -5,6 +5,7 @@
 #ifndef CML_WALK_H
 #define CML_WALK_H
 
+#include "bins.h"
 #include "lattice.h"
 #include "optics.h"
 #include "rng.h"
@@ -98,39 +99,6 @@ CML_FN void cml_launch(const struct cml_world *world, cml_u64 index, CML_PACKET 
     cml_place(world, index, packet);
     cml_next_flight(world, packet);
     cml_event(world, "launch", packet);
-}
-
-/* P7: radial bin of a position; nr beyond the last one. */
-CML_FN int cml_radial_bin(const struct cml_setup *setup, real x, real y)
-{
-    const real sx = x + setup->r0_x, sy = y + setup->r0_y, last = (real)setup->nr;
-    const real bin = CML_SQRT(CML_FMA(sx, sx, sy * sy)) * setup->per_dr;
-    return (int)(bin < last ? bin : last);
-}
-
-/* P7: depth bin counted from 1; 0 above the scene's z = 0, nz + 1 below the last one. bins: of the medium. */
-CML_FN int cml_depth_bin(const struct cml_setup *setup, real z, real bins)
-{
-    const real bin = CML_FMA(z, setup->per_dz, bins), last = (real)setup->nz;
-    const real below = bin >= 0 ? bin : (real)-1;
-    return (int)(below < last ? below : last) + 1;
-}
-
-/* Whether a coordinate in units of bins lies in 0..n, NaN not. */
-CML_FN int cml_in_bins(real bin, int n)
-{
-    return (bin >= 0) & (bin < (real)n);
-}
-
-/* Pixel of the map; nx * ny outside of it. */
-CML_FN cml_u64 cml_map_pixel(const struct cml_setup *setup, real x, real y)
-{
-    const struct cml_map *map = &setup->map;
-    const real ix = CML_FMA(x + setup->x0, map->per_dx, map->half_x),
-               iy = CML_FMA(y + setup->y0, map->per_dy, map->half_y);
-    const cml_u64 pixels = (cml_u64)map->nx * (cml_u64)map->ny;
-    const int inside = cml_in_bins(ix, map->nx) & cml_in_bins(iy, map->ny);
-    return inside ? (cml_u64)iy * (cml_u64)map->nx + (cml_u64)ix : pixels;
 }
 
 /* Into the voxel at p; nx * ny * nz outside of the volume. bins: of the medium. */
@@ -351,14 +319,6 @@ CML_FN void cml_turn_back(const struct cml_world *world, CML_PACKET struct cml_p
     packet->backing += dw;
     packet->w -= dw;
     if (packet->w == 0) cml_end_packet(packet, CML_FATE_ABSORBED);
-}
-
-/* P7: bin of the angle between the packet's direction and the outward vertical, 0..pi/2. */
-CML_FN int cml_angle_bin(const struct cml_setup *setup, real uz)
-{
-    const real size = CML_FABS(uz), bin = cml_acos(size < 1 ? size : (real)1) * setup->per_da;
-    const int ia = (int)bin;
-    return ia < setup->na ? ia : setup->na - 1;
 }
 
 CML_FN void cml_score_exit(CML_PACKET struct cml_packet *packet)

@@ -79,7 +79,7 @@ CML_FN void cml_add_to_cell(const struct cml_deposits *to, int cell, cml_u32 dw)
     cml_add(to, to->windows->absorbed, (cml_u32)cell, dw);
 }
 
-/* Of neither does a device keep any: the host refuses scenes that ask for them. */
+/* Of none of these does a device keep any: the host refuses scenes that ask for them. */
 CML_FN int cml_has_volume(const struct cml_deposits *to)
 {
     (void)to;
@@ -91,6 +91,11 @@ CML_FN int cml_has_facets(const struct cml_deposits *to)
     (void)to;
     return 0;
 }
+
+#define cml_mark_first(world, to, packet) ((void)0)
+#define cml_mark_path(world, to, packet, from, t) ((void)(from), (void)(t))
+#define cml_mark_interaction(world, to, packet, from, t) ((void)(from), (void)(t))
+#define cml_mark_last(world, to, packet) ((void)0)
 
 CML_FN void cml_add_to_voxel(const struct cml_deposits *to, cml_u64 voxel, cml_u32 dw)
 {

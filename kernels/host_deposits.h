@@ -12,6 +12,8 @@
  * ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. */
 struct cml_deposits {
     cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets;
+    cml_u64 *phi;        /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
+    int phi_is_shared;   /* by all threads */
     cml_u64 *specular;   /* one thread's sum */
     cml_u64 *upright[2]; /* all threads' sum of it, which goes straight up (P7), and of squares; or NULL */
 };
@@ -30,6 +32,19 @@ CML_FN int cml_has_volume(const struct cml_deposits *to)
 CML_FN int cml_has_facets(const struct cml_deposits *to)
 {
     return to->facets != 0;
+}
+
+CML_FN int cml_has_marks(const struct cml_deposits *to)
+{
+    return to->phi != 0;
+}
+
+CML_FN void cml_add_mark(const struct cml_deposits *to, cml_u32 cell, cml_u64 w)
+{
+    if (to->phi_is_shared)
+        cml_add_shared(&to->phi[cell], w);
+    else
+        to->phi[cell] += w;
 }
 
 CML_FN void cml_add_to_layer(const struct cml_deposits *to, int medium, cml_u32 dw)

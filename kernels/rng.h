@@ -21,6 +21,8 @@ enum cml_purpose {
     CML_PURPOSE_SHIFT,   /* of a batch, not of a photon: shifts of the lattice (lattice.h) */
     CML_PURPOSE_BACKING, /* event c, counted among those of CML_PURPOSE_BOUNDARY: [0] [3] what a backing
                             keeps, [1] [2] the direction from it */
+    CML_PURPOSE_MARK,    /* event 0: [0] place of the first mark (marks.h); event 1 + e: [0] which marks of a
+                            long    flight count, e interactions and boundary events before it */
 };
 
 struct cml_block {

@@ -271,7 +271,7 @@ CML_FN cml_u32 cml_device_event(const struct cml_world *world, const struct cml_
         cml_score_boundary_event(world, to, packet, &hit);
         f->lanes.w[i] = f->lanes.flushed_w[i] = packet->w; /* of which a backing keeps a part */
     } else if (!(t < CML_INFINITY)) {
-        cml_leave_scene(world, packet);
+        cml_leave_scene(world, to, packet);
     } else if (cml_leaked(world, packet->medium, cml_along(packet->p, t, packet->u).z)) {
         cml_lose_packet(packet, CML_LOST_LEAKED);
     } else {

@@ -147,6 +147,12 @@ struct cml_detection {
 };
 #endif
 
+/* Fluence (P14). */
+struct cml_marks {
+    real spacing, per_spacing; /* of marks along paths, cm, 1/cm */
+    cml_u32 cells;             /* of a batch */
+};
+
 /* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
  * in the frame of its layer: lowest <= z <= highest everywhere. */
 struct cml_surface {
@@ -273,6 +279,7 @@ struct cml_setup {
     struct cml_map map;
     struct cml_gates gates;
     struct cml_direction_bins directions;
+    struct cml_marks marks;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
     struct cml_backing backing;
     /* launch */
@@ -299,9 +306,8 @@ struct cml_packet {
     int entered;        /* has been in the material */
     int fate, cause;
     real exit_x, exit_y; /* where the packet touched the surface last, seen from outside */
-#ifndef __OPENCL_VERSION__
-    real path; /* n times length, cm, up to where it is (P11); below 0: its clock has not started */
-#endif
+    real path;           /* n times length, cm, up to where it is (P11); below 0: its clock has not started */
+    real mark;           /* cm to the next mark ahead (P14); of neither does a device keep account */
     /* terms of this packet in the weight balance, in weight units */
     cml_u64 gained, roulette, absorbed, backing;
     cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */

@@ -17,6 +17,7 @@
 #include "device_deposits.h"
 #else
 #include "host_deposits.h"
+#include "marks.h"
 #endif
 
 /* P2: the block of the next interaction and the optical depth to it. A device draws for many packets together
@@ -186,8 +187,9 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
                          CML_PACKET struct cml_packet *packet, real t)
 {
     const CML_GLOBAL struct cml_medium *medium = &world->media[packet->medium];
+    const struct cml_vec from = packet->p;
     cml_count_path(world, packet, t);
-    packet->p = cml_along(packet->p, t, packet->u);
+    packet->p = cml_along(from, t, packet->u);
     packet->on_boundary = packet->near_boundary - 1;
     if (packet->near_boundary) packet->on_primitive = CML_NEAR_FACETS;
     packet->bounces = 0;
@@ -196,6 +198,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
         return;
     }
     CML_ASSERT(cml_is_in_layer(world, packet->medium, packet->p, t * packet->u.z));
+    cml_mark_interaction(world, to, packet, from, t);
     const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[1], packet->draw.w[2]);
     CML_ASSERT(dw <= packet->w && packet->w <= CML_WEIGHT_ONE);
     packet->w -= dw;
@@ -425,13 +428,15 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* cml_boundary_event, scored where facets are asked for. */
+/* cml_boundary_event, scored where fluence or facets are asked for. */
 CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
                                      CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {
     const int from = packet->medium;
     const cml_u32 arriving = packet->w;
+    cml_mark_path(world, to, packet, packet->p, hit->t);
     cml_boundary_event(world, packet, hit);
+    cml_mark_last(world, to, packet);
     if (cml_has_facets(to))
         cml_score_facet(world, to, hit->boundary, hit->primitive, packet->p.x, packet->p.y, from,
                         packet->medium, arriving, packet->w);
@@ -440,7 +445,8 @@ CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct
 /* P9: no boundary ahead and no interaction: right only outside the material, or on a path parallel to
  * everything.
  */
-CML_FN void cml_leave_scene(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
+CML_FN void cml_leave_scene(const struct cml_world *world, const struct cml_deposits *to,
+                            CML_PACKET struct cml_packet *packet)
 {
     const real away = packet->medium == 0 ? -packet->u.z : packet->u.z;
     const int outside = cml_is_outer(world, packet->medium);
@@ -452,6 +458,7 @@ CML_FN void cml_leave_scene(const struct cml_world *world, CML_PACKET struct cml
         cml_end_packet(packet, CML_FATE_TRAPPED);
     else
         cml_lose_packet(packet, CML_LOST_NO_SURFACE);
+    cml_mark_last(world, to, packet);
 }
 
 /* One event of a packet that is alive: a boundary, an interaction, or the end of its flight. */
@@ -468,7 +475,7 @@ CML_FN void cml_step(const struct cml_world *world, const struct cml_deposits *t
     else if (t_max < CML_INFINITY)
         cml_interact(world, to, packet, t_max);
     else
-        cml_leave_scene(world, packet);
+        cml_leave_scene(world, to, packet);
 }
 
 CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_deposits *to, cml_u64 index,
@@ -477,6 +484,7 @@ CML_FN void cml_begin_walk(const struct cml_world *world, const struct cml_depos
     cml_launch(world, index, packet);
     if (world->setup.num_sources > 1) cml_add_specular(to, cml_split_off(world, index));
     if (cml_has_facets(to)) cml_score_launch(world, to, packet);
+    cml_mark_first(world, to, packet);
 }
 
 /* The whole life of packet `index`. On return packet->fate is never CML_FATE_ALIVE. */

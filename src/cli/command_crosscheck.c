@@ -227,6 +227,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
     bare.time = (struct cml_time_def){0};
     bare.directions = (struct cml_directions_def){0};
     bare.num_detectors = 0;
+    bare.fluence = (struct cml_fluence_def){0};
     const struct cml_scene *scene = &bare;
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;

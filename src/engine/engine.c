@@ -5,6 +5,7 @@
 #include "surface/surface_facets.h"
 #include "types.h"
 
+#include <math.h>
 #include <pthread.h>
 
 /* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other ones than its
@@ -20,6 +21,7 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .num_bodies = scene->num_bodies,
                             .absorption = options->absorption,
                             .gates = scene->time.gates,
+                            .marks = scene->fluence.line ? fmin(scene->dr, scene->dz) : 0,
                             .nt = scene->directions.nt,
                             .np = scene->directions.np,
                             .nx = map->nx,

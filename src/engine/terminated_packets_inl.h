@@ -315,6 +315,8 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
                                     .A_t = tally->A_t,
                                     .A_xyz = tally->A_xyz,
                                     .facets = tally->facets,
+                                    .phi = tally->phi,
+                                    .phi_is_shared = !(tally->grid.marks > 0),
                                     .specular = &tally->balance[CML_BALANCE_SPECULAR],
                                     .upright = {tally->Rsp_dir, squares}};
     return to;

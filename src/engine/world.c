@@ -333,6 +333,13 @@ static void set_directions(const struct cml_directions_def *def, struct cml_dire
     bins->per_dp = (real)(def->np / 6.283185307179586);
 }
 
+static void set_marks(const struct cml_grid *grid, struct cml_marks *marks)
+{
+    marks->spacing = (real)grid->marks;
+    marks->per_spacing = grid->marks > 0 ? (real)(1 / grid->marks) : 0;
+    marks->cells = ((cml_u32)grid->nr + 1) * ((cml_u32)grid->nz + 2);
+}
+
 /* What R keeps is 1 - R, to the last bit of a weight: all of it or nothing at both ends. */
 static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
 {
@@ -380,6 +387,8 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);
+    const struct cml_grid grid = cml_engine_grid(scene, NULL, options);
+    set_marks(&grid, &setup->marks);
     setup->x0 = (real)scene->beams[0].x;
     setup->y0 = (real)scene->beams[0].y;
     setup->r0_x = scene->beams[0].radial ? 0 : setup->x0;

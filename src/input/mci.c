@@ -25,7 +25,7 @@
 /* Where the reader stands decides which of our own lines may come before the next data line. */
 enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
-    STAGE_RUN,   /* beam, map, facets, time, directions, detector */
+    STAGE_RUN,   /* beam, map, facets, time, directions, fluence, detector */
     STAGE_ABOVE, /* none */
     STAGE_LAYERS /* b, m, behind the first layer i and phase, behind the last one backing */
 };
@@ -34,7 +34,7 @@ enum stage {
 static bool is_of_run(enum cml_mci_kind kind)
 {
     return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS || kind == CML_MCI_TIME ||
-           kind == CML_MCI_DIRECTIONS || kind == CML_MCI_DETECTOR;
+           kind == CML_MCI_DIRECTIONS || kind == CML_MCI_FLUENCE || kind == CML_MCI_DETECTOR;
 }
 
 /* A line of ours where it cannot stand: says where it can. */
@@ -46,11 +46,13 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
                        : kind == CML_MCI_TIME       ? "time"
                        : kind == CML_MCI_DIRECTIONS ? "directions"
                        : kind == CML_MCI_DETECTOR   ? "detector"
+                       : kind == CML_MCI_FLUENCE    ? "fluence"
                                                     : "facets";
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
-        snprintf(expected, sizeof expected,
-                 "b, m, i, phase, backing, beam, map, facets, time, directions or detector behind #@");
+        snprintf(
+            expected, sizeof expected,
+            "b, m, i, phase, backing, beam, map, facets, time, directions, fluence or detector behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
@@ -86,6 +88,7 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
     if (kind == CML_MCI_BEAM) return cml_mci_beam(reader, scene);
     if (kind == CML_MCI_DETECTOR) return cml_mci_detector(reader, scene);
     if (kind == CML_MCI_DIRECTIONS) return cml_mci_directions(reader, &scene->directions);
+    if (kind == CML_MCI_FLUENCE) return cml_mci_fluence(reader, &scene->fluence);
     if (kind == CML_MCI_TIME) return cml_mci_time(reader, &scene->time);
     return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
 }
@@ -325,6 +328,7 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     CML_TRY(read_head(reader, scene));
     CML_TRY(read_layers(reader, scene));
     CML_TRY(cml_mci_check_map(reader, scene));
+    CML_TRY(cml_mci_check_fluence(reader, scene));
     if (!reader->options->known) CML_TRY(cml_scene_place_bodies(scene, reader->err));
     CML_TRY(cml_mci_end_beams(reader, scene));
     CML_TRY(cml_mci_end_detectors(reader, scene));

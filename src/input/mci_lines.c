@@ -87,6 +87,7 @@ static const struct {
                {"backing", CML_MCI_BACKING},
                {"time", CML_MCI_TIME},
                {"directions", CML_MCI_DIRECTIONS},
+               {"fluence", CML_MCI_FLUENCE},
                {"detector", CML_MCI_DETECTOR}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
@@ -136,7 +137,7 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
                       ((kind == CML_MCI_MAP || kind == CML_MCI_TIME || kind == CML_MCI_BACKING ||
                         kind == CML_MCI_DIRECTIONS) &&
                        number) ||
-                      (kind == CML_MCI_FACETS && *behind == '\0') ||
+                      ((kind == CML_MCI_FACETS || kind == CML_MCI_FLUENCE) && *behind == '\0') ||
                       (kind == CML_MCI_BEAM && begins_with(behind, sources)) ||
                       (kind == CML_MCI_DETECTOR && begins_with(behind, seen));
     if (ours)

@@ -1,4 +1,4 @@
-/* Lines map, facets, time and directions. SPDX-License-Identifier: MIT */
+/* Lines map, facets, time, directions and fluence. SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
 #include "boundary.h"
@@ -60,14 +60,39 @@ cml_status cml_mci_map(struct cml_mci_reader *reader, struct cml_map_def *map)
     }
 }
 
+/* A line that is nothing but its keyword. */
+static cml_status end_line(struct cml_mci_reader *reader, const char *field)
+{
+    cml_mci_cut_comment(reader->cursor);
+    const char *word = cml_text_word(&reader->cursor);
+    return word ? cml_mci_fail(reader, field, word, "the end of the line or a # comment") : CML_OK;
+}
+
 cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *facets)
 {
     if (*facets) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one facets line per run");
     *facets = true;
-    cml_mci_cut_comment(reader->cursor);
-    const char *word = cml_text_word(&reader->cursor);
-    if (!word) return CML_OK;
-    return cml_mci_fail(reader, "text after facets", word, "the end of the line or a # comment");
+    return end_line(reader, "text after facets");
+}
+
+cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_fluence_def *fluence)
+{
+    if (fluence->line) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one fluence line per run");
+    fluence->line = reader->text.line;
+    return end_line(reader, "text after fluence");
+}
+
+/* Every batch has a fluence of its own, and bins beyond the grid; all are counted in 32 bits
+ * (kernels/marks.h).
+ */
+cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    const double bins = (scene->nr + 1.0) * (scene->nz + 2.0), most = 67108863;
+    if (!scene->fluence.line || bins <= most) return CML_OK;
+    char value[64];
+    snprintf(value, sizeof value, "%d %d", scene->nz, scene->nr);
+    return cml_fail_field(reader->err, scene->file, scene->fluence.line, "fluence: nz nr", value,
+                          "at most 67108863 bins, (nz + 2) times (nr + 1)");
 }
 
 /* As many gates as every batch can have without asking. */

@@ -1,5 +1,5 @@
-/* The lines of .mci files that ask for more than original MCML tallies: map, facets, time and
- * directions.
+/* The lines of .mci files that ask for more than original MCML tallies: map, facets, time,
+ * directions and fluence.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_MAP_H
 #define CML_MCI_MAP_H
@@ -15,6 +15,13 @@ CML_NODISCARD cml_status cml_mci_facets(struct cml_mci_reader *reader, bool *fac
 
 /* Reads the current line "time T1 N", cursor behind the keyword. */
 CML_NODISCARD cml_status cml_mci_time(struct cml_mci_reader *reader, struct cml_time_def *time);
+
+/* Reads the current line "fluence". */
+CML_NODISCARD cml_status cml_mci_fluence(struct cml_mci_reader *reader, struct cml_fluence_def *fluence);
+
+/* When the run's grid is known: refuses a fluence of too many bins. */
+CML_NODISCARD cml_status cml_mci_check_fluence(const struct cml_mci_reader *reader,
+                                               const struct cml_scene *scene);
 
 /* Reads the current line "directions NT NP", cursor behind the keyword. */
 CML_NODISCARD cml_status cml_mci_directions(struct cml_mci_reader *reader,

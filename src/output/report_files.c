@@ -249,12 +249,13 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *gr
     const double line_of_boundary = 250, line_of_body = 250;
     const double cells = (double)grid->nr * grid->nz + 2.0 * grid->nr * grid->na + grid->nz + 2.0 * grid->nr +
                          2.0 * grid->na + 2.0 * (grid->num_layers + grid->num_bodies);
-    const double directions = 6.0 * grid->nt * grid->np;                 /* three, with errors */
-    const double detected = 2.0 * grid->detectors * (2.0 + grid->gates); /* with errors */
+    const double asked = 6.0 * grid->nt * grid->np + /* three of directions, with errors */
+                         2.0 * grid->detectors * (2.0 + grid->gates) +
+                         (grid->marks > 0 ? 2.0 * (grid->nr + 1.0) * grid->nz : 0);
     const double line_of_detector = 250;
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies +
                              line_of_detector * grid->detectors);
     const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
-    return (cells + directions + detected) * sizeof(double) + text + 8.0 * 1048576 +
-           (image ? image_bytes(grid, cells + directions / 2 + detected / 2) : 0);
+    return (cells + asked) * sizeof(double) + text + 8.0 * 1048576 +
+           (image ? image_bytes(grid, cells + asked / 2) : 0);
 }

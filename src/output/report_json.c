@@ -370,6 +370,7 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                   scene->nz, "nr", scene->nr, "na", scene->na));
     json_object_set_new(object, "map", map_json(&scene->map));
     json_object_set_new(object, "facets", json_boolean(scene->facets));
+    if (scene->fluence.line) json_object_set_new(object, "fluence", json_true());
     if (scene->directions.nt > 0)
         json_object_set_new(object, "directions",
                             json_pack("{s:i, s:i}", "nt", scene->directions.nt, "np", scene->directions.np));

@@ -130,12 +130,19 @@ static void join(struct group *group, const struct group *next)
     group->rounding += next->rounding;
 }
 
+/* A packet leaves something in many bins of these, and does not score at most 1 in fluence. */
+static bool is_deep(enum cml_quantity which)
+{
+    return which == CML_QUANTITY_A_z || cml_quantity_is_fluence(which);
+}
+
 /* Variance of one packet's score from the file's own errors. */
 static double own_variance(const struct quantity *q, const struct group *group, int k)
 {
     const double n = q->packets[k];
-    if (q->which != CML_QUANTITY_A_z || group->first == group->last) return n * group->squares[k];
-    return fmin(n * group->linear[k] * group->linear[k], group->mean[k]);
+    if (!is_deep(q->which) || group->first == group->last) return n * group->squares[k];
+    const double most = n * group->linear[k] * group->linear[k];
+    return q->which == CML_QUANTITY_A_z ? fmin(most, group->mean[k]) : most;
 }
 
 /* Packets of the mean weight that `n` launched ones leave in a group of this mean, when one launched packet's
@@ -230,11 +237,12 @@ static struct cml_compare_test test_group(const struct quantity *q, const struct
 {
     const struct spread spread = spread_of(q, group);
     const double width = cml_outcome_width(q->outcome[0], q->which), z = deviate(group, &spread);
+    const int row = q->which == CML_QUANTITY_phi_rz ? q->outcome[0]->nz : 1; /* bins of a radius */
     struct cml_compare_test test = {.quantity = q->which,
                                     .first = group->first,
                                     .last = group->last,
-                                    .lower = group->first * width,
-                                    .upper = (group->last + 1) * width,
+                                    .lower = group->first / row * width,
+                                    .upper = (group->last / row + 1) * width,
                                     .z = z,
                                     .p = cml_two_sided(z)};
     memcpy(test.key, q->key, sizeof test.key);

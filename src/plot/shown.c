@@ -31,9 +31,11 @@ static const struct cml_shown all[] = {
     CURVE("Rd_t", Rd_t, CML_SHOWN_PLAIN, "Reflectance by time", "Rd(t)  [1/ps]"),
     CURVE("Tt_t", Tt_t, CML_SHOWN_PLAIN, "Transmittance by time", "Tt(t)  [1/ps]"),
     CURVE("A_t", A_t, CML_SHOWN_PLAIN, "Absorption by time", "A(t)  [1/ps]"),
+    CURVE("phi_z", phi_z, CML_SHOWN_PLAIN, "Fluence by depth", "φ(z)  [-]"),
     CURVE("fluence", A_z, CML_SHOWN_OVER_MUA, "Fluence by depth", "φ(z) = A(z)/μa  [-]"),
-    MAP("A_rz", A_z, CML_SHOWN_PLAIN, "A(r,z)  [1/cm³]", false),
-    MAP("fluence_rz", A_z, CML_SHOWN_OVER_MUA, "φ(r,z) = A(r,z)/μa  [1/cm²]", false),
+    MAP("A_rz", A_rz, CML_SHOWN_PLAIN, "A(r,z)  [1/cm³]", false),
+    MAP("phi_rz", phi_rz, CML_SHOWN_PLAIN, "φ(r,z)  [1/cm²]", false),
+    MAP("fluence_rz", A_rz, CML_SHOWN_OVER_MUA, "φ(r,z) = A(r,z)/μa  [1/cm²]", false),
     MAP("Rd_dir", Rd_dir, CML_SHOWN_PLAIN, "Rd(θ,φ)  [1/sr]", true),
     MAP("Tt_dir", Tt_dir, CML_SHOWN_PLAIN, "Tt(θ,φ)  [1/sr]", true),
     MAP("Rsp_dir", Rsp_dir, CML_SHOWN_PLAIN, "Rsp(θ,φ)  [1/sr]", true),
@@ -64,19 +66,24 @@ static bool is_time(const struct cml_shown_panel *panel)
     return cml_quantities[panel->quantity].axis[0] == CML_AXIS_gate;
 }
 
+static bool is_depth(const struct cml_shown_panel *panel)
+{
+    return cml_quantities[panel->quantity].axis[0] == CML_AXIS_z;
+}
+
 const char *cml_shown_axis(const struct cml_shown_panel *panel)
 {
-    if (panel->quantity == CML_QUANTITY_A_z) return "depth z [cm]";
+    if (is_depth(panel)) return "depth z [cm]";
     if (is_time(panel)) return "time t [ps]";
     return is_angle(panel) ? "angle α from the vertical [rad]" : "radius r [cm]";
 }
 
 struct cml_curve_columns cml_shown_columns(const struct cml_shown_panel *panel)
 {
-    const char *place = panel->quantity == CML_QUANTITY_A_z ? "z_mid_cm"
-                        : is_angle(panel)                   ? "alpha_mid_rad"
-                        : is_time(panel)                    ? "t_mid_ps"
-                                                            : "r_mid_cm";
+    const char *place = is_depth(panel)   ? "z_mid_cm"
+                        : is_angle(panel) ? "alpha_mid_rad"
+                        : is_time(panel)  ? "t_mid_ps"
+                                          : "r_mid_cm";
     const bool fluence = panel->as == CML_SHOWN_OVER_MUA;
     return (struct cml_curve_columns){fluence ? "fluence" : cml_quantities[panel->quantity].name, place};
 }
@@ -117,10 +124,14 @@ static double end_of(const struct cml_curve *curve, double width, bool whole)
     return fmin(last + 2, curve->n + !whole) * width;
 }
 
-/* Or what is left of it. */
-static cml_status fail_missing(const struct cml_outcome *o, const char *path, enum cml_quantity quantity,
-                               const char *line, struct cml_error *err)
+/* What only some scenes ask for may not be there, or what is left of it. */
+static cml_status check_there(const struct cml_outcome *o, const char *path, enum cml_quantity quantity,
+                              struct cml_error *err)
 {
+    const char *line = cml_quantity_is_fluence(quantity)                    ? "fluence"
+                       : cml_quantities[quantity].axis[0] == CML_AXIS_theta ? "directions"
+                                                                            : "time";
+    if (o->value[quantity]) return CML_OK;
     if (o->damage) return cml_fail(err, CML_E_INPUT, "%s", o->damage);
     return cml_fail(err, CML_E_INPUT, "%s: no %s (expected the result of a scene with a %s line)", path,
                     cml_quantities[quantity].name, line);
@@ -135,7 +146,7 @@ cml_status cml_shown_curve(const struct cml_outcome *o, const char *path, const 
     const int bins = (int)cml_outcome_size(o, panel->quantity);
     double *mua;
     *curve = (struct cml_curve){0};
-    if (!values) return fail_missing(o, path, panel->quantity, "time", err);
+    CML_TRY(check_there(o, path, panel->quantity, err));
     CML_TRY(find_absorption(o, path, panel->as, false, &mua, err));
     const cml_status status = cml_curve_create(bins, true, curve, err);
     if (status != CML_OK) {
@@ -186,7 +197,7 @@ static cml_status polar_map(const struct cml_outcome *o, const char *path, enum 
 {
     const size_t n = 720;
     const double most = 1e30, quarter = 90, spacing = 2 * quarter / (double)n;
-    if (!o->value[quantity]) return fail_missing(o, path, quantity, "directions", err);
+    CML_TRY(check_there(o, path, quantity, err));
     *map = (struct cml_pixels){.n = {n, n}, .origin = {-quarter, -quarter}, .spacing = {spacing, spacing}};
     map->value = malloc(n * n * sizeof *map->value);
     if (!map->value) return cml_fail_memory(err, (double)(n * n * sizeof *map->value), "a map");
@@ -209,6 +220,7 @@ cml_status cml_shown_map(const struct cml_outcome *o, const char *path, const st
     if (o->nr < 2 || o->nz < 2)
         return cml_fail(err, CML_E_INPUT, "%s: nz, nr = %d %d (expected 2 or more of each for a map)", path,
                         o->nz, o->nr);
+    CML_TRY(check_there(o, path, shown->panel[0].quantity, err));
     CML_TRY(find_absorption(o, path, shown->panel[0].as, true, &mua, err));
     const size_t nr = (size_t)o->nr - 1, nz = (size_t)o->nz - 1;
     *map = (struct cml_pixels){.n = {nr, nz}, .spacing = {o->dr, o->dz}};
@@ -217,7 +229,7 @@ cml_status cml_shown_map(const struct cml_outcome *o, const char *path, const st
         for (size_t ir = 0; ir < nr; ir++)
             map->value[iz * nr + ir] =
                 (float)(over(mua, iz * (nr + 1) + ir) *
-                        fmin(o->value[CML_QUANTITY_A_rz][ir * (size_t)o->nz + iz], most));
+                        fmin(o->value[shown->panel[0].quantity][ir * (size_t)o->nz + iz], most));
     free(mua);
     return map->value ? CML_OK : cml_fail_memory(err, (double)(nr * nz * sizeof *map->value), "a map");
 }

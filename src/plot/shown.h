@@ -1,7 +1,7 @@
 /* What `plot --of` can show of a result: curves over r, z or the angle, and maps over (r, z) or directions.
- * Fluence is absorbed weight per volume over the absorption coefficient of the layer (MCML manual, eqs 4.27
- * and 4.28), per launched packet: [-] over z, 1/cm2 over (r, z). A bin that two media share has none.
- * SPDX-License-Identifier: MIT */
+ * Fluence without a fluence line is absorbed weight per volume over the absorption coefficient of the layer
+ * (MCML manual, eqs 4.27 and 4.28), per launched packet: [-] over z, 1/cm2 over (r, z). A bin that two media
+ * share has none. SPDX-License-Identifier: MIT */
 #ifndef CML_SHOWN_H
 #define CML_SHOWN_H
 

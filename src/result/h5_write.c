@@ -36,7 +36,7 @@ static bool is_written(const struct cml_outcome *o, enum cml_quantity quantity)
     const struct cml_quantity_info *info = &cml_quantities[quantity];
     const bool deep = info->axis[0] == CML_AXIS_z || info->axis[1] == CML_AXIS_z;
     return (info->where & CML_IN_H5) && o->value[quantity] &&
-           !(deep && o->provenance.value[CML_DECIDES_absorption] == 0);
+           !(deep && !cml_quantity_is_fluence(quantity) && o->provenance.value[CML_DECIDES_absorption] == 0);
 }
 
 static void add_part(struct fields *f, const struct cml_outcome *o, enum cml_quantity quantity, int part)

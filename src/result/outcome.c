@@ -267,7 +267,8 @@ static double density(const struct cml_outcome *o, enum cml_quantity quantity, s
     return over_depth ? sum * per_photon / measure : sum * (per_photon / measure);
 }
 
-/* Sums by medium begin with the one above; media outside absorb nothing. */
+/* Sums by medium begin with the one above; media outside absorb nothing. Fluence is of weight times length
+ * (P14). */
 static cml_status take_batches(struct cml_outcome *o, const struct cml_result *sums,
                                enum cml_quantity quantity, struct cml_error *err)
 {
@@ -278,14 +279,15 @@ static cml_status take_batches(struct cml_outcome *o, const struct cml_result *s
                       : info->estimator == CML_FROM_BODIES ? o->num_layers + 2
                                                            : 0,
               n = first > 0 ? (int)cml_grid_media(&sums->grid) : size;
+    const double length = cml_quantity_is_fluence(quantity) ? sums->grid.marks : 1;
     if (!batches || size == 0) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     CML_TRY(cml_outcome_add(o, quantity, true, err));
     for (int i = 0; i < size; i++) {
         const size_t bin = (size_t)i;
-        o->value[quantity][i] = density(o, quantity, bin, cml_result_bin_sum(batches, n, first + i));
-        o->error[quantity][i] =
-            cml_result_bin_error(sums, batches, n, first + i) / cml_outcome_measure(o, quantity, bin);
+        o->value[quantity][i] = density(o, quantity, bin, length * cml_result_bin_sum(batches, n, first + i));
+        o->error[quantity][i] = length * cml_result_bin_error(sums, batches, n, first + i) /
+                                cml_outcome_measure(o, quantity, bin);
     }
     return CML_OK;
 }

@@ -100,6 +100,8 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Tt_t_later, "1", BATCHES, IN(Tt_t_later), NUMBER, MCO | H5 | JSON, "transmittance later than all gates", NULL) \
     Q(A_t, "1/ps", BATCHES, IN(A_t), OVER1(gate), MCO | H5, "absorption by time", NULL) \
     Q(A_t_later, "1", BATCHES, IN(A_t_later), NUMBER, MCO | H5 | JSON, "absorption later than all gates", NULL) \
+    Q(phi_z, "1", BATCHES, IN(phi_z), OVER1(z), MCO | H5, "fluence by depth, over all radii", NULL) \
+    Q(phi_rz, "1/cm2", BATCHES, IN(phi_rz), OVER2(r, z), MCO | H5, "fluence by radius and depth", NULL) \
     Q(Rd_dir, "1/sr", ONCE, IN(Rd_dir), OVER2(theta, phi), MCO | H5, "diffuse reflectance by direction", NULL) \
     Q(Tt_dir, "1/sr", ONCE, IN(Tt_dir), OVER2(theta, phi), MCO | H5, "transmittance by direction", NULL) \
     Q(Rsp_dir, "1/sr", ONCE, IN(Rsp_dir), OVER2(theta, phi), MCO | H5, "specular reflectance by direction", NULL) \
@@ -171,6 +173,11 @@ static inline bool cml_quantity_is_total(enum cml_quantity quantity)
 static inline bool cml_quantity_is_radial(enum cml_quantity quantity)
 {
     return cml_quantities[quantity].axis[0] == CML_AXIS_r;
+}
+
+static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
+{
+    return quantity == CML_QUANTITY_phi_z || quantity == CML_QUANTITY_phi_rz;
 }
 
 /* There is one of it for each detector, under the name of that (cml_outcome_key). */

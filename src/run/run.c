@@ -52,15 +52,15 @@ struct flight {
 
 /* ---- flying ---- */
 
-/* A cell of a map gets each packet once, but a packet may cross a facet again and again: so many packets may
- * each do so 500 times before a cell of a tally overflows. */
-#define MOST_AT_FACETS ((uint64_t)1 << 24)
+/* A cell of a map gets each packet once, but a packet may cross a facet again and again, or leave many marks
+ * in a cell of the fluence: so many packets may each do so 500 times before a cell of a tally overflows. */
+#define MOST_AGAIN ((uint64_t)1 << 24)
 
 /* Packets of one call of the engine, which ends when its tallies are full. Between two calls threads wait for
  * each other, so there are few. */
 static uint64_t room_of_tallies(const struct cml_grid *grid)
 {
-    return grid->facets ? MOST_AT_FACETS : CML_TALLY_MAX_PHOTONS;
+    return grid->facets || grid->marks > 0 ? MOST_AGAIN : CML_TALLY_MAX_PHOTONS;
 }
 
 /* Of the range in hand. */

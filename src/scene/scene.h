@@ -151,6 +151,11 @@ struct cml_directions_def {
     int line;   /* of the .mci */
 };
 
+/* Fluence, in the bins of A_rz. */
+struct cml_fluence_def {
+    int line; /* of the .mci; 0: no fluence line */
+};
+
 enum cml_detector_kind { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP };
 
 /* What sees light that leaves on one side, where the line of its last flight crosses a level plane, at any
@@ -196,6 +201,7 @@ struct cml_scene {
     struct cml_directions_def directions;
     int num_detectors;
     struct cml_detector_def *detectors; /* [num_detectors] */
+    struct cml_fluence_def fluence;
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
     char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */

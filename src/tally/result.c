@@ -32,11 +32,17 @@ static size_t cells_detected(const struct cml_grid *grid)
     return (size_t)grid->detectors * (1 + (grid->gates ? (size_t)grid->gates + 1 : 0));
 }
 
+/* phi_rz and phi_z. */
+static size_t cells_phi(const struct cml_grid *grid)
+{
+    return grid->marks > 0 ? ((size_t)grid->nr + 1) * (size_t)grid->nz : 0;
+}
+
 static size_t cells_batched(const struct cml_grid *grid)
 {
     const size_t bins = CML_NUM_TOTALS + 2 * (size_t)grid->nr + 2 * (size_t)grid->na +
                         (grid->absorption ? (size_t)grid->nz : 0) + cml_grid_media(grid) + cells_t(grid) +
-                        cells_detected(grid);
+                        cells_detected(grid) + cells_phi(grid);
     return CML_NUM_BATCHES * bins;
 }
 
@@ -57,13 +63,14 @@ double cml_result_bytes(const struct cml_grid *grid)
     return (double)(cells_unbatched(grid) + cells_batched(grid)) * sizeof(cml_u128);
 }
 
-/* These come last. */
+/* These come before the fluence, which is last. */
 static void set_detectors(struct cml_result *result)
 {
     const struct cml_grid *grid = &result->grid;
     const size_t each = CML_NUM_BATCHES * (size_t)grid->detectors;
     if (!each) return;
-    result->detector = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_detected(grid);
+    result->detector =
+        result->totals + cells_batched(grid) - CML_NUM_BATCHES * (cells_detected(grid) + cells_phi(grid));
     if (!grid->gates) return;
     result->detector_t = result->detector + each;
     result->detector_t_later = result->detector_t + each * (size_t)grid->gates;
@@ -75,8 +82,8 @@ static void set_gates(struct cml_result *result)
     const struct cml_grid *grid = &result->grid;
     const size_t gates = CML_NUM_BATCHES * (size_t)grid->gates, both = gates + CML_NUM_BATCHES;
     if (!gates) return;
-    result->Rd_t =
-        result->totals + cells_batched(grid) - CML_NUM_BATCHES * (cells_t(grid) + cells_detected(grid));
+    result->Rd_t = result->totals + cells_batched(grid) -
+                   CML_NUM_BATCHES * (cells_t(grid) + cells_detected(grid) + cells_phi(grid));
     result->Rd_t_later = result->Rd_t + gates;
     result->Tt_t = result->Rd_t + both;
     result->Tt_t_later = result->Tt_t + gates;
@@ -104,6 +111,10 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     if (grid->absorption) result->A_z = result->A_l + CML_NUM_BATCHES * cml_grid_media(grid);
     set_gates(result);
     set_detectors(result);
+    if (grid->marks > 0)
+        result->phi_rz = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_phi(grid);
+    if (grid->marks > 0)
+        result->phi_z = result->phi_rz + CML_NUM_BATCHES * (size_t)grid->nr * (size_t)grid->nz;
     return CML_OK;
 }
 
@@ -204,6 +215,22 @@ static void add_absorption(struct cml_result *result, const uint64_t *A_rz)
     }
 }
 
+/* Fluence without its cells beyond the grid, but that those beyond its radius count for phi_z. Few batches
+ * are flown in one range. */
+static void add_fluence(struct cml_result *result, const uint64_t *phi)
+{
+    const size_t nr = (size_t)result->grid.nr, nz = (size_t)result->grid.nz;
+    for (size_t row = 0; row < CML_NUM_BATCHES * (nr + 1); row++, phi += nz + 2) {
+        const size_t batch = row / (nr + 1), ir = row % (nr + 1);
+        for (size_t iz = 0; iz < nz; iz++) {
+            const uint64_t cell = phi[iz + 1];
+            if (!cell) continue;
+            result->phi_z[batch * nz + iz] += cell;
+            if (ir < nr) result->phi_rz[(batch * nr + ir) * nz + iz] += cell;
+        }
+    }
+}
+
 /* Of a large map few cells are hit in one range: reading zeros is cheaper than adding them to 128 bits. */
 static void add_maps(struct cml_result *result, const struct cml_tally *tally)
 {
@@ -218,6 +245,7 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
     add_exits(result, result->Rd_ra, tally->Rd_ra);
     add_exits(result, result->Tt_ra, tally->Tt_ra);
     if (tally->grid.absorption) add_absorption(result, tally->A_rz);
+    if (tally->grid.marks > 0) add_fluence(result, tally->phi);
     add_maps(result, tally);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->summary.balance[i] += tally->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->summary.count[i] += tally->count[i];

@@ -29,6 +29,7 @@ struct cml_result {
     cml_u128 *A_l;                                                  /* [64][cml_grid_media] by medium */
     cml_u128 *Rd_t, *Tt_t, *A_t;                                    /* [64][gates] or NULL */
     cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
+    cml_u128 *phi_rz, *phi_z;                                       /* [64][nr][nz], [64][nz], or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
     cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir, *Rd_dir2;                  /* the same */
     cml_u128 *detector_map, *detector_map2;                         /* the same */

@@ -24,6 +24,11 @@ static size_t tally_cells_A(const struct cml_grid *grid)
     return grid->absorption ? ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
 }
 
+static size_t tally_cells_phi(const struct cml_grid *grid)
+{
+    return grid->marks > 0 ? CML_NUM_BATCHES * ((size_t)grid->nr + 1) * ((size_t)grid->nz + 2) : 0;
+}
+
 /* All of A_rz or nothing: half a grid would have to be looked up at every deposit. */
 struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
 {
@@ -35,7 +40,14 @@ struct cml_grid cml_grid_of_thread(const struct cml_grid *grid)
     small.detector_pixels = 0;
     small.depths = tally_cells_A(grid) > CML_THREAD_CELLS;
     if (small.depths) small.absorption = false;
+    if (tally_cells_phi(grid) > CML_THREAD_FLUENCE) small.marks = 0;
     return small;
+}
+
+bool cml_grid_is_shared(const struct cml_grid *grid)
+{
+    const struct cml_grid small = cml_grid_of_thread(grid);
+    return small.depths || small.marks != grid->marks;
 }
 
 /* Angles have no cells beyond the grid: all directions are within it. */
@@ -61,17 +73,17 @@ static size_t tally_cells_detected(const struct cml_grid *grid)
     return (size_t)grid->detectors * (1 + tally_cells_t(grid));
 }
 
-/* Of all arrays whose cells are in the same order in the tally of a thread and in that which it borrows from.
- */
+/* Of the arrays that every tally has, whose cells are in the same order in all. */
 static size_t cells_in_common(const struct cml_grid *grid)
 {
-    return tally_cells_A(grid) + 2 * tally_cells_ra(grid) + cml_grid_media(grid) +
-           num_t(grid) * tally_cells_t(grid) + tally_cells_detected(grid);
+    return 2 * tally_cells_ra(grid) + cml_grid_media(grid) + num_t(grid) * tally_cells_t(grid) +
+           tally_cells_detected(grid);
 }
 
 size_t cml_tally_cells(const struct cml_grid *grid)
 {
-    return cells_in_common(grid) + (grid->depths ? (size_t)grid->nz + 2 : 0) + cml_cells_maps(grid);
+    return cells_in_common(grid) + tally_cells_A(grid) + (grid->depths ? (size_t)grid->nz + 2 : 0) +
+           tally_cells_phi(grid) + cml_cells_maps(grid);
 }
 
 uint64_t *cml_tally_maps(const struct cml_tally *tally)
@@ -108,6 +120,7 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
     if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
     if (grid->depths) tally->A_z = tally->Tt_ra + tally_cells_ra(grid);
+    if (grid->marks > 0) tally->phi = cml_tally_maps(tally) - tally_cells_phi(grid);
     CML_SET_MAPS(tally, cml_tally_maps(tally));
     return CML_OK;
 }
@@ -116,6 +129,7 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
 void cml_tally_borrow(struct cml_tally *tally, const struct cml_tally *owner)
 {
     if (!tally->grid.absorption) tally->A_rz = owner->A_rz;
+    if (!(tally->grid.marks > 0)) tally->phi = owner->phi;
     tally->Rd_xya = owner->Rd_xya;
     tally->Tt_xya = owner->Tt_xya;
     tally->Rd_xya2 = owner->Rd_xya2;
@@ -167,10 +181,18 @@ void cml_lost_list_merge(struct cml_lost_list *to, const struct cml_lost_list *f
     for (int i = 0; i < from->count; i++) cml_lost_list_add(to, from->index[i]);
 }
 
+static void add_cells(uint64_t *to, const uint64_t *from, size_t n)
+{
+    for (size_t i = 0; i < n; i++) to[i] += from[i];
+}
+
 void cml_tally_move(struct cml_tally *to, struct cml_tally *from)
 {
-    const size_t cells = cells_in_common(&from->grid) + cml_cells_maps(&from->grid);
-    for (size_t i = 0; i < cells; i++) to->A_l[i] += from->A_l[i];
+    const struct cml_grid *grid = &from->grid;
+    add_cells(to->A_l, from->A_l, cells_in_common(grid));
+    add_cells(to->A_rz, from->A_rz, tally_cells_A(grid));
+    add_cells(to->phi, from->phi, tally_cells_phi(grid));
+    add_cells(cml_tally_maps(to), cml_tally_maps(from), cml_cells_maps(grid));
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) to->balance[i] += from->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) to->count[i] += from->count[i];
     cml_lost_list_merge(&to->lost, &from->lost);

@@ -30,6 +30,7 @@ struct cml_grid {
     int nx, ny;             /* pixels of Rd_xya, Tt_xya and of a layer of A_xyz */
     int map_na;             /* angle bins of a pixel: na or 1 */
     bool volume;            /* A_xyz, nz deep */
+    double marks;           /* fluence is tallied, by marks so far apart on paths, cm (P14); 0: it is not */
     int nt, np;             /* bins of Rd_dir, Tt_dir and Rsp_dir */
     int detectors;          /* what each has seen, and by gates */
     size_t detector_pixels; /* of all of them that are maps */
@@ -73,6 +74,7 @@ struct cml_tally {
     uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
     uint64_t *A_l;               /* [cml_grid_media] by medium */
     uint64_t *Rd_t, *Tt_t, *A_t; /* [gates + 1], the last for all that is later; or NULL */
+    uint64_t *phi; /* [64][nr + 1][nz + 2] by batch, weight of the marks in a cell (P14); or NULL */
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
     uint64_t *Rd_xya2, *Tt_xya2; /* the same, sums of squares in CML_SQUARE_UNIT^2 */
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
@@ -93,8 +95,8 @@ struct cml_tally {
 /* The term of the balance that is this total. */
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 
-/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, Rd_ra, Tt_ra, A_rz or A_z, and the maps in this
- * order, which lie in one block from A_l on. */
+/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, Rd_ra, Tt_ra, A_rz or A_z, phi, and the maps in
+ * this order, which lie in one block from A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
 /* Bytes that a tally of this grid takes; of profiles those of detectors count, which may be many. */
@@ -104,10 +106,15 @@ double cml_tally_bytes(const struct cml_grid *grid);
 CML_NODISCARD cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally,
                                           struct cml_error *err);
 
-/* The grid of one thread of several: without maps, volume and facets, and with A_z instead of an A_rz beyond
- * CML_THREAD_CELLS. Those are too large for a copy per thread, so threads share one. */
-#define CML_THREAD_CELLS ((size_t)1 << 20) /* 8 MiB: more than a core's own cache */
+/* The grid of one thread of several: without maps, volume and facets, with A_z instead of an A_rz beyond
+ * CML_THREAD_CELLS, and without a phi beyond CML_THREAD_FLUENCE. Those are too large for a copy per thread,
+ * so threads share one. */
+#define CML_THREAD_CELLS ((size_t)1 << 20)   /* 8 MiB: more than a core's own cache */
+#define CML_THREAD_FLUENCE ((size_t)1 << 21) /* of which those of one batch are in use at a time */
 struct cml_grid cml_grid_of_thread(const struct cml_grid *grid);
+
+/* Whether threads score into an A_rz or a phi of none of them. */
+bool cml_grid_is_shared(const struct cml_grid *grid);
 
 /* A tally of a grid of one thread scores into what else `owner` has from now on. Several may do so at a time:
  * all their additions to what they share must be atomic. What they add to a shared A_rz they add to their own

@@ -115,6 +115,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
         set_detectors(&list.scenes[i], false);
         list.scenes[i].time = (struct cml_time_def){0};
         list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
+        list.scenes[i].fluence.line = 1;
         compare(&list.scenes[i], kind, photons / 4, false);
     }
     cml_scene_list_clear(&list);

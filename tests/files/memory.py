@@ -118,6 +118,7 @@ def check_scenes(verdict):
                                          for k in range(2000)]),
         "mesh": cml.mci(["1.4 1 10 0.8 1"], photons=100, surfaces={0: 'm "waves.obj"'}),
         "phase functions": None,
+        "fluence": cml.mci(["1.4 1 10 0.8 1"], photons=20000, bins="100 600 1", grid="0.01 0.01", extra=["beam disk 6", "fluence"]),
         "image": cml.mci(["1.4 1 10 0.8 1"], photons=100, extra=['beam image "pattern.gsf"']),
     }
     for name, text in scenes.items():

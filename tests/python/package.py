@@ -47,7 +47,8 @@ class Files(unittest.TestCase):
         backed = mc.Scene([mc.Layer(1.4, 1, 100, 0.9, 0.1)], photons=2000, backing=mc.Backing("lambertian", R=0.5), format="A",
                           time=mc.Time(end=50, n=10), directions=mc.Directions(nt=3, np=4), map=mc.Map(4, 3, 0.1, 0.2),
                           detectors=[mc.Detector("map", nx=4, ny=3, dx=0.1, dy=0.2, na=1, diffuse=True, name="cam"), mc.Detector("disk", radius=0.2, na=0.5),
-                                     mc.Detector("ring", r1=0, r2=1e6)])
+                                     mc.Detector("ring", r1=0, r2=1e6)],
+                          fluence=True, nr=6, nz=5, dr=0.02, dz=0.02)
         backed.write(os.path.join(cls.folder.name, "backed.mci"))
         for end in (".mco", ".h5"):
             command(os.path.join(cls.folder.name, "backed.mci"), "--quiet", "--output", "backed" + end, "-o", cls.folder.name)
@@ -151,6 +152,13 @@ class Files(unittest.TestCase):
         other, both = mc.read(other), mc.read(both)
         for name in ("detector_2", "detector_2_t", "detector_cam_map"):
             np.testing.assert_allclose(both[name], (h5[name] + other[name]) / 2, rtol=1e-6, atol=1e-9)
+
+    def test_fluence(self):
+        """Over its axes; phi mua is what is absorbed, within the noise of so few packets."""
+        for data in (mc.read(os.path.join(self.folder.name, "backed" + end)) for end in (".mco", ".h5")):
+            self.assertEqual((data.phi_rz.dims, data.phi_z.dims), (("r", "z"), ("z",)))
+            np.testing.assert_allclose(data.phi_z[:5] * 1, data.A_z[:5], rtol=0.05)
+            self.assertGreater(float(data.phi_z_se.min()) * float(data.phi_rz_se.max()), 0)
 
     def test_merged(self):
         """Says whose results it holds."""

@@ -281,7 +281,7 @@ static void step(struct walker *walker)
         cml_interact(walker->world, &walker->deposits, packet, t_max);
         there = in_medium(walker, packet->medium, packet->p, false);
     } else {
-        cml_leave_scene(walker->world, packet);
+        cml_leave_scene(walker->world, &walker->deposits, packet);
     }
     if (!is_sound(packet)) {
         walker->count->nan++;

@@ -33,6 +33,7 @@ static cml_status flatten(const struct cml_scene *scene, struct cml_scene *flat,
     flat->time = (struct cml_time_def){0};
     flat->directions = (struct cml_directions_def){0};
     flat->num_detectors = 0;
+    flat->fluence = (struct cml_fluence_def){0};
     flat->bodies = NULL;
     flat->num_bodies = 0;
     return CML_OK;

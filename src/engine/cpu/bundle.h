@@ -12,6 +12,7 @@
  *   bundle_walk_inl.h             a pass over all lanes; planes; roulette; exits
  *   bundle_loops_inl.h            the vector loops of a pass: draw, fly, planes
  *   bundle_interact_inl.h         and the interaction
+ *   bundle_marks_inl.h            where fluence is asked for: marks on paths
  *   bundle_curved_reach_inl.h     curved boundaries, 1: on which part of its path a lane can meet one
  *   bundle_curved_search_inl.h    2: which ring or facet it meets
  *   bundle_curved_hits_inl.h      3: where, and reflection or refraction there, in vector loops again
@@ -77,6 +78,7 @@ struct cml_bundle {
                           */
     real s[CML_LANES];   /* distance to the next interaction, cm, if no boundary comes first */
     real path[CML_LANES];                /* as in cml_packet; loops count it only where time is asked for */
+    real mark[CML_LANES];                /* the same where fluence is asked for */
     int gate[CML_LANES];                 /* of A_t: of the deposits that are not booked yet */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass; units of 2^-31 of a packet */
     cml_u32 flushed_w[CML_LANES];        /* weight when deposits were last booked (cml_flush_deposits) */

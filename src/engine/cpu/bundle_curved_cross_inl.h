@@ -53,6 +53,10 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
         .path = b->path[i],
         .primitive = primitive,
     };
+    if (f->to.phi) {
+        const struct cml_stretch last = {end.index, p, u, to, end.interactions + end.boundary_events, end.w};
+        (void)cml_mark_far(f->world, &f->to, &last, b->mark[i], CML_INFINITY);
+    }
     cml_push_termination(f, i, end);
 }
 
@@ -103,6 +107,17 @@ static void cml_count_hit_paths(struct cml_bundle *b, const struct cml_hits *h, 
     }
 }
 
+/* P14: the marks up to the hits, but for those. */
+static void cml_mark_to_hits(struct cml_flight *f, const struct cml_hits *h)
+{
+    for (int k = 0; k < h->count; k++) {
+        const int i = h->lane[k];
+        if (h->doubtful[k]) continue;
+        const struct cml_stretch s = cml_lane_stretch(f->b, i);
+        f->b->mark[i] = cml_mark_stretch(f->world, &f->to, &s, f->b->mark[i], h->t[k]);
+    }
+}
+
 /* Gathered hits of one boundary: roots and directions in vector loops, then lane by lane back into the
  * bundle. Doubtful ones are done again by kernels/walk.h. Leaves the hits empty for the next round. */
 static void cml_process_hits(struct cml_flight *f, int medium, real side, struct cml_hits *h)
@@ -119,6 +134,7 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
             (uint64_t)cml_hits_reflect_or_refract(&world->setup, side, n1, n2, h);
     CML_HOOK_END(CML_HOOK_REFLECT);
     if (world->setup.gates.count) cml_count_hit_paths(f->b, h, n1);
+    if (f->to.phi && !cml_is_dense(world->setup.marks, world->media[medium].mfp)) cml_mark_to_hits(f, h);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {
             cml_process_lane(f, h->lane[k]);

@@ -53,7 +53,7 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
             *t = t_max;
             return 0;
         } else {
-            cml_leave_scene(world, packet);
+            cml_leave_scene(world, &f->to, packet);
         }
         const int outside = cml_is_outer(world, packet->medium);
         if (packet->fate != CML_FATE_ALIVE || !outside) return 1;

@@ -89,6 +89,7 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->u.z = b->uz[i];
     packet->tau = b->tau[i];
     packet->path = b->path[i];
+    packet->mark = b->mark[i];
     packet->w = b->w[i];
     packet->interactions = b->interactions[i];
     packet->crossings = b->crossings[i];
@@ -120,6 +121,18 @@ static void cml_store_ray(struct cml_bundle *b, int i, struct cml_vec p, struct 
     b->uz[i] = u.z;
 }
 
+/* P14: the lane flies t (cm) from its place, or from `from`; `events` as in struct cml_stretch. */
+static struct cml_stretch cml_lane_stretch(const struct cml_bundle *b, int i)
+{
+    const struct cml_stretch s = {cml_lane_index(b, i),
+                                  {b->x[i], b->y[i], b->z[i]},
+                                  {b->ux[i], b->uy[i], b->uz[i]},
+                                  b->medium[i],
+                                  b->interactions[i] + b->boundary_events[i],
+                                  b->w[i]};
+    return s;
+}
+
 /* Back into lane i what boundary events of kernels/walk.h can change. If the medium is another one, the
  * deposits in the old one are booked first. */
 static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packet *packet)
@@ -128,6 +141,7 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     cml_store_ray(b, i, packet->p, packet->u);
     b->tau[i] = packet->tau;
     b->path[i] = packet->path;
+    b->mark[i] = packet->mark;
     b->crossings[i] = packet->crossings;
     b->interactions_at_hit[i] = packet->interactions;
     b->bounces[i] = packet->bounces;

@@ -149,7 +149,7 @@ static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_p
 }
 
 /* P1 where packets start elsewhere and the queue does not know where, and scores of the launch where facets
- * are asked for: a lane at a time. */
+ * or fluence are asked for: a lane at a time. */
 static void cml_place_lane(struct cml_flight *f, int i)
 {
     struct cml_packet *start = &f->start;
@@ -159,6 +159,10 @@ static void cml_place_lane(struct cml_flight *f, int i)
         if (f->elsewhere) cml_launch_elsewhere(f, i, start);
     }
     if (f->to.facets) cml_score_launch(f->world, &f->to, start);
+    if (!f->to.phi) return;
+    start->index = cml_lane_index(f->b, i);
+    cml_mark_first(f->world, &f->to, start);
+    f->b->mark[i] = start->mark;
 }
 
 /* Lane `from` into lane `to`, which holds no packet: every column of the structure of arrays. All columns are
@@ -258,7 +262,7 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
     if (lanes & ~inside) cml_launch_like(f, &f->start, first, lanes & ~inside);
     if (f->queue_places)
         cml_launch_placed(f, at, first, lanes);
-    else if (!f->pencil || f->to.facets)
+    else if (!f->pencil || f->to.facets || f->to.phi)
         cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
 }
 

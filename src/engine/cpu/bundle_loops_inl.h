@@ -289,10 +289,10 @@ enum { CML_ANY_AT_PLANE = 1, CML_ANY_AT_LIMIT = 2 };
  * Those that meet none go back to INTERACT, or to NO_EVENT where they never interact. Returns
  * CML_ANY_AT_PLANE when any lane is AT_PLANE, and CML_ANY_AT_LIMIT with it when one has NO_EVENT or may have
  * bounced too often (cml_lane_is_at_limit). n1, n2: indices on the near and the far side; t: distance to the
- * plane, cm, below 0 where rounding has put the packet beyond it. timed: whether paths are counted (P11);
- * constant, so that each caller below has a loop of its own. */
+ * plane, cm, below 0 where rounding has put the packet beyond it. measured: whether paths are counted (P11),
+ * and s becomes the distance to the plane; constant, so that each caller below has a loop of its own. */
 __attribute__((always_inline)) static inline int cml_bundle_move_to_planes(struct cml_bundle *b,
-                                                                           const int timed)
+                                                                           const int measured)
 {
     const real *restrict const muts = CML_OF_MEDIUM(b, mut), *restrict const n = CML_OF_MEDIUM(b, n);
     const real *restrict const n_above = CML_OF_MEDIUM(b, n_above), *restrict const n_below =
@@ -327,7 +327,8 @@ __attribute__((always_inline)) static inline int cml_bundle_move_to_planes(struc
         b->z[i] = hit ? (above ? (real)0 : below_z) : p.z;
         b->tau[i] = cml_pick(hit, tau_left, tau);
         b->task[i] = cml_pick_int(active, event, task);
-        if (timed) b->path[i] = cml_pick(hit, cml_path_after(b->path[i], ahead, n1), b->path[i]);
+        if (measured) b->s[i] = cml_pick(hit, ahead, s);
+        if (measured) b->path[i] = cml_pick(hit, cml_path_after(b->path[i], ahead, n1), b->path[i]);
         b->interactions_at_hit[i] = cml_pick_word(hit, interactions, at_hit);
         b->bounces[i] = cml_pick_word(hit, so_far + 1u, bounces);
         b->boundary_events[i] += (cml_u32)hit;
@@ -343,7 +344,7 @@ CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b)
     return cml_bundle_move_to_planes(b, 0);
 }
 
-CML_LOOP int cml_bundle_reach_planes_in_time(struct cml_bundle *b)
+CML_LOOP int cml_bundle_measure_to_planes(struct cml_bundle *b)
 {
     return cml_bundle_move_to_planes(b, 1);
 }

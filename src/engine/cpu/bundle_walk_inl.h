@@ -9,6 +9,7 @@
 #include "engine/cpu/bundle_launch_inl.h"
 #include "engine/cpu/bundle_curved_search_inl.h"
 #include "engine/cpu/bundle_interact_inl.h"
+#include "engine/cpu/bundle_marks_inl.h"
 #include "engine/cpu/bundle_prepare.h"
 
 /* ---- what must hold between two passes, for CML_ASSERT: in release builds nothing calls it ---- */
@@ -83,6 +84,7 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     _Alignas(64) cml_u32 deposit[CML_GROUP];
     _Alignas(64) int fate[CML_GROUP];
     if (f->to.A_t) cml_for_lanes(f, (uint64_t)exits << first, cml_flush_deposits);
+    if (f->to.phi) cml_mark_exits(f, first, exits);
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         deposit[k] = b->flushed_w[first + k] - b->w[first + k];
@@ -182,7 +184,9 @@ static void cml_cross_planes(struct cml_flight *f)
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
     CML_HOOK_LANES(CML_HOOK_PLANES, b->lanes);
-    const int any = setup->gates.count ? cml_bundle_reach_planes_in_time(b) : cml_bundle_reach_planes(b);
+    const int any = f->to.phi            ? cml_reach_planes_with_marks(f)
+                    : setup->gates.count ? cml_bundle_measure_to_planes(b)
+                                         : cml_bundle_reach_planes(b);
     if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
     if (f->to.facets) cml_score_planes(f);
     if (any & CML_ANY_AT_LIMIT) cml_handle_limits(f);
@@ -325,6 +329,7 @@ static void cml_flight_interact(struct cml_flight *f)
     const int tables = f->world->phase_cells != NULL;
     int low;
     if (setup->gates.count) cml_count_lane_paths(f);
+    if (f->to.phi) cml_mark_interactions(f);
     if (f->tally->A_rz) {
         low = tables ? cml_bundle_interact_by_tables(f->world, f->b, 1) : cml_bundle_interact(setup, f->b);
         cml_scatter_deposits(f->b, f->tally);
@@ -383,7 +388,7 @@ static void cml_flight_begin(struct cml_flight *f)
     f->pencil = setup->num_sources == 1 && f->world->sources->shape == CML_SHAPE_POINT &&
                 f->world->sources->light == CML_LIGHT_PARALLEL;
     f->elsewhere = setup->num_sources > 1 || f->world->sources->inside;
-    f->queue_places = !f->to.facets && cml_queue_can_place(setup, f->world->sources);
+    f->queue_places = !f->to.facets && !f->to.phi && cml_queue_can_place(setup, f->world->sources);
     cml_place(f->world, 0, &f->start);
     cml_find_first_hit(f);
     cml_find_known_path(f);

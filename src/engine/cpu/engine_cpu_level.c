@@ -35,15 +35,15 @@ static void cpu_close(void *self)
 }
 
 /* A tally for each thread, so that no addition needs a lock. Maps, volume and facets are the first tally's,
- * and all threads add to them, with atomic additions. So they do to an A_rz that is too large for a copy each
- * (cml_grid_of_thread); then the first tally belongs to no thread, and is one more. */
+ * and all threads add to them, with atomic additions. So they do to an A_rz or a phi that is too large for a
+ * copy each (cml_grid_of_thread); then the first tally belongs to no thread, and is one more. */
 static cml_status create_tallies(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                  const struct cml_engine_options *options, struct cpu_engine *cpu,
                                  struct cml_error *err)
 {
     const struct cml_grid full = cml_engine_grid(scene, surfaces, options);
     const struct cml_grid grid = cml_grid_of_thread(&full);
-    const int count = cpu->threads + (cpu->threads > 1 && grid.depths ? 1 : 0);
+    const int count = cpu->threads + (cpu->threads > 1 && cml_grid_is_shared(&full) ? 1 : 0);
     cpu->tallies = calloc((size_t)count, sizeof *cpu->tallies);
     if (!cpu->tallies) return cml_fail_memory(err, count * cml_tally_bytes(&grid), "tallies");
     CML_TRY(cml_tally_create(&full, &cpu->tallies[cpu->num_tallies++], err));

@@ -55,7 +55,8 @@ static cml_status refuse_meshes(const struct cml_scene *scene, const struct cml_
     return CML_OK;
 }
 
-/* Nor do their kernels score maps, volumes, facets and directions (kernels/device_deposits.h), or keep time.
+/* Nor do their kernels score maps, volumes, facets, directions and fluence (kernels/device_deposits.h), or
+ * keep time.
  */
 static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *err)
 {
@@ -72,6 +73,11 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
         return cml_fail(err, CML_E_INPUT,
                         "%s:%d: a detector line and --engine opencl, which has none (expected --engine cpu)",
                         scene->file, scene->detectors[0].line);
+    if (scene->fluence.line)
+        return cml_fail(
+            err, CML_E_INPUT,
+            "%s:%d: a fluence line and --engine opencl, which scores none (expected --engine cpu)",
+            scene->file, scene->fluence.line);
     const bool map = scene->map.nx > 0;
     if (!map && !scene->facets) return CML_OK;
     return cml_fail(

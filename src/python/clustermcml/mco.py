@@ -37,6 +37,8 @@ QUANTITIES = {
     "Tt_r": (("r",), "1/cm2", "transmittance by radius; the last bin holds what lies beyond"),
     "Tt_a": (("alpha",), "sr-1", "transmittance by angle"),
     "A_rz": (("r", "z"), "1/cm3", "absorption by radius and depth"),
+    "phi_z": (("z",), "1", "fluence by depth, over all radii"),
+    "phi_rz": (("r", "z"), "1/cm2", "fluence by radius and depth"),
     "Rd_ra": (("r", "alpha"), "1/(cm2 sr)", "diffuse reflectance by radius and angle"),
     "Tt_ra": (("r", "alpha"), "1/(cm2 sr)", "transmittance by radius and angle"),
 }

@@ -231,7 +231,7 @@ class Scene:
     n_above, n_below: indices of refraction beyond the layers. bottom: the surface below the last layer, None for a plane; backing: what
     lies under it and sends light back, n_below then has no effect.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
-    exitance of every triangle. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
+    exitance of every triangle. fluence: track length per volume over r and z. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
     angle. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
@@ -267,10 +267,12 @@ class Scene:
     format: str = "B"
     backing: Optional[Backing] = None
     detectors: Sequence[Detector] = ()
+    fluence: bool = False
 
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
         errors.flag("Scene.facets", self.facets)
+        errors.flag("Scene.fluence", self.fluence)
         if not isinstance(self.layers, (list, tuple)) or not self.layers or not all(isinstance(item, Layer) for item in self.layers):
             raise errors.refuse("Scene.layers", self.layers, "a list of Layer, at least one")
         for name in ("n_above", "n_below"):
@@ -308,6 +310,7 @@ class Scene:
         lines += [beam.line() for beam in self.beams() if len(self.beams()) > 1 or beam.line() != Beam().line()]
         lines += [self.map.line()] if self.map is not None else []
         lines += ["facets"] if self.facets else []
+        lines += ["fluence"] if self.fluence else []
         lines += [self.time.line()] if self.time is not None else []
         lines += [self.directions.line()] if self.directions is not None else []
         lines += [detector.line() for detector in self.detectors]

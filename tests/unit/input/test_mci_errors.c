@@ -336,6 +336,11 @@ static void maps_that_are_none(void **state)
          "x.mci:6: line = #@ map 2 2 1 1 (expected one map line per run)"},
         {NAME "facets 1\n", "x.mci:4: text after facets = 1 (expected the end of the line or a # comment)"},
         {NAME "facets\nfacets\n", "x.mci:5: line = facets (expected one facets line per run)"},
+        {NAME "fluence 1\n", "x.mci:4: text after fluence = 1 (expected the end of the line or a # comment)"},
+        {NAME "fluence # all of it\n#@ fluence\n",
+         "x.mci:5: line = #@ fluence (expected one fluence line per run)"},
+        {NAME "fluence\n100\n1 1\n8192 8192 1\n1\n1\n1 1 1 0 1\n1\n",
+         "x.mci:4: fluence: nz nr = 8192 8192 (expected at most 67108863 bins, (nz + 2) times (nr + 1))"},
         {NAME "time\n", "x.mci:4: time: T1 is missing (expected a time of 1e-6..1e12 ps)"},
         {NAME "time 0 5\n", "x.mci:4: time: T1 = 0 (expected a time of 1e-6..1e12 ps)"},
         {NAME "time 1e13 5\n", "x.mci:4: time: T1 = 1e13 (expected a time of 1e-6..1e12 ps)"},
@@ -428,12 +433,14 @@ static void lines_in_the_wrong_place(void **state)
                          "first line and its number of layers)"},
         {ONE "time 1 1\n", "x.mci:9: line = time 1 1 (expected layer 1; a time line stands between a run's "
                            "first line and its number of layers)"},
+        {ONE "fluence\n", "x.mci:9: line = fluence (expected layer 1; a fluence line stands between a run's "
+                          "first line and its number of layers)"},
         {NAME "#@ baem disk 1\n",
          "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, backing, beam, map, "
-         "facets, time, directions or detector behind #@)"},
+         "facets, time, directions, fluence or detector behind #@)"},
         {NAME "#@baem disk 1\n",
          "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, backing, beam, map, facets, "
-         "time, directions or detector behind #@)"},
+         "time, directions, fluence or detector behind #@)"},
     };
     CHECK_ALL(state, table);
 }

@@ -1,0 +1,100 @@
+/* Code, included by bundle_walk_inl.h only and so compiled once for each level of the processor
+ * (engine_cpu_level.c says why). Fluence (P14): what lanes score where they interact, and marks on their
+ * paths. SPDX-License-Identifier: MIT */
+#ifndef CML_BUNDLE_MARKS_INL_H
+#define CML_BUNDLE_MARKS_INL_H
+
+#include "engine/cpu/bundle_lanes_inl.h"
+#include "engine/cpu/bundle_loops_inl.h"
+
+/* Where the lanes with INTERACT, which have not hopped yet, will, and what that scores: 0 in the lanes that
+ * have none. marked: those of them that have marks instead. */
+CML_LOOP void cml_bundle_find_scores(const struct cml_setup *shared, const struct cml_bundle *b,
+                                     cml_u32 *cell, cml_u32 *score, int *marked)
+{
+    const struct cml_setup setup = *shared;
+    const int lanes = b->lanes;
+    const real *restrict const bins = CML_OF_MEDIUM(b, bins), *restrict const mfp = CML_OF_MEDIUM(b, mfp);
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) {
+        const struct cml_vec u = {b->ux[i], b->uy[i], b->uz[i]}, from = {b->x[i], b->y[i], b->z[i]};
+        const int active = b->task[i] == CML_LANE_INTERACT, here = active & cml_is_dense(setup.marks, mfp[i]);
+        cell[i] = cml_mark_cell(&setup, b->index_low[i], cml_along(from, b->s[i], u), bins[i]);
+        score[i] =
+            cml_pick_word(here, cml_interaction_score(setup.marks, cml_pick(here, mfp[i], 0), b->w[i]), 0u);
+        marked[i] = active ^ here;
+    }
+}
+
+/* The lane flies t (cm). */
+static void cml_mark_lane(struct cml_flight *f, int i, const struct cml_stretch *stretch, real t)
+{
+    f->b->mark[i] = cml_mark_stretch(f->world, &f->to, stretch, f->b->mark[i], t);
+}
+
+static void cml_mark_lane_flight(struct cml_flight *f, int i)
+{
+    const struct cml_stretch stretch = cml_lane_stretch(f->b, i);
+    cml_mark_lane(f, i, &stretch, f->b->s[i]);
+}
+
+/* No vector loop: two lanes may hit the same cell. By groups, which a compiler unrolls. */
+static inline void cml_add_scores(const struct cml_deposits *to, const cml_u32 *cell, const cml_u32 *score,
+                                  int lanes)
+{
+    uint64_t *phi = to->phi;
+    if (to->phi_is_shared)
+        for (int i = 0; i < lanes; i++) cml_add_mark(to, cell[i], score[i]);
+    else
+        for (int first = 0; first < lanes; first += CML_GROUP)
+            for (int i = first; i < first + CML_GROUP; i++) phi[cell[i]] += score[i];
+}
+
+/* The lanes that are about to interact. */
+static void cml_mark_interactions(struct cml_flight *f)
+{
+    _Alignas(64) cml_u32 cell[CML_LANES], score[CML_LANES];
+    _Alignas(64) int marked[CML_LANES];
+    const int lanes = f->b->lanes;
+    cml_bundle_find_scores(&f->world->setup, f->b, cell, score, marked);
+    cml_add_scores(&f->to, cell, score, lanes);
+    for (int first = 0; first < lanes; first += CML_GROUP)
+        cml_for_lanes(f, (uint64_t)cml_group_equal(marked + first, 1) << first & f->live,
+                      cml_mark_lane_flight);
+}
+
+/* cml_bundle_measure_to_planes with the marks up to them. */
+static int cml_reach_planes_with_marks(struct cml_flight *f)
+{
+    struct cml_bundle *b = f->b;
+    _Alignas(64) real x[CML_LANES], y[CML_LANES], z[CML_LANES];
+    memcpy(x, b->x, sizeof x);
+    memcpy(y, b->y, sizeof y);
+    memcpy(z, b->z, sizeof z);
+    const int any = cml_bundle_measure_to_planes(b);
+    const uint64_t hit = cml_lanes_with(b, CML_LANE_AT_PLANE) | cml_lanes_with(b, CML_LANE_TRANSMITTED);
+    for (uint64_t rest = hit; rest; rest &= rest - 1) {
+        const int i = __builtin_ctzll(rest);
+        if (cml_is_dense(f->world->setup.marks, f->media[b->medium[i]].mfp)) continue;
+        struct cml_stretch s = cml_lane_stretch(b, i);
+        s.p = (struct cml_vec){x[i], y[i], z[i]};
+        s.events--; /* this one has been counted */
+        cml_mark_lane(f, i, &s, b->s[i]);
+    }
+    return any;
+}
+
+/* The last flights of a group's packets, which leave through a plane. */
+static void cml_mark_exits(const struct cml_flight *f, int first, cml_u32 exits)
+{
+    const struct cml_bundle *b = f->b;
+    for (; exits; exits &= exits - 1) {
+        const int i = first + __builtin_ctz(exits);
+        struct cml_stretch s = cml_lane_stretch(b, i);
+        s.p.z = 0;
+        s.medium = s.u.z < 0 ? 0 : f->world->setup.num_layers + 1;
+        (void)cml_mark_far(f->world, &f->to, &s, b->mark[i], CML_INFINITY);
+    }
+}
+
+#endif

@@ -1,0 +1,137 @@
+"""Fluence (P14), against what is known of it.
+
+- Turbid layers: phi mua is the absorption of the same packets, bin by bin; the z-scores are of the differences of the runs,
+  so what both have in common drops out. With bins finer than a free path and coarser.
+- A furnace: light by the cosine law from both sides, irradiance 1 each. The air has 4, a turbid layer and a clear one beside it 4 n^2; a clear
+  layer alone, between planes, has only the directions that can come into it, 4 n^2 (1 - sqrt(1 - 1 / n^2)). Bins are bounded: means over an
+  infinite clear layer have no variance.
+- A pit through the bins, of the index of the air, that absorbs and does not scatter: in each bin the integral over the light that has
+  come to it, air included, on paper.
+- A glass plate above and its inner reflections, which are split off at the launch (P1): 1 + R of their sum, on paper.
+- A bin lies within one of its errors of the mean over other runs in 68 % of cases, with random and with evenly spread draws.
+Statistic: z, level 1e-4 over all."""
+import math
+import os
+import statistics
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cml  # noqa: E402
+
+RUNS = 30
+
+
+def sections_of(text, *options):
+    with tempfile.TemporaryDirectory() as keep:
+        records = cml.run(text, *options, keep=keep)
+        return [(record, cml.read_sections(record["output"]) | {"A_rz": grid_of(record["output"])}) for record in records]
+
+
+def grid_of(path):
+    """A_rz, which stands in lines of five."""
+    with open(path, encoding="utf-8") as file:
+        behind = file.read().split("\nA_rz\n")[1]
+    return list(map(float, behind.split("#")[0].split("\n\n")[0].split()))
+
+
+def spread(verdict, name, values, truth):
+    error = statistics.stdev(values) / math.sqrt(len(values))
+    verdict.z(name, statistics.fmean(values), error, truth)
+
+
+def turbid(verdict):
+    layers, mua = ["1.4 1 50 0.8 0.1", "1.5 3 20 0 0.1"], (1, 3)
+    for nr, nz in ((3, 4), (4, 20)):
+        text = cml.repeated(RUNS, layers, photons=2000, grid=f"{0.2 / nz} 0.05", bins=f"{nz} {nr} 1", extra=["fluence", "beam disk 0.05"])
+        runs = sections_of(text)
+        for record, _ in runs:
+            cml.check_balance(verdict, "turbid", record)
+        for i in range(nz):
+            of = mua[i * 2 // nz]
+            spread(verdict, f"phi_z[{i}] of {nz}", [found["phi_z"][i] * of - found["A_z"][i] for _, found in runs], 0)
+        for i in range((nr - 1) * nz):  # the last radius of A_rz holds what lies beyond
+            of = mua[i % nz * 2 // nz]
+            spread(verdict, f"phi_rz[{i}] of {nz}", [found["phi_rz"][i] * of - found["A_rz"][i] for _, found in runs], 0)
+
+
+def furnace(verdict, name, layers, truth, n=1.5):
+    """Layers 0.004 thick, and as much air below them. The sources are so wide that light from beyond them does not matter:
+    it would come within 0.002 of the horizontal."""
+    wide, dz, nr = 4.0, 0.002, 3
+    nz = 2 * len(layers) + 2
+    beam = f"beam disk {wide} light=lambertian"
+    text = cml.repeated(RUNS, [f"{n} 0 {mus} 0 0.004" for mus in layers], photons=20000, grid=f"{dz} 0.2", bins=f"{nz} {nr} 1",
+                        extra=["fluence", beam, f"{beam} z={nz * dz + 0.001} angle=180"])
+    runs = [found for _, found in sections_of(text)]
+    per_irradiance = 2 * math.pi * wide**2
+    for i in range(nz):
+        mean = [statistics.fmean([found["phi_rz"][ir * nz + i] * (2 * ir + 1) / nr for ir in range(nr)]) * per_irradiance for found in runs]
+        spread(verdict, f"{name}, half layer {i}", mean, 4 if i // 2 == len(layers) else truth)
+
+
+def pit(verdict, mua):
+    """A cone 0.1 deep and 0.2 wide: heights -0.1 + r / 2 inside. Light straight down, irradiance 1 / (pi 0.3^2)."""
+    wide, dr, dz, nr, nz = 0.3, 0.05, 0.03, 6, 5
+    text = cml.repeated(RUNS, [f"1 {mua} 0 0 1"], photons=2000, grid=f"{dz} {dr}", bins=f"{nz} {nr} 1",
+                        extra=["fluence", f"beam disk {wide}"], surfaces={0: "b 2  -0.1 0.2  0 1"})
+    runs = [found for _, found in sections_of(text)]
+    steps = 400
+    for i in range(nr * nz):
+        ir, iz = divmod(i, nz)
+        truth = 0.0
+        for k in range(steps):  # the mean over the ring, by r dr
+            r = math.sqrt((ir * dr) ** 2 + (k + 0.5) / steps * (2 * ir + 1) * dr * dr)
+            surface = max(0, 0.1 - r / 2)
+            top, bottom = iz * dz, (iz + 1) * dz
+            air = min(max(surface - top, 0), dz)
+            truth += (air + (math.exp(-mua * max(top - surface, 0)) - math.exp(-mua * max(bottom - surface, 0))) / mua) / dz / steps
+        spread(verdict, f"pit of {mua}, bin {i}", [found["phi_rz"][i] * math.pi * wide**2 for found in runs], truth)
+
+
+def glass(verdict):
+    """Between equal media, so that nothing comes back from below: d and u of what flies down and up in the plate."""
+    n = 1.5
+    r = ((n - 1) / (n + 1)) ** 2
+    down = (1 - r) / (1 - r * r)
+    found = sections_of(cml.mci([f"{n} 0 0 0 0.1", "1 10 0 0 1"], photons=4000, grid="0.05 0.1", bins="2 1 1", extra=["fluence"]))[0][1]
+    for i in range(2):
+        verdict.z(f"glass, bin {i}", found["phi_z"][i], max(found["se_phi_z"][i], 1e-6), down * (1 + r))
+
+
+def coverage(verdict, sampling, count):
+    text = cml.repeated(count, ["1.4 1 50 0.8 0.1"], photons=3000, grid="0.02 0.02", bins="5 5 1", extra=["fluence"])
+    runs = [found for _, found in sections_of(text, "--sampling", sampling)]
+    within = tried = 0
+    for key in ("phi_rz", "phi_z"):
+        for i in range(len(runs[0][key])):
+            values = [found[key][i] for found in runs]
+            for k, found in enumerate(runs):
+                others = (sum(values) - values[k]) / (count - 1)
+                within += abs(values[k] - others) < found["se_" + key][i] * math.sqrt(1 + 1 / (count - 1))
+                tried += 1
+    verdict.check(f"errors, {sampling}", abs(within / tried - 0.683) < 0.05, f"{within} of {tried} within one error")
+    print(f"errors of fluence, {sampling}: {within / tried:.3f} of {tried} within one")
+
+
+def compare(verdict):
+    turbid(verdict)
+    furnace(verdict, "clear layer", [0], 4 * 1.5**2 * (1 - math.sqrt(1 - 1 / 1.5**2)))
+    furnace(verdict, "clear layer under a turbid one", [1000, 0], 4 * 1.5**2)
+    pit(verdict, 10)
+    pit(verdict, 40)
+    glass(verdict)
+
+
+def main():
+    """Or the last of these alone, with as many runs as are named."""
+    verdict = cml.Verdict("fluence")
+    count = int(sys.argv[1]) if len(sys.argv) > 1 else RUNS
+    for sampling in ("random", "lattice"):
+        coverage(verdict, sampling, count)
+    if len(sys.argv) == 1:
+        compare(verdict)
+    verdict.finish(limit=6)  # of Student's distribution with 29 degrees, 200 values at 1e-4 in all
+
+
+main()

@@ -32,7 +32,8 @@ struct pending {
 
 /* What is known of a leaf's facets. */
 struct tested {
-    _Alignas(64) float t[CML_GROUP], err[CML_GROUP];
+    _Alignas(64) float along[CML_GROUP], height[CML_GROUP]; /* sine to the path, and way to the plane, up */
+    float t[CML_GROUP], err[CML_GROUP];
     int inside[CML_GROUP], exits[CML_GROUP], passed[CML_GROUP];
 };
 
@@ -75,19 +76,40 @@ static inline uint32_t enter_node(const struct search *s, const struct cml_tree_
     return ~cml_group_negative(room) & CML_GROUP_MASK;
 }
 
-/* Which facets of a leaf are candidates, as a mask. A plane's distance from the origin and from the end of
- * the path decides before t does, which a ray along the plane does not have. Comparisons are such that a NaN
- * makes a candidate, which is not met. */
-static uint32_t test_leaf(const struct search *s, const struct cml_tree_leaf *leaf, struct tested *tested)
+/* Whether the path meets the plane of any facet of a leaf: mostly not. A plane's distance from the origin and
+ * from the end of the path decides before t does, which a ray along the plane does not have. */
+static inline uint32_t test_planes(const struct search *s, const struct cml_tree_leaf *leaf,
+                                   struct tested *tested)
 {
     const struct cml_tree_ray *ray = s->ray;
     const float x = ray->origin[0], y = ray->origin[1], z = ray->origin[2], u = ray->direction[0],
-                v = ray->direction[1], w = ray->direction[2], margin = ray->margin, to = s->to,
-                length = ray->length, side = ray->below ? 1.f : -1.f;
+                v = ray->direction[1], w = ray->direction[2], margin = ray->margin, to = s->to;
 #pragma omp simd
     for (int i = 0; i < CML_GROUP; i++) {
         const float nx = leaf->normal[0][i], ny = leaf->normal[1][i], nz = leaf->normal[2][i];
         const float along = nx * u + ny * v + nz * w, height = leaf->offset[i] - (nx * x + ny * y + nz * z);
+        const float ahead = along < 0 ? -height : height;
+        tested->along[i] = along;
+        tested->height[i] = height;
+        tested->passed[i] =
+            (ahead < -margin) | (ahead > fabsf(along) * to + margin) | (leaf->facet[i] == CML_TREE_NO_FACET);
+    }
+    return cml_group_equal(tested->passed, 0);
+}
+
+/* Which facets of a leaf are candidates, as a mask. Comparisons are such that a NaN makes a candidate, which
+ * is not met. */
+static inline uint32_t test_leaf(const struct search *s, const struct cml_tree_leaf *leaf,
+                                 struct tested *tested)
+{
+    const struct cml_tree_ray *ray = s->ray;
+    const float x = ray->origin[0], y = ray->origin[1], z = ray->origin[2], u = ray->direction[0],
+                v = ray->direction[1], w = ray->direction[2], margin = ray->margin, length = ray->length,
+                side = ray->below ? 1.f : -1.f;
+    if (!test_planes(s, leaf, tested)) return 0;
+#pragma omp simd
+    for (int i = 0; i < CML_GROUP; i++) {
+        const float along = tested->along[i], height = tested->height[i];
         const float sine = fabsf(along), ahead = along < 0 ? -height : height;
         const float inverse = 1 / along, t = height * inverse, err = margin * fabsf(inverse);
         const float px = x + t * u, py = y + t * v, pz = z + t * w;
@@ -101,8 +123,7 @@ static uint32_t test_leaf(const struct search *s, const struct cml_tree_leaf *le
         tested->exits[i] = side * along > 0;
         tested->inside[i] =
             (a > aside) & (b > aside) & (c > aside) & (ahead > margin) & (ahead < sine * length - margin);
-        tested->passed[i] = (a < -aside) | (b < -aside) | (c < -aside) | (ahead < -margin) |
-                            (ahead > sine * to + margin) | (leaf->facet[i] == CML_TREE_NO_FACET);
+        tested->passed[i] |= (a < -aside) | (b < -aside) | (c < -aside);
     }
     return cml_group_equal(tested->passed, 0);
 }

@@ -249,12 +249,14 @@ static void copy_safe_cells(const struct cml_scene *scene, const struct cml_surf
 {
     const double origin[3] = {scene->beams[0].x, scene->beams[0].y, 0};
     for (int b = 0; b < from->count; b++) {
-        const struct cml_safe_map *map = &from->item[b].safe;
+        const struct cml_mesh_surface *mesh = from->item[b].mesh;
+        const struct cml_safe_map *map = mesh ? cml_mesh_surface_map(mesh) : NULL;
         struct cml_safe_cells *cells = &to->safe_cells[b];
-        if (!map->safe) continue;
-        double corner[3], across = 0, farthest = (double)to->media[b].span;
+        if (!map) continue;
+        double middle[3], corner[3], across = 0, farthest = (double)to->media[b].span;
+        cml_mesh_surface_mesh(mesh, middle);
         for (int k = 0; k < 3; k++) {
-            corner[k] = map->corner[k] - origin[k];
+            corner[k] = map->corner[k] + middle[k] - origin[k];
             across += map->n[k];
             farthest += fabs(corner[k]) + 2 * map->n[k] * map->cell;
         }

@@ -90,7 +90,7 @@ static cml_status make_mesh(struct cml_mesh *mesh, double depth, const struct cm
     CML_TRY(cml_mesh_surface_create(mesh, scene->beams[0].x, scene->beams[0].y, search, &def->mesh, err));
     def->primitives = cml_mesh_surface_primitives(def->mesh);
     give_reason(reason, def);
-    return cml_mesh_surface_walk(def->mesh) ? CML_OK : cml_safe_map_create(def->mesh, &def->safe, err);
+    return CML_OK;
 }
 
 static cml_status tessellate(const struct cml_scene *scene, const struct cml_boundary *boundary,
@@ -261,7 +261,6 @@ static cml_status represent_timed(const struct cml_scene *scene, const struct cm
     def->bytes =
         3 * (double)def->num_rings * sizeof *def->r + 2 * (double)def->clearance.cells * sizeof(float);
     if (def->mesh) def->bytes += cml_mesh_surface_bytes(def->mesh);
-    if (def->safe.safe) def->bytes += cml_safe_map_bytes(&def->safe);
     return CML_OK;
 }
 
@@ -354,7 +353,6 @@ void cml_surface_clear(struct cml_surface_def *def)
         free(def->r);
         cml_mesh_surface_free(def->mesh);
         cml_clearance_clear(&def->clearance);
-        cml_safe_map_clear(&def->safe);
     }
     *def = (struct cml_surface_def){.kind = CML_SURFACE_PLANE};
 }

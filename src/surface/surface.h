@@ -7,7 +7,6 @@
 
 #include "surface/body/body_surface.h"
 #include "surface/clearance_map.h"
-#include "surface/safe_map.h"
 #include "scene/scene.h"
 #include "surface/surface_choice.h"
 #include "surface/mesh/mesh_surface.h"
@@ -25,7 +24,6 @@ struct cml_surface_def {
     double *r, *z, *slope;  /* [num_rings] see kernels/types.h */
     struct cml_mesh_surface *mesh;      /* CML_SURFACE_MESH */
     struct cml_clearance_map clearance; /* of cones and meshes */
-    struct cml_safe_map safe;           /* of meshes that are neither regular grids nor sheets */
     struct cml_expectation expectation;
     bool borrowed;               /* what it points to belongs to another */
     double build_seconds, bytes; /* what representing it took: tree, rings, bounds */

@@ -6,6 +6,7 @@
 #include "surface/mesh/mesh_facet.h"
 #include "surface/mesh/mesh_line.h"
 #include "surface/mesh/rounding.h"
+#include "surface/mesh/safe_map.h"
 #include "surface/mesh/sheet_mesh.h"
 #include "surface/tree/facet_tree.h"
 
@@ -21,6 +22,8 @@ typedef struct RTCRayQueryContext query_context;
 typedef struct RTCIntersectContext query_context;
 #endif
 
+#define MAP_BYTES 16777216 /* of safe distances, and a quarter of what all else takes */
+
 struct cml_mesh_surface {
     struct cml_mesh_body body;
     _Atomic ssize_t embree_bytes;       /* kept by Embree's threads */
@@ -28,6 +31,7 @@ struct cml_mesh_surface {
     struct cml_grid_mesh grid;          /* walked; regular or of a sheet */
     struct cml_facet_tree tree;         /* asked where there are no cells; without nodes: not */
     const struct cml_tree_level *level; /* of the processor */
+    struct cml_safe_map map;            /* beside the tree, of what overhangs; without safe distances: not */
     struct cml_mesh_period period;      /* n 0: the mesh is not repeated */
 };
 
@@ -179,8 +183,19 @@ static struct cml_tree_ray tree_ray(const struct cml_mesh_query *q)
     return ray;
 }
 
+/* The leaves that are named for the place where the ray is, if they decide. */
+static inline bool ask_named_leaves(const struct cml_mesh_surface *surface, const struct cml_tree_ray *ray,
+                                    struct cml_tree_answer *answer)
+{
+    const uint32_t *leaf;
+    const int count = surface->map.names ? cml_safe_map_leaves(&surface->map, ray, &leaf) : 0;
+    if (count) surface->level->ask_leaves(&surface->tree, leaf, count, ray, answer);
+    return count > 0;
+}
+
 /* What is not plain is decided in double: whatever the ray could meet is among the doubts. */
-static void query_tree(const struct cml_mesh_surface *surface, struct query *query)
+static void query_tree(const struct cml_mesh_surface *surface, const struct cml_tree_answer *named,
+                       struct query *query)
 {
     static const double inner[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};
     struct cml_mesh_query *q = &query->ray;
@@ -188,7 +203,10 @@ static void query_tree(const struct cml_mesh_surface *surface, struct query *que
     double leave;
     if (!cml_query_enter(q)) return;
     const struct cml_tree_ray ray = tree_ray(q);
-    surface->level->ask(&surface->tree, &ray, &answer);
+    if (named)
+        answer = *named;
+    else if (q->exclude == -1 || !ask_named_leaves(surface, &ray, &answer))
+        surface->level->ask(&surface->tree, &ray, &answer);
     q->in_doubt = answer.re_enters;
     if (answer.blurred) {
         query_embree(surface, query);
@@ -224,6 +242,28 @@ static void query_grid(const struct cml_mesh_surface *surface, struct query *que
     if (!cml_grid_walk(&surface->grid, &query->ray)) query_exact(surface, query);
 }
 
+/* The answer of the leaves that are named for a path that begins on no facet; false where they do not decide.
+ */
+static bool ask_early(const struct cml_mesh_surface *surface, const double p[3], const double u[3], int below,
+                      double t_max, double err_position, struct cml_tree_answer *answer)
+{
+    const struct cml_mesh_body *body = &surface->body;
+    struct cml_tree_ray ray = {.length = (float)fmin(t_max, (double)FLT_MAX),
+                               .margin = (float)(body->err_margin + body->err_mesh + err_position),
+                               .below = below,
+                               .exclude = -1};
+    for (int k = 0; k < 3; k++) {
+        ray.origin[k] = (float)(p[k] - body->centre[k]);
+        ray.direction[k] = (float)u[k];
+    }
+    return ask_named_leaves(surface, &ray, answer);
+}
+
+static bool is_plain_miss(const struct cml_tree_answer *answer)
+{
+    return answer->facet < 0 && answer->doubts == 0 && !answer->blurred && !answer->re_enters;
+}
+
 /* Packets that stand near an edge go the exact way at once: the fast ones would only send them there. The
  * outer plane is left out where the traversal has shown that the ray stays over the grid. */
 static inline int hit_mesh(const struct cml_mesh_surface *surface, const double p[3], const double u[3],
@@ -231,6 +271,11 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
                            double err_position, struct cml_mesh_crossing *crossing)
 {
     struct query query;
+    struct cml_tree_answer answer;
+    const bool named = surface->map.names && exclude == -1 && !exact &&
+                       ask_early(surface, p, u, below, t_max, err_position, &answer);
+    crossing->ends_near_facet = 0;
+    if (named && is_plain_miss(&answer)) return 0;
     query.line = NULL;
     query.contact_only = false;
     cml_query_begin(&query.ray, &surface->body, p, u, below, t_max, exclude, undeflected, err_position);
@@ -239,7 +284,7 @@ static inline int hit_mesh(const struct cml_mesh_surface *surface, const double 
     else if (surface->grid.levels)
         query_grid(surface, &query);
     else if (surface->tree.nodes)
-        query_tree(surface, &query);
+        query_tree(surface, named ? &answer : NULL, &query);
     else
         query_embree(surface, &query);
     if (exact || !surface->grid.levels || !cml_grid_walk_covers(&surface->grid, &query.ray))
@@ -423,8 +468,16 @@ static cml_status build_search(struct cml_mesh_surface *surface, enum cml_mesh_s
     return grid->levels ? CML_OK : build_tree(surface, err);
 }
 
-cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
-                                   struct cml_mesh_surface **surface, struct cml_error *err)
+/* The map of a body would be built once for each of them, and does not pay. */
+static cml_status build_map(struct cml_mesh_surface *surface, struct cml_error *err)
+{
+    if (!surface->tree.nodes || surface->body.mesh.closed) return CML_OK;
+    const double bytes = MAP_BYTES + 0.25 * cml_mesh_surface_bytes(surface);
+    return cml_safe_map_create(&surface->body, &surface->tree, bytes, &surface->map, err);
+}
+
+static cml_status create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
+                         bool repeated, struct cml_mesh_surface **surface, struct cml_error *err)
 {
     struct cml_mesh_surface *made = calloc(1, sizeof *made);
     *surface = NULL;
@@ -432,6 +485,7 @@ cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, 
     cml_status status = cml_mesh_body_create(mesh, x0, y0, &made->body, err);
     if (status == CML_OK) status = build_search(made, search, err);
     if (status == CML_OK) status = build_embree(made, err);
+    if (status == CML_OK && !repeated) status = build_map(made, err);
     if (status != CML_OK)
         cml_mesh_surface_free(made);
     else
@@ -439,11 +493,17 @@ cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, 
     return status;
 }
 
+cml_status cml_mesh_surface_create(struct cml_mesh *mesh, double x0, double y0, enum cml_mesh_search search,
+                                   struct cml_mesh_surface **surface, struct cml_error *err)
+{
+    return create(mesh, x0, y0, search, false, surface, err);
+}
+
 cml_status cml_mesh_surface_create_tile(struct cml_mesh *mesh, double x0, double y0,
                                         enum cml_mesh_search search, const struct cml_mesh_period *period,
                                         struct cml_mesh_surface **surface, struct cml_error *err)
 {
-    CML_TRY(cml_mesh_surface_create(mesh, x0, y0, search, surface, err));
+    CML_TRY(create(mesh, x0, y0, search, true, surface, err));
     (*surface)->period = *period;
     (*surface)->period.corner[0] -= x0;
     (*surface)->period.corner[1] -= y0;
@@ -456,6 +516,7 @@ void cml_mesh_surface_free(struct cml_mesh_surface *surface)
     if (surface->boxes) rtcReleaseScene(surface->boxes);
     cml_grid_mesh_clear(&surface->grid);
     cml_facet_tree_clear(&surface->tree);
+    cml_safe_map_clear(&surface->map);
     cml_mesh_body_clear(&surface->body);
     free(surface);
 }
@@ -487,7 +548,13 @@ const struct cml_mesh_period *cml_mesh_surface_period(const struct cml_mesh_surf
 double cml_mesh_surface_bytes(const struct cml_mesh_surface *surface)
 {
     return (double)surface->embree_bytes + cml_grid_mesh_bytes(&surface->grid) +
-           cml_facet_tree_bytes(&surface->tree) + cml_mesh_body_bytes(&surface->body);
+           cml_facet_tree_bytes(&surface->tree) + cml_safe_map_bytes(&surface->map) +
+           cml_mesh_body_bytes(&surface->body);
+}
+
+const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface)
+{
+    return surface->map.safe ? &surface->map : NULL;
 }
 
 const char *cml_mesh_library(void)

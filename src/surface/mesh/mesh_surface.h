@@ -16,6 +16,7 @@
 
 #include "geometry/mesh.h"
 #include "mesh_crossing.h"
+#include "surface/mesh/safe_map.h"
 #include "surface/mesh/sheet_mesh.h"
 #include "surface/mesh/tile_path.h"
 
@@ -84,6 +85,9 @@ bool cml_mesh_surface_stretch(const struct cml_mesh_surface *surface, const doub
  */
 const struct cml_grid_mesh *cml_mesh_surface_grid(const struct cml_mesh_surface *surface,
                                                   const struct cml_mesh_body **body);
+
+/* Its safe distances, or NULL. Borrowed. */
+const struct cml_safe_map *cml_mesh_surface_map(const struct cml_mesh_surface *surface);
 
 /* What finds the crossings, for people: "Embree 3.13.5", as built against. */
 const char *cml_mesh_library(void);

@@ -1,6 +1,7 @@
 /* Safe distances and safe paths against all facets in long double: random sheets that overhang, from 0.01 to
  * 10 cm wide, under beams and layers that cost digits. Paths are thrown at random, and aimed at the closest
- * place of the surface. SPDX-License-Identifier: MIT */
+ * place of the surface. Leaves that are named, by the crossings that other surfaces find.
+ * SPDX-License-Identifier: MIT */
 #include "lib/bench.h"
 #include "lib/dice.h"
 #include "lib/mci_case.h"
@@ -168,20 +169,22 @@ static long double volume(const place a, const place b, const place c, const pla
     return dot(normal, ad);
 }
 
-static bool meets(const struct sheet *sheet, const double origin[2], const place p, const place q)
+/* How often the way from p to q crosses the sheet or the plane around it. */
+static int crossings(const struct sheet *sheet, const double origin[2], const place p, const place q)
 {
+    int count = 0;
     for (int i = 0; i < FACETS; i++) {
         place c[3];
         for (int k = 0; k < 3; k++) vertex_of(sheet, sheet->facet[i][k], origin, c[k]);
         if ((volume(c[0], c[1], c[2], p) > 0) == (volume(c[0], c[1], c[2], q) > 0)) continue;
         const bool first = volume(p, q, c[0], c[1]) > 0, second = volume(p, q, c[1], c[2]) > 0,
                    third = volume(p, q, c[2], c[0]) > 0;
-        if (first == second && second == third) return true;
+        count += first == second && second == third;
     }
-    if ((p[2] > 0) == (q[2] > 0)) return false;
+    if ((p[2] > 0) == (q[2] > 0)) return count;
     place at;
     for (int k = 0; k < 3; k++) at[k] = p[k] + p[2] / (p[2] - q[2]) * (q[k] - p[k]);
-    return !is_inside_border(sheet, origin, at);
+    return count + !is_inside_border(sheet, origin, at);
 }
 
 /* Two sheets, one at the top and one below the first layer. */
@@ -226,13 +229,24 @@ static void close_scene(struct scene *scene)
     tear_down(&scene->bench);
 }
 
+/* *corner: from the beam's axis. */
+static const struct cml_safe_map *map_of(const struct scene *scene, int b, double corner[3])
+{
+    const struct cml_mesh_surface *mesh = scene->bench.surfaces.item[b].mesh;
+    const struct cml_safe_map *map = cml_mesh_surface_map(mesh);
+    assert_non_null(map);
+    cml_mesh_surface_mesh(mesh, corner);
+    for (int k = 0; k < 3; k++) corner[k] += map->corner[k] - (k < 2 ? scene->origin[k] : 0);
+    return map;
+}
+
 /* The middle of a cell, from the beam's axis. */
 static void middle_of(const struct scene *scene, int b, const int cell[3], place middle)
 {
-    const struct cml_safe_map *map = &scene->bench.surfaces.item[b].safe;
+    double corner[3];
+    const struct cml_safe_map *map = map_of(scene, b, corner);
     for (int k = 0; k < 3; k++)
-        middle[k] = (long double)map->corner[k] + (cell[k] + 0.5L) * (long double)map->cell -
-                    (k < 2 ? (long double)scene->origin[k] : 0);
+        middle[k] = (long double)corner[k] + (cell[k] + 0.5L) * (long double)map->cell;
 }
 
 static void no_ball_holds_a_part_of_the_surface(void **state)
@@ -241,9 +255,9 @@ static void no_ball_holds_a_part_of_the_surface(void **state)
     long balls = 0, exact = 0;
     for (uint32_t seed = 1; seed <= SCENES; seed++) {
         open_scene(state, seed, &scene);
-        const struct cml_safe_map *map = &scene.bench.surfaces.item[0].safe;
+        double corner[3];
+        const struct cml_safe_map *map = map_of(&scene, 0, corner);
         const float *safe = map->safe;
-        assert_non_null(safe);
         int cell[3];
         for (cell[2] = 0; cell[2] < map->n[2]; cell[2]++)
             for (cell[1] = 0; cell[1] < map->n[1]; cell[1]++)
@@ -306,7 +320,7 @@ static void expect_safe(const struct scene *scene, int b, const struct path *pat
         if (there < least)
             fail_msg("%s: boundary %d, end %d: %g from the surface, not %g", what, b, end, there, least);
     }
-    if (meets(sheet, scene->origin, p, q)) fail_msg("%s: boundary %d: a safe path meets it", what, b);
+    if (crossings(sheet, scene->origin, p, q)) fail_msg("%s: boundary %d: a safe path meets it", what, b);
 }
 
 static void a_safe_path_meets_nothing(void **state)
@@ -318,14 +332,13 @@ static void a_safe_path_meets_nothing(void **state)
         open_scene(state, seed, &scene);
         for (int i = 0; i < 20000; i++, thrown++) {
             const int b = i & 1;
-            const struct cml_safe_map *map = &scene.bench.surfaces.item[b].safe;
-            double u[3];
+            double u[3], corner[3];
+            const struct cml_safe_map *map = map_of(&scene, b, corner);
             dice_direction(&dice, u);
             struct path path = {.u = cml_vec_of(u[0], u[1], u[2])};
             double at[3];
             for (int k = 0; k < 3; k++)
-                at[k] = map->corner[k] - (k < 2 ? scene.origin[k] : 0) +
-                        dice_between(&dice, -0.1, 1.1) * map->n[k] * map->cell;
+                at[k] = corner[k] + dice_between(&dice, -0.1, 1.1) * map->n[k] * map->cell;
             path.p = cml_vec_of(at[0], at[1], at[2]);
             path.s = (real)(scene.size * pow(10, dice_between(&dice, -4, 0.5)));
             if (!is_safe(&scene, b, &path)) continue;
@@ -349,7 +362,8 @@ static void a_path_up_to_the_surface_is_not_safe(void **state)
         open_scene(state, seed, &scene);
         for (int i = 0; i < 2000; i++) {
             const int b = i & 1;
-            const struct cml_safe_map *map = &scene.bench.surfaces.item[b].safe;
+            double corner[3];
+            const struct cml_safe_map *map = map_of(&scene, b, corner);
             const int cell[3] = {dice_below(&dice, map->n[0]), dice_below(&dice, map->n[1]),
                                  dice_below(&dice, map->n[2])};
             place middle, closest, from, to;
@@ -377,12 +391,60 @@ static void a_path_up_to_the_surface_is_not_safe(void **state)
     assert_true(safe > short_of_it / 4);
 }
 
+/* Paths as long as names reach, on either side of the sheet: what the named leaves say is what Embree's boxes
+ * and doubles say. */
+static void named_leaves_have_all_that_a_path_can_meet(void **state)
+{
+    static struct scene scene;
+    long asked = 0, named = 0, found = 0;
+    for (uint32_t seed = 1; seed <= SCENES; seed++) {
+        struct dice dice = dice_new(300 + seed);
+        open_scene(state, seed, &scene);
+        const struct cml_surface_options options = {.force = CML_SURFACE_AUTO, .search = CML_SEARCH_EMBREE};
+        struct cml_surface_set boxes;
+        struct cml_error err;
+        require_ok(cml_surfaces_create(scene.bench.list.scenes, &options, &boxes, &err), &err);
+        for (int i = 0; i < 4000; i++, asked++) {
+            double corner[3], u[3], p[3], middle[3];
+            const struct cml_safe_map *map = map_of(&scene, 0, corner);
+            dice_direction(&dice, u);
+            struct cml_tree_ray ray = {.length = (float)(map->cell * dice_between(&dice, 0, 8))};
+            cml_mesh_surface_mesh(scene.bench.surfaces.item[0].mesh, middle);
+            for (int k = 0; k < 3; k++) {
+                const double in_body = map->corner[k] + dice_between(&dice, 0, 1) * map->n[k] * map->cell;
+                p[k] = in_body + middle[k] - (k < 2 ? scene.origin[k] : 0);
+                ray.origin[k] = (float)in_body;
+                ray.direction[k] = (float)u[k];
+            }
+            const uint32_t *leaf;
+            if (!cml_safe_map_leaves(map, &ray, &leaf)) continue;
+            named++;
+            const place from = {p[0], p[1], p[2]}, above = {p[0], p[1], -100 * (long double)scene.size};
+            const int below = crossings(&scene.sheet[0], scene.origin, from, above) % 2;
+            struct cml_mesh_crossing crossing[2];
+            int hit[2];
+            for (int k = 0; k < 2; k++)
+                hit[k] = cml_mesh_surface_hit((k ? &boxes : &scene.bench.surfaces)->item[0].mesh, p, u, below,
+                                              (double)ray.length, -1, 0, 0, 0, &crossing[k]);
+            found += hit[0];
+            if (hit[0] != hit[1] || (hit[0] && crossing[0].primitive != crossing[1].primitive))
+                fail_msg("seed %u, path %d: meets %d, by boxes %d", seed, i, hit[0], hit[1]);
+        }
+        cml_surfaces_free(&boxes);
+        close_scene(&scene);
+    }
+    print_message("%ld of %ld paths have names, %ld of them meet the sheet\n", named, asked, found);
+    assert_true(named > asked / 8 && found > named / 32);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(no_ball_holds_a_part_of_the_surface, case_setup, case_teardown),
         cmocka_unit_test_setup_teardown(a_safe_path_meets_nothing, case_setup, case_teardown),
         cmocka_unit_test_setup_teardown(a_path_up_to_the_surface_is_not_safe, case_setup, case_teardown),
+        cmocka_unit_test_setup_teardown(named_leaves_have_all_that_a_path_can_meet, case_setup,
+                                        case_teardown),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

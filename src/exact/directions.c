@@ -67,6 +67,7 @@ static void add_direction(struct cml_directions *to, double index, double cosine
     to->index[to->count] = index;
     to->cosine[to->count] = cosine;
     to->etendue[to->count] = etendue;
+    if (etendue > 0) to->weighted[to->num_weighted++] = to->count;
     to->count++;
 }
 
@@ -138,6 +139,13 @@ double cml_directions_cosine(const struct cml_directions *directions, int i, dou
     return refracted_cosine(directions->index[i], directions->cosine[i], n);
 }
 
+struct cml_dense_kind cml_directions_kind(const struct cml_directions *directions, int n)
+{
+    int full = 0;
+    while (full < directions->num_weighted && directions->weighted[full] < n) full++;
+    return (struct cml_dense_kind){n, full, directions->weighted};
+}
+
 /* Directions that exist in a medium; those of a lower index come first. Bisection. */
 static int count_directions(const struct cml_directions *directions, double n)
 {
@@ -194,6 +202,7 @@ void cml_directions_clear(struct cml_directions *directions)
     free(directions->etendue);
     free(directions->light);
     free(directions->live);
+    free(directions->weighted);
     *directions = (struct cml_directions){0};
 }
 
@@ -205,7 +214,8 @@ static cml_status allocate(int num_media, int most, struct cml_directions *to, s
     to->etendue = calloc((size_t)most, sizeof *to->etendue);
     to->light = calloc((size_t)most, sizeof *to->light);
     to->live = calloc((size_t)num_media, sizeof *to->live);
-    if (to->index && to->cosine && to->etendue && to->light && to->live) return CML_OK;
+    to->weighted = calloc((size_t)most, sizeof *to->weighted);
+    if (to->index && to->cosine && to->etendue && to->light && to->live && to->weighted) return CML_OK;
     cml_directions_clear(to);
     return cml_fail_memory(err, 4.0 * most * sizeof(double), "directions");
 }

@@ -8,6 +8,7 @@
 #ifndef CML_DIRECTIONS_H
 #define CML_DIRECTIONS_H
 
+#include "exact/dense.h"
 #include "exact/light.h"
 
 /* Directions stand in the order of s. A beam's is one of them, with no weight: light is scattered out of it,
@@ -21,6 +22,7 @@ struct cml_directions {
     double *etendue; /* [count] quadrature weight: of integrals over s ds */
     double *light;   /* [count] share of the incident light, sums to 1; of gathered light also below 0 */
     int *live;       /* [num_media] */
+    int num_weighted, *weighted; /* [num_weighted] directions that light is scattered into, rising */
 };
 
 /* order: nodes over a quarter of a circle, had all media one index. CML_E_INPUT: out of memory. On failure
@@ -34,6 +36,10 @@ void cml_directions_clear(struct cml_directions *directions);
 
 /* The cosine of direction i in a medium of index n, 0 where the medium does not have it. */
 double cml_directions_cosine(const struct cml_directions *directions, int i, double n);
+
+/* Of matrices from direction to direction, for the first n: light goes into those without weight only from
+ * themselves. */
+struct cml_dense_kind cml_directions_kind(const struct cml_directions *directions, int n);
 
 /* Gauss-Legendre node i of n >= 2 on (-1, 1), from the largest down. */
 double cml_gauss_node(int n, int i, double *weight);

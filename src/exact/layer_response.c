@@ -25,6 +25,7 @@ enum { BUFFERS = 6, SERIES_TERMS = 9 };
 /* A layer while it is being made. */
 struct work {
     int n, terms;
+    struct cml_dense_kind kind;
     const struct cml_medium_def *medium;
     double *cosine, *weight; /* [n] in this medium: the weights of integrals over the cosine */
     double *out;             /* [n] what a direction loses per cm, 1/cm */
@@ -119,7 +120,7 @@ static void transfer(struct work *w, double *Q, double *P)
  * series. row, or NULL: [n], becomes row s (c + A s)^-1. X, c, s, power: [n + 1][n]. */
 static void half_response(struct work *w, double h, const double *A, const double *B, double *row, double *X)
 {
-    const int n = w->n, rows = row ? n + 1 : n;
+    const int n = w->n;
     const size_t size = (size_t)n * (size_t)n;
     double *c = w->buffer[2], *s = w->buffer[3], *power = w->buffer[4], *next = w->buffer[5];
     memset(power, 0, size * sizeof *power);
@@ -134,15 +135,15 @@ static void half_response(struct work *w, double h, const double *A, const doubl
         }
         factor *= h * h / 4 / ((2 * l + 1) * (2 * l + 2));
         memset(next, 0, size * sizeof *next);
-        cml_dense_add_product(n, n, power, B, next);
+        cml_dense_add_product(&w->kind, 0, power, B, next);
         memset(power, 0, size * sizeof *power);
-        cml_dense_add_product(n, n, next, A, power);
+        cml_dense_add_product(&w->kind, 0, next, A, power);
     }
     memset(X, 0, (size + (size_t)n) * sizeof *X);
-    cml_dense_add_product(n, n, A, s, X);
-    if (row) cml_dense_add_product(1, n, row, s, X + size);
+    cml_dense_add_product(&w->kind, 0, A, s, X);
+    if (row) cml_dense_add_row_product(&w->kind, row, s, X + size);
     for (size_t i = 0; i < size; i++) c[i] += X[i];
-    cml_dense_divide(rows, n, c, X);
+    cml_dense_divide(&w->kind, row ? 1 : 0, c, X);
     if (row) memcpy(row, X + size, (size_t)n * sizeof *row);
 }
 
@@ -171,24 +172,24 @@ static void double_layer(struct work *w, struct cml_layer_response *to)
     double *R = to->R, *U = to->U, *a = to->a;
     double *X = w->buffer[0], *B = w->buffer[1], *V = w->buffer[2], *W = w->buffer[3];
     memset(X, 0, bytes);
-    cml_dense_add_product(n, n, R, R, X);
+    cml_dense_add_product(&w->kind, 0, R, R, X);
     for (size_t i = 0; i < size; i++) B[i] = -X[i];
     for (int i = 0; i < n; i++) B[i * n + i] += 1;
-    cml_dense_divide(n, n, B, X);
+    cml_dense_divide(&w->kind, 0, B, X);
     for (size_t i = 0; i < size; i++) B[i] = U[i] + e * X[i];
-    cml_dense_add_product(n, n, X, U, B);
+    cml_dense_add_product(&w->kind, 0, X, U, B);
     for (size_t i = 0; i < size; i++) V[i] = e * R[i];
-    cml_dense_add_product(n, n, R, U, V);
+    cml_dense_add_product(&w->kind, 0, R, U, V);
     memcpy(W, V, bytes);
-    cml_dense_add_product(n, n, X, V, W);
+    cml_dense_add_product(&w->kind, 0, X, V, W);
     for (int j = 0; j < n; j++) w->scratch[j] = (1 + e) * a[j];
-    cml_dense_add_product(1, n, a, B, w->scratch);
-    cml_dense_add_product(1, n, a, W, w->scratch);
+    cml_dense_add_row_product(&w->kind, a, B, w->scratch);
+    cml_dense_add_row_product(&w->kind, a, W, w->scratch);
     memcpy(a, w->scratch, (size_t)n * sizeof *a);
     for (size_t i = 0; i < size; i++) R[i] += e * W[i];
-    cml_dense_add_product(n, n, U, W, R);
+    cml_dense_add_product(&w->kind, 0, U, W, R);
     for (size_t i = 0; i < size; i++) X[i] = e * (U[i] + B[i]);
-    cml_dense_add_product(n, n, U, B, X);
+    cml_dense_add_product(&w->kind, 0, U, B, X);
     memcpy(U, X, bytes);
 }
 
@@ -262,7 +263,8 @@ cml_status cml_layer_response_create(const struct cml_medium_def *medium,
                                      const struct cml_directions *directions, int count, int terms,
                                      struct cml_layer_response *to, struct cml_error *err)
 {
-    struct work w = {.n = count, .terms = terms, .medium = medium};
+    struct work w = {
+        .n = count, .terms = terms, .medium = medium, .kind = cml_directions_kind(directions, count)};
     const size_t n = (size_t)count;
     *to = (struct cml_layer_response){.count = count, .through = medium->mus > 0};
     to->R = calloc(n * (n + 1), sizeof(double));

@@ -52,6 +52,7 @@ static void add_boundary(struct stack *stack, const struct cml_directions *direc
                          double below, int n)
 {
     const int inner = stack->n, shared = n < inner ? n : inner; /* directions below, on both sides */
+    const struct cml_dense_kind kind = cml_directions_kind(directions, inner);
     double *r = stack->mirror, *to = stack->other;
     for (int i = 0; i < inner; i++)
         r[i] = i < shared ? cml_stack_fresnel(above, cml_directions_cosine(directions, i, above), below,
@@ -60,7 +61,7 @@ static void add_boundary(struct stack *stack, const struct cml_directions *direc
     for (int i = 0; i < inner; i++)
         for (int j = 0; j < inner; j++)
             stack->matrix[i * inner + j] = (i == j) - r[i] * stack->below[i * inner + j];
-    cml_dense_divide(inner + stack->rows, inner, stack->matrix, stack->below);
+    cml_dense_divide(&kind, stack->rows, stack->matrix, stack->below);
     memset(to, 0, (size_t)(n + stack->rows) * (size_t)n * sizeof *to);
     for (int j = 0; j < shared; j++) {
         for (int i = 0; i < shared; i++)
@@ -76,23 +77,25 @@ static void add_boundary(struct stack *stack, const struct cml_directions *direc
 
 /* A layer on top, whose absorbed share is row `number`. What lies below gets (1 - R below)^-1 T of what
  * comes, and Z comes back from there. */
-static void add_layer(struct stack *stack, const struct cml_layer_response *layer, int number)
+static void add_layer(struct stack *stack, const struct cml_directions *directions,
+                      const struct cml_layer_response *layer, int number)
 {
     const int n = stack->n;
+    const struct cml_dense_kind kind = cml_directions_kind(directions, n);
     double *Z = stack->other, *old = stack->below, *matrix = stack->matrix;
     memset(matrix, 0, (size_t)n * (size_t)n * sizeof *matrix);
-    cml_dense_add_product(n, n, layer->R, old, matrix);
+    cml_dense_add_product(&kind, 0, layer->R, old, matrix);
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) matrix[i * n + j] = (i == j) - matrix[i * n + j];
-    cml_dense_divide(n + stack->rows, n, matrix, old);
+    cml_dense_divide(&kind, stack->rows, matrix, old);
     for (int i = 0; i < (n + stack->rows) * n; i++) Z[i] = layer->through * old[i];
-    cml_dense_add_product(n + stack->rows, n, old, layer->U, Z);
+    cml_dense_add_product(&kind, stack->rows, old, layer->U, Z);
     double *absorbed = Z + (size_t)(n + number) * (size_t)n;
     memcpy(absorbed, layer->a, (size_t)n * sizeof *absorbed);
-    cml_dense_add_product(1, n, layer->a, Z, absorbed);
+    cml_dense_add_row_product(&kind, layer->a, Z, absorbed);
     memcpy(old + n * n, Z + n * n, (size_t)stack->rows * (size_t)n * sizeof *old);
     for (int i = 0; i < n * n; i++) old[i] = layer->through * Z[i];
-    cml_dense_add_product(n, n, layer->U, Z, old);
+    cml_dense_add_product(&kind, 0, layer->U, Z, old);
     for (int i = 0; i < n * n; i++) old[i] += layer->R[i];
 }
 
@@ -133,7 +136,7 @@ static cml_status build(const struct cml_medium_def *media, const struct cml_bac
             add_boundary(stack, directions, media[b].n, media[b + 1].n, directions->live[b]);
         if (b == 0) break;
         CML_TRY(cml_layer_response_create(&media[b], directions, stack->n, terms, &layer, err));
-        add_layer(stack, &layer, b);
+        add_layer(stack, directions, &layer, b);
         cml_layer_response_clear(&layer);
     }
     return CML_OK;

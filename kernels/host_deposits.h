@@ -9,9 +9,11 @@
 
 /* Arrays of weight units (see src/tally/tally.h). One thread's: A_rz: [nr + 1][nz + 2] or NULL, A_l:
  * [num_layers + 2] by medium, A_t: [gates + 1] or NULL. All threads', too large for a copy each: A_xyz: [nz
- * ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. */
+ * ny nx + 1] or NULL, facets: [facets of all boundaries][CML_FACET_SCORES] or NULL. Of one thread again,
+ * expected: [scores of the tail] (P15) or NULL; expected_late: the same once more, of the batch of a packet
+ * that is late, or NULL. */
 struct cml_deposits {
-    cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets;
+    cml_u64 *A_rz, *A_l, *A_t, *A_xyz, *facets, *expected, *expected_late;
     cml_u64 *phi;        /* [64][nr + 1][nz + 2] or NULL: fluence by batch (P14) */
     int phi_is_shared;   /* by all threads */
     cml_u64 *specular;   /* one thread's sum */

@@ -210,6 +210,24 @@ struct cml_roulette_rule {
         weight; /* at least `below`; 0: ten times what they had, below at most 2^31 / 10 (original MCML) */
 };
 
+#ifndef __OPENCL_VERSION__
+/* P15. Directions whose n sine lies between two indices: with c their cosine in a medium of the upper index,
+ * c^2 = ratio uz^2 + rest, places in the table rise as the root of c. */
+struct cml_tail_interval {
+    real ratio, rest, per_root;
+};
+
+/* What is expected of light that goes down through the level z of a medium, below which all is flat. */
+struct cml_tail {
+    int medium;
+    real z;            /* in the frame of the medium */
+    int cells, scores; /* cells of an interval; scores: Tt, and A of each layer below the medium */
+    const struct cml_tail_interval *interval; /* rising indices; the last has ratio 1, rest 0 */
+    const float *response;                    /* [intervals][cells + 1][scores], each 0..1 */
+};
+#define CML_TAIL_UNIT ((real)0.015625) /* of a score in one of weight: 2^-6, so that sums have room */
+#endif
+
 /* How packets of a source lie across its axis, and what its numbers are. */
 enum cml_source_shape {
     CML_SHAPE_POINT,
@@ -371,6 +389,7 @@ struct cml_world {
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */
     const struct cml_safe_cells *safe_cells;      /* [num_layers + 1] of boundaries */
     const struct cml_known_path *known_path;      /* NULL where none is */
+    struct cml_tail tail;                         /* read where its scores are wanted */
     void (*on_event)(void *context, const char *what, const struct cml_packet *packet); /* NULL: not traced */
     void *on_event_context;
 #endif

@@ -182,6 +182,34 @@ CML_FN int cml_leaked(const struct cml_world *world, int medium, real z)
            z_bottom > bottom->highest + share * (bottom->highest - bottom->lowest);
 }
 
+#ifndef __OPENCL_VERSION__
+/* P15: whether a path between two depths of a medium goes down through the level. */
+CML_FN int cml_enters_tail(const struct cml_tail *tail, int medium, real from, real z)
+{
+    return (medium == tail->medium) & (from < tail->z) & (z >= tail->z);
+}
+
+/* P15: weight w goes down through the level, at the cosine uz > 0. */
+CML_FN void cml_score_tail(const struct cml_tail *tail, const struct cml_deposits *to, real uz, cml_u32 w)
+{
+    const real square = uz * uz, light = (real)w * CML_TAIL_UNIT;
+    const struct cml_tail_interval *interval = tail->interval;
+    while (!(CML_FMA(interval->ratio, square, interval->rest) > 0) && interval->rest < 0) interval++;
+    const real c = CML_SQRT(CML_FMA(interval->ratio, square, interval->rest)),
+               at = CML_SQRT(c) * interval->per_root, last = (real)(tail->cells - 1);
+    const int cell = (int)(at < last ? at : last);
+    const real part = at - (real)cell;
+    const float *low =
+        tail->response + ((interval - tail->interval) * (tail->cells + 1) + cell) * tail->scores;
+    for (int i = 0; i < tail->scores; i++) {
+        const real share = CML_FMA(part, (real)low[tail->scores + i] - (real)low[i], (real)low[i]);
+        const cml_u64 amount = (cml_u64)CML_FMA(light, share, (real)0.5);
+        to->expected[i] += amount;
+        if (to->expected_late) to->expected_late[i] += amount;
+    }
+}
+#endif
+
 /* P3, P4, P8: the packet has flown t to its interaction. */
 CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposits *to,
                          CML_PACKET struct cml_packet *packet, real t)
@@ -199,6 +227,10 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     }
     CML_ASSERT(cml_is_in_layer(world, packet->medium, packet->p, t * packet->u.z));
     cml_mark_interaction(world, to, packet, from, t);
+#ifndef __OPENCL_VERSION__
+    if (to->expected && cml_enters_tail(&world->tail, packet->medium, from.z, packet->p.z))
+        cml_score_tail(&world->tail, to, packet->u.z, packet->w);
+#endif
     const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[1], packet->draw.w[2]);
     CML_ASSERT(dw <= packet->w && packet->w <= CML_WEIGHT_ONE);
     packet->w -= dw;
@@ -428,13 +460,18 @@ CML_FN void cml_score_launch(const struct cml_world *world, const struct cml_dep
     }
 }
 
-/* cml_boundary_event, scored where fluence or facets are asked for. */
+/* cml_boundary_event, scored where fluence, facets or expected values are asked for. */
 CML_FN void cml_score_boundary_event(const struct cml_world *world, const struct cml_deposits *to,
                                      CML_PACKET struct cml_packet *packet, const struct cml_hit *hit)
 {
     const int from = packet->medium;
     const cml_u32 arriving = packet->w;
     cml_mark_path(world, to, packet, packet->p, hit->t);
+#ifndef __OPENCL_VERSION__
+    if (to->expected && hit->boundary == from &&
+        cml_enters_tail(&world->tail, from, packet->p.z, world->media[from].span))
+        cml_score_tail(&world->tail, to, packet->u.z, packet->w);
+#endif
     cml_boundary_event(world, packet, hit);
     cml_mark_last(world, to, packet);
     if (cml_has_facets(to))

@@ -28,6 +28,8 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .ny = map->ny,
                             .map_na = map->angles ? scene->na : 1,
                             .volume = map->volume && options->absorption,
+                            .scores = options->tail ? options->tail->scores : 0,
+                            .exponent = options->tail ? options->tail->exponent : NULL,
                             .detectors = scene->num_detectors};
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];

@@ -4,6 +4,7 @@
 #ifndef CML_ENGINE_H
 #define CML_ENGINE_H
 
+#include "scene/flat_tail.h"
 #include "scene/scene.h"
 #include "base/status.h"
 #include "surface/surface.h"
@@ -29,6 +30,7 @@ struct cml_engine_options {
     /* Packets start as they do with these surfaces: above boundary 0 where that is curved here, so that in
      * another geometry they draw the same. NULL: with the run's own. Borrowed. */
     const struct cml_surface_set *start_as;
+    const struct cml_flat_tail *tail; /* P15: its expected values are wanted; NULL: none. Borrowed */
     /* opencl */
     const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
     int local_rank;     /* for that: this process's number among those of its machine */

@@ -314,6 +314,7 @@ static inline struct cml_deposits cml_deposits_of(struct cml_tally *tally)
                                     .A_l = tally->A_l,
                                     .A_t = tally->A_t,
                                     .A_xyz = tally->A_xyz,
+                                    .expected = tally->expected,
                                     .facets = tally->facets,
                                     .phi = tally->phi,
                                     .phi_is_shared = !(tally->grid.marks > 0),

@@ -48,6 +48,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->body_nodes);
     free(to->body_grids);
     free(to->body_cells);
+    free(to->tail_intervals);
     free(to->phase_cells);
     free(to->sources);
     free(to->light_cells);
@@ -342,6 +343,25 @@ static void set_marks(const struct cml_grid *grid, struct cml_marks *marks)
     marks->cells = ((cml_u32)grid->nr + 1) * ((cml_u32)grid->nz + 2);
 }
 
+/* P15. The table stays with who asks for it. */
+static cml_status set_tail(const struct cml_scene *scene, const struct cml_flat_tail *from,
+                           struct cml_owned_world *to, struct cml_error *err)
+{
+    if (!from) return CML_OK;
+    const double n = scene->media[from->layer].n;
+    to->tail_intervals = calloc((size_t)from->intervals, sizeof *to->tail_intervals);
+    if (!to->tail_intervals)
+        return cml_fail_memory(err, from->intervals * (double)sizeof *to->tail_intervals, "layers");
+    for (int k = 0; k < from->intervals; k++) {
+        const double share = n / from->index[k], rest = (1 - share) * (1 + share);
+        to->tail_intervals[k] = (struct cml_tail_interval){
+            (real)(share * share), (real)rest, (real)(CML_FLAT_TAIL_CELLS / cml_flat_tail_widest(from, k))};
+    }
+    to->world.tail = (struct cml_tail){from->layer,  (real)from->z,      CML_FLAT_TAIL_CELLS,
+                                       from->scores, to->tail_intervals, from->response};
+    return CML_OK;
+}
+
 /* What R keeps is 1 - R, to the last bit of a weight: all of it or nothing at both ends. */
 static void set_backing(const struct cml_scene *scene, struct cml_backing *backing)
 {
@@ -410,6 +430,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
         status = cml_copy_bodies(scene, &surfaces->bodies, to, err);
     }
     if (status == CML_OK) status = copy_phases(scene, to, err);
+    if (status == CML_OK) status = set_tail(scene, options->tail, to, err);
     if (status != CML_OK) {
         cml_owned_world_free(to);
         return status;

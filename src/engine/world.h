@@ -45,6 +45,7 @@ struct cml_owned_world {
     int *detector_start, *detector_list;
     size_t num_light_cells, num_image_words;
     size_t num_body_nodes, num_body_grids, num_body_cells;
+    struct cml_tail_interval *tail_intervals;
     struct cml_phase_cell *phase_cells; /* [num_phase_cells] */
     size_t num_phase_cells;
     size_t num_rings, clearance_cells, horizon_cells; /* of all boundaries together */

@@ -166,3 +166,18 @@ cml_status cml_stack_shares(const struct cml_medium_def *media, const struct cml
     clear(&stack);
     return status;
 }
+
+cml_status cml_stack_responses(const struct cml_medium_def *media, const struct cml_directions *directions,
+                               int terms, int count, double *response, struct cml_error *err)
+{
+    struct stack stack = {.rows = directions->num_media - 1, .most = directions->count};
+    cml_status status = allocate(&stack, err);
+    if (status == CML_OK) status = build(media, NULL, directions, terms, &stack, err);
+    for (int j = 0, at = 0; status == CML_OK && j < stack.n; j++)
+        for (int row = 0; directions->etendue[j] == 0 && row < stack.rows; row++) {
+            response[row * count + at] = stack.below[(stack.n + row) * stack.n + j];
+            at += row == stack.rows - 1;
+        }
+    clear(&stack);
+    return status;
+}

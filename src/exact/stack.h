@@ -14,6 +14,12 @@ CML_NODISCARD cml_status cml_stack_shares(const struct cml_medium_def *media,
                                           double *reflected, double *transmitted, double *absorbed,
                                           struct cml_error *err);
 
+/* The same of light in each of the `count` directions without weight, in their order, without a backing:
+ * response [1 + num_layers][count] is what is transmitted, then absorbed in each layer. */
+CML_NODISCARD cml_status cml_stack_responses(const struct cml_medium_def *media,
+                                             const struct cml_directions *directions, int terms, int count,
+                                             double *response, struct cml_error *err);
+
 /* Fresnel's reflectance of unpolarised light, from the indices and cosines on both sides; no cosine (0) on
  * one side: total reflection, 1. Symmetric in the sides. [Hecht, Optics, chapter 4] */
 double cml_stack_fresnel(double n1, double c1, double n2, double c2);

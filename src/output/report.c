@@ -128,6 +128,25 @@ static void print_seconds_to(FILE *stream, const struct cml_report *report)
     if (before[0] == ',') fputc('\n', stream);
 }
 
+/* Beside what was counted; how many times the photons that would take. */
+static void print_expected(FILE *stream, const struct cml_report *report)
+{
+    const struct cml_result *sums = report->sums;
+    const double counted = cml_result_error(sums, CML_TOTAL_TRANSMITTED);
+    for (int s = 0; report->tail && s < report->tail->scores; s++) {
+        double value, error;
+        cml_result_expected(sums, s, &value, &error);
+        if (s == 0)
+            fprintf(stream, "  Tt  ");
+        else
+            fprintf(stream, "  A of layer %d", report->tail->layer + s);
+        fprintf(stream, " %.6g +- %.2g expected", value, error);
+        if (s == 0 && counted > 0 && error > 0)
+            fprintf(stream, ", as by %.2g times the photons", counted / error * (counted / error));
+        fputc('\n', stream);
+    }
+}
+
 /* The words `books` and `residue` are those of the output files; the code says weight balance and
  * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
@@ -137,6 +156,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     const int totals = cml_num_totals(report->scene->backing.kind != CML_NO_BACKING);
     for (int i = 0; i < totals; i++) print_total(stream, report, (enum cml_total)i);
     print_absorbed(stream, report);
+    print_expected(stream, report);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));
@@ -145,6 +165,9 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
             (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->timing->threads,
             report->timing->threads == 1 ? "" : "s");
     print_seconds_to(stream, report);
+    if (!isnan(report->flat_below) && !report->exact)
+        fprintf(stream, "  all is flat below z = %.4g cm: --aim Tt would give Tt a smaller error\n",
+                report->flat_below);
     if (report->control)
         fprintf(stream, "  control: the flat twin took %.3g s of processor time\n",
                 report->control_processor);

@@ -6,6 +6,7 @@
 #include "exact/exact.h"
 #include "result/outcome.h"
 #include "result/timing.h"
+#include "scene/flat_tail.h"
 #include "surface/surface.h"
 #include "tally/control.h"
 
@@ -19,6 +20,8 @@ struct cml_report {
     int row;                              /* of a sweep, from 1; 0: of none */
     const struct cml_controlled *control; /* [CML_NUM_TOTALS] with the flat twin; NULL: none */
     double control_processor;             /* s that the twin's flight took */
+    const struct cml_flat_tail *tail;     /* of --aim; NULL: none */
+    double flat_below;                    /* a depth where --aim would save photons, cm; NaN: nowhere */
     const struct cml_exact *exact;        /* totals by adding-doubling for summary and JSON; NULL: none */
     int num_files;
     char **files; /* [num_files] paths written, the main result first; cml_report_clear frees them */

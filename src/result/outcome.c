@@ -308,6 +308,27 @@ static cml_status take_once(struct cml_outcome *o, const struct cml_result *sums
     return CML_OK;
 }
 
+/* Tt, which is the first score; then of layers: those that have none are as they were counted, which stands
+ * before in the table. */
+static cml_status take_expected(struct cml_outcome *o, const struct cml_result *sums,
+                                enum cml_quantity quantity, struct cml_error *err)
+{
+    const bool layers = cml_quantities[quantity].axis[0] == CML_AXIS_layer;
+    const int size = (int)cml_outcome_size(o, quantity), counted = o->num_layers + 1 - sums->grid.scores;
+    if (sums->grid.scores < (layers ? 2 : 1)) return CML_OK;
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    CML_TRY(cml_outcome_add(o, quantity, true, err));
+    for (int i = 0; i < size; i++)
+        if (!layers || i >= counted) {
+            cml_result_expected(sums, layers ? i - counted + 1 : 0, &o->value[quantity][i],
+                                &o->error[quantity][i]);
+        } else {
+            o->value[quantity][i] = o->value[CML_QUANTITY_A_l][i];
+            o->error[quantity][i] = o->error[CML_QUANTITY_A_l][i];
+        }
+    return CML_OK;
+}
+
 static cml_status take_cells(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                              struct cml_error *err)
 {
@@ -364,6 +385,7 @@ cml_status cml_outcome_take_numbers(struct cml_outcome *o, const struct cml_resu
         const enum cml_quantity quantity = (enum cml_quantity)i;
         if (cml_quantities[i].estimator <= CML_FROM_LOST) CML_TRY(take_number(o, sums, quantity, err));
         if (is_batched_number(quantity)) CML_TRY(take_batches(o, sums, quantity, err));
+        if (cml_quantities[i].estimator == CML_FROM_EXPECTED) CML_TRY(take_expected(o, sums, quantity, err));
     }
     return CML_OK;
 }

@@ -9,21 +9,22 @@
 /* How a quantity comes of a run's sums (tally/result.h). Where values are divided by bins, scaling.h says by
  * what. */
 enum cml_estimator {
-    CML_FROM_TOTAL,   /* share of the launched weight, with an error: enum cml_total */
-    CML_FROM_BALANCE, /* share of the launched weight: enum cml_balance_term */
-    CML_FROM_COUNT,   /* sum over packets: enum cml_count */
-    CML_FROM_RESIDUE, /* by how much the weight does not balance */
-    CML_FROM_LOST,    /* packets */
-    CML_FROM_LAYERS,  /* share of the launched weight by layer, of sums by batch and medium, with errors: a
-                         member of struct cml_result */
-    CML_FROM_BODIES,  /* by body, of the same sums */
-    CML_FROM_BATCHES, /* a profile, of sums by batch, with errors: a member */
-    CML_FROM_CELLS,   /* of cells over two axes, without errors: a member */
-    CML_FROM_ONCE,    /* of cells that a packet adds to at most once, with errors from squares: a member */
-    CML_FROM_INPUT,   /* a number of the scene */
-    CML_FROM_TWIN,    /* a total with the flat twin as control variate, with an error */
-    CML_FROM_FACETS,  /* sums over facets; who knows the surfaces fills them in */
-    CML_FROM_FIELD,   /* computed or read piece by piece, never held whole */
+    CML_FROM_TOTAL,    /* share of the launched weight, with an error: enum cml_total */
+    CML_FROM_BALANCE,  /* share of the launched weight: enum cml_balance_term */
+    CML_FROM_COUNT,    /* sum over packets: enum cml_count */
+    CML_FROM_RESIDUE,  /* by how much the weight does not balance */
+    CML_FROM_LOST,     /* packets */
+    CML_FROM_LAYERS,   /* share of the launched weight by layer, of sums by batch and medium, with errors: a
+                          member of struct cml_result */
+    CML_FROM_BODIES,   /* by body, of the same sums */
+    CML_FROM_BATCHES,  /* a profile, of sums by batch, with errors: a member */
+    CML_FROM_CELLS,    /* of cells over two axes, without errors: a member */
+    CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors from squares: a member */
+    CML_FROM_EXPECTED, /* what is expected of flat layers below all shapes, with errors */
+    CML_FROM_INPUT,    /* a number of the scene */
+    CML_FROM_TWIN,     /* a total with the flat twin as control variate, with an error */
+    CML_FROM_FACETS,   /* sums over facets; who knows the surfaces fills them in */
+    CML_FROM_FIELD,    /* computed or read piece by piece, never held whole */
 };
 
 /* Where a quantity is written beside its array of original MCML's .mco: a section of an .mco that is ours, a
@@ -116,6 +117,9 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(A_body, "1", BODIES, IN(A_l), OVER1(body), MCO | H5, "absorption by body",                                     \
       "absorption in each body, in the order of the .mci [-]")                                                       \
     Q(A_backing, "1", TOTAL, CML_TOTAL_BACKING, NUMBER, MCO | H5 | JSON, "kept by the backing", NULL)                 \
+    Q(Tt_expected, "1", EXPECTED, 0, NUMBER, MCO | H5 | JSON, "transmittance, by what flat layers let through", NULL) \
+    Q(A_l_expected, "1", EXPECTED, 0, OVER1(layer), MCO | H5 | JSON, \
+      "absorption by layer, by what flat layers absorb; above them as counted", NULL) \
     Q(flux_body, "1", FACETS, 0, OVER2(body, side), MCO,                                                             \
       "weight at each body's surface: arrives outside, inside, leaves outside, inside", NULL)                        \
     Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance", NULL)                                         \

@@ -38,11 +38,17 @@ static size_t cells_phi(const struct cml_grid *grid)
     return grid->marks > 0 ? ((size_t)grid->nr + 1) * (size_t)grid->nz : 0;
 }
 
+/* What comes behind all else of batches: expected values, then fluence. */
+static size_t cells_last(const struct cml_grid *grid)
+{
+    return (size_t)grid->scores + cells_phi(grid);
+}
+
 static size_t cells_batched(const struct cml_grid *grid)
 {
     const size_t bins = CML_NUM_TOTALS + 2 * (size_t)grid->nr + 2 * (size_t)grid->na +
                         (grid->absorption ? (size_t)grid->nz : 0) + cml_grid_media(grid) + cells_t(grid) +
-                        cells_detected(grid) + cells_phi(grid);
+                        cells_detected(grid) + cells_last(grid);
     return CML_NUM_BATCHES * bins;
 }
 
@@ -63,14 +69,14 @@ double cml_result_bytes(const struct cml_grid *grid)
     return (double)(cells_unbatched(grid) + cells_batched(grid)) * sizeof(cml_u128);
 }
 
-/* These come before the fluence, which is last. */
+/* These come before expected values and fluence, which are last. */
 static void set_detectors(struct cml_result *result)
 {
     const struct cml_grid *grid = &result->grid;
     const size_t each = CML_NUM_BATCHES * (size_t)grid->detectors;
     if (!each) return;
     result->detector =
-        result->totals + cells_batched(grid) - CML_NUM_BATCHES * (cells_detected(grid) + cells_phi(grid));
+        result->totals + cells_batched(grid) - CML_NUM_BATCHES * (cells_detected(grid) + cells_last(grid));
     if (!grid->gates) return;
     result->detector_t = result->detector + each;
     result->detector_t_later = result->detector_t + each * (size_t)grid->gates;
@@ -83,7 +89,7 @@ static void set_gates(struct cml_result *result)
     const size_t gates = CML_NUM_BATCHES * (size_t)grid->gates, both = gates + CML_NUM_BATCHES;
     if (!gates) return;
     result->Rd_t = result->totals + cells_batched(grid) -
-                   CML_NUM_BATCHES * (cells_t(grid) + cells_detected(grid) + cells_phi(grid));
+                   CML_NUM_BATCHES * (cells_t(grid) + cells_detected(grid) + cells_last(grid));
     result->Rd_t_later = result->Rd_t + gates;
     result->Tt_t = result->Rd_t + both;
     result->Tt_t_later = result->Tt_t + gates;
@@ -111,6 +117,8 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     if (grid->absorption) result->A_z = result->A_l + CML_NUM_BATCHES * cml_grid_media(grid);
     set_gates(result);
     set_detectors(result);
+    if (grid->scores)
+        result->expected = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_last(grid);
     if (grid->marks > 0)
         result->phi_rz = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_phi(grid);
     if (grid->marks > 0)
@@ -154,6 +162,15 @@ static void add_detected(struct cml_result *result, size_t batch, const struct c
                   brought + at->detector_t + k * (gates + 1));
 }
 
+/* Of scores in units of 2^6 2^-exponent to those of a batch. */
+static void add_expected(struct cml_result *result, size_t batch, const uint64_t *brought)
+{
+    const size_t n = (size_t)result->grid.scores;
+    for (size_t i = 0; i < n; i++)
+        result->expected[batch * n + i] += (cml_u128)brought[i]
+                                           << (CML_EXPECTED_SHIFT - result->grid.exponent[i]);
+}
+
 /* Totals and profiles of a tally with the same profiles, to those of a batch. */
 static void add_to_batch(struct cml_result *result, int batch, const uint64_t *brought)
 {
@@ -172,6 +189,7 @@ static void add_to_batch(struct cml_result *result, int batch, const uint64_t *b
     add_gates(result->Tt_t, result->Tt_t_later, gates, b, brought + at.Tt_t);
     add_gates(result->A_t, result->A_t_later, gates, b, brought + at.A_t);
     add_detected(result, b, &at, brought);
+    add_expected(result, b, brought + at.expected);
 }
 
 void cml_result_note(struct cml_result *result, int batch, const struct cml_tally *tally)
@@ -426,6 +444,14 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
         batches += 1;
     }
     return batches > 1 ? sqrt(squares / (batches - 1) / photons) * CML_WEIGHT_UNIT : NAN;
+}
+
+void cml_result_expected(const struct cml_result *result, int score, double *value, double *error)
+{
+    const int n = result->grid.scores;
+    *value = cml_result_bin_sum(result->expected, n, score) * (CML_WEIGHT_UNIT * CML_EXPECTED_UNIT) /
+             (double)result->photons;
+    *error = cml_result_bin_error(result, result->expected, n, score) * CML_EXPECTED_UNIT;
 }
 
 /* The causes of loss are neighbours in enum cml_count. */

@@ -30,6 +30,8 @@ struct cml_result {
     cml_u128 *Rd_t, *Tt_t, *A_t;                                    /* [64][gates] or NULL */
     cml_u128 *Rd_t_later, *Tt_t_later, *A_t_later;                  /* [64] or NULL */
     cml_u128 *phi_rz, *phi_z;                                       /* [64][nr][nz], [64][nz], or NULL */
+    cml_u128 *expected;                                             /* [64][scores] in units of
+                                                                     * CML_EXPECTED_UNIT, or NULL */
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
     cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir, *Rd_dir2;                  /* the same */
     cml_u128 *detector_map, *detector_map2;                         /* the same */
@@ -37,6 +39,11 @@ struct cml_result {
                                                            or NULL */
     struct cml_summary summary;
 };
+
+/* That of expected values, in one of weight: 2^-48, so that a Tt of 1e-15 has digits. As no expectation is
+ * above 1, 2^48 packets fit. */
+#define CML_EXPECTED_UNIT 0x1p-48
+#define CML_EXPECTED_SHIFT 54 /* of a score whose exponent is 0: 48, and 6 of its unit */
 
 /* Bytes that a result of this grid takes. */
 double cml_result_bytes(const struct cml_grid *grid);
@@ -98,6 +105,9 @@ double cml_result_times_to(const struct cml_result *result, enum cml_total total
  * packet alone has none: NaN. */
 double cml_result_bin_sum(const cml_u128 *profile, int n, int i);
 double cml_result_bin_error(const struct cml_result *result, const cml_u128 *profile, int n, int i);
+
+/* Expected value number `score`, as a share of the launched weight, and its standard error. */
+void cml_result_expected(const struct cml_result *result, int score, double *value, double *error);
 
 /* Standard error, as a share of a packet, of a mean weight that every packet adds to at most once, from its
  * sum in units of weight and the sum of its squares in CML_SQUARE_UNIT^2 (Rd_xya2 and the like). NaN for one

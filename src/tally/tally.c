@@ -77,7 +77,7 @@ static size_t tally_cells_detected(const struct cml_grid *grid)
 static size_t cells_in_common(const struct cml_grid *grid)
 {
     return 2 * tally_cells_ra(grid) + cml_grid_media(grid) + num_t(grid) * tally_cells_t(grid) +
-           tally_cells_detected(grid);
+           tally_cells_detected(grid) + (size_t)grid->scores;
 }
 
 size_t cml_tally_cells(const struct cml_grid *grid)
@@ -114,9 +114,11 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     if (gates) tally->Rd_t = tally->A_l + cml_grid_media(grid);
     if (gates) tally->Tt_t = tally->Rd_t + gates;
     if (gates && num_t(grid) > 2) tally->A_t = tally->Tt_t + gates;
-    uint64_t *const detected = tally->A_l + cml_grid_media(grid) + num_t(grid) * gates;
+    uint64_t *const detected = tally->A_l + cml_grid_media(grid) + num_t(grid) * gates,
+                    *const expected = detected + tally_cells_detected(grid);
     if (grid->detectors) tally->detected = detected;
-    tally->Rd_ra = detected + tally_cells_detected(grid);
+    if (grid->scores) tally->expected = expected;
+    tally->Rd_ra = expected + grid->scores;
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
     if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
     if (grid->depths) tally->A_z = tally->Tt_ra + tally_cells_ra(grid);
@@ -214,7 +216,8 @@ struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
     at.A_t = at.Tt_t + tally_cells_t(grid);
     at.detector = at.Rd_t + num_t(grid) * tally_cells_t(grid);
     at.detector_t = at.detector + (size_t)grid->detectors;
-    at.bins = at.detector + tally_cells_detected(grid);
+    at.expected = at.detector + tally_cells_detected(grid);
+    at.bins = at.expected + (size_t)grid->scores;
     return at;
 }
 
@@ -266,7 +269,7 @@ static void sum_profiles(const struct cml_tally *tally, uint64_t *sums)
     sum_table(tally->Tt_ra, rows, na, sums + at.Tt_r, sums + at.Tt_a);
     if (tally->grid.absorption) sum_table(tally->A_rz, rows, columns, NULL, sums + at.A_z);
     if (tally->grid.depths) memcpy(sums + at.A_z, tally->A_z, columns * sizeof *sums);
-    /* gates and detectors lie behind it in both */
+    /* gates, detectors and expected values lie behind it in both */
     memcpy(sums + at.A_l, tally->A_l, (at.bins - at.A_l) * sizeof *sums);
 }
 

@@ -36,6 +36,8 @@ struct cml_grid {
     size_t detector_pixels; /* of all of them that are maps */
     size_t facets;          /* of all boundaries and bodies */
     bool backed;            /* some of them lie on a backing, which keeps what does not leave them */
+    int scores;             /* of expected values below the last shape (P15); 0: they do not exist */
+    const int *exponent;    /* [scores]: in a tally they count in 2^-31 2^6 2^-exponent. Borrowed */
 };
 
 /* Media of a grid: layers, the two outer ones, bodies. */
@@ -73,6 +75,7 @@ struct cml_tally {
                                   * shares, over all radii */
     uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
     uint64_t *A_l;               /* [cml_grid_media] by medium */
+    uint64_t *expected;          /* [scores] or NULL */
     uint64_t *Rd_t, *Tt_t, *A_t; /* [gates + 1], the last for all that is later; or NULL */
     uint64_t *phi; /* [64][nr + 1][nz + 2] by batch, weight of the marks in a cell (P14); or NULL */
     uint64_t *Rd_xya, *Tt_xya;   /* [ny nx + 1][map_na], the last pixel for what lies outside; or NULL */
@@ -95,8 +98,8 @@ struct cml_tally {
 /* The term of the balance that is this total. */
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 
-/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, Rd_ra, Tt_ra, A_rz or A_z, phi, and the maps in
- * this order, which lie in one block from A_l on. */
+/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, expected, Rd_ra, Tt_ra, A_rz or A_z, phi, and
+ * the maps in this order, which lie in one block from A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
 /* Bytes that a tally of this grid takes; of profiles those of detectors count, which may be many. */
@@ -137,10 +140,10 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 /* Where totals [CML_NUM_TOTALS] and profiles begin that lie one behind the other, with the bins beyond the
  * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz, A_l
  * [cml_grid_media], and where there are gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]; then of every
- * detector its sum, and its gates [gates + 1]. */
+ * detector its sum, and its gates [gates + 1]; expected [scores]. */
 struct cml_profile_places {
     size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, A_l, Rd_t, Tt_t, A_t; /* totals begin at 0 */
-    size_t detector, detector_t, bins;                        /* bins: of all */
+    size_t detector, detector_t, expected, bins;              /* bins: of all */
 };
 struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid);
 

@@ -12,7 +12,8 @@
 #define CML_TARGET_LEAST_PHOTONS 10000
 
 /* Whether each of Rd, A and Tt of a complete round has a relative standard error of at most `target`, or is
- * by three standard errors below the least share. */
+ * by three standard errors below the least share. Where there are expected values, each of them in place of
+ * Tt has such an error, however small it is. */
 bool cml_target_met(const struct cml_result *result, double target);
 
 #endif

@@ -4,7 +4,9 @@
 #include "flight.h"
 
 #include "body_files.h"
+#include "lib/dice.h"
 
+#include "cli/run/aim.h"
 #include "engine/cpu/bundle_walk_inl.h"
 #include "engine/cpu/engine_cpu.h"
 #include "engine/scalar_walk_inl.h"
@@ -27,6 +29,8 @@ static void expect_same_tally(const struct cml_tally *a, const struct cml_tally 
 /* The level under test; run() sets it. */
 static struct cml_cpu_level level;
 
+static int entered; /* expected values that light has come to */
+
 static struct cml_tally fly_bundles(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                                     const struct cml_engine_options *options, const struct cml_grid *grid,
                                     uint64_t photons)
@@ -42,25 +46,51 @@ static struct cml_tally fly_bundles(const struct cml_scene *scene, const struct 
     return tally;
 }
 
+/* A level of the scene, where it has one, with any numbers below it: only that both walks find the same
+ * counts here.
+ */
+static void invent_tail(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                        struct cml_flat_tail *tail)
+{
+    const struct cml_aim_level level_of = cml_aim_level_of(scene, surfaces);
+    const double n = scene->media[level_of.layer].n, other = scene->media[scene->num_layers + 1].n;
+    struct dice dice = dice_new(3);
+    *tail = (struct cml_flat_tail){.layer = level_of.layer, .z = level_of.z};
+    if (level_of.layer == 0) return;
+    tail->scores = scene->num_layers - level_of.layer + 1;
+    tail->intervals = other < n ? 2 : 1;
+    tail->index = calloc(2, sizeof *tail->index);
+    tail->index[0] = other;
+    tail->index[tail->intervals - 1] = n;
+    const size_t numbers = (size_t)tail->intervals * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores;
+    tail->exponent = calloc((size_t)tail->scores, sizeof *tail->exponent);
+    tail->response = calloc(numbers, sizeof *tail->response);
+    for (size_t i = 0; i < numbers; i++) tail->response[i] = (float)dice_uniform(&dice);
+}
+
 /* With re-entry packets draw from the lattice and play roulette as by default, without as in original MCML.
  */
-static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry)
+static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry,
+                    bool aimed)
 {
     const struct cml_roulette_options window = {0.01, 0.03}, mcml = {0, 0};
     struct cml_error err;
     struct cml_surface_set surfaces;
     const struct cml_surface_options surface = {.force = kind,
                                                 .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
-    const struct cml_engine_options options = {.seed = 5,
-                                               .threads = 2,
-                                               .chunk = 37,
-                                               .lattice = reentry,
-                                               .roulette = reentry ? window : mcml,
-                                               .reentry = reentry,
-                                               .absorption = true};
+    struct cml_flat_tail tail = {0};
+    struct cml_engine_options options = {.seed = 5,
+                                         .threads = 2,
+                                         .chunk = 37,
+                                         .lattice = reentry,
+                                         .roulette = reentry ? window : mcml,
+                                         .reentry = reentry,
+                                         .absorption = true};
     struct cml_tally scalar;
     struct cml_owned_world world;
     require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
+    if (aimed) invent_tail(scene, &surfaces, &tail);
+    if (tail.layer > 0) options.tail = &tail;
     const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
@@ -72,10 +102,12 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
     }
     struct cml_tally bundles = fly_bundles(scene, &surfaces, &options, &grid, photons);
     expect_same_tally(&scalar, &bundles, scene->output);
+    for (int s = 0; s < tail.scores; s++) entered += bundles.expected[s] > 0;
     cml_owned_world_free(&world);
     cml_tally_free(&scalar);
     cml_tally_free(&bundles);
     cml_surfaces_free(&surfaces);
+    cml_flat_tail_clear(&tail);
 }
 
 /* Of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
@@ -111,12 +143,12 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     for (int i = 0; i < list.count; i++) {
         list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
         set_detectors(&list.scenes[i], true);
-        compare(&list.scenes[i], kind, photons, true);
+        compare(&list.scenes[i], kind, photons, true, false);
         set_detectors(&list.scenes[i], false);
         list.scenes[i].time = (struct cml_time_def){0};
         list.scenes[i].directions = (struct cml_directions_def){.nt = 9, .np = 12};
         list.scenes[i].fluence.line = 1;
-        compare(&list.scenes[i], kind, photons / 4, false);
+        compare(&list.scenes[i], kind, photons / 4, false, true);
     }
     cml_scene_list_clear(&list);
 }
@@ -146,13 +178,15 @@ static void every_sample_has_the_same_tally(void **state)
     }
     compare_file("shapes/hinoise.mci", CML_SURFACE_MESH, 4000);
     compare_file("shapes/flat50.mci", CML_SURFACE_CONE, 4000);
+    assert_true(entered > 20);
 }
 
 static void compare_text(const char *text, uint64_t photons)
 {
     struct cml_scene_list list;
     read_scenes(text, &list);
-    compare(&list.scenes[0], CML_SURFACE_AUTO, photons, true);
+    compare(&list.scenes[0], CML_SURFACE_AUTO, photons, true, false);
+    compare(&list.scenes[0], CML_SURFACE_AUTO, photons / 4, true, true);
     cml_scene_list_clear(&list);
 }
 
@@ -173,9 +207,9 @@ static void maps_and_facets_have_the_same_tally(void **state)
         scene->map = (struct cml_map_def){
             .nx = 17, .ny = 10, .dx = 0.03, .dy = 0.05, .angles = i % 2 == 0, .volume = true, .top = -0.05};
         scene->facets = true;
-        compare(scene, CML_SURFACE_AUTO, 4000, true);
-        compare(scene, CML_SURFACE_AUTO, 1000, false);
-        compare(scene, CML_SURFACE_MESH, 1000, true);
+        compare(scene, CML_SURFACE_AUTO, 4000, true, false);
+        compare(scene, CML_SURFACE_AUTO, 1000, false, true);
+        compare(scene, CML_SURFACE_MESH, 1000, true, false);
         cml_scene_list_clear(&list);
     }
 }
@@ -268,7 +302,8 @@ static void random_scenes_have_the_same_tally(void **state)
         struct cml_scene_list list;
         write_scene(text, sizeof text, i, &seed);
         read_scenes(text, &list);
-        compare(&list.scenes[0], i % 3 == 2 ? CML_SURFACE_MESH : CML_SURFACE_AUTO, 400, i % 2 == 0);
+        compare(&list.scenes[0], i % 3 == 2 ? CML_SURFACE_MESH : CML_SURFACE_AUTO, 400, i % 2 == 0,
+                i % 4 < 2);
         cml_scene_list_clear(&list);
     }
 }

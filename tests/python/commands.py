@@ -48,6 +48,17 @@ class Commands(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
 
+    def test_expected(self):
+        """What --aim adds stands in both files beside what was counted; a layer above the level has its counted value."""
+        layers = [mc.Layer(1.4, 1, 60, 0.8, 0.1, top=mc.Heightfield([0, 0.1], [0.02, 0])), mc.Layer(1.5, 2, 20, 0.5, 0.1)]
+        mc.Scene(layers, photons=2000, format="A").write(path := os.path.join(self.folder, "deep.mci"))
+        command(path, "--quiet", "--aim", "Tt", "--output", "deep.h5", "-o", self.folder)
+        mco, h5 = mc.run(path, aim=["Tt", "A_l:2"]), mc.read(path.replace("mci", "h5"))
+        for name in ("Tt_expected", "A_l_expected"):
+            self.assertEqual((mco[name].dims, mco[name].attrs, h5[name].attrs["ancillary_variables"]), (h5[name].dims, h5[name].attrs, name + "_se"))
+            np.testing.assert_allclose((mco[name], mco[name + "_se"]), (h5[name], h5[name + "_se"]), rtol=1e-4)
+        np.testing.assert_array_equal((h5.A_l_expected == h5.A_l, h5.A_l_expected_se == h5.A_l_se), ([True, False], [True, False]))
+
     def test_trace(self):
         """Every number of the table, and what became of the photon."""
         said = command("trace", RIDGES, "17", "--seed", "3").splitlines()

@@ -62,6 +62,10 @@ const struct cml_option cml_option_table[] = {
     {"control", 0, "flat", RUN, NULL,
      "totals once more with the flat twin as control variate: smaller errors where boundaries are curved",
      .read = cml_read_control, .words = "flat"},
+    {"aim", 0, "Tt|A_l:N[,...]", RUN, NULL,
+     "what packets that go down into the flat layers below all shapes are expected to bring: Tt_expected and "
+     "A_l_expected, with errors that may be far smaller",
+     .read = cml_read_aim},
     {"ignore-absorption", 0, NULL, RUN | PLAN | CHECK | CROSSCHECK, NULL, "tally no A_rz",
      NO_FLAG(engine_options.absorption)},
     {"ignore-heightfields", 0, NULL, SURFACES, NULL, "every surface is its nominal plane",

@@ -5,6 +5,7 @@
 #include "base/text.h"
 #include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
+#include "cli/run/aim.h"
 #include "cli/run/progress.h"
 #include "cli/run/twin.h"
 #include "output/files/hdf5_file.h"
@@ -168,6 +169,11 @@ static cml_status take_record(const struct cml_run_call *call, const struct cml_
     return close_json(out, size, status, err);
 }
 
+static bool may_aim(const struct cml_run_setup *setup)
+{
+    return !setup->options.tail && strcmp(setup->engine->name, "opencl") != 0;
+}
+
 /* On rank 0. The checkpoint of a finished run says that it is finished, so that --resume passes it over. With
  * --keep it has the tallies, too, and must be written. */
 static cml_status publish_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
@@ -183,15 +189,18 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
         if (!options->quiet && !options->json && call->row == 0) printf("  finished before\n");
         return CML_OK;
     }
-    struct cml_report report = {.scene = setup->scene,
-                                .surfaces = setup->surfaces,
-                                .sums = &run->result,
-                                .timing = &run->timing,
-                                .provenance = setup->provenance,
-                                .row = call->row,
-                                .control = control,
-                                .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
-                                .command = options->command};
+    struct cml_report report = {
+        .scene = setup->scene,
+        .surfaces = setup->surfaces,
+        .sums = &run->result,
+        .timing = &run->timing,
+        .provenance = setup->provenance,
+        .row = call->row,
+        .tail = setup->options.tail,
+        .flat_below = may_aim(setup) ? cml_aim_proposal(setup->scene, setup->surfaces, &run->result) : NAN,
+        .control = control,
+        .control_processor = twin ? cml_timing_processor(&twin->timing) : 0,
+        .command = options->command};
     const bool tallies = options->keep || run->intent == CML_RUN_REPUBLISH; /* what was there stays */
     CML_TRY(publish(call, &report, record, err));
     if (!setup->checkpoint || !call->stays) return CML_OK;
@@ -276,6 +285,7 @@ struct prepared {
     struct cml_run_setup setup;
     struct cml_surface_set surfaces;
     struct cml_twin twin;
+    struct cml_flat_tail tail;
     struct cml_provenance provenance;
     char *checkpoint, *identity, *base_identity;
 };
@@ -368,6 +378,8 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     CML_TRY(cml_choose_surfaces(&options, setup->scene, &run->surfaces, err));
     CML_TRY(cml_check_memory(&options, setup->scene, &run->surfaces, err));
     setup->surfaces = &run->surfaces;
+    if (options.aim) CML_TRY(cml_aim_create(options.aim, setup->scene, setup->surfaces, &run->tail, err));
+    if (options.aim) setup->options.tail = &run->tail;
     setup->controlled = options.control && !all_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (call->row == 0 && cml_cluster_rank() == 0) CML_TRY(cml_note_beam(setup->scene, &run->surfaces, err));
@@ -430,6 +442,7 @@ cml_status cml_run_one(const struct cml_run_call *call, struct cml_record *recor
     if (status == CML_OK) status = fly(call, &run.setup, &run.twin, record, err);
     cml_twin_clear(&run.twin);
     cml_surfaces_free(&run.surfaces);
+    cml_flat_tail_clear(&run.tail);
     free(run.checkpoint);
     free(run.identity);
     free(run.base_identity);

@@ -131,6 +131,7 @@ cml_status cml_twin_fly(const struct cml_twin *twin, const struct cml_run_setup 
     flat.surfaces = &twin->surfaces;
     flat.options.start_as = setup->surfaces;
     flat.options.absorption = false;
+    flat.options.tail = NULL;
     flat.photons = result->photons;
     flat.target_error = 0;
     flat.checkpoint = twin->checkpoint;

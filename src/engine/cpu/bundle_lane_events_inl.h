@@ -61,6 +61,13 @@ static int cml_boundary_events(const struct cml_flight *f, struct cml_packet *pa
     }
 }
 
+/* P15: where kernels/walk.h puts expected values of the lane's packet. */
+static void cml_expect_of_lane(struct cml_flight *f, int i)
+{
+    if (f->to.expected)
+        f->to.expected_late = f->late & CML_LANE_BIT(i) ? f->late_profiles[i] + f->profiles.expected : NULL;
+}
+
 /* Back into the lane a packet that is in the material again, or else its end into the collection. */
 static void cml_return_to_lane(struct cml_flight *f, int i, const struct cml_packet *packet)
 {
@@ -89,6 +96,7 @@ static void cml_process_found_hit(struct cml_flight *f, int i, const struct cml_
     const struct cml_world *world = f->world;
     struct cml_packet packet;
     cml_lane_packet(f->b, i, &packet);
+    cml_expect_of_lane(f, i);
     f->b->task[i] = CML_LANE_TO_FLY;
     packet.queries = 1;
     CML_HOOK_MET(1);
@@ -119,6 +127,7 @@ static void cml_intersect_or_interact(struct cml_flight *f, int i, struct cml_bo
     struct cml_bundle *b = f->b;
     struct cml_packet packet;
     cml_lane_packet(b, i, &packet);
+    cml_expect_of_lane(f, i);
     b->task[i] = CML_LANE_TO_FLY;
     if (!(cml_dot(packet.u, packet.u) < 2)) {
         cml_lose_packet(&packet, CML_LOST_NAN);

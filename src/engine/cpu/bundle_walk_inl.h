@@ -175,6 +175,52 @@ static void cml_handle_limits(struct cml_flight *f)
         if (cml_lane_is_at_limit(f->b, i, f->world->setup.num_layers)) cml_handle_limit(f, i);
 }
 
+/* P15: the lane's packet goes down through the level. */
+static void cml_lane_enters_tail(struct cml_flight *f, int i)
+{
+    cml_expect_of_lane(f, i);
+    cml_score_tail(&f->world->tail, &f->to, f->b->uz[i], f->b->w[i]);
+}
+
+/* P15: lanes with a task that go down from above the level, as a mask. to_z: [CML_LANES], depths where their
+ * paths end. */
+static uint64_t cml_lanes_into_tail(const struct cml_flight *f, int task, const real *to_z)
+{
+    const struct cml_bundle *b = f->b;
+    const struct cml_tail tail = f->world->tail;
+    _Alignas(64) int enters[CML_LANES];
+    uint64_t mask = 0;
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++)
+        enters[i] = (b->task[i] == task) & cml_enters_tail(&tail, b->medium[i], b->z[i], to_z[i]);
+    for (int first = 0; first < CML_LANES; first += CML_GROUP)
+        mask |= (uint64_t)cml_group_equal(enters + first, 1) << first;
+    return mask & f->live & ~f->ended;
+}
+
+/* P15, before lanes interact. */
+static void cml_score_tail_ahead(struct cml_flight *f)
+{
+    const struct cml_bundle *b = f->b;
+    _Alignas(64) real z[CML_LANES];
+#pragma omp simd
+    for (int i = 0; i < CML_LANES; i++) {
+        const struct cml_vec p = {b->x[i], b->y[i], b->z[i]}, u = {b->ux[i], b->uy[i], b->uz[i]};
+        z[i] = cml_along(p, b->s[i], u).z;
+    }
+    cml_for_lanes(f, cml_lanes_into_tail(f, CML_LANE_INTERACT, z), cml_lane_enters_tail);
+}
+
+/* P15: of lanes that were above the level, those that have come to the plane below. */
+static void cml_score_tail_at_planes(struct cml_flight *f, uint64_t above)
+{
+    for (; above; above &= above - 1) {
+        const int i = __builtin_ctzll(above), task = f->b->task[i];
+        if (f->b->uz[i] > 0 && (task == CML_LANE_AT_PLANE || task == CML_LANE_TRANSMITTED))
+            cml_lane_enters_tail(f, i);
+    }
+}
+
 /* Planes that lanes with MAY_HIT meet: reach, reflect or refract, leave or enter a layer. Lanes of packets
  * that have left are refilled at once, and all that are in flight get a new path, so that they may interact
  * in this same pass.
@@ -184,9 +230,12 @@ static void cml_cross_planes(struct cml_flight *f)
     const struct cml_setup *setup = &f->world->setup;
     struct cml_bundle *b = f->b;
     CML_HOOK_LANES(CML_HOOK_PLANES, b->lanes);
+    const uint64_t above =
+        f->to.expected ? cml_lanes_into_tail(f, CML_LANE_MAY_HIT, CML_OF_MEDIUM(b, stop_below)) : 0;
     const int any = f->to.phi            ? cml_reach_planes_with_marks(f)
                     : setup->gates.count ? cml_bundle_measure_to_planes(b)
                                          : cml_bundle_reach_planes(b);
+    if (above) cml_score_tail_at_planes(f, above);
     if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
     if (f->to.facets) cml_score_planes(f);
     if (any & CML_ANY_AT_LIMIT) cml_handle_limits(f);
@@ -330,6 +379,7 @@ static void cml_flight_interact(struct cml_flight *f)
     int low;
     if (setup->gates.count) cml_count_lane_paths(f);
     if (f->to.phi) cml_mark_interactions(f);
+    if (f->to.expected) cml_score_tail_ahead(f);
     if (f->tally->A_rz) {
         low = tables ? cml_bundle_interact_by_tables(f->world, f->b, 1) : cml_bundle_interact(setup, f->b);
         cml_scatter_deposits(f->b, f->tally);

@@ -30,6 +30,8 @@ QUANTITIES = {
     "Tt": ((), "1", "transmittance"),
     "A_l": (("layer",), "1", "absorption by layer"),
     "A_backing": ((), "1", "kept by the backing"),
+    "Tt_expected": ((), "1", "transmittance, by what flat layers let through"),
+    "A_l_expected": (("layer",), "1", "absorption by layer, by what flat layers absorb; above them as counted"),
     "A_body": (("body",), "1", "absorption by body"),
     "A_z": (("z",), "1/cm", "absorption by depth; what lies outside is in the outermost bins"),
     "Rd_r": (("r",), "1/cm2", "diffuse reflectance by radius; the last bin holds what lies beyond"),

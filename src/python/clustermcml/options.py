@@ -75,6 +75,7 @@ class CrosscheckOptions(_Photons, total=False):
 class RunOptions(PlanOptions, total=False):
     sampling: Literal["lattice", "random"]
     control: Literal["flat"]
+    aim: Union[str, Sequence[str]]
     engine: Literal["cpu", "reference", "opencl"]
     checkpoint: Union[float, Literal["off"]]
     resume: bool

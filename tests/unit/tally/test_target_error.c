@@ -65,6 +65,32 @@ static void a_small_total_is_left_out_when_it_surely_is_small(void **state)
     cml_result_free(&result);
 }
 
+/* In place of Tt, and small ones, too. Batches have 1000 photons, so a mean of 1e-9 is 2^48 1e-6 units. */
+static void expected_values_count_however_small(void **state)
+{
+    (void)state;
+    const int exponent[] = {0, 0};
+    struct cml_grid aimed = grid;
+    struct cml_result result;
+    struct cml_error err;
+    aimed.scores = 2;
+    aimed.exponent = exponent;
+    require_ok(cml_result_create(&aimed, 64000, &result, &err), &err);
+    result.summary.balance[CML_BALANCE_LAUNCHED] = (cml_u128)64000 << 31;
+    for (int i = 0; i < 3; i++) set_total(&result, totals[i], 0.3, 0.01);
+    set_total(&result, CML_TOTAL_TRANSMITTED, 0.3, 0.1);
+    for (int rough = -1; rough < 2; rough++) {
+        for (int b = 0; b < CML_NUM_BATCHES; b++)
+            for (int i = 0; i < 2; i++) {
+                const double off = (i == rough ? 0.02 : 0.01) * sqrt(CML_NUM_BATCHES - 1) * (b % 2 ? 1 : -1);
+                result.expected[b * 2 + i] =
+                    (cml_u128)(1e-6 / CML_EXPECTED_UNIT / CML_WEIGHT_UNIT * (1 + off));
+            }
+        assert_true(cml_target_met(&result, 0.0101) == (rough < 0));
+    }
+    cml_result_free(&result);
+}
+
 static void few_photons_are_no_judges(void **state)
 {
     (void)state;
@@ -80,6 +106,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_total_counts),
         cmocka_unit_test(a_small_total_is_left_out_when_it_surely_is_small),
+        cmocka_unit_test(expected_values_count_however_small),
         cmocka_unit_test(few_photons_are_no_judges),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,205 @@
+/* Between two indices of n sine the response is a smooth function of the cosine c that the direction has in a
+ * medium of the upper index, but for grazing light, where it goes with c ln c [Chandrasekhar, Radiative
+ * Transfer, 1960, chapter 5: H(c) has it]. As a function of the root of c it is smooth enough for few
+ * Chebyshev nodes. SPDX-License-Identifier: MIT */
+#include "exact/tail_response.h"
+
+#include "base/constants.h"
+#include "exact/stack.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const int orders[] = {32, 45, 64, 91, 128};
+
+enum { NUM_ORDERS = sizeof orders / sizeof *orders, TERMS_PER_NODE = 2, MOST_DIRECTIONS = 640 };
+
+#define CHANGE 2e-5 /* from order to order, of a response; the next is smaller by far */
+
+/* Nodes of an interval. */
+static int nodes_of(const struct cml_flat_tail *tail, int interval)
+{
+    const double share = interval > 0 ? tail->index[interval - 1] / tail->index[interval] : 0;
+    return 12 + (int)ceil(24 * acos(share) / (CML_PI / 2));
+}
+
+static int compare_indices(const void *a, const void *b)
+{
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* The indices of the media from the level's on that are no larger than its own, each once. */
+static void find_intervals(const struct cml_medium_def *media, int count, struct cml_flat_tail *tail)
+{
+    int distinct = 0;
+    for (int m = 0; m < count; m++)
+        if (media[m].n <= media[0].n) tail->index[tail->intervals++] = media[m].n;
+    qsort(tail->index, (size_t)tail->intervals, sizeof *tail->index, compare_indices);
+    for (int k = 0; k < tail->intervals; k++)
+        if (k == 0 || tail->index[k] > tail->index[distinct - 1]) tail->index[distinct++] = tail->index[k];
+    tail->intervals = distinct;
+}
+
+/* Rays at all nodes, falling cosines in the level's medium. Returns how many. */
+static int set_rays(const struct cml_flat_tail *tail, struct cml_exact_ray *ray)
+{
+    const double n = tail->index[tail->intervals - 1];
+    int count = 0;
+    for (int k = 0; k < tail->intervals; k++) {
+        const double nk = tail->index[k], widest = cml_flat_tail_widest(tail, k);
+        for (int i = 0; i < nodes_of(tail, k); i++) {
+            const double root = cml_exact_node(0, widest, nodes_of(tail, k), i), across = nk * root * root;
+            ray[count++].cosine = sqrt((n - nk) * (n + nk) + across * across) / n;
+        }
+    }
+    return count;
+}
+
+/* response: [1 + num_layers][count] of one order. stack: the medium above the level, layers, the medium
+ * below. */
+static cml_status solve(const struct cml_medium_def *stack, int num_layers,
+                        const struct cml_exact_light *light, int order, double *response,
+                        struct cml_error *err)
+{
+    struct cml_directions directions;
+    CML_TRY(cml_directions_create(stack, num_layers, false, light, order, &directions, err));
+    const cml_status status =
+        directions.count > MOST_DIRECTIONS
+            ? cml_fail(err, CML_E_NUMERIC, "adding-doubling takes more than %d directions", MOST_DIRECTIONS)
+            : cml_stack_responses(stack, &directions, TERMS_PER_NODE * order, light->num_beams, response,
+                                  err);
+    cml_directions_clear(&directions);
+    return status;
+}
+
+/* The largest change of a response, of itself; of what is small beside the most in its row, of a thousandth
+ * of that. Light that grazes a boundary counts by its cosine c, as little of it arrives: a share of c^2 of
+ * diffuse light. */
+static double largest_change(const struct cml_flat_tail *tail, const double *old, const double *new, int rows,
+                             int count)
+{
+    double change = 0;
+    for (int r = 0; r < rows; r++, old += count, new += count) {
+        double most = 0;
+        for (int i = 0; i < count; i++) most = fmax(most, new[i]);
+        for (int k = 0, first = 0; most > 0 && k < tail->intervals; first += nodes_of(tail, k++))
+            for (int i = 0; i < nodes_of(tail, k); i++) {
+                const double root = cml_exact_node(0, cml_flat_tail_widest(tail, k), nodes_of(tail, k), i),
+                             relative =
+                                 fabs(new[first + i] - old[first + i]) / fmax(new[first + i], 1e-3 * most);
+                change = fmax(change, relative * fmin(1, 30 * root * root));
+            }
+    }
+    return change;
+}
+
+/* Raises the order until the responses at all rays change no more. */
+static cml_status converge(const struct cml_medium_def *stack, int num_layers,
+                           const struct cml_flat_tail *tail, const struct cml_exact_light *light,
+                           double *response, struct cml_error *err)
+{
+    const size_t size = ((size_t)num_layers + 1) * (size_t)light->num_beams;
+    double *before = calloc(size, sizeof *before), change = INFINITY;
+    cml_status status = before ? CML_OK : cml_fail_memory(err, (double)size * sizeof *before, "responses");
+    for (int k = 0; status == CML_OK && k < NUM_ORDERS && !(change < CHANGE); k++) {
+        memcpy(before, response, size * sizeof *before);
+        status = solve(stack, num_layers, light, orders[k], response, err);
+        if (status == CML_OK && k > 0)
+            change = largest_change(tail, before, response, num_layers + 1, light->num_beams);
+    }
+    free(before);
+    if (status != CML_OK || change < CHANGE) return status;
+    return cml_fail(err, CML_E_NUMERIC, "adding-doubling: responses change by %.1g at order %d", change,
+                    orders[NUM_ORDERS - 1]);
+}
+
+/* From the nodes of an interval, which begin at `first` among `count` rays, to its table; sum: [nodes]
+ * scratch. node: [count] of each score. */
+static void fill_interval(const struct cml_flat_tail *tail, int interval, const double *response, int first,
+                          int count, double *table)
+{
+    const int nodes = nodes_of(tail, interval), scores = tail->scores;
+    const double widest = cml_flat_tail_widest(tail, interval);
+    const struct cml_exact_ray one = {0, 1};
+    for (int j = 0; j <= CML_FLAT_TAIL_CELLS; j++) {
+        const double root = widest * j / CML_FLAT_TAIL_CELLS;
+        double share[64] = {0};
+        cml_exact_gather(&root, &one, 1, 0, widest, nodes, share);
+        for (int s = 0; s < scores; s++) {
+            const double *node =
+                response + (s == 0 ? 0 : s + 1) * count + first; /* row 1 is the level's own layer */
+            double sum = 0;
+            for (int i = 0; i < nodes; i++) sum += share[i] * node[i];
+            table[j * scores + s] = fmax(sum, 0);
+        }
+    }
+}
+
+/* Into 0..1 by a power of two of each score. */
+static void scale(struct cml_flat_tail *tail, const double *table)
+{
+    const int cells = tail->intervals * (CML_FLAT_TAIL_CELLS + 1);
+    for (int s = 0; s < tail->scores; s++) {
+        double most = 0;
+        int power = 0;
+        for (int j = 0; j < cells; j++) most = fmax(most, table[j * tail->scores + s]);
+        (void)frexp(most, &power);
+        tail->exponent[s] = power >= 0                        ? 0
+                            : -power < CML_TAIL_MOST_EXPONENT ? -power
+                                                              : CML_TAIL_MOST_EXPONENT;
+        for (int j = 0; j < cells; j++)
+            tail->response[j * tail->scores + s] =
+                (float)fmin(ldexp(table[j * tail->scores + s], tail->exponent[s]), 1);
+    }
+}
+
+static cml_status fill(const struct cml_medium_def *stack, int num_layers, struct cml_flat_tail *tail,
+                       struct cml_error *err)
+{
+    const size_t numbers = (size_t)tail->intervals * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores,
+                 most = 64 * (size_t)tail->intervals;
+    struct cml_exact_light light = {.beam = calloc(most, sizeof *light.beam)};
+    double *table = calloc(numbers, sizeof *table),
+           *response = calloc(most * ((size_t)num_layers + 1), sizeof *response);
+    tail->response = calloc(numbers, sizeof *tail->response);
+    cml_status status = light.beam && table && response && tail->response
+                            ? CML_OK
+                            : cml_fail_memory(err, (double)numbers * 12, "the layers below a level");
+    if (status == CML_OK) {
+        light.num_beams = set_rays(tail, light.beam);
+        status = converge(stack, num_layers, tail, &light, response, err);
+    }
+    for (int k = 0, first = 0; status == CML_OK && k < tail->intervals; first += nodes_of(tail, k++))
+        fill_interval(tail, k, response, first, light.num_beams,
+                      table + (size_t)k * (CML_FLAT_TAIL_CELLS + 1) * (size_t)tail->scores);
+    if (status == CML_OK) scale(tail, table);
+    free(light.beam);
+    free(table);
+    free(response);
+    return status;
+}
+
+cml_status cml_tail_create(const struct cml_medium_def *media, int num_layers, int layer, double z,
+                           struct cml_flat_tail *tail, struct cml_error *err)
+{
+    const int layers = num_layers - layer + 1;
+    struct cml_medium_def *stack = calloc((size_t)layers + 2, sizeof *stack);
+    *tail = (struct cml_flat_tail){.layer = layer, .z = z, .scores = layers};
+    tail->index = calloc((size_t)layers + 1, sizeof *tail->index);
+    tail->exponent = calloc((size_t)layers, sizeof *tail->exponent);
+    cml_status status = stack && tail->index && tail->exponent
+                            ? CML_OK
+                            : cml_fail_memory(err, layers * (double)sizeof *stack, "layers");
+    if (status == CML_OK) {
+        stack[0] = media[layer];
+        memcpy(stack + 1, media + layer, ((size_t)layers + 1) * sizeof *stack);
+        stack[1].d -= z;
+        find_intervals(stack + 1, layers + 1, tail);
+        status = fill(stack, layers, tail, err);
+    }
+    free(stack);
+    if (status != CML_OK) cml_flat_tail_clear(tail);
+    return status;
+}

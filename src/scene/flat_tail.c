@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/flat_tail.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+double cml_flat_tail_widest(const struct cml_flat_tail *tail, int interval)
+{
+    const double share = interval > 0 ? tail->index[interval - 1] / tail->index[interval] : 0;
+    return pow((1 - share) * (1 + share), 0.25);
+}
+
+void cml_flat_tail_clear(struct cml_flat_tail *tail)
+{
+    free(tail->index);
+    free(tail->response);
+    free(tail->exponent);
+    *tail = (struct cml_flat_tail){0};
+}

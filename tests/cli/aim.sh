@@ -1,0 +1,79 @@
+#!/bin/sh
+# --aim: nothing that is counted changes, gates and detectors included; expected values have the same bytes on any number of
+# threads, with --keep and --more, and join in merge; what cannot be aimed at is refused by name. stat.tail judges the numbers.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+mkdir "$work/a" "$work/b" "$work/c" "$work/d"
+grid='20000\n0.01 0.01\n20 20 3\ntime 100 4\ndetector disk 0.2\nfluence\n'
+hill='b 3 0.05 0.1 -0.05 0.2 0 0.1\n'
+bodies='i sphere 0 0 0.45 0.05 1.5 1 20 0.5\n'
+scene() { # LAYERS: number, index above, and lines up to that of the medium below
+    printf '1.0\n1\nx.mco A\n%b%b1.0\n' "$grid" "$1" >"$work/x.mci"
+}
+layers="3\n1.0\n${hill}1.4 1 60 0.8 0.3\n1.5 2 20 0.5 0.1\n1.33 0.5 5 0 0.2\n"
+scene "$layers"
+
+# Without what --aim adds; times differ.
+counted() { # FILE
+    awk '/^(se_)?(Tt|A_l)_expected #/ { skip = 1 } !skip; /^$/ { skip = 0 }' "$1" | sed '/^# User time/d' | cat -s
+}
+same() { # TEXT A B
+    sed '/^# User time/d' "$2" >"$work/1"
+    sed '/^# User time/d' "$3" >"$work/2"
+    cmp -s "$work/1" "$work/2" || complain "$1: other bytes"
+}
+
+expect_code 0 "$work/x.mci" --quiet -o "$work/a"
+for options in "--threads 1" "--threads 3 --chunk 7" "--threads 2 --chunk 1e6"; do
+    # shellcheck disable=SC2086 # several options on purpose
+    expect_code 0 "$work/x.mci" --aim Tt,A_l:3 $options --quiet -o "$work/b"
+    test -e "$work/c/x.mco" || cp "$work/b/x.mco" "$work/c"
+    same "$options" "$work/b/x.mco" "$work/c/x.mco"
+done
+counted "$work/a/x.mco" >"$work/plain"
+counted "$work/b/x.mco" | cmp -s - "$work/plain" || complain "--aim changes what is counted"
+for key in Tt_expected A_l_expected se_Tt_expected se_A_l_expected; do
+    grep -q "^$key #" "$work/b/x.mco" || complain "no $key"
+done
+expect_code 0 "$work/x.mci" --aim A_l:2 --photons 12001 --keep --threads 2 --quiet -o "$work/b"
+expect_code 0 "$work/x.mci" --aim A_l:2 --more 7999 --quiet -o "$work/b"
+same "--more" "$work/b/x.mco" "$work/c/x.mco"
+expect_code 2 "$work/x.mci" --more 5 --quiet -o "$work/b"
+grep -q "of another run: 'aim 1' there, 'aim 0' here" "$work/err" || complain "extended without --aim: $(cat "$work/err")"
+expect_code 0 "$work/x.mci" --aim Tt -o "$work/b"
+grep -Eq '^  Tt   0\.[0-9]+ \+- [0-9.e-]+ expected, as by [0-9.]+ times the photons$' "$work/out" ||
+    complain "summary: $(cat "$work/out")"
+grep -Eq '^  A of layer 3 0\.[0-9]+ \+- [0-9.e-]+ expected' "$work/out" || complain "summary: $(cat "$work/out")"
+
+# A mean of means.
+expect_code 0 "$work/x.mci" --aim Tt --seed 2 --quiet -o "$work/a"
+expect_code 0 merge "$work/a/x.mco" "$work/c/x.mco" --output "$work/m.mco"
+of() { sed -n "/^$1 #/{n;p;}" "$2"; }
+awk -v a="$(of Tt_expected "$work/a/x.mco")" -v b="$(of Tt_expected "$work/c/x.mco")" -v m="$(of Tt_expected "$work/m.mco")" \
+    'BEGIN { d = (a + b) / 2 - m; exit !(a != b && d * d < 1e-15 * m * m) }' || complain "merge"
+
+# What is refused.
+grid='20000\n0.01 0.01\n20 20 3\n'
+scene "$layers"
+file=$work/x.mci:3
+expect_error 2 "--aim Rd (expected Tt, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Rd
+expect_error 2 "--aim Tt,A_l:0 (expected Tt, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,A_l:0
+expect_error 2 "--aim Tt, (expected Tt, or A_l:N of layer N, or several with commas)" "$work/x.mci" --aim Tt,
+expect_error 2 "$file: --aim A_l:1 (expected a layer from 2 to 3, below the level of what is not flat)" \
+    "$work/x.mci" --aim Tt,A_l:1 --quiet -o "$work/d"
+expect_error 2 "$file: --aim A_l:4 (expected a layer from 2 to 3, below the level of what is not flat)" \
+    "$work/x.mci" --aim A_l:4 --quiet -o "$work/d"
+if "$program" devices 2>/dev/null | grep -q '^0'; then
+    expect_code 2 "$work/x.mci" --aim Tt --engine opencl --boundaries cone --quiet -o "$work/d"
+    grep -q -- '--aim and --engine opencl' "$work/err" || complain "opencl: $(cat "$work/err")"
+fi
+scene "1\n1.0\n1.4 1 60 0.8 0.3\nb 3 0.05 0.1 -0.05 0.2 0 0.1\n"
+expect_error 2 "$file: --aim Tt (expected flat layers below all else, but shapes, bodies or beams reach down to the last boundary)" \
+    "$work/x.mci" --aim Tt --quiet -o "$work/d"
+scene "1\n1.0\n1.4 1 60 0.8 0.3\nbacking 0.5\n"
+expect_error 2 "$file: --aim Tt (expected flat layers below all else, but a backing lies below all layers)" \
+    "$work/x.mci" --aim Tt --quiet -o "$work/d"
+scene "2\n1.0\n1.4 1 60 0.8 0.3\n1.4 1 60 0.8 0.3\n$bodies"
+expect_error 2 "$file: --aim A_l:2 (expected Tt: what is not flat reaches into the last layer)" \
+    "$work/x.mci" --aim A_l:2 --quiet -o "$work/d"
+finish

@@ -71,6 +71,13 @@ struct cml_device_fate {
     struct cml_vec u;    /* unit direction */
 };
 
+/* Of a packet the host has more behind what a device has. */
+#ifdef __OPENCL_VERSION__
+#define CML_DEVICE_PACKET ((cml_u32)sizeof(struct cml_packet))
+#else
+#define CML_DEVICE_PACKET CML_OFFSET(struct cml_packet, here)
+#endif
+
 #define CML_LAYOUT                                                                                           \
     {                                                                                                        \
         sizeof(struct cml_setup), CML_OFFSET(struct cml_setup, nr), CML_OFFSET(struct cml_setup, specular),  \
@@ -80,17 +87,16 @@ struct cml_device_fate {
             sizeof(struct cml_medium), CML_OFFSET(struct cml_medium, depth), sizeof(struct cml_clearance),   \
             CML_OFFSET(struct cml_clearance, corner_x), sizeof(struct cml_surface),                          \
             CML_OFFSET(struct cml_surface, lowest), CML_OFFSET(struct cml_surface, clearance),               \
-            CML_OFFSET(struct cml_surface, facets), sizeof(struct cml_packet),                               \
-            CML_OFFSET(struct cml_packet, u), CML_OFFSET(struct cml_packet, w),                              \
-            CML_OFFSET(struct cml_packet, medium), CML_OFFSET(struct cml_packet, fate),                      \
-            CML_OFFSET(struct cml_packet, gained), CML_OFFSET(struct cml_packet, queries),                   \
-            sizeof(struct cml_windows), CML_OFFSET(struct cml_windows, absorbed),                            \
-            CML_OFFSET(struct cml_window, count), sizeof(struct cml_launch),                                 \
-            CML_OFFSET(struct cml_launch, near_cells), sizeof(struct cml_control),                           \
-            CML_OFFSET(struct cml_control, alive), CML_OFFSET(struct cml_control, lost),                     \
-            sizeof(struct cml_device_fate), CML_OFFSET(struct cml_device_fate, w),                           \
-            CML_OFFSET(struct cml_device_fate, u), sizeof(struct cml_body),                                  \
-            CML_OFFSET(struct cml_body, radius), sizeof(struct cml_body_node),                               \
+            CML_OFFSET(struct cml_surface, facets), CML_DEVICE_PACKET, CML_OFFSET(struct cml_packet, u),     \
+            CML_OFFSET(struct cml_packet, w), CML_OFFSET(struct cml_packet, medium),                         \
+            CML_OFFSET(struct cml_packet, fate), CML_OFFSET(struct cml_packet, gained),                      \
+            CML_OFFSET(struct cml_packet, queries), sizeof(struct cml_windows),                              \
+            CML_OFFSET(struct cml_windows, absorbed), CML_OFFSET(struct cml_window, count),                  \
+            sizeof(struct cml_launch), CML_OFFSET(struct cml_launch, near_cells),                            \
+            sizeof(struct cml_control), CML_OFFSET(struct cml_control, alive),                               \
+            CML_OFFSET(struct cml_control, lost), sizeof(struct cml_device_fate),                            \
+            CML_OFFSET(struct cml_device_fate, w), CML_OFFSET(struct cml_device_fate, u),                    \
+            sizeof(struct cml_body), CML_OFFSET(struct cml_body, radius), sizeof(struct cml_body_node),      \
             CML_OFFSET(struct cml_body_node, body), sizeof(struct cml_body_grid),                            \
             CML_OFFSET(struct cml_body_grid, per_cell), sizeof(struct cml_body_cell),                        \
             CML_OFFSET(struct cml_body_cell, steepest), CML_OFFSET(struct cml_medium, end_node),             \

@@ -139,11 +139,18 @@ struct cml_detector_level {
     real corner_x, corner_y, per_cell_x, per_cell_y; /* scene coordinates */
 };
 
+/* Of what is split off packets at their launch: no detector sees it, or would; it goes up alike from all
+ * packets, from the beam's axis; or each has its own place. */
+enum { CML_SPLIT_UNSEEN, CML_SPLIT_ALIKE, CML_SPLIT_APART };
+
 struct cml_detection {
     int num_detectors, num_levels;
+    int split;
     const struct cml_detector *detectors;
     const struct cml_detector_level *levels;
     const int *start, *list;
+    double per_length; /* units per cm of what is summed of lengths and depths */
+    double top;        /* where depths count from */
 };
 #endif
 
@@ -296,6 +303,7 @@ struct cml_setup {
     real r0_x, r0_y;      /* the same from where results count r */
     struct cml_map map;
     struct cml_gates gates;
+    int keeps_paths; /* gates or detectors want them */
     struct cml_direction_bins directions;
     struct cml_marks marks;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
@@ -304,6 +312,15 @@ struct cml_setup {
     int num_sources;
     cml_u32 specular; /* what is split off every packet before its launch; 0 where sources differ in that */
 };
+
+#ifndef __OPENCL_VERSION__
+/* What detectors want to know of a packet's way (P13). */
+struct cml_trail {
+    double *length; /* cm, by medium, of all visits but the one under way; NULL: nobody wants it */
+    cml_u32 *count; /* the same of interactions */
+    real deepest;   /* depth in the scene, cm, of these visits */
+};
+#endif
 
 struct cml_packet {
     cml_u64 index;
@@ -330,6 +347,13 @@ struct cml_packet {
     cml_u64 gained, roulette, absorbed, backing;
     cml_u32 queries;           /* curved surfaces asked for a crossing; depends on the engine's short cuts */
     cml_u32 shading_overruled; /* events that the facet decided against the shading normal */
+#ifndef __OPENCL_VERSION__     /* a device has what stands above (device_layout.h) */
+    /* P13, of the visit of its medium that is under way: length, cm; largest depth, frame of the medium;
+     * interactions before it */
+    real here, low;
+    cml_u32 before;
+    struct cml_trail trail;
+#endif
 };
 
 /* A crossing ahead. Of a body above and up are outside and outwards. */

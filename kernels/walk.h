@@ -1,5 +1,5 @@
 /* A photon's day: launch, fly, cross, interact, leave. One copy for every engine.
- * The rules it cites, P1 to P12, are written down in README.md beside it. A packet's part of the weight
+ * The rules it cites, P1 to P13, are written down in README.md beside it. A packet's part of the weight
  * balance is kept here, the deposits are streamed into the arrays of the caller, everything else is returned
  * in the packet. SPDX-License-Identifier: MIT */
 #ifndef CML_WALK_H
@@ -11,6 +11,7 @@
 #include "rng.h"
 #include "source.h"
 #include "surface_hit.h"
+#include "trail.h"
 #include "types.h"
 
 #ifdef __OPENCL_VERSION__
@@ -61,32 +62,6 @@ CML_FN real cml_path(real tau, real mfp)
 {
     const real s = tau * mfp;
     return mfp < CML_INFINITY ? s : CML_INFINITY;
-}
-
-/* P11: a packet's optical path after t more (cm) in a medium of index n. Its clock starts where it touches
- * something for the first time. */
-CML_FN real cml_path_after(real path, real t, real n)
-{
-    return path < 0 ? (real)0 : CML_FMA(t, n, path);
-}
-
-/* Before the packet flies t (cm) in the medium it is in. */
-CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t)
-{
-#ifdef __OPENCL_VERSION__
-    (void)world, (void)packet, (void)t;
-#else
-    if (world->setup.gates.count)
-        packet->path = cml_path_after(packet->path, t, world->media[packet->medium].n);
-#endif
-}
-
-/* P11: gate of a path, the one for all that is later behind the last. What is not scored may have any path.
- */
-CML_FN int cml_gate(struct cml_gates gates, real path)
-{
-    const real bin = path * gates.per_cm, last = (real)gates.count, at = bin < last ? bin : last;
-    return (int)(at > 0 ? at : (real)0);
 }
 
 /* Distance to the next interaction if no boundary comes first. */
@@ -231,6 +206,7 @@ CML_FN void cml_interact(const struct cml_world *world, const struct cml_deposit
     if (to->expected && cml_enters_tail(&world->tail, packet->medium, from.z, packet->p.z))
         cml_score_tail(&world->tail, to, packet->u.z, packet->w);
 #endif
+    cml_count_depth(world, packet);
     const cml_u32 dw = cml_absorbed_part(packet->w, medium->absorb, packet->draw.w[1], packet->draw.w[2]);
     CML_ASSERT(dw <= packet->w && packet->w <= CML_WEIGHT_ONE);
     packet->w -= dw;
@@ -413,9 +389,13 @@ CML_FN void cml_boundary_event(const struct cml_world *world, CML_PACKET struct 
         packet->undeflected ||
         (!backed && cml_reflect_or_refract(world, packet, hit, below ? (real)1 : (real)-1, n1, n2));
     CML_ASSERT(cml_is_unit(packet->u));
-    if (transmitted) packet->medium = other;
+    if (transmitted) {
+        cml_end_visit(world, packet);
+        packet->medium = other;
+    }
     packet->p = hit->point;
     if (packet->medium == boundary) packet->p.z += world->media[boundary].span;
+    cml_count_depth(world, packet);
     cml_after_boundary(world, packet, boundary);
     cml_count_bounce(world, packet);
     cml_event(world, transmitted ? "transmit" : "reflect", packet);

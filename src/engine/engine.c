@@ -8,6 +8,24 @@
 #include <math.h>
 #include <pthread.h>
 
+/* Lengths of 48 bits: from 6e-8 to 1.7e7 times the extent of the grid. A power of two, so that scaled scenes
+ * give the same bits. */
+static double path_unit(const struct cml_scene *scene)
+{
+    int exponent;
+    (void)frexp(fmax(scene->nr * scene->dr, scene->nz * scene->dz), &exponent);
+    return ldexp(1, exponent - 24);
+}
+
+/* No packet that was in the material has its largest depth above. */
+static double path_top(const struct cml_scene *scene, const struct cml_surface_set *surfaces)
+{
+    double top = surfaces && surfaces->count > 0 ? fmin(0, surfaces->item[0].lowest) : 0;
+    for (int k = 0; k < scene->num_beams; k++)
+        if (scene->beams[k].inside) top = fmin(top, scene->beams[k].z - cml_beam_height(&scene->beams[k]));
+    return top;
+}
+
 /* Facets are counted on the surfaces that are flown: a boundary that is tessellated has other ones than its
  * cones. */
 struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -30,7 +48,9 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .volume = map->volume && options->absorption,
                             .scores = options->tail ? options->tail->scores : 0,
                             .exponent = options->tail ? options->tail->exponent : NULL,
-                            .detectors = scene->num_detectors};
+                            .detectors = scene->num_detectors,
+                            .path_unit = path_unit(scene),
+                            .path_top = path_top(scene, surfaces)};
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->kind == CML_DETECTOR_MAP)

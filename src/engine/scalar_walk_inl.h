@@ -12,6 +12,15 @@
 /* Steps between two looks at whether to give up. */
 #define CML_STEPS_PER_LOOK 256
 
+/* P13, of a packet that has been launched. */
+static inline void cml_leave_trail(const struct cml_world *world, const struct cml_tally *tally,
+                                   struct cml_packet *packet)
+{
+    packet->trail = (struct cml_trail){.length = tally->trail_length, .count = tally->trail_count};
+    packet->low = cml_first_low(packet->path, packet->p.z);
+    cml_begin_trail(world, &packet->trail, packet->path);
+}
+
 /* Flies the packets of a piece, one after the other, into the tally. Returns false when it gave one up. */
 static inline bool run_piece(const struct cml_world *world, const struct cml_work *work,
                              const struct cml_piece *piece, struct cml_patience *patience,
@@ -23,16 +32,18 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
     for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
         cml_begin_walk(world, &to, piece->first + CML_NUM_BATCHES * i, &packet);
+        if (tally->detected) cml_leave_trail(world, tally, &packet);
         while (packet.fate == CML_FATE_ALIVE) {
             if (++steps % CML_STEPS_PER_LOOK == 0 && cml_engine_gives_up(work, patience)) return false;
             cml_step(world, &to, &packet);
         }
         CML_ASSERT(cml_packet_balances(world, &packet));
         cml_tally_events(&packet, tally);
+        cml_end_visit(world, &packet);
         const struct cml_termination end = cml_termination_of(&packet);
         cml_terminated_push(world, &terminated, &end, tally);
     }
-    cml_terminated_flush(&world->setup, &terminated, tally);
+    cml_terminated_flush(world, &terminated, tally);
     return true;
 }
 

@@ -98,10 +98,11 @@ static inline uint64_t *cml_squares_of(const struct cml_tally *tally, uint64_t *
 
 /* Adds all sums to the tally: books (P10), deposits by layer and counts. times: how often every
  * packet of the collection has ended so; more than 1 for ballistic packets only. */
-static inline void cml_terminated_add_sums(const struct cml_setup *setup,
+static inline void cml_terminated_add_sums(const struct cml_world *world,
                                            const struct cml_terminated *terminated, uint64_t times,
                                            struct cml_tally *tally)
 {
+    const struct cml_setup *setup = &world->setup;
     const struct cml_terminated_sums sums = cml_terminated_sum(terminated);
     const uint64_t count = times * (uint64_t)terminated->count, specular = setup->specular;
     tally->balance[CML_BALANCE_LAUNCHED] += count * CML_WEIGHT_ONE;
@@ -113,6 +114,8 @@ static inline void cml_terminated_add_sums(const struct cml_setup *setup,
     tally->A_l[setup->num_layers] += times * (sums.deposited - sums.deposited_above);
     if (tally->Rsp_dir && specular)
         cml_add_once(tally->Rsp_dir, cml_squares_of(tally, tally->Rsp_dir), setup->specular, count);
+    if (tally->detected && world->detection.split == CML_SPLIT_ALIKE)
+        cml_score_split_off(world, 0, count, tally->detected, tally);
     tally->count[CML_COUNT_PHOTONS] += count;
     tally->count[CML_COUNT_INTERACTIONS] += times * sums.interactions;
     tally->count[CML_COUNT_BOUNDARY_EVENTS] += times * sums.boundary_events;
@@ -131,30 +134,30 @@ static inline void cml_terminated_score_gates(const struct cml_setup *setup,
 }
 
 /* Empties the collection into the tally, each packet `times` over. */
-static inline void cml_terminated_flush_times(const struct cml_setup *setup,
+static inline void cml_terminated_flush_times(const struct cml_world *world,
                                               struct cml_terminated *terminated, uint64_t times,
                                               struct cml_tally *tally)
 {
-    cml_terminated_find_cells(setup, terminated, tally);
+    cml_terminated_find_cells(&world->setup, terminated, tally);
     for (int i = 0; i < terminated->count; i++)
         tally->Rd_ra[terminated->cell[i]] += times * terminated->scored[i];
-    cml_terminated_add_sums(setup, terminated, times, tally);
-    if (tally->Rd_t) cml_terminated_score_gates(setup, terminated, times, tally);
+    cml_terminated_add_sums(world, terminated, times, tally);
+    if (tally->Rd_t) cml_terminated_score_gates(&world->setup, terminated, times, tally);
     terminated->count = 0;
 }
 
-static inline void cml_terminated_flush(const struct cml_setup *setup, struct cml_terminated *terminated,
+static inline void cml_terminated_flush(const struct cml_world *world, struct cml_terminated *terminated,
                                         struct cml_tally *tally)
 {
-    cml_terminated_flush_times(setup, terminated, 1, tally);
+    cml_terminated_flush_times(world, terminated, 1, tally);
 }
 
 /* After an addition: flushes if there is no room for the next. */
-static inline void cml_terminated_make_room(const struct cml_setup *setup, struct cml_terminated *terminated,
+static inline void cml_terminated_make_room(const struct cml_world *world, struct cml_terminated *terminated,
                                             struct cml_tally *tally)
 {
     if (terminated->count > CML_TERMINATED - CML_TERMINATED_TOGETHER)
-        cml_terminated_flush(setup, terminated, tally);
+        cml_terminated_flush(world, terminated, tally);
 }
 
 /* How a packet ended. */
@@ -164,6 +167,7 @@ struct cml_termination {
     cml_u32 w, interactions, boundary_events;
     real exit_x, exit_y, exit_z, ux, uy, uz, path; /* exit_z: frame of the medium */
     int primitive;                                 /* touched last; 0 on planes */
+    struct cml_trail trail;                        /* P13, where detectors are */
 };
 
 /* Packet i of the collection, which has left, into its pixel. */
@@ -214,36 +218,43 @@ static inline void cml_tally_direction(const struct cml_setup *setup, const stru
     cml_add_once(cell, cml_squares_of(tally, cell), terminated->w[i], 1);
 }
 
-/* P13: packet i of the collection, whatever its end, and before it what was split off it at its launch.
- * sums, pixels: as in cml_score_light. */
-static inline void cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
-                                       int i, uint64_t *sums, const struct cml_tally *pixels)
+static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminated, int i)
 {
-    const int fate = terminated->fate[i];
-    const cml_u64 index = (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
-    struct cml_light_out split = {.w = cml_split_off(world, index)}, rest = {.w = terminated->w[i]};
-    if (split.w) {
-        struct cml_packet start;
-        const struct cml_vec up = {0, 0, -1};
-        cml_place(world, index, &start);
-        split.ray = (struct cml_ray_out){.p = {start.p.x, start.p.y, 0}, .u = up, .fresh = 1};
-        cml_score_light(world, &split, NULL, sums, pixels);
-    }
-    if (fate != CML_FATE_REFLECTED && fate != CML_FATE_TRANSMITTED && fate != CML_FATE_SPECULAR) return;
-    rest.gate = cml_gate(world->setup.gates, terminated->path[i]);
-    rest.ray.p = (struct cml_vec){terminated->exit_x[i], terminated->exit_y[i], terminated->exit_z[i]};
-    rest.ray.u = (struct cml_vec){terminated->ux[i], terminated->uy[i], terminated->uz[i]};
-    rest.ray.below = fate == CML_FATE_TRANSMITTED;
-    rest.ray.fresh = fate == CML_FATE_SPECULAR;
-    cml_score_light(world, &rest, split.w ? &split : NULL, sums, pixels);
+    return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
 }
 
-/* primitive: touched last; 0 on planes. */
+/* P13: packet i of the collection, whatever its end. What was split off it has been scored, or will be.
+ * sums, pixels: as in cml_score_light. */
+static inline void cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
+                                       int i, const struct cml_trail *trail, uint64_t *sums,
+                                       const struct cml_tally *pixels)
+{
+    const int fate = terminated->fate[i];
+    if (fate != CML_FATE_REFLECTED && fate != CML_FATE_TRANSMITTED && fate != CML_FATE_SPECULAR) return;
+    const struct cml_light_out split = cml_light_split_off(world, cml_terminated_index(terminated, i));
+    const struct cml_light_out light = {
+        .ray = {.p = {terminated->exit_x[i], terminated->exit_y[i], terminated->exit_z[i]},
+                .u = {terminated->ux[i], terminated->uy[i], terminated->uz[i]},
+                .below = fate == CML_FATE_TRANSMITTED,
+                .fresh = fate == CML_FATE_SPECULAR},
+        .w = terminated->w[i],
+        .times = 1,
+        .gate = cml_gate(world->setup.gates, terminated->path[i]),
+        .trail = trail};
+    cml_score_light(world, &light, split.w ? &split : NULL, sums, pixels);
+}
+
+/* primitive: touched last; 0 on planes. trail: where detectors are. */
 static inline void cml_tally_places(const struct cml_world *world, const struct cml_terminated *terminated,
-                                    int i, int primitive, const struct cml_tally *tally)
+                                    int i, int primitive, const struct cml_trail *trail,
+                                    const struct cml_tally *tally)
 {
     const struct cml_setup *setup = &world->setup;
-    if (tally->detected) cml_tally_detectors(world, terminated, i, tally->detected, tally);
+    if (tally->detected) {
+        if (world->detection.split == CML_SPLIT_APART)
+            cml_score_split_off(world, cml_terminated_index(terminated, i), 1, tally->detected, tally);
+        cml_tally_detectors(world, terminated, i, trail, tally->detected, tally);
+    }
     if (tally->Rd_dir) cml_tally_direction(setup, terminated, i, tally);
     if (terminated->fate[i] != CML_FATE_REFLECTED && terminated->fate[i] != CML_FATE_TRANSMITTED) return;
     if (tally->Rd_xya) cml_tally_pixel(setup, terminated, i, tally);
@@ -291,8 +302,8 @@ static inline void cml_terminated_push(const struct cml_world *world, struct cml
     terminated->boundary_events[i] = end->boundary_events;
     terminated->fate[i] = end->fate;
     cml_tally_loss(end, tally);
-    if (cml_tallies_places(tally)) cml_tally_places(world, terminated, i, end->primitive, tally);
-    cml_terminated_make_room(&world->setup, terminated, tally);
+    if (cml_tallies_places(tally)) cml_tally_places(world, terminated, i, end->primitive, &end->trail, tally);
+    cml_terminated_make_room(world, terminated, tally);
 }
 
 /* What a packet of kernels/walk.h has counted itself, and lanes of a bundle have not: roulette, backing and
@@ -342,6 +353,7 @@ static inline struct cml_termination cml_termination_of(const struct cml_packet 
         .uz = packet->u.z,
         .path = packet->path,
         .primitive = packet->on_primitive,
+        .trail = packet->trail,
     };
     return end;
 }

@@ -409,6 +409,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);
+    setup->keeps_paths = scene->time.gates > 0 || scene->num_detectors > 0;
     const struct cml_grid grid = cml_engine_grid(scene, NULL, options);
     set_marks(&grid, &setup->marks);
     setup->x0 = (real)scene->beams[0].x;
@@ -446,7 +447,7 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     set_up(scene, options, &to->world.setup);
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
-    if (status == CML_OK) status = cml_set_detectors(scene, to, err);
+    if (status == CML_OK) status = cml_set_detectors(scene, surfaces, to, err);
     if (status != CML_OK) cml_owned_world_free(to);
     return status;
 }

@@ -2,6 +2,8 @@
  * into its cell, so that hundreds cost little more than one. SPDX-License-Identifier: MIT */
 #include "engine/world_parts.h"
 
+#include "detector.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -224,8 +226,22 @@ static cml_status add_levels(const struct cml_scene *scene, const struct place *
     return CML_OK;
 }
 
-cml_status cml_set_detectors(const struct cml_scene *scene, struct cml_owned_world *to, struct cml_error *err)
+/* Light that is split off goes straight up. */
+static int split_of(const struct cml_world *world, int num_detectors, const struct cml_detector *detectors,
+                    const struct cml_detector_def *defs)
 {
+    const struct cml_vec up = {0, 0, -1};
+    const bool alike = world->setup.num_sources == 1 && world->sources->shape == CML_SHAPE_POINT;
+    for (int k = 0; k < num_detectors; k++)
+        if (!defs[k].below && !defs[k].diffuse && (!defs[k].aimed || cml_is_in_cone(&detectors[k], up)))
+            return alike ? CML_SPLIT_ALIKE : CML_SPLIT_APART;
+    return CML_SPLIT_UNSEEN;
+}
+
+cml_status cml_set_detectors(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                             struct cml_owned_world *to, struct cml_error *err)
+{
+    const struct cml_grid grid = cml_engine_grid(scene, surfaces, &(struct cml_engine_options){0});
     struct detection d = {.to = to};
     const size_t n = (size_t)scene->num_detectors;
     cml_u64 pixels = 0;
@@ -248,7 +264,15 @@ cml_status cml_set_detectors(const struct cml_scene *scene, struct cml_owned_wor
     qsort(place, n, sizeof *place, compare_places);
     const cml_status status = add_levels(scene, place, &d, &num_levels, err);
     free(place);
-    to->world.detection = (struct cml_detection){
-        (int)n, num_levels, to->detectors, to->detector_levels, to->detector_start, to->detector_list};
+    to->world.detection =
+        (struct cml_detection){.num_detectors = (int)n,
+                               .num_levels = num_levels,
+                               .split = split_of(&to->world, (int)n, to->detectors, scene->detectors),
+                               .detectors = to->detectors,
+                               .levels = to->detector_levels,
+                               .start = to->detector_start,
+                               .list = to->detector_list,
+                               .per_length = 1 / grid.path_unit,
+                               .top = grid.path_top};
     return status;
 }

@@ -12,7 +12,8 @@ CML_NODISCARD cml_status cml_copy_bodies(const struct cml_scene *scene,
                                          struct cml_error *err);
 
 /* world_detectors.c's part: detectors and the grids over them. */
-CML_NODISCARD cml_status cml_set_detectors(const struct cml_scene *scene, struct cml_owned_world *to,
+CML_NODISCARD cml_status cml_set_detectors(const struct cml_scene *scene,
+                                           const struct cml_surface_set *surfaces, struct cml_owned_world *to,
                                            struct cml_error *err);
 
 /* world_sources.c's part, after all others: where packets start. start_as: as in cml_engine_options.

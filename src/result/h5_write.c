@@ -26,7 +26,9 @@ static void set_axes(struct fields *f, const struct cml_outcome *o)
     for (int i = 1; i < CML_NUM_AXES; i++) {
         const enum cml_axis_kind kind = (enum cml_axis_kind)i;
         const size_t n = (size_t)cml_outcome_places(o, kind);
-        f->axis[i] = cml_quantity_axis(kind, n, width[i] > 0 ? width[i] / 2 : 1, width[i] > 0 ? width[i] : 1);
+        const double first = kind == CML_AXIS_medium ? 0 : 1;
+        f->axis[i] =
+            cml_quantity_axis(kind, n, width[i] > 0 ? width[i] / 2 : first, width[i] > 0 ? width[i] : 1);
     }
 }
 

@@ -20,6 +20,7 @@ int cml_outcome_places(const struct cml_outcome *o, enum cml_axis_kind axis)
                                       [CML_AXIS_alpha] = o->na,
                                       [CML_AXIS_gate] = o->num_gates,
                                       [CML_AXIS_detector] = o->num_detectors,
+                                      [CML_AXIS_medium] = o->num_layers + 2 + o->num_bodies,
                                       [CML_AXIS_theta] = o->nt,
                                       [CML_AXIS_phi] = o->np,
                                       [CML_AXIS_side] = 4};
@@ -114,6 +115,17 @@ bool cml_outcome_find(const struct cml_outcome *o, const char *key, enum cml_qua
             continue;
         *part = cml_outcome_find_detector(o, key + skip, size - skip - end);
         if (*part >= 0) return true;
+    }
+    return false;
+}
+
+bool cml_outcome_is_mean(const char *key)
+{
+    const size_t size = strlen(key);
+    for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_quantity quantity = (enum cml_quantity)i;
+        const size_t end = cml_quantity_may_be_none(quantity) ? strlen(ending_of(quantity)) : size + 1;
+        if (size > end && strcmp(key + size - end, ending_of(quantity)) == 0) return true;
     }
     return false;
 }
@@ -329,6 +341,26 @@ static cml_status take_expected(struct cml_outcome *o, const struct cml_result *
     return CML_OK;
 }
 
+/* Lengths and depths are sums of units, depths from a top. */
+static cml_status take_means(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
+                             struct cml_error *err)
+{
+    const cml_u128 *moments = cells_of(sums, &cml_quantities[quantity]);
+    const int n = (int)cml_outcome_size(o, quantity);
+    const double unit = quantity == CML_QUANTITY_detector_interactions ? 1 : sums->grid.path_unit,
+                 top = quantity == CML_QUANTITY_detector_deepest ? sums->grid.path_top : 0;
+    if (!moments) return CML_OK;
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    CML_TRY(cml_outcome_add(o, quantity, true, err));
+    for (int i = 0; i < n; i++) {
+        const int detector = i / (int)cml_outcome_part_size(o, quantity);
+        double error;
+        o->value[quantity][i] = top + unit * cml_result_mean(sums, moments, n, i, detector, &error);
+        o->error[quantity][i] = unit * error;
+    }
+    return CML_OK;
+}
+
 static cml_status take_cells(struct cml_outcome *o, const struct cml_result *sums, enum cml_quantity quantity,
                              struct cml_error *err)
 {
@@ -386,6 +418,7 @@ cml_status cml_outcome_take_numbers(struct cml_outcome *o, const struct cml_resu
         if (cml_quantities[i].estimator <= CML_FROM_LOST) CML_TRY(take_number(o, sums, quantity, err));
         if (is_batched_number(quantity)) CML_TRY(take_batches(o, sums, quantity, err));
         if (cml_quantities[i].estimator == CML_FROM_EXPECTED) CML_TRY(take_expected(o, sums, quantity, err));
+        if (quantity == CML_QUANTITY_detector_deepest) CML_TRY(take_means(o, sums, quantity, err));
     }
     return CML_OK;
 }
@@ -397,6 +430,8 @@ cml_status cml_outcome_take(struct cml_outcome *o, const struct cml_result *sums
         const enum cml_estimator estimator = cml_quantities[i].estimator;
         if (estimator == CML_FROM_BATCHES && !is_batched_number((enum cml_quantity)i))
             CML_TRY(take_batches(o, sums, (enum cml_quantity)i, err));
+        if (estimator == CML_FROM_MEANS && i != CML_QUANTITY_detector_deepest)
+            CML_TRY(take_means(o, sums, (enum cml_quantity)i, err));
         if (estimator == CML_FROM_ONCE) CML_TRY(take_once(o, sums, (enum cml_quantity)i, err));
         if (estimator == CML_FROM_CELLS) CML_TRY(take_cells(o, sums, (enum cml_quantity)i, err));
     }

@@ -20,6 +20,8 @@ enum cml_estimator {
     CML_FROM_BATCHES,  /* a profile, of sums by batch, with errors: a member */
     CML_FROM_CELLS,    /* of cells over two axes, without errors: a member */
     CML_FROM_ONCE,     /* of cells that a packet adds to at most once, with errors from squares: a member */
+    CML_FROM_MEANS,    /* of moments of detectors over what these have seen, with errors: a member; NaN of
+                          nothing */
     CML_FROM_EXPECTED, /* what is expected of flat layers below all shapes, with errors */
     CML_FROM_INPUT,    /* a number of the scene */
     CML_FROM_TWIN,     /* a total with the flat twin as control variate, with an error */
@@ -39,6 +41,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(z, "depth, middle of the bin", "cm")                                                                   \
     X(alpha, "angle from the outward vertical, middle of the bin", "rad")                                    \
     X(detector, "detector, in the order of the file: each has numbers of its own", "1")                      \
+    X(medium, "medium: 0 above, layers from 1, below, then bodies", "1")                                     \
     X(gate, "time, middle of the gate", "ps")                                                                \
     X(theta, "angle of flight from the outward vertical, middle of the bin", "rad")                          \
     X(phi, "azimuth of flight, from x towards y, middle of the bin", "rad")                                  \
@@ -109,6 +112,9 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(detector, "1", BATCHES, IN(detector), OVER1(detector), MCO | H5 | JSON, "detected", NULL) \
     Q(detector_t, "1/ps", BATCHES, IN(detector_t), OVER2(detector, gate), MCO | H5, "detected by time", NULL) \
     Q(detector_t_later, "1", BATCHES, IN(detector_t_later), OVER1(detector), MCO | H5 | JSON, "detected later than all gates", NULL) \
+    Q(detector_path, "cm", MEANS, IN(detector_path), OVER2(detector, medium), MCO | H5, "mean path of detected light by medium", NULL) \
+    Q(detector_interactions, "1", MEANS, IN(detector_interactions), OVER2(detector, medium), MCO | H5, "mean interactions of detected light by medium", NULL) \
+    Q(detector_deepest, "cm", MEANS, IN(detector_deepest), OVER1(detector), MCO | H5 | JSON, "mean largest depth of detected light", NULL) \
     Q(detector_map, "1/cm2", FIELD, 0, OVER1(detector), 0, "detected by pixel", NULL) \
     Q(body_n, "1", INPUT, 0, OVER1(body), H5, "refractive index", NULL)                                              \
     Q(body_mua, "1/cm", INPUT, 0, OVER1(body), H5, "absorption coefficient", NULL)                                   \
@@ -188,6 +194,12 @@ static inline bool cml_quantity_is_fluence(enum cml_quantity quantity)
 static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
 {
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
+}
+
+/* Mean over what was detected: there is none where that is nothing. */
+static inline bool cml_quantity_may_be_none(enum cml_quantity quantity)
+{
+    return cml_quantities[quantity].estimator == CML_FROM_MEANS;
 }
 
 /* Of enum cml_total; the last of them is what a backing keeps. */

@@ -26,10 +26,11 @@ static size_t cells_t(const struct cml_grid *grid)
     return grid->gates ? ((size_t)grid->gates + 1) * (grid->absorption ? 3 : 2) : 0;
 }
 
-/* What each detector has seen, and its gates with what is later. */
+/* What each detector has seen, its gates with what is later, and moments. */
 static size_t cells_detected(const struct cml_grid *grid)
 {
-    return (size_t)grid->detectors * (1 + (grid->gates ? (size_t)grid->gates + 1 : 0));
+    return (size_t)grid->detectors *
+           (1 + (grid->gates ? (size_t)grid->gates + 1 : 0) + cml_grid_moments(grid));
 }
 
 /* phi_rz and phi_z. */
@@ -77,6 +78,10 @@ static void set_detectors(struct cml_result *result)
     if (!each) return;
     result->detector =
         result->totals + cells_batched(grid) - CML_NUM_BATCHES * (cells_detected(grid) + cells_last(grid));
+    result->detector_path =
+        result->detector + CML_NUM_BATCHES * cells_detected(grid) - each * cml_grid_moments(grid);
+    result->detector_interactions = result->detector_path + each * cml_grid_media(grid);
+    result->detector_deepest = result->detector_interactions + each * cml_grid_media(grid);
     if (!grid->gates) return;
     result->detector_t = result->detector + each;
     result->detector_t_later = result->detector_t + each * (size_t)grid->gates;
@@ -150,6 +155,25 @@ static void add_gates(cml_u128 *profile, cml_u128 *later, size_t gates, size_t b
     later[batch] += brought[gates];
 }
 
+/* A moment of its parts. */
+static cml_u128 moment_of(const uint64_t *parts)
+{
+    cml_u128 sum = 0;
+    for (int i = CML_MOMENT_CELLS - 1; i >= 0; i--) sum = (sum << CML_MOMENT_BITS) + parts[i];
+    return sum;
+}
+
+/* Those of detector k; brought: its parts. */
+static void add_moments(struct cml_result *result, size_t batch, size_t k, const uint64_t *brought)
+{
+    const size_t media = cml_grid_media(&result->grid), at = batch * (size_t)result->grid.detectors + k;
+    for (size_t m = 0; m < media; m++) {
+        result->detector_path[at * media + m] += moment_of(brought + m * CML_MOMENT_CELLS);
+        result->detector_interactions[at * media + m] += moment_of(brought + (media + m) * CML_MOMENT_CELLS);
+    }
+    result->detector_deepest[at] += moment_of(brought + 2 * media * CML_MOMENT_CELLS);
+}
+
 /* What detectors have seen, to that of a batch. */
 static void add_detected(struct cml_result *result, size_t batch, const struct cml_profile_places *at,
                          const uint64_t *brought)
@@ -157,6 +181,9 @@ static void add_detected(struct cml_result *result, size_t batch, const struct c
     const size_t n = (size_t)result->grid.detectors, gates = (size_t)result->grid.gates;
     if (!result->detector) return;
     add_bins(result->detector + batch * n, n, 0, brought + at->detector, n);
+    for (size_t k = 0; k < n; k++)
+        add_moments(result, batch, k,
+                    brought + at->moments + k * cml_grid_moments(&result->grid) * CML_MOMENT_CELLS);
     for (size_t k = 0; result->detector_t && k < n; k++)
         add_gates(result->detector_t, result->detector_t_later, gates, batch * n + k,
                   brought + at->detector_t + k * (gates + 1));
@@ -452,6 +479,28 @@ void cml_result_expected(const struct cml_result *result, int score, double *val
     *value = cml_result_bin_sum(result->expected, n, score) * (CML_WEIGHT_UNIT * CML_EXPECTED_UNIT) /
              (double)result->photons;
     *error = cml_result_bin_error(result, result->expected, n, score) * CML_EXPECTED_UNIT;
+}
+
+/* The mean of packets by weight, R = sum X / sum Y: batches differ from it by (X_b - R Y_b) / sum Y [Cochran,
+ * Sampling Techniques, section 6.3]. */
+double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
+                       double *error)
+{
+    const int detectors = result->grid.detectors;
+    const double bottom = cml_result_bin_sum(result->detector, detectors, k),
+                 mean = cml_result_bin_sum(moment, n, i) / bottom;
+    double squares = 0, batches = 0;
+    *error = NAN;
+    if (!(bottom > 0)) return NAN;
+    for (int b = 0; b < CML_NUM_BATCHES; b++) {
+        if (cml_batch_size(result->photons, b) == 0) continue;
+        const double x = (double)moment[(size_t)b * (size_t)n + (size_t)i],
+                     y = (double)result->detector[(size_t)b * (size_t)detectors + (size_t)k];
+        squares += (x - mean * y) * (x - mean * y);
+        batches += 1;
+    }
+    if (batches > 1) *error = sqrt(squares * batches / (batches - 1)) / bottom;
+    return mean;
 }
 
 /* The causes of loss are neighbours in enum cml_count. */

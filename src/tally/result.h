@@ -35,6 +35,9 @@ struct cml_result {
     cml_u128 *Rd_xya, *Tt_xya, *Rd_xya2, *Tt_xya2, *A_xyz, *facets; /* as in a tally, or NULL */
     cml_u128 *Rd_dir, *Tt_dir, *Rsp_dir, *Rd_dir2;                  /* the same */
     cml_u128 *detector_map, *detector_map2;                         /* the same */
+    cml_u128 *detector_path, *detector_interactions,
+        *detector_deepest;                              /* moments by medium [64][detectors][media], and
+                                                           [64][detectors]; or NULL */
     cml_u128 *detector, *detector_t, *detector_t_later; /* [64][detectors], the second [64][detectors][gates],
                                                            or NULL */
     struct cml_summary summary;
@@ -69,6 +72,11 @@ void cml_summary_merge(struct cml_summary *to, const struct cml_summary *from);
 
 /* Photons 0 to photons - 1 that belong to a batch, 0..63. */
 uint64_t cml_batch_size(uint64_t photons, int batch);
+
+/* Number i of a moment of n per batch over the sum of detector k, and its standard error by batches (a ratio
+ * of means); NaN where the detector has seen nothing. */
+double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,
+                       double *error);
 
 /* By how much the weight does not balance (P10), units of weight: launched + gained minus everything that
  * came of it; then the sums of A_l, A_rz, A_xyz and A_t minus the absorbed weight, those of Rd_ra, Rd_xya,

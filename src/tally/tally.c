@@ -67,10 +67,16 @@ static size_t num_t(const struct cml_grid *grid)
     return grid->absorption || grid->depths ? 3 : 2;
 }
 
-/* Of what detectors have seen: sums, and gates. */
+/* Of what detectors have seen: sums, gates, and moments. */
 static size_t tally_cells_detected(const struct cml_grid *grid)
 {
-    return (size_t)grid->detectors * (1 + tally_cells_t(grid));
+    return (size_t)grid->detectors * (1 + tally_cells_t(grid) + CML_MOMENT_CELLS * cml_grid_moments(grid));
+}
+
+/* Media of all packets that a thread has in flight. */
+static size_t trail_cells(const struct cml_grid *grid)
+{
+    return grid->detectors ? CML_TRAILS * cml_grid_media(grid) : 0;
 }
 
 /* Of the arrays that every tally has, whose cells are in the same order in all. */
@@ -94,7 +100,9 @@ uint64_t *cml_tally_maps(const struct cml_tally *tally)
 double cml_tally_bytes(const struct cml_grid *grid)
 {
     const double profiles = 2.0 + CML_NUM_BATCHES; /* now, before, and of late packets of every batch */
-    return ((double)cml_tally_cells(grid) + profiles * (double)tally_cells_detected(grid)) * sizeof(uint64_t);
+    return ((double)cml_tally_cells(grid) + profiles * (double)tally_cells_detected(grid)) *
+               sizeof(uint64_t) +
+           (double)trail_cells(grid) * (sizeof(double) + sizeof(uint32_t));
 }
 
 /* All arrays of a tally lie in one block, A_l first, so that merging and clearing are one loop. */
@@ -106,7 +114,12 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     tally->summed = calloc(bins, sizeof *tally->summed);
     tally->brought = calloc(bins, sizeof *tally->brought);
     tally->late.rows = calloc(CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
-    if (!tally->A_l || !tally->summed || !tally->brought || !tally->late.rows) {
+    if (grid->detectors) {
+        tally->trail_length = calloc(trail_cells(grid), sizeof *tally->trail_length);
+        tally->trail_count = calloc(trail_cells(grid), sizeof *tally->trail_count);
+    }
+    if (!tally->A_l || !tally->summed || !tally->brought || !tally->late.rows ||
+        (grid->detectors && (!tally->trail_length || !tally->trail_count))) {
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
@@ -163,6 +176,8 @@ void cml_tally_free(struct cml_tally *tally)
     free(tally->summed);
     free(tally->brought);
     free(tally->late.rows);
+    free(tally->trail_length);
+    free(tally->trail_count);
     *tally = (struct cml_tally){0};
 }
 
@@ -216,6 +231,7 @@ struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid)
     at.A_t = at.Tt_t + tally_cells_t(grid);
     at.detector = at.Rd_t + num_t(grid) * tally_cells_t(grid);
     at.detector_t = at.detector + (size_t)grid->detectors;
+    at.moments = at.detector_t + (size_t)grid->detectors * tally_cells_t(grid);
     at.expected = at.detector + tally_cells_detected(grid);
     at.bins = at.expected + (size_t)grid->scores;
     return at;

@@ -32,7 +32,9 @@ struct cml_grid {
     bool volume;            /* A_xyz, nz deep */
     double marks;           /* fluence is tallied, by marks so far apart on paths, cm (P14); 0: it is not */
     int nt, np;             /* bins of Rd_dir, Tt_dir and Rsp_dir */
-    int detectors;          /* what each has seen, and by gates */
+    int detectors;          /* what each has seen, by gates, and means over that */
+    double path_unit;       /* of what is summed of lengths and depths, cm */
+    double path_top;        /* depth from which depths count, cm */
     size_t detector_pixels; /* of all of them that are maps */
     size_t facets;          /* of all boundaries and bodies */
     bool backed;            /* some of them lie on a backing, which keeps what does not leave them */
@@ -66,6 +68,20 @@ struct cml_late {
     uint64_t *rows;              /* [64][bins], those not in use zero */
 };
 
+/* A weight of 31 bits times a number of 48 in three parts of 27 bits, the lowest first, so that 2^30 of them
+ * fit into 64 bits each. */
+#define CML_MOMENT_CELLS 3
+#define CML_MOMENT_BITS 27
+#define CML_MOMENT_MOST 281474976710656.0 /* 2^48 */
+
+/* Moments of a detector. */
+static inline size_t cml_grid_moments(const struct cml_grid *grid)
+{
+    return 2 * cml_grid_media(grid) + 1;
+}
+
+#define CML_TRAILS 64 /* packets that a thread has in flight */
+
 /* Its grids have cells of their own for what lies beyond them (P7), which a result adds to the last and first
  * bins: radial row nr, depth column 0 for z < 0 and nz + 1 for what lies too deep. */
 struct cml_tally {
@@ -83,7 +99,9 @@ struct cml_tally {
     uint64_t *A_xyz;             /* [nz ny nx + 1] or NULL */
     uint64_t *Rd_dir, *Tt_dir, *Rsp_dir; /* [nt][np], one behind the other; or NULL */
     uint64_t *Rd_dir2;                   /* the same of all three, sums of squares as above */
-    uint64_t *detected; /* by detector, and by detector and gate: as profiles have them; or NULL */
+    uint64_t *detected;    /* sums, gates and moments of detectors, as profiles have them; or NULL */
+    double *trail_length;  /* [CML_TRAILS][cml_grid_media] scratch of walks (kernels/types.h); or NULL */
+    uint32_t *trail_count; /* the same */
     uint64_t *detector_map, *detector_map2; /* [detector_pixels], and sums of squares as above; or NULL */
     uint64_t *facets;                       /* [facets][CML_FACET_SCORES] or NULL */
     uint64_t balance[CML_NUM_BALANCE_TERMS];
@@ -140,10 +158,12 @@ void cml_tally_move(struct cml_tally *to, struct cml_tally *from);
 /* Where totals [CML_NUM_TOTALS] and profiles begin that lie one behind the other, with the bins beyond the
  * grid: Rd_r and Tt_r [nr + 1], Rd_a and Tt_a [na], A_z [nz + 2] unless there is no A_rz, A_l
  * [cml_grid_media], and where there are gates Rd_t, Tt_t and, with A_z, A_t [gates + 1]; then of every
- * detector its sum, and its gates [gates + 1]; expected [scores]. */
+ * detector its sum, its gates [gates + 1], and moments: sums of weight times length by medium, weight times
+ * interactions by medium, and weight times largest depth, each in CML_MOMENT_CELLS cells;
+ * expected [scores]. */
 struct cml_profile_places {
     size_t Rd_r, Tt_r, Rd_a, Tt_a, A_z, A_l, Rd_t, Tt_t, A_t; /* totals begin at 0 */
-    size_t detector, detector_t, expected, bins;              /* bins: of all */
+    size_t detector, detector_t, moments, expected, bins;     /* bins: of all */
 };
 struct cml_profile_places cml_tally_profiles(const struct cml_grid *grid);
 

@@ -68,7 +68,7 @@ def read_sections(path):
             word = line.split("#")[0].split()
             if not word:
                 key = None if not line.strip() else key
-            elif word[0][0].isalpha():
+            elif word[0][0].isalpha() and word[0].lower() != "nan":
                 key = word[0]
                 sections[key] = []
             elif key:

@@ -141,7 +141,7 @@ class Files(unittest.TestCase):
         self.assertAlmostEqual(float(h5.detector_3), float(h5.Rd + h5.Rsp), delta=1e-12)
         self.assertAlmostEqual(float((h5.detector_2_t * 5).sum() + h5.detector_2_t_later), float(h5.detector_2), delta=1e-12)
         for name in ("cam", "2", "3"):
-            for end in ("", "_t", "_t_later"):
+            for end in ("", "_t", "_t_later", "_path", "_interactions", "_deepest"):
                 np.testing.assert_allclose(mco[f"detector_{name}{end}"], h5[f"detector_{name}{end}"], rtol=1e-8)
                 np.testing.assert_allclose(mco[f"detector_{name}{end}_se"], h5[f"detector_{name}{end}_se"], rtol=1e-4)
         self.assertTrue(mco.detectors.startswith("detector cam: map of 4 x 3 pixels of 0.1 x 0.2 cm at (0 0 0) cm, top, na 1"))
@@ -152,6 +152,9 @@ class Files(unittest.TestCase):
         other, both = mc.read(other), mc.read(both)
         for name in ("detector_2", "detector_2_t", "detector_cam_map"):
             np.testing.assert_allclose(both[name], (h5[name] + other[name]) / 2, rtol=1e-6, atol=1e-9)
+        for name in ("detector_2_path", "detector_2_interactions", "detector_2_deepest"):
+            mean = np.average([h5[name], other[name]], axis=0, weights=[float(h5.detector_2), float(other.detector_2)])
+            np.testing.assert_allclose(both[name], mean, rtol=1e-6, atol=1e-9)
 
     def test_fluence(self):
         """Over its axes; phi mua is what is absorbed, within the noise of so few packets."""

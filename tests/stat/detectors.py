@@ -1,7 +1,7 @@
 """What detectors see (P13), against packets that are traced one by one and held against every detector on paper.
 
-- A hill over two layers, under a tilted wide beam and under one at normal incidence on a plane, of which a part is split off: disks, rings
-  and rectangles at several levels and axes on both sides. Weights are those of the traced packets, to the digits that a trace has.
+- Weights, mean path and interactions by medium, and mean largest depth: a hill over two layers, under a tilted wide beam and under one at normal incidence on a plane, of which a part is split off: disks, rings
+  and rectangles at several levels and axes on both sides; all of it to the digits that a trace has.
 - Shapes that tile the plane: their sums are Rsp + Rd or Tt, in units of weight.
 - Hundreds of them, and a table of one by one, give the same numbers.
 - A detector's error, and a pixel's, covers the mean over other runs in 68 % of cases, where split-off light comes into it, too.
@@ -70,38 +70,61 @@ def detectors(count, dice):
     return found
 
 
-def trace(path, index, engine):
-    """Fate, place and direction of its end, its weight, and where and how much was split off."""
-    done = subprocess.run([cml.PROGRAM, "trace", path, str(index), "--engine", engine], capture_output=True, text=True, check=True).stdout
-    rows = [line.split() for line in done.splitlines() if re.match(r" *\d+  ", line)]
-    start, end = ([float(word) for word in row[3:]] for row in (rows[0], rows[-1]))
-    fate = re.search(r"^# (\w+)", done.splitlines()[-1])[1]
-    return fate, end, start
+class Packet:
+    """One as `trace` tells it: its fate, where and how it ended, where and how much was split off, and its way by medium."""
+
+    def __init__(self, path, index, engine, media):
+        done = subprocess.run([cml.PROGRAM, "trace", path, str(index), "--engine", engine], capture_output=True, text=True, check=True).stdout
+        rows = [line.split() for line in done.splitlines() if re.match(r" *\d+  ", line)]
+        events = [(row[1], int(row[2]), [float(word) for word in row[3:]]) for row in rows]
+        self.fate = re.search(r"^# (\w+)", done.splitlines()[-1])[1]
+        self.start, self.end = events[0][2], events[-1][2]
+        self.length, self.interactions, self.deepest = [0.0] * media, [0] * media, -math.inf
+        counts = events[0][1] > 0
+        for (what, medium, place), before in zip(events[1:], events):
+            if counts:
+                self.length[before[1]] += math.dist(place[:3], before[2][:3])
+                self.interactions[medium] += what == "interact"
+            if counts or what in ("reflect", "transmit"):
+                self.deepest = max(self.deepest, place[2])
+            counts = counts or what in ("reflect", "transmit")
+        self.deepest = max(self.deepest, self.start[2]) if events[0][1] > 0 else self.deepest
+
+    def seen(self, scene, detector):
+        """What the detector sees of it: [weight, path by medium, interactions, largest depth]."""
+        parts = []
+        if self.start[6] < 1 and detector.sees(scene, "top", True, self.start[:2] + [0], (0, 0, -1)):
+            parts.append((1 - self.start[6], [0] * len(self.length), [0] * len(self.length), 0))
+        if self.fate in ("reflected", "transmitted", "specular") and \
+                detector.sees(scene, "bottom" if self.fate == "transmitted" else "top", self.fate == "specular", self.end[:3], self.end[3:6]):
+            parts.append((self.end[6], self.length, self.interactions, self.deepest))
+        return parts
 
 
 def brute_force(verdict, name, scene, beam, engine, dice):
-    found = detectors(40, dice)
+    found, media = detectors(40, dice), len(scene["layers"]) + 2
     with tempfile.TemporaryDirectory() as folder:
         text = cml.mci(scene["layers"], photons=PACKETS, surfaces=scene.get("surfaces"), n_below=scene.get("n_below", 1.0),
                        extra=[beam, *(d.line(f"d{k}") for k, d in enumerate(found))])
         record = cml.run(text, "--engine", engine, keep=folder)[0]
         cml.check_balance(verdict, name, record)
+        sections = cml.read_sections(record["output"])
         path = os.path.join(folder, "scene.mci")
         with concurrent.futures.ThreadPoolExecutor(2) as pool:
-            packets = list(pool.map(lambda i: trace(path, i, engine), range(PACKETS)))
-    seen = 0
+            packets = list(pool.map(lambda i: Packet(path, i, engine, media), range(PACKETS)))
     for k, detector in enumerate(found):
-        weight = 0.0
-        for fate, end, start in packets:
-            if start[6] < 1 and detector.sees(scene, "top", True, start[:2] + [0], (0, 0, -1)):
-                weight += 1 - start[6]
-            if fate in ("reflected", "transmitted", "specular") and \
-                    detector.sees(scene, "bottom" if fate == "transmitted" else "top", fate == "specular", end[:3], end[3:6]):
-                weight += end[6]
-        seen += weight > 0
-        verdict.check(f"{name}, {detector.line('d')}", abs(record[f"detector_d{k}"] - weight / PACKETS) < 2e-9,
-                      f"{record[f'detector_d{k}']}, not {weight / PACKETS}")
-    verdict.check(name, seen > 20, f"only {seen} detectors see anything")
+        parts = [part for packet in packets for part in packet.seen(scene, detector)]
+        weight, what = sum(part[0] for part in parts), f"{name}, {detector.line('d')}"
+        verdict.check(what, abs(record[f"detector_d{k}"] - weight / PACKETS) < 2e-9, f"{record[f'detector_d{k}']}, not {weight / PACKETS}")
+        means = [record[f"detector_d{k}_deepest"], *sections[f"detector_d{k}_path"], *sections[f"detector_d{k}_interactions"]]
+        if not parts:
+            verdict.check(what, means[0] is None and all(math.isnan(mean) for mean in means[1:]), f"sees nothing, of {means}")
+            continue
+        expected = [sum(part[0] * value for part, value in zip(parts, column)) / weight
+                    for column in zip(*([part[3], *part[1], *part[2]] for part in parts))]
+        for mean, value in zip(means, expected):
+            verdict.check(what, abs(mean - value) < 1e-5 * abs(value) + 2e-6, f"means {means}, not {expected}")
+    verdict.check(name, sum(record[f"detector_d{k}"] > 0 for k in range(len(found))) > 20, "few detectors see anything")
 
 
 def tiles(verdict):
@@ -148,12 +171,13 @@ def coverage(verdict):
     records = cml.run(cml.repeated(runs, SLAB["layers"], photons=6400, extra=lines))
     within = tried = 0
     for k in range(1, len(lines) + 1):
-        values = [record[f"detector_{k}"] for record in records]
-        for value, record in zip(values, records):
-            others = (sum(values) - value) / (runs - 1)
-            within += abs(value - others) < record[f"detector_{k}_se"] * math.sqrt(1 + 1 / (runs - 1))
-            tried += 1
-    verdict.check("errors", abs(within / tried - 0.683) < 0.08, f"{within} of {tried} within one error")
+        for key in (f"detector_{k}", f"detector_{k}_deepest")[:1 if k == len(lines) else 2]:  # below all light has the same depth
+            values = [record[key] for record in records]
+            for value, record in zip(values, records):
+                others = (sum(values) - value) / (runs - 1)
+                within += abs(value - others) < record[key + "_se"] * math.sqrt(1 + 1 / (runs - 1))
+                tried += 1
+    verdict.check("errors", abs(within / tried - 0.683) < 0.05, f"{within} of {tried} within one error")
     print(f"errors of detectors: {within / tried:.3f} of {tried} within one")
 
 

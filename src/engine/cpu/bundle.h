@@ -69,6 +69,9 @@ struct cml_lane_medium {
 /* Columns have an entry for each lane. Lanes without a packet hold anything that does no harm
  * (cml_park_lane). */
 struct cml_bundle {
+    double *trail_length; /* [CML_LANES][media] of the trails of lanes (P13); NULL: nobody wants them */
+    cml_u32 *trail_count; /* the same */
+    int num_media;
     int lanes; /* that take part in loops: whole groups, fewer than CML_LANES when there are no more packets
                   to launch */
     /* Position, cm: x and y from the beam's axis, z in the frame of the medium. Direction, unit. */
@@ -77,8 +80,10 @@ struct cml_bundle {
                           * drawn
                           */
     real s[CML_LANES];   /* distance to the next interaction, cm, if no boundary comes first */
-    real path[CML_LANES];                /* as in cml_packet; loops count it only where time is asked for */
-    real mark[CML_LANES];                /* the same where fluence is asked for */
+    real path[CML_LANES]; /* as in cml_packet; loops count it only where time is asked for */
+    real mark[CML_LANES]; /* the same where fluence is asked for */
+    real here[CML_LANES], low[CML_LANES], deepest[CML_LANES]; /* P13, the same where detectors are */
+    cml_u32 before[CML_LANES];                                /* the same */
     int gate[CML_LANES];                 /* of A_t: of the deposits that are not booked yet */
     cml_u32 w[CML_LANES], dw[CML_LANES]; /* weight; deposit of this pass; units of 2^-31 of a packet */
     cml_u32 flushed_w[CML_LANES];        /* weight when deposits were last booked (cml_flush_deposits) */

@@ -13,7 +13,9 @@ static void cml_continue_lane_outside(struct cml_flight *f, int i, int to)
 {
     struct cml_packet packet;
     cml_lane_packet(f->b, i, &packet);
+    cml_end_visit(f->world, &packet);
     packet.medium = to;
+    cml_count_depth(f->world, &packet);
     cml_fly_outside(f, &packet);
     cml_return_to_lane(f, i, &packet);
 }
@@ -37,6 +39,7 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
                                  struct cml_vec u)
 {
     const struct cml_bundle *b = f->b;
+    if (b->trail_length) cml_leave_lane(f, i, to, p.z);
     const struct cml_termination end = {
         .index = cml_lane_index(b, i),
         .fate = to == 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED,
@@ -52,6 +55,7 @@ static void cml_end_lane_outside(struct cml_flight *f, int i, int to, int primit
         .uz = u.z,
         .path = b->path[i],
         .primitive = primitive,
+        .trail = cml_lane_trail(b, i),
     };
     if (f->to.phi) {
         const struct cml_stretch last = {end.index, p, u, to, end.interactions + end.boundary_events, end.w};
@@ -88,13 +92,18 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
     b->on_primitive[i] = h->primitive[k];
     b->undeflected[i] = undeflected;
     b->task[i] = CML_LANE_TO_FLY;
-    if (to == from) return;
+    if (to == from) {
+        if (b->trail_length) cml_count_lane_depth(b, i, p.z);
+        return;
+    }
     if (outside) {
         cml_continue_lane_outside(f, i, to);
         return;
     }
     cml_flush_deposits(f, i);
+    if (b->trail_length) cml_end_lane_visit(f, i);
     b->medium[i] = to;
+    if (b->trail_length) cml_count_lane_depth(b, i, p.z);
     cml_load_medium(f, i);
 }
 
@@ -102,8 +111,10 @@ static void cml_lane_boundary_event(struct cml_flight *f, const struct cml_hits 
 static void cml_count_hit_paths(struct cml_bundle *b, const struct cml_hits *h, real n)
 {
     for (int k = 0; k < h->count; k++) {
-        real *path = &b->path[h->lane[k]];
-        if (!h->doubtful[k]) *path = cml_path_after(*path, h->t[k], n);
+        real *path = &b->path[h->lane[k]], *here = &b->here[h->lane[k]];
+        if (h->doubtful[k]) continue;
+        *here = cml_here_after(*here, *path, h->t[k]);
+        *path = cml_path_after(*path, h->t[k], n);
     }
 }
 
@@ -133,7 +144,7 @@ static void cml_process_hits(struct cml_flight *f, int medium, real side, struct
         counts[CML_COUNT_SHADING_OVERRULED] +=
             (uint64_t)cml_hits_reflect_or_refract(&world->setup, side, n1, n2, h);
     CML_HOOK_END(CML_HOOK_REFLECT);
-    if (world->setup.gates.count) cml_count_hit_paths(f->b, h, n1);
+    if (world->setup.keeps_paths) cml_count_hit_paths(f->b, h, n1);
     if (f->to.phi && !cml_is_dense(world->setup.marks, world->media[medium].mfp)) cml_mark_to_hits(f, h);
     for (int k = 0; k < h->count; k++) {
         if (h->doubtful[k]) {

@@ -7,11 +7,12 @@
 #include "engine/cpu/bundle_loops_inl.h"
 
 /* Lanes with INTERACT: MCML's hop (P2) and drop (P3). tally: whether deposits go into A_rz; then
- * fills cell (P7) and dw, which is 0 in the other lanes so that all can be added without a branch. Constant,
- * so that each caller below has a loop of its own. Returns 1 when a packet is below the roulette threshold.
- */
-__attribute__((always_inline)) static inline int cml_bundle_hop_drop(const struct cml_setup *shared,
-                                                                     struct cml_bundle *b, const int tally)
+ * fills cell (P7) and dw, which is 0 in the other lanes so that all can be added without a branch. trails:
+ * whether lanes have trails (P13); where a lane stands that does not hop counts again, which changes nothing.
+ * Both are constant, so that there is a loop for each. Returns 1 when a packet is below the roulette
+ * threshold. */
+__attribute__((always_inline)) static inline int
+cml_bundle_hop_drop(const struct cml_setup *shared, struct cml_bundle *b, const int tally, const int trails)
 {
     const int lanes = b->lanes;
     const struct cml_setup setup = *shared; /* a copy that stores into the bundle cannot change */
@@ -34,13 +35,18 @@ __attribute__((always_inline)) static inline int cml_bundle_hop_drop(const struc
         b->y[i] = cml_pick(active, p.y, from.y);
         b->z[i] = cml_pick(active, p.z, from.z);
         b->w[i] = left;
+        if (trails) {
+            const real z = b->z[i], deepest = b->low[i];
+            b->here[i] += cml_pick(active, b->s[i], (real)0);
+            b->low[i] = z > deepest ? z : deepest;
+        }
         low |= left < setup.roulette.below;
     }
     return low;
 }
 
-/* P11, where time is asked for: the paths of the same lanes, before their hop. Of all lanes the gate, and
- * whether it is another one than before: [CML_LANES] each. */
+/* P11, where time is asked for: their paths. Of all lanes the gate, and whether it is another one than
+ * before: [CML_LANES] each. */
 CML_LOOP void cml_bundle_count_paths(const struct cml_setup *setup, struct cml_bundle *b, int *gate,
                                      int *changed)
 {
@@ -134,7 +140,7 @@ CML_LOOP void cml_bundle_find_depths(const struct cml_setup *shared, const struc
 /* Where absorption is tallied. */
 CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 1);
+    const int low = cml_bundle_hop_drop(setup, b, 1, 0);
     cml_bundle_spin(b);
     return low;
 }
@@ -142,18 +148,36 @@ CML_LOOP int cml_bundle_interact(const struct cml_setup *setup, struct cml_bundl
 /* The same where no absorption is tallied. Books are kept all the same, from weights (cml_flush_deposits). */
 CML_LOOP int cml_bundle_scatter(const struct cml_setup *setup, struct cml_bundle *b)
 {
-    const int low = cml_bundle_hop_drop(setup, b, 0);
+    const int low = cml_bundle_hop_drop(setup, b, 0, 0);
     cml_bundle_spin(b);
     return low;
 }
 
-/* Both where media have tables. */
+/* Both where lanes have trails. */
+CML_LOOP int cml_bundle_interact_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
+{
+    const int low = cml_bundle_hop_drop(setup, b, 1, 1);
+    cml_bundle_spin(b);
+    return low;
+}
+
+CML_LOOP int cml_bundle_scatter_along_trails(const struct cml_setup *setup, struct cml_bundle *b)
+{
+    const int low = cml_bundle_hop_drop(setup, b, 0, 1);
+    cml_bundle_spin(b);
+    return low;
+}
+
+/* All where media have tables. */
 CML_LOOP int cml_bundle_interact_by_tables(const struct cml_world *world, struct cml_bundle *b, int tally)
 {
     _Alignas(64) struct cml_phase_cell cell[CML_LANES];
     cml_bundle_find_phases(world->phase_cells, b, cell);
-    const int low =
-        tally ? cml_bundle_hop_drop(&world->setup, b, 1) : cml_bundle_hop_drop(&world->setup, b, 0);
+    const struct cml_setup *setup = &world->setup;
+    const int trails = b->trail_length != NULL;
+    const int low = tally ? trails ? cml_bundle_hop_drop(setup, b, 1, 1) : cml_bundle_hop_drop(setup, b, 1, 0)
+                    : trails ? cml_bundle_hop_drop(setup, b, 0, 1)
+                             : cml_bundle_hop_drop(setup, b, 0, 0);
     if (world->only_tables)
         cml_bundle_spin_by_tables(cell, b);
     else

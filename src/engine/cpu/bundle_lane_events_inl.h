@@ -69,14 +69,16 @@ static void cml_expect_of_lane(struct cml_flight *f, int i)
 }
 
 /* Back into the lane a packet that is in the material again, or else its end into the collection. */
-static void cml_return_to_lane(struct cml_flight *f, int i, const struct cml_packet *packet)
+static void cml_return_to_lane(struct cml_flight *f, int i, struct cml_packet *packet)
 {
     cml_tally_events(packet, f->tally);
     if (f->late & CML_LANE_BIT(i)) f->late_profiles[i][CML_TOTAL_BACKING] += packet->backing;
-    if (packet->fate != CML_FATE_ALIVE)
+    if (packet->fate != CML_FATE_ALIVE) {
+        cml_end_visit(f->world, packet);
         cml_push_termination(f, i, cml_termination_of(packet));
-    else
+    } else {
         cml_store_packet(f, i, packet);
+    }
 }
 
 /* A packet in an outer medium leaves for good, or comes back into the material (P6). */

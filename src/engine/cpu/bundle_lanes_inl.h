@@ -73,6 +73,42 @@ static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
     return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
 }
 
+/* P13; empty where nobody wants it. */
+static inline struct cml_trail cml_lane_trail(const struct cml_bundle *b, int i)
+{
+    const struct cml_trail none = {0};
+    const size_t row = (size_t)i * (size_t)b->num_media;
+    if (!b->trail_length) return none;
+    return (struct cml_trail){b->trail_length + row, b->trail_count + row, b->deepest[i]};
+}
+
+/* P13: the lane is about to come into another medium, or its packet has ended. */
+__attribute__((noinline, cold)) static void cml_end_lane_visit(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    struct cml_trail trail = cml_lane_trail(b, i);
+    cml_add_visit(f->world, &trail, b->medium[i], b->here[i], b->low[i], b->interactions[i] - b->before[i]);
+    b->deepest[i] = trail.deepest;
+    b->here[i] = 0;
+    b->low[i] = -CML_INFINITY;
+    b->before[i] = b->interactions[i];
+}
+
+/* P13: the lane has come to z in a medium, whose frame it is in. */
+static inline void cml_count_lane_depth(struct cml_bundle *b, int i, real z)
+{
+    b->low[i] = z > b->low[i] ? z : b->low[i];
+}
+
+/* P13: the lane's packet has gone into an outer medium for good, at depth z of its frame. */
+static void cml_leave_lane(struct cml_flight *f, int i, int to, real z)
+{
+    real *deepest = &f->b->deepest[i];
+    const real deep = z + f->world->media[to].depth;
+    cml_end_lane_visit(f, i);
+    *deepest = deep > *deepest ? deep : *deepest;
+}
+
 /* The lane's packet as kernels/walk.h knows it. What it stands on, and how often it has bounced, are from its
  * last boundary event and hold only if it has not interacted since (bundle.h). Filled member by member: a
  * packet that is built and then copied would be stored in parts and loaded whole, and such loads wait for the
@@ -90,6 +126,13 @@ static inline void cml_lane_packet(const struct cml_bundle *b, int i, struct cml
     packet->tau = b->tau[i];
     packet->path = b->path[i];
     packet->mark = b->mark[i];
+    packet->trail.length = NULL;
+    if (b->trail_length) {
+        packet->trail = cml_lane_trail(b, i);
+        packet->here = b->here[i];
+        packet->low = b->low[i];
+        packet->before = b->before[i];
+    }
     packet->w = b->w[i];
     packet->interactions = b->interactions[i];
     packet->crossings = b->crossings[i];
@@ -142,6 +185,12 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     b->tau[i] = packet->tau;
     b->path[i] = packet->path;
     b->mark[i] = packet->mark;
+    if (b->trail_length) {
+        b->here[i] = packet->here;
+        b->low[i] = packet->low;
+        b->before[i] = packet->before;
+        b->deepest[i] = packet->trail.deepest;
+    }
     b->crossings[i] = packet->crossings;
     b->interactions_at_hit[i] = packet->interactions;
     b->bounces[i] = packet->bounces;
@@ -175,7 +224,7 @@ static void cml_store_near_boundary(struct cml_bundle *b, int i, const struct cm
 }
 
 /* Totals and profiles of a late packet, lane i, that has ended: entry `at` of the collection (tally.h). */
-static void cml_end_late(const struct cml_flight *f, int i, int at)
+static void cml_end_late(const struct cml_flight *f, int i, int at, const struct cml_trail *trail)
 {
     const struct cml_setup *setup = &f->world->setup;
     const struct cml_terminated *terminated = &f->terminated;
@@ -184,7 +233,10 @@ static void cml_end_late(const struct cml_flight *f, int i, int at)
     const cml_u32 w = terminated->w[at];
     uint64_t *row = f->late_profiles[i];
     row[CML_TOTAL_SPECULAR] += setup->specular + (fate == CML_FATE_SPECULAR ? w : 0u);
-    if (f->tally->detected) cml_tally_detectors(f->world, terminated, at, row + places.detector, NULL);
+    if (f->tally->detected) {
+        cml_score_split_off(f->world, cml_terminated_index(terminated, at), 1, row + places.detector, NULL);
+        cml_tally_detectors(f->world, terminated, at, trail, row + places.detector, NULL);
+    }
     row[CML_TOTAL_ABSORBED] += terminated->absorbed[at] + terminated->deposit[at];
     row[places.A_l + (size_t)(up ? 1 : setup->num_layers)] += terminated->deposit[at];
     if (!up && fate != CML_FATE_TRANSMITTED) return;
@@ -206,7 +258,7 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
     end.absorbed = f->absorbed[i];
     const int at = f->terminated.count;
     cml_terminated_push(f->world, &f->terminated, &end, f->tally);
-    if (f->late & CML_LANE_BIT(i)) cml_end_late(f, i, at);
+    if (f->late & CML_LANE_BIT(i)) cml_end_late(f, i, at, &end.trail);
     CML_ASSERT(f->live & ~f->ended & CML_LANE_BIT(i)); /* it held a packet, which ends once */
     f->b->task[i] = CML_LANE_ENDED;
     f->ended |= CML_LANE_BIT(i);

@@ -67,11 +67,10 @@ static int cml_count_ballistic(struct cml_flight *f, int count)
  * late. Ballistic packets have been counted only: their one end goes into the tally as often as they were. */
 static void cml_note_batch(struct cml_flight *f)
 {
-    const struct cml_setup *setup = &f->world->setup;
-    cml_terminated_flush(setup, &f->terminated, f->tally);
+    cml_terminated_flush(f->world, &f->terminated, f->tally);
     if (f->ballistic.count > 0) {
         cml_terminated_push(f->world, &f->terminated, &f->ballistic.end, f->tally);
-        cml_terminated_flush_times(setup, &f->terminated, f->ballistic.count, f->tally);
+        cml_terminated_flush_times(f->world, &f->terminated, f->ballistic.count, f->tally);
         f->ballistic.count = 0;
     }
     if (f->batch >= 0) f->source->note(f->source->context, f->batch, f->tally);
@@ -165,6 +164,26 @@ static void cml_place_lane(struct cml_flight *f, int i)
     f->b->mark[i] = start->mark;
 }
 
+/* P13, of a lane that holds a new packet. */
+static void cml_begin_lane_trail(struct cml_flight *f, int i)
+{
+    struct cml_bundle *b = f->b;
+    struct cml_trail trail = cml_lane_trail(b, i);
+    cml_begin_trail(f->world, &trail, b->path[i]);
+    b->deepest[i] = trail.deepest;
+    b->here[i] = 0;
+    b->low[i] = cml_first_low(b->path[i], b->z[i]);
+    b->before[i] = 0;
+}
+
+/* P13: the trail of lane `from` into that of lane `to`. */
+static void cml_move_trail(const struct cml_bundle *b, int from, int to)
+{
+    const struct cml_trail old = cml_lane_trail(b, from), new = cml_lane_trail(b, to);
+    memcpy(new.length, old.length, (size_t)b->num_media * sizeof *old.length);
+    memcpy(new.count, old.count, (size_t)b->num_media * sizeof *old.count);
+}
+
 /* Lane `from` into lane `to`, which holds no packet: every column of the structure of arrays. All columns are
  * 4 bytes wide and follow one another from x on. */
 static void cml_move_lane(struct cml_flight *f, int from, int to)
@@ -174,6 +193,7 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
         char *lanes = (char *)f->b + k;
         memcpy(lanes + sizeof(real) * (size_t)to, lanes + sizeof(real) * (size_t)from, sizeof(real));
     }
+    if (f->b->trail_length) cml_move_trail(f->b, from, to);
     f->absorbed[to] = f->absorbed[from];
     f->late_profiles[to] = f->late_profiles[from];
     f->late |= (f->late >> from & 1u) << to;
@@ -202,7 +222,7 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     cml_u32 elsewhere = lanes & ~cml_group_equal(b->medium + first, start->medium);
     CML_HOOK_LANES(CML_HOOK_LAUNCH, __builtin_popcount(lanes));
     cml_bundle_launch(b, start, f->absorbed, first, lanes);
-    for (cml_u32 rest = f->world->setup.gates.count ? lanes : 0; rest; rest &= rest - 1)
+    for (cml_u32 rest = f->world->setup.keeps_paths ? lanes : 0; rest; rest &= rest - 1)
         b->path[first + __builtin_ctz(rest)] = start->path;
     for (; elsewhere; elsewhere &= elsewhere - 1) {
         const int i = first + __builtin_ctz(elsewhere);
@@ -264,6 +284,7 @@ static void cml_launch_from_queue(struct cml_flight *f, int first, cml_u32 lanes
         cml_launch_placed(f, at, first, lanes);
     else if (!f->pencil || f->to.facets || f->to.phi)
         cml_for_lanes(f, (uint64_t)lanes << first, cml_place_lane);
+    if (b->trail_length) cml_for_lanes(f, (uint64_t)lanes << first, cml_begin_lane_trail);
 }
 
 /* New packets for lanes of a group, from as many fillings of the queue as it takes; lanes for which there are

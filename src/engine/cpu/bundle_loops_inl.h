@@ -328,7 +328,10 @@ __attribute__((always_inline)) static inline int cml_bundle_move_to_planes(struc
         b->tau[i] = cml_pick(hit, tau_left, tau);
         b->task[i] = cml_pick_int(active, event, task);
         if (measured) b->s[i] = cml_pick(hit, ahead, s);
-        if (measured) b->path[i] = cml_pick(hit, cml_path_after(b->path[i], ahead, n1), b->path[i]);
+        if (measured) {
+            b->here[i] = cml_pick(hit, cml_here_after(b->here[i], b->path[i], ahead), b->here[i]);
+            b->path[i] = cml_pick(hit, cml_path_after(b->path[i], ahead, n1), b->path[i]);
+        }
         b->interactions_at_hit[i] = cml_pick_word(hit, interactions, at_hit);
         b->bounces[i] = cml_pick_word(hit, so_far + 1u, bounces);
         b->boundary_events[i] += (cml_u32)hit;
@@ -337,6 +340,17 @@ __attribute__((always_inline)) static inline int cml_bundle_move_to_planes(struc
         at_limits |= (hit & (int)(bounces >= CML_TRAPPED_LIMIT)) | (active & !hit & !lands);
     }
     return at_planes * CML_ANY_AT_PLANE + at_limits * CML_ANY_AT_LIMIT;
+}
+
+/* P13: lanes that planes have turned back; those that go through come to another medium's frame. */
+CML_LOOP void cml_bundle_count_reflected_depths(struct cml_bundle *b)
+{
+    const int lanes = b->lanes;
+#pragma omp simd
+    for (int i = 0; i < lanes; i++) {
+        const int counts = (b->task[i] == CML_LANE_REFLECTED) & (b->z[i] > b->low[i]);
+        b->low[i] = cml_pick(counts, b->z[i], b->low[i]);
+    }
 }
 
 CML_LOOP int cml_bundle_reach_planes(struct cml_bundle *b)

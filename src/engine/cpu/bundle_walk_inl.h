@@ -64,11 +64,25 @@ static void cml_enter_layer(struct cml_flight *f, int i)
     const int upwards = b->uz[i] < 0, medium = b->medium[i] + 1 - 2 * upwards;
     const real span = f->media[medium].span;
     cml_flush_deposits(f, i);
+    if (b->trail_length) cml_end_lane_visit(f, i);
     b->medium[i] = medium;
     b->entered[i] = 1;
     b->z[i] = (real)upwards * span; /* no branch: up and down come at random */
+    if (b->trail_length) cml_count_lane_depth(b, i, b->z[i]);
     b->task[i] = CML_LANE_TO_FLY;
     cml_load_medium(f, i);
+}
+
+/* What is scored of such packets one by one: entries of the collection from `at` on. */
+static void cml_place_exits(struct cml_flight *f, int first, cml_u32 exits, int at)
+{
+    const struct cml_bundle *b = f->b;
+    for (cml_u32 rest = exits; rest; rest &= rest - 1, at++) {
+        const int i = first + __builtin_ctz(rest), up = b->uz[i] < 0;
+        if (b->trail_length) cml_leave_lane(f, i, up ? 0 : f->world->setup.num_layers + 1, 0);
+        const struct cml_trail trail = cml_lane_trail(b, i);
+        cml_tally_places(f->world, &f->terminated, at, 0, &trail, f->tally);
+    }
 }
 
 /* P6: packets of a group that leave through a plane, mask `exits`, into the collection of terminated packets.
@@ -106,20 +120,20 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
         cml_group_pack(b->index_high + first, exits, terminated->index_high + at);
         memset(terminated->exit_z + at, 0, (size_t)__builtin_popcount(exits) * sizeof(real));
     }
-    if (setup->gates.count) cml_group_pack(b->path + first, exits, terminated->path + at);
+    if (setup->keeps_paths) cml_group_pack(b->path + first, exits, terminated->path + at);
     cml_group_pack(b->w + first, exits, terminated->w + at);
     cml_group_pack(b->interactions + first, exits, terminated->interactions + at);
     cml_group_pack(b->boundary_events + first, exits, terminated->boundary_events + at);
     terminated->count = at + __builtin_popcount(exits);
     CML_ASSERT(((uint64_t)exits << first & (f->ended | ~f->live)) == 0);
     f->ended |= (uint64_t)exits << first;
+    if (cml_tallies_places(f->tally)) cml_place_exits(f, first, exits, at);
     for (cml_u32 late = exits & (cml_u32)(f->late >> first); late; late &= late - 1) {
         const int k = __builtin_ctz(late);
-        cml_end_late(f, first + k, at + __builtin_popcount(exits & ((1u << k) - 1)));
+        const struct cml_trail trail = cml_lane_trail(b, first + k);
+        cml_end_late(f, first + k, at + __builtin_popcount(exits & ((1u << k) - 1)), &trail);
     }
-    if (cml_tallies_places(f->tally))
-        for (int i = at; i < terminated->count; i++) cml_tally_places(f->world, terminated, i, 0, f->tally);
-    cml_terminated_make_room(setup, terminated, f->tally);
+    cml_terminated_make_room(f->world, terminated, f->tally);
 }
 
 /* A lane for which cml_lane_is_at_limit holds. P9, with the limits of cml_count_bounce. */
@@ -233,10 +247,11 @@ static void cml_cross_planes(struct cml_flight *f)
     const uint64_t above =
         f->to.expected ? cml_lanes_into_tail(f, CML_LANE_MAY_HIT, CML_OF_MEDIUM(b, stop_below)) : 0;
     const int any = f->to.phi            ? cml_reach_planes_with_marks(f)
-                    : setup->gates.count ? cml_bundle_measure_to_planes(b)
+                    : setup->keeps_paths ? cml_bundle_measure_to_planes(b)
                                          : cml_bundle_reach_planes(b);
     if (above) cml_score_tail_at_planes(f, above);
     if (any & CML_ANY_AT_PLANE) cml_bundle_reflect_or_refract(setup, b);
+    if (b->trail_length) cml_bundle_count_reflected_depths(b);
     if (f->to.facets) cml_score_planes(f);
     if (any & CML_ANY_AT_LIMIT) cml_handle_limits(f);
     for (int first = 0; first < b->lanes; first += CML_GROUP) {
@@ -371,22 +386,28 @@ static void cml_count_lane_paths(struct cml_flight *f)
         }
 }
 
-/* The interactions of a pass, for all lanes that have come to theirs. */
+/* Hop, drop and spin of all lanes that have come to their interaction. */
+static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *b, int tally)
+{
+    const struct cml_setup *setup = &world->setup;
+    if (world->phase_cells) return cml_bundle_interact_by_tables(world, b, tally);
+    if (b->trail_length)
+        return tally ? cml_bundle_interact_along_trails(setup, b) : cml_bundle_scatter_along_trails(setup, b);
+    return tally ? cml_bundle_interact(setup, b) : cml_bundle_scatter(setup, b);
+}
+
+/* The interactions of a pass. */
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
-    const int tables = f->world->phase_cells != NULL;
-    int low;
     if (setup->gates.count) cml_count_lane_paths(f);
     if (f->to.phi) cml_mark_interactions(f);
     if (f->to.expected) cml_score_tail_ahead(f);
+    const int low = cml_interact_lanes(f->world, f->b, f->tally->A_rz != NULL);
     if (f->tally->A_rz) {
-        low = tables ? cml_bundle_interact_by_tables(f->world, f->b, 1) : cml_bundle_interact(setup, f->b);
         cml_scatter_deposits(f->b, f->tally);
         if (f->late) cml_scatter_late(f);
         if (f->to.A_xyz) cml_scatter_volume(f);
-    } else {
-        low = tables ? cml_bundle_interact_by_tables(f->world, f->b, 0) : cml_bundle_scatter(setup, f->b);
     }
     if (low) cml_for_lanes(f, cml_lanes_below(f->b, setup->roulette.below) & f->live, cml_lane_roulette);
 }
@@ -444,6 +465,9 @@ static void cml_flight_begin(struct cml_flight *f)
     cml_find_known_path(f);
     cml_find_ballistic(f);
     f->b->lanes = CML_LANES;
+    f->b->trail_length = f->tally->trail_length;
+    f->b->trail_count = f->tally->trail_count;
+    f->b->num_media = setup->num_layers + 2 + setup->num_bodies;
     f->batch = -1;
     f->profiles = cml_tally_profiles(&f->tally->grid);
     for (int i = 0; i < CML_LANES; i++) {

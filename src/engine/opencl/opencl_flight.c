@@ -81,7 +81,7 @@ static cml_status check_memory(const struct cml_opencl_flight *flight, struct cm
 {
     const struct cml_opencl_info *info = &flight->device.info;
     const double mib = 1048576, block = (double)flight->num_cells * sizeof(uint64_t);
-    const double all = block + (double)flight->most_items * flight->lanes * sizeof(struct cml_packet);
+    const double all = block + (double)flight->most_items * flight->lanes * CML_DEVICE_PACKET;
     if (block <= (double)info->largest && all <= (double)info->memory) return CML_OK;
     return cml_fail(
         err, CML_E_DEVICE,
@@ -181,11 +181,12 @@ static cml_status check_layout(struct cml_opencl_flight *flight, struct cml_erro
 /* Marks all packets on the device as ended: lanes then take new ones in the first launch. */
 static cml_status clear_packets(struct cml_opencl_flight *flight, struct cml_error *err)
 {
-    const size_t count = (size_t)flight->most_items * flight->lanes,
-                 bytes = count * sizeof(struct cml_packet);
-    struct cml_packet *packets = calloc(count, sizeof *packets);
+    const size_t count = (size_t)flight->most_items * flight->lanes, bytes = count * CML_DEVICE_PACKET;
+    const int fate = CML_FATE_ABSORBED;
+    char *packets = calloc(count, CML_DEVICE_PACKET);
     if (!packets) return cml_fail_memory(err, (double)bytes, "packets");
-    for (size_t i = 0; i < count; i++) packets[i].fate = CML_FATE_ABSORBED;
+    for (size_t i = 0; i < count; i++)
+        memcpy(packets + i * CML_DEVICE_PACKET + offsetof(struct cml_packet, fate), &fate, sizeof fate);
     const cml_status status = create_buffer(flight, CML_BUFFER_PACKETS, bytes, packets, err);
     free(packets);
     return status;

@@ -63,11 +63,42 @@ static cml_status merge_errors(const struct cml_merge_input *inputs, int count, 
     return CML_OK;
 }
 
+/* Means of detectors count by the light that each result has detected, and what has detected nothing not at
+ * all. */
+static cml_status merge_means(const struct cml_merge_input *inputs, int count, enum cml_quantity quantity,
+                              struct cml_outcome *merged, struct cml_error *err)
+{
+    const size_t size = cml_outcome_size(merged, quantity), part = cml_outcome_part_size(merged, quantity);
+    CML_TRY(cml_outcome_add(merged, quantity, false, err));
+    CML_TRY(cml_outcome_add(merged, quantity, true, err));
+    for (size_t i = 0; i < size; i++) {
+        double all = 0, mean = 0, squares = 0;
+        for (int k = 0; k < count; k++) {
+            const struct cml_outcome *o = inputs[k].outcome;
+            const double light = (double)o->photons * o->value[CML_QUANTITY_detector][i / part],
+                         error = light * o->error[quantity][i];
+            if (!(light > 0)) continue;
+            all += light;
+            mean += light * o->value[quantity][i];
+            squares += error * error;
+        }
+        merged->value[quantity][i] = all > 0 ? mean / all : NAN;
+        merged->error[quantity][i] = all > 0 ? sqrt(squares) / all : NAN;
+    }
+    return CML_OK;
+}
+
 static cml_status merge_quantities(const struct cml_merge_input *inputs, int count,
                                    struct cml_outcome *merged, struct cml_error *err)
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
+        if (cml_quantity_may_be_none(quantity)) {
+            if (all_have(inputs, count, quantity, false) && all_have(inputs, count, quantity, true) &&
+                all_have(inputs, count, CML_QUANTITY_detector, false))
+                CML_TRY(merge_means(inputs, count, quantity, merged, err));
+            continue;
+        }
         if (all_have(inputs, count, quantity, false))
             CML_TRY(merge_values(inputs, count, quantity, merged, err));
         if (all_have(inputs, count, quantity, true))
@@ -82,7 +113,8 @@ static cml_status merge_quantities(const struct cml_merge_input *inputs, int cou
 static cml_status check_numbers(const struct cml_merge_input *input, const char *name, const double *numbers,
                                 size_t count, size_t place, double least, struct cml_error *err)
 {
-    const bool unknown = strncmp(name, "se_", 3) == 0 && input->outcome->photons == 1;
+    const bool mean = cml_outcome_is_mean(name),
+               unknown = (strncmp(name, "se_", 3) == 0 && input->outcome->photons == 1) || mean;
     const double most = CML_MERGE_MOST;
     for (size_t i = 0; i < count; i++)
         if (!(numbers[i] >= least && numbers[i] <= most) && !(unknown && isnan(numbers[i])))
@@ -99,7 +131,8 @@ static cml_status check_quantity(const struct cml_merge_input *input, enum cml_q
     const double *numbers = (errors ? input->outcome->error : input->outcome->value)[quantity];
     const bool total = quantity <= CML_QUANTITY_Tt, book = info->estimator == CML_FROM_BALANCE;
     const bool negative =
-        info->estimator == CML_FROM_RESIDUE || (info->estimator == CML_FROM_TWIN && !errors);
+        info->estimator == CML_FROM_RESIDUE ||
+        (!errors && (info->estimator == CML_FROM_TWIN || quantity == CML_QUANTITY_detector_deepest));
     char name[64];
     if (!numbers || info->estimator == CML_FROM_INPUT) return CML_OK;
     snprintf(name, sizeof name, "%s%s", errors ? "se_" : "", total ? "RAT" : book ? "books" : info->name);

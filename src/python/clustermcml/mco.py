@@ -54,6 +54,9 @@ OF_DETECTORS = {
     "": ((), "1", "detected"),
     "_t": (("gate",), "1/ps", "detected by time"),
     "_t_later": ((), "1", "detected later than all gates"),
+    "_path": (("medium",), "cm", "mean path of detected light by medium"),
+    "_interactions": (("medium",), "1", "mean interactions of detected light by medium"),
+    "_deepest": ((), "cm", "mean largest depth of detected light"),
 }
 QUANTITIES.update({name + "_control": ((), "1", "the same with the flat twin as control variate") for name in (*TOTALS, "A_backing")})
 QUANTITIES.update({"book_" + name: ((), "1", meaning) for name, meaning in BOOKS.items()})
@@ -72,6 +75,7 @@ AXES = {
     "alpha": ("rad", "angle from the outward vertical, middle of the bin"),
     "layer": ("1", "layer, from 1"),
     "body": ("1", "body, from 1, in the order of the file"),
+    "medium": ("1", "medium: 0 above, layers from 1, below, then bodies"),
     "gate": ("ps", "time, middle of the gate"),
     "theta": ("rad", "angle of flight from the outward vertical, middle of the bin"),
     "phi": ("rad", "azimuth of flight, from x towards y, middle of the bin"),
@@ -87,7 +91,7 @@ def _sections(text: str) -> dict[str, list[str]]:
         if key == "InParm" and words and not sections[key]:
             sections[key] = [re.sub(r"(?<!\s)\s+[A-Za-z]\s*(#.*)?$", "", line)]
             continue
-        if words and re.fullmatch(r"[A-Za-z]\w*", words[0]) and (words[0] != "A" or key):
+        if words and re.fullmatch(r"[A-Za-z]\w*", words[0]) and words[0].lower() != "nan" and (words[0] != "A" or key):
             key = words.pop(0)
             sections[key] = []
         if key:
@@ -201,6 +205,8 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     if "directions" in sections:
         nt, np_ = (_count("bins of directions", word, len(text) // 2) for word in sections["directions"][:2])
         axes["theta"], axes["phi"] = _middles(nt, np.pi / 2 / nt), _middles(np_, 2 * np.pi / np_)
+    if re.search(r"^# detector ", text, re.MULTILINE):
+        axes["medium"] = np.arange(len(media) + 2.0 + len(re.findall(r"^# body \d+: ", text, re.MULTILINE)))
     data = xr.Dataset(_numbers(sections, _known(text), axes))
     bodies = re.findall(r"^# body \d+: .*?; n (\S+), mua (\S+), mus (\S+) 1/cm, g (\S+)", text, re.MULTILINE)
     for index, (name, (unit, meaning)) in enumerate(LAYER_QUANTITIES.items()):

@@ -1,0 +1,98 @@
+/* What a packet remembers of its way: time (P11), and, for detectors, path, interactions and depth by medium
+ * (P13). SPDX-License-Identifier: MIT */
+#ifndef CML_TRAIL_H
+#define CML_TRAIL_H
+
+#include "types.h"
+
+/* P11: a packet's optical path after t more (cm) in a medium of index n. Its clock starts where it touches
+ * something for the first time. */
+CML_FN real cml_path_after(real path, real t, real n)
+{
+    return path < 0 ? (real)0 : CML_FMA(t, n, path);
+}
+
+/* P13: the length of a visit after t more (cm), which counts from the same place on. */
+CML_FN real cml_here_after(real here, real path, real t)
+{
+    return path < 0 ? here : here + t;
+}
+
+/* Before the packet flies t (cm) in the medium it is in. */
+CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t)
+{
+#ifdef __OPENCL_VERSION__
+    (void)world, (void)packet, (void)t;
+#else
+    if (!world->setup.keeps_paths) return;
+    packet->here = cml_here_after(packet->here, packet->path, t);
+    packet->path = cml_path_after(packet->path, t, world->media[packet->medium].n);
+#endif
+}
+
+/* P13: where it has come to. */
+CML_FN void cml_count_depth(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
+{
+#ifdef __OPENCL_VERSION__
+    (void)world, (void)packet;
+#else
+    if (world->setup.keeps_paths && packet->path >= 0)
+        packet->low = packet->p.z > packet->low ? packet->p.z : packet->low;
+#endif
+}
+
+#ifndef __OPENCL_VERSION__
+/* P13: a visit of a medium comes to an end. low: in the medium's frame. */
+CML_FN void cml_add_visit(const struct cml_world *world, struct cml_trail *trail, int medium, real here,
+                          real low, cml_u32 interactions)
+{
+    const real deep = low + world->media[medium].depth;
+    trail->length[medium] += (double)here;
+    trail->count[medium] += interactions;
+    trail->deepest = deep > trail->deepest ? deep : trail->deepest;
+}
+
+/* P13: a trail that begins with a packet, or with its lane in a bundle: media above it have been crossed in a
+ * straight line where its path says so. */
+CML_FN void cml_begin_trail(const struct cml_world *world, struct cml_trail *trail, real path)
+{
+    const int media = world->setup.num_layers + 2 + world->setup.num_bodies;
+    for (int m = 0; m < media; m++) {
+        trail->length[m] = 0;
+        trail->count[m] = 0;
+    }
+    trail->deepest = -CML_INFINITY;
+    if (path > 0) trail->length[1] = (double)world->media[1].span;
+}
+
+/* P13: where the first visit begins, frame of the medium. */
+CML_FN real cml_first_low(real path, real z)
+{
+    return path < 0 ? -CML_INFINITY : z;
+}
+#endif
+
+/* P13: before the packet comes into another medium, and when it has ended. */
+CML_FN void cml_end_visit(const struct cml_world *world, CML_PACKET struct cml_packet *packet)
+{
+#ifdef __OPENCL_VERSION__
+    (void)world, (void)packet;
+#else
+    if (!packet->trail.length) return;
+    cml_add_visit(world, &packet->trail, packet->medium, packet->here, packet->low,
+                  packet->interactions - packet->before);
+    packet->here = 0;
+    packet->low = -CML_INFINITY;
+    packet->before = packet->interactions;
+#endif
+}
+
+/* P11: gate of a path, the one for all that is later behind the last. What is not scored may have any path.
+ */
+CML_FN int cml_gate(struct cml_gates gates, real path)
+{
+    const real bin = path * gates.per_cm, last = (real)gates.count, at = bin < last ? bin : last;
+    return (int)(at > 0 ? at : (real)0);
+}
+
+#endif

@@ -3,6 +3,7 @@
 
 #include "base/constants.h"
 #include "input/mci_options.h"
+#include "input/mci_settings.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -17,13 +18,17 @@ enum { KEY_AT, KEY_Z, KEY_SIDE, KEY_NA, KEY_ANGLE, KEY_AZIMUTH, KEY_DIFFUSE, KEY
 /* ---- shapes ---- */
 
 static const char length[] = "a length of 1e-30..1e30 cm", count[] = "a whole number of 1..1e9",
-                  inner[] = "a length of 0..1e30 cm";
+                  inner[] = "a length of 0..1e30 cm", coordinate[] = "a coordinate of -1e30..1e30 cm",
+                  angle_range[] = "degrees, 0 <= angle <= 90", azimuth_range[] = "degrees, -360..360";
 
-static const struct {
+static const struct cml_mci_field aperture = {"na", CML_MCI_TINY, 100, false,
+                                              "a numerical aperture of 1e-30..100"};
+
+static const struct shape {
     const char *name;
     enum cml_detector_kind kind;
     int numbers;
-    struct cml_mci_field field[4];
+    struct cml_mci_field field[4]; /* their names are those of settings, too */
 } shapes[] = {
     {"disk", CML_DETECTOR_RING, 1, {{"radius", CML_MCI_TINY, CML_MCI_HUGE, false, length}}},
     {"ring",
@@ -110,9 +115,8 @@ static cml_status set_place(const struct cml_mci_line_options *options, struct c
     double values[2];
     if (options->key == KEY_Z) {
         detector->at_z = true;
-        return cml_mci_parse_list(options->value, 1, &detector->z)
-                   ? CML_OK
-                   : cml_mci_fail_value(options, "a coordinate of -1e30..1e30 cm");
+        return cml_mci_parse_list(options->value, 1, &detector->z) ? CML_OK
+                                                                   : cml_mci_fail_value(options, coordinate);
     }
     if (!cml_mci_parse_list(options->value, 2, values))
         return cml_mci_fail_value(options, "x,y in cm without blanks");
@@ -135,8 +139,6 @@ static cml_status set_angle(const struct cml_mci_line_options *options, double l
 static cml_status set_option(const struct cml_mci_line_options *options, struct cml_detector_def *detector)
 {
     static const char *const sides[] = {"top", "bottom"};
-    static const struct cml_mci_field na = {"na", CML_MCI_TINY, 100, false,
-                                            "a numerical aperture of 1e-30..100"};
     int side;
     switch (options->key) {
     case KEY_SIDE:
@@ -145,12 +147,13 @@ static cml_status set_option(const struct cml_mci_line_options *options, struct 
         return side >= 0 ? CML_OK : cml_mci_fail_value(options, "top or bottom");
     case KEY_NA:
         detector->aimed = true;
-        return cml_mci_parse(&na, options->value, &detector->na) ? CML_OK
-                                                                 : cml_mci_fail_value(options, na.expected);
+        return cml_mci_parse(&aperture, options->value, &detector->na)
+                   ? CML_OK
+                   : cml_mci_fail_value(options, aperture.expected);
     case KEY_ANGLE:
-        return set_angle(options, 0, 90, "degrees, 0 <= angle <= 90", &detector->angle);
+        return set_angle(options, 0, 90, angle_range, &detector->angle);
     case KEY_AZIMUTH:
-        return set_angle(options, -360, 360, "degrees, -360..360", &detector->azimuth);
+        return set_angle(options, -360, 360, azimuth_range, &detector->azimuth);
     case KEY_DIFFUSE:
         detector->diffuse = true;
         return options->alone ? CML_OK : cml_mci_fail_value(options, "the word diffuse alone");
@@ -201,7 +204,7 @@ cml_status cml_mci_detector(struct cml_mci_reader *reader, struct cml_scene *sce
     return CML_OK;
 }
 
-/* ---- what belongs together ---- */
+/* ---- settings ---- */
 
 static cml_status fail_detector(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
                                 const char *field, const char *value, const char *expected)
@@ -209,12 +212,77 @@ static cml_status fail_detector(const struct cml_mci_reader *reader, const struc
     return cml_fail_field(reader->err, scene->file, scene->detectors[k].line, field, value, expected);
 }
 
+/* detector.NAME, or of several detector2.NAME, into a member of detector k. */
+static cml_status set(struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
+                      const struct cml_mci_field *field, double *value)
+{
+    const struct cml_setting *setting = scene->num_detectors == 1
+                                            ? cml_mci_setting(reader, "detector.%s", field->name)
+                                            : cml_mci_setting(reader, "detector%d.%s", k + 1, field->name);
+    return cml_mci_set(reader, setting, field, value);
+}
+
+/* Degrees outside, rad in the scene. */
+static cml_status set_angle_of(struct cml_mci_reader *reader, const struct cml_scene *scene, int k,
+                               const struct cml_mci_field *field, double *angle)
+{
+    double degrees = NAN;
+    CML_TRY(set(reader, scene, k, field, &degrees));
+    if (!isnan(degrees)) *angle = degrees * CML_PI / 180;
+    return CML_OK;
+}
+
+/* A ring without a hole has a radius. */
+static const struct shape *shape_of(const struct cml_detector_def *detector)
+{
+    int s = 0;
+    while (shapes[s].kind != detector->kind || (s == 0 && detector->size[0] > 0)) s++;
+    return &shapes[s];
+}
+
+static cml_status set_shape(struct cml_mci_reader *reader, struct cml_scene *scene, int k)
+{
+    struct cml_detector_def *detector = &scene->detectors[k];
+    double *size = detector->size;
+    const struct shape *shape = shape_of(detector);
+    char value[80];
+    if (shape->numbers == 1) return set(reader, scene, k, &shape->field[0], &size[1]);
+    for (int i = 0; i < 2; i++)
+        CML_TRY(set(reader, scene, k, &shape->field[shape->numbers - 2 + i], &size[i]));
+    snprintf(value, sizeof value, "%g %g", size[0], size[1]);
+    if (detector->kind == CML_DETECTOR_RING && size[0] >= size[1])
+        return fail_detector(reader, scene, k, "detector: r1 r2", value, "r1 < r2");
+    return CML_OK;
+}
+
+/* Of what its line has: one that sees all directions has no axis that could be set. */
+static cml_status set_numbers(struct cml_mci_reader *reader, struct cml_scene *scene, int k)
+{
+    static const struct cml_mci_field x = {"x", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                      y = {"y", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                      z = {"z", -CML_MCI_HUGE, CML_MCI_HUGE, false, coordinate},
+                                      angle = {"angle", 0, 90, false, angle_range},
+                                      azimuth = {"azimuth", -360, 360, false, azimuth_range};
+    struct cml_detector_def *detector = &scene->detectors[k];
+    CML_TRY(set(reader, scene, k, &x, &detector->x));
+    CML_TRY(set(reader, scene, k, &y, &detector->y));
+    CML_TRY(set(reader, scene, k, &z, &detector->z));
+    CML_TRY(set_shape(reader, scene, k));
+    if (!detector->aimed) return CML_OK;
+    CML_TRY(set(reader, scene, k, &aperture, &detector->na));
+    CML_TRY(set_angle_of(reader, scene, k, &angle, &detector->angle));
+    return set_angle_of(reader, scene, k, &azimuth, &detector->azimuth);
+}
+
+/* ---- what belongs together ---- */
+
 /* A detector without a name has its number, from 1. */
-static cml_status fill_in(const struct cml_mci_reader *reader, const struct cml_scene *scene, int k)
+static cml_status fill_in(struct cml_mci_reader *reader, struct cml_scene *scene, int k)
 {
     struct cml_detector_def *detector = &scene->detectors[k];
     char number[16];
     if (!detector->at_z) detector->z = scene->boundaries[detector->below ? scene->num_layers : 0].z;
+    CML_TRY(set_numbers(reader, scene, k));
     snprintf(number, sizeof number, "%d", k + 1);
     return detector->name ? CML_OK : cml_text_copy(number, &detector->name, reader->err);
 }
@@ -228,6 +296,7 @@ static int compare_names(const void *a, const void *b)
 
 static cml_status check_names(const struct cml_mci_reader *reader, const struct cml_scene *scene)
 {
+    if (scene->num_detectors < 2) return CML_OK;
     const size_t n = (size_t)scene->num_detectors;
     const struct cml_detector_def **sorted = malloc(n * sizeof *sorted);
     if (!sorted) return cml_fail_memory(reader->err, (double)(n * sizeof *sorted), "detectors");
@@ -246,7 +315,7 @@ static cml_status check_names(const struct cml_mci_reader *reader, const struct 
     return status;
 }
 
-cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene)
+cml_status cml_mci_end_detectors(struct cml_mci_reader *reader, struct cml_scene *scene)
 {
     const double most = 2147483648.0;
     double pixels = 0;

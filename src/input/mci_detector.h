@@ -11,6 +11,6 @@ CML_NODISCARD cml_status cml_mci_detector(struct cml_mci_reader *reader, struct 
 
 /* Once layers and map are known: names and planes that lines do not give, and what lines have to do with each
  * other. CML_E_INPUT: two of a name, too many pixels. */
-CML_NODISCARD cml_status cml_mci_end_detectors(const struct cml_mci_reader *reader, struct cml_scene *scene);
+CML_NODISCARD cml_status cml_mci_end_detectors(struct cml_mci_reader *reader, struct cml_scene *scene);
 
 #endif

@@ -67,6 +67,14 @@ static void write_beams(FILE *out, const struct cml_scene *scene)
     }
 }
 
+static void write_detectors(FILE *out, const struct cml_scene *scene)
+{
+    const int n = scene->num_detectors;
+    if (n == 1) fputs(", detector", out);
+    if (n > 1) write_owners(out, "detector", 1, n);
+    if (n > 0) fputs(" with .x .y .z, what its shape has, and with na= .na .angle .azimuth", out);
+}
+
 static void write_names(FILE *out, const struct cml_scene *scene)
 {
     fputs("photons, above.n, below.n", out);
@@ -81,6 +89,7 @@ static void write_names(FILE *out, const struct cml_scene *scene)
         fputs(", backing.r", out);
     write_shapes(out, scene);
     write_beams(out, scene);
+    write_detectors(out, scene);
 }
 
 static cml_status fail_unknown(const struct cml_mci_reader *reader, const struct cml_setting *setting,

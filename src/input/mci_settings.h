@@ -5,7 +5,9 @@
  *     layerL.phase.g1 .g2 .w .g .a  bodyK.phase...       the numbers of a phase line
  *     boundaryB.scale  boundaryB.height       boundaries from 0; of those that have a shape in the file
  *     beam.x  .y  .z  .angle  .azimuth  .na  .share and, by shape, .radius, .r1  .r2  or  .w  .h     of what
- * the line has; cm, degrees. Of several beams beam1.x ... The reader asks for every name where it reads the
+ * the line has; cm, degrees. Of several beams beam1.x ...
+ *     detector.x  .y  .z, with na= .na  .angle  .azimuth, and .radius, .r1  .r2, .w  .h  or  .dx  .dy
+ * Of several detectors detector1.x ... The reader asks for every name where it reads the
  * field, and takes the value in place of the file's: so both pass the same checks, and a setting that nobody
  * has asked for is no name of this scene. SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_SETTINGS_H

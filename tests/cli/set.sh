@@ -35,6 +35,21 @@ m "mesh.obj" scale={boundary0.scale}
 END
 }
 
+# That the settings give the bytes of edited.mci, but for the line that says so.
+same_as_edited() { # "NAME=VALUE ..." FILE
+    mkdir "$work/a" "$work/b"
+    expect_code 0 "$work/edited.mci" --quiet -o "$work/a"
+    # shellcheck disable=SC2046
+    expect_code 0 "$2" --quiet -o "$work/b" $(printf ' --set %s' $1)
+    bare "$work/a/result.mco" >"$work/a.txt"
+    bare "$work/b/result.mco" >"$work/b.txt"
+    cmp -s "$work/a.txt" "$work/b.txt" || complain "$1: not the bytes of the edited file"
+    for setting in $1; do
+        grep -qx "# set ${setting%=*} = ${setting#*=}" "$work/b/result.mco" || complain "$setting is not in the result"
+    done
+    rm -r "$work/a" "$work/b"
+}
+
 bare() { grep -v '^# User time\|^# set ' "$1"; }
 
 scene "$work/plain.mci"
@@ -42,14 +57,7 @@ for setting in photons=2000 above.n=1.1 below.n=1.5 layer1.n=1.5 layer1.mua=2 la
     layer2.n=1.35 layer2.mua=0 layer2.mus=12.5 layer2.g=-0.25 layer2.d=0.75 beam.angle=45 beam.azimuth=30 beam.radius=0.2 \
     boundary0.scale=2 boundary1.scale=0.5 boundary1.height=0.5; do
     scene "$work/edited.mci" $setting
-    mkdir "$work/a" "$work/b"
-    expect_code 0 "$work/edited.mci" --quiet -o "$work/a"
-    expect_code 0 "$work/plain.mci" --quiet -o "$work/b" --set $setting
-    bare "$work/a/result.mco" >"$work/a.txt"
-    bare "$work/b/result.mco" >"$work/b.txt"
-    cmp -s "$work/a.txt" "$work/b.txt" || complain "$setting: not the bytes of the edited file"
-    grep -qx "# set ${setting%=*} = ${setting#*=}" "$work/b/result.mco" || complain "$setting is not in the result"
-    rm -r "$work/a" "$work/b"
+    same_as_edited $setting "$work/plain.mci"
 done
 
 # Heights of a mesh alone: the mesh that is written is half as high, and as wide.
@@ -98,17 +106,34 @@ body
 cp "$work/body.mci" "$work/bodies.mci"
 for setting in body1.n=1.33 body1.mua=5 body1.mus=0 body1.g=0.9 body2.n=1 body2.mua=0 body2.mus=50 body2.g=-0.5; do
     body $setting
-    mkdir "$work/a" "$work/b"
-    expect_code 0 "$work/body.mci" --quiet -o "$work/a"
-    expect_code 0 "$work/bodies.mci" --quiet -o "$work/b" --set $setting
-    bare "$work/a/result.mco" >"$work/a.txt"
-    bare "$work/b/result.mco" >"$work/b.txt"
-    cmp -s "$work/a.txt" "$work/b.txt" || complain "$setting: not the bytes of the edited file"
-    rm -r "$work/a" "$work/b"
+    mv "$work/body.mci" "$work/edited.mci"
+    same_as_edited $setting "$work/bodies.mci"
 done
 expect_error 2 "--set: body1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" "$work/bodies.mci" --set body1.mua=-1
 expect_error 2 "--set: body3.n = 1 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, body1..2 with .n .mua .mus .g, beam with .x .y .angle .azimuth)" \
     "$work/bodies.mci" --set body3.n=1
+
+# Detectors, by the words of their lines.
+seen() { # FILE DETECTORS
+    printf '1.0\n1\nresult.mco A\n2000\n0.02 0.02\n20 20 5\n%b1\n1\n1.4 1 20 0.8 0.5\n1\n' "$2" >"$1"
+}
+disk='detector disk 0.1 at=0.2,0 na=0.4 angle=20\n' map='detector map 3 2 0.1 0.2 side=bottom\n'
+seen "$work/seen.mci" "$disk${map}detector ring 0.1 0.2\n"
+for case in 'detector1.x=0.1|disk 0.1 at=0.1,0 na=0.4 angle=20' 'detector1.y=0.3|disk 0.1 at=0.2,0.3 na=0.4 angle=20' \
+    'detector1.z=-0.1|disk 0.1 at=0.2,0 z=-0.1 na=0.4 angle=20' 'detector1.radius=0.3|disk 0.3 at=0.2,0 na=0.4 angle=20' \
+    'detector1.na=0.9|disk 0.1 at=0.2,0 na=0.9 angle=20' 'detector1.angle=70|disk 0.1 at=0.2,0 na=0.4 angle=70' \
+    'detector1.azimuth=50|disk 0.1 at=0.2,0 na=0.4 angle=20 azimuth=50'; do
+    seen "$work/edited.mci" "detector ${case#*|}\\n${map}detector ring 0.1 0.2\n"
+    same_as_edited "${case%%|*}" "$work/seen.mci"
+done
+seen "$work/edited.mci" "${disk}detector map 3 2 0.2 0.1 side=bottom\ndetector ring 0.15 0.3\n"
+same_as_edited "detector2.dx=0.2 detector2.dy=0.1 detector3.r1=0.15 detector3.r2=0.3" "$work/seen.mci"
+expect_error 2 "--set: detector1.angle = 91 (expected degrees, 0 <= angle <= 90)" "$work/seen.mci" --set detector1.angle=91
+expect_error 2 "$work/seen.mci:9: detector: r1 r2 = 0.3 0.2 (expected r1 < r2)" "$work/seen.mci" --set detector3.r1=0.3
+for name in detector1.r1 detector2.radius detector2.na detector4.x detector.x; do
+    expect_error 2 "--set: $name = 0.3 (expected a name that the run in line 3 knows: photons, above.n, below.n, layer1 with .n .mua .mus .g .d, beam with .x .y .angle .azimuth, detector1..3 with .x .y .z, what its shape has, and with na= .na .angle .azimuth)" \
+        "$work/seen.mci" --set $name=0.3
+done
 
 names='photons, above.n, below.n, layer1..2 with .n .mua .mus .g .d, boundary0.scale and .height, boundary1.scale and .height, beam with .x .y .angle .azimuth .radius'
 expect_error 2 "--set: layer3.n = 1.4 (expected a name that the run in line 3 knows: $names)" "$work/plain.mci" --set layer3.n=1.4

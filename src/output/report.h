@@ -28,9 +28,9 @@ struct cml_report {
 };
 
 /* Writes all results of a run: `path` (.mco), or the stem of `path` with ".h5" when the scene's format is B;
- * with maps or facets also STEM.h5, STEM.map.vti, STEM.volume.vti, STEM.boundary<b>.vtp, STEM.bodies.vtp.
- * Each file is the old or the complete new one at any moment. report->files lists them. CML_E_IO when one
- * could not be written; those before it are then there. */
+ * with maps or facets also STEM.h5, STEM.map.vti, STEM.volume.vti, STEM.detector_<name>.vti,
+ * STEM.boundary<b>.vtp, STEM.bodies.vtp. Each file is the old or the complete new one at any moment.
+ * report->files lists them. CML_E_IO when one could not be written; those before it are then there. */
 CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
 
 void cml_report_clear(struct cml_report *report);

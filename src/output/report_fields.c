@@ -236,14 +236,17 @@ void cml_add_volume_fields(struct cml_field_list *c)
     cml_last_field(c)->single = true;
 }
 
-void cml_add_detector_fields(struct cml_field_list *c)
+void cml_add_detector_fields(struct cml_field_list *c, int only)
 {
     const struct cml_scene *scene = c->report->scene;
     const struct cml_result *r = c->report->sums;
-    size_t first = 0;
+    size_t first = 0, next = 0;
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->kind != CML_DETECTOR_MAP) continue;
+        first = next;
+        next += (size_t)detector->nx * (size_t)detector->ny;
+        if (only >= 0 && only != k) continue;
         struct cml_field_source *source = cml_add_field(c, CML_QUANTITY_detector_map, pixel_values);
         struct cml_field *field = cml_last_field(c);
         source->cells = r->detector_map + first;
@@ -254,7 +257,6 @@ void cml_add_detector_fields(struct cml_field_list *c)
         for (int i = 0; i < 2; i++) field->axis[i] = &c->pixel[2 * k + 1 - i];
         field->single = true;
         cml_add_error_field(c, pixel_errors);
-        first += (size_t)detector->nx * (size_t)detector->ny;
     }
 }
 

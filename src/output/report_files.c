@@ -80,7 +80,7 @@ static void fill_list(struct cml_field_list *list)
     cml_add_map_fields(list);
     cml_add_volume_fields(list);
     cml_add_outside_fields(list);
-    cml_add_detector_fields(list);
+    cml_add_detector_fields(list, -1);
     cml_add_body_fields(list);
     for (int b = 0; b <= list->report->scene->num_layers; b++) {
         name_boundary(b, prefix);
@@ -138,6 +138,36 @@ static cml_status write_image(const struct cml_report *report, bool volume, cons
     const cml_status status = cml_vti_write(path, &image, list.fields, list.num_fields, err);
     cml_field_list_free(&list);
     return status;
+}
+
+/* What a detector's pixels have seen, at the level on which it is focused. */
+static cml_status write_picture(const struct cml_report *report, int k, const char *path,
+                                struct cml_error *err)
+{
+    const struct cml_detector_def *d = &report->scene->detectors[k];
+    const struct cml_image image = {
+        .n = {(size_t)d->nx, (size_t)d->ny, 0},
+        .origin = {d->x - 0.5 * d->nx * d->size[0], d->y - 0.5 * d->ny * d->size[1], d->z},
+        .spacing = {d->size[0], d->size[1], 1},
+    };
+    struct cml_field_list list;
+    CML_TRY(cml_field_list_create(report, &list, err));
+    cml_add_detector_fields(&list, k);
+    const cml_status status = cml_vti_write(path, &image, list.fields, list.num_fields, err);
+    cml_field_list_free(&list);
+    return status;
+}
+
+static cml_status write_pictures(struct cml_report *report, const char *path, struct cml_error *err)
+{
+    char suffix[64];
+    for (int k = 0; k < report->scene->num_detectors; k++) {
+        if (report->scene->detectors[k].kind != CML_DETECTOR_MAP) continue;
+        snprintf(suffix, sizeof suffix, ".detector_%s.vti", report->scene->detectors[k].name);
+        CML_TRY(next_file(report, path, suffix, err));
+        CML_TRY(write_picture(report, k, last_file(report), err));
+    }
+    return CML_OK;
 }
 
 /* Of a boundary that is no plane: its faces and what they received. */
@@ -219,6 +249,7 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
         CML_TRY(next_file(report, path, ".volume.vti", err));
         CML_TRY(write_image(report, true, last_file(report), err));
     }
+    CML_TRY(write_pictures(report, path, err));
     CML_TRY(write_boundaries(report, path, err));
     if (!report->scene->facets || report->scene->num_bodies == 0) return CML_OK;
     CML_TRY(next_file(report, path, ".bodies.vtp", err));

@@ -75,8 +75,9 @@ void cml_add_map_fields(struct cml_field_list *list);
 /* A_xyz; nothing when it is not tallied. */
 void cml_add_volume_fields(struct cml_field_list *list);
 
-/* detector_NAME_map of all detectors that are maps, with standard errors. */
-void cml_add_detector_fields(struct cml_field_list *list);
+/* detector_NAME_map of all detectors that are maps, or of number `only` if that is not below 0, with standard
+ * errors. */
+void cml_add_detector_fields(struct cml_field_list *list, int only);
 
 /* What lies outside map and volume. */
 void cml_add_outside_fields(struct cml_field_list *list);

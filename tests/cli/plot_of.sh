@@ -13,6 +13,7 @@ scene.mco A
 0.01 0.02
 60 40 9
 map 8 4 0.1 0.1
+detector map 3 2 0.2 0.1 at=0.1,0.3 z=-0.2 name=a_map_of
 3
 1
 b 1 0.05 0.1 0 0
@@ -252,6 +253,14 @@ if test $h5 = 1; then
     expect_code 0 plot "$work/scene.map.vti" --of Tt_xy -o "$work/told.svg"
     map() { sed -n '/^\$map0/,/^plot/p' "$1"; }
     test "$(map "$work/script")" = "$(map "$work/from_h5")" || complain "the map of the .h5 is not that of the .vti"
+    for array in detector_a_map_of_map detector_a_map_of_map_se; do
+        expect_code 0 plot "$work/scene.h5" --of $array -o "$work/told.svg"
+        told "$array  [1/cm²]" "a camera's picture from an .h5"
+        told 'matrix using (-0.199' "$array"
+        cp "$work/script" "$work/from_h5"
+        expect_code 0 plot "$work/scene.detector_a_map_of.vti" --of $array -o "$work/told.svg"
+        test "$(map "$work/script")" = "$(map "$work/from_h5")" || complain "$array of the .h5 is not that of the .vti"
+    done
     expect_error 2 "$work/scene.h5: no map Rd_z (expected a data set over y and x)" plot "$work/scene.h5" --of Rd_z -o "$work/none.svg"
     cp "$a" "$work/false.h5"
     expect_error 2 "$work/false.h5: cannot be read as an HDF5 file" plot "$work/false.h5" -o "$work/none.svg"

@@ -19,6 +19,7 @@ def scene(name, letter):
                    bins=f"{NZ} {NR} {NA}", n_below=1.1,
                    surfaces={0: f'm "{MESH}"', 2: "b 4 0.05 0.1 -0.03 0.15 0.04 0.2 0 0"},
                    extra=[f"map {NX} {NY} {DX} {DY} angles volume top={TOP}", "#@ facets"]
+                   + ["detector disk 0.5", "detector map 4 3 0.1 0.2 name=near", "detector map 3 5 0.05 0.02 at=0.1,-0.2 z=-0.15 na=0.9 name=cam"]
                    + 20 * [LONG_COMMENT.strip()] + ["beam disk 0.3 at=0.1,0"])
     return text.replace(f"{name} A", f"{name} {letter}")
 
@@ -127,6 +128,14 @@ def check_images(verdict, stem, file):
     arrays = arrays_of(flat)
     for name in ("Rd_xy", "Rd_xy_se", "Tt_xy", "Tt_xy_se", "Rd_xya", "Tt_xya_se", "boundary1_exitance_below"):
         verdict.check("map.vti " + name, numpy.array_equal(arrays[name].reshape(file[name].shape), file[name][:]))
+    camera = read_vtk(stem + ".detector_cam.vti")
+    verdict.check("detector_cam.vti", camera.GetDimensions() == (4, 6, 1), f"{camera.GetDimensions()}")
+    verdict.check("detector_cam.vti", close(camera.GetBounds(), (0.025, 0.175, -0.25, -0.15, -0.15, -0.15), 1e-12), f"{camera.GetBounds()}")
+    for detector in ("near", "cam"):
+        arrays = arrays_of(read_vtk(f"{stem}.detector_{detector}.vti"))
+        verdict.check("detector " + detector, sorted(arrays) == [f"detector_{detector}_map", f"detector_{detector}_map_se"])
+        for name, values in arrays.items():
+            verdict.check(name, numpy.array_equal(values.reshape(file[name].shape), file[name][:]) and values.max() > 0)
     verdict.check("volume.vti", numpy.array_equal(arrays_of(volume)["A_xyz"].reshape(NZ, NY, NX), file["A_xyz"][:]))
 
 
@@ -155,8 +164,8 @@ def main():
         text = scene("all.mco", "A")
         record = cml.run(text, "--seed", 3, "--threads", 2, keep=keep)[0]
         names = sorted(os.path.basename(path) for path in record["files"])
-        verdict.check("files", names == ["all.boundary0.vtp", "all.boundary2.vtp", "all.h5", "all.map.vti", "all.mco",
-                                         "all.volume.vti"], f"{names}")
+        verdict.check("files", names == ["all.boundary0.vtp", "all.boundary2.vtp", "all.detector_cam.vti", "all.detector_near.vti", "all.h5",
+                                         "all.map.vti", "all.mco", "all.volume.vti"], f"{names}")
         verdict.check("files", sorted(os.listdir(keep)) == sorted(names + ["scene.mci"]), "and no others")
         stem = os.path.join(keep, "all")
         check_superblock(verdict, stem + ".h5")

@@ -84,11 +84,16 @@ static cml_status add_beside(struct cml_outputs *outputs, const char *path, cons
 static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *scene, const char *path,
                           int run, struct cml_error *err)
 {
-    char suffix[40];
+    char suffix[64];
     CML_TRY(scene->format == 'B' ? CML_OK : add(outputs, path, run, true, err));
     if (cml_report_wants_fields(scene)) CML_TRY(add_beside(outputs, path, ".h5", run, err));
     if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, err));
     if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, err));
+    for (int k = 0; k < scene->num_detectors; k++) {
+        if (scene->detectors[k].kind != CML_DETECTOR_MAP) continue;
+        snprintf(suffix, sizeof suffix, ".detector_%s.vti", scene->detectors[k].name);
+        CML_TRY(add_beside(outputs, path, suffix, run, err));
+    }
     for (int b = 0; scene->facets && b <= scene->num_layers; b++) {
         snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
         CML_TRY(add_beside(outputs, path, suffix, run, err));

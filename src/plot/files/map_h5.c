@@ -4,8 +4,11 @@
 #include "result/h5.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 #ifdef CML_HDF5
+
+enum { AXIS_NAME = 64 };
 
 /* Corner and width of the pixels from their middles. The middle of a single one lies at 0; *width stays. */
 static cml_status read_pixel_axis(const struct cml_hdf5 *file, const char *name, size_t n, double *origin,
@@ -23,6 +26,14 @@ static cml_status read_pixel_axis(const struct cml_hdf5 *file, const char *name,
                     name, *width);
 }
 
+/* A detector's map, and its errors, have axes of their own: detector_NAME_x of detector_NAME_map. */
+static void name_axis(const char *map, char axis, char name[AXIS_NAME])
+{
+    const char *end = NULL;
+    for (const char *at = map; strncmp(map, "detector_", 9) == 0 && (at = strstr(at, "_map")); at++) end = at;
+    snprintf(name, AXIS_NAME, "%.*s%c", end ? (int)(end - map) + 1 : 0, map, axis);
+}
+
 static cml_status fill_map(const struct cml_hdf5 *file, const char *name, const double *value,
                            const struct cml_hdf5_dataset *shape, struct cml_pixels *map,
                            struct cml_error *err)
@@ -31,10 +42,12 @@ static cml_status fill_map(const struct cml_hdf5 *file, const char *name, const 
         return cml_fail(err, CML_E_INPUT, "%.400s: no map %.80s (expected a data set over y and x)",
                         file->path, name);
     const size_t n[2] = {shape->n[1], shape->n[0]};
+    char axis[2][AXIS_NAME];
+    for (int i = 0; i < 2; i++) name_axis(name, "xy"[i], axis[i]);
     *map = (struct cml_pixels){.n = {n[0], n[1]}, .spacing = {1, 1}};
-    CML_TRY(read_pixel_axis(file, "x", n[0], &map->origin[0], &map->spacing[0], err));
+    CML_TRY(read_pixel_axis(file, axis[0], n[0], &map->origin[0], &map->spacing[0], err));
     if (n[1] == 1) map->spacing[1] = map->spacing[0];
-    CML_TRY(read_pixel_axis(file, "y", n[1], &map->origin[1], &map->spacing[1], err));
+    CML_TRY(read_pixel_axis(file, axis[1], n[1], &map->origin[1], &map->spacing[1], err));
     map->value = malloc(n[0] * n[1] * sizeof *map->value);
     if (!map->value) return cml_fail_memory(err, 4.0 * (double)(n[0] * n[1]), "a map");
     for (size_t i = 0; i < n[0] * n[1]; i++) {

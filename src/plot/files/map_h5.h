@@ -6,8 +6,9 @@
 
 enum { CML_HDF5_UNIT = 32 };
 
-/* The data set of this name over y and x, and its unit, "" when it has none. A program without HDF5 refuses
- * every file. CML_E_INPUT with file and data set; then *map is cleared. The caller clears it otherwise. */
+/* The data set of this name over y and x, a detector's map over those of its own, and its unit, "" when it
+ * has none. A program without HDF5 refuses every file. CML_E_INPUT with file and data set; then *map is
+ * cleared. The caller clears it otherwise. */
 CML_NODISCARD cml_status cml_hdf5_read_map(const char *path, const char *name, struct cml_pixels *map,
                                            char unit[CML_HDF5_UNIT], struct cml_error *err);
 

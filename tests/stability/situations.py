@@ -193,6 +193,8 @@ def mesh_lines(directory):
         "grooves": grid_mesh(4, 400, 100.0, 4.0, 4e-3, 6),
         "corner": corner_cube(0.5),
         "mushroom": mushroom(24, 0.1, 0.3, 0.2),
+        "mushroom-coarse": mushroom(5, 0.1, 0.3, 0.2),
+        "mushroom-fine": mushroom(300, 0.1, 0.3, 0.2),
         "dome": icosphere_pole(10),
         "fine": grid_mesh(60, 60, 6e-3, 6e-3, 3e-5, 7, (100.0, 0.0)),
         "fine-near": grid_mesh(60, 60, 6e-3, 6e-3, 3e-5, 7),
@@ -233,6 +235,10 @@ def sheets(line):
     yield Situation("corner-cube-clear", scene([(4.0, 0.0, 0.0, 0.0, 1.0)], {1: line["corner"]}), AIMED)
     yield Situation("corner-cube", scene([(4.0, 0.01, 0.1, 0.0, 1.0)], {1: line["corner"]}), AIMED)
     yield Situation("overhang", slab(line["mushroom"]), AIMED + ("1e-4",))
+    yield Situation("overhang-coarse", slab(line["mushroom-coarse"]), AIMED + GRAZING[::2])
+    yield Situation("overhang-fine", slab(line["mushroom-fine"]), AIMED + GRAZING[::2])
+    yield Situation("overhang-pencil-on-rim", slab(line["mushroom"], beam="beam pencil at=0.3,0"))
+    yield Situation("overhang-pencil-on-edge", slab(line["mushroom"], beam="beam pencil at=0.2,0"))
     yield Situation("overhang-below", scene([TURBID], {1: line["mushroom"]}), AIMED)
     yield Situation("overhang-n=1", scene([(1.0, 0.1, 10.0, 0.5, 1.0)], {0: line["mushroom"]}), AIMED)
     yield Situation("pole-of-a-dome", slab(line["dome"] + " normals=vertex"), AIMED)

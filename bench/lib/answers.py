@@ -62,7 +62,7 @@ def natural_events():
 
 
 def times_mmc(top, triangles, tracer):
-    """Below a top of scene A, beside the fastest tracer of MMC that absorbs what is right there."""
+    """Below a top of scene A, beside a tracer of MMC."""
     with open(kept("peers/results/mmc-amd-epyc-2core.md"), encoding="utf-8") as stream:
         found = [line.strip("| \n").split(" | ") for line in stream if line.startswith("| A | %s | %s |" % (top, triangles))]
     return next(cells[7].split()[0] for cells in found if cells[5] == tracer)
@@ -96,8 +96,11 @@ def answers():
     yield ("Are the report's figures right?", "its flat scenes are", "sh bench/accuracy/figures.sh", "10",
            "accuracy/results/figure8.svg")
     yield ("Where do methods fail?", natural_events(), "sh bench/stability/atlas.sh", "30", "")
-    yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles), %s below an overhang" % (
-        times_mmc("regular", "10082", "S"), times_mmc("overhang", "312", "B")), "python3 bench/peers/mmc.py --mmc PATH", "4", "")
+    yield ("How fast is it beside tetrahedra?", "%s times MMC (A, 1e4 triangles)" % times_mmc("regular", "10082", "S"),
+           "python3 bench/peers/mmc.py --mmc PATH", "4", "")
+    yield ("And below an overhang?", "%s (A) and %s (S6a) times MMC's B, %s and %s its S" % tuple(
+        cells("peers/results/peers-shared-amd-epyc-2core.md", "overhang", medium)[column].split()[0]
+        for column in (12, 11) for medium in ("A", "S6a")), "python3 bench/peers/peers.py --mmc PATH --shared --only overhang", "5", "")
     yield ("What do MMC and Mitsuba 3 say of any mesh?", "of %d shares MMC's S is %s errors off, its B %s, Mitsuba %s at most" % farthest(
         "peers/results/peers-amd-epyc-2core.md", (7, 9, 12)), "python3 bench/peers/peers.py --mmc PATH", "15", "")
     yield ("What does MMC say of a vessel?", "the same: %s errors apart" % cells(

@@ -12,6 +12,7 @@ import time
 CALIBRATE_S = 0.1  # a run shorter than this says too little about the photons per second
 FOREIGN = 0.05  # of a core that others may take from a run before it is repeated
 REPEATS = 3
+spent = 0.0  # user seconds of the last run
 MOST_PHOTONS = 50000000
 
 
@@ -28,12 +29,13 @@ def busy_seconds():
 def run(command, directory, threads=1, environment=None):
     """(standard output, resource usage, whether others took the cores that it needs) of a child; exit codes 0 and 4, numerical
     trouble, go on."""
+    global spent  # for who asks nothing else of the usage
     with tempfile.TemporaryFile("w+") as out:
         begin, before = time.monotonic(), busy_seconds()
         child = subprocess.Popen(command, cwd=directory, env=environment, stdout=out)
         _, status, usage = os.wait4(child.pid, 0)
         wall, after = time.monotonic() - begin, busy_seconds()
-        child.returncode = os.waitstatus_to_exitcode(status)
+        child.returncode, spent = os.waitstatus_to_exitcode(status), usage.ru_utime
         if child.returncode not in (0, 4):
             sys.exit("%s: exit code %d" % (" ".join(command), child.returncode))
         out.seek(0)

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""The same meshes and media by clustermcml, MMC and Mitsuba 3: peers.py --mmc PATH [--quick] [--only SHAPE,...] [--rounds N]
-[--program PATH] [--out DIR]
+"""The same meshes and media by clustermcml, MMC and Mitsuba 3: peers.py --mmc PATH [--quick] [--shared] [--only SHAPE,...]
+[--rounds N] [--program PATH] [--out DIR]
 
 Seven shapes, each in four media, on one thread: ours without re-entry beside MMC, whose tetrahedra end there, by its fastest tracer S and
 by B; ours with it beside Mitsuba. All draw at random; ours and MMC play MCML's roulette. Only flights count; all take turns, a run that
 others disturbed is repeated, ratios are formed within a round. Beside the speeds stand the absorbed shares and how many errors of the
 difference they are apart; errors of a peer are those of as many packets of ours. `pip install mitsuba`; tetgen for MMC. Leaves peers.md
-in DIR, a quarter of an hour; --quick: one round of few photons, good for shares only. bench/peers/README.md says more.
+in DIR, a quarter of an hour; --quick: one round of few photons, good for shares only; --shared: on a machine that others use, beside MMC
+only, by user seconds less those of a start, nothing is repeated. bench/peers/README.md says more.
 SPDX-License-Identifier: MIT
 """
 import importlib.metadata
@@ -46,19 +47,29 @@ SHAPES = {
 TRACERS = ("S", "B")  # of MMC: the fastest, and the faster of those that are right below overhangs
 HALF_WIDTH = 30.0  # of Mitsuba's slab [cm]
 UNIT = 100  # in a cm: Mitsuba moves rays off surfaces by some 1e-4 units
-SECONDS = 0.4  # of a run; --quick flies the pilots once
+SECONDS = 0.4  # of a run, --shared half as long; --quick flies the pilots once
+FEW = 2000  # photons of a start
 BROKEN = 4  # errors apart, from which a peer's result is called broken
 HERE = os.path.dirname(os.path.abspath(__file__))
 
 
 class Way:
-    """One program with its options on one scene: fly(photons, seed) gives (photons per second, absorbed share, disturbed)."""
+    """One program with its options on one scene: fly(photons, seed) gives (photons per second, absorbed share, disturbed); with `start`,
+    the user seconds of few photons, a second is one of the program's own."""
 
     def __init__(self, name, fly, pilot):
-        self.name, self.fly, self.photons, self.runs = name, fly, pilot, []
+        self.name, self.fly_once, self.photons, self.runs, self.start = name, fly, pilot, [], None
+
+    def fly(self, photons, seed):
+        rate, absorbed, disturbed = self.fly_once(photons, seed)
+        return (rate, absorbed, disturbed) if self.start is None else ((photons - FEW) / (runs.spent - self.start), absorbed, False)
+
+    def find_start(self):
+        self.start = min((self.fly_once(FEW, seed), runs.spent)[1] for seed in (1, 2))
 
     def calibrate(self, seconds):
-        self.photons = runs.two_digits(seconds * self.fly(self.photons // 10, 1)[0])
+        """A pilot on a shared machine must be long beside what its start takes now and then."""
+        self.photons = runs.two_digits(seconds * self.fly(self.photons // (10 if self.start is None else 1), 1)[0])
 
     def rates(self):
         return [rate for rate, _, _ in self.runs]
@@ -130,14 +141,15 @@ def fly_mitsuba(scene):
     return fly
 
 
-def prepare(scene, program, their_mmc):
+def prepare(scene, program, their_mmc, shared):
     scene.write_mmc(program)
-    scene.write_mitsuba()
     alike = [option for option in mmc.ALIKE if option != "--no-reentry"]
     ways = [Way("ours", fly_ours(scene, program, alike + ["--no-reentry"], "mmc"), 200000),
             *(Way(tracer, lambda photons, seed, tracer=tracer: mmc.fly_mmc(their_mmc, scene.stem, tracer, photons, seed), 40000)
-              for tracer in TRACERS),
-            Way("ours, re-entry", fly_ours(scene, program, alike, "mitsuba"), 200000), Way("Mitsuba", fly_mitsuba(scene), 10000)]
+              for tracer in TRACERS)]
+    if not shared:
+        scene.write_mitsuba()
+        ways += [Way("ours, re-entry", fly_ours(scene, program, alike, "mitsuba"), 200000), Way("Mitsuba", fly_mitsuba(scene), 10000)]
     scene.ways = {way.name: way for way in ways}
 
 
@@ -152,14 +164,21 @@ def ratio(ours, theirs):
     return "%.2f (%.2f-%.2f)" % (statistics.median(ratios), min(ratios), max(ratios))
 
 
-TITLES = ("shape", "medium", "triangles", "tetrahedra", "lost", "absorbed", "by S", "z", "by B", "z", "with re-entry", "by Mitsuba", "z")
-SPEEDS = ("photons/s", "over S", "over B", "with re-entry", "over Mitsuba")
+TITLES = ("shape", "medium", "triangles", "tetrahedra", "lost", "absorbed", "by S", "z", "by B", "z")
+SPEEDS = ("photons/s", "over S", "over B")
+MITSUBA_TITLES, MITSUBA_SPEEDS = ("with re-entry", "by Mitsuba", "z"), ("with re-entry", "over Mitsuba")
+
+
+def pairs(scene):
+    """What stands beside what: (ours, (peers), which errors)."""
+    beside = (("ours", TRACERS, "mmc"), ("ours, re-entry", ("Mitsuba",), "mitsuba"))
+    return [pair for pair in beside if pair[0] in scene.ways]
 
 
 def row(scene, quick):
     """Cells; a quick run measures no speeds."""
     ways, shares, speeds = scene.ways, [], []
-    for ours, peers, key in (("ours", TRACERS, "mmc"), ("ours, re-entry", ("Mitsuba",), "mitsuba")):
+    for ours, peers, key in pairs(scene):
         shares.append("%.5f" % ways[ours].absorbed())
         speeds.append("%.3g" % statistics.median(ways[ours].rates()))
         for peer in peers:
@@ -171,7 +190,7 @@ def row(scene, quick):
 def broken(scenes):
     """What to say of the peers whose shares are off."""
     for scene in scenes:
-        for ours, peers, key in (("ours", TRACERS, "mmc"), ("ours, re-entry", ("Mitsuba",), "mitsuba")):
+        for ours, peers, key in pairs(scene):
             for peer in peers:
                 z = apart(scene, scene.ways[ours], scene.ways[peer], key)
                 if abs(z) > BROKEN:
@@ -180,14 +199,23 @@ def broken(scenes):
                         100 * (scene.ways[peer].absorbed() / scene.ways[ours].absorbed() - 1), abs(z))
 
 
-def report(program, their_mmc, scenes, rounds, quick):
-    disturbed = [sum(run[2] for scene in scenes for name, way in scene.ways.items() if name.startswith("ours") == mine for run in way.runs)
-                 for mine in (True, False)]
-    yield tables.measured(tables.machine(program, rounds)) + "; MMC %s; Mitsuba %s; %s." % (
-        mmc.version(their_mmc), importlib.metadata.version("mitsuba"), "few photons, once: no speeds" if quick else
-        "median (least-most) of %d rounds, one thread; disturbed by others: %d of our runs, %d of theirs" % (rounds, *disturbed))
+def how(rounds, disturbed, quick, shared):
+    """What was measured."""
+    if quick:
+        return "few photons, once: no speeds"
+    text = "median (least-most) of %d rounds, one thread" % rounds
+    return text + ("; user seconds, on a machine that others use" if shared else "; disturbed by others: %d of our runs, %d of theirs" % disturbed)
+
+
+def report(program, their_mmc, scenes, rounds, quick, shared):
+    disturbed = tuple(sum(run[2] for scene in scenes for name, way in scene.ways.items() if name.startswith("ours") == mine for run in way.runs)
+                      for mine in (True, False))
+    mitsuba = "" if shared else "; Mitsuba %s" % importlib.metadata.version("mitsuba")
+    yield tables.measured(tables.machine(program, rounds)) + "; MMC %s%s; %s." % (
+        mmc.version(their_mmc), mitsuba, how(rounds, disturbed, quick, shared))
     yield ""
-    yield from tables.table(TITLES + (() if quick else SPEEDS), [row(scene, quick) for scene in scenes])
+    titles, speeds = (TITLES, SPEEDS) if shared else (TITLES + MITSUBA_TITLES, SPEEDS + MITSUBA_SPEEDS)
+    yield from tables.table(titles + (() if quick else speeds), [row(scene, quick) for scene in scenes])
     yield ""
     yield "More than %d errors apart: %s." % (BROKEN, "; ".join(broken(scenes)) or "none")
 
@@ -196,27 +224,33 @@ def main():
     parser = command.parser(__doc__, rounds=(5, 5))
     parser.add_argument("--mmc", type=command.built, required=True)
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--shared", action="store_true")
     parser.add_argument("--only", default="")
     arguments = parser.parse_args()
-    if not importlib.util.find_spec("mitsuba"):
+    if not arguments.shared and not importlib.util.find_spec("mitsuba"):
         parser.error("mitsuba is missing: pip install mitsuba")
     if not shutil.which("tetgen"):
         parser.error("tetgen is missing")
+    if arguments.quick or arguments.shared:
+        runs.REPEATS = 1
     if arguments.quick:
-        arguments.rounds, runs.REPEATS = 1, 1
+        arguments.rounds = 1
     with tempfile.TemporaryDirectory() as work:
         program = shutil.copy(arguments.program, os.path.join(work, "clustermcml"))  # nobody rebuilds it meanwhile
         scenes = [Scene(shape, medium, work) for shape in command.only(arguments.only, SHAPES, parser) for medium in MEDIA]
         for scene in scenes:
-            prepare(scene, program, arguments.mmc)
-            for way in [] if arguments.quick else scene.ways.values():
-                way.calibrate(SECONDS)
+            prepare(scene, program, arguments.mmc, arguments.shared)
+            for way in scene.ways.values():
+                if arguments.shared:
+                    way.find_start()
+                if not arguments.quick:
+                    way.calibrate(SECONDS / 2 if arguments.shared else SECONDS)
         for index in range(arguments.rounds):
             for seed, scene in list(enumerate(scenes, index * len(scenes) + 1))[::1 if index % 2 == 0 else -1]:
                 for way in scene.ways.values():
                     way.runs.append(way.fly(way.photons, seed))
-        lines = list(report(arguments.program, arguments.mmc, scenes, arguments.rounds, arguments.quick))
-    tables.keep(os.path.join(arguments.out, "peers.md"), lines)
+        lines = list(report(arguments.program, arguments.mmc, scenes, arguments.rounds, arguments.quick, arguments.shared))
+    tables.keep(os.path.join(arguments.out, "peers-shared.md" if arguments.shared else "peers.md"), lines)
 
 
 if __name__ == "__main__":

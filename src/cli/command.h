@@ -15,6 +15,7 @@ CML_NODISCARD cml_status cml_command_trace(const struct cml_options *options, st
 CML_NODISCARD cml_status cml_command_compare(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_merge(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_crosscheck(const struct cml_options *options, struct cml_error *err);
+CML_NODISCARD cml_status cml_command_furnace(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err);
 

@@ -222,12 +222,7 @@ static cml_status check_scene(const struct cml_options *options, const struct cm
                               struct cml_error *err)
 {
     struct cml_scene bare = *whole;
-    bare.map = (struct cml_map_def){0};
-    bare.facets = false;
-    bare.time = (struct cml_time_def){0};
-    bare.directions = (struct cml_directions_def){0};
-    bare.num_detectors = 0;
-    bare.fluence = (struct cml_fluence_def){0};
+    cml_scene_ask_nothing(&bare);
     const struct cml_scene *scene = &bare;
     struct cml_surface_set chosen, meshes;
     struct cml_surface_options as_mesh = options->surface;

@@ -37,6 +37,7 @@ static const struct {
     [CML_COMMAND_MESH] = {false, cml_command_mesh},
     [CML_COMMAND_TRACE] = {false, cml_command_trace},
     [CML_COMMAND_CROSSCHECK] = {false, cml_command_crosscheck},
+    [CML_COMMAND_FURNACE] = {true, cml_command_furnace},
     [CML_COMMAND_COMPARE] = {false, cml_command_compare},
     [CML_COMMAND_MERGE] = {false, cml_command_merge},
     [CML_COMMAND_PLOT] = {false, cml_command_plot},

@@ -19,6 +19,16 @@ void cml_boundary_flatten(struct cml_boundary *boundary)
     boundary->form = CML_FORM_PLANE;
 }
 
+void cml_scene_ask_nothing(struct cml_scene *scene)
+{
+    scene->map = (struct cml_map_def){0};
+    scene->facets = false;
+    scene->time = (struct cml_time_def){0};
+    scene->directions = (struct cml_directions_def){0};
+    scene->fluence = (struct cml_fluence_def){0};
+    scene->num_detectors = 0;
+}
+
 static void clear_boundary(struct cml_boundary *boundary)
 {
     if (boundary->borrowed) return;

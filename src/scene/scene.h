@@ -237,6 +237,10 @@ struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l);
 /* Whether any body lies in layer l; the media above and below, 0 and L + 1, have none. */
 bool cml_layer_has_bodies(const struct cml_scene *scene, int l);
 
+/* Leaves out what only some scenes ask for: map, volume, facets, time, directions, fluence, detectors. Of a
+ * copy, which is not to be cleared. */
+void cml_scene_ask_nothing(struct cml_scene *scene);
+
 /* For readers, of a scene that is not complete yet: frees the boundary's shape and leaves its nominal plane,
  * and where it stands in the file. */
 void cml_boundary_flatten(struct cml_boundary *boundary);

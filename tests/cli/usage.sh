@@ -58,14 +58,14 @@ belongs() { # COMMAND OPTION OWNERS ARGUMENTS...
 }
 belongs run --run "check, trace" $sample --run 2
 belongs run --run "check, trace" --run 2 run $sample
-belongs run --alpha compare $sample --alpha 0.1 --photons 10 -o "$work"
+belongs run --alpha "furnace, compare" $sample --alpha 0.1 --photons 10 -o "$work"
 belongs check --resume run check $sample --resume
-belongs check --photons "run, plan, crosscheck" --photons 3 check $sample
+belongs check --photons "run, plan, crosscheck, furnace" --photons 3 check $sample
 belongs plan -o "run, mesh" plan $sample -o "$work"
 belongs plan --output-dir "run, mesh" plan $sample --output-dir "$work"
 belongs plan --output "run, check, compare, merge, plot" plan $sample --output "$work"
-belongs exact --engine "run, check, trace" exact $sample --engine cpu
-belongs devices --json "run, plan, check, exact, crosscheck, compare, merge" devices --json
+belongs exact --engine "run, check, trace, furnace" exact $sample --engine cpu
+belongs devices --json "run, plan, check, exact, crosscheck, furnace, compare, merge" devices --json
 only="(it belongs to: opencl)"
 expect_error 2 "run: --device does not apply to engine cpu $only" $sample --device 7 --photons 10 -o "$work"
 expect_error 2 "run: --group does not apply to engine reference $only" $sample --group 64 --engine reference
@@ -92,7 +92,7 @@ test ! -e "$work/x.mco" && test ! -s "$work/out" || complain "a wrong file had r
 
 expect_code 0 --help
 grep -q '^usage: clustermcml ' "$work/out" || complain "--help shows no usage"
-for word in run plan check exact mesh trace crosscheck compare plot devices help options input output 'exit codes' 75; do
+for word in run plan check exact mesh trace crosscheck furnace compare plot devices help options input output 'exit codes' 75; do
     grep -q -e "^ *\\[*$word" "$work/out" || complain "--help does not mention $word"
 done
 cp "$work/out" "$work/list"

@@ -58,7 +58,7 @@ FOREIGN = {
     "embree*": "src/surface/mesh/mesh_surface",
     "tiny_obj_loader.h": "src/input/mesh/obj_tiny",
     "immintrin.h": "src/vector/group_masks",
-    "jansson.h": "src/base/json_name src/output/study/merge src/output/report_json src/plot/compare_report src/cli/command_plan src/cli/command_crosscheck",
+    "jansson.h": "src/base/json_name src/output/study/merge src/output/report_json src/plot/compare_report src/cli/command_plan src/cli/command_crosscheck src/cli/command_furnace",
     "omp.h": "src/run/launcher src/engine/cpu/engine_cpu_level src/engine/threads",
     "CL/*": "src/engine/opencl/opencl_parts",
     "hdf5*.h": "src/output/files/hdf5_file src/output/files/hdf5_read",

@@ -29,7 +29,7 @@ def command(*words):
 class Options(unittest.TestCase):
     def test_are_those_of_the_program(self):
         """All of them, and no others; and they stand in the signature that completion asks for."""
-        for name in ("run", "check", "plan", "exact", "trace", "mesh", "crosscheck", "compare"):
+        for name in ("run", "check", "plan", "exact", "trace", "mesh", "crosscheck", "furnace", "compare"):
             kind = set(vars(options)[name.capitalize() + "Options"].__annotations__)
             theirs = {word.replace("-", "_") for word in re.findall(r"^  (?:-\w, )?--([\w-]+)", command("help", name), re.MULTILINE)}
             self.assertEqual(kind, theirs - (set(NO_ARGUMENTS) - kind) - {"output_dir"}, name)
@@ -82,6 +82,12 @@ class Commands(unittest.TestCase):
                 self.assertEqual(one.read(), two.read())
         self.assertEqual(len(mine), 2)
         self.assertEqual(mc.mesh(mc.Scene([SLAB]), self.folder), [])
+
+    def test_furnace(self):
+        mine = mc.furnace(HILL, photons=2000)
+        self.assertEqual(mine, [json.loads(command("furnace", HILL, "--photons", "2000", "--json"))])
+        self.assertIs(mine[0]["even"], True)
+        self.assertIs(mc.furnace(mc.Scene([SLAB]), photons=2000, alpha=0.9999)[0]["even"], False)
 
     def test_crosscheck(self):
         words = ("crosscheck", HILL, "--photons", "2000")

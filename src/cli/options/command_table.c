@@ -49,6 +49,12 @@ const struct cml_command_def cml_commands[] = {
         {"crosscheck", "scene.mci", 1, 1, "cones, mesh and OpenCL on the same photons, packet by packet",
          "Flies the same photons in several ways, and compares how each ended, all totals and all profiles.",
          "clustermcml crosscheck samples/shapes/hinoise.mci --photons 1e5 --dump differ.txt\n"},
+    [CML_COMMAND_FURNACE] =
+        {"furnace", "scene.mci", 1, 1, "is light even everywhere, as it must be? exit code 1 if not",
+         "Flies diffuse light from above and below without absorption, for which the light in every "
+         "turbid layer and body is known from its volume alone. So it proves that the meshes of a scene "
+         "are flown as they should be. Writes no file.",
+         "clustermcml furnace samples/mixed.mci --photons 1e6\n"},
     [CML_COMMAND_COMPARE] = {"compare", "a.mco b.mco", 2, 2,
                              "do two results agree within their noise? exit code 1 if not",
                              "Tests the totals and every bin of the profiles of two results on the same "

@@ -16,7 +16,7 @@ static const struct {
     const char *text;
 } exit_codes[] = {
     {0, "done"},
-    {1, "results differ (compare, crosscheck)"},
+    {1, "results differ (compare, crosscheck, furnace)"},
     {2, "usage or input, or a request that does not fit into memory"},
     {3, "no device, or one that failed"},
     {4, "numerical: lost packets, or a balance of weights that is not 0; the result is written all the same"},

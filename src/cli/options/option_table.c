@@ -16,11 +16,13 @@ enum {
     MESH = 1 << CML_COMMAND_MESH,
     TRACE = 1 << CML_COMMAND_TRACE,
     CROSSCHECK = 1 << CML_COMMAND_CROSSCHECK,
+    FURNACE = 1 << CML_COMMAND_FURNACE,
     COMPARE = 1 << CML_COMMAND_COMPARE,
     MERGE = 1 << CML_COMMAND_MERGE,
     PLOT = 1 << CML_COMMAND_PLOT,
     ALL = (1 << CML_NUM_COMMANDS) - 1,
-    FLYING = RUN | PLAN | TRACE | CROSSCHECK,
+    TALLYING = RUN | PLAN | TRACE | CROSSCHECK,
+    FLYING = TALLYING | FURNACE,
     SURFACES = FLYING | CHECK | MESH
 };
 
@@ -33,7 +35,7 @@ enum {
 
 /* 2^48 photons is what a result holds; a seed up to 2^53 survives as a number in JSON and HDF5. */
 const struct cml_option cml_option_table[] = {
-    {"photons", 0, "N", RUN | PLAN | CROSSCHECK, NULL,
+    {"photons", 0, "N", RUN | PLAN | CROSSCHECK | FURNACE, NULL,
      "instead of the file's number; 1e7 reads as ten million; of plan: of the longest pilot",
      COUNT(photons, 1, 0x1p48), .title = "simulation"},
     {"set", 0, "NAME=VALUE", SURFACES | EXACT, NULL,
@@ -53,10 +55,10 @@ const struct cml_option cml_option_table[] = {
      "fly rounds of N, N, 2N, 4N ... until the relative error of Rd, A and Tt is below E; of plan: the error "
      "that is planned for, default 1e-3",
      .read = cml_read_target_error},
-    {"sampling", 0, "KIND", RUN | TRACE | CROSSCHECK, NULL,
+    {"sampling", 0, "KIND", RUN | TRACE | CROSSCHECK | FURNACE, NULL,
      "of a packet's first draws: lattice (default, evenly spread) or random", .read = cml_read_sampling,
      .words = "random lattice"},
-    {"roulette", 0, "WR,WS|mcml", FLYING, NULL,
+    {"roulette", 0, "WR,WS|mcml", TALLYING, NULL,
      "packets below WR survive as WS; mcml: below 1e-4 one in ten survives; default 0.003,0.01",
      .read = cml_read_roulette},
     {"control", 0, "flat", RUN, NULL,
@@ -70,7 +72,7 @@ const struct cml_option cml_option_table[] = {
      NO_FLAG(engine_options.absorption)},
     {"ignore-heightfields", 0, NULL, SURFACES, NULL, "every surface is its nominal plane",
      FLAG(ignore_heightfields)},
-    {"no-reentry", 0, NULL, FLYING | CHECK, NULL,
+    {"no-reentry", 0, NULL, TALLYING | CHECK, NULL,
      "score packets at their first exit, as the 2019 program did", NO_FLAG(engine_options.reentry)},
 
     {"boundaries", 0, "KIND", SURFACES, NULL, "auto (default), plane, cone or mesh",
@@ -94,19 +96,19 @@ const struct cml_option cml_option_table[] = {
      "of engine cpu: auto (default; regular grids and sheets are walked, others have a tree), tree or embree",
      .read = cml_read_mesh_search, .words = "auto tree embree"},
 
-    {"engine", 0, "NAME", RUN | CHECK | TRACE, NULL, "cpu (default), reference or opencl",
+    {"engine", 0, "NAME", RUN | CHECK | TRACE | FURNACE, NULL, "cpu (default), reference or opencl",
      .read = cml_read_engine, .title = "machine"},
-    {"threads", 0, "N", RUN | PLAN | CHECK | CROSSCHECK, NULL, "default: OMP_NUM_THREADS, or all cores",
-     INT(engine_options.threads, 1, 4096)},
+    {"threads", 0, "N", RUN | PLAN | CHECK | CROSSCHECK | FURNACE, NULL,
+     "default: OMP_NUM_THREADS, or all cores", INT(engine_options.threads, 1, 4096)},
     {"chunk", 0, "N", RUN | PLAN | CROSSCHECK, NULL,
      "packets a thread or device takes at a time; never changes a result",
      COUNT(engine_options.chunk, 1, CML_TALLY_MAX_PHOTONS)},
-    {"device", 0, "I[,J...]|all", FLYING, "opencl",
+    {"device", 0, "I[,J...]|all", TALLYING, "opencl",
      "for opencl: numbers that `devices` lists; default by local MPI rank, GPUs first",
      TEXT(engine_options.device)},
-    {"group", 0, "N", FLYING, "opencl", "for opencl: work-items per group; never changes a result",
+    {"group", 0, "N", TALLYING, "opencl", "for opencl: work-items per group; never changes a result",
      INT(engine_options.group, 1, 65536)},
-    {"build-options", 0, "TEXT", FLYING, "opencl", "for opencl: for the device's compiler, behind ours",
+    {"build-options", 0, "TEXT", TALLYING, "opencl", "for opencl: for the device's compiler, behind ours",
      TEXT(engine_options.build_options)},
     {"checkpoint", 0, "S|off", RUN, NULL,
      "seconds between checkpoints of a run, default 60 (DIR/NAME.mco.checkpoint)",
@@ -118,7 +120,7 @@ const struct cml_option cml_option_table[] = {
     {"more", 0, "N", RUN, NULL,
      "add N photons to a run that was flown with --keep: the same bits as one run of all of them; keeps, too",
      COUNT(more, 1, 0x1p48)},
-    {"patience", 0, "S", RUN | PLAN, NULL,
+    {"patience", 0, "S", RUN | PLAN | FURNACE, NULL,
      "under mpiexec or srun: end when a rank was silent for so long, default 60", .read = cml_read_seconds,
      .member = MEMBER(timeout)},
 
@@ -129,9 +131,10 @@ const struct cml_option cml_option_table[] = {
      "Else the picture, .svg, .png, .pdf or .eps; of compare and check: none without it; of plot: default "
      "plot.svg",
      TEXT(output)},
-    {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE | CROSSCHECK, NULL,
+    {"json", 0, NULL, RUN | PLAN | CHECK | EXACT | MERGE | COMPARE | CROSSCHECK | FURNACE, NULL,
      "one line with one object per run on standard output, nothing else there", FLAG(json)},
-    {"alpha", 0, "A", COMPARE, NULL, "p below it is a difference, default 0.01", .read = cml_read_alpha},
+    {"alpha", 0, "A", COMPARE | FURNACE, NULL, "p below it is a difference, default 0.01",
+     .read = cml_read_alpha},
     {"dump", 0, "FILE", CROSSCHECK, NULL, "the photons that differ, for trace", TEXT(dump)},
     {"verbose", 0, NULL, RUN, NULL, "photons, idle and communication share of every rank", FLAG(verbose)},
     {"of", 0, "NAME", PLOT, NULL,

@@ -28,12 +28,7 @@ static cml_status flatten(const struct cml_scene *scene, struct cml_scene *flat,
     *flat = *scene;
     flat->boundaries = own;
     flat->nr = flat->nz = flat->na = 1;
-    flat->map = (struct cml_map_def){0};
-    flat->facets = false;
-    flat->time = (struct cml_time_def){0};
-    flat->directions = (struct cml_directions_def){0};
-    flat->num_detectors = 0;
-    flat->fluence = (struct cml_fluence_def){0};
+    cml_scene_ask_nothing(flat);
     flat->bodies = NULL;
     flat->num_bodies = 0;
     return CML_OK;

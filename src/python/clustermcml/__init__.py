@@ -15,7 +15,7 @@ SPDX-License-Identifier: MIT
 """
 
 from .bodies import Body, Cylinder, Sphere
-from .commands import check, compare, crosscheck, exact, merge, mesh, plan, trace, version
+from .commands import check, compare, crosscheck, exact, furnace, merge, mesh, plan, trace, version
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .phases import Phase
@@ -26,7 +26,7 @@ from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
 __all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
-           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "merge", "mesh", "plan", "read", "run", "sweep", "trace"]
+           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "furnace", "merge", "mesh", "plan", "read", "run", "sweep", "trace"]
 
 
 def __getattr__(name: str) -> str:

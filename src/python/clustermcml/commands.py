@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from . import errors
-from .options import CheckOptions, CompareOptions, CrosscheckOptions, ExactOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
+from .options import CheckOptions, CompareOptions, CrosscheckOptions, ExactOptions, FurnaceOptions, MeshOptions, Path, PlanOptions, TraceOptions, shown
 from .program import PREFIX, find_program, option_words, raise_failure, renamed, scene_file, scratch_folder
 from .results import read
 from .scene import Scene
@@ -24,7 +24,7 @@ from .scene import Scene
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-DIFFERENT = 1  # exit code of compare and crosscheck where results disagree
+DIFFERENT = 1  # exit code of compare, crosscheck and furnace where results disagree
 EVENT = {"what": "what happened", "medium": "medium behind it: layer, 0 above", "x": "place", "y": "place", "z": "depth",
          "ux": "direction", "uy": "direction", "uz": "direction, down", "weight": "weight behind it"}  # columns of trace
 
@@ -88,6 +88,13 @@ def crosscheck(scene: Union[Scene, Path], **options: Unpack[CrosscheckOptions]) 
     """The same photons flown in several ways, for each run of the scene: the `ways`, and `agree` of all of them and of each with the
     first. dump: a file for the photons that differ."""
     return _of_scene("crosscheck", scene, options, CrosscheckOptions, (0, DIFFERENT))
+
+
+@shown
+def furnace(scene: Union[Scene, Path], **options: Unpack[FurnaceOptions]) -> list[dict[str, Any]]:
+    """The scene in diffuse light from both sides, without absorption, for each of its runs: whether light is `even` in all `places`, as it
+    must be whatever the shapes."""
+    return _of_scene("furnace", scene, options, FurnaceOptions, (0, DIFFERENT))
 
 
 @shown

@@ -72,6 +72,17 @@ class CrosscheckOptions(_Photons, total=False):
     dump: Path
 
 
+class FurnaceOptions(MeshOptions, total=False):
+    photons: float
+    seed: int
+    sampling: Literal["lattice", "random"]
+    mesh_search: Literal["auto", "tree", "embree"]
+    engine: Literal["cpu", "reference", "opencl"]
+    threads: int
+    patience: float
+    alpha: float
+
+
 class RunOptions(PlanOptions, total=False):
     sampling: Literal["lattice", "random"]
     control: Literal["flat"]

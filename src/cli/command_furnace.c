@@ -1,0 +1,380 @@
+/* clustermcml furnace: a scene in diffuse light from both sides, without absorption. Then radiance over the
+ * square of the index is the same everywhere, whatever the shapes, so what each turbid medium must receive
+ * follows from its volume alone. SPDX-License-Identifier: MIT */
+#include "cli/command.h"
+
+#include "base/constants.h"
+#include "base/json_name.h"
+#include "base/significance.h"
+#include "base/version.h"
+#include "run/cluster.h"
+#include "scene/body/body_shape.h"
+#include "surface/mean_depth.h"
+#include "tally/places.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* mua over mus of the scene that is flown, where what is absorbed counts interactions. A packet of k of them
+ * weighs 1 - k 1e-10 at its end; of so little as this the mean is off by 4e-5 of itself (cml_absorbed_part).
+ */
+#define TRACER 1e-10
+/* Interactions of light that crosses a medium straight on: beyond, packets stay for ever. */
+#define MOST_DEPTH 1e4
+#define MOST_PERIODS 10000
+#define ROWS 40 /* of places that are printed */
+
+/* Where light is looked at. */
+struct place {
+    char name[48];
+    const char *untested; /* why nothing is known; NULL: it is */
+    double volume;        /* cm3; NAN: of parts that overlap */
+    double ratio, error;  /* of what is there to what must be */
+    double z;             /* a normal deviate */
+};
+
+struct furnace {
+    struct cml_scene scene; /* that is flown; media, beams and shares are its own, the rest is borrowed */
+    struct cml_beam beams[2];
+    double shares[2];
+    double size[2], area; /* of both beams, cm, cm2 */
+    int num_places, tested, worst;
+    struct place *place; /* below, layers, bodies */
+    double p;
+};
+
+/* ---- the scene ---- */
+
+static double larger_of(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* How far a boundary reaches sideways from the z axis, and from its nominal depth, cm. */
+static void reach_of(const struct cml_boundary *boundary, double *aside, double *up)
+{
+    const struct cml_radial *radial = &boundary->radial;
+    const struct cml_heightmap *tile = &boundary->tile;
+    const struct cml_mesh *mesh = &boundary->mesh;
+    *aside = *up = 0;
+    if (boundary->form == CML_FORM_RADIAL) *aside = radial->r[radial->n - 1];
+    for (int i = 0; boundary->form == CML_FORM_RADIAL && i < radial->n; i++)
+        *up = larger_of(*up, fabs(radial->h[i]));
+    for (size_t i = 0; boundary->form == CML_FORM_TILE && i < (size_t)tile->nx * (size_t)tile->ny; i++)
+        *up = larger_of(*up, fabs(tile->h[i]));
+    if (boundary->form != CML_FORM_MESH) return;
+    for (int k = 0; k < 2; k++) *aside = larger_of(*aside, larger_of(-mesh->lower[k], mesh->upper[k]));
+    *up = larger_of(-mesh->lower[2], mesh->upper[2]);
+}
+
+static bool is_whole(double ratio)
+{
+    return fabs(ratio - round(ratio)) < 1e-9 * ratio;
+}
+
+/* The shortest length from `least` on that is whole periods of all tiles; any if there are none. */
+static cml_status fit_periods(const struct cml_scene *scene, int axis, double least, double *size,
+                              struct cml_error *err)
+{
+    double first = 0;
+    for (int b = 0; b <= scene->num_layers && first == 0; b++)
+        if (scene->boundaries[b].form == CML_FORM_TILE)
+            first = cml_tile_period(&scene->boundaries[b].tile, axis);
+    *size = least;
+    if (first == 0) return CML_OK;
+    for (double periods = larger_of(1, ceil(least / first)); periods <= MOST_PERIODS; periods++) {
+        bool fits = true;
+        *size = periods * first;
+        for (int b = 0; b <= scene->num_layers && fits; b++)
+            fits = scene->boundaries[b].form != CML_FORM_TILE ||
+                   is_whole(*size / cml_tile_period(&scene->boundaries[b].tile, axis));
+        if (fits) return CML_OK;
+    }
+    return cml_fail(err, CML_E_INPUT,
+                    "%s: tiles of %s have no common period (expected one of at most %d of the first)",
+                    scene->output, axis ? "y" : "x", MOST_PERIODS);
+}
+
+/* Light is sent in on an area that holds all shapes with so much around them that what light from further off
+ * would do there is little, or on whole periods of tiles. */
+static cml_status choose_area(const struct cml_scene *scene, struct furnace *f, double *lift,
+                              struct cml_error *err)
+{
+    double widest = 0, relief = 0, thickness = 0;
+    for (int b = 0; b <= scene->num_layers; b++) {
+        double aside, up;
+        reach_of(&scene->boundaries[b], &aside, &up);
+        widest = larger_of(widest, aside);
+        relief = larger_of(relief, up);
+        thickness += scene->media[b].d;
+        if (b == scene->num_layers) *lift = up;
+    }
+    for (int k = 0; k < scene->num_bodies; k++) {
+        double lower[3], upper[3];
+        cml_body_box(&scene->bodies[k], lower, upper);
+        for (int axis = 0; axis < 2; axis++) widest = larger_of(widest, larger_of(-lower[axis], upper[axis]));
+    }
+    const double least = 2 * (widest + (widest > 0 ? 4 * (thickness + relief) : 0));
+    for (int axis = 0; axis < 2; axis++)
+        CML_TRY(fit_periods(scene, axis, least > 0 ? least : 1, &f->size[axis], err));
+    f->area = f->size[0] * f->size[1];
+    return CML_OK;
+}
+
+static struct cml_beam diffuse_beam(const struct furnace *f)
+{
+    return (struct cml_beam){.kind = CML_BEAM_RECTANGLE,
+                             .size = {f->size[0], f->size[1]},
+                             .light = {.kind = CML_LIGHT_OF_LAMBERTIAN}};
+}
+
+static cml_status check_media(const struct cml_scene *scene, struct cml_error *err)
+{
+    if (scene->backing.kind != CML_NO_BACKING)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: a backing (expected none in a furnace: light comes from there)", scene->file,
+                        scene->backing.line);
+    for (int l = 1; l <= scene->num_layers; l++)
+        if (scene->media[l].mus * scene->media[l].d > MOST_DEPTH)
+            return cml_fail(
+                err, CML_E_INPUT,
+                "%s: layer %d: mus d = %g (expected at most %g in a furnace: light would stay for ever)",
+                scene->output, l, scene->media[l].mus * scene->media[l].d, MOST_DEPTH);
+    return CML_OK;
+}
+
+static cml_status heat(const struct cml_scene *scene, struct furnace *f, struct cml_error *err)
+{
+    const size_t media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies;
+    const struct cml_medium_def *above = &scene->media[0], *below = &scene->media[scene->num_layers + 1];
+    double lift = 0;
+    CML_TRY(check_media(scene, err));
+    CML_TRY(choose_area(scene, f, &lift, err));
+    struct cml_medium_def *own = malloc(media * sizeof *own);
+    if (!own) return cml_fail_memory(err, (double)(media * sizeof *own), "media");
+    memcpy(own, scene->media, media * sizeof *own);
+    for (size_t m = 0; m < media; m++) own[m].mua = TRACER * own[m].mus;
+    f->scene = *scene;
+    cml_scene_ask_nothing(&f->scene);
+    f->scene.nr = f->scene.nz = f->scene.na = 1;
+    f->scene.media = own;
+    f->scene.beams = f->beams;
+    f->scene.shares = f->shares;
+    f->scene.num_beams = 2;
+    f->beams[0] = f->beams[1] = diffuse_beam(f);
+    f->beams[1].inside = true;
+    f->beams[1].z = scene->boundaries[scene->num_layers].z + lift + 1e-3 * f->size[0];
+    f->beams[1].angle = CML_PI;
+    f->shares[0] = above->n * above->n;
+    f->shares[1] = below->n * below->n;
+    return CML_OK;
+}
+
+/* ---- what must be there ---- */
+
+static cml_status find_volumes(struct furnace *f, const struct cml_surface_set *surfaces,
+                               const struct cml_surface_options *options, struct cml_error *err)
+{
+    const struct cml_scene *scene = &f->scene;
+    double upper = 0, lower = 0;
+    for (int b = 0; b <= scene->num_layers; b++) {
+        CML_TRY(cml_mean_depth(scene, surfaces, b, options, f->area, &lower, err));
+        if (b > 0) f->place[b].volume = (lower - upper) * f->area;
+        upper = lower;
+    }
+    for (int k = 0; k < scene->num_bodies; k++) {
+        const struct cml_scene_body *body = &scene->bodies[k];
+        const int host = body->host > scene->num_layers ? body->host - 1 : body->host;
+        const double volume = body->mesh.unite ? NAN : cml_body_volume(body);
+        f->place[scene->num_layers + 1 + k].volume += volume;
+        f->place[host].volume -= volume;
+    }
+    return CML_OK;
+}
+
+/* A share of the launched weight, its standard error from 64 batches, and the law. */
+static void judge(struct furnace *f, int i, double share, double error, double law)
+{
+    struct place *place = &f->place[i];
+    place->ratio = share / law;
+    place->error = error / law;
+    if (!place->untested && !(error > 0)) place->untested = "no light came there";
+    if (place->untested) return;
+    place->z = cml_normal_of_student((share - law) / error, CML_NUM_BATCHES - 1);
+    if (f->tested++ == 0 || fabs(place->z) > fabs(f->place[f->worst].z)) f->worst = i;
+}
+
+/* In a medium fluence is 4 n^2 per irradiance 1 in the vacuum, and its absorbed share mua times the volume
+ * times that over the light that is sent in. */
+static void judge_medium(struct furnace *f, const struct cml_result *result, int i)
+{
+    const struct cml_scene *scene = &f->scene;
+    const int m = i > scene->num_layers ? i + 1 : i, media = (int)cml_grid_media(&result->grid);
+    const struct cml_medium_def *medium = &scene->media[m];
+    struct place *place = &f->place[i];
+    const double law =
+        4 * medium->n * medium->n * medium->mua * place->volume / (f->area * (f->shares[0] + f->shares[1]));
+    place->untested = !(medium->mus > 0)     ? "clear"
+                      : isnan(place->volume) ? "parts that overlap"
+                      : !(place->volume > 0) ? "no volume"
+                                             : NULL;
+    judge(f, i, cml_result_bin_sum(result->A_l, media, m) * CML_WEIGHT_UNIT / (double)result->photons,
+          cml_result_bin_error(result, result->A_l, media, m), law);
+}
+
+static void judge_all(struct furnace *f, const struct cml_result *result)
+{
+    judge(f, 0, cml_result_total(result, CML_TOTAL_TRANSMITTED),
+          cml_result_error(result, CML_TOTAL_TRANSMITTED), f->shares[1] / (f->shares[0] + f->shares[1]));
+    for (int i = 1; i < f->num_places; i++) judge_medium(f, result, i);
+    f->p = f->tested ? cml_sidak(cml_two_sided(f->place[f->worst].z), f->tested) : 1;
+}
+
+/* ---- what is said ---- */
+
+static int compare_places(const void *left, const void *right)
+{
+    const struct place *a = left, *b = right;
+    if (!a->untested != !b->untested) return a->untested ? 1 : -1;
+    return fabs(a->z) < fabs(b->z) ? 1 : fabs(a->z) > fabs(b->z) ? -1 : 0;
+}
+
+static void print_all(struct furnace *f, uint64_t photons)
+{
+    printf("%s: %g photons of diffuse light from above and below, on %g x %g cm, without absorption\n",
+           f->scene.output, (double)photons, f->size[0], f->size[1]);
+    printf("  %-12s %14s %14s %12s %8s\n", "place", "volume cm3", "light / law", "error", "z");
+    if (f->num_places > ROWS) qsort(f->place, (size_t)f->num_places, sizeof *f->place, compare_places);
+    for (int i = 0; i < f->num_places && i < ROWS; i++) {
+        const struct place *place = &f->place[i];
+        printf("  %-12s", place->name);
+        if (place->volume > 0)
+            printf(" %14.6g", place->volume);
+        else
+            printf(" %14s", "-");
+        if (place->untested)
+            printf(" not tested: %s\n", place->untested);
+        else
+            printf(" %14.6f %12.6f %+8.2f\n", place->ratio, place->error, place->z);
+    }
+    if (f->num_places > ROWS) printf("  the worst %d of %d places\n", ROWS, f->num_places);
+    printf("p = %.3g (Sidak over %d tests)\n", f->p, f->tested);
+}
+
+static json_t *place_json(const struct place *place)
+{
+    json_t *object = json_pack("{s:s}", "name", place->name);
+    json_object_set_new(object, "volume", place->volume > 0 ? json_real(place->volume) : json_null());
+    json_object_set_new(object, "ratio", place->untested ? json_null() : json_real(place->ratio));
+    json_object_set_new(object, "error", place->untested ? json_null() : json_real(place->error));
+    json_object_set_new(object, "z", place->untested ? json_null() : json_real(place->z));
+    json_object_set_new(object, "untested", place->untested ? json_string(place->untested) : json_null());
+    return object;
+}
+
+static cml_status print_json(const struct furnace *f, uint64_t photons, double alpha, struct cml_error *err)
+{
+    json_t *object =
+        json_pack("{s:o, s:o, s:I, s:[f, f], s:i, s:f, s:b}", "scene", cml_json_name(f->scene.file), "output",
+                  cml_json_name(f->scene.output), "photons", (json_int_t)photons, "size", f->size[0],
+                  f->size[1], "tests", f->tested, "p", f->p, "even", !(f->p < alpha));
+    json_t *places = json_array();
+    for (int i = 0; i < f->num_places; i++) json_array_append_new(places, place_json(&f->place[i]));
+    json_object_set_new(object, "places", places);
+    json_object_set_new(object, "version", json_string(cml_version()));
+    char *text = json_dumps(object, JSON_COMPACT);
+    json_decref(object);
+    if (!text) return cml_fail_memory(err, 1, "the JSON record");
+    printf("%s\n", text);
+    free(text);
+    return CML_OK;
+}
+
+/* ---- the command ---- */
+
+static cml_status publish(const struct cml_options *options, struct furnace *f, uint64_t photons,
+                          struct cml_error *err)
+{
+    char name[sizeof f->place->name];
+    snprintf(name, sizeof name, "%s", f->place[f->worst].name);
+    const double z = f->place[f->worst].z;
+    if (options->json) CML_TRY(print_json(f, photons, options->alpha, err));
+    if (!options->json && !options->quiet) print_all(f, photons);
+    if (!(f->p < options->alpha)) return CML_OK;
+    return cml_fail(err, CML_E_DIFFER, "%s: light is not even: p = %.3g, z = %+.2f in %s", f->scene.output,
+                    f->p, z, name);
+}
+
+static cml_status name_places(struct furnace *f, struct cml_error *err)
+{
+    f->num_places = 1 + f->scene.num_layers + f->scene.num_bodies;
+    f->place = calloc((size_t)f->num_places, sizeof *f->place);
+    if (!f->place) return cml_fail_memory(err, f->num_places * (double)sizeof *f->place, "places");
+    strcpy(f->place[0].name, "below");
+    for (int i = 1; i < f->num_places; i++) {
+        const bool body = i > f->scene.num_layers;
+        snprintf(f->place[i].name, sizeof f->place->name, "%s %d", body ? "body" : "layer",
+                 body ? i - f->scene.num_layers : i);
+    }
+    return CML_OK;
+}
+
+static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene, struct furnace *f,
+                          struct cml_surface_set *surfaces, struct cml_error *err)
+{
+    CML_TRY(heat(scene, f, err));
+    CML_TRY(name_places(f, err));
+    CML_TRY(cml_choose_surfaces(options, &f->scene, surfaces, err));
+    CML_TRY(find_volumes(f, surfaces, &options->surface, err));
+    return cml_check_memory(options, &f->scene, surfaces, err);
+}
+
+static cml_status fly(const struct cml_options *options, struct furnace *f, const struct cml_run_setup *setup,
+                      struct cml_error *err)
+{
+    struct cml_run_result run = {0};
+    cml_status status = cml_run(setup, &run, err);
+    if (status != CML_OK || cml_cluster_rank() != 0) return status;
+    status = cml_run_verdict(setup->scene, &run.result, err);
+    if (status == CML_OK) judge_all(f, &run.result);
+    cml_run_result_free(&run);
+    return status == CML_OK ? publish(options, f, setup->photons, err) : status;
+}
+
+static cml_status furnace_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
+                                struct cml_error *err)
+{
+    struct cml_surface_set surfaces = {0};
+    struct furnace f = {0};
+    struct cml_run_setup setup = {.scene = &f.scene,
+                                  .surfaces = &surfaces,
+                                  .engine = options->engine,
+                                  .options = options->engine_options,
+                                  .photons = options->photons ? options->photons : scene->photons};
+    setup.options.run = (uint32_t)index;
+    cml_status status = cml_cluster_agree(prepare(options, scene, &f, &surfaces, err), err);
+    if (status == CML_OK) status = fly(options, &f, &setup, err);
+    cml_surfaces_free(&surfaces);
+    free(f.scene.media);
+    free(f.place);
+    return cml_cluster_agree(status, err);
+}
+
+cml_status cml_command_furnace(const struct cml_options *options, struct cml_error *err)
+{
+    struct cml_options mine = *options;
+    struct cml_scene_list list;
+    struct cml_inputs inputs;
+    cml_status status = CML_OK;
+    mine.engine_options.threads = cml_choose_threads(options);
+    mine.engine_options.local_rank = cml_cluster_local_rank();
+    CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
+    cml_inputs_clear(&inputs);
+    for (int i = 0; status == CML_OK && i < list.count; i++)
+        status = furnace_scene(&mine, &list.scenes[i], i, err);
+    cml_scene_list_clear(&list);
+    return status;
+}

@@ -1,0 +1,14 @@
+/* Mean depths of boundaries: what lies between two of them over a level area. SPDX-License-Identifier: MIT */
+#ifndef CML_MEAN_DEPTH_H
+#define CML_MEAN_DEPTH_H
+
+#include "surface/surface.h"
+
+/* *depth: the scene's, cm, mean over a level area (cm2) that holds all that is not level of boundary b, or
+ * whole periods of a tile; of a sheet that overhangs the volume between it and a level plane counts. set:
+ * made of the scene with `options`. CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_mean_depth(const struct cml_scene *scene, const struct cml_surface_set *set,
+                                        int b, const struct cml_surface_options *options, double area,
+                                        double *depth, struct cml_error *err);
+
+#endif

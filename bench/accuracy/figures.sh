@@ -1,7 +1,7 @@
 #!/bin/sh
 # Draws figures 5 to 10 of the report "MCML with Boundary Surfaces" (2019) again, from our own runs, with the report's
 # curves (figures/*.csv) dashed beside them, the maps of samples/skinmap.mci, furrows.mci, vein.mci and pattern.mci, the runs
-# of samples/two_runs.mci and pulse.mci, and the beams of fibre.mci, lamp.mci and glow.mci:
+# of samples/two_runs.mci and pulse.mci, the fluence of head.mci, and the beams of fibre.mci, lamp.mci and glow.mci:
 #     figures.sh [--quick] [--photons N] [--program PATH] [--out DIR]
 # by default 3e6 packets (--quick: 1e5) of build/clustermcml into bench/out.
 # SPDX-License-Identifier: MIT
@@ -16,7 +16,7 @@ need_program
 need gnuplot
 mkdir -p "$out"
 for scene in fig5 fig6 fig7 shapes/flat50 shapes/lohill shapes/hihill shapes/locrater shapes/hicrater shapes/lonoise \
-    shapes/hinoise two_runs pulse furrows vein pattern; do
+    shapes/hinoise two_runs pulse furrows vein pattern head; do
     "$program" "$root/samples/$scene.mci" --photons "$photons" --ignore-absorption --quiet -o "$out"
 done
 # a map has as many pixels as a profile has bins, squared
@@ -58,4 +58,6 @@ for scene in fibre lamp glow; do "$program" check "$root/samples/$scene.mci" -o 
 draw hill "A slab with and without a hill, $photons packets each." two_runs_hill.mco two_runs_flat.mco --label "with a hill" --label "flat"
 draw pulse "Diffuse reflectance of a pulse by time, $photons packets each, over a layer five times as dark from 0.8 cm down, and over none." \
     pulse.mco pulse_even.mco --of Rd_t --label "darker below 0.8 cm" --label "even"
+draw head "Fluence in a head at 800 nm, $photons packets, bins of 0.5 mm. Between 1 and 1.2 cm of depth lies the clear fluid around the brain, which guides light." \
+    head.mco --of phi_rz --label "Scalp, skull, clear fluid, grey and white matter"
 for figure in figure5 figure6 figure7 figure8 figure9 figure10 hill pulse; do python3 -B "$lib/shrink_svg.py" "$out/$figure.svg"; done

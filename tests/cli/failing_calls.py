@@ -43,12 +43,13 @@ def wanted_code(folder, call, n, reason, name):
 
 
 def check_words(folder, code, reason, name, err):
-    """One line that names the file and says why, or notes about checkpoints."""
-    lines = err.splitlines()
+    """One line that names the file and says why, or notes about checkpoints, after those of results replaced."""
+    usual = ("clustermcml: note: replaces ", "clustermcml: note: --resume finds no ")
+    lines = [line for line in err.splitlines() if not line.startswith(usual)]
     path = os.path.join(folder.path, name.removesuffix(".tmp"))
     words = "" if reason == "short" else os.strerror(getattr(errno, reason))
     if code == 5:
-        return [] if len(lines) == 1 and lines[0].startswith(f"clustermcml: {path}: ") and words in err else [err]
+        return [] if len(lines) == 1 and lines[0].startswith(f"clustermcml: {path}: ") and words in lines[0] else [err]
     return [line for line in lines if not line.startswith("clustermcml: note: ") or ".checkpoint" not in line]
 
 
@@ -80,6 +81,8 @@ def stopped(folder):
     folder.clear()
     process = folder.start({"CML_FAULT": f"rename 1+ {errno.EIO} skinmap.mco.checkpoint"}, photons="1e9")
     note = process.stderr.readline()
+    if "--resume finds no" in note:
+        note = process.stderr.readline()
     process.send_signal(signal.SIGTERM)
     last = process.communicate()[1].splitlines()[-1]
     path = os.path.join(folder.path, "skinmap.mco.checkpoint")

@@ -133,6 +133,7 @@ pencil() { # LINE BOUNDARY HEIGHT ARGUMENTS...: the one note
     expected="clustermcml: note: $work/scene.mci:$1: a pencil meets boundary $2 at one point: height $3 cm, slope 0.5 \
 (for what the whole surface does: a beam over many periods, beam disk R)"
     shift 3
+    rm -f "$work"/n.* # replacing it is noted
     expect_code 0 "$@"
     test "$(cat "$work/err")" = "$expected" || complain "$*: $(cat "$work/err")"
 }
@@ -173,6 +174,8 @@ WHOLE = rb" *\d+ %  [\d.e+]+ photons/s  " + TIME + b", " + TIME + b" left"
 def shown(columns):
     """What is drawn on a terminal of that width (0: unknown), one string for every time."""
     ours, theirs = pty.openpty()
+    if os.path.exists(f"{work}/thick.mco"):
+        os.remove(f"{work}/thick.mco") # replacing it is noted
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24 if columns else 0, columns, 0, 0))
     run = subprocess.Popen([program, "samples/thick.mci", "--photons", "2e4", "--threads", "1", "-o", work],
                            stdout=subprocess.DEVNULL, stderr=theirs)

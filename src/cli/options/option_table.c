@@ -115,6 +115,8 @@ const struct cml_option cml_option_table[] = {
      .read = cml_read_checkpoint, .member = MEMBER(checkpoint_interval)},
     {"resume", 0, NULL, RUN, NULL, "continue from the checkpoint, on any number of ranks and threads",
      FLAG(resume)},
+    {"no-clobber", 0, NULL, RUN, NULL,
+     "end where a result would be replaced; with --resume finished ones count", FLAG(no_clobber)},
     {"keep", 0, NULL, RUN, NULL,
      "leave a checkpoint of the finished run, with all tallies: --more can add photons to it", FLAG(keep)},
     {"more", 0, "N", RUN, NULL,

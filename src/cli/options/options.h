@@ -25,9 +25,10 @@ struct cml_options {
     double checkpoint_interval; /* s; 0: no checkpoints */
     bool seed_given;            /* by --seed */
     bool resume;
-    bool keep;      /* checkpoints of finished runs stay, with all tallies */
-    uint64_t more;  /* photons to be added to finished runs; 0: none */
-    double timeout; /* s of a rank's silence */
+    bool no_clobber; /* a result that is there is not replaced */
+    bool keep;       /* checkpoints of finished runs stay, with all tallies */
+    uint64_t more;   /* photons to be added to finished runs; 0: none */
+    double timeout;  /* s of a rank's silence */
     bool quiet, json, verbose;
     double alpha;                /* level of `compare` */
     struct cml_plot_style style; /* of `plot` */

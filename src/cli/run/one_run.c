@@ -16,6 +16,7 @@
 #include "run/stop.h"
 
 #include <inttypes.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -127,12 +128,23 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     fflush(stdout);
 }
 
+/* Nobody was stopped here, or the names differ from those of the run that was. Of a sweep most rows may not
+ * have begun. */
+static void note_no_checkpoint(const char *path)
+{
+    char text[512], older[PATH_MAX];
+    snprintf(older, sizeof older, "%s.old", path);
+    if (access(path, F_OK) == 0 || access(older, F_OK) == 0) return;
+    snprintf(text, sizeof text, "--resume finds no %.400s: the run begins anew", path);
+    cml_show_note(NULL, text);
+}
+
 /* It will be overwritten, which may not be what the user wants. */
-static void note_old_checkpoint(const struct cml_options *options, const char *path)
+static void note_old_checkpoint(const char *path)
 {
     const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
     char text[512];
-    if (options->resume || kind == CML_CHECKPOINT_NONE) return;
+    if (kind == CML_CHECKPOINT_NONE) return;
     if (kind == CML_CHECKPOINT_FINISHED)
         snprintf(text, sizeof text, "%.400s is of a finished run; without --more or --resume it begins anew",
                  path);
@@ -218,14 +230,22 @@ static cml_status control_run(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
+static void note_checkpoint(const struct cml_run_call *call, const struct cml_run_setup *setup)
+{
+    if (!setup->checkpoint || setup->base > 0 || cml_cluster_rank() != 0) return;
+    if (!call->options->resume)
+        note_old_checkpoint(setup->checkpoint);
+    else if (call->row == 0)
+        note_no_checkpoint(setup->checkpoint);
+}
+
 /* On all ranks. Signals are watched only where a checkpoint can follow them, and not before: else they end
  * the program as usual. */
 static cml_status fly(const struct cml_run_call *call, const struct cml_run_setup *setup,
                       const struct cml_twin *twin, struct cml_record *record, struct cml_error *err)
 {
     struct cml_run_result run;
-    if (setup->checkpoint && setup->base == 0 && cml_cluster_rank() == 0)
-        note_old_checkpoint(call->options, setup->checkpoint);
+    note_checkpoint(call, setup);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(cml_run(setup, &run, err));

@@ -4,14 +4,17 @@
 #include "base/atomic_file.h"
 #include "base/text.h"
 #include "cli/load/scenes.h"
+#include "cli/run/one_run.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
+#include "result/h5.h"
 #include "run/checkpoint.h"
 
 #include <limits.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- names of files ---- */
 
@@ -71,11 +74,11 @@ static cml_status add(struct cml_outputs *outputs, const char *path, int run, bo
 }
 
 static cml_status add_beside(struct cml_outputs *outputs, const char *path, const char *suffix, int run,
-                             struct cml_error *err)
+                             bool is_main, struct cml_error *err)
 {
     char *name = NULL;
     CML_TRY(cml_report_path(path, suffix, &name, err));
-    const cml_status status = add(outputs, name, run, false, err);
+    const cml_status status = add(outputs, name, run, is_main, err);
     free(name);
     return status;
 }
@@ -85,20 +88,22 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
                           int run, struct cml_error *err)
 {
     char suffix[64];
-    CML_TRY(scene->format == 'B' ? CML_OK : add(outputs, path, run, true, err));
-    if (cml_report_wants_fields(scene)) CML_TRY(add_beside(outputs, path, ".h5", run, err));
-    if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, err));
-    if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, err));
+    const bool only_fields = scene->format == 'B';
+    CML_TRY(only_fields ? CML_OK : add(outputs, path, run, true, err));
+    if (cml_report_wants_fields(scene)) CML_TRY(add_beside(outputs, path, ".h5", run, only_fields, err));
+    if (scene->map.nx > 0) CML_TRY(add_beside(outputs, path, ".map.vti", run, false, err));
+    if (scene->map.volume) CML_TRY(add_beside(outputs, path, ".volume.vti", run, false, err));
     for (int k = 0; k < scene->num_detectors; k++) {
         if (scene->detectors[k].kind != CML_DETECTOR_MAP) continue;
         snprintf(suffix, sizeof suffix, ".detector_%s.vti", scene->detectors[k].name);
-        CML_TRY(add_beside(outputs, path, suffix, run, err));
+        CML_TRY(add_beside(outputs, path, suffix, run, false, err));
     }
     for (int b = 0; scene->facets && b <= scene->num_layers; b++) {
         snprintf(suffix, sizeof suffix, ".boundary%d.vtp", b);
-        CML_TRY(add_beside(outputs, path, suffix, run, err));
+        CML_TRY(add_beside(outputs, path, suffix, run, false, err));
     }
-    if (scene->facets && scene->num_bodies > 0) CML_TRY(add_beside(outputs, path, ".bodies.vtp", run, err));
+    if (scene->facets && scene->num_bodies > 0)
+        CML_TRY(add_beside(outputs, path, ".bodies.vtp", run, false, err));
     return CML_OK;
 }
 
@@ -257,6 +262,63 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
     return status;
 }
 
+/* A result of before. A finished run's that --resume will find, or --more extends, is not replaced. */
+static bool replaces(const struct cml_options *options, const struct cml_scene_list *list,
+                     const struct cml_output_file *file)
+{
+    struct cml_error ignored;
+    char *path = NULL;
+    bool finished = options->more > 0;
+    if (!file->is_main || access(file->name, F_OK) != 0) return false;
+    if (options->resume && cml_run_checkpoint(options, &list->scenes[file->run], &path, &ignored) == CML_OK)
+        finished = finished || cml_checkpoint_look(path).kind == CML_CHECKPOINT_FINISHED;
+    free(path);
+    return !finished;
+}
+
+/* The first result that will be replaced; NULL: none. Their number to *count. */
+static const char *find_replaced(const struct cml_options *options, const struct cml_scene_list *list,
+                                 const struct cml_outputs *outputs, size_t *count)
+{
+    const char *first = NULL;
+    *count = 0;
+    for (size_t i = 0; i < outputs->count; i++) {
+        if (!replaces(options, list, &outputs->file[i])) continue;
+        if (!first) first = outputs->file[i].name;
+        ++*count;
+    }
+    return first;
+}
+
+static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
+                                const struct cml_outputs *outputs, struct cml_error *err)
+{
+    size_t count = 0;
+    const char *first = options->no_clobber ? find_replaced(options, list, outputs, &count) : NULL;
+    if (!first) return CML_OK;
+    return cml_fail(err, CML_E_INPUT,
+                    "--no-clobber: %.400s is there (expected no result that would be replaced)", first);
+}
+
+/* With the photons that are lost, as they cost time; what cannot be read is no result of ours. */
+static void note_replaced(const struct cml_options *options, const struct cml_scene_list *list,
+                          const struct cml_outputs *outputs, void (*note)(void *context, const char *text))
+{
+    struct cml_outcome before;
+    struct cml_error ignored;
+    size_t count = 0;
+    char photons[60] = "", others[60] = "", text[640];
+    const char *first = find_replaced(options, list, outputs, &count);
+    if (!first) return;
+    if (cml_result_read(first, &before, &ignored) == CML_OK) {
+        snprintf(photons, sizeof photons, " of %g photons", (double)before.photons);
+        cml_outcome_clear(&before);
+    }
+    if (count > 1) snprintf(others, sizeof others, ", and %zu more result%s", count - 1, &"s"[count == 2]);
+    snprintf(text, sizeof text, "replaces %.400s%s%s", strrchr(first, '/') + 1, photons, others);
+    note(NULL, text);
+}
+
 /* Names with a path of their own may leave the directory of -o. */
 static void note_elsewhere(const struct cml_options *options, const struct cml_outputs *outputs,
                            void (*note)(void *context, const char *text))
@@ -328,6 +390,7 @@ static cml_status claim_all(const struct cml_options *options, const struct cml_
     qsort(outputs->file, outputs->count, sizeof *outputs->file, compare_files);
     CML_TRY(check_distinct(outputs, list, err));
     CML_TRY(check_inputs(options, outputs, list, inputs, err));
+    CML_TRY(check_clobber(options, list, outputs, err));
     for (int i = 0; i < num_locks; i++) CML_TRY(lock_run(options, &list->scenes[i], outputs, err));
     remove_leftovers(outputs);
     return CML_OK;
@@ -340,11 +403,13 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
 {
     *outputs = (struct cml_outputs){0};
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
-    if (status == CML_OK)
-        note_elsewhere(options, outputs, note);
-    else
+    if (status != CML_OK) {
         cml_outputs_release(outputs);
-    return status;
+        return status;
+    }
+    note_elsewhere(options, outputs, note);
+    note_replaced(options, list, outputs, note);
+    return CML_OK;
 }
 
 cml_status cml_output_claim(const char *path, struct cml_outputs *outputs, struct cml_error *err)

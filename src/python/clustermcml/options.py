@@ -90,6 +90,7 @@ class RunOptions(PlanOptions, total=False):
     engine: Literal["cpu", "reference", "opencl"]
     checkpoint: Union[float, Literal["off"]]
     resume: bool
+    no_clobber: bool
     keep: bool
     more: float
 

@@ -236,6 +236,7 @@ static cml_status check_style(const struct cml_options *options, enum kind kind,
     if (curves && (coloured || style->percentile < 100))
         return cml_fail(err, CML_E_INPUT, "--%s (expected with maps only)",
                         coloured ? "crange" : "percentile");
+    if (!curves && style->log_x) return cml_fail(err, CML_E_INPUT, "--logx (expected with curves only)");
     if (coloured && style->percentile < 100)
         return cml_fail(err, CML_E_INPUT, "--percentile (expected without --crange)");
     if (log && (logged->from <= 0 || logged->to <= 0))

@@ -207,14 +207,28 @@ static double bottom_of(const struct drawing *d, const struct panel *panel)
     return panel->low / pow(panel->high / panel->low, strip / (1 - strip));
 }
 
-/* Up to the last light of any curve; of sweeps from their first place. One place alone has some room. */
+/* The first place of all curves. */
+static double first_place(const struct drawing *d, int num_panels)
+{
+    double first = INFINITY;
+    for (int i = 0; i < num_panels; i++)
+        for (int k = 0; k < d->count; k++) first = fmin(first, d->panels[i].curves[k].x[0]);
+    return first;
+}
+
+/* Zero and what is below have no place on a log axis. */
+static cml_status check_log_axis(const struct drawing *d, struct cml_error *err)
+{
+    if (!d->plot->style.log_x || d->from > 0) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "--logx (expected a lower axis above 0; it begins at %g)", d->from);
+}
+
+/* Up to the last light of any curve; of sweeps, and on a log axis, from the first place. One place alone has
+ * some room. */
 static cml_status find_axis(struct drawing *d, int num_panels, struct cml_error *err)
 {
-    if (d->plot->over) {
-        d->from = INFINITY;
-        d->to = -INFINITY;
-        for (int k = 0; k < d->count; k++) d->from = fmin(d->from, d->panels[0].curves[k].x[0]);
-    }
+    if (d->plot->over || d->plot->style.log_x) d->from = first_place(d, num_panels);
+    if (d->plot->over) d->to = -INFINITY;
     for (int i = 0; i < num_panels; i++)
         for (int k = 0; k < d->count; k++) d->to = fmax(d->to, d->panels[i].curves[k].end);
     if (d->plot->over && !(d->to - d->from > 1e-4 * fabs(d->to))) {
@@ -222,7 +236,8 @@ static cml_status find_axis(struct drawing *d, int num_panels, struct cml_error 
         d->from -= room;
         d->to += room;
     }
-    return cml_axis_range_within(&d->plot->style.x, "--xrange", &d->from, &d->to, err);
+    CML_TRY(cml_axis_range_within(&d->plot->style.x, "--xrange", &d->from, &d->to, err));
+    return check_log_axis(d, err);
 }
 
 /* ---- data ---- */
@@ -263,8 +278,9 @@ static void write_frame(const struct drawing *d)
     FILE *out = d->page.out;
     cml_page_begin(&d->page);
     fputs(linear(d) ? "set multiplot\n" : "set multiplot\nset logscale y\n", out);
-    fprintf(out, "set format y '%%g'\nset format y2 '%%g'\nset mxtics 2\nset xrange [%.9g:%.9g]\n", d->from,
-            d->to);
+    fprintf(out, "set format y '%%g'\nset format y2 '%%g'\n%s\nset xrange [%.9g:%.9g]\n",
+            d->plot->style.log_x ? "set logscale x\nset format x '%g'\nset mxtics 10" : "set mxtics 2",
+            d->from, d->to);
     write_title(d);
     fprintf(out,
             "set key at screen 0.5,%.6f center top horizontal maxcols %d Left reverse samplen 2.5 "

@@ -31,6 +31,7 @@ struct cml_plot_style {
     const char *title;            /* NULL: chosen */
     const char *caption;          /* text below the picture; NULL: none */
     enum cml_scale scale;         /* of values */
+    bool log_x;                   /* of curves: the lower axis is logarithmic */
     struct cml_axis_range x, y;   /* of the axes, in their units */
     struct cml_axis_range colour; /* of a map's values, in their unit */
     double percentile; /* of a map's lit pixels, at which the colours end, in per cent: 0 < p <= 100 */

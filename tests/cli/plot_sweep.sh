@@ -78,6 +78,12 @@ for t in range(3):
 assert rows[2][2] == "NaN"
 END
 
+expect_code 0 plot "$grid" --logx -o "$work/log.svg"
+grep -qx "set logscale x" "$work/script" && grep -qx "set xrange \[0.5:3\]" "$work/script" || complain "--logx: $(grep -n 'xrange\|logscale' "$work/script")"
+expect_code 0 plot "$work/grid-0001.mco" --logx -o "$work/log.svg"
+expect_error 2 "--logx (expected a lower axis above 0; it begins at 0)" plot "$grid" --logx --xrange 0:1
+expect_error 2 "--logx (expected with curves only)" plot "$grid" --logx --over layer1.mua,layer1.mus
+
 # Refused.
 printf 'row,"a",layer1.mua,photons,seed,Rsp,Rd\n1,x,1,9,1,0,0.5\n2,x,1,9,1,0,0.6\n' >"$work/same.sweep.csv"
 columns="row, layer1.mua, layer1.mus, photons, seed, Rsp, Rsp_se, Rd, Rd_se, A, A_se, Tt, Tt_se, layer1.A, layer1.A_se, lost, file"

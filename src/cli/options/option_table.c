@@ -170,6 +170,7 @@ const struct cml_option cml_option_table[] = {
     {"log", 0, NULL, PLOT, NULL, "logarithmic scale; default: curves are, maps as their range asks for",
      .read = cml_read_log},
     {"linear", 0, NULL, PLOT, NULL, "linear scale", .read = cml_read_linear},
+    {"logx", 0, NULL, PLOT, NULL, "of curves: the lower axis is logarithmic, too", FLAG(style.log_x)},
     {"quiet", 0, NULL, SURFACES | EXACT | MERGE | COMPARE | PLOT, NULL, "no banner, progress or summary",
      FLAG(quiet)},
     {"help", 'h', NULL, ALL, NULL, "of the command, or the list of commands", FLAG(help)},

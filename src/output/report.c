@@ -4,13 +4,15 @@
 #include <math.h>
 #include <string.h>
 
+/* Six decimals leave nothing of what is small. */
 static void print_estimate(FILE *stream, double value, double error)
 {
-    fprintf(stream, " %.6f ", value);
+    const bool small = value > 0 && value < 1e-4;
+    fprintf(stream, small ? " %.3e " : " %.6f ", value);
     if (isnan(error))
         fputs("(one packet: no standard error)", stream);
     else
-        fprintf(stream, "+- %.6f", error);
+        fprintf(stream, small ? "+- %.1e" : "+- %.6f", error);
 }
 
 /* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.

@@ -111,10 +111,10 @@ grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume i
     complain "no word of the finished run: $(cat "$work/err")"
 
 # What is replaced is told, with its photons, or kept.
-grep -q "note: replaces thick.mco of 100 photons$" "$work/err" || complain "no word of the result replaced: $(cat "$work/err")"
+grep -q "note: replaces $work/thick.mco of 100 photons$" "$work/err" || complain "no word of the result replaced: $(cat "$work/err")"
 kept="--no-clobber: $work/thick.mco is there (expected no result that would be replaced)"
 expect_code 0 samples/thick.mci --photons 200 --resume --quiet -o "$work"
-grep -q "replaces thick.mco of 200 photons$" "$work/err" || complain "no word with --resume: $(cat "$work/err")"
+grep -q "replaces $work/thick.mco of 200 photons$" "$work/err" || complain "no word with --resume: $(cat "$work/err")"
 grep -q "note: --resume finds no $work/thick.mco.checkpoint: the run begins anew" "$work/err" ||
     complain "no word of the missing checkpoint: $(cat "$work/err")"
 expect_code 0 samples/thick.mci --photons 200 --resume --no-clobber --quiet -o "$work"
@@ -124,5 +124,5 @@ rm "$work/thick.mco.checkpoint"
 expect_error 2 "$kept" samples/thick.mci --photons 200 --resume --no-clobber -o "$work"
 expect_code 0 samples/two_runs.mci --photons 100 --no-clobber --quiet -o "$work/two"
 expect_code 0 samples/two_runs.mci --photons 100 --output-dir "$work/two" --quiet
-grep -q "replaces two_runs_flat.mco of 100 photons, and 1 more result$" "$work/err" || complain "no word of two: $(cat "$work/err")"
+grep -q "replaces $work/two/two_runs_hill.mco of 100 photons$" "$work/err" || complain "no word of two: $(cat "$work/err")"
 finish

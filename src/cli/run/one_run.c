@@ -10,6 +10,7 @@
 #include "cli/run/twin.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
+#include "result/h5.h"
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"
@@ -140,9 +141,8 @@ static void note_no_checkpoint(const char *path)
 }
 
 /* It will be overwritten, which may not be what the user wants. */
-static void note_old_checkpoint(const char *path)
+static void note_old_checkpoint(const char *path, enum cml_checkpoint_kind kind)
 {
-    const enum cml_checkpoint_kind kind = cml_checkpoint_look(path).kind;
     char text[512];
     if (kind == CML_CHECKPOINT_NONE) return;
     if (kind == CML_CHECKPOINT_FINISHED)
@@ -230,13 +230,45 @@ static cml_status control_run(const struct cml_run_call *call, const struct cml_
     return status;
 }
 
-static void note_checkpoint(const struct cml_run_call *call, const struct cml_run_setup *setup)
+/* The file that the scene names. */
+static cml_status result_path(const struct cml_options *options, const struct cml_scene *scene, char **path,
+                              struct cml_error *err)
 {
-    if (!setup->checkpoint || setup->base > 0 || cml_cluster_rank() != 0) return;
-    if (!call->options->resume)
-        note_old_checkpoint(setup->checkpoint);
-    else if (call->row == 0)
-        note_no_checkpoint(setup->checkpoint);
+    char *name = NULL;
+    const bool only_fields = scene->format == 'B';
+    if (only_fields) CML_TRY(cml_report_path(scene->output, ".h5", &name, err));
+    const cml_status status = cml_output_path(options, only_fields ? name : scene->output, path, err);
+    free(name);
+    return status;
+}
+
+/* With the photons that are lost, as they cost time; what cannot be read is no result of ours. */
+static void note_replaced(const struct cml_options *options, const struct cml_scene *scene)
+{
+    struct cml_outcome before;
+    struct cml_error ignored;
+    char *path = NULL, text[512];
+    if (result_path(options, scene, &path, &ignored) == CML_OK && access(path, F_OK) == 0 &&
+        !cml_file_is_device(path)) {
+        const bool ours = cml_result_read(path, &before, &ignored) == CML_OK;
+        snprintf(text, sizeof text, ours ? "replaces %.400s of %g photons" : "replaces %.400s", path,
+                 ours ? (double)before.photons : 0);
+        cml_show_note(NULL, text);
+        if (ours) cml_outcome_clear(&before);
+    }
+    free(path);
+}
+
+/* On rank 0. A run that is continued or finished has said so when it began. */
+static void note_before(const struct cml_run_call *call, const struct cml_run_setup *setup)
+{
+    const char *path = setup->checkpoint;
+    const bool resume = call->options->resume;
+    const enum cml_checkpoint_kind kind = path ? cml_checkpoint_look(path).kind : CML_CHECKPOINT_NONE;
+    if (path && !resume) note_old_checkpoint(path, kind);
+    if (call->row > 0 || (resume && kind != CML_CHECKPOINT_NONE)) return;
+    if (path && resume) note_no_checkpoint(path);
+    note_replaced(call->options, call->scene);
 }
 
 /* On all ranks. Signals are watched only where a checkpoint can follow them, and not before: else they end
@@ -245,7 +277,7 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
                       const struct cml_twin *twin, struct cml_record *record, struct cml_error *err)
 {
     struct cml_run_result run;
-    note_checkpoint(call, setup);
+    if (setup->base == 0 && cml_cluster_rank() == 0) note_before(call, setup);
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(cml_run(setup, &run, err));
@@ -395,16 +427,12 @@ static void note_nothing_to_control(const struct cml_scene *scene)
     if (cml_cluster_rank() == 0) cml_show_note(NULL, text);
 }
 
-/* The file that the scene names; where that cannot be told it counts as there. */
+/* Where that cannot be told it counts as there. */
 static bool result_is_there(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
-    char *name = NULL, *path = NULL;
-    bool there = true;
-    if (cml_report_path(scene->output, ".h5", &name, &ignored) == CML_OK &&
-        cml_output_path(options, scene->format == 'B' ? name : scene->output, &path, &ignored) == CML_OK)
-        there = access(path, F_OK) == 0;
-    free(name);
+    char *path = NULL;
+    const bool there = result_path(options, scene, &path, &ignored) != CML_OK || access(path, F_OK) == 0;
     free(path);
     return there;
 }

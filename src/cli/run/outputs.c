@@ -7,7 +7,6 @@
 #include "cli/run/one_run.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
-#include "result/h5.h"
 #include "run/checkpoint.h"
 
 #include <limits.h>
@@ -262,61 +261,30 @@ static cml_status check_inputs(const struct cml_options *options, const struct c
     return status;
 }
 
-/* A result of before. A finished run's that --resume will find, or --more extends, is not replaced. */
-static bool replaces(const struct cml_options *options, const struct cml_scene_list *list,
-                     const struct cml_output_file *file)
+/* With --resume the result of a finished run stays, and --more goes on from what is there. */
+static bool stays(const struct cml_options *options, const struct cml_scene *scene)
 {
     struct cml_error ignored;
     char *path = NULL;
-    bool finished = options->more > 0;
-    if (!file->is_main || access(file->name, F_OK) != 0) return false;
-    if (options->resume && cml_run_checkpoint(options, &list->scenes[file->run], &path, &ignored) == CML_OK)
-        finished = finished || cml_checkpoint_look(path).kind == CML_CHECKPOINT_FINISHED;
+    bool finished = false;
+    if (options->more > 0) return true;
+    if (options->resume && cml_run_checkpoint(options, scene, &path, &ignored) == CML_OK)
+        finished = cml_checkpoint_look(path).kind == CML_CHECKPOINT_FINISHED;
     free(path);
-    return !finished;
-}
-
-/* The first result that will be replaced; NULL: none. Their number to *count. */
-static const char *find_replaced(const struct cml_options *options, const struct cml_scene_list *list,
-                                 const struct cml_outputs *outputs, size_t *count)
-{
-    const char *first = NULL;
-    *count = 0;
-    for (size_t i = 0; i < outputs->count; i++) {
-        if (!replaces(options, list, &outputs->file[i])) continue;
-        if (!first) first = outputs->file[i].name;
-        ++*count;
-    }
-    return first;
+    return finished;
 }
 
 static cml_status check_clobber(const struct cml_options *options, const struct cml_scene_list *list,
                                 const struct cml_outputs *outputs, struct cml_error *err)
 {
-    size_t count = 0;
-    const char *first = options->no_clobber ? find_replaced(options, list, outputs, &count) : NULL;
-    if (!first) return CML_OK;
-    return cml_fail(err, CML_E_INPUT,
-                    "--no-clobber: %.400s is there (expected no result that would be replaced)", first);
-}
-
-/* With the photons that are lost, as they cost time; what cannot be read is no result of ours. */
-static void note_replaced(const struct cml_options *options, const struct cml_scene_list *list,
-                          const struct cml_outputs *outputs, void (*note)(void *context, const char *text))
-{
-    struct cml_outcome before;
-    struct cml_error ignored;
-    size_t count = 0;
-    char photons[60] = "", others[60] = "", text[640];
-    const char *first = find_replaced(options, list, outputs, &count);
-    if (!first) return;
-    if (cml_result_read(first, &before, &ignored) == CML_OK) {
-        snprintf(photons, sizeof photons, " of %g photons", (double)before.photons);
-        cml_outcome_clear(&before);
+    for (size_t i = 0; options->no_clobber && i < outputs->count; i++) {
+        const struct cml_output_file *file = &outputs->file[i];
+        if (file->is_main && access(file->name, F_OK) == 0 && !stays(options, &list->scenes[file->run]))
+            return cml_fail(err, CML_E_INPUT,
+                            "--no-clobber: %.400s is there (expected no result that would be replaced)",
+                            file->name);
     }
-    if (count > 1) snprintf(others, sizeof others, ", and %zu more result%s", count - 1, &"s"[count == 2]);
-    snprintf(text, sizeof text, "replaces %.400s%s%s", strrchr(first, '/') + 1, photons, others);
-    note(NULL, text);
+    return CML_OK;
 }
 
 /* Names with a path of their own may leave the directory of -o. */
@@ -403,13 +371,11 @@ cml_status cml_outputs_claim(const struct cml_options *options, const struct cml
 {
     *outputs = (struct cml_outputs){0};
     const cml_status status = claim_all(options, list, num_locks, inputs, outputs, err);
-    if (status != CML_OK) {
+    if (status == CML_OK)
+        note_elsewhere(options, outputs, note);
+    else
         cml_outputs_release(outputs);
-        return status;
-    }
-    note_elsewhere(options, outputs, note);
-    note_replaced(options, list, outputs, note);
-    return CML_OK;
+    return status;
 }
 
 cml_status cml_output_claim(const char *path, struct cml_outputs *outputs, struct cml_error *err)

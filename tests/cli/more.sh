@@ -106,14 +106,14 @@ for output in thick.h5 thick.mco; do
     mv "$work/moved" "$work/there"
 done
 
-expect_code 0 samples/thick.mci --photons 200 --quiet -o "$work"
+expect_code 0 samples/thick.mci --photons 200 -o "$work"
 grep -q "thick.mco.checkpoint is of a finished run; without --more or --resume it begins anew" "$work/err" ||
     complain "no word of the finished run: $(cat "$work/err")"
 
 # What is replaced is told, with its photons, or kept.
 grep -q "note: replaces $work/thick.mco of 100 photons$" "$work/err" || complain "no word of the result replaced: $(cat "$work/err")"
 kept="--no-clobber: $work/thick.mco is there (expected no result that would be replaced)"
-expect_code 0 samples/thick.mci --photons 200 --resume --quiet -o "$work"
+expect_code 0 samples/thick.mci --photons 200 --resume -o "$work"
 grep -q "replaces $work/thick.mco of 200 photons$" "$work/err" || complain "no word with --resume: $(cat "$work/err")"
 grep -q "note: --resume finds no $work/thick.mco.checkpoint: the run begins anew" "$work/err" ||
     complain "no word of the missing checkpoint: $(cat "$work/err")"
@@ -123,6 +123,6 @@ expect_error 2 "$kept" samples/thick.mci --photons 200 --no-clobber -o "$work"
 rm "$work/thick.mco.checkpoint"
 expect_error 2 "$kept" samples/thick.mci --photons 200 --resume --no-clobber -o "$work"
 expect_code 0 samples/two_runs.mci --photons 100 --no-clobber --quiet -o "$work/two"
-expect_code 0 samples/two_runs.mci --photons 100 --output-dir "$work/two" --quiet
+expect_code 0 samples/two_runs.mci --photons 100 --output-dir "$work/two"
 grep -q "replaces $work/two/two_runs_hill.mco of 100 photons$" "$work/err" || complain "no word of two: $(cat "$work/err")"
 finish

@@ -9,6 +9,7 @@ cores=$(nproc)
 first=$(taskset -cp $$ | sed 's/.*: *\([0-9]*\).*/\1/')
 
 threads_of() { # COMMAND...: prints the number of threads, leaves notes in $work/err
+    rm -f "$work/fig5.mco" # replacing it is noted
     "$@" samples/fig5.mci --photons 1e3 --json -o "$work" 2>"$work/err" | sed 's/.*"threads":\([0-9]*\).*/\1/'
 }
 

@@ -268,7 +268,7 @@ static void note_before(const struct cml_run_call *call, const struct cml_run_se
     if (path && !resume) note_old_checkpoint(path, kind);
     if (call->row > 0 || (resume && kind != CML_CHECKPOINT_NONE)) return;
     if (path && resume) note_no_checkpoint(path);
-    note_replaced(call->options, call->scene);
+    if (!call->options->quiet) note_replaced(call->options, call->scene);
 }
 
 /* On all ranks. Signals are watched only where a checkpoint can follow them, and not before: else they end

@@ -1,5 +1,6 @@
-# A recipe for Spack, of the checkout that it stands in: in an environment, `spack develop --path CHECKOUT clustermcml@main` builds it. A
-# repository of Spack wants it as packages/clustermcml/package.py.
+# A recipe for Spack, of the checkout that it stands in: in an environment,
+# `spack develop --path CHECKOUT clustermcml@main` builds it. A repository of Spack wants it as
+# packages/clustermcml/package.py.
 # SPDX-License-Identifier: MIT
 from spack.package import *
 

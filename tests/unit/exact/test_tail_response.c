@@ -89,6 +89,17 @@ static void expect_responses(const struct cml_medium_def *media, int num_layers,
     cml_flat_tail_clear(&tail);
 }
 
+/* Sanitizers take twenty times as long, and look for other faults than wrong digits: they see no many
+ * indices. */
+#ifndef __has_feature
+#define __has_feature(name) 0
+#endif
+#if defined __SANITIZE_ADDRESS__ || __has_feature(address_sanitizer)
+enum { SANITIZED = 1 };
+#else
+enum { SANITIZED = 0 };
+#endif
+
 static void thick_layers_respond_as_solved(void **state)
 {
     (void)state;
@@ -106,8 +117,9 @@ static void thick_layers_respond_as_solved(void **state)
                                            {.n = 1.2}};
     expect_responses(deep, 1, 1, 0.001, 1e-5);
     expect_responses(even, 1, 1, 0.01, 1e-5);
-    expect_responses(steps, 3, 1, 0.001, 1e-5);
     expect_responses(steps, 3, 3, 0.01, 1e-5);
+    if (SANITIZED) return;
+    expect_responses(steps, 3, 1, 0.001, 1e-5);
     expect_responses(clear, 3, 2, 0.05, 1e-5);
 }
 

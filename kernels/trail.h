@@ -3,6 +3,7 @@
 #ifndef CML_TRAIL_H
 #define CML_TRAIL_H
 
+#include "surface_hit.h"
 #include "types.h"
 
 /* P11: a packet's optical path after t more (cm) in a medium of index n. Its clock starts where it touches
@@ -18,7 +19,7 @@ CML_FN real cml_here_after(real here, real path, real t)
     return path < 0 ? here : here + t;
 }
 
-/* Before the packet flies t (cm) in the medium it is in. */
+/* Before the packet flies t (cm) in the medium it is in. Rows weigh the material only (P16). */
 CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_packet *packet, real t)
 {
 #ifdef __OPENCL_VERSION__
@@ -26,7 +27,8 @@ CML_FN void cml_count_path(const struct cml_world *world, CML_PACKET struct cml_
 #else
     if (!world->setup.keeps_paths) return;
     packet->here = cml_here_after(packet->here, packet->path, t);
-    packet->path = cml_path_after(packet->path, t, world->media[packet->medium].n);
+    const int apart = world->rows.count && cml_is_outer(world, packet->medium);
+    packet->path = cml_path_after(packet->path, apart ? (real)0 : t, world->media[packet->medium].n);
 #endif
 }
 

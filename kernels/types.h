@@ -160,6 +160,15 @@ struct cml_marks {
     cml_u32 cells;             /* of a batch */
 };
 
+#ifndef __OPENCL_VERSION__
+/* Rows of a sweep that come of one flight (P15): by how much their media absorb more than those that are
+ * flown. */
+struct cml_rows {
+    int count;        /* rounded up to whole groups; those too many absorb nothing more; 0: there are none */
+    const real *more; /* [media][count] 1/cm */
+};
+#endif
+
 /* A boundary, or the surface of a body. lowest and highest bound its depth in its own frame, that of a body
  * in the frame of its layer: lowest <= z <= highest everywhere. */
 struct cml_surface {
@@ -303,7 +312,7 @@ struct cml_setup {
     real r0_x, r0_y;      /* the same from where results count r */
     struct cml_map map;
     struct cml_gates gates;
-    int keeps_paths; /* gates or detectors want them */
+    int keeps_paths; /* gates, detectors or rows want them */
     struct cml_direction_bins directions;
     struct cml_marks marks;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
@@ -408,6 +417,7 @@ struct cml_world {
     CML_GLOBAL const cml_u32 *image_words;
 #ifndef __OPENCL_VERSION__
     struct cml_detection detection;
+    struct cml_rows rows;
     int only_tables;                              /* every medium that scatters has one */
     cml_mesh_intersect *intersect_mesh;           /* NULL where no surface is a mesh */
     const struct cml_mesh_surface *const *meshes; /* of surfaces, NULL where one is no mesh */

@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "surface/surface_facets.h"
+#include "tally/row_cells.h"
 #include "types.h"
 
 #include <math.h>
@@ -50,7 +51,8 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .exponent = options->tail ? options->tail->exponent : NULL,
                             .detectors = scene->num_detectors,
                             .path_unit = path_unit(scene),
-                            .path_top = path_top(scene, surfaces)};
+                            .path_top = path_top(scene, surfaces),
+                            .rows = options->rows.count};
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->kind == CML_DETECTOR_MAP)
@@ -62,6 +64,7 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                   cml_surface_facets(&surfaces->item[scene->num_layers], map) > 0;
     for (int k = 0; scene->facets && surfaces && k < surfaces->bodies.count; k++)
         grid.facets += (size_t)surfaces->bodies.item[k].primitives;
+    grid.row_cells = cml_row_cells(&grid);
     return grid;
 }
 

@@ -17,6 +17,12 @@ struct cml_roulette_options {
     double weight; /* of survivors, below <= weight <= 1 */
 };
 
+/* Rows of a sweep that come of the same flight (P15). Zeroed: none. */
+struct cml_engine_rows {
+    int count;
+    const double *more; /* [media][count] by how much they absorb more than the scene, 1/cm; borrowed */
+};
+
 /* What a run asks of any engine. Unset members are 0. */
 struct cml_engine_options {
     uint64_t seed;
@@ -31,6 +37,8 @@ struct cml_engine_options {
      * another geometry they draw the same. NULL: with the run's own. Borrowed. */
     const struct cml_surface_set *start_as;
     const struct cml_flat_tail *tail; /* P15: its expected values are wanted; NULL: none. Borrowed */
+    struct cml_engine_rows rows;      /* with a scene without time, fluence, maps, facets, directions and
+                                       * detectors, and without A_rz; not of engine opencl */
     /* opencl */
     const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
     int local_rank;     /* for that: this process's number among those of its machine */
@@ -96,6 +104,7 @@ CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
     const char *name, *description;
+    bool reweights; /* flies rows (struct cml_engine_rows) */
     /* The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);

@@ -10,6 +10,7 @@
 
 struct reference_engine {
     struct cml_owned_world owned;
+    real *factor;           /* [rows] of a packet under way (P15) */
     struct cml_tally tally; /* zero between calls of run */
 };
 
@@ -19,6 +20,7 @@ static void reference_close(void *self)
     if (!engine) return;
     cml_owned_world_free(&engine->owned);
     cml_tally_free(&engine->tally);
+    free(engine->factor);
     free(engine);
 }
 
@@ -31,6 +33,10 @@ static cml_status reference_open(const struct cml_scene *scene, const struct cml
     if (!engine) return cml_fail_memory(err, sizeof *engine, "an engine");
     cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
     if (status == CML_OK) status = cml_tally_create(&grid, &engine->tally, err);
+    const size_t rows = cml_row_stride(&grid);
+    engine->factor = calloc(rows + 1, sizeof *engine->factor);
+    if (status == CML_OK && !engine->factor)
+        status = cml_fail_memory(err, (double)(rows * sizeof *engine->factor), "the rows");
     if (status != CML_OK)
         reference_close(engine);
     else
@@ -48,7 +54,7 @@ static cml_status reference_run(void *self, const struct cml_work *work, struct 
     while (work->next(work->context, 64, 1, &piece)) {
         if (batch >= 0 && piece.batch != batch) work->note(work->context, batch, &engine->tally);
         batch = piece.batch;
-        if (!run_piece(&engine->owned.world, work, &piece, &patience, &engine->tally))
+        if (!run_piece(&engine->owned.world, work, &piece, &patience, engine->factor, &engine->tally))
             return cml_engine_given_up(err);
     }
     if (batch >= 0) work->note(work->context, batch, &engine->tally);
@@ -79,6 +85,7 @@ static int reference_threads(const void *self)
 const struct cml_engine cml_engine_reference = {
     .name = "reference",
     .description = "double precision, one packet at a time, one thread: the oracle",
+    .reweights = true,
     .open = reference_open,
     .run = reference_run,
     .trace = reference_trace,

@@ -6,6 +6,7 @@
 #define CML_SCALAR_WALK_INL_H
 
 #include "engine/engine.h"
+#include "engine/row_weights_inl.h"
 #include "engine/terminated_packets_inl.h"
 #include "walk.h"
 
@@ -21,11 +22,58 @@ static inline void cml_leave_trail(const struct cml_world *world, const struct c
     cml_begin_trail(world, &packet->trail, packet->path);
 }
 
-/* Flies the packets of a piece, one after the other, into the tally. Returns false when it gave one up. */
+/* P15: the rows of one packet after another. */
+struct row_walk {
+    struct cml_row_sums sums;
+    real *factor;                      /* [sums.count] */
+    int medium;                        /* that of the last booking, or an inner one since */
+    cml_u32 w;                         /* the packet's weight then */
+    cml_u64 gained, roulette, backing; /* its terms then */
+};
+
+static inline void rows_begin(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
+{
+    const struct cml_row_packet its =
+        cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
+    cml_rows_launch(&its, packet->w, 1);
+    packet->path = 0; /* what lies above absorbs in no row */
+    rows->medium = packet->medium;
+    rows->w = packet->w;
+    rows->gained = rows->roulette = rows->backing = 0;
+}
+
+/* After a step: books where lanes of a bundle do (cml_flush_deposits), so not on the way out and back. */
+static inline void rows_step(const struct cml_world *world, struct row_walk *rows, struct cml_packet *packet)
+{
+    const cml_u32 gained = (cml_u32)(packet->gained - rows->gained),
+                  lost = (cml_u32)(packet->roulette - rows->roulette),
+                  kept = (cml_u32)(packet->backing - rows->backing);
+    const cml_u32 left = packet->w - gained + lost + kept;
+    const int moved = packet->medium != rows->medium && !cml_is_outer(world, packet->medium);
+    if (!moved && !(gained | lost | kept) && packet->fate == CML_FATE_ALIVE) return;
+    const struct cml_row_packet its =
+        cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
+    cml_rows_fly(world, &its, rows->medium, packet->path, rows->w, left);
+    if (kept)
+        cml_rows_backing(&its, left, packet->w);
+    else
+        cml_rows_roulette(&its, left, packet->w);
+    packet->path = 0;
+    if (moved) rows->medium = packet->medium;
+    rows->w = packet->w;
+    rows->gained = packet->gained;
+    rows->roulette = packet->roulette;
+    rows->backing = packet->backing;
+    cml_rows_end(&world->setup, &its, packet->fate, packet->w, packet->exit_x, packet->exit_y, packet->u.z);
+}
+
+/* Flies the packets of a piece, one after the other, into the tally. factor: [world->rows.count], scratch.
+ * Returns false when it gave one up. */
 static inline bool run_piece(const struct cml_world *world, const struct cml_work *work,
-                             const struct cml_piece *piece, struct cml_patience *patience,
+                             const struct cml_piece *piece, struct cml_patience *patience, real *factor,
                              struct cml_tally *tally)
 {
+    struct row_walk rows = {.sums = cml_row_sums_of(world, tally), .factor = factor};
     const struct cml_deposits to = cml_deposits_of(tally);
     struct cml_terminated terminated = {0};
     uint32_t steps = 0;
@@ -33,9 +81,11 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
         struct cml_packet packet;
         cml_begin_walk(world, &to, piece->first + CML_NUM_BATCHES * i, &packet);
         if (tally->detected) cml_leave_trail(world, tally, &packet);
+        if (rows.sums.count) rows_begin(world, &rows, &packet);
         while (packet.fate == CML_FATE_ALIVE) {
             if (++steps % CML_STEPS_PER_LOOK == 0 && cml_engine_gives_up(work, patience)) return false;
             cml_step(world, &to, &packet);
+            if (rows.sums.count) rows_step(world, &rows, &packet);
         }
         CML_ASSERT(cml_packet_balances(world, &packet));
         cml_tally_events(&packet, tally);

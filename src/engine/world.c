@@ -8,6 +8,7 @@
 #include "surface/cell_horizon.h"
 #include "surface/ring_horizon_inl.h"
 #include "surface/surface_facets.h"
+#include "tally/row_cells.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -57,6 +58,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->detector_levels);
     free(to->detector_start);
     free(to->detector_list);
+    free(to->row_more);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
@@ -409,13 +411,27 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);
-    setup->keeps_paths = scene->time.gates > 0 || scene->num_detectors > 0;
+    setup->keeps_paths = scene->time.gates > 0 || scene->num_detectors > 0 || options->rows.count > 0;
     const struct cml_grid grid = cml_engine_grid(scene, NULL, options);
     set_marks(&grid, &setup->marks);
     setup->x0 = (real)scene->beams[0].x;
     setup->y0 = (real)scene->beams[0].y;
     setup->r0_x = scene->beams[0].radial ? 0 : setup->x0;
     setup->r0_y = scene->beams[0].radial ? 0 : setup->y0;
+}
+
+/* P15. */
+static cml_status copy_rows(const struct cml_grid *grid, const struct cml_engine_rows *rows,
+                            struct cml_owned_world *to, struct cml_error *err)
+{
+    const size_t media = cml_grid_media(grid), own = (size_t)rows->count, all = cml_row_stride(grid);
+    if (own == 0) return CML_OK;
+    to->row_more = calloc(media * all, sizeof *to->row_more);
+    if (!to->row_more) return cml_fail_memory(err, (double)(media * all * sizeof(real)), "the rows");
+    for (size_t m = 0; m < media; m++)
+        for (size_t i = 0; i < own; i++) to->row_more[m * all + i] = (real)rows->more[m * own + i];
+    to->world.rows = (struct cml_rows){(int)all, to->row_more};
+    return CML_OK;
 }
 
 cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
@@ -448,6 +464,8 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     if (scene->facets) set_facets(surfaces, &scene->map, to);
     status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
     if (status == CML_OK) status = cml_set_detectors(scene, surfaces, to, err);
+    const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
+    if (status == CML_OK) status = copy_rows(&grid, &options->rows, to, err);
     if (status != CML_OK) cml_owned_world_free(to);
     return status;
 }

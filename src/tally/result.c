@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All arrays lie in one block, in the order Rd_ra, Tt_ra, A_rz, maps, then totals and profiles batch by
+/* All arrays lie in one block, in the order Rd_ra, Tt_ra, A_rz, rows, maps, then totals and profiles batch by
  * batch: so a checkpoint or a sum over ranks is one loop over cells. */
 
 static size_t cells_A(const struct cml_grid *grid)
@@ -56,7 +56,7 @@ static size_t cells_batched(const struct cml_grid *grid)
 /* Of all arrays that are not kept apart by batch. */
 static size_t cells_unbatched(const struct cml_grid *grid)
 {
-    return cells_A(grid) + 2 * cells_ra(grid) + cml_cells_maps(grid);
+    return cells_A(grid) + 2 * cells_ra(grid) + grid->row_cells + cml_cells_maps(grid);
 }
 
 /* The maps come last among the arrays without batches. */
@@ -112,6 +112,7 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
     result->Rd_ra = block;
     result->Tt_ra = result->Rd_ra + cells_ra(grid);
     if (grid->absorption) result->A_rz = result->Tt_ra + cells_ra(grid);
+    if (grid->rows) result->rows = result_maps(result) - grid->row_cells;
     CML_SET_MAPS(result, result_maps(result));
     result->totals = block + cells_unbatched(grid);
     result->Rd_r = result->totals + CML_NUM_BATCHES * CML_NUM_TOTALS;
@@ -276,12 +277,11 @@ static void add_fluence(struct cml_result *result, const uint64_t *phi)
     }
 }
 
-/* Of a large map few cells are hit in one range: reading zeros is cheaper than adding them to 128 bits. */
-static void add_maps(struct cml_result *result, const struct cml_tally *tally)
+/* Of a large map, or of rows, few cells are hit in one range: reading zeros is cheaper than adding them to
+ * 128 bits. */
+static void add_sparse(cml_u128 *to, const uint64_t *from, size_t cells)
 {
-    cml_u128 *to = result_maps(result);
-    const uint64_t *from = cml_tally_maps(tally);
-    for (size_t i = 0; i < cml_cells_maps(&tally->grid); i++)
+    for (size_t i = 0; i < cells; i++)
         if (from[i]) to[i] += from[i];
 }
 
@@ -291,7 +291,8 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
     add_exits(result, result->Tt_ra, tally->Tt_ra);
     if (tally->grid.absorption) add_absorption(result, tally->A_rz);
     if (tally->grid.marks > 0) add_fluence(result, tally->phi);
-    add_maps(result, tally);
+    add_sparse(result_maps(result), cml_tally_maps(tally), cml_cells_maps(&tally->grid));
+    add_sparse(result->rows, tally->rows, tally->grid.row_cells);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->summary.balance[i] += tally->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->summary.count[i] += tally->count[i];
     cml_lost_list_merge(&result->summary.lost, &tally->lost);

@@ -21,6 +21,7 @@ struct cml_result {
     struct cml_grid grid;
     uint64_t photons;                                               /* asked for */
     cml_u128 *A_rz;                                                 /* [nr][nz] or NULL */
+    cml_u128 *rows;                                                 /* as in a tally, or NULL */
     cml_u128 *Rd_ra, *Tt_ra;                                        /* [nr][na] */
     cml_u128 *totals;                                               /* [64][CML_NUM_TOTALS] */
     cml_u128 *Rd_r, *Tt_r;                                          /* [64][nr] */

@@ -83,7 +83,7 @@ static size_t trail_cells(const struct cml_grid *grid)
 static size_t cells_in_common(const struct cml_grid *grid)
 {
     return 2 * tally_cells_ra(grid) + cml_grid_media(grid) + num_t(grid) * tally_cells_t(grid) +
-           tally_cells_detected(grid) + (size_t)grid->scores;
+           tally_cells_detected(grid) + (size_t)grid->scores + grid->row_cells;
 }
 
 size_t cml_tally_cells(const struct cml_grid *grid)
@@ -133,8 +133,9 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     if (grid->scores) tally->expected = expected;
     tally->Rd_ra = expected + grid->scores;
     tally->Tt_ra = tally->Rd_ra + tally_cells_ra(grid);
-    if (grid->absorption) tally->A_rz = tally->Tt_ra + tally_cells_ra(grid);
-    if (grid->depths) tally->A_z = tally->Tt_ra + tally_cells_ra(grid);
+    if (grid->absorption) tally->A_rz = tally->A_l + cells_in_common(grid);
+    if (grid->rows) tally->rows = tally->A_l + cells_in_common(grid) - grid->row_cells;
+    if (grid->depths) tally->A_z = tally->A_l + cells_in_common(grid);
     if (grid->marks > 0) tally->phi = cml_tally_maps(tally) - tally_cells_phi(grid);
     CML_SET_MAPS(tally, cml_tally_maps(tally));
     return CML_OK;

@@ -37,6 +37,8 @@ struct cml_grid {
     double path_top;        /* depth from which depths count, cm */
     size_t detector_pixels; /* of all of them that are maps */
     size_t facets;          /* of all boundaries and bodies */
+    int rows;               /* of a sweep, that come of one flight */
+    size_t row_cells;       /* of all of them together (row_cells.h) */
     bool backed;            /* some of them lie on a backing, which keeps what does not leave them */
     int scores;             /* of expected values below the last shape (P15); 0: they do not exist */
     const int *exponent;    /* [scores]: in a tally they count in 2^-31 2^6 2^-exponent. Borrowed */
@@ -87,6 +89,7 @@ static inline size_t cml_grid_moments(const struct cml_grid *grid)
 struct cml_tally {
     struct cml_grid grid;
     uint64_t *A_rz;              /* [nr + 1][nz + 2] or NULL */
+    uint64_t *rows;              /* row_cells.h; or NULL */
     uint64_t *A_z;               /* [nz + 2] or NULL: what this tally alone has scored into an A_rz that it
                                   * shares, over all radii */
     uint64_t *Rd_ra, *Tt_ra;     /* [nr + 1][na] */
@@ -116,8 +119,8 @@ struct cml_tally {
 /* The term of the balance that is this total. */
 enum cml_balance_term cml_balance_term_of_total(enum cml_total total);
 
-/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, expected, Rd_ra, Tt_ra, A_rz or A_z, phi, and
- * the maps in this order, which lie in one block from A_l on. */
+/* Cells of a tally's arrays, A_l, Rd_t, Tt_t, A_t, detected, expected, Rd_ra, Tt_ra, rows, A_rz or A_z, phi,
+ * and the maps in this order, which lie in one block from A_l on. */
 size_t cml_tally_cells(const struct cml_grid *grid);
 
 /* Bytes that a tally of this grid takes; of profiles those of detectors count, which may be many. */

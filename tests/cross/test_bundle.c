@@ -68,24 +68,15 @@ static void invent_tail(const struct cml_scene *scene, const struct cml_surface_
     for (size_t i = 0; i < numbers; i++) tail->response[i] = (float)dice_uniform(&dice);
 }
 
-/* With re-entry packets draw from the lattice and play roulette as by default, without as in original MCML.
- */
-static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry,
-                    bool aimed)
+static void compare_with(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons,
+                         const struct cml_engine_options *asked, bool aimed)
 {
-    const struct cml_roulette_options window = {0.01, 0.03}, mcml = {0, 0};
+    struct cml_engine_options options = *asked;
+    struct cml_flat_tail tail = {0};
     struct cml_error err;
     struct cml_surface_set surfaces;
     const struct cml_surface_options surface = {.force = kind,
                                                 .tessellation = {1e-3, CML_NORMALS_ANALYTIC, false}};
-    struct cml_flat_tail tail = {0};
-    struct cml_engine_options options = {.seed = 5,
-                                         .threads = 2,
-                                         .chunk = 37,
-                                         .lattice = reentry,
-                                         .roulette = reentry ? window : mcml,
-                                         .reentry = reentry,
-                                         .absorption = true};
     struct cml_tally scalar;
     struct cml_owned_world world;
     require_ok(cml_surfaces_create(scene, &surface, &surfaces, &err), &err);
@@ -94,10 +85,11 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
     const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
+    float factor[2 * CML_ROW_GROUP]; /* scratch */
     for (uint64_t place = 1000, end = 1000 + photons; place < end;) {
         const struct cml_piece piece = cml_piece_at(1000, end, place);
         struct cml_patience patience = {0};
-        assert_true(run_piece(&world.world, &(struct cml_work){0}, &piece, &patience, &scalar));
+        assert_true(run_piece(&world.world, &(struct cml_work){0}, &piece, &patience, factor, &scalar));
         place += piece.count;
     }
     struct cml_tally bundles = fly_bundles(scene, &surfaces, &options, &grid, photons);
@@ -108,6 +100,38 @@ static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, u
     cml_tally_free(&bundles);
     cml_surfaces_free(&surfaces);
     cml_flat_tail_clear(&tail);
+}
+
+/* With re-entry packets draw from the lattice and play roulette as by default, without as in original MCML.
+ */
+static void compare(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons, bool reentry,
+                    bool aimed)
+{
+    const struct cml_roulette_options window = {0.01, 0.03}, mcml = {0, 0};
+    compare_with(scene, kind, photons,
+                 &(struct cml_engine_options){.seed = 5,
+                                              .threads = 2,
+                                              .chunk = 37,
+                                              .lattice = reentry,
+                                              .roulette = reentry ? window : mcml,
+                                              .reentry = reentry,
+                                              .absorption = true},
+                 aimed);
+}
+
+/* Rows of one flight: the first is that which is flown, in the others every other medium absorbs more. */
+static void compare_rows(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons)
+{
+    enum { ROWS = 20 };
+    const int media = scene->num_layers + 2 + scene->num_bodies;
+    double *more = calloc((size_t)media * ROWS, sizeof *more);
+    assert_non_null(more);
+    for (int m = 1; m < media; m++)
+        for (int i = 0; i < ROWS && m != scene->num_layers + 1; i++)
+            more[m * ROWS + i] = (m + i) % 2 ? 0.7 * i * i : 0;
+    compare_with(scene, kind, photons,
+                 &(struct cml_engine_options){.seed = 6, .reentry = true, .rows = {ROWS, more}}, false);
+    free(more);
 }
 
 /* Of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
@@ -141,6 +165,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     snprintf(full, sizeof full, "%s/samples/%s", CML_SOURCE_DIR, path);
     require_ok(cml_mci_read(full, NULL, &list, &err), &err);
     for (int i = 0; i < list.count; i++) {
+        compare_rows(&list.scenes[i], kind, photons / 4);
         list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
         set_detectors(&list.scenes[i], true);
         compare(&list.scenes[i], kind, photons, true, false);
@@ -187,6 +212,7 @@ static void compare_text(const char *text, uint64_t photons)
     read_scenes(text, &list);
     compare(&list.scenes[0], CML_SURFACE_AUTO, photons, true, false);
     compare(&list.scenes[0], CML_SURFACE_AUTO, photons / 4, true, true);
+    compare_rows(&list.scenes[0], CML_SURFACE_AUTO, photons / 4 + 1);
     cml_scene_list_clear(&list);
 }
 

@@ -5,6 +5,7 @@
 
 #include "engine/cpu/bundle.h"
 #include "engine/cpu/bundle_hooks.h"
+#include "engine/row_weights_inl.h"
 #include "engine/terminated_packets_inl.h"
 
 /* next hands out the next photons *first, *first + 64, *first + 128 and so on, *count of them, all of one
@@ -29,8 +30,8 @@ struct cml_ballistic {
     uint64_t count;             /* so far */
 };
 
-/* One thread's flight. world to source are given, the rest is worked out (cml_flight_begin) or is the
- * flight's state. */
+/* One thread's flight. world to source, and factors, are given, the rest is worked out (cml_flight_begin) or
+ * is the flight's state. */
 struct cml_flight {
     const struct cml_world *world;
     struct cml_bundle *b;
@@ -57,9 +58,12 @@ struct cml_flight {
     int curves;     /* not all boundaries are planes */
     real steepest;  /* slope of those that are none */
     int safe_cells; /* some of these have safe distances */
+    int books_more; /* deposits go into gates or rows, too */
     /* lanes */
-    uint64_t live, ended; /* masks: lanes that hold packets; those of them whose packet has ended */
-    uint64_t past_bodies; /* mask: lanes that meet no body any more before they interact in this pass */
+    uint64_t live, ended;     /* masks: lanes that hold packets; those of them whose packet has ended */
+    uint64_t past_bodies;     /* mask: lanes that meet no body any more before they interact in this pass */
+    struct cml_row_sums rows; /* P15 */
+    real *factors;            /* [CML_LANES][rows.count] of the lanes' packets; NULL without rows */
     uint64_t absorbed[CML_LANES]; /* by the lane's packet, up to when its deposits were last booked */
     int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
     int wait_at_curved;           /* the same of lanes at curved boundaries */

@@ -72,6 +72,7 @@ static void cml_expect_of_lane(struct cml_flight *f, int i)
 static void cml_return_to_lane(struct cml_flight *f, int i, struct cml_packet *packet)
 {
     cml_tally_events(packet, f->tally);
+    f->b->path[i] = packet->path;
     if (f->late & CML_LANE_BIT(i)) f->late_profiles[i][CML_TOTAL_BACKING] += packet->backing;
     if (packet->fate != CML_FATE_ALIVE) {
         cml_end_visit(f->world, packet);

@@ -40,16 +40,57 @@ static void cml_load_medium(struct cml_flight *f, int i)
     for (size_t k = CML_LANE_MEDIUM_FLAT; k < CML_LANE_MEDIUM_MEMBERS; k++) b->of_medium[k][i] = row[k];
 }
 
+/* Photon index of the lane's packet. It is held as two words, so that all columns are 4 bytes wide. */
+static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
+{
+    return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
+}
+
+/* P15: factors of the rows of the lane's packet. */
+static real *cml_lane_factors(const struct cml_flight *f, int i)
+{
+    return f->factors + (size_t)i * (size_t)f->rows.count;
+}
+
+static struct cml_row_packet cml_lane_rows(const struct cml_flight *f, int i)
+{
+    return cml_row_packet_of(&f->world->setup, &f->rows, cml_lane_index(f->b, i), cml_lane_factors(f, i));
+}
+
+/* times: as in cml_rows_launch. */
+static void cml_launch_lane_rows(const struct cml_flight *f, int i, int times)
+{
+    const struct cml_row_packet rows = cml_lane_rows(f, i);
+    cml_rows_launch(&rows, f->b->w[i], times);
+}
+
+/* What rows have absorbed since the lane's deposits, so much of the packet's weight, were last booked. */
+__attribute__((noinline)) static void cml_fly_lane_rows(struct cml_flight *f, int i, cml_u32 deposited)
+{
+    struct cml_bundle *b = f->b;
+    const struct cml_row_packet rows = cml_lane_rows(f, i);
+    cml_rows_fly(f->world, &rows, b->medium[i], b->path[i], b->w[i] + deposited, b->w[i]);
+    b->path[i] = 0;
+}
+
 /* What the lane's packet has deposited since its gate (P11), or its medium, was another one: where time is
- * asked for, or the packet is late. A function of its own: inlined, it would cost registers where neither is
- * so. */
+ * asked for, there are rows, or the packet is late. A function of its own: inlined, it would cost registers
+ * where neither is so. */
 __attribute__((noinline, cold)) static void cml_book_rare(struct cml_flight *f, int i, cml_u32 deposited)
 {
     const int gate = f->b->gate[i];
+    if (f->factors) cml_fly_lane_rows(f, i, deposited);
     if (f->to.A_t) f->to.A_t[gate] += deposited;
     if (!(f->late & CML_LANE_BIT(i))) return;
     f->late_profiles[i][f->profiles.A_l + (size_t)f->b->medium[i]] += deposited;
     if (f->to.A_t) f->late_profiles[i][f->profiles.A_t + (size_t)gate] += deposited;
+}
+
+/* The backing leaves w of the lane's packet, whose deposits have been booked. */
+__attribute__((noinline, cold)) static void cml_keep_lane_rows(const struct cml_flight *f, int i, cml_u32 w)
+{
+    const struct cml_row_packet rows = cml_lane_rows(f, i);
+    cml_rows_backing(&rows, f->b->w[i], w);
 }
 
 /* Books what the lane's packet has deposited since it was last called, into its layer's sum, its gate (P11)
@@ -64,13 +105,7 @@ static void cml_flush_deposits(struct cml_flight *f, int i)
     f->tally->A_l[b->medium[i]] += deposited;
     f->absorbed[i] += deposited;
     b->flushed_w[i] = b->w[i];
-    if (f->to.A_t || f->late & CML_LANE_BIT(i)) cml_book_rare(f, i, deposited);
-}
-
-/* Photon index of the lane's packet. It is held as two words, so that all columns are 4 bytes wide. */
-static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
-{
-    return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
+    if (f->books_more || f->late & CML_LANE_BIT(i)) cml_book_rare(f, i, deposited);
 }
 
 /* P13; empty where nobody wants it. */
@@ -204,6 +239,7 @@ static void cml_store_packet(struct cml_flight *f, int i, const struct cml_packe
     b->entered[i] = packet->entered;
     if (packet->backing) {
         cml_flush_deposits(f, i);
+        if (f->factors) cml_keep_lane_rows(f, i, packet->w);
         b->w[i] = b->flushed_w[i] = packet->w;
     }
     if (packet->medium == b->medium[i]) return;
@@ -248,6 +284,15 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
         row[(up ? places.Rd_t : places.Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
 }
 
+/* P15: the rows of a lane's packet, whose deposits have been booked, end with it. */
+__attribute__((noinline)) static void cml_end_lane_rows(const struct cml_flight *f, int i, int fate,
+                                                        cml_u32 w, real x, real y, real uz)
+{
+    const struct cml_row_packet rows = cml_lane_rows(f, i);
+    cml_rows_backing(&rows, f->b->w[i], w);
+    cml_rows_end(&f->world->setup, &rows, fate, w, x, y, uz);
+}
+
 /* The lane's packet has ended, as `end` says but for what it has absorbed. Inlined, so that `end` goes from
  * lane to collection in registers: built in memory, it would be stored in parts and loaded whole, which
  * stalls. */
@@ -255,6 +300,7 @@ __attribute__((always_inline)) static inline void cml_push_termination(struct cm
                                                                        struct cml_termination end)
 {
     cml_flush_deposits(f, i);
+    if (f->factors) cml_end_lane_rows(f, i, end.fate, end.w, end.exit_x, end.exit_y, end.uz);
     end.absorbed = f->absorbed[i];
     const int at = f->terminated.count;
     cml_terminated_push(f->world, &f->terminated, &end, f->tally);

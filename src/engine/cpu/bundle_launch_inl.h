@@ -133,15 +133,23 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
     return mask & ~rest;
 }
 
+/* The lane's packet has come so far. Its rows begin where it is: what lies above absorbs in none (P15). */
+static void cml_launch_path(struct cml_flight *f, int i, real path)
+{
+    f->b->path[i] = f->factors ? (real)0 : path;
+    if (f->factors) cml_launch_lane_rows(f, i, 1);
+}
+
 /* The lane as cml_place puts its packet, where that is another weight or medium than that of the lanes beside
  * it. */
 static void cml_launch_elsewhere(struct cml_flight *f, int i, const struct cml_packet *start)
 {
     struct cml_bundle *b = f->b;
     if (f->world->setup.num_sources > 1) cml_add_specular(&f->to, cml_split_off(f->world, start->index));
+    if (f->factors) cml_launch_lane_rows(f, i, -1); /* another weight than that of the lanes beside it */
     b->w[i] = b->flushed_w[i] = start->w;
     b->entered[i] = start->entered;
-    b->path[i] = start->path;
+    cml_launch_path(f, i, start->path);
     if (b->medium[i] == start->medium) return;
     b->medium[i] = start->medium;
     cml_load_medium(f, i);
@@ -194,6 +202,8 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
         memcpy(lanes + sizeof(real) * (size_t)to, lanes + sizeof(real) * (size_t)from, sizeof(real));
     }
     if (f->b->trail_length) cml_move_trail(f->b, from, to);
+    if (f->factors)
+        memcpy(cml_lane_factors(f, to), cml_lane_factors(f, from), (size_t)f->rows.count * sizeof(real));
     f->absorbed[to] = f->absorbed[from];
     f->late_profiles[to] = f->late_profiles[from];
     f->late |= (f->late >> from & 1u) << to;
@@ -223,7 +233,7 @@ static void cml_launch_like(struct cml_flight *f, const struct cml_packet *start
     CML_HOOK_LANES(CML_HOOK_LAUNCH, __builtin_popcount(lanes));
     cml_bundle_launch(b, start, f->absorbed, first, lanes);
     for (cml_u32 rest = f->world->setup.keeps_paths ? lanes : 0; rest; rest &= rest - 1)
-        b->path[first + __builtin_ctz(rest)] = start->path;
+        cml_launch_path(f, first + __builtin_ctz(rest), start->path);
     for (; elsewhere; elsewhere &= elsewhere - 1) {
         const int i = first + __builtin_ctz(elsewhere);
         b->medium[i] = start->medium;

@@ -101,7 +101,7 @@ void cml_find_known_path(struct cml_flight *f)
 /* Ballistic packets: they start alike, do not interact in their first medium, and end at the boundary behind
  * it. Only a plane ends packets for sure, since what leaves through it never returns (P6). Maps and facets
  * score each packet where it leaves, expected values where it goes down, and every packet has marks of its
- * own, so they are not counted together. */
+ * own and rows weigh it, so they are not counted together. */
 void cml_find_ballistic(struct cml_flight *f)
 {
     const struct cml_world *world = f->world;
@@ -109,7 +109,8 @@ void cml_find_ballistic(struct cml_flight *f)
     struct cml_ballistic *ballistic = &f->ballistic;
     struct cml_packet packet = *like;
     struct cml_hit hit;
-    if (!f->pencil || like->medium == 0 || f->to.phi || f->to.expected || cml_tallies_places(f->tally))
+    if (!f->pencil || like->medium == 0 || f->to.phi || f->to.expected || f->factors ||
+        cml_tallies_places(f->tally))
         return;
     const struct cml_boundary_intervals intervals = cml_find_intervals(world, like, CML_INFINITY);
     if (!cml_nearest_hit(world, &packet, intervals, &hit) || !cml_is_plane(world, hit.boundary)) return;

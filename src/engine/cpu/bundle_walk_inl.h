@@ -97,13 +97,17 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     const int at = terminated->count;
     _Alignas(64) cml_u32 deposit[CML_GROUP];
     _Alignas(64) int fate[CML_GROUP];
-    if (f->to.A_t) cml_for_lanes(f, (uint64_t)exits << first, cml_flush_deposits);
+    if (f->books_more) cml_for_lanes(f, (uint64_t)exits << first, cml_flush_deposits);
     if (f->to.phi) cml_mark_exits(f, first, exits);
 #pragma omp simd
     for (int k = 0; k < CML_GROUP; k++) {
         deposit[k] = b->flushed_w[first + k] - b->w[first + k];
         const int outer_fate = b->uz[first + k] < 0 ? CML_FATE_REFLECTED : CML_FATE_TRANSMITTED;
         fate[k] = b->entered[first + k] ? outer_fate : CML_FATE_SPECULAR;
+    }
+    for (cml_u32 rest = f->factors ? exits : 0; rest; rest &= rest - 1) {
+        const int k = __builtin_ctz(rest), i = first + k;
+        cml_end_lane_rows(f, i, fate[k], b->w[i], b->x[i], b->y[i], b->uz[i]);
     }
     cml_group_pack(deposit, exits, terminated->deposit + at);
     cml_group_pack(fate, exits, terminated->fate + at);
@@ -162,6 +166,10 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
     cml_roulette(f->world->setup.roulette, &packet);
     cml_tally_events(&packet, f->tally);
     cml_flush_deposits(f, i);
+    if (f->factors) {
+        const struct cml_row_packet rows = cml_lane_rows(f, i);
+        cml_rows_roulette(&rows, b->w[i], packet.w);
+    }
     b->w[i] = b->flushed_w[i] = packet.w;
     if (packet.fate == CML_FATE_ALIVE) return;
     b->interactions[i]++;
@@ -400,7 +408,7 @@ static int cml_interact_lanes(const struct cml_world *world, struct cml_bundle *
 static void cml_flight_interact(struct cml_flight *f)
 {
     const struct cml_setup *setup = &f->world->setup;
-    if (setup->gates.count) cml_count_lane_paths(f);
+    if (setup->gates.count || f->factors) cml_count_lane_paths(f);
     if (f->to.phi) cml_mark_interactions(f);
     if (f->to.expected) cml_score_tail_ahead(f);
     const int low = cml_interact_lanes(f->world, f->b, f->tally->A_rz != NULL);
@@ -470,6 +478,8 @@ static void cml_flight_begin(struct cml_flight *f)
     f->b->num_media = setup->num_layers + 2 + setup->num_bodies;
     f->batch = -1;
     f->profiles = cml_tally_profiles(&f->tally->grid);
+    f->rows = cml_row_sums_of(f->world, f->tally);
+    f->books_more = f->to.A_t || f->factors;
     for (int i = 0; i < CML_LANES; i++) {
         f->b->medium[i] = -1; /* no columns yet */
         CML_OF_MEDIUM(f->b, start_above)[i] = -CML_INFINITY;
@@ -487,9 +497,10 @@ static void cml_flight_run(struct cml_flight *f)
 }
 
 /* Flies all packets that the source hands out. Everything goes into `tally`, which no other thread writes but
- * for the arrays that threads share. media: [num_layers + 2]. */
+ * for the arrays that threads share. media: [num_layers + 2]; factors: as in cml_flight. */
 static inline void cml_bundle_walk(const struct cml_world *world, const struct cml_lane_medium *media,
-                                   const struct cml_range_source *source, struct cml_tally *tally)
+                                   const struct cml_range_source *source, real *factors,
+                                   struct cml_tally *tally)
 {
     struct cml_bundle bundle = {0};
     struct cml_gathered gathered = {0};
@@ -500,7 +511,8 @@ static inline void cml_bundle_walk(const struct cml_world *world, const struct c
                            .regions = &regions,
                            .tally = tally,
                            .media = media,
-                           .source = source};
+                           .source = source,
+                           .factors = factors};
     cml_regions_begin(world, &regions);
     cml_flight_begin(&f);
     cml_flight_run(&f);

@@ -19,6 +19,7 @@ struct cpu_engine {
     struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
     struct cml_tally *tallies;     /* [num_tallies], zero between calls of run; the first has all that threads
                                     * share */
+    real *factors; /* [threads][CML_LANES][rows], of packets under way (P15); NULL without rows */
     int threads, num_tallies;
     uint64_t chunk;
 };
@@ -30,6 +31,7 @@ static void cpu_close(void *self)
     for (int i = 0; i < cpu->num_tallies; i++) cml_tally_free(&cpu->tallies[i]);
     free(cpu->tallies);
     free(cpu->media);
+    free(cpu->factors);
     cml_owned_world_free(&cpu->owned);
     free(cpu);
 }
@@ -65,6 +67,20 @@ static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *er
     return CML_OK;
 }
 
+/* Of the rows of one thread. */
+static size_t num_factors(const struct cpu_engine *cpu)
+{
+    return (size_t)CML_LANES * (size_t)cpu->owned.world.rows.count;
+}
+
+static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)
+{
+    const size_t count = (size_t)cpu->threads * num_factors(cpu);
+    if (count == 0) return CML_OK;
+    cpu->factors = calloc(count, sizeof *cpu->factors);
+    return cpu->factors ? CML_OK : cml_fail_memory(err, (double)(count * sizeof(real)), "the rows");
+}
+
 /* What is asked for, 0 for as many as OpenMP would use, within OMP_THREAD_LIMIT. */
 static int choose_threads(int asked)
 {
@@ -82,6 +98,7 @@ static cml_status cpu_open(const struct cml_scene *scene, const struct cml_surfa
     cpu->chunk = options->chunk > 0 ? options->chunk : 1024;
     cml_status status = cml_owned_world_create(scene, surfaces, options, &cpu->owned, err);
     if (status == CML_OK) status = create_lane_media(cpu, err);
+    if (status == CML_OK) status = create_factors(cpu, err);
     if (status == CML_OK) status = create_tallies(scene, surfaces, options, cpu, err);
     if (status != CML_OK)
         cpu_close(cpu);
@@ -128,11 +145,13 @@ static int gives_up(void *context)
 }
 
 /* Batch after batch into the thread's tally. Returns false when packets were given up. */
-static bool fly_thread(const struct cpu_engine *cpu, const struct cml_work *work, struct cml_tally *tally)
+static bool fly_thread(const struct cpu_engine *cpu, const struct cml_work *work, int number,
+                       struct cml_tally *tally)
 {
+    real *const factors = cpu->factors ? cpu->factors + (size_t)number * num_factors(cpu) : NULL;
     struct supply supply = {.work = work, .chunk = cpu->chunk, .threads = cpu->threads};
     const struct cml_range_source source = {next_photons, note_batch, gives_up, &supply};
-    cml_bundle_walk(&cpu->owned.world, cpu->media, &source, tally);
+    cml_bundle_walk(&cpu->owned.world, cpu->media, &source, factors, tally);
     return !supply.given_up;
 }
 
@@ -148,7 +167,7 @@ static void fly_and_add(void *context, int number)
     struct cpu_flight *flight = context;
     struct cpu_engine *cpu = flight->cpu;
     struct cml_tally *mine = &cpu->tallies[number + cpu->num_tallies - cpu->threads];
-    if (!fly_thread(cpu, flight->work, mine)) atomic_store(&flight->given_up, true);
+    if (!fly_thread(cpu, flight->work, number, mine)) atomic_store(&flight->given_up, true);
     if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
 }
 
@@ -242,6 +261,7 @@ extern const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL);
 const struct cml_engine CML_LEVELED(cml_engine_cpu_, CML_LEVEL) = {
     .name = "cpu",
     .description = "single precision, bundles of packets in vector loops, threads",
+    .reweights = true,
     .open = cpu_open,
     .run = cpu_run,
     .trace = cpu_trace,

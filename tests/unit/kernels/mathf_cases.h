@@ -5,11 +5,11 @@
 #include <float.h>
 
 #ifdef CML_DOUBLE
-static const double log_bound = 2.3e-16, circle_bound = 2e-16, acos_bound = 2.3e-16;
+static const double log_bound = 2.3e-16, circle_bound = 2e-16, acos_bound = 2.3e-16, exp_bound = 2.3e-16;
 #define SMALLEST DBL_MIN
 #define LARGEST DBL_MAX
 #else
-static const double log_bound = 1.2e-7, circle_bound = 1.2e-7, acos_bound = 1.4e-7;
+static const double log_bound = 1.2e-7, circle_bound = 1.2e-7, acos_bound = 1.4e-7, exp_bound = 1.2e-7;
 #define SMALLEST FLT_MIN
 #define LARGEST FLT_MAX
 #endif
@@ -131,6 +131,27 @@ static void the_ends_of_the_arc_cosine_are_right(void **state)
         assert_true(cml_acos(c) > 0 && cml_acos(c) <= cml_acos(0));
 }
 
+static double exp_error(real x)
+{
+    const long double exact = expl(-(long double)x);
+    return (double)fabsl(((long double)cml_exp_minus(x) - exact) / exact);
+}
+
+/* Evenly, and over all exponents; exactly 1 at 0, as an absorption that is not there leaves everything. */
+static void the_exponential_keeps_its_bound(void **state)
+{
+    (void)state;
+    double worst = 0;
+    struct dice dice = dice_new(14);
+    for (int n = 0; n < 1000000; n++) worst = fmax(worst, exp_error((real)(n * 69e-6)));
+    for (int n = 0; n < 300000; n++)
+        worst = fmax(worst, exp_error((real)exp(dice_between(&dice, log(SMALLEST), log(60)))));
+    assert_near("largest error", worst, 0, exp_bound);
+    assert_true(cml_exp_minus(0) == 1);
+    assert_true(cml_exp_minus(70) >= 0 && cml_exp_minus(70) < (real)1e-29);
+    assert_true(cml_exp_minus(LARGEST) == 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -141,6 +162,7 @@ int main(void)
         cmocka_unit_test(opposite_words_give_opposite_points),
         cmocka_unit_test(the_arc_cosine_keeps_its_bound),
         cmocka_unit_test(the_ends_of_the_arc_cosine_are_right),
+        cmocka_unit_test(the_exponential_keeps_its_bound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

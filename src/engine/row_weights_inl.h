@@ -1,0 +1,183 @@
+/* Code, included once by each engine on the host, in its precision and for its level of the processor, as
+ * terminated_packets_inl.h is: rows of a sweep that come of one flight (P15). The weight of a row is that of
+ * the packet times a factor of the row's own, which falls along the path. All rows at once are a vector loop,
+ * and it runs where packets change the medium, play roulette, lose weight to the backing or end.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_ROW_WEIGHTS_INL_H
+#define CML_ROW_WEIGHTS_INL_H
+
+#include "tally/row_cells.h"
+#include "walk.h"
+
+/* What a flight's rows have in common, and where they are summed. */
+struct cml_row_sums {
+    int count; /* 0: there are no rows */
+    struct cml_row_bins at;
+    size_t batch;          /* cells of a batch */
+    uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
+    size_t transmitted_ra; /* from there to Tt_ra */
+};
+
+static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
+                                                  const struct cml_tally *tally)
+{
+    const struct cml_grid *grid = &tally->grid;
+    struct cml_row_sums sums = {.count = world->rows.count};
+    if (sums.count == 0) return sums;
+    sums.at = cml_row_bins(grid);
+    sums.batch = cml_row_batch(grid, 1);
+    sums.cells = tally->rows;
+    sums.ra = tally->rows + cml_row_batch(grid, CML_NUM_BATCHES);
+    sums.transmitted_ra = cml_row_cells_ra(grid);
+    return sums;
+}
+
+static inline cml_u32 cml_row_hash(cml_u32 h)
+{
+    h = (h ^ h >> 16) * 0x85ebca6bu;
+    h = (h ^ h >> 13) * 0xc2b2ae35u;
+    return h ^ h >> 16;
+}
+
+/* The rows of a packet, for one booking. */
+struct cml_row_packet {
+    const struct cml_row_sums *sums;
+    uint64_t *cells; /* of its batch */
+    real *factor;    /* [sums->count], by how much less its rows weigh than the packet */
+    real rounding;   /* of their weights, 0 to below 1 */
+};
+
+/* Weights are rounded at random, so that they keep the mean however small they are, but all of one packet
+ * alike, so that none rises. A hash serves, as nothing else depends on it (fmix32 of A. Appleby's
+ * MurmurHash3). */
+static inline struct cml_row_packet
+cml_row_packet_of(const struct cml_setup *setup, const struct cml_row_sums *sums, cml_u64 index, real *factor)
+{
+    const cml_u32 low = cml_row_hash((cml_u32)index ^ setup->stream.key[0]),
+                  both = cml_row_hash(low + (cml_u32)(index >> 32));
+    const struct cml_row_packet rows = {.sums = sums,
+                                        .cells = sums->cells + index % CML_NUM_BATCHES * sums->batch,
+                                        .factor = factor,
+                                        .rounding = (real)(both >> 8) * (real)0x1p-24};
+    return rows;
+}
+
+static inline uint64_t *cml_row_bin(const struct cml_row_packet *rows, size_t bin)
+{
+    return rows->cells + bin * (size_t)rows->sums->count;
+}
+
+/* A packet's weight as what factors multiply. */
+static inline real cml_row_unit(cml_u32 w)
+{
+    return (real)w * (real)0.5;
+}
+
+/* A row's weight in units of 2^-30 of a packet, which is what `int` holds. It never rises where neither the
+ * weight nor the factor does. */
+static inline cml_u32 cml_row_weight(real unit, real factor, real rounding)
+{
+    return (cml_u32)(int)CML_FMA(unit, factor, rounding);
+}
+
+/* A packet of weight w is launched, with all its rows; or with -1 times that taken back, as it was never
+ * inside. What they weigh then, rounded, is summed in the place of the first row. */
+static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w, int times)
+{
+    const uint64_t launched = cml_row_weight(cml_row_unit(w), 1, rows->rounding);
+    *cml_row_bin(rows, CML_BALANCE_LAUNCHED) += times < 0 ? 0 - launched : launched;
+    for (int i = 0; i < rows->sums->count; i++) rows->factor[i] = 1;
+}
+
+/* A packet of weight `before` has flown `path` (as in cml_packet) in a medium, and there is `left` of it: the
+ * rest of every row is absorbed there. Factors below 1e-20 are 0, as arithmetic with the smallest numbers is
+ * slow. */
+static inline void cml_rows_fly(const struct cml_world *world, const struct cml_row_packet *rows, int medium,
+                                real path, cml_u32 before, cml_u32 left)
+{
+    const int count = rows->sums->count;
+    const real rounding = rows->rounding;
+    const real in = cml_row_unit(before), out = cml_row_unit(left);
+    const real t = path > 0 ? path / world->media[medium].n : (real)0;
+    const real *restrict more = world->rows.more + (size_t)medium * (size_t)count;
+    real *restrict factor = rows->factor;
+    uint64_t *restrict absorbed = cml_row_bin(rows, rows->sums->at.A_l + (size_t)medium);
+#pragma omp simd
+    for (int i = 0; i < count; i++) {
+        const real f = factor[i], after = f * cml_exp_minus(more[i] * t);
+        const real kept = after > (real)1e-20 ? after : (real)0;
+        absorbed[i] += (uint64_t)(cml_row_weight(in, f, rounding) - cml_row_weight(out, kept, rounding));
+        factor[i] = kept;
+    }
+}
+
+/* The packet's weight changes by other means than absorption: the difference, into the bin of `more` where it
+ * becomes more, and of `less` where it becomes less. */
+static inline void cml_rows_change(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after,
+                                   enum cml_balance_term more, enum cml_balance_term less)
+{
+    const int count = rows->sums->count;
+    const real rounding = rows->rounding;
+    const real high = cml_row_unit(after > before ? after : before),
+               low = cml_row_unit(after > before ? before : after);
+    const real *restrict factor = rows->factor;
+    uint64_t *restrict to = cml_row_bin(rows, (size_t)(after > before ? more : less));
+    if (after == before) return;
+#pragma omp simd
+    for (int i = 0; i < count; i++)
+        to[i] +=
+            (uint64_t)(cml_row_weight(high, factor[i], rounding) - cml_row_weight(low, factor[i], rounding));
+}
+
+/* P8. */
+static inline void cml_rows_roulette(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after)
+{
+    cml_rows_change(rows, before, after, CML_BALANCE_GAINED, CML_BALANCE_ROULETTE);
+}
+
+/* P12. */
+static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after)
+{
+    cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
+}
+
+/* A packet of weight w has left the scene at x, y. */
+static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows, int up,
+                                  cml_u32 w, real x, real y, real uz)
+{
+    const struct cml_row_sums *sums = rows->sums;
+    const int count = sums->count;
+    const real unit = cml_row_unit(w), rounding = rows->rounding;
+    const size_t ir = (size_t)cml_radial_bin(setup, x, y), ia = (size_t)cml_angle_bin(setup, uz);
+    const real *restrict factor = rows->factor;
+    uint64_t *restrict by_r = cml_row_bin(rows, (up ? sums->at.Rd_r : sums->at.Tt_r) + ir);
+    uint64_t *restrict by_a = cml_row_bin(rows, (up ? sums->at.Rd_a : sums->at.Tt_a) + ia);
+    uint64_t *restrict by_ra =
+        sums->ra + (up ? 0 : sums->transmitted_ra) + (ir * (size_t)setup->na + ia) * (size_t)count;
+    uint64_t *restrict total = cml_row_bin(rows, up ? CML_BALANCE_REFLECTED : CML_BALANCE_TRANSMITTED);
+#pragma omp simd
+    for (int i = 0; i < count; i++) {
+        const uint64_t part = cml_row_weight(unit, factor[i], rounding);
+        by_r[i] += part;
+        by_a[i] += part;
+        by_ra[i] += part;
+        total[i] += part;
+    }
+}
+
+/* A packet of weight w has ended. x, y, uz: where it has left the scene, if it has. What was never inside is
+ * in the flight's own specular part. */
+static inline void cml_rows_end(const struct cml_setup *setup, const struct cml_row_packet *rows, int fate,
+                                cml_u32 w, real x, real y, real uz)
+{
+    if (fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED)
+        cml_rows_leave(setup, rows, fate == CML_FATE_REFLECTED, w, x, y, uz);
+    else if (fate == CML_FATE_TRAPPED)
+        cml_rows_change(rows, w, 0, CML_BALANCE_TRAPPED, CML_BALANCE_TRAPPED);
+    else if (fate == CML_FATE_LOST)
+        cml_rows_change(rows, w, 0, CML_BALANCE_LOST, CML_BALANCE_LOST);
+    else if (fate == CML_FATE_SPECULAR)
+        cml_rows_launch(rows, w, -1);
+}
+
+#endif

@@ -1,0 +1,58 @@
+/* The cells of rows of a sweep that come of one flight (kernels/README.md, P15), in a tally and in a result:
+ * for each of the 64 batches bins of sums, each of them for all rows side by side, since all rows are summed
+ * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, likewise.
+ * SPDX-License-Identifier: MIT */
+#ifndef CML_ROW_CELLS_H
+#define CML_ROW_CELLS_H
+
+#include "tally/tally.h"
+
+/* Rows that are summed together, in vectors, are rounded up to whole ones. */
+#define CML_ROW_GROUP 16
+
+/* Places of a bin: those of the other rows follow. */
+static inline size_t cml_row_stride(const struct cml_grid *grid)
+{
+    return ((size_t)grid->rows + CML_ROW_GROUP - 1) / CML_ROW_GROUP * CML_ROW_GROUP;
+}
+
+/* Where bins of a batch begin: first terms of the balance, [CML_NUM_BALANCE_TERMS], of which specular
+ * and absorbed are 0: the first is that of the flight, the second the sum of A_l; launched has one cell for
+ * all rows. Units of weight are 2^-30 of a packet. */
+struct cml_row_bins {
+    size_t Rd_r, Tt_r; /* [nr + 1] */
+    size_t Rd_a, Tt_a; /* [na] */
+    size_t A_l;        /* [cml_grid_media] */
+    size_t all;        /* of a batch */
+};
+
+static inline struct cml_row_bins cml_row_bins(const struct cml_grid *grid)
+{
+    const size_t r = (size_t)grid->nr + 1, a = (size_t)grid->na;
+    struct cml_row_bins at = {.Rd_r = CML_NUM_BALANCE_TERMS};
+    at.Tt_r = at.Rd_r + r;
+    at.Rd_a = at.Tt_r + r;
+    at.Tt_a = at.Rd_a + a;
+    at.A_l = at.Tt_a + a;
+    at.all = at.A_l + cml_grid_media(grid);
+    return at;
+}
+
+/* Where the bins of a batch begin, 0..63, and behind the last of them Rd_ra: cells. */
+static inline size_t cml_row_batch(const struct cml_grid *grid, int batch)
+{
+    return (size_t)batch * cml_row_bins(grid).all * cml_row_stride(grid);
+}
+
+static inline size_t cml_row_cells_ra(const struct cml_grid *grid)
+{
+    return ((size_t)grid->nr + 1) * (size_t)grid->na * cml_row_stride(grid);
+}
+
+/* All cells; 0 where there are no rows. */
+static inline size_t cml_row_cells(const struct cml_grid *grid)
+{
+    return grid->rows ? cml_row_batch(grid, CML_NUM_BATCHES) + 2 * cml_row_cells_ra(grid) : 0;
+}
+
+#endif

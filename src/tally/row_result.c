@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally/row_result.h"
+
+#include "tally/row_cells.h"
+
+/* One row of the flight's. */
+struct row {
+    const struct cml_result *flight;
+    struct cml_row_bins at;
+    size_t stride, row;
+    struct cml_result *to;
+};
+
+/* Cell of a bin, counted from the first of batch 0, in units of weight. */
+static cml_u128 cell(const struct row *row, size_t bin)
+{
+    return 2 * row->flight->rows[bin * row->stride + row->row];
+}
+
+/* Bins of a batch into its profile of n; those beyond it go into the last. */
+static void take_bins(const struct row *row, size_t batch, size_t first, size_t bins, cml_u128 *profile,
+                      size_t n)
+{
+    for (size_t i = 0; i < bins; i++)
+        profile[batch * n + (i < n ? i : n - 1)] += cell(row, batch * row->at.all + first + i);
+}
+
+static void take_totals(const struct row *row, size_t batch)
+{
+    const size_t media = cml_grid_media(&row->to->grid);
+    cml_u128 *balance = row->to->summary.balance, *totals = row->to->totals + batch * CML_NUM_TOTALS;
+    for (int t = 0; t < CML_NUM_TOTALS; t++)
+        totals[t] = cell(row, batch * row->at.all + (size_t)cml_balance_term_of_total((enum cml_total)t));
+    totals[CML_TOTAL_SPECULAR] = row->flight->totals[batch * CML_NUM_TOTALS + CML_TOTAL_SPECULAR];
+    for (size_t m = 0; m < media; m++) totals[CML_TOTAL_ABSORBED] += row->to->A_l[batch * media + m];
+    for (size_t term = CML_BALANCE_GAINED; term < CML_NUM_BALANCE_TERMS; term++)
+        balance[term] += cell(row, batch * row->at.all + term);
+    balance[CML_BALANCE_ABSORBED] += totals[CML_TOTAL_ABSORBED];
+}
+
+static void take_batch(const struct row *row, size_t batch)
+{
+    struct cml_result *to = row->to;
+    const size_t nr = (size_t)to->grid.nr, na = (size_t)to->grid.na, media = cml_grid_media(&to->grid);
+    take_bins(row, batch, row->at.Rd_r, nr + 1, to->Rd_r, nr);
+    take_bins(row, batch, row->at.Tt_r, nr + 1, to->Tt_r, nr);
+    take_bins(row, batch, row->at.Rd_a, na, to->Rd_a, na);
+    take_bins(row, batch, row->at.Tt_a, na, to->Tt_a, na);
+    take_bins(row, batch, row->at.A_l, media, to->A_l, media);
+    take_totals(row, batch);
+}
+
+/* Rows' weights are coarser than packets'. By how much those of all launches differ from what was launched, a
+ * packet's by no more than 2^-24, counts as roulette does. */
+static void take_launch(const struct row *row)
+{
+    cml_u128 *balance = row->to->summary.balance, inside = 0;
+    const cml_u128 exact = balance[CML_BALANCE_LAUNCHED] - balance[CML_BALANCE_SPECULAR];
+    const struct row first = {row->flight, row->at, row->stride, 0, row->to};
+    for (size_t b = 0; b < CML_NUM_BATCHES; b++)
+        inside += cell(&first, b * row->at.all + CML_BALANCE_LAUNCHED);
+    if (exact > inside)
+        balance[CML_BALANCE_ROULETTE] += exact - inside;
+    else
+        balance[CML_BALANCE_GAINED] += inside - exact;
+}
+
+/* Rd_ra or Tt_ra: `first` is its first bin. What left beyond the last radius goes into the last radial bin.
+ */
+static void take_exits(const struct row *row, size_t first, cml_u128 *to)
+{
+    const size_t nr = (size_t)row->to->grid.nr, na = (size_t)row->to->grid.na;
+    for (size_t i = 0; i <= nr; i++)
+        for (size_t a = 0; a < na; a++) {
+            const cml_u128 w = cell(row, first + i * na + a);
+            to[(i < nr ? i : nr - 1) * na + a] += w;
+            if (i == nr) row->to->summary.balance[CML_BALANCE_OVERFLOW_R] += w;
+        }
+}
+
+cml_status cml_row_result(const struct cml_result *flight, int number, struct cml_result *to,
+                          struct cml_error *err)
+{
+    struct cml_grid grid = flight->grid;
+    const struct row row = {flight, cml_row_bins(&grid), cml_row_stride(&grid), (size_t)number, to};
+    const size_t exits = CML_NUM_BATCHES * row.at.all, ra = cml_row_cells_ra(&grid) / row.stride;
+    grid.rows = 0;
+    grid.row_cells = 0;
+    CML_TRY(cml_result_create(&grid, flight->photons, to, err));
+    to->summary = flight->summary;
+    for (int t = 0; t < CML_NUM_BALANCE_TERMS; t++)
+        if (t != CML_BALANCE_LAUNCHED && t != CML_BALANCE_SPECULAR) to->summary.balance[t] = 0;
+    for (size_t b = 0; b < CML_NUM_BATCHES; b++) take_batch(&row, b);
+    take_launch(&row);
+    take_exits(&row, exits, to->Rd_ra);
+    take_exits(&row, exits + ra, to->Tt_ra);
+    return CML_OK;
+}
+
+double cml_effective_packets(const struct cml_result *result, enum cml_total total)
+{
+    const double error = cml_result_relative_error(result, total);
+    return 1 / (error * error + 1 / (double)result->photons);
+}

@@ -161,7 +161,7 @@ struct cml_marks {
 };
 
 #ifndef __OPENCL_VERSION__
-/* Rows of a sweep that come of one flight (P15): by how much their media absorb more than those that are
+/* Rows of a sweep that come of one flight (P16): by how much their media absorb more than those that are
  * flown. */
 struct cml_rows {
     int count;        /* rounded up to whole groups; those too many absorb nothing more; 0: there are none */

@@ -17,7 +17,7 @@ struct cml_roulette_options {
     double weight; /* of survivors, below <= weight <= 1 */
 };
 
-/* Rows of a sweep that come of the same flight (P15). Zeroed: none. */
+/* Rows of a sweep that come of the same flight (P16). Zeroed: none. */
 struct cml_engine_rows {
     int count;
     const double *more; /* [media][count] by how much they absorb more than the scene, 1/cm; borrowed */

@@ -1,5 +1,5 @@
 /* Code, included once by each engine on the host, in its precision and for its level of the processor, as
- * terminated_packets_inl.h is: rows of a sweep that come of one flight (P15). The weight of a row is that of
+ * terminated_packets_inl.h is: rows of a sweep that come of one flight (P16). The weight of a row is that of
  * the packet times a factor of the row's own, which falls along the path. All rows at once are a vector loop,
  * and it runs where packets change the medium, play roulette, lose weight to the backing or end.
  * SPDX-License-Identifier: MIT */

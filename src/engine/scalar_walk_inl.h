@@ -22,7 +22,7 @@ static inline void cml_leave_trail(const struct cml_world *world, const struct c
     cml_begin_trail(world, &packet->trail, packet->path);
 }
 
-/* P15: the rows of one packet after another. */
+/* P16: the rows of one packet after another. */
 struct row_walk {
     struct cml_row_sums sums;
     real *factor;                      /* [sums.count] */

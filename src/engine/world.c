@@ -420,7 +420,7 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     setup->r0_y = scene->beams[0].radial ? 0 : setup->y0;
 }
 
-/* P15. */
+/* P16. */
 static cml_status copy_rows(const struct cml_grid *grid, const struct cml_engine_rows *rows,
                             struct cml_owned_world *to, struct cml_error *err)
 {

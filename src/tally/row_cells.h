@@ -1,4 +1,4 @@
-/* The cells of rows of a sweep that come of one flight (kernels/README.md, P15), in a tally and in a result:
+/* The cells of rows of a sweep that come of one flight (kernels/README.md, P16), in a tally and in a result:
  * for each of the 64 batches bins of sums, each of them for all rows side by side, since all rows are summed
  * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, likewise.
  * SPDX-License-Identifier: MIT */

@@ -60,6 +60,16 @@ def run(text, *options, keep=None):
         return [json.loads(line) for line in done.stdout.splitlines()]
 
 
+def exact(text, *options):
+    """The record of `exact` of the text of an .mci file."""
+    with tempfile.TemporaryDirectory() as scratch:
+        path = os.path.join(scratch, "scene.mci")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        return json.loads(subprocess.run([PROGRAM, "exact", path, "--json", *map(str, options)], capture_output=True,
+                                         text=True, check=True).stdout)
+
+
 def read_sections(path):
     """The one-number-per-line sections of an .mco file: {key: [values]}."""
     sections, key = {}, None

@@ -28,6 +28,16 @@ class Tables(unittest.TestCase):
         np.testing.assert_array_equal(swept["layer1.mua"], MUA)
         self.assertEqual(swept["layer1.mus"].dims, (dim,))
 
+    def test_rows_of_one_flight(self):
+        """Each is a flight of its own, within 5 errors, and in its place."""
+        scene = mc.Scene([mc.Layer(1.4, 0.1, 50, 0.8, 0.1)], photons=20000)
+        values = {"layer1.mua": [2, 0.2], "layer1.mus": [30, 50]}
+        swept, own = mc.sweep(scene, values, reweight=True), mc.sweep(scene, values, seed=2)
+        for name in ("Rd", "Tt", "A_l"):
+            self.assertEqual(swept[name].dims, own[name].dims)
+            error = np.hypot(swept[name + "_se"], own[name + "_se"])
+            self.assertTrue(bool((abs(swept[name] - own[name]) <= 5 * error + 1e-12).all()), name)
+
     def test_lists(self):
         swept = mc.sweep(slab(), {"layer1.mua": MUA, "layer1.mus": np.array(MUS)}, dim="sample")
         self.check_rows(swept, "sample")

@@ -4,9 +4,7 @@ programs reaches (slanted light, negative g, clear layers between others, dense 
 N = 1e6 packets a scene; statistic: z of Rsp, Rd, A, Tt and of what each layer absorbs (its error is the bound for
 weights of at most 1, which is never too small); level 1e-4 over all. A second run of `exact` sees that a scattering
 coefficient that is 3 % off would show."""
-import json
 import os
-import subprocess
 import sys
 import tempfile
 
@@ -27,15 +25,6 @@ SCENES = [
     ("skin 0", ["1.53 0.2 1000 0.9 0.002", "1.34 0.15 400 0.85 0.008", "1.39 1 350 0.95 0.02", "1.4 0.7 200 0.76 0.1"],
      1.0, 1.0, 0),
 ]
-
-
-def exact(text):
-    with tempfile.TemporaryDirectory() as scratch:
-        path = os.path.join(scratch, "scene.mci")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(text)
-        return json.loads(subprocess.run([cml.PROGRAM, "exact", path, "--json"], capture_output=True, text=True,
-                                         check=True).stdout)
 
 
 def bound(share):
@@ -62,8 +51,8 @@ def main():
     verdict = cml.Verdict("exact")
     for name, layers, above, below, angle in SCENES:
         text = cml.mci(layers, photons=PHOTONS, n_above=above, n_below=below, extra=[f"beam pencil angle={angle}"])
-        compare(verdict, name, text, exact(text))
-    right, wrong = (exact(cml.mci([f"1.4 1 {mus} 0.8 0.1"], extra=["beam pencil angle=60"])) for mus in (20, 20.6))
+        compare(verdict, name, text, cml.exact(text))
+    right, wrong = (cml.exact(cml.mci([f"1.4 1 {mus} 0.8 0.1"], extra=["beam pencil angle=60"])) for mus in (20, 20.6))
     verdict.check("3 % more scattering", abs(right["Rd"] - wrong["Rd"]) > 6 * bound(right["Rd"]),
                   f"Rd {right['Rd']} and {wrong['Rd']}")
     verdict.finish()

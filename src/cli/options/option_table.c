@@ -46,6 +46,10 @@ const struct cml_option cml_option_table[] = {
      "one run for each row of the table, whose first line has names as --set has, and seed; results are "
      "NAME-0001.mco ..., NAME.sweep.csv and NAME.sweep.h5",
      TEXT(sweep)},
+    {"reweight", 0, NULL, RUN, NULL,
+     "with --sweep: rows that differ in nothing but mua, of layers and bodies, come of one flight, each as "
+     "exact as a flight of its own; without A_rz",
+     FLAG(reweight)},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
      .read = cml_read_seed, .member = MEMBER(engine_options.seed), .least = 0, .most = 0x1p53},
     {"run", 0, "K", TRACE | CHECK, NULL,

@@ -37,6 +37,7 @@ struct cml_options {
     int num_labels;
     const char *labels[CML_MOST_LABELS]; /* of the curves and maps of `plot`, in the order of the operands */
     const char *sweep;                   /* a table, one run a row; NULL: not given */
+    bool reweight;                       /* rows that differ in absorption come of one flight */
     const char *directory;               /* of the results; NULL: not given */
     const char *output;           /* the name of `run`'s result, or the picture of others; NULL: not given */
     struct cml_settings settings; /* values in place of what the scene's file says */

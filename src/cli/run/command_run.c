@@ -99,6 +99,21 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
+/* What rows of one flight are not made for. */
+static cml_status check_reweight(const struct cml_options *options, struct cml_error *err)
+{
+    const char *beside = options->keep                ? "--keep or --more"
+                         : options->target_error > 0  ? "--target-error"
+                         : options->aim               ? "--aim"
+                         : options->control           ? "--control"
+                         : options->engine->reweights ? NULL
+                                                      : "--engine opencl";
+    if (!options->reweight) return CML_OK;
+    if (!options->sweep) return cml_fail(err, CML_E_INPUT, "--reweight (expected --sweep beside it)");
+    if (!beside) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "--reweight (expected no %s beside it)", beside);
+}
+
 /* What cannot stand together. --more goes on from tallies, and leaves some. */
 static cml_status check_options(struct cml_options *options, struct cml_error *err)
 {
@@ -112,7 +127,7 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
                         options->more > 0 ? "more" : "keep");
     if (options->more > 0 && options->photons > 0)
         return cml_fail(err, CML_E_INPUT, "--more (expected no --photons beside it)");
-    return CML_OK;
+    return check_reweight(options, err);
 }
 
 /* What must be the same on all ranks, as text, the caller's to free. Of a sweep every rank writes rows, so
@@ -127,8 +142,9 @@ static cml_status describe(const struct cml_options *options, char **text, struc
                                         .controlled = options->control};
     char rest[4 * PATH_MAX] = "";
     if (options->sweep)
-        snprintf(rest, sizeof rest, "more %" PRIu64 ", keep %d, resume %d, json %d\n%s\n%s\n%s\n",
-                 options->more, options->keep, options->resume, options->json, options->sweep,
+        snprintf(rest, sizeof rest,
+                 "more %" PRIu64 ", keep %d, resume %d, json %d, reweight %d\n%s\n%s\n%s\n", options->more,
+                 options->keep, options->resume, options->json, options->reweight, options->sweep,
                  options->output ? options->output : "", options->directory ? options->directory : "");
     CML_TRY(cml_settings_text(&options->settings, &settings, err));
     const struct cml_provenance provenance =

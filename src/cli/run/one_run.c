@@ -15,6 +15,7 @@
 #include "run/identity.h"
 #include "run/launcher.h"
 #include "run/stop.h"
+#include "tally/row_result.h"
 
 #include <inttypes.h>
 #include <limits.h>
@@ -214,6 +215,78 @@ static cml_status publish_run(const struct cml_run_call *call, const struct cml_
     return CML_OK;
 }
 
+/* Rows in which a total that the flight has comes of so few packets that the error of its error is no small
+ * part of it. */
+struct poor_rows {
+    int count, row; /* the poorest, from 0 */
+    double packets; /* of that */
+};
+#define LEAST_PACKETS 100
+
+static void find_poor(const struct cml_result *flight, const struct cml_result *result, int row,
+                      struct poor_rows poor[CML_NUM_GOALS])
+{
+    for (int i = 0; i < CML_NUM_GOALS; i++) {
+        const double packets = cml_effective_packets(result, cml_goals[i]);
+        if (!(cml_result_total(flight, cml_goals[i]) > 0) || packets >= LEAST_PACKETS) continue;
+        if (poor[i].count++ > 0 && packets >= poor[i].packets) continue;
+        poor[i].row = row;
+        poor[i].packets = packets;
+    }
+}
+
+static void note_poor(const struct cml_run_rows *rows, const struct poor_rows poor[CML_NUM_GOALS])
+{
+    char text[200];
+    for (int i = 0; i < CML_NUM_GOALS; i++) {
+        const char *name = cml_quantities[cml_quantity_of_total((int)cml_goals[i])].name;
+        if (poor[i].count == 0) continue;
+        snprintf(
+            text, sizeof text,
+            "%s of %d of %d rows comes of fewer than %d effective packets, that of row %d of %.0f: there "
+            "its standard error is rough",
+            name, poor[i].count, rows->count, LEAST_PACKETS, poor[i].row + 1, poor[i].packets);
+        cml_show_note(NULL, text);
+    }
+}
+
+static cml_status publish_row(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                              const struct cml_run_result *run, int i, struct poor_rows *poor,
+                              struct cml_error *err)
+{
+    const struct cml_run_rows *rows = call->rows;
+    struct cml_result result;
+    CML_TRY(cml_row_result(&run->result, i, &result, err));
+    struct cml_report report = {.scene = rows->scene[i],
+                                .surfaces = setup->surfaces,
+                                .sums = &result,
+                                .timing = &run->timing,
+                                .provenance = setup->provenance,
+                                .row = rows->number[i] + 1,
+                                .command = call->options->command};
+    const cml_status status = publish(call, &report, &rows->record[i], err);
+    if (status == CML_OK || status == CML_E_NUMERIC) find_poor(&run->result, &result, rows->number[i], poor);
+    cml_result_free(&result);
+    return status;
+}
+
+/* On rank 0: a row whose weight does not balance is written, and so are the others. */
+static cml_status publish_rows(const struct cml_run_call *call, const struct cml_run_setup *setup,
+                               const struct cml_run_result *run, struct cml_error *err)
+{
+    struct poor_rows poor[CML_NUM_GOALS] = {{0}};
+    cml_status worst = CML_OK;
+    for (int i = 0; cml_cluster_rank() == 0 && i < call->rows->count; i++) {
+        struct cml_error why;
+        const cml_status status = publish_row(call, setup, run, i, poor, &why);
+        if (status != CML_OK) *err = why;
+        if (status == CML_E_NUMERIC) worst = status;
+        if (status != CML_OK && status != CML_E_NUMERIC) return status;
+    }
+    note_poor(call->rows, poor);
+    return worst;
+}
+
 /* The flat twin's flight lies between the run's and its publication. That the twin's books balance is looked
  * at last, as the run's own results are good without it. */
 static cml_status control_run(const struct cml_run_call *call, const struct cml_run_setup *setup,
@@ -281,7 +354,8 @@ static cml_status fly(const struct cml_run_call *call, const struct cml_run_setu
     if (call->options->checkpoint_interval > 0) cml_stop_watch();
     if (call->row == 0) announce(call->options, setup);
     CML_TRY(cml_run(setup, &run, err));
-    cml_status status = setup->controlled && run.intent != CML_RUN_NOTHING_LEFT
+    cml_status status = call->rows ? publish_rows(call, setup, &run, err)
+                        : setup->controlled && run.intent != CML_RUN_NOTHING_LEFT
                             ? control_run(call, setup, &run, twin, record, err)
                             : publish_run(call, setup, &run, NULL, NULL, record, err);
     if (status == CML_OK && twin->checkpoint && cml_cluster_rank() == 0)

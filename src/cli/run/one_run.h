@@ -7,16 +7,26 @@
 #include "cli/run/pending.h"
 #include "run/run.h"
 
+/* Rows of a sweep that come of one flight (P16), each with a result of its own. */
+struct cml_run_rows {
+    int count;
+    const int *number;                    /* [count] from 0 */
+    const struct cml_scene *const *scene; /* [count] */
+    struct cml_record *record;            /* [count] rank 0's, filled as that of cml_run_one */
+};
+
 struct cml_run_call {
     const struct cml_options *options;
     const struct cml_scene *scene;
     const char *inputs;                  /* lines of the identity (run/identity.h) */
     const struct cml_surface_set *known; /* of shapes that the scene has borrowed; NULL: none */
     uint64_t seed;
-    uint32_t run;                /* of the file, from 0 */
-    int row;                     /* of a sweep, from 1: no summary; 0: of none */
-    struct cml_pending *pending; /* takes the checkpoints of finished runs without tallies; NULL: none */
-    bool stays;                  /* a checkpoint stays that says that the run is finished */
+    uint32_t run;                    /* of the file, from 0 */
+    int row;                         /* of a sweep, from 1: no summary; 0: of none */
+    const struct cml_run_rows *rows; /* are published in place of the scene, which only flies, with the rows
+                                      * of the options; NULL: none */
+    struct cml_pending *pending;     /* takes the checkpoints of finished runs without tallies; NULL: none */
+    bool stays;                      /* a checkpoint stays that says that the run is finished */
 };
 
 /* Flies the run on all ranks, writes its files and prints a summary for people. *record is rank 0's, the

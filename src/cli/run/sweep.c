@@ -7,8 +7,8 @@
 #include "cli/load/scenes.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
-#include "cli/run/sweep_rows.h"
-#include "input/sweep/sweep_table.h"
+#include "cli/run/sweep_flights.h"
+#include "input/sweep/sweep_groups.h"
 #include "output/files/hdf5_file.h"
 #include "output/report.h"
 #include "output/study/sweep_files.h"
@@ -19,42 +19,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What all rows share. */
-struct sweep {
-    const struct cml_options *options;
-    const struct cml_scene_list *base;
-    struct cml_inputs *inputs;
-    struct cml_sweep_table table;
-    int seed_column;                 /* -1: the rows have the seed of the options */
-    char *identity;                  /* lines of the identity: the files but for the table */
-    struct cml_surface_set surfaces; /* of the scene without rows: their trees are built once */
-    struct cml_outputs outputs;      /* rank 0's */
-    struct cml_sweep_rows rows;
-    struct cml_pending pending; /* of this rank */
-    int digits;                 /* of a row's number in names */
-};
-
-/* ---- names ---- */
-
-/* "NAME-0001.mco" of row 0; of format B "NAME-0001.h5", since the ending of a name from outside is a format.
- */
-static cml_status row_output(const struct sweep *sweep, int row, char **name, struct cml_error *err)
-{
-    const struct cml_scene *scene = &sweep->base->scenes[0];
-    char suffix[32];
-    char *stem = NULL;
-    CML_TRY(cml_report_path(scene->output, "", &stem, err));
-    const char *ending = scene->format == 'B' ? ".h5" : scene->output + strlen(stem);
-    const size_t size = strlen(scene->output) + sizeof suffix;
-    snprintf(suffix, sizeof suffix, "-%0*d", sweep->digits, row + 1);
-    *name = malloc(size);
-    if (*name) snprintf(*name, size, "%s%s%s", stem, suffix, ending);
-    free(stem);
-    return *name ? CML_OK : cml_fail_memory(err, (double)size, "a name");
-}
-
 /* "NAME.sweep.csv" and the like, in the directory of results. */
-static cml_status table_path(const struct sweep *sweep, const char *suffix, char **path,
+static cml_status table_path(const struct cml_sweep_run *sweep, const char *suffix, char **path,
                              struct cml_error *err)
 {
     char *name = NULL;
@@ -64,76 +30,22 @@ static cml_status table_path(const struct sweep *sweep, const char *suffix, char
     return status;
 }
 
-/* ---- rows ---- */
-
-/* All but the seed and labels is for the reader of the scene. */
-static cml_status row_settings(const struct sweep *sweep, int row, struct cml_settings *settings,
-                               struct cml_error *err)
-{
-    *settings = sweep->options->settings;
-    for (int c = 0; c < sweep->table.num_columns; c++) {
-        const struct cml_setting setting = cml_sweep_cell(&sweep->table, row, c);
-        if (c != sweep->seed_column && !sweep->table.label[c])
-            CML_TRY(cml_settings_copy(settings, &setting, err));
-    }
-    return CML_OK;
-}
-
-static cml_status row_seed(const struct sweep *sweep, int row, uint64_t *seed, struct cml_error *err)
-{
-    *seed = sweep->options->engine_options.seed;
-    if (sweep->seed_column < 0) return CML_OK;
-    const struct cml_setting setting = cml_sweep_cell(&sweep->table, row, sweep->seed_column);
-    if (sweep->options->seed_given) return cml_setting_fail(&setting, "no value beside that of --seed", err);
-    if (cml_parse_count(setting.value, seed)) return CML_OK;
-    return cml_setting_fail(&setting, "a whole number from 0 to 9007199254740992", err);
-}
-
-/* Says of which row, and of which values, it is what the reader says of a scene. */
-static cml_status name_row(const struct sweep *sweep, int row, cml_status status, struct cml_error *err)
-{
-    const struct cml_error why = *err;
-    const char *path = sweep->table.text.path;
-    char cells[300] = "";
-    if (status == CML_OK || strncmp(why.text, path, strlen(path)) == 0) return status;
-    for (int c = 0; c < sweep->table.num_columns && strlen(cells) < 200; c++) {
-        const struct cml_setting cell = cml_sweep_cell(&sweep->table, row, c);
-        snprintf(cells + strlen(cells), sizeof cells - strlen(cells), ", %s = %.30s", cell.name, cell.value);
-    }
-    return cml_fail(err, status, "%s:%d: row %d%s: %.600s", path, sweep->table.line[row], row + 1, cells,
-                    why.text);
-}
-
-/* The scene of a row, the caller's to clear. */
-static cml_status read_row(const struct sweep *sweep, int row, struct cml_scene_list *list,
-                           struct cml_error *err)
-{
-    struct cml_settings settings;
-    char *output = NULL;
-    CML_TRY(row_settings(sweep, row, &settings, err));
-    CML_TRY(row_output(sweep, row, &output, err));
-    const cml_status status =
-        cml_reload_scene(sweep->options, &settings, output, sweep->inputs, sweep->base, list, err);
-    free(output);
-    return name_row(sweep, row, status, err);
-}
-
 /* ---- before the first row flies ---- */
 
-static cml_status check_row(const struct sweep *sweep, int row, struct cml_error *err)
+static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct cml_error *err)
 {
     struct cml_scene_list list;
     uint64_t seed;
-    CML_TRY(row_seed(sweep, row, &seed, err));
-    CML_TRY(read_row(sweep, row, &list, err));
+    CML_TRY(cml_sweep_row_seed(sweep, row, &seed, err));
+    CML_TRY(cml_sweep_read_row(sweep, row, &list, err));
     const cml_status status =
-        name_row(sweep, row, cml_check_memory(sweep->options, &list.scenes[0], NULL, err), err);
+        cml_sweep_name_row(sweep, row, cml_check_memory(sweep->options, &list.scenes[0], NULL, err), err);
     cml_scene_list_clear(&list);
     return status;
 }
 
 /* Outputs are claimed as those of a file whose runs are the tables and the rows, without their shapes. */
-static cml_status claim(struct sweep *sweep, struct cml_scene *scenes, struct cml_error *err)
+static cml_status claim(struct cml_sweep_run *sweep, struct cml_scene *scenes, struct cml_error *err)
 {
     static const char *const suffixes[] = {".sweep.csv", ".sweep.h5"};
     const int rows = sweep->table.num_rows, tables = cml_hdf5_available() ? 2 : 1;
@@ -151,7 +63,7 @@ static cml_status claim(struct sweep *sweep, struct cml_scene *scenes, struct cm
     for (int i = 0; status == CML_OK && i < list.count; i++)
         status = i < tables
                      ? cml_report_path(sweep->base->scenes[0].output, suffixes[i], &scenes[i].output, err)
-                     : row_output(sweep, i - tables, &scenes[i].output, err);
+                     : cml_sweep_row_output(sweep, i - tables, &scenes[i].output, err);
     if (status == CML_OK)
         status =
             cml_outputs_claim(sweep->options, &list, 1, sweep->inputs, cml_show_note, &sweep->outputs, err);
@@ -160,7 +72,7 @@ static cml_status claim(struct sweep *sweep, struct cml_scene *scenes, struct cm
 }
 
 /* On rank 0. */
-static cml_status check_rows(struct sweep *sweep, struct cml_error *err)
+static cml_status check_rows(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     for (int row = 0; row < sweep->table.num_rows; row++) CML_TRY(check_row(sweep, row, err));
     const size_t count = (size_t)sweep->table.num_rows + 2;
@@ -172,7 +84,7 @@ static cml_status check_rows(struct sweep *sweep, struct cml_error *err)
 }
 
 /* The table is no part of what a row's result depends on: its cells are. */
-static cml_status identify(struct sweep *sweep, struct cml_error *err)
+static cml_status identify(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     struct cml_inputs files = *sweep->inputs;
     files.count--;
@@ -189,7 +101,7 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
     return CML_OK;
 }
 
-static cml_status open_sweep(struct sweep *sweep, struct cml_error *err)
+static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_text_source replay = cml_inputs_replayer(sweep->inputs);
     const struct cml_options *options = sweep->options;
@@ -198,52 +110,28 @@ static cml_status open_sweep(struct sweep *sweep, struct cml_error *err)
     for (int c = 0; c < sweep->table.num_columns; c++)
         if (strcmp(sweep->table.name[c], "seed") == 0 && !sweep->table.label[c]) sweep->seed_column = c;
     CML_TRY(check_labels(&sweep->table, err));
+    if (options->reweight) CML_TRY(cml_sweep_check_reweighted(&sweep->base->scenes[0], err));
     sweep->digits = snprintf(NULL, 0, "%d", sweep->table.num_rows);
     if (sweep->digits < 4) sweep->digits = 4;
     CML_TRY(identify(sweep, err));
     if (cml_cluster_rank() == 0) CML_TRY(check_rows(sweep, err));
     CML_TRY(cml_surfaces_create(&sweep->base->scenes[0], &options->surface, &sweep->surfaces, err));
     if (cml_cluster_rank() == 0) CML_TRY(cml_note_beam(&sweep->base->scenes[0], &sweep->surfaces, err));
+    if (options->reweight) CML_TRY(cml_sweep_group(&sweep->table, &sweep->group, &sweep->num_groups, err));
     return cml_sweep_rows_create(sweep->table.num_rows, &sweep->rows, err);
 }
 
 /* ---- flying ---- */
 
-/* One line for people. */
-static void print_row(const struct sweep *sweep, int row, const struct cml_record *record)
-{
-    const struct cml_sweep_table *table = &sweep->table;
-    const struct cml_options *options = sweep->options;
-    if (options->quiet || options->json || cml_cluster_rank() != 0) return;
-    printf("  row %d of %d:", row + 1, table->num_rows);
-    for (int c = 0; c < table->num_columns; c++)
-        printf(" %s=%s", table->name[c], table->cell[(size_t)row * (size_t)table->num_columns + (size_t)c]);
-    printf("  Rd %.6f +- %.6f, A %.6f +- %.6f, Tt %.6f +- %.6f\n", record->value[CML_TOTAL_REFLECTED],
-           record->error[CML_TOTAL_REFLECTED], record->value[CML_TOTAL_ABSORBED],
-           record->error[CML_TOTAL_ABSORBED], record->value[CML_TOTAL_TRANSMITTED],
-           record->error[CML_TOTAL_TRANSMITTED]);
-    fflush(stdout);
-}
-
-/* On all ranks: that a result is not safe counts more than that a row's weight does not balance. */
-static cml_status add_safety(cml_status status, cml_status safe, struct cml_error *why, struct cml_error *err)
-{
-    safe = cml_cluster_agree(safe, why);
-    if (safe == CML_OK || (status != CML_OK && status != CML_E_NUMERIC && status != CML_E_STOPPED))
-        return status;
-    *err = *why;
-    return safe;
-}
-
 /* A cml_sweep_fly_function. */
 static cml_status fly_row(void *context, int row, struct cml_record *record, struct cml_error *err)
 {
-    struct sweep *sweep = context;
+    struct cml_sweep_run *sweep = context;
     struct cml_scene_list list;
     struct cml_error why = {CML_OK, ""};
     uint64_t seed = 0;
-    cml_status status = row_seed(sweep, row, &seed, err);
-    if (status == CML_OK) status = read_row(sweep, row, &list, err);
+    cml_status status = cml_sweep_row_seed(sweep, row, &seed, err);
+    if (status == CML_OK) status = cml_sweep_read_row(sweep, row, &list, err);
     CML_TRY(cml_cluster_agree(status, err));
     const struct cml_run_call call = {.options = sweep->options,
                                       .scene = &list.scenes[0],
@@ -254,15 +142,15 @@ static cml_status fly_row(void *context, int row, struct cml_record *record, str
                                       .pending = &sweep->pending,
                                       .stays = true};
     status = cml_run_one(&call, record, err);
-    status = add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
-    if (status == CML_OK || status == CML_E_NUMERIC) print_row(sweep, row, record);
+    status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
+    if (status == CML_OK || status == CML_E_NUMERIC) cml_sweep_print_row(sweep, row, record);
     cml_scene_list_clear(&list);
     return status;
 }
 
 /* ---- what comes of it ---- */
 
-static cml_status write_tables(const struct sweep *sweep, const struct cml_sweep_results *results,
+static cml_status write_tables(const struct cml_sweep_run *sweep, const struct cml_sweep_results *results,
                                struct cml_error *err)
 {
     char *csv = NULL, *h5 = NULL;
@@ -280,7 +168,7 @@ static cml_status write_tables(const struct sweep *sweep, const struct cml_sweep
 }
 
 /* On rank 0. */
-static cml_status publish(const struct sweep *sweep, struct cml_error *err)
+static cml_status publish(const struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_scene *base = &sweep->base->scenes[0];
     const size_t rows = (size_t)sweep->table.num_rows, columns = (size_t)sweep->table.num_columns;
@@ -291,8 +179,8 @@ static cml_status publish(const struct sweep *sweep, struct cml_error *err)
         files && names && seeds ? CML_OK : cml_fail_memory(err, 16.0 * (double)rows, "the rows");
     for (size_t c = 0; status == CML_OK && c < columns; c++) names[c] = sweep->table.name[c];
     for (size_t i = 0; status == CML_OK && i < rows; i++) {
-        status = row_output(sweep, (int)i, &files[i], err);
-        if (status == CML_OK) status = row_seed(sweep, (int)i, &seeds[i], err);
+        status = cml_sweep_row_output(sweep, (int)i, &files[i], err);
+        if (status == CML_OK) status = cml_sweep_row_seed(sweep, (int)i, &seeds[i], err);
     }
     const struct cml_sweep_results results = {.title = base->output,
                                               .input = base->text,
@@ -317,21 +205,21 @@ static cml_status publish(const struct sweep *sweep, struct cml_error *err)
 }
 
 /* On rank 0, of all rows, unless they are to stay. */
-static void remove_checkpoints(const struct sweep *sweep)
+static void remove_checkpoints(const struct cml_sweep_run *sweep)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error ignored;
     for (int row = 0; !cml_run_leaves_checkpoints(options) && row < sweep->table.num_rows; row++) {
         struct cml_scene scene = sweep->base->scenes[0];
         char *path = NULL;
-        if (row_output(sweep, row, &scene.output, &ignored) != CML_OK) continue;
+        if (cml_sweep_row_output(sweep, row, &scene.output, &ignored) != CML_OK) continue;
         if (cml_run_checkpoint(options, &scene, &path, &ignored) == CML_OK) cml_checkpoint_remove(path);
         free(scene.output);
         free(path);
     }
 }
 
-static cml_status finish(const struct sweep *sweep, cml_status flown, struct cml_error *err)
+static cml_status finish(const struct cml_sweep_run *sweep, cml_status flown, struct cml_error *err)
 {
     if (flown == CML_E_STOPPED)
         return cml_fail(err, CML_E_STOPPED, "%s: stopped with %d of %d rows to fly; --resume continues",
@@ -343,19 +231,26 @@ static cml_status finish(const struct sweep *sweep, cml_status flown, struct cml
     return flown;
 }
 
-static cml_status fly(struct sweep *sweep, struct cml_error *err)
+static void announce(const struct cml_sweep_run *sweep)
+{
+    printf("clustermcml %s, %d rank%s: %d rows of %s", cml_version(), cml_cluster_size(),
+           cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, sweep->options->sweep);
+    if (sweep->group) printf(" in %d flight%s", sweep->num_groups, sweep->num_groups == 1 ? "" : "s");
+    printf("\n");
+}
+
+static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_options *options = sweep->options;
     struct cml_error why = {CML_OK, ""};
     if (options->checkpoint_interval > 0) cml_stop_watch();
-    if (cml_cluster_rank() == 0 && !options->quiet && !options->json)
-        printf("clustermcml %s, %d rank%s: %d rows of %s\n", cml_version(), cml_cluster_size(),
-               cml_cluster_size() == 1 ? "" : "s", sweep->table.num_rows, options->sweep);
+    if (cml_cluster_rank() == 0 && !options->quiet && !options->json) announce(sweep);
     cml_pending_begin(&sweep->pending);
-    cml_status status = cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
+    cml_status status = sweep->group ? cml_sweep_fly_groups(sweep, err)
+                                     : cml_sweep_rows_fly(&sweep->rows, options->json, fly_row, sweep, err);
     const bool complete = status == CML_OK || status == CML_E_NUMERIC;
     const bool marks = !complete || cml_run_leaves_checkpoints(options);
-    status = add_safety(status, cml_pending_end(&sweep->pending, marks, &why), &why, err);
+    status = cml_sweep_add_safety(status, cml_pending_end(&sweep->pending, marks, &why), &why, err);
     if (cml_cluster_rank() == 0) status = finish(sweep, status, err);
     return cml_cluster_agree(status, err);
 }
@@ -363,7 +258,7 @@ static cml_status fly(struct sweep *sweep, struct cml_error *err)
 cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                      struct cml_inputs *inputs, struct cml_error *err)
 {
-    struct sweep sweep = {.options = options, .base = list, .inputs = inputs};
+    struct cml_sweep_run sweep = {.options = options, .base = list, .inputs = inputs};
     cml_status status = CML_OK;
     if (list->count != 1)
         status = cml_fail(err, CML_E_INPUT, "--sweep %.80s (expected a file with one run; %.400s has %d)",
@@ -376,5 +271,6 @@ cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_l
     cml_surfaces_free(&sweep.surfaces);
     cml_sweep_table_clear(&sweep.table);
     free(sweep.identity);
+    free(sweep.group);
     return status;
 }

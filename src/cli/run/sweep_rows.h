@@ -14,6 +14,9 @@ struct cml_sweep_rows {
 CML_NODISCARD cml_status cml_sweep_rows_create(int count, struct cml_sweep_rows *rows, struct cml_error *err);
 void cml_sweep_rows_clear(struct cml_sweep_rows *rows);
 
+/* Prints the objects of all rows on rank 0, in their order, and frees them. */
+void cml_sweep_rows_print(struct cml_sweep_rows *rows, bool json);
+
 /* Flies a row, on all ranks or, where they share rows, on this one alone, which is then the only rank and
  * rank 0 (cml_cluster_alone). *record is filled when it returns CML_OK or CML_E_NUMERIC. */
 typedef cml_status cml_sweep_fly_function(void *context, int row, struct cml_record *record,

@@ -46,7 +46,7 @@ static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
     return (uint64_t)b->index_high[i] << 32 | b->index_low[i];
 }
 
-/* P15: factors of the rows of the lane's packet. */
+/* P16: factors of the rows of the lane's packet. */
 static real *cml_lane_factors(const struct cml_flight *f, int i)
 {
     return f->factors + (size_t)i * (size_t)f->rows.count;
@@ -284,7 +284,7 @@ static void cml_end_late(const struct cml_flight *f, int i, int at, const struct
         row[(up ? places.Rd_t : places.Tt_t) + (size_t)cml_gate(setup->gates, terminated->path[at])] += w;
 }
 
-/* P15: the rows of a lane's packet, whose deposits have been booked, end with it. */
+/* P16: the rows of a lane's packet, whose deposits have been booked, end with it. */
 __attribute__((noinline)) static void cml_end_lane_rows(const struct cml_flight *f, int i, int fate,
                                                         cml_u32 w, real x, real y, real uz)
 {

@@ -133,7 +133,7 @@ static cml_u32 cml_first_bits(cml_u32 mask, int count)
     return mask & ~rest;
 }
 
-/* The lane's packet has come so far. Its rows begin where it is: what lies above absorbs in none (P15). */
+/* The lane's packet has come so far. Its rows begin where it is: what lies above absorbs in none (P16). */
 static void cml_launch_path(struct cml_flight *f, int i, real path)
 {
     f->b->path[i] = f->factors ? (real)0 : path;

@@ -19,7 +19,7 @@ struct cpu_engine {
     struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
     struct cml_tally *tallies;     /* [num_tallies], zero between calls of run; the first has all that threads
                                     * share */
-    real *factors; /* [threads][CML_LANES][rows], of packets under way (P15); NULL without rows */
+    real *factors; /* [threads][CML_LANES][rows], of packets under way (P16); NULL without rows */
     int threads, num_tallies;
     uint64_t chunk;
 };

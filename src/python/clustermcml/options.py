@@ -95,6 +95,10 @@ class RunOptions(PlanOptions, total=False):
     more: float
 
 
+class SweepOptions(RunOptions, total=False):
+    reweight: bool
+
+
 class CompareOptions(TypedDict, total=False):
     alpha: float
     output: Path

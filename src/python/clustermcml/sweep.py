@@ -18,7 +18,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from . import errors
-from .options import Path, RunOptions, shown
+from .options import Path, SweepOptions, shown
 from .program import fly, option_words, result_of, scene_file, scratch_folder
 from .scene import Scene
 
@@ -142,7 +142,7 @@ def _kept(result: xr.Dataset, table: _Table, variables: Optional[Sequence[str]])
 @shown
 def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], pd.DataFrame], *, dim: Optional[str] = None,
           coords: Union[Sequence[str], Mapping[str, ArrayLike]] = (), variables: Optional[Sequence[str]] = None,
-          output_dir: Optional[Path] = None, progress: Optional[bool] = None, **options: Unpack[RunOptions]) -> xr.Dataset:
+          output_dir: Optional[Path] = None, progress: Optional[bool] = None, **options: Unpack[SweepOptions]) -> xr.Dataset:
     """Flies a scene for all combinations of values, or for the rows of a table, and returns one Dataset with further dimensions, first.
 
     parameters: {name: values}, names as `--set` takes them: layer1.mua, boundary0.height, above.n, beam.angle, photons, seed; all
@@ -150,7 +150,7 @@ def sweep(scene: Union[Scene, Path], parameters: Union[Mapping[str, ArrayLike], 
     dim: the name of its dimension, "row" without it; where a column has that name, its values are the axis. coords: names of columns that
     are carried along and not set, or {name: values}, numbers or texts.
     variables: names of what is kept, None for everything. Meshes are built once for all rows that leave them as they are. All else
-    is as for `run`; with output_dir each row's result stays there, and resume=True goes on where an interrupt has stopped.
+    is as for `run`; with reweight=True rows that differ in nothing but mua come of one flight, without A_z and A_rz; with output_dir each row's result stays there, and resume=True goes on where an interrupt has stopped.
 
     >>> sweep("scene.mci", {"layer1.mua": []})
     Traceback (most recent call last):

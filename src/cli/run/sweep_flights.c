@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT */
+#include "cli/run/sweep_flights.h"
+
+#include "base/text.h"
+#include "cli/load/scenes.h"
+#include "cli/run/one_run.h"
+#include "input/sweep/sweep_groups.h"
+#include "run/cluster.h"
+#include "tally/tally.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_error *err)
+{
+    const char *has = scene->num_detectors > 0   ? "detectors"
+                      : scene->time.gates > 0    ? "time"
+                      : scene->fluence.line > 0  ? "fluence"
+                      : scene->directions.nt > 0 ? "directions"
+                      : scene->map.nx > 0        ? "a map"
+                      : scene->facets            ? "facets"
+                                                 : NULL;
+    if (!has) return CML_OK;
+    return cml_fail(
+        err, CML_E_INPUT,
+        "--reweight: %.400s has %s (expected totals, profiles over r and angle, and what layers and "
+        "bodies absorb)",
+        scene->output, has);
+}
+
+/* Rows that come of one flight. */
+struct group {
+    int count, *row;                /* in rising order */
+    struct cml_scene_list *list;    /* [count] their scenes */
+    struct cml_scene_list flown;    /* in which each medium absorbs as in the palest of them */
+    const struct cml_scene **scene; /* [count] in list */
+    struct cml_record *record;      /* [count] */
+    double *more;                   /* as in struct cml_engine_rows */
+    char *identity;
+};
+
+static void clear_group(struct group *group)
+{
+    for (int i = 0; group->list && i < group->count; i++) cml_scene_list_clear(&group->list[i]);
+    cml_scene_list_clear(&group->flown);
+    free(group->list);
+    free(group->row);
+    free(group->scene);
+    free(group->record);
+    free(group->more);
+    free(group->identity);
+}
+
+static cml_status find_rows(const struct cml_sweep_run *sweep, int number, struct group *group,
+                            struct cml_error *err)
+{
+    const size_t most = (size_t)sweep->table.num_rows;
+    group->row = calloc(most, sizeof *group->row);
+    group->list = calloc(most, sizeof *group->list);
+    group->scene = calloc(most, sizeof *group->scene);
+    group->record = calloc(most, sizeof *group->record);
+    if (!group->row || !group->list || !group->scene || !group->record)
+        return cml_fail_memory(err, (double)(most * sizeof *group->record), "the rows");
+    for (int row = 0; row < sweep->table.num_rows; row++)
+        if (sweep->group[row] == number) group->row[group->count++] = row;
+    return CML_OK;
+}
+
+/* The cell of a column with the least number. */
+static struct cml_setting palest_cell(const struct cml_sweep_run *sweep, const struct group *group,
+                                      int column)
+{
+    struct cml_setting palest = cml_sweep_cell(&sweep->table, group->row[0], column);
+    for (int i = 1; i < group->count; i++) {
+        const struct cml_setting cell = cml_sweep_cell(&sweep->table, group->row[i], column);
+        if (strtod(cell.value, NULL) < strtod(palest.value, NULL)) palest = cell;
+    }
+    return palest;
+}
+
+static cml_status read_flown(const struct cml_sweep_run *sweep, struct group *group, struct cml_error *err)
+{
+    struct cml_settings settings;
+    CML_TRY(cml_sweep_row_settings(sweep, group->row[0], &settings, err));
+    for (int c = 0; c < sweep->table.num_columns; c++) {
+        if (sweep->table.label[c] || !cml_sweep_is_absorption(sweep->table.name[c])) continue;
+        const struct cml_setting palest = palest_cell(sweep, group, c);
+        for (int s = 0; s < settings.count; s++)
+            if (strcmp(settings.item[s].name, palest.name) == 0) settings.item[s].value = palest.value;
+    }
+    return cml_sweep_read(sweep, group->row[0], &settings, &group->flown, err);
+}
+
+static cml_status read_group(const struct cml_sweep_run *sweep, struct group *group, struct cml_error *err)
+{
+    CML_TRY(read_flown(sweep, group, err));
+    const struct cml_scene *flown = &group->flown.scenes[0];
+    const size_t media = (size_t)flown->num_layers + 2 + (size_t)flown->num_bodies,
+                 count = (size_t)group->count;
+    group->more = calloc(media * count, sizeof *group->more);
+    if (!group->more) return cml_fail_memory(err, (double)(media * count * sizeof(double)), "the rows");
+    for (size_t i = 0; i < count; i++) {
+        CML_TRY(cml_sweep_read_row(sweep, group->row[i], &group->list[i], err));
+        group->scene[i] = &group->list[i].scenes[0];
+        for (size_t m = 0; m < media; m++)
+            group->more[m * count + i] = group->scene[i]->media[m].mua - flown->media[m].mua;
+    }
+    return CML_OK;
+}
+
+/* A flight's bits depend on all of its rows. */
+static cml_status identify_group(const struct cml_sweep_run *sweep, struct group *group,
+                                 struct cml_error *err)
+{
+    size_t size = 0;
+    FILE *out = open_memstream(&group->identity, &size);
+    if (!out) return cml_fail_memory(err, 1, "the run's identity");
+    for (int i = 0; i < group->count; i++) {
+        char prefix[40];
+        snprintf(prefix, sizeof prefix, "row %d set ", group->row[i] + 1);
+        cml_settings_print(out, prefix, group->scene[i]->settings);
+    }
+    fputs(sweep->identity, out);
+    const int failed = ferror(out);
+    return fclose(out) == 0 && !failed ? CML_OK : cml_fail_memory(err, (double)size, "the run's identity");
+}
+
+static cml_status prepare_group(const struct cml_sweep_run *sweep, int number, struct group *group,
+                                uint64_t *seed, struct cml_error *err)
+{
+    CML_TRY(find_rows(sweep, number, group, err));
+    CML_TRY(cml_sweep_row_seed(sweep, group->row[0], seed, err));
+    CML_TRY(read_group(sweep, group, err));
+    return identify_group(sweep, group, err);
+}
+
+/* The records are the sweep's from here on. */
+static void take_records(struct cml_sweep_run *sweep, const struct group *group)
+{
+    for (int i = 0; i < group->count; i++) {
+        const int row = group->row[i];
+        sweep->rows.record[row] = group->record[i];
+        sweep->rows.done[row] = true;
+        sweep->rows.num_done++;
+        cml_sweep_print_row(sweep, row, &sweep->rows.record[row]);
+    }
+}
+
+static cml_status fly_group(struct cml_sweep_run *sweep, int number, struct cml_error *err)
+{
+    struct cml_options options = *sweep->options;
+    struct cml_error why = {CML_OK, ""};
+    struct group group = {0};
+    uint64_t seed = 0;
+    cml_status status = cml_cluster_agree(prepare_group(sweep, number, &group, &seed, err), err);
+    if (status == CML_OK) {
+        options.engine_options.absorption = false;
+        options.engine_options.rows = (struct cml_engine_rows){group.count, group.more};
+        const struct cml_run_rows rows = {group.count, group.row, group.scene, group.record};
+        const struct cml_run_call call = {.options = &options,
+                                          .scene = &group.flown.scenes[0],
+                                          .inputs = group.identity,
+                                          .known = &sweep->surfaces,
+                                          .seed = seed,
+                                          .row = group.row[0] + 1,
+                                          .rows = &rows};
+        struct cml_record none;
+        status = cml_run_one(&call, &none, err);
+        status = cml_sweep_add_safety(status, cml_pending_flush(&sweep->pending, false, &why), &why, err);
+        if (status == CML_OK || status == CML_E_NUMERIC) take_records(sweep, &group);
+    }
+    clear_group(&group);
+    return status;
+}
+
+cml_status cml_sweep_fly_groups(struct cml_sweep_run *sweep, struct cml_error *err)
+{
+    cml_status worst = CML_OK;
+    for (int number = 0; number < sweep->num_groups; number++) {
+        struct cml_error why;
+        const cml_status status = fly_group(sweep, number, &why);
+        if (status != CML_OK) *err = why;
+        if (status == CML_E_NUMERIC) worst = status;
+        if (status != CML_OK && status != CML_E_NUMERIC) return status;
+    }
+    cml_sweep_rows_print(&sweep->rows, sweep->options->json);
+    return worst;
+}

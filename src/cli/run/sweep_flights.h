@@ -1,0 +1,14 @@
+/* Rows of a sweep that differ in absorption alone, from one flight (--reweight). SPDX-License-Identifier: MIT
+ */
+#ifndef CML_SWEEP_FLIGHTS_H
+#define CML_SWEEP_FLIGHTS_H
+
+#include "cli/run/sweep_scenes.h"
+
+/* CML_E_INPUT where the scene asks for what rows of one flight have not. */
+CML_NODISCARD cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_error *err);
+
+/* Flies all groups, one after the other on all ranks. Ends as cml_sweep_rows_fly does. Collective. */
+CML_NODISCARD cml_status cml_sweep_fly_groups(struct cml_sweep_run *sweep, struct cml_error *err);
+
+#endif

@@ -1,0 +1,69 @@
+#!/bin/sh
+# --sweep with --reweight: rows that differ in mua alone come of one flight, the others of as many as it takes; same bytes on any
+# number of threads, and after a stop; engines agree within rounding; what rows of one flight have not is refused by name.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+bare() { sed -e '/^# User time/d' "$1"; }
+same_rows() { # DIR DIR WHAT
+    for file in "$1"/*.mco "$1"/*.csv; do
+        bare "$file" >"$work/a"
+        bare "$2/$(basename "$file")" >"$work/b"
+        cmp -s "$work/a" "$work/b" || complain "$3: $(basename "$file"): $(diff "$work/a" "$work/b" | head -5)"
+    done
+}
+printf '1.0\n1\ntwo.mco A\n20000\n0.02 0.02\n20 20 5\n2\n1\n1.37 0.5 50 0.8 0.05\n1.4 0.2 30 0.9 0.3\n1\n' >"$work/two.mci"
+printf 'layer1.mua,layer2.mua,layer1.mus,"name"\n0.5,0.2,50,a\n1,2,50,b\n5,0.3,50,c\n1,2,60,d\n0,0.2,50,e\n9,90,50,f\n' >"$work/t.csv"
+mkdir "$work/one" "$work/three" "$work/reference" "$work/own" "$work/stopped" "$work/whole"
+
+# Rows with another mus, and one in which the first layer is clear of absorption, have flights of their own.
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/one" --threads 1
+grep -q ': 6 rows of .* in 3 flights$' "$work/out" || complain "flights: $(cat "$work/out")"
+test "$(cat "$work/err")" = "clustermcml: note: Tt of 1 of 4 rows comes of fewer than 100 effective packets, that of row 6 of $(sed -n \
+    's/.*row 6 of \([0-9]*\):.*/\1/p' "$work/err"): there its standard error is rough" || complain "note: $(cat "$work/err")"
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" --threads 3 --chunk 77 --quiet
+same_rows "$work/one" "$work/three" "threads"
+
+# The palest row, and rows alone in their flights, are flights of their own but for the rounding of their weights.
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --ignore-absorption -o "$work/own" --quiet
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/reference" --quiet --engine reference
+for row in 1 4 5; do
+    for engine in one reference; do
+        awk -F, -v row=$row 'NR == FNR { if ($1 == row) for (i = 8; i <= 19; i++) want[i] = $i; next } $1 == row {
+            for (i = 8; i <= 19; i++) if (($i - want[i]) ^ 2 > 1e-12 && (FILENAME !~ /reference/ || ($i - want[i]) ^ 2 > 1e-7)) print row, i, $i, want[i] }' \
+            "$work/own/two.sweep.csv" "$work/$engine/two.sweep.csv" >"$work/differ"
+        test ! -s "$work/differ" || complain "row $row of $engine: $(cat "$work/differ")"
+    done
+done
+
+# --json: one object a row, in the order of the table.
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" --json
+test "$(sed 's/.*"row":\([0-9]*\),.*"residue":\([0-9.]*\)[,}].*/\1:\2/' "$work/out" | tr '\n' ' ')" = "1:0.0 2:0.0 3:0.0 4:0.0 5:0.0 6:0.0 " ||
+    complain "--json: $(cut -c1-300 "$work/out")"
+
+# Stopped and resumed.
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/whole" --photons 300000 --quiet
+"$program" "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet 2>"$work/err" &
+sleep 0.3
+kill -TERM $!
+wait $! && echo "the run was faster than the signal"
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet --resume
+same_rows "$work/whole" "$work/stopped" "resumed"
+expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/stopped" --photons 300000 --quiet --resume
+same_rows "$work/whole" "$work/stopped" "resumed again"
+
+# Refused.
+expect_error 2 "--reweight (expected --sweep beside it)" "$work/two.mci" --reweight
+for option in --keep "--more 5" "--target-error 0.1" "--control flat" "--aim Tt" "--engine opencl"; do
+    case $option in
+        --keep | --more*) name="--keep or --more" ;;
+        --engine*) name=$option ;;
+        *) name=${option%% *} ;;
+    esac
+    expect_error 2 "--reweight (expected no $name beside it)" "$work/two.mci" --sweep "$work/t.csv" --reweight $option
+done
+for line in "time 5 1000:time" "directions 9 9:directions" fluence:fluence "map 5 5 0.1 0.1:a map" "detector ring 0 0.1:detectors"; do
+    sed "4a ${line%%:*}" "$work/two.mci" >"$work/more.mci"
+    expect_error 2 "--reweight: two.mco has ${line#*:} (expected totals, profiles over r and angle, and what layers and bodies absorb)" \
+        "$work/more.mci" --sweep "$work/t.csv" --reweight
+done
+finish

@@ -1,0 +1,93 @@
+"""Rows of a sweep that come of one flight (--reweight): against adding-doubling where all is plane, and against flights of their
+own where it is not: rings, a backing, bodies, a beam from the side; totals, what layers and bodies absorb, and profiles.
+
+N = 2e5 packets a flight; statistic: z of Rd, A, Tt and of what layers and bodies absorb, and the sum of squares of z of the bins of a
+profile, as a normal deviate; level 1e-4 over all. Rows of one flight go wrong together, so every scene has its own seed."""
+import os
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "lib"))
+import cml  # noqa: E402
+
+PHOTONS = 200000
+FLAT = cml.mci(["1.5 0.5 0 0 0.02", "1.37 0.5 50 0.8 0.05", "1.4 0.2 30 0.9 0.3"], photons=PHOTONS, bins="10 20 5", grid="0.05 0.05")
+FLAT_ROWS = ["layer1.mua,layer2.mua,layer3.mua", "0.5,0.5,0.2", "2,1,2", "0.7,5,0.3", "3,0.5,10", "1,20,1"]
+SURFACE = "b 4 0.05 0.1 0.15 0.05 0.04 0.02 -0.03 0"
+ROUGH = cml.mci(["1.4 0.5 20 0.8 0.2", "1.33 0.3 30 0.9 0.4\ni sphere 0.02 0 0.35 0.08 1.5 1 30 0.5"], photons=PHOTONS, bins="10 20 5",
+                grid="0.05 0.05", surfaces={0: SURFACE}, extra=["beam disk 0.2 angle=30"], n_below=1.5)
+ROUGH_ROWS = ["layer1.mua,layer2.mua,body1.mua", "0.5,3,20", "3,0.3,1", "6,6,60"]
+BACKED = cml.mci(["1.4 0 10 0.5 0.2", "1.33 0.1 20 0.5 0.2\nbacking 0.7 lambertian"], photons=PHOTONS, bins="10 20 5", grid="0.05 0.05",
+                 surfaces={1: SURFACE})
+BACKED_ROWS = ["layer1.mua,layer2.mua,photons", f"0.2,4,{PHOTONS}", f"2,0.1,{PHOTONS}", f"1,1,{PHOTONS + 1}"]
+
+
+def settings(rows, row):
+    """What --set says of a row."""
+    names, values = rows[0].split(","), rows[1 + row].split(",")
+    return [word for name, value in zip(names, values, strict=True) for word in ("--set", f"{name}={value}")]
+
+
+def reweighted(text, rows, keep, *options):
+    """The records of the rows, and of each the sections of its file."""
+    table = os.path.join(keep, "table.csv")
+    with open(table, "w", encoding="utf-8") as file:
+        file.write("\n".join(rows) + "\n")
+    records = cml.run(text, "--sweep", table, "--reweight", *options, keep=keep)
+    return [(record, cml.read_sections(record["output"])) for record in records]
+
+
+def absorbed(sections):
+    """Name, value and error of what each layer and body absorbs."""
+    return [(f"{key} {i + 1}", value, error) for key in ("A_l", "A_body") if key in sections
+            for i, (value, error) in enumerate(zip(sections[key], sections["se_" + key], strict=True))]
+
+
+def against_exact(verdict):
+    with tempfile.TemporaryDirectory() as keep:
+        for i, (record, sections) in enumerate(reweighted(FLAT, FLAT_ROWS, keep, "--seed", 7)):
+            truth = cml.exact(FLAT, *settings(FLAT_ROWS, i))
+            cml.check_balance(verdict, f"flat {i + 1}", record)
+            for key in ("Rd", "A", "Tt"):
+                verdict.z(f"flat {i + 1} {key}", record[key], record[key + "_se"], truth[key], truth[key + "_error"])
+            for (name, value, error), layer in zip(absorbed(sections), truth["A_l"], strict=True):
+                verdict.z(f"flat {i + 1} {name}", value, error, layer)
+            own = cml.run(FLAT, "--seed", 8, "--ignore-absorption", *settings(FLAT_ROWS, i))[0]
+            verdict.check(f"flat {i + 1}", record["Rd_se"] < 1.4 * own["Rd_se"], f"{record['Rd_se']} and {own['Rd_se']}")
+
+
+def profile_z(verdict, name, ours, theirs, key):
+    """Bins with noise on both sides, together: a chi square, as a normal deviate (Wilson and Hilferty)."""
+    squares = [(a - b) ** 2 / (x * x + y * y) for a, b, x, y in
+               zip(ours[key], theirs[key], ours["se_" + key], theirs["se_" + key], strict=True)
+               if x > 0 and y > 0 and a > 5 * x]
+    n = len(squares)
+    verdict.check(name, n >= 3, f"{key}: {n} bins")
+    cube, spread = (sum(squares) / n) ** (1 / 3), (2 / (9 * n)) ** 0.5
+    verdict.z(f"{name} {key}", cube, spread, 1 - spread * spread)
+
+
+def against_own(verdict, name, text, rows, seed):
+    with tempfile.TemporaryDirectory() as keep, tempfile.TemporaryDirectory() as other:
+        for i, (record, sections) in enumerate(reweighted(text, rows, keep, "--seed", seed)):
+            own = cml.run(text, "--seed", seed + 100 + i, "--ignore-absorption", *settings(rows, i), keep=other)[0]
+            theirs = cml.read_sections(own["output"])
+            cml.check_balance(verdict, f"{name} {i + 1}", record)
+            for key in ("Rsp", "Rd", "A", "Tt", "A_backing"):
+                if record.get(key):
+                    verdict.z(f"{name} {i + 1} {key}", record[key], record[key + "_se"], own[key], own[key + "_se"])
+            for (what, value, error), (_, truth, truth_error) in zip(absorbed(sections), absorbed(theirs), strict=True):
+                verdict.z(f"{name} {i + 1} {what}", value, error, truth, truth_error)
+            for key in ("Rd_r", "Rd_a") + (("Tt_r", "Tt_a") if record["Tt"] else ()):
+                profile_z(verdict, f"{name} {i + 1}", sections, theirs, key)
+
+
+def main():
+    verdict = cml.Verdict("reweight")
+    against_exact(verdict)
+    against_own(verdict, "rough", ROUGH, ROUGH_ROWS, 11)
+    against_own(verdict, "backed", BACKED, BACKED_ROWS, 13)
+    verdict.finish()
+
+
+main()

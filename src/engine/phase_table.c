@@ -24,16 +24,25 @@ static double share_below(const struct source *source, double deflection)
     return 1 - cml_phase_below(source->phase, 2 - deflection);
 }
 
-/* The inverse, by bisection between deflections. */
+/* The inverse: two neighbouring numbers of which the upper one has the share. A chord says where, and a
+ * little to either side of that the bracket is closed; every fourth time it is halved, whatever the chord
+ * says. */
 static double deflection_of(const struct source *source, double share, double low, double high)
 {
-    for (int i = 0; i < 80 && low < high; i++) {
-        const double middle = low + (high - low) / 2;
+    double lacks = share_below(source, low) - share, exceeds = share_below(source, high) - share;
+    for (int i = 0; low < high; i++) {
+        const double width = high - low, middle = low + width / 2;
         if (middle == low || middle == high) break;
-        if (share_below(source, middle) < share)
-            low = middle;
-        else
-            high = middle;
+        double x = low - lacks * width / (exceeds - lacks) + (i % 2 ? width : -width) / 1024;
+        if (i % 4 == 3 || !(x > low && x < high)) x = middle;
+        const double excess = share_below(source, x) - share;
+        if (excess < 0) {
+            low = x;
+            lacks = excess;
+        } else {
+            high = x;
+            exceeds = excess;
+        }
     }
     return high;
 }
@@ -72,10 +81,6 @@ static bool is_accurate(const struct source *source, int cell, struct cml_phase_
 /* Room for the parts of one cell more; arrays are enlarged when they are full. */
 static cml_status grow(struct cml_phase_tables *tables, size_t *capacity, struct cml_error *err)
 {
-    if (tables->count + CML_PHASE_PARTS > CML_MOST_PHASE_CELLS)
-        return cml_fail(err, CML_E_INPUT,
-                        "phase functions: tables of more than 2^24 cells (expected fewer phase functions, or "
-                        "smoother ones)");
     if (tables->count + CML_PHASE_PARTS <= *capacity) return CML_OK;
     const size_t bytes = 2 * *capacity * sizeof *tables->item;
     struct cml_phase_line *larger = realloc(tables->item, bytes);
@@ -99,8 +104,8 @@ static void add_parts(const struct source *source, int cell, double low, double 
     }
 }
 
-static cml_status fill(const struct cml_phase *phase, struct cml_phase_tables *tables, size_t *capacity,
-                       struct cml_error *err)
+static cml_status fill(const char *file, const struct cml_phase *phase, struct cml_phase_tables *tables,
+                       size_t *capacity, struct cml_error *err)
 {
     const struct source source = {phase, cml_phase_mean(phase) < 0};
     const size_t first = (size_t)phase->index * CML_PHASE_CELLS;
@@ -109,6 +114,9 @@ static cml_status fill(const struct cml_phase *phase, struct cml_phase_tables *t
         const double high = k == CELLS - 1 ? 2 : deflection_of(&source, (k + 1.0) / CELLS, low, 2);
         struct cml_phase_line line = line_of(&source, k, low, high);
         if (!is_accurate(&source, k, line)) {
+            if (tables->count + CML_PHASE_PARTS > CML_MOST_PHASE_CELLS)
+                return cml_fail_field(err, file, phase->line, "phase", cml_phase_name(phase->kind),
+                                      "smoother or fewer functions: their tables have more than 2^24 cells");
             CML_TRY(grow(tables, capacity, err));
             line = (struct cml_phase_line){-(double)tables->count, -1};
             add_parts(&source, k, low, high, tables);
@@ -119,15 +127,15 @@ static cml_status fill(const struct cml_phase *phase, struct cml_phase_tables *t
     return CML_OK;
 }
 
-cml_status cml_phase_tables_create(const struct cml_phase *phases, struct cml_phase_tables *tables,
-                                   struct cml_error *err)
+cml_status cml_phase_tables_create(const char *file, const struct cml_phase *phases,
+                                   struct cml_phase_tables *tables, struct cml_error *err)
 {
     size_t capacity = 2 * CML_PHASE_CELLS * (size_t)(phases->index + 1);
     *tables = (struct cml_phase_tables){calloc(capacity, sizeof *tables->item), capacity / 2};
     if (!tables->item)
         return cml_fail_memory(err, (double)(capacity * sizeof *tables->item), "phase functions");
     for (const struct cml_phase *phase = phases; phase; phase = phase->next) {
-        const cml_status status = fill(phase, tables, &capacity, err);
+        const cml_status status = fill(file, phase, tables, &capacity, err);
         if (status == CML_OK) continue;
         free(tables->item);
         return status;

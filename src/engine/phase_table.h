@@ -21,10 +21,10 @@ struct cml_phase_tables {
     size_t count;
 };
 
-/* phases: a scene's list, not empty. Whoever draws by a table has a distribution function that nowhere
- * differs from the phase function's by more than 2^-18, but for rounding. item is the caller's to free.
- * CML_E_INPUT: out of memory. */
-CML_NODISCARD cml_status cml_phase_tables_create(const struct cml_phase *phases,
+/* phases: a scene's list, not empty; file: of the scene, for messages. Whoever draws by a table has a
+ * distribution function that nowhere differs from the phase function's by more than 2^-18, but for rounding.
+ * item is the caller's to free. CML_E_INPUT: out of memory, or too many cells. */
+CML_NODISCARD cml_status cml_phase_tables_create(const char *file, const struct cml_phase *phases,
                                                  struct cml_phase_tables *tables, struct cml_error *err);
 
 #endif

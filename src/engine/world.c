@@ -291,7 +291,7 @@ static cml_status copy_phases(const struct cml_scene *scene, struct cml_owned_wo
 {
     struct cml_phase_tables tables;
     if (!scene->phases) return CML_OK;
-    CML_TRY(cml_phase_tables_create(scene->phases, &tables, err));
+    CML_TRY(cml_phase_tables_create(scene->file, scene->phases, &tables, err));
     to->phase_cells = malloc(tables.count * sizeof *to->phase_cells);
     to->num_phase_cells = tables.count;
     for (size_t i = 0; to->phase_cells && i < tables.count; i++) {

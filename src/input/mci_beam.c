@@ -107,14 +107,16 @@ static cml_status read_row(struct table *table, const char *angle, char *cursor)
 static cml_status read_table(struct table *table)
 {
     struct cml_light *light = table->light;
+    char rows[16];
     double sum = 0;
     for (char *line = cml_text_next(&table->text); line; line = cml_text_next(&table->text)) {
         cml_mci_cut_comment(line);
         const char *word = cml_text_word(&line);
         if (word) CML_TRY(read_row(table, word, line));
     }
+    snprintf(rows, sizeof rows, "%d", light->rows);
     if (light->rows < 2)
-        return fail_row(table, "rows", NULL, "two rows of an angle and an intensity at least");
+        return fail_row(table, "rows", rows, "2 at least, each of an angle and an intensity");
     for (int i = 0; i < light->rows; i++) sum += light->intensity[i];
     return sum > 0 ? CML_OK : fail_row(table, "intensity", "0 in all rows", "light in one row at least");
 }
@@ -127,6 +129,7 @@ static cml_status read_light_table(struct cml_mci_reader *reader, const char *na
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
     cml_status status = cml_text_read(reader->options->source, path, &table.text, reader->err);
     if (status == CML_OK) status = read_table(&table);
+    status = cml_mci_name_line(reader, "beam", path, status);
     cml_text_clear(&table.text);
     free(path);
     return status;
@@ -148,7 +151,8 @@ static cml_status take_pixels(const char *path, const struct cml_heightmap *map,
     for (size_t i = 0; i < nx * ny; i++) {
         const double pixel = map->h[(ny - 1 - i / nx) * nx + i % nx];
         snprintf(value, sizeof value, "%g in row %zu, column %zu", pixel, i / nx + 1, i % nx + 1);
-        if (pixel < 0) return cml_fail_field(err, path, 0, "pixel", value, "0 or more");
+        if (!(pixel >= 0) || !isfinite(pixel))
+            return cml_fail_field(err, path, 0, "pixel", value, "0 or more");
         beam->pixel[i] = pixel;
         sum += pixel;
     }
@@ -163,6 +167,7 @@ static cml_status read_image(struct cml_mci_reader *reader, const char *name, st
     CML_TRY(cml_path_beside(reader->text.path, name, &path, reader->err));
     cml_status status = cml_gsf_read_pixels(reader->options->source, path, &map, reader->err);
     if (status == CML_OK) status = take_pixels(path, &map, beam, reader->err);
+    status = cml_mci_name_line(reader, "beam", path, status);
     cml_heightmap_clear(&map);
     free(path);
     return status;

@@ -395,18 +395,6 @@ static cml_status read_mesh(struct cml_mci_reader *reader, int index, struct cml
     return CML_OK;
 }
 
-/* ---- what is wrong with a file ---- */
-
-/* Is said with the line that names it, as the mistake may be there. */
-static cml_status name_line(const struct cml_mci_reader *reader, const char *owner, const char *file,
-                            cml_status status)
-{
-    const struct cml_error why = *reader->err;
-    if (status == CML_OK || !file || strncmp(why.text, file, strlen(file)) != 0) return status;
-    return cml_fail(reader->err, status, "%s:%d: %s: %.900s", reader->text.path, reader->text.line, owner,
-                    why.text);
-}
-
 static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
                                 struct cml_boundary *boundary)
 {
@@ -414,7 +402,7 @@ static cml_status read_boundary(struct cml_mci_reader *reader, enum cml_mci_kind
     snprintf(owner, sizeof owner, "boundary %d", index);
     const cml_status status =
         kind == CML_MCI_B ? read_radial(reader, index, boundary) : read_mesh(reader, index, boundary);
-    return name_line(reader, owner, boundary->file, status);
+    return cml_mci_name_line(reader, owner, boundary->file, status);
 }
 
 cml_status cml_mci_boundary(struct cml_mci_reader *reader, enum cml_mci_kind kind, int index,
@@ -479,7 +467,7 @@ cml_status cml_mci_body_mesh(struct cml_mci_reader *reader, int number, struct c
     obj.budget.file = reader->text.path;
     obj.budget.line = reader->text.line;
     obj.budget.body = number;
-    return name_line(
+    return cml_mci_name_line(
         reader, owner, body->file,
         cml_obj_read(reader->options->source, body->file, &obj, &body->mesh, &body->mesh_notes, reader->err));
 }

@@ -181,6 +181,15 @@ cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field, 
     return cml_fail_field(reader->err, reader->text.path, reader->text.line, field, value, expected);
 }
 
+cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *owner, const char *file,
+                             cml_status status)
+{
+    const struct cml_error why = *reader->err;
+    if (status == CML_OK || !file || strncmp(why.text, file, strlen(file)) != 0) return status;
+    return cml_fail(reader->err, status, "%s:%d: %s: %.900s", reader->text.path, reader->text.line, owner,
+                    why.text);
+}
+
 void cml_mci_note(const struct cml_mci_reader *reader, const char *format, ...)
 {
     const struct cml_input_options *options = reader->options;

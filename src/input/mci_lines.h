@@ -82,6 +82,11 @@ void cml_mci_cut_comment(char *text);
 CML_NODISCARD cml_status cml_mci_fail(const struct cml_mci_reader *reader, const char *field,
                                       const char *value, const char *expected);
 
+/* What is wrong with a file that the current line names is said with that line, as the mistake may be there:
+ * "FILE:LINE: OWNER: " before a message that begins with the name of `file`. Returns `status`. */
+CML_NODISCARD cml_status cml_mci_name_line(const struct cml_mci_reader *reader, const char *owner,
+                                           const char *file, cml_status status);
+
 /* Tells the reader's user something of the current line: "FILE:LINE: TEXT". */
 CML_PRINTF(2, 3) void cml_mci_note(const struct cml_mci_reader *reader, const char *format, ...);
 

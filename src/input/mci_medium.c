@@ -143,17 +143,17 @@ static cml_status read_rows(struct cml_mci_reader *reader, struct cml_text *file
 
 static cml_status read_table(struct cml_mci_reader *reader, const char *owner, struct cml_phase *phase)
 {
-    struct cml_text file;
+    struct cml_text file = {0};
     const char *name = cml_text_word(&reader->cursor);
     char field[64];
     snprintf(field, sizeof field, "%s: file", owner);
     if (!name || name[0] == '"')
         return cml_mci_fail(reader, field, name, "the name of a file of angles and densities");
     CML_TRY(cml_path_beside(reader->text.path, name, &phase->file, reader->err));
-    CML_TRY(cml_text_read(reader->options->source, phase->file, &file, reader->err));
-    const cml_status status = read_rows(reader, &file, phase);
+    cml_status status = cml_text_read(reader->options->source, phase->file, &file, reader->err);
+    if (status == CML_OK) status = read_rows(reader, &file, phase);
     cml_text_clear(&file);
-    return status;
+    return cml_mci_name_line(reader, owner, phase->file, status);
 }
 
 static cml_status check_mean(const struct cml_mci_reader *reader, const char *owner, double g,
@@ -214,6 +214,7 @@ cml_status cml_mci_phase(struct cml_mci_reader *reader, int layer, struct cml_sc
         return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one phase line for each layer and body");
     struct cml_phase *phase = calloc(1, sizeof *phase);
     if (!phase) return cml_fail_memory(reader->err, sizeof *phase, "a phase function");
+    phase->line = reader->text.line;
     const cml_status status =
         read_phase(reader, body ? "body" : "layer", body ? k + 1 : layer, medium->g, phase);
     if (status == CML_OK) return share_phase(reader, scene, phase, medium);

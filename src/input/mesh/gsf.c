@@ -15,13 +15,18 @@ struct field {
     int xres, yres;
     double xreal, yreal;
     double xy_unit, z_unit; /* cm; 0: not in the file */
-    bool pixels;            /* values have no unit */
+    bool pixels;            /* values have no unit, and who asks for them checks them */
     struct cml_error *err;
 };
 
 static cml_status fail(const struct field *f, const char *name, const char *value, const char *expected)
 {
     return cml_fail_field(f->err, f->text.path, f->text.line, name, value, expected);
+}
+
+static const char *values_of(const struct field *f)
+{
+    return f->pixels ? "pixels" : "heights";
 }
 
 /* Blanks around names and values do not count. */
@@ -89,7 +94,8 @@ static cml_status read_header(struct field *f)
                         "%s:1: no such file format (expected \"Gwyddion Simple Field 1.0\")", text->path);
     if (f->header == text->size)
         return cml_fail(f->err, CML_E_INPUT,
-                        "%s: no NUL byte ends the header (expected one, and then the heights)", text->path);
+                        "%s: no NUL byte ends the header (expected one, and then the %s)", text->path,
+                        values_of(f));
     (void)cml_text_next(text);
     while (text->cursor < f->header) CML_TRY(read_line(f, cml_text_next(text)));
     return CML_OK;
@@ -98,13 +104,14 @@ static cml_status read_header(struct field *f)
 /* The format lets sizes be missing; slopes would then be a guess. */
 static cml_status check_header(const struct field *f)
 {
-    const char *path = f->text.path;
+    const char *path = f->text.path, *without = f->pixels ? "" : ", without which slopes are unknown";
+    char width[64], height[64];
+    snprintf(width, sizeof width, "the width%s", without);
+    snprintf(height, sizeof height, "the height%s", without);
     if (f->xres == 0) return cml_fail_field(f->err, path, 0, "XRes", NULL, "the number of columns");
     if (f->yres == 0) return cml_fail_field(f->err, path, 0, "YRes", NULL, "the number of rows");
-    if (f->xreal == 0)
-        return cml_fail_field(f->err, path, 0, "XReal", NULL, "the width, without which slopes are unknown");
-    if (f->yreal == 0)
-        return cml_fail_field(f->err, path, 0, "YReal", NULL, "the height, without which slopes are unknown");
+    if (f->xreal == 0) return cml_fail_field(f->err, path, 0, "XReal", NULL, width);
+    if (f->yreal == 0) return cml_fail_field(f->err, path, 0, "YReal", NULL, height);
     return CML_OK;
 }
 
@@ -142,9 +149,8 @@ static cml_status find_heights(const struct field *f, size_t *begin)
     const double expected = 4.0 * f->xres * f->yres;
     const double found = text->size > *begin ? (double)(text->size - *begin) : 0;
     if (found == expected) return CML_OK;
-    return cml_fail(f->err, CML_E_INPUT,
-                    "%s: %.0f bytes of heights behind byte %zu (expected %.0f: 4 x %d x %d)", text->path,
-                    found, *begin, expected, f->xres, f->yres);
+    return cml_fail(f->err, CML_E_INPUT, "%s: %.0f bytes of %s behind byte %zu (expected %.0f: 4 x %d x %d)",
+                    text->path, found, values_of(f), *begin, expected, f->xres, f->yres);
 }
 
 /* By bytes: the file's order is fixed, the machine's is not, and the address need not be aligned. */
@@ -168,7 +174,7 @@ static cml_status read_heights(const struct field *f, struct cml_heightmap *map)
     map->dy = f->yreal / f->yres * f->xy_unit;
     for (size_t i = 0; i < (size_t)f->xres * (size_t)f->yres; i++)
         map->h[i] = float_at(f->text.data + begin + 4 * i) * f->z_unit;
-    return cml_heightmap_check(f->text.path, map, f->err);
+    return f->pixels ? CML_OK : cml_heightmap_check(f->text.path, map, f->err);
 }
 
 static cml_status read_file(const struct cml_text_source *source, const char *path, double unit, bool pixels,

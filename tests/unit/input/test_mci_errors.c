@@ -2,6 +2,8 @@
  * SPDX-License-Identifier: MIT */
 #include "lib/mci_case.h"
 
+#include <math.h>
+
 /* Line 3 is the name, 4 photons, 5 dz dr, 6 nz nr na, 7 the number of layers, 8 n above. */
 #define HEAD "1.0\n1\n"
 #define NAME HEAD "a.mco A\n"
@@ -319,6 +321,61 @@ static void beams_that_are_none(void **state)
     CHECK_ALL(state, table);
 }
 
+/* Behind the header NUL bytes up to a multiple of 4, then the pixels. */
+#define FIELD "Gwyddion Simple Field 1.0\n"
+#define SIZES "XRes = 2\nYRes = 2\n"
+#define LENGTHS "XReal = 1\nYReal = 1\nXYUnits = cm\n"
+static void write_image(void **state, const char *header, size_t bytes, const float pixels[4])
+{
+    char file[256] = {0};
+    const size_t size = strlen(header), begin = (size / 4 + 1) * 4;
+    memcpy(file, header, size);
+    memcpy(file + begin, pixels, 16);
+    case_write_bytes(state, "p.gsf", file, bytes ? begin + bytes : size);
+}
+
+static void images_that_are_wrong(void **state)
+{
+    static const struct {
+        const char *header;
+        size_t bytes; /* of pixels; 0: no NUL byte either */
+        float pixels[4];
+        const char *message;
+    } table[] = {
+        {"", 0, {0}, "p.gsf:1: no such file format (expected \"Gwyddion Simple Field 1.0\")"},
+        {FIELD SIZES LENGTHS,
+         0,
+         {0},
+         "p.gsf: no NUL byte ends the header (expected one, and then the pixels)"},
+        {FIELD "XRes = 1\n", 16, {1}, "p.gsf:2: XRes = 1 (expected a whole number of 2 or more)"},
+        {FIELD "XRes = 2\n" LENGTHS, 16, {1}, "p.gsf: YRes is missing (expected the number of rows)"},
+        {FIELD SIZES, 16, {1}, "p.gsf: XReal is missing (expected the width)"},
+        {FIELD SIZES "XReal = 1\n", 16, {1}, "p.gsf: YReal is missing (expected the height)"},
+        {FIELD SIZES "XReal = 1\nYReal = 1\n",
+         16,
+         {1},
+         "p.gsf: XYUnits is missing (expected the unit of XReal)"},
+        {FIELD SIZES LENGTHS, 12, {1}, "p.gsf: 12 bytes of pixels behind byte 80 (expected 16: 4 x 2 x 2)"},
+        {FIELD SIZES LENGTHS, 16, {1, 0, 2, -3}, "p.gsf: pixel = -3 in row 2, column 2 (expected 0 or more)"},
+        {FIELD SIZES LENGTHS,
+         16,
+         {1, NAN, 2, 3},
+         "p.gsf: pixel = nan in row 1, column 2 (expected 0 or more)"},
+        {FIELD SIZES LENGTHS, 16, {INFINITY}, "p.gsf: pixel = inf in row 1, column 1 (expected 0 or more)"},
+        {FIELD SIZES LENGTHS, 16, {0}, "p.gsf: pixels = all 0 (expected light in one of them at least)"},
+    };
+    for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
+        struct cml_error err;
+        struct cml_scene_list list;
+        char expected[256];
+        snprintf(expected, sizeof expected, "x.mci:4: beam: %s", table[i].message);
+        write_image(state, table[i].header, table[i].bytes, table[i].pixels);
+        assert_int_equal(case_read(state, NAME "beam image \"p.gsf\"\n", &list, &err), CML_E_INPUT);
+        case_remove(state, "p.gsf");
+        assert_string_equal(err.text, expected);
+    }
+}
+
 static void maps_that_are_none(void **state)
 {
     static const struct refusal table[] = {
@@ -467,7 +524,7 @@ int main(void)
         cmocka_unit_test(height_files_that_are_wrong), cmocka_unit_test(meshes_that_cannot_be_read),
         cmocka_unit_test(beams_that_are_none),         cmocka_unit_test(maps_that_are_none),
         cmocka_unit_test(detectors_that_are_none),     cmocka_unit_test(lines_in_the_wrong_place),
-        cmocka_unit_test(missing_input_file),
+        cmocka_unit_test(images_that_are_wrong),       cmocka_unit_test(missing_input_file),
     };
     return cmocka_run_group_tests_name("mci_errors", tests, case_setup, case_teardown);
 }

@@ -104,7 +104,8 @@ static void what_is_refused(void **state)
          "of the layer or body whose it is)"},
         {LAYER(0) "phase table\n1\n",
          "x.mci:10: " PHASE ": file is missing (expected the name of a file of angles and densities)"},
-        {LAYER(0) "phase table \"none.txt\"\n1\n", "none.txt: cannot be read (No such file or directory)"},
+        {LAYER(0) "phase table \"none.txt\"\n1\n",
+         "x.mci:10: " PHASE ": none.txt: cannot be read (No such file or directory)"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         struct cml_error err;
@@ -120,18 +121,19 @@ static void tables_that_are_refused(void **state)
     static const struct {
         const char *rows, *message;
     } table[] = {
-        {"", "p.txt: angle is missing (expected a last row at 180 degrees)"},
-        {"0 1\n170 1\n", "p.txt:2: angle is missing (expected a last row at 180 degrees)"},
-        {"1 1\n180 1\n", "p.txt:1: angle = 1 (expected " RISES ")"},
-        {"0 1\n90 1\n90 1\n180 1\n", "p.txt:3: angle = 90 (expected " RISES ")"},
-        {"0 1\n90 1\n80 1\n180 1\n", "p.txt:3: angle = 80 (expected " RISES ")"},
-        {"0 1\n181 1\n", "p.txt:2: angle = 181 (expected " RISES ")"},
-        {"0 1\nx 1\n", "p.txt:2: angle = x (expected " RISES ")"},
-        {"0 1\n180 -1\n", "p.txt:2: p = -1 (expected a phase function of 0..1e30)"},
-        {"0 1\n180\n", "p.txt:2: p is missing (expected a phase function of 0..1e30)"},
-        {"0 1\n180 nan\n", "p.txt:2: p = nan (expected a phase function of 0..1e30)"},
-        {"0 1 7\n180 1\n", "p.txt:1: row = 7 (expected two columns: angle and p)"},
-        {"0 0\n180 0\n", "p.txt:2: p = 0 in all rows (expected light somewhere)"},
+        {"", "x.mci:10: " PHASE ": p.txt: angle is missing (expected a last row at 180 degrees)"},
+        {"0 1\n170 1\n",
+         "x.mci:10: " PHASE ": p.txt:2: angle is missing (expected a last row at 180 degrees)"},
+        {"1 1\n180 1\n", "x.mci:10: " PHASE ": p.txt:1: angle = 1 (expected " RISES ")"},
+        {"0 1\n90 1\n90 1\n180 1\n", "x.mci:10: " PHASE ": p.txt:3: angle = 90 (expected " RISES ")"},
+        {"0 1\n90 1\n80 1\n180 1\n", "x.mci:10: " PHASE ": p.txt:3: angle = 80 (expected " RISES ")"},
+        {"0 1\n181 1\n", "x.mci:10: " PHASE ": p.txt:2: angle = 181 (expected " RISES ")"},
+        {"0 1\nx 1\n", "x.mci:10: " PHASE ": p.txt:2: angle = x (expected " RISES ")"},
+        {"0 1\n180 -1\n", "x.mci:10: " PHASE ": p.txt:2: p = -1 (expected a phase function of 0..1e30)"},
+        {"0 1\n180\n", "x.mci:10: " PHASE ": p.txt:2: p is missing (expected a phase function of 0..1e30)"},
+        {"0 1\n180 nan\n", "x.mci:10: " PHASE ": p.txt:2: p = nan (expected a phase function of 0..1e30)"},
+        {"0 1 7\n180 1\n", "x.mci:10: " PHASE ": p.txt:1: row = 7 (expected two columns: angle and p)"},
+        {"0 0\n180 0\n", "x.mci:10: " PHASE ": p.txt:2: p = 0 in all rows (expected light somewhere)"},
         {"0 1\n180 1\n", ""},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {

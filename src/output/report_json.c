@@ -6,6 +6,7 @@
 #include "base/settings.h"
 #include "scene/body/body_shape.h"
 #include "base/version.h"
+#include "tally/deal.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -29,6 +30,7 @@ struct subject {
     const struct cml_scene *scene;
     const struct cml_surface_set *surfaces;
     const struct cml_result *sums;
+    uint64_t *dealt; /* [num_beams] photons of each beam; owned */
 };
 
 /* A list that may be long: its elements are made while they are written, one at a time. In the object `key`
@@ -63,6 +65,43 @@ static json_t *with_phase(json_t *medium, const struct cml_phase *phase)
     }
     json_object_set_new(medium, "phase", json_string(words));
     return medium;
+}
+
+/* Sizes as behind the word. `z` is null where packets start above all surfaces. */
+static json_t *beam_json(const struct subject *subject, int k)
+{
+    static const int sizes[] = {0, 1, 1, 2, 2, 2};
+    const struct cml_beam *beam = &subject->scene->beams[k];
+    const double degrees = 180 / acos(-1.0);
+    json_t *size = json_array();
+    for (int i = 0; i < sizes[beam->kind]; i++) json_array_append_new(size, json_real(beam->size[i]));
+    return json_pack("{s:s, s:o, s:f, s:f, s:o, s:f, s:f, s:s, s:o, s:b, s:f, s:I}", "shape",
+                     cml_beam_word(beam->kind), "size", size, "x", beam->x, "y", beam->y, "z",
+                     beam->inside ? json_real(beam->z) : json_null(), "angle", beam->angle * degrees,
+                     "azimuth", beam->azimuth * degrees, "light", cml_light_word(beam->light.kind), "na",
+                     beam->light.kind == CML_LIGHT_OF_NA ? json_real(beam->light.na) : json_null(), "radial",
+                     beam->radial, "share", subject->scene->shares[k], "photons",
+                     (json_int_t)subject->dealt[k]);
+}
+
+/* Who asks for a list of the beams has their photons first. */
+static cml_status deal_beams(struct subject *subject, uint64_t photons, struct cml_error *err)
+{
+    const struct cml_scene *scene = subject->scene;
+    const size_t bytes = (size_t)scene->num_beams * sizeof *subject->dealt;
+    subject->dealt = malloc(bytes);
+    if (!subject->dealt) return cml_fail_memory(err, (double)bytes, "beams");
+    return cml_deal_numbers(scene->shares, scene->num_beams, photons, subject->dealt, err);
+}
+
+/* null where the scene has none. */
+static json_t *backing_json(const struct cml_backing_def *backing)
+{
+    if (backing->kind == CML_NO_BACKING) return json_null();
+    const char *kind = cml_backing_word(backing->kind);
+    return backing->kind == CML_BACKED_BY_METAL
+               ? json_pack("{s:s, s:f, s:f}", "kind", kind, "n", backing->n, "k", backing->k)
+               : json_pack("{s:s, s:f}", "kind", kind, "R", backing->R);
 }
 
 /* "layer" or "body", and its number from 1. */
@@ -353,8 +392,9 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                  const struct cml_exact *flat, struct cml_error *err)
 {
     const char format[] = {scene->format, '\0'};
-    const struct subject subject = {.scene = scene, .surfaces = surfaces};
+    struct subject subject = {.scene = scene, .surfaces = surfaces};
     const struct list lists[] = {{"layers", scene->num_layers, layer_json},
+                                 {"beams", scene->num_beams, beam_json},
                                  {"boundaries", surfaces->count, boundary_json},
                                  {"detectors", scene->num_detectors, detector_json},
                                  {"bodies", scene->num_bodies, body_json}};
@@ -365,6 +405,8 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     set_real(object, "n_above", scene->media[0].n);
     json_object_set_new(object, "layers", json_null());
     set_real(object, "n_below", scene->media[scene->num_layers + 1].n);
+    json_object_set_new(object, "backing", backing_json(&scene->backing));
+    json_object_set_new(object, "beams", json_null());
     json_object_set_new(object, "grid",
                         json_pack("{s:f, s:f, s:i, s:i, s:i}", "dz", scene->dz, "dr", scene->dr, "nz",
                                   scene->nz, "nr", scene->nr, "na", scene->na));
@@ -382,7 +424,13 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     if (scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     set_integer(object, "memory_bytes", (uint64_t)bytes);
     json_object_set_new(object, "flat", flat_json(scene, flat));
-    return print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
+    cml_status status = deal_beams(&subject, scene->photons, err);
+    if (status == CML_OK)
+        status = print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
+    else
+        json_decref(object);
+    free(subject.dealt);
+    return status;
 }
 
 /* What was set from outside the file: all of it are numbers. */
@@ -416,8 +464,9 @@ static void set_option(json_t *object, const struct cml_provenance *provenance,
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     const struct cml_provenance *provenance = report->provenance;
-    const struct subject subject = {report->scene, report->surfaces, report->sums};
-    const struct list lists[] = {{"boundaries", report->surfaces->count, boundary_json},
+    struct subject subject = {report->scene, report->surfaces, report->sums, NULL};
+    const struct list lists[] = {{"beams", report->scene->num_beams, beam_json},
+                                 {"boundaries", report->surfaces->count, boundary_json},
                                  {"bodies", report->scene->num_bodies, body_json}};
     json_t *object = json_pack("{s:o, s:o, s:s}", "scene", cml_json_name(report->scene->file), "output",
                                cml_json_name(report->files[0]), "engine", provenance->engine);
@@ -428,18 +477,23 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     json_object_set_new(object, "set", settings_json(report->scene->settings));
     for (int i = 0; i < CML_NUM_OPTIONS_OF_BITS; i++)
         set_option(object, provenance, (enum cml_option_of_bits)i);
+    json_object_set_new(object, "beams", json_null());
+    json_object_set_new(object, "backing", backing_json(&report->scene->backing));
     json_object_set_new(object, "boundaries", json_null());
     if (report->scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
     json_object_set_new(object, "files", files_json(report));
-    const cml_status status = set_results(object, report, err);
-    if (status != CML_OK) {
+    cml_status status = set_results(object, report, err);
+    if (status == CML_OK) status = deal_beams(&subject, report->sums->photons, err);
+    if (status == CML_OK) {
+        set_exact_totals(object, report->scene, report->exact);
+        set_control(object, report);
+        set_speed(object, report);
+        status = print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
+    } else {
         json_decref(object);
-        return status;
     }
-    set_exact_totals(object, report->scene, report->exact);
-    set_control(object, report);
-    set_speed(object, report);
-    return print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
+    free(subject.dealt);
+    return status;
 }
 
 /* ---- a finished run's ---- */

@@ -1,5 +1,5 @@
 /* The scene in words: what stands in results, before a run and in `check`. SPDX-License-Identifier: MIT */
-#include "output/report.h"
+#include "output/report_parts.h"
 
 #include "scene/body/body_shape.h"
 #include "scene/checksum.h"
@@ -29,11 +29,16 @@ static void print_checksum(FILE *stream, uint32_t sum, enum cml_report_reader re
     if (reader != CML_READ_BY_PEOPLE) fprintf(stream, ", crc32 %08x", sum);
 }
 
+const char *cml_backing_word(enum cml_backing_form kind)
+{
+    static const char *const words[] = {"", "mirror", "lambertian", "metal"};
+    return words[kind];
+}
+
 static void print_backing(FILE *stream, const char *prefix, const struct cml_backing_def *backing)
 {
-    static const char *const names[] = {"", "mirror", "lambertian", "metal"};
     if (backing->kind == CML_NO_BACKING) return;
-    fprintf(stream, "%sbacking: %s, ", prefix, names[backing->kind]);
+    fprintf(stream, "%sbacking: %s, ", prefix, cml_backing_word(backing->kind));
     if (backing->kind == CML_BACKED_BY_METAL)
         fprintf(stream, "index %.15g + %.15g i\n", backing->n, backing->k);
     else
@@ -151,18 +156,29 @@ void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene 
     report_bodies(stream, prefix, scene, &surfaces->bodies, reader);
 }
 
+const char *cml_light_word(enum cml_light_kind kind)
+{
+    static const char *const words[] = {"parallel", "na", "lambertian", "isotropic", "table"};
+    return words[kind];
+}
+
 static void report_light(FILE *stream, const struct cml_light *light)
 {
-    static const char *const names[] = {"", "", ", light lambertian", ", light isotropic",
-                                        ", light of a table"};
-    fputs(light->kind == CML_LIGHT_OF_NA ? ", light na:" : names[light->kind], stream);
-    if (light->kind == CML_LIGHT_OF_NA) fprintf(stream, "%g", light->na);
+    if (light->kind == CML_LIGHT_OF_PARALLEL) return;
+    fprintf(stream, ", light %s%s", light->kind == CML_LIGHT_OF_TABLE ? "of a " : "",
+            cml_light_word(light->kind));
+    if (light->kind == CML_LIGHT_OF_NA) fprintf(stream, ":%g", light->na);
+}
+
+const char *cml_beam_word(enum cml_beam_kind kind)
+{
+    static const char *const words[] = {"pencil", "disk", "gaussian", "ring", "rectangle", "image"};
+    return words[kind];
 }
 
 static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
 {
-    static const char *const names[] = {"pencil", "disk", "gaussian", "ring", "rectangle", "image"};
-    fprintf(stream, "beam %s", names[beam->kind]);
+    fprintf(stream, "beam %s", cml_beam_word(beam->kind));
     if (beam->kind == CML_BEAM_DISK || beam->kind == CML_BEAM_GAUSSIAN)
         fprintf(stream, " of radius %g cm", beam->size[0]);
     else if (beam->kind == CML_BEAM_RING)

@@ -23,6 +23,14 @@ expect_code 0 check "$work/many.mci"
 grep -q '^  no totals of the flat scene: ' "$work/out" || complain "check knows the totals of 4000 layers: $(tail -n 1 "$work/out")"
 expect_code 0 check "$work/many.mci" --json
 cp "$work/out" "$work/many.json"
+printf '1.0\n1\nlit.mco A\n100\nbeam ring 0.1 0.2 at=1,-2 angle=30 azimuth=90\nbeam disk 0.3 z=0.1 light=na:0.5 share=2.5\n1 1\n1 1 1\n1\n1\n1.4 1 9 0.8 1\nbacking metal 0.2 3\n1\n' >"$work/lit.mci"
+expect_code 0 check "$work/lit.mci" --json
+cp "$work/out" "$work/lit.json"
+expect_code 0 run "$work/lit.mci" --photons 9 --json -o "$work"
+cp "$work/out" "$work/flown.json"
+sed -i 's/metal 0.2 3/0.5 lambertian/' "$work/lit.mci"
+expect_code 0 check "$work/lit.mci" --json
+cp "$work/out" "$work/white.json"
 
 python3 - "$work" <<'END' || complain "the objects"
 import json, re, sys
@@ -59,6 +67,17 @@ assert 0.8 * most < mixed["memory_bytes"] / 2 ** 20 < 1.25 * most, (most, mixed[
 assert read("mesh")[0]["boundaries"][1]["kind"] == "mesh"
 skin, = read("map")
 assert skin["map"] == {"nx": 81, "ny": 61, "dx": 0.012, "dy": 0.012, "angles": False, "volume": True} and skin["facets"] is True
+assert mixed["backing"] is None and len(mixed["beams"]) == 1 and mixed["beams"][0]["photons"] == 500000
+lit, = read("lit")
+assert lit["backing"] == {"kind": "metal", "n": 0.2, "k": 3} and read("white")[0]["backing"] == {"kind": "lambertian", "R": 0.5}
+first = {"shape": "ring", "size": [0.1, 0.2], "x": 1, "y": -2, "z": None, "angle": 30, "azimuth": 90, "light": "parallel", "na": None,
+         "radial": False, "share": 1, "photons": 29}  # 100 / 3.5 = 28.57: by largest remainder
+second = {"shape": "disk", "size": [0.3], "x": 0, "y": 0, "z": 0.1, "angle": 0, "azimuth": 0, "light": "na", "na": 0.5, "radial": False,
+          "share": 2.5, "photons": 71}
+near = [{**beam, **{key: round(beam[key], 9) for key in ("angle", "azimuth")}} for beam in lit["beams"]]
+assert near == [first, second], lit["beams"]
+flown, = read("flown")
+assert [beam["photons"] for beam in flown["beams"]] == [3, 6] and flown["backing"] == lit["backing"], flown["beams"]
 many, = read("many")
 assert many["flat"] is None and many["format"] == "B" and many["photons"] == 10 ** 7 and len(many["layers"]) == 4000
 END

@@ -6,6 +6,7 @@
   light: the geometric series of an absorbing slab with Fresnel's reflectance on top, and adding-doubling with scattering.
 - Metal: Fresnel's reflectance with a complex index, at ten angles, in a clear slab whose index the light comes from, where every
   packet keeps the same share: within 2e-6.
+- An .obj file as backing: a groove of two slopes at right angles, from which all packets come straight back with R(45 degrees)^2.
 - A radial shape and its mesh as backing: `crosscheck`, packet by packet between engines, totals between cones and triangles.
 N = 4e4 a case; statistic: z, level 1e-4 over all."""
 import cmath
@@ -103,18 +104,40 @@ def absorber(verdict, folder):
         verdict.check(name, abs(gap) < 1e-7, f"exact is off by {gap}")
 
 
+def metallic(n, angle, N, K):
+    t, index = math.radians(angle), complex(N, K)
+    c1, c2 = math.cos(t), cmath.sqrt(1 - (n * math.sin(t) / index) ** 2)
+    rs, rp = (n * c1 - index * c2) / (n * c1 + index * c2), (index * c1 - n * c2) / (index * c1 + n * c2)
+    return (abs(rs) ** 2 + abs(rp) ** 2) / 2
+
+
 def metals(verdict, folder):
     n = 1.4
     for name, (N, K) in METALS.items():
         for angle in range(0, 90, 9):
-            t, index = math.radians(angle), complex(N, K)
-            c1, c2 = math.cos(t), cmath.sqrt(1 - (n * math.sin(t) / index) ** 2)
-            rs, rp = (n * c1 - index * c2) / (n * c1 + index * c2), (index * c1 - n * c2) / (index * c1 + n * c2)
-            R = (abs(rs) ** 2 + abs(rp) ** 2) / 2
+            R = metallic(n, angle, N, K)
             text = scene((n, 0, 0, 0, 0.1), f"backing metal {N} {K}", n_above=n, beam=f"beam pencil angle={angle}", photons=200)
             record = cml.run(text, keep=folder)[0]
             gap = record["A_backing"] - (1 - R)
             verdict.check(f"{name} at {angle} degrees", abs(gap) < 2e-6, f"1 - R is off by {gap}")
+
+
+def groove(verdict, folder):
+    """Its ends are slopes, too, which no light meets."""
+    n, h = 1.4, 0.2
+    with open(os.path.join(folder, "groove.obj"), "w", encoding="ascii") as file:
+        for x, y, z in ((-h, -1, 0), (h, -1, 0), (h, 1, 0), (-h, 1, 0), (0, -0.5, -h), (0, 0.5, -h)):
+            file.write(f"v {x} {y} {z}\n")
+        file.write("f 1 5 6 4\nf 2 3 6 5\nf 1 2 5\nf 3 4 6\n")
+    for backing, R in (("0.6", 0.6), ("metal 0.183 3.434", metallic(n, 45, 0.183, 3.434))):
+        for engine in ("cpu", "reference"):
+            text = scene((n, 0, 0, 0, 0.3), "backing " + backing, n_above=n, beam="beam rectangle 0.3 0.8", photons=2000,
+                         shape='m "groove.obj"').replace("\n10 10 1\n", "\n10 10 90\n")
+            record = cml.run(text, "--engine", engine, keep=folder)[0]
+            angles = cml.read_sections(record["output"])["Rd_a"]
+            gap = record["Rd"] - R * R
+            verdict.check(f"groove, {backing}, {engine}", abs(gap) < 2e-6 and not any(angles[1:]), f"Rd is off by {gap}; {angles[:4]}")
+            verdict.check(f"groove, {backing}, {engine}", abs(record["A_backing"] + record["Rd"] - 1) < 1e-9, "A_backing")
 
 
 def shapes(verdict, folder):
@@ -133,6 +156,7 @@ def main():
         slabs(verdict, folder)
         absorber(verdict, folder)
         metals(verdict, folder)
+        groove(verdict, folder)
         shapes(verdict, folder)
     verdict.finish()
 

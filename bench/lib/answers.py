@@ -68,6 +68,7 @@ def times_mmc(top, triangles, tracer):
     return next(cells[7].split()[0] for cells in found if cells[5] == tracer)
 
 
+LIGHT = "speed/results/light-amd-epyc-2core.md"
 FRONTIER, ACCURACY = "accuracy/README.md", "accuracy/accuracy.sh"
 
 
@@ -79,6 +80,9 @@ def answers():
            "sh bench/speed/speed.sh --irregular", "9", "")
     yield ("What do bodies cost?", "%s of the speed without (S6a, 1e5 triangles)" % cells(
         "speed/results/bodies-intel-xeon-2core.md", "S6a-mesh-1e5")[2], "python3 bench/speed/bodies.py", "3", "")
+    yield ("What do sources and phase functions cost?", "%s ns more for lambertian light than for a disk, %s times for a table" % (
+        cells(LIGHT, "disk 0.1 light=lambertian")[2].split()[0], cells(LIGHT, 'table "law.txt"')[2].split()[0]),
+        "python3 bench/speed/light.py", "2", "")
     yield ("What do ranks cost each other?", "%s %% of 1000 ranks' time is flight (model, 1e8 bins)" % efficiency("1000"),
            "python3 bench/speed/scaling.py", "1", "")
     yield ("How accurate is it for its time?", "%s of the automatic choices exceed the tolerance" % reading(

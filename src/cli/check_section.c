@@ -2,6 +2,7 @@
  * SPDX-License-Identifier: MIT */
 #include "cli/command.h"
 
+#include "output/report.h"
 #include "plot/section.h"
 #include "scene/body/body_shape.h"
 #include "scene/section.h"
@@ -94,6 +95,18 @@ static void find_depth(const struct cml_scene *scene, const double x[2], double 
     if (!all || !(z[1] > z[0])) z[1] += width / 2;
 }
 
+/* A backing stands in the place of the medium below, in as many letters as there is room for. */
+static void label_backing(const struct cml_backing_def *backing, struct cml_section_label *label)
+{
+    char what[48];
+    if (backing->kind == CML_NO_BACKING) return;
+    if (backing->kind == CML_BACKED_BY_METAL)
+        snprintf(what, sizeof what, "%.3g+%.3gi", backing->n, backing->k);
+    else
+        snprintf(what, sizeof what, "R = %.3g", backing->R);
+    snprintf(label->text, sizeof label->text, "%s, %s", cml_backing_word(backing->kind), what);
+}
+
 static void label_media(const struct cml_scene *scene, struct cml_section_label *labels)
 {
     const int last = scene->num_layers + 1;
@@ -109,6 +122,7 @@ static void label_media(const struct cml_scene *scene, struct cml_section_label 
                              : name,
                  scene->media[m].n);
     }
+    label_backing(&scene->backing, &labels[last]);
 }
 
 /* Without what the axes say. */
@@ -136,14 +150,15 @@ static void describe_in_words(const struct cml_scene *scene, int k, char *text, 
     fclose(out);
 }
 
-static void describe_beam(const struct cml_scene *scene, int k, struct cml_section_beam *drawn)
+/* medium: that its middle starts in. */
+static void describe_beam(const struct cml_scene *scene, int k, int medium, struct cml_section_beam *drawn)
 {
     const struct cml_beam *beam = &scene->beams[k];
     const double a = beam->angle, c = cos(beam->azimuth), half = half_size(beam);
     *drawn = (struct cml_section_beam){.x = beam->x,
                                        .slope = tan(a) * c,
                                        .half_width = beam->inside ? half : half_width(beam),
-                                       .spread = cml_light_widest(&beam->light, scene->media[0].n),
+                                       .spread = cml_light_widest(&beam->light, scene->media[medium].n),
                                        .inside = beam->inside,
                                        .z = beam->z,
                                        .axis = {sin(a) * c, cos(a)},
@@ -191,6 +206,7 @@ struct drawing {
     struct cml_section_line *lines;
     struct cml_section_label *labels;
     struct cml_section_beam *beams;
+    const int *starts; /* media of the beams' middles */
 };
 
 static cml_status cut_all(const struct cml_scene *scene, struct drawing *drawing, const double x[2],
@@ -235,20 +251,22 @@ static cml_status draw_with(const struct cml_scene *scene, enum cml_picture pict
                                   .picture = picture};
     section.num_beams = scene->num_beams;
     section.beam = drawing->beams;
-    for (int k = 0; k < scene->num_beams; k++) describe_beam(scene, k, &drawing->beams[k]);
+    for (int k = 0; k < scene->num_beams; k++)
+        describe_beam(scene, k, drawing->starts[k], &drawing->beams[k]);
     snprintf(section.map_text, sizeof section.map_text, "map, %d x %d pixels of %g x %g cm", map->nx, map->ny,
              map->dx, map->dy);
     return cml_gnuplot_draw(cml_section_script, &section, path, err);
 }
 
-static cml_status draw_scene(const struct cml_scene *scene, enum cml_picture picture, const char *path,
-                             struct cml_error *err)
+static cml_status draw_scene(const struct cml_scene *scene, const int *starts, enum cml_picture picture,
+                             const char *path, struct cml_error *err)
 {
     const size_t boundaries = (size_t)scene->num_layers + 1;
     struct drawing drawing = {.cuts = calloc(boundaries + 1, sizeof *drawing.cuts),
                               .lines = calloc(boundaries + 1, sizeof *drawing.lines),
                               .labels = calloc(boundaries + 1, sizeof *drawing.labels),
-                              .beams = calloc((size_t)scene->num_beams, sizeof *drawing.beams)};
+                              .beams = calloc((size_t)scene->num_beams, sizeof *drawing.beams),
+                              .starts = starts};
     cml_status status = CML_OK;
     if (drawing.cuts && drawing.lines && drawing.labels && drawing.beams)
         status = draw_with(scene, picture, path, &drawing, err);
@@ -263,13 +281,13 @@ static cml_status draw_scene(const struct cml_scene *scene, enum cml_picture pic
 }
 
 cml_status cml_draw_section(const struct cml_options *options, const struct cml_scene_list *list,
-                            enum cml_picture picture, struct cml_error *err)
+                            const int *starts, enum cml_picture picture, struct cml_error *err)
 {
     if (!options->output) return CML_OK;
     if (options->run > (uint64_t)list->count)
         return cml_fail(err, CML_E_INPUT, "--run %llu (expected 1 to %d, the runs of %s)",
                         (unsigned long long)options->run, list->count, options->operands[0]);
-    CML_TRY(draw_scene(&list->scenes[options->run - 1], picture, options->output, err));
+    CML_TRY(draw_scene(&list->scenes[options->run - 1], starts, picture, options->output, err));
     if (!options->quiet && !options->json) printf("  -> %s\n", options->output);
     return CML_OK;
 }

@@ -19,10 +19,11 @@ CML_NODISCARD cml_status cml_command_furnace(const struct cml_options *options, 
 CML_NODISCARD cml_status cml_command_devices(const struct cml_options *options, struct cml_error *err);
 CML_NODISCARD cml_status cml_command_plot(const struct cml_options *options, struct cml_error *err);
 
-/* Draws the run of the file that --run names (1) as `check -o` is told; nothing without -o. */
+/* Draws the run of the file that --run names (1) as `check -o` is told; nothing without -o. starts: in which
+ * media its beams start. */
 CML_NODISCARD cml_status cml_draw_section(const struct cml_options *options,
-                                          const struct cml_scene_list *list, enum cml_picture picture,
-                                          struct cml_error *err);
+                                          const struct cml_scene_list *list, const int *starts,
+                                          enum cml_picture picture, struct cml_error *err);
 
 /* A run of so many photons, and the relative standard errors that it had; INFINITY where it saw nothing. */
 struct cml_pilot_round {

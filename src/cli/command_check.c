@@ -4,10 +4,12 @@
 
 #include "cli/load/beam_notes.h"
 #include "cli/run/outputs.h"
+#include "engine/world.h"
 #include "exact/exact.h"
 #include "output/report.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 /* As the program took them; the mean free path, 1 / (mua + mus), is what grid and boundaries should be
  * compared with. */
@@ -178,14 +180,24 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
     return status;
 }
 
+/* The picture wants to know in which medium every beam starts: (*starts)[num_beams], the caller's to free. */
+static cml_status find_starts(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                              int **starts, struct cml_error *err)
+{
+    *starts = calloc((size_t)scene->num_beams, sizeof **starts);
+    if (!*starts) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
+    return cml_source_media(scene, surfaces, *starts, err);
+}
+
 /* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
  * memory needs their size. */
-static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
+static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene, int **starts,
                               struct cml_error *err)
 {
     struct cml_surface_set surfaces;
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
     cml_status status = cml_note_beam(scene, &surfaces, err);
+    if (status == CML_OK && starts) status = find_starts(scene, &surfaces, starts, err);
     if (status == CML_OK) status = show(options, scene, &surfaces, err);
     cml_surfaces_free(&surfaces);
     return status;
@@ -202,9 +214,12 @@ cml_status cml_command_check(const struct cml_options *options, struct cml_error
     }
     CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
     cml_status status = CML_OK;
+    int *starts = NULL;
     for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = check_scene(options, &list.scenes[i], err);
-    if (status == CML_OK) status = cml_draw_section(options, &list, picture, err);
+        status = check_scene(options, &list.scenes[i],
+                             options->output && (uint64_t)i + 1 == options->run ? &starts : NULL, err);
+    if (status == CML_OK) status = cml_draw_section(options, &list, starts, picture, err);
+    free(starts);
     cml_scene_list_clear(&list);
     cml_inputs_clear(&inputs);
     return status;

@@ -67,6 +67,9 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader);
 
+/* "mirror", "lambertian", "metal". */
+const char *cml_backing_word(enum cml_backing_form kind);
+
 /* A line per detector, behind the prefix: "detector NAME: ring of ...". People see the first of many. */
 void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_scene *scene,
                           enum cml_report_reader reader);

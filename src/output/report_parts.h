@@ -23,10 +23,9 @@ CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, 
                                                struct cml_error *err);
 void cml_report_body_faces_free(struct cml_body_faces *drawn);
 
-/* "pencil", "parallel", "mirror" ... */
+/* "pencil", "parallel" ... */
 const char *cml_beam_word(enum cml_beam_kind kind);
 const char *cml_light_word(enum cml_light_kind kind);
-const char *cml_backing_word(enum cml_backing_form kind);
 
 /* Where a field gets its values; which members count is the affair of its function. */
 struct cml_field_source {

@@ -61,4 +61,12 @@ test ! -s "$work/err" || complain "photon 900 of 1e5: $(cat "$work/err")"
 expect_code 2 trace "$work/three.mci" 844424930131968
 grep -qx 'clustermcml: trace: photon 844424930131968 (expected an index of one of 3 beams: that of beam k begins at (k - 1) 2^48)' "$work/err" ||
     complain "a fourth beam: $(cat "$work/err")"
+
+# A clear layer keeps what both its planes reflect totally, but for a backing, which takes its share.
+printf '1.0\n1\nclear.mco A\n1000\nbeam pencil z=0.05 light=isotropic\n1 1\n1 1 1\n1\n1.0\n1.4 0 0 0 0.1\n1.0\n' >"$work/clear.mci"
+expect_code 0 check "$work/clear.mci"
+grep -qF "$work/clear.mci:5: beam 1 starts in layer 1, which is clear" "$work/err" || complain "no note of a trap: $(cat "$work/err")"
+sed -i 's/^1.4 .*/&\nbacking 0.5/' "$work/clear.mci"
+expect_code 0 "$work/clear.mci" --json -o "$work"
+test ! -s "$work/err" && grep -q '"trapped":0,' "$work/out" || complain "a trap over a backing: $(cat "$work/err" "$work/out")"
 finish

@@ -41,6 +41,16 @@ for beam in 'disk 0.02 at=-0.9,0 angle=60' 'disk 0.02 at=0.9,0 angle=89 azimuth=
     grep -q 'below, n' "$work/sea.svg" && complain "what lies below the sea is in the picture"
 done
 
+draw paint samples/paint.mci 'layer 1, n = 1.5<' '>lambertian, R = 0.8<'
+draw foil samples/foil.mci '>metal, 1.37+7.62i<'
+# The widest rays of an aperture are those in the medium where it lies, whatever is above.
+for n in 1.0 1.4; do
+    printf '1.0\n1\nna.mco A\n1000\nbeam pencil light=na:0.7 z=0.05\n0.01 0.02\n20 50 10\n1\n%s\n1.4 1 10 0.8 0.1\n1.0\n' "$n" >"$work/na.mci"
+    draw na "$work/na.mci" 'pencil, na:0.7<'
+    grep '<path' "$work/na.svg" >"$work/rays$n"
+done
+test "$(wc -l <"$work/rays1.0")" -gt 5 && cmp -s "$work/rays1.0" "$work/rays1.4" || complain "the medium above decides how wide an aperture inside is"
+
 # One run of a file with several.
 draw first samples/two_runs.mci "$(awk 'NR > 3 && / A/ { print $1; exit }' samples/two_runs.mci), seen along y"
 expect_code 0 check samples/two_runs.mci --run 2 -o "$work/second.svg" --quiet

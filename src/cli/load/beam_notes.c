@@ -99,6 +99,7 @@ static bool is_flat(const struct cml_beam *beam, double n, double t)
 static void note_trapped(const struct cml_scene *scene, int k, int medium)
 {
     const struct cml_beam *beam = &scene->beams[k];
+    if (medium == scene->num_layers && scene->backing.kind != CML_NO_BACKING) return;
     if (medium < 1 || medium > scene->num_layers || cml_layer_has_bodies(scene, medium)) return;
     const struct cml_medium_def *own = &scene->media[medium];
     const double most = fmax(own[-1].n, own[1].n);

@@ -38,16 +38,20 @@ def write_tile(path, rows):
         file.write("".join(" ".join(repr(h) for h in row) + "\n" for row in rows))
 
 
+def mean_height(rows):
+    """Over a period. Diagonals of cells alternate: of the corners one half has eight triangles, the other four."""
+    return statistics.fmean(h * (4 / 3 if (x + y) % 2 else 2 / 3) for y, row in enumerate(rows) for x, h in enumerate(row))
+
+
 def furnace(verdict, name, layers, amplitudes, n_below=1.0, n_above=1.0):
-    """layers: (n, mus, g, d); amplitudes: of the boundaries that are tiles. A column of triangles of equal size has the mean
-    height of its corners, and each corner of the grid has as many, so the mean over the period is that of the numbers."""
+    """layers: (n, mus, g, d); amplitudes: of the boundaries that are tiles."""
     with tempfile.TemporaryDirectory() as keep:
         surfaces, lift = {}, [0.0] * (len(layers) + 1)
         for b, amplitude in amplitudes.items():
             rows = heights(amplitude)
             write_tile(os.path.join(keep, f"{b}.asc"), rows)
             surfaces[b] = f'm "{b}.asc" tile=as-is units=cm'
-            lift[b] = statistics.fmean(map(statistics.fmean, rows))
+            lift[b] = mean_height(rows)
         up, down = n_above**2 / (n_above**2 + n_below**2), n_below**2 / (n_above**2 + n_below**2)
         beam = f"beam rectangle {PERIOD} {PERIOD} light=lambertian"
         text = cml.repeated(RUNS, [f"{n} 0 {mus} {g} {d}" for n, mus, g, d in layers], photons=PHOTONS, bins=f"1 1 {NA}",

@@ -32,7 +32,7 @@ class Options(unittest.TestCase):
         for name in ("run", "check", "plan", "exact", "trace", "mesh", "crosscheck", "furnace", "compare"):
             kind = set(vars(options)[name.capitalize() + "Options"].__annotations__)
             theirs = {word.replace("-", "_") for word in re.findall(r"^  (?:-\w, )?--([\w-]+)", command("help", name), re.MULTILINE)}
-            self.assertEqual(kind, theirs - (set(NO_ARGUMENTS) - kind) - {"output_dir"}, name)
+            self.assertEqual(kind, theirs - (set(NO_ARGUMENTS) - kind) - {"output_dir", "reweight"}, name)  # the latter: of sweep
             self.assertLessEqual(kind, set(inspect.signature(getattr(mc, name)).parameters), name)
         self.assertEqual(inspect.signature(mc.sweep).parameters["target_error"].annotation, "float")
 
@@ -69,6 +69,8 @@ class Commands(unittest.TestCase):
             np.testing.assert_array_equal(events[name].values, np.array([row[k] for row in rows]).astype(events[name].dtype), name)
         self.assertEqual((events.end, events.photon, events.z.units), (said[-1][2:], 17, "cm"))
         self.assertEqual(mc.trace(mc.Scene([SLAB]), 0).what[0], "launch")
+        seen = mc.trace(mc.Scene([SLAB], detectors=[mc.Detector("disk", radius=1e3, name="all"), mc.Detector("disk", radius=1e-9, at=(5, 0))]), 0)
+        self.assertEqual((events.seen_by, seen.seen_by), ([], ["all"]))
         with self.assertRaisesRegex(mc.InputError, r"photon = -1 \(expected"):
             mc.trace(RIDGES, -1)
 
@@ -105,7 +107,7 @@ class Commands(unittest.TestCase):
     def test_messages_name_no_files_that_are_gone(self):
         """Of files beside the scene the program says something, of results this package."""
         dark = mc.Layer(1.4, 1, 100, 0, 0.1, phase=mc.Phase("table", angles=[0, 180], densities=[0, 0]))
-        with self.assertRaisesRegex(mc.InputError, "^table of a Phase: p = 0"):
+        with self.assertRaisesRegex(mc.InputError, "^Scene: layer 1: phase: table of a Phase: p = 0"):
             mc.run(mc.Scene([dark]))
         wrapper = os.path.join(self.folder, "program")
         with open(wrapper, "w", encoding="utf-8") as file:

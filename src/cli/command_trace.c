@@ -8,12 +8,23 @@
 #include "types.h"
 
 #include <stdio.h>
+#include <string.h>
+
+struct listener {
+    const struct cml_scene *scene;
+    long row;
+};
 
 /* Nine digits and more: events of one photon are compared between engines and machines. */
 static void print_event(void *context, const struct cml_trace_event *event)
 {
-    long *row = context;
-    printf("%6ld  %-8s %6d  %15.9g %15.9g %15.9g  %12.9f %12.9f %12.9f  %.9g\n", (*row)++, event->what,
+    struct listener *listener = context;
+    if (strcmp(event->what, "detect") == 0) {
+        printf("# seen by %s, %.9g of a packet\n", listener->scene->detectors[event->detector].name,
+               event->weight);
+        return;
+    }
+    printf("%6ld  %-8s %6d  %15.9g %15.9g %15.9g  %12.9f %12.9f %12.9f  %.9g\n", listener->row++, event->what,
            event->medium, event->position[0], event->position[1], event->position[2], event->direction[0],
            event->direction[1], event->direction[2], event->weight);
 }
@@ -42,7 +53,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
                         uint64_t photon, struct cml_error *err)
 {
     struct cml_fate_record record;
-    long row = 0;
+    struct listener listener = {scene, 0};
     printf("# %s, photon %llu, %s engine, seed %llu\n", scene->output, (unsigned long long)photon,
            options->engine->name, (unsigned long long)options->engine_options.seed);
     cml_report_phases(stdout, "# ", scene, CML_READ_BY_PEOPLE);
@@ -56,7 +67,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
     if (scene->beams[beam].given) cml_report_beam(stdout, "# ", scene, (int)beam);
     printf("#%5s  %-8s %6s  %15s %15s %15s  %12s %12s %12s  %s\n", "event", "what", "medium", "x cm", "y cm",
            "z cm", "ux", "uy", "uz", "weight");
-    CML_TRY(options->engine->trace(engine, photon, print_event, &row, &record, err));
+    CML_TRY(options->engine->trace(engine, photon, print_event, &listener, &record, err));
     printf("# %s", cml_fate_name(record.fate));
     if (record.fate == CML_FATE_LOST) printf(" (%s)", cml_lost_cause_name(record.cause));
     printf(" after %u interactions and %u boundary events, last outside contact at x = %.9g, y = %.9g cm\n",

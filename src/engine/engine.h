@@ -61,8 +61,9 @@ struct cml_fate_record {
 
 /* One line of a trace: the packet after the event. */
 struct cml_trace_event {
-    const char *what;   /* "launch", "interact", "reflect", "transmit", "end" */
-    int medium;         /* 0..L+1 */
+    const char *what; /* "launch", "interact", "reflect", "transmit", "end"; or "detect", after all others */
+    int detector;     /* number of that which saw it, from 0; of "detect", which has a weight and no more */
+    int medium;       /* 0..L+1 */
     double position[3]; /* of the scene, cm */
     double direction[3];
     double weight; /* share of a packet */

@@ -139,8 +139,30 @@ static inline struct cml_fate_record record_of(const struct cml_world *world, co
     return record;
 }
 
+/* Which detectors have seen the packet, of which some part may have been split off at its launch (P13). */
+static void trace_detectors(const struct tracing *tracing, const struct cml_packet *packet, uint64_t *sums)
+{
+    const struct cml_world *world = tracing->world;
+    const int fate = packet->fate;
+    const struct cml_light_out light = {.ray = {.p = {packet->exit_x, packet->exit_y, packet->p.z},
+                                                .u = packet->u,
+                                                .below = fate == CML_FATE_TRANSMITTED,
+                                                .fresh = fate == CML_FATE_SPECULAR},
+                                        .w = packet->w,
+                                        .times = 1};
+    cml_score_split_off(world, packet->index, 1, sums, NULL);
+    if (fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED || fate == CML_FATE_SPECULAR)
+        cml_score_light(world, &light, NULL, sums, NULL);
+    for (int k = 0; k < world->detection.num_detectors; k++) {
+        const struct cml_trace_event seen = {
+            .what = "detect", .detector = k, .weight = (double)sums[k] * CML_WEIGHT_UNIT};
+        if (sums[k]) tracing->on_event(tracing->context, &seen);
+    }
+}
+
 /* How packets [first, first + count) end: records[count]. Their deposits go into a tally that is thrown away,
- * the smallest that the walk can write to. on_event may be NULL. Fails when memory for the tally runs out. */
+ * the smallest that the walk can write to, with detectors where somebody listens. on_event may be NULL. Fails
+ * when memory for the tally runs out. */
 static inline cml_status trace_packets(const struct cml_world *world, uint64_t first, uint64_t count,
                                        cml_trace_function *on_event, void *context,
                                        struct cml_fate_record *records, struct cml_error *err)
@@ -149,7 +171,9 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
                                   .nz = 1,
                                   .na = 1,
                                   .num_layers = world->setup.num_layers,
-                                  .num_bodies = world->setup.num_bodies};
+                                  .num_bodies = world->setup.num_bodies,
+                                  .gates = on_event ? world->setup.gates.count : 0,
+                                  .detectors = on_event ? world->detection.num_detectors : 0};
     struct cml_tally tally;
     CML_TRY(cml_tally_create(&grid, &tally, err));
     struct tracing tracing = {world, on_event, context};
@@ -162,6 +186,7 @@ static inline cml_status trace_packets(const struct cml_world *world, uint64_t f
         struct cml_packet packet;
         cml_walk(&traced, &to, first + i, &packet);
         records[i] = record_of(world, &packet);
+        if (tally.detected) trace_detectors(&tracing, &packet, tally.detected);
     }
     cml_tally_free(&tally);
     return CML_OK;

@@ -77,6 +77,7 @@ class Packet:
         done = subprocess.run([cml.PROGRAM, "trace", path, str(index), "--engine", engine], capture_output=True, text=True, check=True).stdout
         rows = [line.split() for line in done.splitlines() if re.match(r" *\d+  ", line)]
         events = [(row[1], int(row[2]), [float(word) for word in row[3:]]) for row in rows]
+        self.told = {name: float(weight) for name, weight in re.findall(r"^# seen by (\w+), (\S+) of a packet$", done, re.M)}
         self.fate = re.search(r"^# (\w+)", done.splitlines()[-1])[1]
         self.start, self.end = events[0][2], events[-1][2]
         self.length, self.interactions, self.deepest = [0.0] * media, [0] * media, -math.inf
@@ -115,6 +116,8 @@ def brute_force(verdict, name, scene, beam, engine, dice):
     for k, detector in enumerate(found):
         parts = [part for packet in packets for part in packet.seen(scene, detector)]
         weight, what = sum(part[0] for part in parts), f"{name}, {detector.line('d')}"
+        told = sum(packet.told.get(f"d{k}", 0) for packet in packets)
+        verdict.check(what, abs(told - weight) < 1e-6, f"traces tell of {told}, not {weight}")
         verdict.check(what, abs(record[f"detector_d{k}"] - weight / PACKETS) < 2e-9, f"{record[f'detector_d{k}']}, not {weight / PACKETS}")
         means = [record[f"detector_d{k}_deepest"], *sections[f"detector_d{k}_path"], *sections[f"detector_d{k}_interactions"]]
         if not parts:

@@ -42,7 +42,7 @@ const struct cml_command_def cml_commands[] = {
     [CML_COMMAND_TRACE] = {"trace", "scene.mci N", 2, 2, "every event of photon N, as a table",
                            "Flies photon N (from 0) alone, with the random numbers that it has in a run with "
                            "the same options, and prints "
-                           "its events.",
+                           "its events, and which detectors see it.",
                            "clustermcml trace samples/ridges.mci 17\n"
                            "clustermcml trace samples/two_runs.mci 3 --run 2 --engine reference\n"},
     [CML_COMMAND_CROSSCHECK] =

@@ -100,7 +100,7 @@ def furnace(scene: Union[Scene, Path], **options: Unpack[FurnaceOptions]) -> lis
 @shown
 def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions]) -> xr.Dataset:
     """Every event of one photon (from 0), alone, with the random numbers that it has in a run with the same options; its attribute
-    `end` says what became of it."""
+    `end` says what became of it, `seen_by` names the detectors that saw it."""
     index = errors.whole("photon", photon, 0, 2**53)
     with scratch_folder() as scratch, scene_file(scene, scratch) as path:
         lines = _say(["trace", path, str(index), *option_words(options, TraceOptions)], scratch).splitlines()
@@ -109,7 +109,8 @@ def trace(scene: Union[Scene, Path], photon: int, **options: Unpack[TraceOptions
     events = {name: xr.DataArray(np.array([row[k] for row in rows], dtype={"what": str, "medium": int}.get(name, float)), dims="event",
                                  attrs={"units": units.get(name, "1"), "long_name": meaning})
               for k, (name, meaning) in enumerate(EVENT.items())}
-    return xr.Dataset(events, attrs={"photon": index, "end": lines[-1].removeprefix("# ")})
+    return xr.Dataset(events, attrs={"photon": index, "end": lines[-1].removeprefix("# "),
+                                     "seen_by": [line.split()[3].rstrip(",") for line in lines if line.startswith("# seen by ")]})
 
 
 @shown

@@ -12,7 +12,7 @@
 
 /* So many have a number in the index of a photon (kernels/balance.h). */
 #define MOST_BEAMS 32767
-#define MOST_ROWS 1000000 /* of a table */
+#define MOST_ROWS 10000 /* of a table: adding-doubling takes seconds for ten times as many */
 
 /* The order of the keys in cml_mci_beam. */
 enum { BEAM_AT, BEAM_Z, BEAM_ANGLE, BEAM_AZIMUTH, BEAM_LIGHT, BEAM_SHARE, BEAM_RADIAL };
@@ -70,7 +70,7 @@ static cml_status make_room(struct table *table)
 {
     struct cml_light *light = table->light;
     if ((size_t)light->rows < table->capacity) return CML_OK;
-    if (light->rows == MOST_ROWS) return fail_row(table, "row", NULL, "at most 1000000 rows");
+    if (light->rows == MOST_ROWS) return fail_row(table, "row", NULL, "at most 10000 rows");
     const size_t capacity = table->capacity ? 2 * table->capacity : 64;
     double *t = realloc(light->t, capacity * sizeof *t);
     if (t) light->t = t;
@@ -88,15 +88,21 @@ static cml_status read_row(struct table *table, const char *angle, char *cursor)
                                       shines = {"intensity", 0, CML_MCI_HUGE, false,
                                                 "an intensity of 0..1e30"};
     struct cml_light *light = table->light;
-    const double pi = CML_PI, before = light->rows ? light->t[light->rows - 1] * 180 / pi : -1;
+    const double pi = CML_PI, least_step = 1e-6,
+                 faintest = 1e-30; /* squares of both are no subnormal numbers */
+    const double before = light->rows ? light->t[light->rows - 1] * 180 / pi : -1;
     const char *word = cml_text_word(&cursor), *rest = cml_text_word(&cursor);
     double t = 0, intensity = 0;
     if (!cml_mci_parse(&degrees, angle, &t)) return fail_row(table, degrees.name, angle, degrees.expected);
     if (light->rows == 0 && t != 0) return fail_row(table, degrees.name, angle, "0 in the first row");
     if (!(t > before * (1 + 1e-12)))
         return fail_row(table, degrees.name, angle, "more than in the row before");
+    if (t < before + least_step)
+        return fail_row(table, degrees.name, angle, "1e-6 degrees or more beyond the row before");
     if (!word || !cml_mci_parse(&shines, word, &intensity))
         return fail_row(table, shines.name, word, shines.expected);
+    if (intensity > 0 && intensity < faintest)
+        return fail_row(table, shines.name, word, "0, or an intensity of 1e-30..1e30");
     if (rest) return fail_row(table, "word behind the intensity", rest, "the end of the line or a # comment");
     CML_TRY(make_room(table));
     light->t[light->rows] = t * pi / 180;

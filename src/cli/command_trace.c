@@ -37,8 +37,8 @@ static cml_status note_beyond(const struct cml_scene *scene, uint64_t photon, st
     CML_TRY(cml_deal_create(scene->shares, scene->num_beams, &deal, err));
     const cml_status status = cml_deal_round(&deal, 0, scene->photons, err);
     if (scene->num_beams > 1)
-        snprintf(which, sizeof which, "%llu of %d beams", (unsigned long long)scene->photons,
-                 scene->num_beams);
+        snprintf(which, sizeof which, "%llu of %d beams, those of beam k from (k - 1) 2^48 on",
+                 (unsigned long long)scene->photons, scene->num_beams);
     else
         snprintf(which, sizeof which, "0 to %llu", (unsigned long long)scene->photons - 1);
     snprintf(text, sizeof text, "photon %llu is not among those of %.300s (%s, unless --photons says more)",

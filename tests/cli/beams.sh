@@ -53,7 +53,7 @@ launch 562949953421315 | awk '{ r = $1 ^ 2 + $2 ^ 2; exit !(r >= 0.00999 && r <=
     complain "a photon of beam 3: $(cat "$work/out")"
 for photon in 900 281474976711400 562949953421500; do
     expect_code 0 trace "$work/three.mci" $photon
-    grep -qx "clustermcml: note: photon $photon is not among those of three.mco (1000 of 3 beams, unless --photons says more)" "$work/err" ||
+    grep -qx "clustermcml: note: photon $photon is not among those of three.mco (1000 of 3 beams, those of beam k from (k - 1) 2^48 on, unless --photons says more)" "$work/err" ||
         complain "photon $photon: $(cat "$work/err")"
 done
 expect_code 0 trace "$work/three.mci" 900 --set photons=1e5

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "base/json_name.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,4 +18,14 @@ json_t *cml_json_name(const char *name)
     string = json_string(escaped);
     free(escaped);
     return string;
+}
+
+cml_status cml_json_print(FILE *stream, json_t *object, struct cml_error *err)
+{
+    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
+    json_decref(object);
+    if (!text) return cml_fail_memory(err, 1, "the JSON record");
+    fprintf(stream, "%s\n", text);
+    free(text);
+    return CML_OK;
 }

@@ -1,11 +1,18 @@
-/* Names of files in JSON, which is UTF-8, while a name may hold any bytes. SPDX-License-Identifier: MIT */
+/* JSON: names of files, which may hold any bytes while it is UTF-8, and records on a line.
+ * SPDX-License-Identifier: MIT */
 #ifndef CML_JSON_NAME_H
 #define CML_JSON_NAME_H
 
+#include "base/status.h"
+
 #include <jansson.h>
+#include <stdio.h>
 
 /* A new string: the name, or, where it is not UTF-8, the name with every byte beyond ASCII written as \xNN.
  * NULL when memory runs out. */
 json_t *cml_json_name(const char *name);
+
+/* The object, or NULL, on one line; it is freed. CML_E_INPUT when memory runs out, or had before. */
+CML_NODISCARD cml_status cml_json_print(FILE *stream, json_t *object, struct cml_error *err);
 
 #endif

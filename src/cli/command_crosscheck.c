@@ -138,12 +138,7 @@ static cml_status print_json(const struct cml_check_setup *setup, const struct c
                   "output", cml_json_name(setup->scene->output), "photons", (json_int_t)setup->photons,
                   "seed", (json_int_t)setup->options.seed, "tolerance", tolerance, "agree", agree, "ways",
                   ways, "version", cml_version());
-    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
-    json_decref(object);
-    if (!text) return cml_fail_memory(err, 1, "the JSON record");
-    printf("%s\n", text);
-    free(text);
-    return CML_OK;
+    return cml_json_print(stdout, object, err);
 }
 
 static cml_status verdict(const struct cml_check_setup *setup, const struct cml_check_result *result,

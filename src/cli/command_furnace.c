@@ -285,12 +285,7 @@ static cml_status print_json(const struct furnace *f, uint64_t photons, double a
     for (int i = 0; i < f->num_places; i++) json_array_append_new(places, place_json(&f->place[i]));
     json_object_set_new(object, "places", places);
     json_object_set_new(object, "version", json_string(cml_version()));
-    char *text = json_dumps(object, JSON_COMPACT);
-    json_decref(object);
-    if (!text) return cml_fail_memory(err, 1, "the JSON record");
-    printf("%s\n", text);
-    free(text);
-    return CML_OK;
+    return cml_json_print(stdout, object, err);
 }
 
 /* ---- the command ---- */
@@ -365,16 +360,5 @@ static cml_status furnace_scene(const struct cml_options *options, const struct 
 
 cml_status cml_command_furnace(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_options mine = *options;
-    struct cml_scene_list list;
-    struct cml_inputs inputs;
-    cml_status status = CML_OK;
-    mine.engine_options.threads = cml_choose_threads(options);
-    mine.engine_options.local_rank = cml_cluster_local_rank();
-    CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
-    cml_inputs_clear(&inputs);
-    for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = furnace_scene(&mine, &list.scenes[i], i, err);
-    cml_scene_list_clear(&list);
-    return status;
+    return cml_fly_scenes(options, furnace_scene, err);
 }

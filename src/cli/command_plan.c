@@ -153,12 +153,7 @@ static cml_status print_json(const struct plan *plan, struct cml_error *err)
             json_array_append_new(rows, row_json(plan, engine, lattice));
     json_object_set_new(object, "plans", rows);
     json_object_set_new(object, "version", json_string(cml_version()));
-    char *text = json_dumps(object, JSON_COMPACT);
-    json_decref(object);
-    if (!text) return cml_fail_memory(err, 1, "the JSON record");
-    printf("%s\n", text);
-    free(text);
-    return CML_OK;
+    return cml_json_print(stdout, object, err);
 }
 
 /* ---- the command ---- */
@@ -198,16 +193,5 @@ static cml_status plan_scene(const struct cml_options *options, const struct cml
 
 cml_status cml_command_plan(const struct cml_options *options, struct cml_error *err)
 {
-    struct cml_options mine = *options;
-    struct cml_scene_list list;
-    struct cml_inputs inputs;
-    cml_status status = CML_OK;
-    mine.engine_options.threads = cml_choose_threads(options);
-    mine.engine_options.local_rank = cml_cluster_local_rank();
-    CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
-    cml_inputs_clear(&inputs);
-    for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = plan_scene(&mine, &list.scenes[i], i, err);
-    cml_scene_list_clear(&list);
-    return status;
+    return cml_fly_scenes(options, plan_scene, err);
 }

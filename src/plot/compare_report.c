@@ -201,7 +201,6 @@ static json_t *worst_json(const struct cml_comparison *c)
     return list;
 }
 
-/* Names of files that are not UTF-8 are what makes it fail, besides memory. */
 cml_status cml_compare_json(FILE *stream, const struct cml_compare_report *report, struct cml_error *err)
 {
     const struct cml_comparison *c = report->comparison;
@@ -210,10 +209,5 @@ cml_status cml_compare_json(FILE *stream, const struct cml_compare_report *repor
         cml_json_name(report->names[1]), "packets", (json_int_t)report->outcome[0].photons,
         (json_int_t)report->outcome[1].photons, "tests", c->count, "p", c->p, "alpha", report->alpha, "agree",
         !(c->p < report->alpha), "quantities", quantities_json(c), "worst", worst_json(c));
-    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
-    json_decref(object);
-    if (!text) return cml_fail_memory(err, 1, "the JSON record (or a name that is not UTF-8)");
-    fprintf(stream, "%s\n", text);
-    free(text);
-    return CML_OK;
+    return cml_json_print(stream, object, err);
 }

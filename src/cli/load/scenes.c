@@ -195,6 +195,21 @@ cml_status cml_load_shared_scenes(const struct cml_options *options, struct cml_
     return status;
 }
 
+cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly, struct cml_error *err)
+{
+    struct cml_options mine = *options;
+    struct cml_scene_list list;
+    struct cml_inputs inputs;
+    cml_status status = CML_OK;
+    mine.engine_options.threads = cml_choose_threads(options);
+    mine.engine_options.local_rank = cml_cluster_local_rank();
+    CML_TRY(cml_load_shared_scenes(options, &list, &inputs, err));
+    cml_inputs_clear(&inputs);
+    for (int i = 0; status == CML_OK && i < list.count; i++) status = fly(&mine, &list.scenes[i], i, err);
+    cml_scene_list_clear(&list);
+    return status;
+}
+
 cml_status cml_choose_surfaces(const struct cml_options *options, const struct cml_scene *scene,
                                struct cml_surface_set *surfaces, struct cml_error *err)
 {

@@ -36,6 +36,13 @@ CML_NODISCARD cml_status cml_load_shared_scenes(const struct cml_options *option
                                                 struct cml_scene_list *list, struct cml_inputs *inputs,
                                                 struct cml_error *err);
 
+/* Loads so all runs of the file and hands each, with its number from 0, to `fly`, whose options know the
+ * threads and the rank of this process; ends with the first failure. Collective. */
+typedef cml_status cml_fly_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
+                                 struct cml_error *err);
+CML_NODISCARD cml_status cml_fly_scenes(const struct cml_options *options, cml_fly_scene *fly,
+                                        struct cml_error *err);
+
 /* A file with one run once more, from the bytes in `inputs`, with other settings and another name of the
  * result. Shapes that nothing new is set of are borrowed from `known`, which was read with options->settings
  * and must outlive *list. Checked for overlap where anything has moved. CML_E_INPUT; then *list is empty. */

@@ -262,10 +262,5 @@ cml_status cml_merge_json(FILE *stream, const char *path, const struct cml_merge
             json_object_set_new(object, key, json_real((errors ? merged->error : merged->value)[total][0]));
         }
     json_object_set_new(object, "version", json_string(cml_version()));
-    char *text = object ? json_dumps(object, JSON_COMPACT) : NULL;
-    json_decref(object);
-    if (!text) return cml_fail_memory(err, 1, "the JSON record");
-    fprintf(stream, "%s\n", text);
-    free(text);
-    return CML_OK;
+    return cml_json_print(stream, object, err);
 }

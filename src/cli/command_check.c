@@ -7,9 +7,12 @@
 #include "engine/world.h"
 #include "exact/exact.h"
 #include "output/report.h"
+#include "scene/body/body_shape.h"
 
 #include <math.h>
 #include <stdlib.h>
+
+enum { MOST_BODIES = 20 }; /* that are printed */
 
 /* As the program took them; the mean free path, 1 / (mua + mus), is what grid and boundaries should be
  * compared with. */
@@ -26,7 +29,7 @@ static void print_media(const struct cml_scene *scene)
         printf("  %-8d %10g %10g %10g %10g %10g %12g\n", m, medium->n, medium->mua, medium->mus, medium->g,
                medium->d, 1 / cml_medium_mut(medium));
     }
-    for (int k = 0; k < scene->num_bodies && k < 20; k++) {
+    for (int k = 0; k < scene->num_bodies && k < MOST_BODIES; k++) {
         const struct cml_medium_def *medium = &scene->media[cml_body_medium(scene, k)];
         char name[24];
         snprintf(name, sizeof name, "body %d", k + 1);
@@ -102,12 +105,23 @@ static void print_tile(const struct cml_scene *scene, int b)
     printf("    the beam does not repeat\n");
 }
 
+/* Wrong units, or a wrong shift, show here. */
+static void print_body_box(const struct cml_scene_body *body, int k)
+{
+    double lower[3], upper[3];
+    cml_body_box(body, lower, upper);
+    printf("  mesh of body %d: x %g..%g, y %g..%g, z %g..%g cm\n", k + 1, lower[0], upper[0], lower[1],
+           upper[1], lower[2], upper[2]);
+}
+
 static void print_meshes(const struct cml_scene *scene)
 {
     for (int b = 0; b <= scene->num_layers; b++) {
         if (scene->boundaries[b].form == CML_FORM_TILE) print_tile(scene, b);
         if (scene->boundaries[b].form == CML_FORM_MESH) print_mesh(scene, b);
     }
+    for (int k = 0; k < scene->num_bodies && k < MOST_BODIES; k++)
+        if (scene->bodies[k].form == CML_BODY_MESH) print_body_box(&scene->bodies[k], k);
 }
 
 /* Only where it is asked for. */

@@ -45,6 +45,9 @@ expect_code 0 check "$work/scene.mci"
 grep -q "warning: single precision resolves 2.4e-07 cm here, more than 1e-4 of the shortest edge" "$work/out" ||
     complain "no warning of precision: $(cat "$work/out")"
 
+# the corners of the file, whose heights count upwards
+expect_code 0 check samples/vein.mci
+expect_line "mesh of body 1: x -0.091393..0.062454, y -0.405566..0.403847, z 0.014012..0.057993 cm"
 expect_code 0 mesh samples/fig5.mci -o "$work"
 expect_line "boundary 0: plane z = 0 cm, no file"
 expect_error 2 "crosscheck: samples/two_runs.mci has 2 runs (expected one with --dump)" \

@@ -54,7 +54,8 @@ struct cml_aim_level cml_aim_level_of(const struct cml_scene *scene, const struc
 }
 
 /* A packet's counted Tt has the relative variance V; an expected one, 1 / share or less where that share of
- * the light comes down to the level: a quarter of that, in scenes that were flown both ways. */
+ * the light comes down to the level: a third to a seventh of that, in four scenes that were flown both ways.
+ */
 double cml_aim_proposal(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                         const struct cml_result *result)
 {

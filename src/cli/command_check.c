@@ -4,6 +4,7 @@
 
 #include "cli/load/beam_notes.h"
 #include "cli/run/outputs.h"
+#include "cli/run/sweep.h"
 #include "engine/world.h"
 #include "exact/exact.h"
 #include "output/report.h"
@@ -177,7 +178,8 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
 
 /* The memory is looked at before the twin takes some of it. */
 static cml_status show(const struct cml_options *options, const struct cml_scene *scene,
-                       const struct cml_surface_set *surfaces, struct cml_error *err)
+                       const struct cml_surface_set *surfaces, const struct cml_sweep_size *sweep,
+                       struct cml_error *err)
 {
     const double bytes = cml_most_memory(options, scene, surfaces);
     struct cml_exact exact;
@@ -185,7 +187,7 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
     if (!options->json) print_scene(options, scene, surfaces);
     cml_status status = solve_flat_twin(scene, &exact, &known, err);
     if (status == CML_OK && options->json)
-        status = cml_report_check_json(stdout, scene, surfaces, bytes, known ? &exact : NULL, err);
+        status = cml_report_check_json(stdout, scene, surfaces, sweep, bytes, known ? &exact : NULL, err);
     else if (status == CML_OK && known)
         cml_report_flat_twin(stdout, scene, &exact);
     else if (status == CML_OK)
@@ -205,14 +207,14 @@ static cml_status find_starts(const struct cml_scene *scene, const struct cml_su
 
 /* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
  * memory needs their size. */
-static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene, int **starts,
-                              struct cml_error *err)
+static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
+                              const struct cml_sweep_size *sweep, int **starts, struct cml_error *err)
 {
     struct cml_surface_set surfaces;
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
     cml_status status = cml_note_beam(scene, &surfaces, err);
     if (status == CML_OK && starts) status = find_starts(scene, &surfaces, starts, err);
-    if (status == CML_OK) status = show(options, scene, &surfaces, err);
+    if (status == CML_OK) status = show(options, scene, &surfaces, sweep, err);
     cml_surfaces_free(&surfaces);
     return status;
 }
@@ -227,11 +229,15 @@ cml_status cml_command_check(const struct cml_options *options, struct cml_error
         CML_TRY(cml_check_overwrite("check", options->output, options->operands, options->num_operands, err));
     }
     CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
-    cml_status status = CML_OK;
+    struct cml_sweep_size sweep;
+    cml_status status = cml_sweep_check(options, &list, &inputs, &sweep, err);
     int *starts = NULL;
     for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = check_scene(options, &list.scenes[i],
+        status = check_scene(options, &list.scenes[i], &sweep,
                              options->output && (uint64_t)i + 1 == options->run ? &starts : NULL, err);
+    if (status == CML_OK && sweep.rows > 0 && !options->json)
+        printf("  %d rows of %s: %d flight%s\n", sweep.rows, options->sweep, sweep.flights,
+               sweep.flights == 1 ? "" : "s");
     if (status == CML_OK) status = cml_draw_section(options, &list, starts, picture, err);
     free(starts);
     cml_scene_list_clear(&list);

@@ -98,10 +98,16 @@ CML_NODISCARD cml_status cml_report_exact_json(FILE *stream, const struct cml_sc
 /* The same in one line, for what the scene would be with planes in place of all shapes. */
 void cml_report_flat_twin(FILE *stream, const struct cml_scene *scene, const struct cml_exact *exact);
 
+/* Zeroed: no sweep. */
+struct cml_sweep_size {
+    int rows, flights;
+};
+
 /* What check says of a scene, as one object on one line, keys as documented in samples/output.md. bytes: the
  * most memory that its run will hold; flat: the totals of its flat twin, NULL: not known. */
 CML_NODISCARD cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
-                                               const struct cml_surface_set *surfaces, double bytes,
+                                               const struct cml_surface_set *surfaces,
+                                               const struct cml_sweep_size *sweep, double bytes,
                                                const struct cml_exact *flat, struct cml_error *err);
 
 #endif

@@ -388,8 +388,8 @@ static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *
 }
 
 cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
-                                 const struct cml_surface_set *surfaces, double bytes,
-                                 const struct cml_exact *flat, struct cml_error *err)
+                                 const struct cml_surface_set *surfaces, const struct cml_sweep_size *sweep,
+                                 double bytes, const struct cml_exact *flat, struct cml_error *err)
 {
     const char format[] = {scene->format, '\0'};
     struct subject subject = {.scene = scene, .surfaces = surfaces};
@@ -422,6 +422,9 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                             json_pack("{s:f, s:i}", "end", scene->time.end, "gates", scene->time.gates));
     json_object_set_new(object, "boundaries", json_null());
     if (scene->num_bodies > 0) json_object_set_new(object, "bodies", json_null());
+    if (sweep->rows > 0)
+        json_object_set_new(object, "sweep",
+                            json_pack("{s:i, s:i}", "rows", sweep->rows, "flights", sweep->flights));
     set_integer(object, "memory_bytes", (uint64_t)bytes);
     json_object_set_new(object, "flat", flat_json(scene, flat));
     cml_status status = deal_beams(&subject, scene->photons, err);

@@ -20,6 +20,12 @@ expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/one" --
 grep -q ': 6 rows of .* in 3 flights$' "$work/out" || complain "flights: $(cat "$work/out")"
 test "$(cat "$work/err")" = "clustermcml: note: Tt of 1 of 4 rows comes of fewer than 100 effective packets, that of row 6 of $(sed -n \
     's/.*row 6 of \([0-9]*\):.*/\1/p' "$work/err"): there its standard error is rough" || complain "note: $(cat "$work/err")"
+for how in "--reweight:3" ":6"; do # check knows it before
+    expect_code 0 check "$work/two.mci" --sweep "$work/t.csv" ${how%:*}
+    test "$(tail -1 "$work/out")" = "  6 rows of $work/t.csv: ${how#*:} flights" || complain "check $how: $(tail -1 "$work/out")"
+done
+expect_code 0 check "$work/two.mci" --sweep "$work/t.csv" --reweight --json
+grep -q '"sweep":{"rows":6,"flights":3}' "$work/out" || complain "check --json: $(cat "$work/out")"
 expect_code 0 "$work/two.mci" --sweep "$work/t.csv" --reweight -o "$work/three" --threads 3 --chunk 77 --quiet
 same_rows "$work/one" "$work/three" "threads"
 
@@ -53,6 +59,9 @@ same_rows "$work/whole" "$work/stopped" "resumed again"
 
 # Refused.
 expect_error 2 "--reweight (expected --sweep beside it)" "$work/two.mci" --reweight
+expect_error 2 "--reweight (expected --sweep beside it)" check "$work/two.mci" --reweight
+printf 'layer1.mua\n1\n-1\n' >"$work/wrong.csv"
+expect_error 2 "$work/wrong.csv:3: column 1, layer1.mua = -1 (expected a coefficient of 0..1e30 1/cm)" check "$work/two.mci" --sweep "$work/wrong.csv"
 for option in --keep "--more 5" "--target-error 0.1" "--control flat" "--aim Tt" "--engine opencl"; do
     case $option in
         --keep | --more*) name="--keep or --more" ;;

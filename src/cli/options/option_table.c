@@ -42,11 +42,11 @@ const struct cml_option cml_option_table[] = {
      "a value in place of the file's, any number of times: layer2.mua=0.3 (n mua mus g d), above.n, below.n, "
      "boundary0.scale, boundary0.height, beam.angle, photons",
      .read = cml_read_set},
-    {"sweep", 0, "TABLE.csv", RUN, NULL,
+    {"sweep", 0, "TABLE.csv", RUN | CHECK, NULL,
      "one run for each row of the table, whose first line has names as --set has, and seed; results are "
-     "NAME-0001.mco ..., NAME.sweep.csv and NAME.sweep.h5",
+     "NAME-0001.mco ..., NAME.sweep.csv and NAME.sweep.h5; check says how many flights that takes",
      TEXT(sweep)},
-    {"reweight", 0, NULL, RUN, NULL,
+    {"reweight", 0, NULL, RUN | CHECK, NULL,
      "with --sweep: rows that differ in nothing but mua, of layers and bodies, come of one flight, each as "
      "exact as a flight of its own; without A_rz",
      FLAG(reweight)},

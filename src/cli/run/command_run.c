@@ -8,6 +8,7 @@
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep.h"
+#include "cli/run/sweep_flights.h"
 #include "run/cluster.h"
 #include "run/identity.h"
 #include "run/launcher.h"
@@ -99,21 +100,6 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
-/* What rows of one flight are not made for. */
-static cml_status check_reweight(const struct cml_options *options, struct cml_error *err)
-{
-    const char *beside = options->keep                ? "--keep or --more"
-                         : options->target_error > 0  ? "--target-error"
-                         : options->aim               ? "--aim"
-                         : options->control           ? "--control"
-                         : options->engine->reweights ? NULL
-                                                      : "--engine opencl";
-    if (!options->reweight) return CML_OK;
-    if (!options->sweep) return cml_fail(err, CML_E_INPUT, "--reweight (expected --sweep beside it)");
-    if (!beside) return CML_OK;
-    return cml_fail(err, CML_E_INPUT, "--reweight (expected no %s beside it)", beside);
-}
-
 /* What cannot stand together. --more goes on from tallies, and leaves some. */
 static cml_status check_options(struct cml_options *options, struct cml_error *err)
 {
@@ -127,7 +113,7 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
                         options->more > 0 ? "more" : "keep");
     if (options->more > 0 && options->photons > 0)
         return cml_fail(err, CML_E_INPUT, "--more (expected no --photons beside it)");
-    return check_reweight(options, err);
+    return cml_sweep_check_options(options, err);
 }
 
 /* What must be the same on all ranks, as text, the caller's to free. Of a sweep every rank writes rows, so

@@ -101,10 +101,14 @@ static cml_status check_labels(const struct cml_sweep_table *table, struct cml_e
     return CML_OK;
 }
 
-static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
+/* All that can be said of the table before its rows are read as scenes. */
+static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
 {
     const struct cml_text_source replay = cml_inputs_replayer(sweep->inputs);
     const struct cml_options *options = sweep->options;
+    if (sweep->base->count != 1)
+        return cml_fail(err, CML_E_INPUT, "--sweep %.80s (expected a file with one run; %.400s has %d)",
+                        options->sweep, options->operands[0], sweep->base->count);
     CML_TRY(cml_sweep_table_read(&replay, options->sweep, &sweep->table, err));
     sweep->seed_column = -1;
     for (int c = 0; c < sweep->table.num_columns; c++)
@@ -113,11 +117,18 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
     if (options->reweight) CML_TRY(cml_sweep_check_reweighted(&sweep->base->scenes[0], err));
     sweep->digits = snprintf(NULL, 0, "%d", sweep->table.num_rows);
     if (sweep->digits < 4) sweep->digits = 4;
+    return options->reweight ? cml_sweep_group(&sweep->table, &sweep->group, &sweep->num_groups, err)
+                             : CML_OK;
+}
+
+static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
+{
+    const struct cml_options *options = sweep->options;
+    CML_TRY(read_table(sweep, err));
     CML_TRY(identify(sweep, err));
     if (cml_cluster_rank() == 0) CML_TRY(check_rows(sweep, err));
     CML_TRY(cml_surfaces_create(&sweep->base->scenes[0], &options->surface, &sweep->surfaces, err));
     if (cml_cluster_rank() == 0) CML_TRY(cml_note_beam(&sweep->base->scenes[0], &sweep->surfaces, err));
-    if (options->reweight) CML_TRY(cml_sweep_group(&sweep->table, &sweep->group, &sweep->num_groups, err));
     return cml_sweep_rows_create(sweep->table.num_rows, &sweep->rows, err);
 }
 
@@ -255,22 +266,36 @@ static cml_status fly(struct cml_sweep_run *sweep, struct cml_error *err)
     return cml_cluster_agree(status, err);
 }
 
+static void clear_sweep(struct cml_sweep_run *sweep)
+{
+    cml_sweep_rows_clear(&sweep->rows);
+    cml_outputs_release(&sweep->outputs);
+    cml_surfaces_free(&sweep->surfaces);
+    cml_sweep_table_clear(&sweep->table);
+    free(sweep->identity);
+    free(sweep->group);
+}
+
 cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                      struct cml_inputs *inputs, struct cml_error *err)
 {
     struct cml_sweep_run sweep = {.options = options, .base = list, .inputs = inputs};
-    cml_status status = CML_OK;
-    if (list->count != 1)
-        status = cml_fail(err, CML_E_INPUT, "--sweep %.80s (expected a file with one run; %.400s has %d)",
-                          options->sweep, options->operands[0], list->count);
-    if (status == CML_OK) status = open_sweep(&sweep, err);
-    status = cml_cluster_agree(status, err);
+    cml_status status = cml_cluster_agree(open_sweep(&sweep, err), err);
     if (status == CML_OK) status = fly(&sweep, err);
-    cml_sweep_rows_clear(&sweep.rows);
-    cml_outputs_release(&sweep.outputs);
-    cml_surfaces_free(&sweep.surfaces);
-    cml_sweep_table_clear(&sweep.table);
-    free(sweep.identity);
-    free(sweep.group);
+    clear_sweep(&sweep);
+    return status;
+}
+
+cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
+                           struct cml_inputs *inputs, struct cml_sweep_size *size, struct cml_error *err)
+{
+    struct cml_sweep_run sweep = {.options = options, .base = list, .inputs = inputs};
+    cml_status status = cml_sweep_check_options(options, err);
+    if (status == CML_OK && options->sweep) status = read_table(&sweep, err);
+    for (int row = 0; status == CML_OK && row < sweep.table.num_rows; row++)
+        status = check_row(&sweep, row, err);
+    const int rows = sweep.table.num_rows;
+    *size = (struct cml_sweep_size){rows, sweep.group ? sweep.num_groups : rows};
+    clear_sweep(&sweep);
     return status;
 }

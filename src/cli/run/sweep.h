@@ -4,6 +4,7 @@
 
 #include "base/input_files.h"
 #include "cli/options/options.h"
+#include "output/report.h"
 #include "scene/scene.h"
 
 /* Validates all rows of options->sweep before the first one flies, flies them and writes the tables of their
@@ -13,5 +14,11 @@
  * CML_E_NUMERIC: all is written, and the result of a row is not to be trusted. */
 CML_NODISCARD cml_status cml_sweep(const struct cml_options *options, const struct cml_scene_list *list,
                                    struct cml_inputs *inputs, struct cml_error *err);
+
+/* What check says of a sweep; *size is zeroed where there is none. CML_E_INPUT where options cannot
+ * stand together, or the table or one of its rows is wrong. The first three are as in cml_sweep. */
+CML_NODISCARD cml_status cml_sweep_check(const struct cml_options *options, const struct cml_scene_list *list,
+                                         struct cml_inputs *inputs, struct cml_sweep_size *size,
+                                         struct cml_error *err);
 
 #endif

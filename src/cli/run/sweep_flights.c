@@ -11,6 +11,20 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+cml_status cml_sweep_check_options(const struct cml_options *options, struct cml_error *err)
+{
+    const char *beside = options->keep                ? "--keep or --more"
+                         : options->target_error > 0  ? "--target-error"
+                         : options->aim               ? "--aim"
+                         : options->control           ? "--control"
+                         : options->engine->reweights ? NULL
+                                                      : "--engine opencl";
+    if (!options->reweight) return CML_OK;
+    if (!options->sweep) return cml_fail(err, CML_E_INPUT, "--reweight (expected --sweep beside it)");
+    if (!beside) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "--reweight (expected no %s beside it)", beside);
+}
+
 cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_error *err)
 {
     const char *has = scene->num_detectors > 0   ? "detectors"

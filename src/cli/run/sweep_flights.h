@@ -5,6 +5,9 @@
 
 #include "cli/run/sweep_scenes.h"
 
+/* CML_E_INPUT where options stand beside --reweight that rows of one flight are not made for. */
+CML_NODISCARD cml_status cml_sweep_check_options(const struct cml_options *options, struct cml_error *err);
+
 /* CML_E_INPUT where the scene asks for what rows of one flight have not. */
 CML_NODISCARD cml_status cml_sweep_check_reweighted(const struct cml_scene *scene, struct cml_error *err);
 

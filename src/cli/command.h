@@ -25,10 +25,13 @@ CML_NODISCARD cml_status cml_draw_section(const struct cml_options *options,
                                           const struct cml_scene_list *list, const int *starts,
                                           enum cml_picture picture, struct cml_error *err);
 
+/* Behind the goals what is expected of Tt (P15 of kernels/README.md). */
+enum { CML_PILOT_EXPECTED = CML_NUM_GOALS, CML_PILOT_GOALS };
+
 /* A run of so many photons, and the relative standard errors that it had; INFINITY where it saw nothing. */
 struct cml_pilot_round {
     uint64_t photons;
-    double error[CML_NUM_GOALS];
+    double error[CML_PILOT_GOALS];
 };
 
 #define CML_PILOT_MOST_ROUNDS 48
@@ -47,10 +50,11 @@ struct cml_pilot {
 CML_NODISCARD cml_status cml_pilot_fly(const struct cml_run_setup *setup, double seconds, int growth,
                                        struct cml_pilot *pilot, struct cml_error *err);
 
-/* Photons after which a goal (cml_goals) has a relative standard error, at least one for every batch: between
- * the rounds from which on all reach it by interpolation; else as if errors fell with the root of the
- * photons, which beyond the pilot is an upper estimate where draws are evenly spread. INFINITY where the last
- * round saw nothing. The errors of rounds are known to 9 % (64 batches), so the photons to some 20 %. */
+/* Photons after which a goal (cml_goals, or CML_PILOT_EXPECTED) has a relative standard error, at least one
+ * for every batch: between the rounds from which on all reach it by interpolation; else as if errors fell
+ * with the root of the photons, which beyond the pilot is an upper estimate where draws are evenly spread.
+ * INFINITY where the last round saw nothing. The errors of rounds are known to 9 % (64 batches), so the
+ * photons to some 20 %. */
 double cml_pilot_photons(const struct cml_pilot *pilot, int goal, double error);
 
 /* Of the i-th operand of `plot`: its label or its name. */

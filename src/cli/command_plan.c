@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "base/json_name.h"
 #include "base/version.h"
+#include "cli/run/aim.h"
 #include "engine/engines.h"
 #include "result/quantity.h"
 #include "run/cluster.h"
@@ -27,6 +28,7 @@ enum { ENGINES = sizeof engine_names / sizeof *engine_names, SAMPLINGS = 2 };
 struct plan {
     const struct cml_scene *scene;
     double error;
+    struct cml_flat_tail tail;          /* of --aim; without scores where a run has none */
     struct cml_pilot errors[SAMPLINGS]; /* by `lattice` */
     double photons_per_s[ENGINES];      /* 0: it cannot fly the scene */
     struct cml_error refusal;           /* why the last one cannot */
@@ -58,6 +60,7 @@ static cml_status fly_pilots(struct plan *plan, const struct cml_run_setup *setu
     struct cml_run_setup mine = *setup;
     const double begin = cml_now();
     mine.engine = cml_engine_find(engine_names[0]);
+    if (plan->tail.scores > 0) mine.options.tail = &plan->tail;
     for (int lattice = 0; lattice < SAMPLINGS; lattice++) {
         mine.options.lattice = lattice == 1;
         CML_TRY(cml_pilot_fly(&mine, ERROR_PILOT, 2, &plan->errors[lattice], err));
@@ -82,11 +85,22 @@ static void print_time(double seconds)
     printf(" %7.2g %-3s", seconds / units[unit].seconds, units[unit].name);
 }
 
+/* OpenCL devices have no expected values. */
+static int num_goals(const struct plan *plan, int engine)
+{
+    return plan->tail.scores > 0 && engine < ENGINES - 1 ? CML_PILOT_GOALS : CML_NUM_GOALS;
+}
+
+static const char *goal_name(int goal)
+{
+    return cml_quantities[goal < CML_NUM_GOALS ? (int)cml_goals[goal] : CML_QUANTITY_Tt_expected].name;
+}
+
 static void print_row(const struct plan *plan, int engine, int lattice)
 {
     const double speed = plan->photons_per_s[engine];
     printf("  %-10s %-9s %9.2g", engine_names[engine], sampling_names[lattice], speed);
-    for (int goal = 0; goal < CML_NUM_GOALS; goal++) {
+    for (int goal = 0; goal < num_goals(plan, engine); goal++) {
         const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
         printf("  %9.2g", photons);
         print_time(photons / speed);
@@ -107,8 +121,9 @@ static void print_plan(const struct plan *plan)
            plan->scene->output, 100 * plan->error, ranks, ranks == 1 ? "" : "s", threads,
            threads == 1 ? "" : "s");
     printf("  %-10s %-9s %9s", "engine", "sampling", "photons/s");
-    for (int goal = 0; goal < CML_NUM_GOALS; goal++)
-        printf("  %9s %-11s", cml_quantities[cml_goals[goal]].name, "");
+    for (int goal = 0; goal < num_goals(plan, 0); goal++)
+        printf("  %*s %-*s", goal < CML_NUM_GOALS ? 9 : 11, goal_name(goal), goal < CML_NUM_GOALS ? 11 : 9,
+               "");
     putchar('\n');
     for (int engine = 0; engine < ENGINES; engine++)
         for (int lattice = SAMPLINGS - 1; lattice >= 0 && plan->photons_per_s[engine] > 0; lattice--)
@@ -118,6 +133,7 @@ static void print_plan(const struct plan *plan)
            "pilots errors are taken\n"
            "  to fall with the root of the photons: with lattice sampling that is an upper estimate.\n",
            longest_pilot(plan), plan->seconds);
+    if (plan->tail.scores > 0) printf("  Tt_expected is for runs with --aim Tt.\n");
 }
 
 /* null where a pilot saw nothing. */
@@ -131,9 +147,9 @@ static json_t *row_json(const struct plan *plan, int engine, int lattice)
     const double speed = plan->photons_per_s[engine];
     json_t *row = json_pack("{s:s, s:s, s:f}", "engine", engine_names[engine], "sampling",
                             sampling_names[lattice], "photons_per_s", speed);
-    for (int goal = 0; goal < CML_NUM_GOALS; goal++) {
+    for (int goal = 0; goal < num_goals(plan, engine); goal++) {
         const double photons = cml_pilot_photons(&plan->errors[lattice], goal, plan->error);
-        json_object_set_new(row, cml_quantities[cml_goals[goal]].name,
+        json_object_set_new(row, goal_name(goal),
                             json_pack("{s:o, s:o}", "photons", number_json(photons), "seconds",
                                       number_json(photons / speed)));
     }
@@ -166,11 +182,21 @@ static cml_status publish(const struct cml_options *options, const struct plan *
     return CML_OK;
 }
 
-static cml_status prepare(const struct cml_options *options, const struct cml_scene *scene,
+/* Where a run could have expected values; of planes alone `exact` knows more. */
+static cml_status aim(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+                      struct cml_flat_tail *tail, struct cml_error *err)
+{
+    if (cml_surfaces_are_planes(surfaces) || cml_aim_level_of(scene, surfaces).layer == 0) return CML_OK;
+    const cml_status status = cml_aim_create("Tt", scene, surfaces, tail, err);
+    return status == CML_E_NUMERIC ? CML_OK : status;
+}
+
+static cml_status prepare(const struct cml_options *options, struct plan *plan,
                           struct cml_surface_set *surfaces, struct cml_error *err)
 {
-    CML_TRY(cml_choose_surfaces(options, scene, surfaces, err));
-    return cml_check_memory(options, scene, surfaces, err);
+    CML_TRY(cml_choose_surfaces(options, plan->scene, surfaces, err));
+    CML_TRY(cml_check_memory(options, plan->scene, surfaces, err));
+    return aim(plan->scene, surfaces, &plan->tail, err);
 }
 
 static cml_status plan_scene(const struct cml_options *options, const struct cml_scene *scene, int index,
@@ -184,9 +210,10 @@ static cml_status plan_scene(const struct cml_options *options, const struct cml
     struct plan plan = {.scene = scene,
                         .error = options->target_error > 0 ? options->target_error : DEFAULT_ERROR};
     setup.options.run = (uint32_t)index;
-    cml_status status = cml_cluster_agree(prepare(options, scene, &surfaces, err), err);
+    cml_status status = cml_cluster_agree(prepare(options, &plan, &surfaces, err), err);
     if (status == CML_OK) status = fly_pilots(&plan, &setup, err);
     if (status == CML_OK) status = publish(options, &plan, err);
+    cml_flat_tail_clear(&plan.tail);
     cml_surfaces_free(&surfaces);
     return cml_cluster_agree(status, err);
 }

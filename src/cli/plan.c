@@ -8,6 +8,13 @@
 
 #define FIRST_ROUND 1024 /* 16 photons in a batch: fewer say little of its mean */
 
+static double expected_error(const struct cml_result *result)
+{
+    double value = 0, error = 0;
+    if (result->grid.scores > 0) cml_result_expected(result, 0, &value, &error);
+    return value > 0 && error > 0 ? error / value : INFINITY;
+}
+
 static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot *pilot, struct cml_error *err)
 {
     struct cml_run_result run;
@@ -16,6 +23,7 @@ static cml_status fly_round(const struct cml_run_setup *setup, struct cml_pilot 
     round->photons = setup->photons;
     for (int i = 0; i < CML_NUM_GOALS && cml_cluster_rank() == 0; i++)
         round->error[i] = cml_result_relative_error(&run.result, cml_goals[i]);
+    if (cml_cluster_rank() == 0) round->error[CML_PILOT_EXPECTED] = expected_error(&run.result);
     pilot->photons_per_s = (double)setup->photons / run.timing.seconds;
     pilot->threads = run.timing.threads;
     pilot->num_rounds++;

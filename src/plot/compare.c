@@ -133,7 +133,7 @@ static void join(struct group *group, const struct group *next)
 /* A packet leaves something in many bins of these, and does not score at most 1 in fluence. */
 static bool is_deep(enum cml_quantity which)
 {
-    return which == CML_QUANTITY_A_z || cml_quantity_is_fluence(which);
+    return which == CML_QUANTITY_A_z || which == CML_QUANTITY_A_l_expected || cml_quantity_is_fluence(which);
 }
 
 /* Variance of one packet's score from the file's own errors. */
@@ -285,15 +285,18 @@ static bool tallied_absorption(const struct cml_outcome *o)
 bool cml_compare_tests(enum cml_quantity which)
 {
     const enum cml_estimator estimator = cml_quantities[which].estimator;
-    return cml_quantity_is_total(which) || estimator == CML_FROM_BATCHES || estimator == CML_FROM_ONCE;
+    return cml_quantity_is_total(which) || estimator == CML_FROM_BATCHES || estimator == CML_FROM_ONCE ||
+           estimator == CML_FROM_EXPECTED;
 }
 
-/* Both results' own part under one name: detectors may stand in another order, or be in one of them alone. */
+/* Both results' own part under one name: detectors may stand in another order, or be in one of them alone,
+ * and layers be others. */
 static void test_part(const struct cml_outcome *const outcome[2], enum cml_quantity which, int part,
                       struct cml_comparison *c)
 {
     const size_t size = cml_outcome_part_size(outcome[0], which);
     struct quantity q = {.which = which, .bins = (int)size};
+    if (cml_outcome_part_size(outcome[1], which) != size) return;
     cml_outcome_key(outcome[0], which, part, q.key);
     for (int k = 0; k < 2; k++) {
         const char *name = cml_quantity_is_of_detector(which) ? outcome[0]->detector[part] : NULL;

@@ -33,11 +33,13 @@ struct drawing {
     double limit; /* |z| at the level */
 };
 
-/* Profiles without a single test get none, nor do those of detectors, of which there may be hundreds. */
+/* Profiles without a single test get none, nor do layers, which are few, and detectors, of which there may be
+ * hundreds. */
 static bool has_panel(const struct cml_comparison *c, int q)
 {
     const enum cml_quantity quantity = (enum cml_quantity)q;
-    return c->bins[q] > 0 && cml_quantity_place(quantity) && !cml_quantity_is_of_detector(quantity);
+    return c->bins[q] > 0 && cml_quantity_place(quantity) && quantity != CML_QUANTITY_A_l_expected &&
+           !cml_quantity_is_of_detector(quantity);
 }
 
 static int count_panels(const struct cml_comparison *c)

@@ -89,12 +89,15 @@ static void print_totals(FILE *stream, const struct cml_comparison *c)
     }
 }
 
-/* "r [cm] 0.12..0.13" */
+/* "r [cm] 0.12..0.13"; "layer 2" */
 static void print_place(FILE *stream, const struct cml_compare_test *t)
 {
     const char *axis = cml_quantity_place(t->quantity);
     if (cml_quantity_is_of_detector(t->quantity)) fprintf(stream, "%s ", t->key);
-    if (axis) fprintf(stream, "%s %.4g..%.4g", axis, t->lower, t->upper);
+    if (axis && t->upper > t->lower)
+        fprintf(stream, "%s %.4g..%.4g", axis, t->lower, t->upper);
+    else if (axis)
+        fprintf(stream, t->last > t->first ? "%s %d..%d" : "%s %d", axis, t->first + 1, t->last + 1);
 }
 
 /* One line per profile, also for those that could not be tested: silence would look like agreement. */

@@ -320,24 +320,22 @@ static cml_status take_once(struct cml_outcome *o, const struct cml_result *sums
     return CML_OK;
 }
 
-/* Tt, which is the first score; then of layers: those that have none are as they were counted, which stands
- * before in the table. */
+/* Tt, which is the first score; then of layers. */
 static cml_status take_expected(struct cml_outcome *o, const struct cml_result *sums,
                                 enum cml_quantity quantity, struct cml_error *err)
 {
     const bool layers = cml_quantities[quantity].axis[0] == CML_AXIS_layer;
-    const int size = (int)cml_outcome_size(o, quantity), counted = o->num_layers + 1 - sums->grid.scores;
+    const int size = (int)cml_outcome_size(o, quantity);
     if (sums->grid.scores < (layers ? 2 : 1)) return CML_OK;
     CML_TRY(cml_outcome_add(o, quantity, false, err));
     CML_TRY(cml_outcome_add(o, quantity, true, err));
-    for (int i = 0; i < size; i++)
-        if (!layers || i >= counted) {
-            cml_result_expected(sums, layers ? i - counted + 1 : 0, &o->value[quantity][i],
-                                &o->error[quantity][i]);
-        } else {
-            o->value[quantity][i] = o->value[CML_QUANTITY_A_l][i];
-            o->error[quantity][i] = o->error[CML_QUANTITY_A_l][i];
-        }
+    for (int i = 0; i < size; i++) {
+        double *value = &o->value[quantity][i], *error = &o->error[quantity][i];
+        if (layers)
+            cml_result_expected_layer(sums, i + 1, value, error);
+        else
+            cml_result_expected(sums, 0, value, error);
+    }
     return CML_OK;
 }
 

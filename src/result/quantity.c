@@ -58,6 +58,8 @@ const char *cml_quantity_place(enum cml_quantity quantity)
         return "z [cm]";
     case CML_AXIS_gate:
         return "t [ps]";
+    case CML_AXIS_layer:
+        return "layer";
     case CML_AXIS_theta:
         return "direction [bin]";
     default:

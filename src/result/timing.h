@@ -39,6 +39,8 @@ struct cml_record {
     double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS]; /* totals, shares of the launched weight */
     int num_layers, num_bodies; /* of these the following; 0 where they are too many */
     double absorbed[CML_RECORD_MEDIA], absorbed_error[CML_RECORD_MEDIA]; /* layers, then bodies */
+    int64_t num_expected; /* of the following: 0, 1, or 1 + num_layers; the others are as counted */
+    double expected[1 + CML_RECORD_MEDIA], expected_error[1 + CML_RECORD_MEDIA]; /* Tt, then layers */
     char *json; /* its object, as --json prints it, with the line feed; owned */
 };
 

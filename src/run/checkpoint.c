@@ -25,10 +25,12 @@ struct head {
     double value[CML_NUM_TOTALS], error[CML_NUM_TOTALS];
     int num_layers, num_bodies;
     double absorbed[CML_RECORD_MEDIA], absorbed_error[CML_RECORD_MEDIA];
+    int64_t num_expected;
+    double expected[1 + CML_RECORD_MEDIA], expected_error[1 + CML_RECORD_MEDIA];
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 6u                /* of this layout; a program refuses what it does not know */
+#define VERSION 7u                /* of this layout; a program refuses what it does not know */
 
 /* *name is the path with the suffix, the caller's to free. */
 static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
@@ -89,6 +91,9 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     head.num_bodies = record->num_bodies;
     memcpy(head.absorbed, record->absorbed, sizeof head.absorbed);
     memcpy(head.absorbed_error, record->absorbed_error, sizeof head.absorbed_error);
+    head.num_expected = record->num_expected;
+    memcpy(head.expected, record->expected, sizeof head.expected);
+    memcpy(head.expected_error, record->expected_error, sizeof head.expected_error);
     put(&sink, &head, sizeof head);
     put(&sink, identity, head.identity_size);
     put(&sink, record->json, head.json_size);
@@ -329,12 +334,16 @@ static cml_status read_record(struct source *source, struct cml_record *record, 
     memcpy(record->value, head->value, sizeof head->value);
     memcpy(record->error, head->error, sizeof head->error);
     if (head->num_layers < 0 || head->num_bodies < 0 || head->num_layers > CML_RECORD_MEDIA ||
-        head->num_bodies > CML_RECORD_MEDIA - head->num_layers)
+        head->num_bodies > CML_RECORD_MEDIA - head->num_layers || head->num_expected < 0 ||
+        head->num_expected > 1 + head->num_layers)
         return fail_damaged(source, "its record", err);
     record->num_layers = head->num_layers;
     record->num_bodies = head->num_bodies;
     memcpy(record->absorbed, head->absorbed, sizeof head->absorbed);
     memcpy(record->absorbed_error, head->absorbed_error, sizeof head->absorbed_error);
+    record->num_expected = head->num_expected;
+    memcpy(record->expected, head->expected, sizeof head->expected);
+    memcpy(record->expected_error, head->expected_error, sizeof head->expected_error);
     return get(source, record->json, head->json_size, 1) ? CML_OK : fail_damaged(source, "cut short", err);
 }
 

@@ -365,6 +365,14 @@ void cml_surfaces_free(struct cml_surface_set *set)
     *set = (struct cml_surface_set){0};
 }
 
+bool cml_surfaces_are_planes(const struct cml_surface_set *set)
+{
+    if (set->bodies.count > 0) return false;
+    for (int b = 0; b < set->count; b++)
+        if (set->item[b].kind != CML_SURFACE_PLANE) return false;
+    return true;
+}
+
 /* One period, up to the first samples of the next. */
 static cml_status one_period(const struct cml_heightmap *tile, struct cml_mesh *mesh, struct cml_error *err)
 {

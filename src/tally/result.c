@@ -482,6 +482,17 @@ void cml_result_expected(const struct cml_result *result, int score, double *val
     *error = cml_result_bin_error(result, result->expected, n, score) * CML_EXPECTED_UNIT;
 }
 
+void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error)
+{
+    const int score = layer - (result->grid.num_layers + 1 - result->grid.scores);
+    if (score > 0) {
+        cml_result_expected(result, score, value, error);
+        return;
+    }
+    *value = cml_result_absorbed(result, layer);
+    *error = cml_result_absorbed_error(result, layer);
+}
+
 /* The mean of packets by weight, R = sum X / sum Y: batches differ from it by (X_b - R Y_b) / sum Y [Cochran,
  * Sampling Techniques, section 6.3]. */
 double cml_result_mean(const struct cml_result *result, const cml_u128 *moment, int n, int i, int k,

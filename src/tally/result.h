@@ -118,6 +118,9 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
 /* Expected value number `score`, as a share of the launched weight, and its standard error. */
 void cml_result_expected(const struct cml_result *result, int score, double *value, double *error);
 
+/* The same of what a layer absorbs: as counted where the layer has no score. */
+void cml_result_expected_layer(const struct cml_result *result, int layer, double *value, double *error);
+
 /* Standard error, as a share of a packet, of a mean weight that every packet adds to at most once, from its
  * sum in units of weight and the sum of its squares in CML_SQUARE_UNIT^2 (Rd_xya2 and the like). NaN for one
  * packet. */

@@ -52,6 +52,21 @@ of() { sed -n "/^$1 #/{n;p;}" "$2"; }
 awk -v a="$(of Tt_expected "$work/a/x.mco")" -v b="$(of Tt_expected "$work/c/x.mco")" -v m="$(of Tt_expected "$work/m.mco")" \
     'BEGIN { d = (a + b) / 2 - m; exit !(a != b && d * d < 1e-15 * m * m) }' || complain "merge"
 
+# compare tests them; a sweep has them in its tables, plan beside Tt.
+expect_code 0 compare "$work/a/x.mco" "$work/c/x.mco"
+grep -q '^Tt_expected 1 bins in 1 tests, worst z ' "$work/out" && grep -q '^A_l_expected 3 bins in 3 tests, .* at layer [123]$' "$work/out" ||
+    complain "compare: $(cat "$work/out")"
+awk '/^Tt_expected #/ { print; getline; $0 *= 1.1 } 1' "$work/c/x.mco" >"$work/off.mco"
+expect_code 1 compare "$work/a/x.mco" "$work/off.mco"
+printf 'layer2.mua\n2\n4\n' >"$work/t.csv"
+expect_code 0 "$work/x.mci" --aim Tt --sweep "$work/t.csv" --quiet -o "$work/d"
+awk -F, -v tt="$(of Tt_expected "$work/c/x.mco")" -v a="$(of A_l_expected "$work/c/x.mco")" '
+    NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i }
+    NR == 2 { t = $at["Tt_expected"] / tt - 1; l = $at["layer1.A_expected"] / a - 1; se = $at["layer3.A_expected_se"] }
+    END { exit !(t * t < 1e-9 && l * l < 1e-9 && se > 0) }' "$work/d/x.sweep.csv" || complain "sweep: $(cat "$work/d/x.sweep.csv")"
+expect_code 0 plan "$work/x.mci" --photons 2048
+grep -q ' Tt_expected *$' "$work/out" || complain "plan: $(cat "$work/out")"
+
 # What is refused.
 grid='20000\n0.01 0.01\n20 20 3\n'
 scene "$layers"

@@ -8,7 +8,8 @@
 #include <stddef.h>
 #include <zlib.h>
 
-enum { MOST = 1 << 16, HEAD = 184 }; /* bytes: of a file, of its head */
+/* Bytes: of a file, of its head, which ends with the numbers of a record. */
+enum { MOST = 1 << 16, HEAD = 136 + 16 * (CML_NUM_TOTALS + CML_RECORD_MEDIA + 1 + CML_RECORD_MEDIA) };
 enum {
     IDENTITY_SIZE = 48,
     JSON_SIZE = 56,

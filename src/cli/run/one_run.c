@@ -24,15 +24,6 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Planes and nothing else. */
-static bool all_planes(const struct cml_surface_set *surfaces)
-{
-    if (surfaces->bodies.count > 0) return false;
-    for (int b = 0; b < surfaces->count; b++)
-        if (surfaces->item[b].kind != CML_SURFACE_PLANE) return false;
-    return true;
-}
-
 /* Where all boundaries are flown as planes, what would come out without noise: a little finer than the run's
  * own errors, and none where that takes longer than it is worth. It is in no file. */
 static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact, struct cml_error *err)
@@ -42,7 +33,7 @@ static cml_status solve_flat(struct cml_report *report, struct cml_exact *exact,
     for (int i = 0; i < CML_NUM_GOALS; i++)
         options.tolerance =
             fmin(options.tolerance, fmax(1e-7, 0.1 * cml_result_error(report->sums, cml_goals[i])));
-    if (!all_planes(surfaces) || !cml_exact_knows(report->scene)) return CML_OK;
+    if (!cml_surfaces_are_planes(surfaces) || !cml_exact_knows(report->scene)) return CML_OK;
     double *depth = malloc((size_t)surfaces->count * sizeof *depth);
     if (!depth) return cml_fail_memory(err, surfaces->count * (double)sizeof *depth, "depths");
     for (int b = 0; b < surfaces->count; b++) depth[b] = surfaces->item[b].depth;
@@ -58,6 +49,16 @@ static cml_status close_json(FILE *out, size_t size, cml_status status, struct c
     const int failed = out ? ferror(out) : 1;
     if (out && fclose(out) == 0 && !failed) return status;
     return cml_fail_memory(err, (double)size, "the JSON record");
+}
+
+/* Of all layers: another row of a sweep may expect more of them. */
+static void record_expected(const struct cml_result *result, struct cml_record *record)
+{
+    if (result->grid.scores == 0) return;
+    record->num_expected = result->grid.scores > 1 ? 1 + record->num_layers : 1;
+    cml_result_expected(result, 0, &record->expected[0], &record->expected_error[0]);
+    for (int l = 1; l <= record->num_layers; l++)
+        cml_result_expected_layer(result, l, &record->expected[l], &record->expected_error[l]);
 }
 
 /* What the run leaves behind when its tallies are gone. */
@@ -81,6 +82,7 @@ static cml_status fill_record(const struct cml_report *report, struct cml_record
         record->absorbed[l] = cml_result_absorbed(result, medium);
         record->absorbed_error[l] = cml_result_absorbed_error(result, medium);
     }
+    record_expected(result, record);
     FILE *out = open_memstream(&record->json, &size);
     return close_json(out, size, out ? cml_report_json(out, report, err) : CML_OK, err);
 }
@@ -486,7 +488,7 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     setup->surfaces = &run->surfaces;
     if (options.aim) CML_TRY(cml_aim_create(options.aim, setup->scene, setup->surfaces, &run->tail, err));
     if (options.aim) setup->options.tail = &run->tail;
-    setup->controlled = options.control && !all_planes(&run->surfaces);
+    setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
     if (call->row == 0 && cml_cluster_rank() == 0) CML_TRY(cml_note_beam(setup->scene, &run->surfaces, err));
     return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;

@@ -8,6 +8,7 @@
 #include "result/quantity.h"
 
 #include <inttypes.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,23 +18,29 @@ static bool is_of_every_row(const char *name)
     return strcmp(name, "photons") == 0 || strcmp(name, "seed") == 0;
 }
 
-/* What layers and bodies absorb: layer1.A and the like; and what these are as axes. */
+/* What may stand behind a quantity's name. */
+static bool is_ending(const char *rest)
+{
+    return !*rest || strcmp(rest, "_se") == 0 || strcmp(rest, "_expected") == 0 ||
+           strcmp(rest, "_expected_se") == 0;
+}
+
+/* What layers and bodies absorb: layer1.A and the like, counted or expected; and what these are as axes. */
 static bool is_of_media(const char *name)
 {
     const size_t word = strncmp(name, "layer", 5) == 0 ? 5 : strncmp(name, "body", 4) == 0 ? 4 : 0;
     const char *rest = name + word + strspn(name + word, "0123456789");
-    return strcmp(name, "A_l") == 0 || strcmp(name, "A_l_se") == 0 || strcmp(name, "A_body") == 0 ||
-           strcmp(name, "A_body_se") == 0 ||
-           (word > 0 && (!*rest || strcmp(rest, ".A") == 0 || strcmp(rest, ".A_se") == 0));
+    if (word > 0) return !*rest || (strncmp(rest, ".A", 2) == 0 && is_ending(rest + 2));
+    return (strncmp(name, "A_l", 3) == 0 && is_ending(name + 3)) || strcmp(name, "A_body") == 0 ||
+           strcmp(name, "A_body_se") == 0;
 }
 
 bool cml_sweep_is_of_results(const char *name)
 {
-    const size_t length = strlen(name);
     for (int t = 0; t < cml_num_totals(true); t++) {
         const char *total = cml_quantities[cml_quantity_of_total(t)].name;
         const size_t own = strlen(total);
-        if (strncmp(name, total, own) == 0 && (length == own || strcmp(name + own, "_se") == 0)) return true;
+        if (strncmp(name, total, own) == 0 && is_ending(name + own)) return true;
     }
     /* call: a group of the .h5 */
     return is_of_every_row(name) || is_of_media(name) || strcmp(name, "row") == 0 ||
@@ -54,6 +61,15 @@ static void write_text(FILE *out, const char *name, bool label)
     if (quoted) fputc('"', out);
 }
 
+/* In the tables: the most that a row has. */
+static int count_expected(const struct cml_sweep_results *r)
+{
+    int64_t most = 0;
+    for (int row = 0; row < r->num_rows; row++)
+        most = r->record[row].num_expected > most ? r->record[row].num_expected : most;
+    return (int)most;
+}
+
 static void write_names(FILE *out, const struct cml_sweep_results *r)
 {
     fputs("row", out);
@@ -72,6 +88,11 @@ static void write_names(FILE *out, const struct cml_sweep_results *r)
         const int number = layer ? m + 1 : m - r->record->num_layers + 1;
         fprintf(out, ",%s%d.A,%s%d.A_se", layer ? "layer" : "body", number, layer ? "layer" : "body", number);
     }
+    for (int l = 0; l < count_expected(r); l++) {
+        char name[32];
+        snprintf(name, sizeof name, l == 0 ? "Tt_expected" : "layer%d.A_expected", l);
+        fprintf(out, ",%s,%s_se", name, name);
+    }
     fputs(",lost,file\n", out);
 }
 
@@ -88,6 +109,8 @@ static void write_row(FILE *out, const struct cml_sweep_results *r, int row)
     for (int t = 0; t < r->num_totals; t++) fprintf(out, ",%.17g,%.17g", record->value[t], record->error[t]);
     for (int m = 0; m < record->num_layers + record->num_bodies; m++)
         fprintf(out, ",%.17g,%.17g", record->absorbed[m], record->absorbed_error[m]);
+    for (int l = 0; l < count_expected(r); l++)
+        fprintf(out, ",%.17g,%.17g", record->expected[l], record->expected_error[l]);
     fprintf(out, ",%" PRIu64 ",", record->lost);
     write_text(out, r->file[row], false);
     fputc('\n', out);
@@ -244,29 +267,39 @@ static double *add_with_errors(struct fields *list, const struct cml_axis *last,
     return value;
 }
 
-static void fill_total(struct fields *list, int total)
+/* Numbers of rows' records, those that begin in one at these two of its members, and their errors; over an
+ * axis, NULL: one of each. */
+static void fill_numbers(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
+                         size_t number, size_t number_error)
 {
     const struct grid *grid = list->grid;
-    double *error, *value = add_with_errors(list, NULL, cml_quantity_of_total(total), &error);
-    for (int i = 0; i < grid->results->num_rows; i++) {
-        value[i] = grid->results->record[grid->row[i]].value[total];
-        error[i] = grid->results->record[grid->row[i]].error[total];
+    const size_t n = axis ? axis->n : 1;
+    if (n == 0) return;
+    double *error, *value = add_with_errors(list, axis, quantity, &error);
+    for (int i = 0; i < grid->results->num_rows; i++, value += n, error += n) {
+        const char *record = (const char *)&grid->results->record[grid->row[i]];
+        memcpy(value, record + number, n * sizeof *value);
+        memcpy(error, record + number_error, n * sizeof *error);
     }
 }
 
-/* Of the layers, or of the bodies, of which the first is medium `first` of a record. */
-static void fill_media(struct fields *list, const struct cml_axis *axis, enum cml_quantity quantity,
-                       size_t first)
+#define RECORDED(member, i) offsetof(struct cml_record, member) + (size_t)(i) * sizeof(double)
+
+static void fill_all_numbers(struct fields *list)
 {
-    const struct grid *grid = list->grid;
-    if (axis->n == 0) return;
-    double *error, *value = add_with_errors(list, axis, quantity, &error);
-    for (int i = 0; i < grid->results->num_rows; i++)
-        for (size_t m = 0; m < axis->n; m++) {
-            const struct cml_record *record = &grid->results->record[grid->row[i]];
-            *value++ = record->absorbed[first + m];
-            *error++ = record->absorbed_error[first + m];
-        }
+    const struct cml_sweep_results *r = list->grid->results;
+    const int expected = count_expected(r);
+    for (int t = 0; t < r->num_totals; t++)
+        fill_numbers(list, NULL, cml_quantity_of_total(t), RECORDED(value, t), RECORDED(error, t));
+    fill_numbers(list, &list->layer, CML_QUANTITY_A_l, RECORDED(absorbed, 0), RECORDED(absorbed_error, 0));
+    fill_numbers(list, &list->body, CML_QUANTITY_A_body, RECORDED(absorbed, list->layer.n),
+                 RECORDED(absorbed_error, list->layer.n));
+    if (expected > 0)
+        fill_numbers(list, NULL, CML_QUANTITY_Tt_expected, RECORDED(expected, 0),
+                     RECORDED(expected_error, 0));
+    if (expected > 1)
+        fill_numbers(list, &list->layer, CML_QUANTITY_A_l_expected, RECORDED(expected, 1),
+                     RECORDED(expected_error, 1));
 }
 
 /* What there is of every row beside its totals. */
@@ -301,9 +334,7 @@ static void fill(struct fields *list)
 {
     const struct grid *grid = list->grid;
     const struct cml_sweep_results *r = grid->results;
-    for (int t = 0; t < r->num_totals; t++) fill_total(list, t);
-    fill_media(list, &list->layer, CML_QUANTITY_A_l, 0);
-    fill_media(list, &list->body, CML_QUANTITY_A_body, list->layer.n);
+    fill_all_numbers(list);
     for (int c = 0; c < r->num_columns; c++) {
         if (is_axis(grid, c) || is_of_every_row(r->name[c]) || (r->label[c] && !is_numeric(r, c))) continue;
         double *to = r->label[c] ? add(list, r->name[c], "label", "1")
@@ -340,7 +371,7 @@ cml_status cml_sweep_write_h5(const char *path, const struct cml_sweep_results *
     const size_t rows = (size_t)results->num_rows, columns = (size_t)results->num_columns;
     const size_t layers = rows > 0 ? (size_t)results->record->num_layers : 0,
                  bodies = rows > 0 ? (size_t)results->record->num_bodies : 0,
-                 most = 2 * ((size_t)results->num_totals + 2 + layers + bodies) + columns + 4;
+                 most = 2 * ((size_t)results->num_totals + 3 + 2 * layers + bodies) + columns + 4;
     struct grid grid = {.results = results};
     struct fields list = {.grid = &grid,
                           .field = calloc(most, sizeof *list.field),

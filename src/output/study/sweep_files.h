@@ -26,8 +26,8 @@ struct cml_sweep_results {
 bool cml_sweep_is_of_results(const char *name);
 
 /* A line of names, then a line for each row: row, what was swept, photons, seed, the totals each with its
- * standard error, what layers and bodies absorb likewise, lost packets, the row's file. Numbers with 17
- * digits. Atomic; CML_E_IO. */
+ * standard error, what layers and bodies absorb likewise, expected values where rows have them, lost packets,
+ * the row's file. Numbers with 17 digits. Atomic; CML_E_IO. */
 CML_NODISCARD cml_status cml_sweep_write_csv(const char *path, const struct cml_sweep_results *results,
                                              struct cml_error *err);
 

@@ -177,7 +177,8 @@ enum {
     AT_END = 88,
     AT_SECONDS = 96,
     AT_NUM_LAYERS = 120 + 16 * CML_NUM_TOTALS,
-    AT_RANGES = AT_NUM_LAYERS + 8 + 16 * CML_RECORD_MEDIA + sizeof identity - 1,
+    AT_NUM_EXPECTED = AT_NUM_LAYERS + 8 + 16 * CML_RECORD_MEDIA,
+    AT_RANGES = AT_NUM_EXPECTED + 8 + 16 * (1 + CML_RECORD_MEDIA) + sizeof identity - 1,
     AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
     AT_PHOTONS = AT_SUMMARY + offsetof(struct cml_summary, count) + 16 * CML_COUNT_PHOTONS,
     AT_LOST_COUNT = AT_SUMMARY + offsetof(struct cml_summary, lost.count),
@@ -235,12 +236,14 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_SECONDS, 0xbff0000000000000u, 8}, /* -1 */
         {AT_NUM_LAYERS, CML_RECORD_MEDIA + 1, 4},
         {AT_NUM_LAYERS, 0xffffffffu, 4}, /* -1 */
-        {AT_RANGES, 127, 8},             /* {127, 5}: beyond the end */
-        {AT_RANGES, UINT64_MAX - 2, 8},  /* first + count wraps */
-        {AT_RANGES, 63, 8},              /* before the round */
-        {AT_RANGES, 70, 8},              /* overlaps {70, 2} */
-        {AT_RANGES + 8, 0, 8},           /* empty */
-        {AT_RANGES + 8, 4, 8},           /* one index neither flown nor open */
+        {AT_NUM_EXPECTED, CML_RECORD_MEDIA + 2, 8},
+        {AT_NUM_EXPECTED, UINT64_MAX, 8}, /* -1 */
+        {AT_RANGES, 127, 8},              /* {127, 5}: beyond the end */
+        {AT_RANGES, UINT64_MAX - 2, 8},   /* first + count wraps */
+        {AT_RANGES, 63, 8},               /* before the round */
+        {AT_RANGES, 70, 8},               /* overlaps {70, 2} */
+        {AT_RANGES + 8, 0, 8},            /* empty */
+        {AT_RANGES + 8, 4, 8},            /* one index neither flown nor open */
         {AT_PHOTONS, END - 6, 8},
         {AT_LOST_COUNT, 1u << 20, 4},
         {AT_LOST_COUNT, 0xffffffffu, 4}, /* -1 */
@@ -261,8 +264,8 @@ static void what_cannot_be_understood_is_refused(void **state)
     } cases[] = {
         {0, 0x6c63207265746f6eu, ": is no checkpoint"},
         {AT_ORDER, 0x0807060504030201u,
-         ": the checkpoint has another format or byte order (expected format 6)"},
-        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 6)"},
+         ": the checkpoint has another format or byte order (expected format 7)"},
+        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 7)"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         enum cml_checkpoint_kind kind;

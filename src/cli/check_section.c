@@ -114,13 +114,9 @@ static void label_media(const struct cml_scene *scene, struct cml_section_label 
         struct cml_section_label *label = &labels[m];
         label->z_top = m > 0 ? cml_outer_depth(&scene->boundaries[m - 1]) : -INFINITY;
         label->z_bottom = m < last ? cml_outer_depth(&scene->boundaries[m]) : INFINITY;
-        char name[24];
-        snprintf(name, sizeof name, "layer %d", m);
-        snprintf(label->text, sizeof label->text, "%s, n = %g",
-                 m == 0      ? "above"
-                 : m == last ? "below"
-                             : name,
-                 scene->media[m].n);
+        char name[CML_MEDIUM_NAME];
+        cml_medium_name(scene, m, name);
+        snprintf(label->text, sizeof label->text, "%s, n = %g", name, scene->media[m].n);
     }
     label_backing(&scene->backing, &labels[last]);
 }

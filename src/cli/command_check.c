@@ -5,7 +5,6 @@
 #include "cli/load/beam_notes.h"
 #include "cli/run/outputs.h"
 #include "cli/run/sweep.h"
-#include "engine/world.h"
 #include "exact/exact.h"
 #include "output/report.h"
 #include "scene/body/body_shape.h"
@@ -143,7 +142,7 @@ static void print_map(const struct cml_scene *scene)
 
 /* For people. */
 static void print_scene(const struct cml_options *options, const struct cml_scene *scene,
-                        const struct cml_surface_set *surfaces)
+                        const struct cml_surface_set *surfaces, const int *starts)
 {
     printf("%s (%s:%d): %.0f photons\n", scene->output, scene->file, scene->line, (double)scene->photons);
     print_media(scene);
@@ -152,7 +151,7 @@ static void print_scene(const struct cml_options *options, const struct cml_scen
     print_map(scene);
     cml_report_phases(stdout, "  ", scene, CML_READ_BY_PEOPLE);
     cml_report_detectors(stdout, "  ", scene, CML_READ_BY_PEOPLE);
-    cml_report_beams(stdout, "  ", scene);
+    cml_report_beams(stdout, "  ", scene, starts);
     cml_report_shapes(stdout, "  ", scene, surfaces, CML_READ_BY_PEOPLE);
     for (int b = 0; b <= scene->num_layers; b++) {
         const struct cml_surface_def *def = &surfaces->item[b];
@@ -178,16 +177,17 @@ static cml_status solve_flat_twin(const struct cml_scene *scene, struct cml_exac
 
 /* The memory is looked at before the twin takes some of it. */
 static cml_status show(const struct cml_options *options, const struct cml_scene *scene,
-                       const struct cml_surface_set *surfaces, const struct cml_sweep_size *sweep,
-                       struct cml_error *err)
+                       const struct cml_surface_set *surfaces, const int *starts,
+                       const struct cml_sweep_size *sweep, struct cml_error *err)
 {
     const double bytes = cml_most_memory(options, scene, surfaces);
     struct cml_exact exact;
     bool known = false;
-    if (!options->json) print_scene(options, scene, surfaces);
+    if (!options->json) print_scene(options, scene, surfaces, starts);
     cml_status status = solve_flat_twin(scene, &exact, &known, err);
     if (status == CML_OK && options->json)
-        status = cml_report_check_json(stdout, scene, surfaces, sweep, bytes, known ? &exact : NULL, err);
+        status =
+            cml_report_check_json(stdout, scene, surfaces, sweep, bytes, starts, known ? &exact : NULL, err);
     else if (status == CML_OK && known)
         cml_report_flat_twin(stdout, scene, &exact);
     else if (status == CML_OK)
@@ -196,25 +196,15 @@ static cml_status show(const struct cml_options *options, const struct cml_scene
     return status;
 }
 
-/* The picture wants to know in which medium every beam starts: (*starts)[num_beams], the caller's to free. */
-static cml_status find_starts(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                              int **starts, struct cml_error *err)
-{
-    *starts = calloc((size_t)scene->num_beams, sizeof **starts);
-    if (!*starts) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
-    return cml_source_media(scene, surfaces, *starts, err);
-}
-
 /* Surfaces are made as for a run, because their kind, bias and cost are what the user wants to know, and
- * memory needs their size. */
+ * memory needs their size. *starts: in which medium every beam starts, the caller's to free. */
 static cml_status check_scene(const struct cml_options *options, const struct cml_scene *scene,
                               const struct cml_sweep_size *sweep, int **starts, struct cml_error *err)
 {
     struct cml_surface_set surfaces;
     CML_TRY(cml_choose_surfaces(options, scene, &surfaces, err));
-    cml_status status = cml_note_beam(scene, &surfaces, err);
-    if (status == CML_OK && starts) status = find_starts(scene, &surfaces, starts, err);
-    if (status == CML_OK) status = show(options, scene, &surfaces, sweep, err);
+    cml_status status = cml_note_beam(scene, &surfaces, starts, err);
+    if (status == CML_OK) status = show(options, scene, &surfaces, *starts, sweep, err);
     cml_surfaces_free(&surfaces);
     return status;
 }
@@ -231,15 +221,20 @@ cml_status cml_command_check(const struct cml_options *options, struct cml_error
     CML_TRY(cml_load_scenes_as_run(options, &list, &inputs, err));
     struct cml_sweep_size sweep;
     cml_status status = cml_sweep_check(options, &list, &inputs, &sweep, err);
-    int *starts = NULL;
-    for (int i = 0; status == CML_OK && i < list.count; i++)
-        status = check_scene(options, &list.scenes[i], &sweep,
-                             options->output && (uint64_t)i + 1 == options->run ? &starts : NULL, err);
+    int *starts = NULL, *drawn = NULL; /* drawn: of the run that the picture shows */
+    for (int i = 0; status == CML_OK && i < list.count; i++) {
+        status = check_scene(options, &list.scenes[i], &sweep, &starts, err);
+        if ((uint64_t)i + 1 == options->run)
+            drawn = starts;
+        else
+            free(starts);
+        starts = NULL;
+    }
     if (status == CML_OK && sweep.rows > 0 && !options->json)
         printf("  %d rows of %s: %d flight%s\n", sweep.rows, options->sweep, sweep.flights,
                sweep.flights == 1 ? "" : "s");
-    if (status == CML_OK) status = cml_draw_section(options, &list, starts, picture, err);
-    free(starts);
+    if (status == CML_OK) status = cml_draw_section(options, &list, drawn, picture, err);
+    free(drawn);
     cml_scene_list_clear(&list);
     cml_inputs_clear(&inputs);
     return status;

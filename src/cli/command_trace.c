@@ -64,7 +64,7 @@ static cml_status trace(const struct cml_options *options, const struct cml_scen
                         "(k - 1) 2^48)",
                         (unsigned long long)photon, scene->num_beams);
     CML_TRY(note_beyond(scene, photon, err));
-    if (scene->beams[beam].given) cml_report_beam(stdout, "# ", scene, (int)beam);
+    if (scene->beams[beam].given) cml_report_beam(stdout, "# ", scene, (int)beam, NULL);
     printf("#%5s  %-8s %6s  %15s %15s %15s  %12s %12s %12s  %s\n", "event", "what", "medium", "x cm", "y cm",
            "z cm", "ux", "uy", "uz", "weight");
     CML_TRY(options->engine->trace(engine, photon, print_event, &listener, &record, err));

@@ -471,12 +471,20 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
 }
 
 cml_status cml_source_media(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                            int *medium, struct cml_error *err)
+                            int **medium, struct cml_error *err)
 {
     const struct cml_engine_options plain = {0};
     struct cml_owned_world owned;
-    CML_TRY(cml_owned_world_create(scene, surfaces, &plain, &owned, err));
-    for (int k = 0; k < scene->num_beams; k++) medium[k] = cml_source_medium(&owned.world, &scene->beams[k]);
-    cml_owned_world_free(&owned);
-    return CML_OK;
+    int *found = calloc((size_t)scene->num_beams, sizeof *found);
+    if (!found) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
+    cml_status status = CML_OK;
+    if (cml_scene_starts_inside(scene)) {
+        status = cml_owned_world_create(scene, surfaces, &plain, &owned, err);
+        for (int k = 0; status == CML_OK && k < scene->num_beams; k++)
+            found[k] = cml_source_medium(&owned.world, &scene->beams[k]);
+        if (status == CML_OK) cml_owned_world_free(&owned);
+    }
+    *medium = status == CML_OK ? found : NULL;
+    if (status != CML_OK) free(found);
+    return status;
 }

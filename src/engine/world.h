@@ -70,10 +70,10 @@ double cml_source_bytes(const struct cml_scene *scene);
 /* In which medium the middle of a beam lies; 0 of one that starts above all surfaces. */
 int cml_source_medium(const struct cml_world *world, const struct cml_beam *beam);
 
-/* In which medium the middle of each beam lies: medium[num_beams], 0 for those that start above all surfaces.
- * Fails as cml_owned_world_create does. */
+/* In which medium the middle of each beam lies: (*medium)[num_beams], the caller's to free; 0 for those that
+ * start above all surfaces. CML_E_INPUT where a beam cannot start there, or memory runs out. */
 CML_NODISCARD cml_status cml_source_media(const struct cml_scene *scene,
-                                          const struct cml_surface_set *surfaces, int *medium,
+                                          const struct cml_surface_set *surfaces, int **medium,
                                           struct cml_error *err);
 
 #endif

@@ -202,23 +202,32 @@ static int medium_beside(const struct cml_world *world, const struct cml_beam *b
     return cml_medium_at(world, medium, &at);
 }
 
-/* No medium is that of a place on a surface. What single precision may take for one is refused in both, so
- * that engines do not differ in it. */
+/* How near a start may be to a surface, cm. A mesh takes half of the first term for contact (err_position of
+ * surface/mesh/rounding.h); the second is for what rounding has left of a place whose numbers are nearly 0.
+ * Both are those of single precision in both, so that engines do not differ in what they refuse. */
+static double least_gap(const struct cml_scene *scene, const struct cml_world *world,
+                        const struct cml_beam *beam)
+{
+    return 8 * (double)FLT_EPSILON *
+               (fabs(beam->x - (double)world->setup.x0) + fabs(beam->y - (double)world->setup.y0) +
+                fabs(beam->z)) +
+           1e-9 * fmax(scene->nr * scene->dr, scene->nz * scene->dz);
+}
+
+/* No medium is that of a place on a surface: one that has another medium so near, to any side of the place,
+ * towards the corners and along the diagonals of the sides of a cube too, where edges stand out. */
 static cml_status check_place(const struct cml_scene *scene, const struct cml_world *world,
                               const struct cml_beam *beam, int medium, struct cml_error *err)
 {
-    const double near = 4 * (double)FLT_EPSILON *
-                            (fabs(beam->x - (double)world->setup.x0) +
-                             fabs(beam->y - (double)world->setup.y0) + fabs(beam->z)) +
-                        1e-30;
-    char value[120];
-    for (int k = 0; k < 6; k++) {
-        double off[3] = {0, 0, 0};
-        off[k / 2] = k % 2 ? near : -near;
+    const double gap = least_gap(scene, world, beam);
+    char value[120], expected[120];
+    for (int k = 0; k < 27; k++) {
+        const double off[3] = {gap * (k % 3 - 1), gap * (k / 3 % 3 - 1), gap * (k / 9 - 1)};
         if (medium_beside(world, beam, off) == medium) continue;
         snprintf(value, sizeof value, "(%g %g %g)", beam->x, beam->y, beam->z);
-        return cml_fail_field(err, scene->file, beam->line, "beam: at z", value,
-                              "a place inside a medium; it lies on a surface: move it by more than rounding");
+        snprintf(expected, sizeof expected,
+                 "a place inside a medium, more than %.2g cm from its surface; it lies on one", gap);
+        return cml_fail_field(err, scene->file, beam->line, "beam: at z", value, expected);
     }
     return CML_OK;
 }

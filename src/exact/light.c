@@ -115,10 +115,7 @@ static cml_status check_beams(const struct cml_scene *scene, struct cml_error *e
 
 bool cml_exact_knows(const struct cml_scene *scene)
 {
-    if (scene->backing.kind == CML_BACKED_BY_METAL) return false;
-    for (int k = 0; k < scene->num_beams; k++)
-        if (scene->beams[k].inside) return false;
-    return true;
+    return scene->backing.kind != CML_BACKED_BY_METAL && !cml_scene_starts_inside(scene);
 }
 
 cml_status cml_exact_light_create(const struct cml_scene *scene, struct cml_exact_light *light,

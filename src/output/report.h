@@ -56,11 +56,17 @@ enum cml_report_reader { CML_READ_BY_PEOPLE, CML_READ_IN_MCO, CML_READ_IN_H5 };
 void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, enum cml_report_reader reader);
 
-/* A line for every beam that stands in the file, behind the prefix; nothing for MCML's pencil beam. */
-void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene);
+/* "above", "layer 1", "below" or "body 1". */
+enum { CML_MEDIUM_NAME = 24 };
+void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_MEDIUM_NAME]);
+
+/* A line for every beam that stands in the file, behind the prefix; nothing for MCML's pencil beam. starts:
+ * the medium that each starts in, said of those with z=; NULL: not known, not said. */
+void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene, const int *starts);
 
 /* That of beam k. */
-void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k);
+void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k,
+                     const int *starts);
 
 /* A line per medium that does not scatter by Henyey and Greenstein's function, behind the prefix: "phase of
  * layer 1: gk 0.9 0.5". */
@@ -104,10 +110,12 @@ struct cml_sweep_size {
 };
 
 /* What check says of a scene, as one object on one line, keys as documented in samples/output.md. bytes: the
- * most memory that its run will hold; flat: the totals of its flat twin, NULL: not known. */
+ * most memory that its run will hold; starts: in which medium each beam starts; flat: the totals of its flat
+ * twin, NULL: not known. */
 CML_NODISCARD cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                                const struct cml_surface_set *surfaces,
                                                const struct cml_sweep_size *sweep, double bytes,
-                                               const struct cml_exact *flat, struct cml_error *err);
+                                               const int *starts, const struct cml_exact *flat,
+                                               struct cml_error *err);
 
 #endif

@@ -30,7 +30,8 @@ struct subject {
     const struct cml_scene *scene;
     const struct cml_surface_set *surfaces;
     const struct cml_result *sums;
-    uint64_t *dealt; /* [num_beams] photons of each beam; owned */
+    uint64_t *dealt;   /* [num_beams] photons of each beam; owned */
+    const int *starts; /* [num_beams] the medium that each starts in; NULL: not known */
 };
 
 /* A list that may be long: its elements are made while they are written, one at a time. In the object `key`
@@ -73,15 +74,20 @@ static json_t *beam_json(const struct subject *subject, int k)
     static const int sizes[] = {0, 1, 1, 2, 2, 2};
     const struct cml_beam *beam = &subject->scene->beams[k];
     const double degrees = 180 / acos(-1.0);
+    char name[CML_MEDIUM_NAME];
     json_t *size = json_array();
     for (int i = 0; i < sizes[beam->kind]; i++) json_array_append_new(size, json_real(beam->size[i]));
-    return json_pack("{s:s, s:o, s:f, s:f, s:o, s:f, s:f, s:s, s:o, s:b, s:f, s:I}", "shape",
-                     cml_beam_word(beam->kind), "size", size, "x", beam->x, "y", beam->y, "z",
-                     beam->inside ? json_real(beam->z) : json_null(), "angle", beam->angle * degrees,
-                     "azimuth", beam->azimuth * degrees, "light", cml_light_word(beam->light.kind), "na",
-                     beam->light.kind == CML_LIGHT_OF_NA ? json_real(beam->light.na) : json_null(), "radial",
-                     beam->radial, "share", subject->scene->shares[k], "photons",
-                     (json_int_t)subject->dealt[k]);
+    json_t *object =
+        json_pack("{s:s, s:o, s:f, s:f, s:o, s:f, s:f, s:s, s:o, s:b, s:f, s:I}", "shape",
+                  cml_beam_word(beam->kind), "size", size, "x", beam->x, "y", beam->y, "z",
+                  beam->inside ? json_real(beam->z) : json_null(), "angle", beam->angle * degrees, "azimuth",
+                  beam->azimuth * degrees, "light", cml_light_word(beam->light.kind), "na",
+                  beam->light.kind == CML_LIGHT_OF_NA ? json_real(beam->light.na) : json_null(), "radial",
+                  beam->radial, "share", subject->scene->shares[k], "photons", (json_int_t)subject->dealt[k]);
+    if (!subject->starts) return object;
+    cml_medium_name(subject->scene, subject->starts[k], name);
+    json_object_set_new(object, "medium", beam->inside ? json_string(name) : json_null());
+    return object;
 }
 
 /* Who asks for a list of the beams has their photons first. */
@@ -389,10 +395,11 @@ static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *
 
 cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
                                  const struct cml_surface_set *surfaces, const struct cml_sweep_size *sweep,
-                                 double bytes, const struct cml_exact *flat, struct cml_error *err)
+                                 double bytes, const int *starts, const struct cml_exact *flat,
+                                 struct cml_error *err)
 {
     const char format[] = {scene->format, '\0'};
-    struct subject subject = {.scene = scene, .surfaces = surfaces};
+    struct subject subject = {.scene = scene, .surfaces = surfaces, .starts = starts};
     const struct list lists[] = {{"layers", scene->num_layers, layer_json},
                                  {"beams", scene->num_beams, beam_json},
                                  {"boundaries", surfaces->count, boundary_json},
@@ -467,7 +474,7 @@ static void set_option(json_t *object, const struct cml_provenance *provenance,
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
     const struct cml_provenance *provenance = report->provenance;
-    struct subject subject = {report->scene, report->surfaces, report->sums, NULL};
+    struct subject subject = {.scene = report->scene, .surfaces = report->surfaces, .sums = report->sums};
     const struct list lists[] = {{"beams", report->scene->num_beams, beam_json},
                                  {"boundaries", report->surfaces->count, boundary_json},
                                  {"bodies", report->scene->num_bodies, body_json}};

@@ -105,7 +105,7 @@ cml_status cml_report_words(const struct cml_report *report, enum cml_report_rea
         out[i] = open_memstream(text[i], &size);
     }
     if (out[0]) cml_report_shapes(out[0], "", report->scene, report->surfaces, reader);
-    if (out[1]) cml_report_beams(out[1], "", report->scene);
+    if (out[1]) cml_report_beams(out[1], "", report->scene, NULL);
     if (out[2]) cml_report_phases(out[2], "", report->scene, reader);
     if (out[3]) cml_report_detectors(out[3], "", report->scene, reader);
     for (int i = 0; i < TEXTS; i++) {

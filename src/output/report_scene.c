@@ -45,6 +45,15 @@ static void print_backing(FILE *stream, const char *prefix, const struct cml_bac
         fprintf(stream, "R = %.15g\n", backing->R);
 }
 
+void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_MEDIUM_NAME])
+{
+    const int body = medium - scene->num_layers - 1;
+    if (medium == 0 || body == 0)
+        strcpy(name, medium == 0 ? "above" : "below");
+    else
+        snprintf(name, CML_MEDIUM_NAME, "%s %d", body > 0 ? "body" : "layer", body > 0 ? body : medium);
+}
+
 void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        enum cml_report_reader reader)
 {
@@ -53,8 +62,9 @@ void cml_report_phases(FILE *stream, const char *prefix, const struct cml_scene 
     for (int m = 1; m <= last; m++) {
         const struct cml_phase *phase = scene->media[m].phase;
         if (!phase || (++shown > most && reader == CML_READ_BY_PEOPLE)) continue;
-        const int body = m - scene->num_layers - 1;
-        fprintf(stream, "%sphase of %s %d: ", prefix, body > 0 ? "body" : "layer", body > 0 ? body : m);
+        char name[CML_MEDIUM_NAME];
+        cml_medium_name(scene, m, name);
+        fprintf(stream, "%sphase of %s: ", prefix, name);
         cml_phase_print(stream, phase, reader != CML_READ_BY_PEOPLE);
         print_file(stream, scene, phase->file, reader);
     }
@@ -187,7 +197,8 @@ static void report_beam_shape(FILE *stream, const struct cml_beam *beam)
         fprintf(stream, " of %g x %g cm", beam->size[0], beam->size[1]);
 }
 
-void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k)
+void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *scene, int k,
+                     const int *starts)
 {
     const struct cml_beam *beam = &scene->beams[k];
     const double degrees = 180 / acos(-1.0);
@@ -200,13 +211,19 @@ void cml_report_beam(FILE *stream, const char *prefix, const struct cml_scene *s
     report_light(stream, &beam->light);
     if (files) fprintf(stream, ", crc32 %08x", cml_beam_checksum(beam));
     if (scene->num_beams > 1) fprintf(stream, ", share %g", scene->shares[k]);
-    fputs(beam->radial ? ", r about its place\n" : "\n", stream);
+    fputs(beam->radial ? ", r about its place" : "", stream);
+    if (starts && beam->inside) {
+        char name[CML_MEDIUM_NAME];
+        cml_medium_name(scene, starts[k], name);
+        fprintf(stream, ", medium: %s", name);
+    }
+    fputc('\n', stream);
 }
 
-void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene)
+void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *scene, const int *starts)
 {
     for (int k = 0; k < scene->num_beams; k++)
-        if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k);
+        if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k, starts);
 }
 
 static void report_detector(FILE *stream, const char *prefix, const struct cml_detector_def *detector)

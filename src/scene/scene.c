@@ -97,6 +97,13 @@ static int first_body_from(const struct cml_scene *scene, int l)
     return low;
 }
 
+bool cml_scene_starts_inside(const struct cml_scene *scene)
+{
+    for (int k = 0; k < scene->num_beams; k++)
+        if (scene->beams[k].inside) return true;
+    return false;
+}
+
 double cml_beam_height(const struct cml_beam *beam)
 {
     const double reach[] = {

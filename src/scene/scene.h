@@ -224,6 +224,9 @@ static inline int cml_body_medium(const struct cml_scene *scene, int k)
 /* The largest angle to its axis at which a light shines, rad. medium_n: of the medium it starts in. */
 double cml_light_widest(const struct cml_light *light, double medium_n);
 
+/* Whether any beam starts at its place (z=) instead of above all surfaces. */
+bool cml_scene_starts_inside(const struct cml_scene *scene);
+
 /* How far above and below its middle the packets of a slanted shape start, cm; few of a Gaussian start beyond
  * five of its radii. */
 double cml_beam_height(const struct cml_beam *beam);

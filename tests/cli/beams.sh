@@ -62,6 +62,30 @@ expect_code 2 trace "$work/three.mci" 844424930131968
 grep -qx 'clustermcml: trace: photon 844424930131968 (expected an index of one of 3 beams: that of beam k begins at (k - 1) 2^48)' "$work/err" ||
     complain "a fourth beam: $(cat "$work/err")"
 
+# Where light starts, and that nothing of it comes back where it starts beyond all layers and goes away; on no surface, by any rounding:
+# beside a plane, on a rim, on a corner and a face of a box.
+started() { # LINE MEDIUM NOTE: what check says of a beam
+    scene start "$1"
+    expect_code 0 check "$work/start.mci"
+    grep -q "^  $(echo "$1" | sed 's/^beam \([a-z]*\).*/beam \1/').*, medium: $2\$" "$work/out" || complain "$1: $(cat "$work/out")"
+    test "$(cat "$work/err")" = "${3:+clustermcml: note: $work/start.mci:5: $3}" || complain "$1: $(cat "$work/err")"
+}
+started "beam pencil z=0.15 light=isotropic" "layer 2" ""
+started "beam pencil z=0.25 light=na:0.5 angle=60" below "beam 1 starts below all layers and shines down: none of its light meets them"
+started "beam pencil z=0.25 light=na:0.6 angle=60" below ""
+started "beam disk 0.1 z=-0.2 light=lambertian angle=180" above "beam 1 starts above all layers and shines up: none of its light meets them"
+started "beam disk 0.1 z=-0.2 light=lambertian" above ""
+printf 'v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n' >"$work/box.obj"
+for place in "0.05,0 z=0.12" "-0.05,0 z=0.13" "0.3,0.1 z=0.15" "0.30000000000000004,0.05 z=0.12" "0.25,0.05 z=0.12000000000000001" "0,0 z=1e-15"; do
+    scene edge "beam pencil at=$place light=isotropic"
+    sed -i '$d' "$work/edge.mci"
+    printf 'i cylinder 0 0 0.12 0 0 0.17 0.05 1.3 1 9 0.8\ni "box.obj" 1.3 1 9 0.8 scale=0.1 shift=0.2,0,-0.22\n1.0\n' >>"$work/edge.mci"
+    sed -i 's/^1.5 2 10 0.5 0.1/1.5 2 10 0.5 0.2/' "$work/edge.mci"
+    expect_code 2 check "$work/edge.mci"
+    grep -q "^clustermcml: $work/edge.mci:5: beam: at z = .* (expected a place inside a medium, more than [0-9.e-]* cm from its surface; it lies on one)" "$work/err" ||
+        complain "$place: $(cat "$work/err")"
+done
+
 # A clear layer keeps what both its planes reflect totally, but for a backing, which takes its share.
 printf '1.0\n1\nclear.mco A\n1000\nbeam pencil z=0.05 light=isotropic\n1 1\n1 1 1\n1\n1.0\n1.4 0 0 0 0.1\n1.0\n' >"$work/clear.mci"
 expect_code 0 check "$work/clear.mci"

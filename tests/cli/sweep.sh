@@ -106,6 +106,26 @@ grep -q "^clustermcml: $work/wrong.csv:2: column 1, layer1.x = 1 (expected a nam
 printf 'layer1.d\n1\n0.0001\n' >"$work/wrong.csv"
 expect_code 2 samples/mixed.mci --sweep "$work/wrong.csv" -o "$work"
 grep -q "^clustermcml: $work/wrong.csv:3: row 2, layer1.d = 0.0001: samples/mixed.mci:[0-9]*: boundaries 0 and 1 cross at" "$work/err" || complain "boundaries that cross: $(cat "$work/err")"
+# Whether light may start where a row puts it is known before the first row flies, and is said of the row; so of runs of one file.
+printf '1.0\n1\nstart.mco A\n100\nbeam pencil z=0.2 light=na:0.5\n0.1 0.1\n2 2 2\n1\n1.0\n1.4 1 9 0.8 1\n' >"$work/start.mci"
+{ cat "$work/start.mci" && echo 'backing 0.5' && echo 1; } >"$work/backed.mci"
+echo 1 >>"$work/start.mci"
+unstarted() { # SCENE MESSAGE TABLE
+    printf "$3" >"$work/wrong.csv"
+    expect_error 2 "$work/wrong.csv:3: row 2, $2" "$1" --sweep "$work/wrong.csv" -o "$work/none"
+    test -z "$(ls "$work/none")" || complain "$2: wrote $(ls "$work/none")"
+    expect_error 2 "$work/wrong.csv:3: row 2, $2" check "$1" --sweep "$work/wrong.csv"
+}
+unstarted "$work/start.mci" "beam.z = 1: $work/start.mci:5: beam: at z = (0 0 1) (expected a place inside a medium, more than 9.5e-07 cm from its surface; it lies on one)" \
+    'beam.z\n0.5\n1\n'
+unstarted "$work/start.mci" "beam.na = 1.3, beam.z = -1: $work/start.mci:5: beam: light = na:1.3 (expected at most n = 1 of the medium that it starts in)" \
+    'beam.na,beam.z\n1.3,0.5\n1.3,-1\n'
+unstarted "$work/backed.mci" "beam.z = 1.5: $work/backed.mci:5: beam: z = 1.5 (expected a source that lies above the backing with all its points)" \
+    'beam.z\n0.5\n1.5\n'
+{ sed 's/^1$/2/' "$work/start.mci" | sed '8s/2/1/'; sed -n '3,$p' "$work/start.mci" | sed 's/start/second/; s/z=0.2/z=1/'; } >"$work/second.mci"
+expect_error 2 "$work/second.mci:14: beam: at z = (0 0 1) (expected a place inside a medium, more than 9.5e-07 cm from its surface; it lies on one)" \
+    "$work/second.mci" -o "$work/none"
+test -z "$(ls "$work/none")" || complain "the first of two runs wrote $(ls "$work/none")"
 printf 'layer1.mua\n1\n' >"$work/one.csv"
 expect_error 2 "$work/one.csv:2: column 1, layer1.mua = 1 (expected one value, but --set has set it to 2)" \
     "$work/ridges.mci" --sweep "$work/one.csv" --set layer1.mua=2 -o "$work"

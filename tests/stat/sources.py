@@ -331,7 +331,7 @@ def engines(verdict):
 
 def refusals(verdict):
     """What is known only where surfaces are."""
-    for beam, expected in (("beam pencil z=0", "beam: at z = (0 0 0) (expected a place inside a medium; it lies on a surface"),
+    for beam, expected in (("beam pencil z=0", "beam: at z = (0 0 0) (expected a place inside a medium, more than 1e-10 cm from its surface"),
                            ("beam disk 0.1 z=1 at=0.3,0", "beam: at z = (0.3 0 1) (expected a place inside a medium"),
                            ("beam pencil light=na:1.45 z=0.5", "beam: light = na:1.45 (expected at most n = 1.4"),
                            ("beam pencil z=1.5", "beam: z = 1.5 (expected a source that lies above the backing"),

@@ -111,25 +111,48 @@ static void note_trapped(const struct cml_scene *scene, int k, int medium)
         k + 1, medium, asin(most / own->n) * 180 / CML_PI);
 }
 
-static cml_status note_starts(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
-                              struct cml_error *err)
+/* Beyond all heights of the first or last surface, and on its way further out with all its light. */
+static void note_lost(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int k)
 {
-    bool any = false;
-    for (int k = 0; k < scene->num_beams; k++) any = any || scene->beams[k].inside;
-    if (!any) return CML_OK;
-    int *medium = calloc((size_t)scene->num_beams, sizeof *medium);
-    if (!medium) return cml_fail_memory(err, scene->num_beams * 4.0, "the beams");
-    const cml_status status = cml_source_media(scene, surfaces, medium, err);
-    for (int k = 0; status == CML_OK && k < scene->num_beams; k++) note_trapped(scene, k, medium[k]);
+    const struct cml_beam *beam = &scene->beams[k];
+    const struct cml_surface_def *first = &surfaces->item[0], *last = &surfaces->item[scene->num_layers];
+    const double height = cml_beam_height(beam);
+    const bool above =
+        beam->z + height<first->depth + first->lowest, below = beam->z - height> last->depth + last->highest;
+    const double widest = cml_light_widest(&beam->light, scene->media[above ? 0 : scene->num_layers + 1].n);
+    if (!(above && beam->angle - widest >= CML_PI / 2) && !(below && beam->angle + widest <= CML_PI / 2))
+        return;
+    note_line(scene, beam->line, "beam %d starts %s all layers and shines %s: none of its light meets them",
+              k + 1, above ? "above" : "below", above ? "up" : "down");
+}
+
+cml_status cml_check_starts(const struct cml_scene *scene, const struct cml_surface_options *options,
+                            struct cml_error *err)
+{
+    struct cml_surface_set surfaces;
+    int *medium;
+    if (!cml_scene_starts_inside(scene)) return CML_OK;
+    CML_TRY(cml_surfaces_create(scene, options, &surfaces, err));
+    const cml_status status = cml_source_media(scene, &surfaces, &medium, err);
+    cml_surfaces_free(&surfaces);
     free(medium);
     return status;
 }
 
-cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
+cml_status cml_note_beam(const struct cml_scene *scene, const struct cml_surface_set *surfaces, int **starts,
                          struct cml_error *err)
 {
+    int *medium;
     for (int b = 0; b <= scene->num_layers; b++)
         if (scene->boundaries[b].form == CML_FORM_MESH) CML_TRY(note_reach(scene, b, err));
     note_pencil(scene, surfaces);
-    return note_starts(scene, surfaces, err);
+    CML_TRY(cml_source_media(scene, surfaces, &medium, err));
+    for (int k = 0; k < scene->num_beams; k++) {
+        if (!scene->beams[k].inside) continue;
+        note_trapped(scene, k, medium[k]);
+        note_lost(scene, surfaces, k);
+    }
+    if (starts) *starts = medium;
+    if (!starts) free(medium);
+    return CML_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "base/text.h"
 #include "base/version.h"
+#include "cli/load/beam_notes.h"
 #include "cli/load/scenes.h"
 #include "cli/run/one_run.h"
 #include "cli/run/outputs.h"
@@ -34,6 +35,8 @@ static cml_status check_runs(struct session *session, const struct cml_inputs *i
     cml_status status = CML_OK;
     for (int i = 0; status == CML_OK && i < list->count; i++)
         status = cml_check_memory(session->options, &list->scenes[i], NULL, err);
+    for (int i = 1; status == CML_OK && i < list->count; i++)
+        status = cml_check_starts(&list->scenes[i], &session->options->surface, err);
     if (status == CML_OK && cml_cluster_rank() == 0)
         status = cml_outputs_claim(session->options, list, list->count, inputs, cml_show_note,
                                    &session->outputs, err);

@@ -490,7 +490,8 @@ static cml_status prepare(const struct cml_run_call *call, struct prepared *run,
     if (options.aim) setup->options.tail = &run->tail;
     setup->controlled = options.control && !cml_surfaces_are_planes(&run->surfaces);
     CML_TRY(identify(call, run, err));
-    if (call->row == 0 && cml_cluster_rank() == 0) CML_TRY(cml_note_beam(setup->scene, &run->surfaces, err));
+    if (call->row == 0 && cml_cluster_rank() == 0)
+        CML_TRY(cml_note_beam(setup->scene, &run->surfaces, NULL, err));
     return setup->controlled ? cml_twin_create(&options, setup, &run->twin, err) : CML_OK;
 }
 

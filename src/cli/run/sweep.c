@@ -38,10 +38,12 @@ static cml_status check_row(const struct cml_sweep_run *sweep, int row, struct c
     uint64_t seed;
     CML_TRY(cml_sweep_row_seed(sweep, row, &seed, err));
     CML_TRY(cml_sweep_read_row(sweep, row, &list, err));
-    const cml_status status =
-        cml_sweep_name_row(sweep, row, cml_check_memory(sweep->options, &list.scenes[0], NULL, err), err);
+    struct cml_surface_options how = sweep->options->surface;
+    how.known = &sweep->surfaces;
+    cml_status status = cml_check_memory(sweep->options, &list.scenes[0], NULL, err);
+    if (status == CML_OK) status = cml_check_starts(&list.scenes[0], &how, err);
     cml_scene_list_clear(&list);
-    return status;
+    return cml_sweep_name_row(sweep, row, status, err);
 }
 
 /* Outputs are claimed as those of a file whose runs are the tables and the rows, without their shapes. */
@@ -126,9 +128,9 @@ static cml_status open_sweep(struct cml_sweep_run *sweep, struct cml_error *err)
     const struct cml_options *options = sweep->options;
     CML_TRY(read_table(sweep, err));
     CML_TRY(identify(sweep, err));
-    if (cml_cluster_rank() == 0) CML_TRY(check_rows(sweep, err));
     CML_TRY(cml_surfaces_create(&sweep->base->scenes[0], &options->surface, &sweep->surfaces, err));
-    if (cml_cluster_rank() == 0) CML_TRY(cml_note_beam(&sweep->base->scenes[0], &sweep->surfaces, err));
+    if (cml_cluster_rank() == 0) CML_TRY(check_rows(sweep, err));
+    if (cml_cluster_rank() == 0) CML_TRY(cml_note_beam(&sweep->base->scenes[0], &sweep->surfaces, NULL, err));
     return cml_sweep_rows_create(sweep->table.num_rows, &sweep->rows, err);
 }
 
@@ -292,6 +294,8 @@ cml_status cml_sweep_check(const struct cml_options *options, const struct cml_s
     struct cml_sweep_run sweep = {.options = options, .base = list, .inputs = inputs};
     cml_status status = cml_sweep_check_options(options, err);
     if (status == CML_OK && options->sweep) status = read_table(&sweep, err);
+    if (status == CML_OK && options->sweep && cml_scene_starts_inside(&list->scenes[0]))
+        status = cml_surfaces_create(&list->scenes[0], &options->surface, &sweep.surfaces, err);
     for (int row = 0; status == CML_OK && row < sweep.table.num_rows; row++)
         status = check_row(&sweep, row, err);
     const int rows = sweep.table.num_rows;

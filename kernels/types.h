@@ -162,10 +162,11 @@ struct cml_marks {
 
 #ifndef __OPENCL_VERSION__
 /* Rows of a sweep that come of one flight (P16): by how much their media absorb more than those that are
- * flown. */
+ * flown. Or scores, for derivatives (P17): by how much they grow. */
 struct cml_rows {
     int count;        /* rounded up to whole groups; those too many absorb nothing more; 0: there are none */
     const real *more; /* [media][count] 1/cm */
+    const real *hits; /* scores: [media][count], for each interaction; NULL: rows of a sweep */
 };
 #endif
 

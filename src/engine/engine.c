@@ -52,7 +52,9 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .detectors = scene->num_detectors,
                             .path_unit = path_unit(scene),
                             .path_top = path_top(scene, surfaces),
-                            .rows = options->rows.count};
+                            .rows = options->derivatives ? 2 * (scene->num_layers + scene->num_bodies)
+                                                         : options->rows.count,
+                            .derivatives = options->derivatives};
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->kind == CML_DETECTOR_MAP)

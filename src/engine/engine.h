@@ -39,6 +39,8 @@ struct cml_engine_options {
     const struct cml_flat_tail *tail; /* P15: its expected values are wanted; NULL: none. Borrowed */
     struct cml_engine_rows rows;      /* with a scene without time, fluence, maps, facets, directions and
                                        * detectors, and without A_rz; not of engine opencl */
+    bool derivatives; /* P17: scores in place of rows; with a scene without time and detectors,
+                       * not of engine opencl */
     /* opencl */
     const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
     int local_rank;     /* for that: this process's number among those of its machine */
@@ -105,7 +107,7 @@ CML_NODISCARD cml_status cml_engine_given_up(struct cml_error *err);
 
 struct cml_engine {
     const char *name, *description;
-    bool reweights; /* flies rows (struct cml_engine_rows) */
+    bool reweights; /* flies rows (struct cml_engine_rows), and scores */
     /* The scene and its surfaces must outlive the engine. */
     cml_status (*open)(const struct cml_scene *scene, const struct cml_surface_set *surfaces,
                        const struct cml_engine_options *options, void **self, struct cml_error *err);

@@ -10,7 +10,7 @@
 
 struct reference_engine {
     struct cml_owned_world owned;
-    real *factor;           /* [rows] of a packet under way (P16) */
+    real *factor;           /* [cml_row_factors] of a packet under way (P16) */
     struct cml_tally tally; /* zero between calls of run */
 };
 

@@ -1,7 +1,8 @@
 /* Code, included once by each engine on the host, in its precision and for its level of the processor, as
  * terminated_packets_inl.h is: rows of a sweep that come of one flight (P16). The weight of a row is that of
  * the packet times a factor of the row's own, which falls along the path. All rows at once are a vector loop,
- * and it runs where packets change the medium, play roulette, lose weight to the backing or end.
+ * and it runs where packets change the medium, play roulette, lose weight to the backing or end. Scores, for
+ * derivatives (P17), are summed as rows are: their factors add up along the path, and may be negative.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_ROW_WEIGHTS_INL_H
 #define CML_ROW_WEIGHTS_INL_H
@@ -9,9 +10,12 @@
 #include "tally/row_cells.h"
 #include "walk.h"
 
+#define CML_ROWS_INLINE __attribute__((always_inline)) static inline
+
 /* What a flight's rows have in common, and where they are summed. */
 struct cml_row_sums {
-    int count; /* 0: there are no rows */
+    int count;  /* 0: there are no rows */
+    int scores; /* they are scores */
     struct cml_row_bins at;
     size_t batch;          /* cells of a batch */
     uint64_t *cells, *ra;  /* of the first batch; Rd_ra */
@@ -24,6 +28,7 @@ static inline struct cml_row_sums cml_row_sums_of(const struct cml_world *world,
     const struct cml_grid *grid = &tally->grid;
     struct cml_row_sums sums = {.count = world->rows.count};
     if (sums.count == 0) return sums;
+    sums.scores = world->rows.hits != NULL;
     sums.at = cml_row_bins(grid);
     sums.batch = cml_row_batch(grid, 1);
     sums.cells = tally->rows;
@@ -43,9 +48,16 @@ static inline cml_u32 cml_row_hash(cml_u32 h)
 struct cml_row_packet {
     const struct cml_row_sums *sums;
     uint64_t *cells; /* of its batch */
-    real *factor;    /* [sums->count], by how much less its rows weigh than the packet */
+    real *factor;    /* [cml_row_factors], by how much less its rows weigh than the packet, or scores */
     real rounding;   /* of their weights, 0 to below 1 */
 };
+
+/* Behind those of all rows stands how many interactions the packet had when it was booked last, less whole
+ * 2^24, which floats hold. */
+static inline size_t cml_row_factors(const struct cml_row_sums *sums)
+{
+    return (size_t)sums->count + 1;
+}
 
 /* Weights are rounded at random, so that they keep the mean however small they are, but all of one packet
  * alike, so that none rises. A hash serves, as nothing else depends on it (fmix32 of A. Appleby's
@@ -80,25 +92,61 @@ static inline cml_u32 cml_row_weight(real unit, real factor, real rounding)
     return (cml_u32)(int)CML_FMA(unit, factor, rounding);
 }
 
+/* What is summed of a row. A score times the weight is in units of 2^-20 of a packet, so that 2^43
+ * interactions fit into a tally; rounded at random like weights, down, since it may be negative. */
+CML_ROWS_INLINE uint64_t cml_row_part(int scores, real unit, real factor, real rounding)
+{
+    return scores ? (uint64_t)(int64_t)CML_FLOOR(CML_FMA(unit * (real)0x1p-10, factor, rounding))
+                  : (uint64_t)cml_row_weight(unit, factor, rounding);
+}
+
 /* A packet of weight w is launched, with all its rows; or with -1 times that taken back, as it was never
- * inside. What they weigh then, rounded, is summed in the place of the first row. */
+ * inside. What they weigh then, rounded, is summed in the place of the first row. Scores begin with 0. */
 static inline void cml_rows_launch(const struct cml_row_packet *rows, cml_u32 w, int times)
 {
-    const uint64_t launched = cml_row_weight(cml_row_unit(w), 1, rows->rounding);
+    const int scores = rows->sums->scores;
+    const uint64_t launched = scores ? 0 : cml_row_weight(cml_row_unit(w), 1, rows->rounding);
     *cml_row_bin(rows, CML_BALANCE_LAUNCHED) += times < 0 ? 0 - launched : launched;
-    for (int i = 0; i < rows->sums->count; i++) rows->factor[i] = 1;
+    for (int i = 0; i < rows->sums->count; i++) rows->factor[i] = scores ? 0 : 1;
+    rows->factor[rows->sums->count] = 0;
+}
+
+/* As cml_rows_fly, of scores. */
+static inline void cml_scores_fly(const struct cml_world *world, const struct cml_row_packet *rows,
+                                  int medium, real t, cml_u32 interactions, cml_u32 before, cml_u32 left)
+{
+    const int count = rows->sums->count;
+    const real rounding = rows->rounding;
+    const real in = cml_row_unit(before), out = cml_row_unit(left);
+    const real *restrict more = world->rows.more + (size_t)medium * (size_t)count;
+    const real *restrict hits = world->rows.hits + (size_t)medium * (size_t)count;
+    real *restrict score = rows->factor;
+    uint64_t *restrict absorbed = cml_row_bin(rows, rows->sums->at.A_l + (size_t)medium);
+    const cml_u32 seen = interactions & 0xffffffu;
+    const real times = (real)((seen - (cml_u32)score[count]) & 0xffffffu);
+    score[count] = (real)seen;
+#pragma omp simd
+    for (int i = 0; i < count; i++) {
+        const real s = score[i], after = CML_FMA(hits[i], times, CML_FMA(more[i], t, s));
+        absorbed[i] += cml_row_part(1, in, s, rounding) - cml_row_part(1, out, after, rounding);
+        score[i] = after;
+    }
 }
 
 /* A packet of weight `before` has flown `path` (as in cml_packet) in a medium, and there is `left` of it: the
  * rest of every row is absorbed there. Factors below 1e-20 are 0, as arithmetic with the smallest numbers is
- * slow. */
+ * slow. interactions: of the packet, so far. */
 static inline void cml_rows_fly(const struct cml_world *world, const struct cml_row_packet *rows, int medium,
-                                real path, cml_u32 before, cml_u32 left)
+                                real path, cml_u32 interactions, cml_u32 before, cml_u32 left)
 {
     const int count = rows->sums->count;
     const real rounding = rows->rounding;
     const real in = cml_row_unit(before), out = cml_row_unit(left);
     const real t = path > 0 ? path / world->media[medium].n : (real)0;
+    if (rows->sums->scores) {
+        cml_scores_fly(world, rows, medium, t, interactions, before, left);
+        return;
+    }
     const real *restrict more = world->rows.more + (size_t)medium * (size_t)count;
     real *restrict factor = rows->factor;
     uint64_t *restrict absorbed = cml_row_bin(rows, rows->sums->at.A_l + (size_t)medium);
@@ -111,22 +159,31 @@ static inline void cml_rows_fly(const struct cml_world *world, const struct cml_
     }
 }
 
+CML_ROWS_INLINE void cml_rows_change_as(int scores, const struct cml_row_packet *rows, real high, real low,
+                                        uint64_t *restrict to)
+{
+    const int count = rows->sums->count;
+    const real rounding = rows->rounding;
+    const real *restrict factor = rows->factor;
+#pragma omp simd
+    for (int i = 0; i < count; i++)
+        to[i] +=
+            cml_row_part(scores, high, factor[i], rounding) - cml_row_part(scores, low, factor[i], rounding);
+}
+
 /* The packet's weight changes by other means than absorption: the difference, into the bin of `more` where it
  * becomes more, and of `less` where it becomes less. */
 static inline void cml_rows_change(const struct cml_row_packet *rows, cml_u32 before, cml_u32 after,
                                    enum cml_balance_term more, enum cml_balance_term less)
 {
-    const int count = rows->sums->count;
-    const real rounding = rows->rounding;
     const real high = cml_row_unit(after > before ? after : before),
                low = cml_row_unit(after > before ? before : after);
-    const real *restrict factor = rows->factor;
-    uint64_t *restrict to = cml_row_bin(rows, (size_t)(after > before ? more : less));
+    uint64_t *to = cml_row_bin(rows, (size_t)(after > before ? more : less));
     if (after == before) return;
-#pragma omp simd
-    for (int i = 0; i < count; i++)
-        to[i] +=
-            (uint64_t)(cml_row_weight(high, factor[i], rounding) - cml_row_weight(low, factor[i], rounding));
+    if (rows->sums->scores)
+        cml_rows_change_as(1, rows, high, low, to);
+    else
+        cml_rows_change_as(0, rows, high, low, to);
 }
 
 /* P8. */
@@ -141,14 +198,14 @@ static inline void cml_rows_backing(const struct cml_row_packet *rows, cml_u32 b
     cml_rows_change(rows, before, after, CML_BALANCE_BACKING, CML_BALANCE_BACKING);
 }
 
-/* A packet of weight w has left the scene at x, y. */
-static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows, int up,
-                                  cml_u32 w, real x, real y, real uz)
+/* Rows have no sums over both radius and angle where they are scores. */
+CML_ROWS_INLINE void cml_rows_leave_as(int scores, const struct cml_setup *setup,
+                                       const struct cml_row_packet *rows, int up, real unit, size_t ir,
+                                       size_t ia)
 {
     const struct cml_row_sums *sums = rows->sums;
     const int count = sums->count;
-    const real unit = cml_row_unit(w), rounding = rows->rounding;
-    const size_t ir = (size_t)cml_radial_bin(setup, x, y), ia = (size_t)cml_angle_bin(setup, uz);
+    const real rounding = rows->rounding;
     const real *restrict factor = rows->factor;
     uint64_t *restrict by_r = cml_row_bin(rows, (up ? sums->at.Rd_r : sums->at.Tt_r) + ir);
     uint64_t *restrict by_a = cml_row_bin(rows, (up ? sums->at.Rd_a : sums->at.Tt_a) + ia);
@@ -157,12 +214,24 @@ static inline void cml_rows_leave(const struct cml_setup *setup, const struct cm
     uint64_t *restrict total = cml_row_bin(rows, up ? CML_BALANCE_REFLECTED : CML_BALANCE_TRANSMITTED);
 #pragma omp simd
     for (int i = 0; i < count; i++) {
-        const uint64_t part = cml_row_weight(unit, factor[i], rounding);
+        const uint64_t part = cml_row_part(scores, unit, factor[i], rounding);
         by_r[i] += part;
         by_a[i] += part;
-        by_ra[i] += part;
+        if (!scores) by_ra[i] += part;
         total[i] += part;
     }
+}
+
+/* A packet of weight w has left the scene at x, y. */
+static inline void cml_rows_leave(const struct cml_setup *setup, const struct cml_row_packet *rows, int up,
+                                  cml_u32 w, real x, real y, real uz)
+{
+    const real unit = cml_row_unit(w);
+    const size_t ir = (size_t)cml_radial_bin(setup, x, y), ia = (size_t)cml_angle_bin(setup, uz);
+    if (rows->sums->scores)
+        cml_rows_leave_as(1, setup, rows, up, unit, ir, ia);
+    else
+        cml_rows_leave_as(0, setup, rows, up, unit, ir, ia);
 }
 
 /* A packet of weight w has ended. x, y, uz: where it has left the scene, if it has. What was never inside is

@@ -25,7 +25,7 @@ static inline void cml_leave_trail(const struct cml_world *world, const struct c
 /* P16: the rows of one packet after another. */
 struct row_walk {
     struct cml_row_sums sums;
-    real *factor;                      /* [sums.count] */
+    real *factor;                      /* [cml_row_factors] */
     int medium;                        /* that of the last booking, or an inner one since */
     cml_u32 w;                         /* the packet's weight then */
     cml_u64 gained, roulette, backing; /* its terms then */
@@ -53,7 +53,7 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
     if (!moved && !(gained | lost | kept) && packet->fate == CML_FATE_ALIVE) return;
     const struct cml_row_packet its =
         cml_row_packet_of(&world->setup, &rows->sums, packet->index, rows->factor);
-    cml_rows_fly(world, &its, rows->medium, packet->path, rows->w, left);
+    cml_rows_fly(world, &its, rows->medium, packet->path, packet->interactions, rows->w, left);
     if (kept)
         cml_rows_backing(&its, left, packet->w);
     else
@@ -67,7 +67,7 @@ static inline void rows_step(const struct cml_world *world, struct row_walk *row
     cml_rows_end(&world->setup, &its, packet->fate, packet->w, packet->exit_x, packet->exit_y, packet->u.z);
 }
 
-/* Flies the packets of a piece, one after the other, into the tally. factor: [world->rows.count], scratch.
+/* Flies the packets of a piece, one after the other, into the tally. factor: [cml_row_factors], scratch.
  * Returns false when it gave one up. */
 static inline bool run_piece(const struct cml_world *world, const struct cml_work *work,
                              const struct cml_piece *piece, struct cml_patience *patience, real *factor,

@@ -59,6 +59,7 @@ void cml_owned_world_free(struct cml_owned_world *to)
     free(to->detector_start);
     free(to->detector_list);
     free(to->row_more);
+    free(to->row_hits);
     *to = (struct cml_owned_world){0}; /* may be freed again: by who opened what it is a part of */
 }
 
@@ -411,8 +412,8 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     set_map(scene, &setup->map);
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);
-    setup->keeps_paths = scene->time.gates > 0 || scene->num_detectors > 0 || options->rows.count > 0;
     const struct cml_grid grid = cml_engine_grid(scene, NULL, options);
+    setup->keeps_paths = scene->time.gates > 0 || scene->num_detectors > 0 || grid.rows > 0;
     set_marks(&grid, &setup->marks);
     setup->x0 = (real)scene->beams[0].x;
     setup->y0 = (real)scene->beams[0].y;
@@ -430,7 +431,27 @@ static cml_status copy_rows(const struct cml_grid *grid, const struct cml_engine
     if (!to->row_more) return cml_fail_memory(err, (double)(media * all * sizeof(real)), "the rows");
     for (size_t m = 0; m < media; m++)
         for (size_t i = 0; i < own; i++) to->row_more[m * all + i] = (real)rows->more[m * own + i];
-    to->world.rows = (struct cml_rows){(int)all, to->row_more};
+    to->world.rows = (struct cml_rows){(int)all, to->row_more, NULL};
+    return CML_OK;
+}
+
+/* P17. */
+static cml_status make_scores(const struct cml_scene *scene, const struct cml_grid *grid,
+                              struct cml_owned_world *to, struct cml_error *err)
+{
+    const size_t media = cml_grid_media(grid), all = cml_row_stride(grid);
+    to->row_more = calloc(media * all, sizeof *to->row_more);
+    to->row_hits = calloc(media * all, sizeof *to->row_hits);
+    if (!to->row_more || !to->row_hits)
+        return cml_fail_memory(err, 2 * (double)(media * all * sizeof(real)), "the scores");
+    for (int k = 0; k < scene->num_layers + scene->num_bodies; k++) {
+        const int medium = cml_medium_inside(scene->num_layers, k);
+        const size_t by_mua = (size_t)medium * all + 2 * (size_t)k, by_mus = by_mua + 1;
+        to->row_more[by_mua] = (real)cml_score_unit(cml_medium_mut(&scene->media[medium]));
+        to->row_more[by_mus] = -(real)scene->media[medium].mus;
+        to->row_hits[by_mus] = 1;
+    }
+    to->world.rows = (struct cml_rows){(int)all, to->row_more, to->row_hits};
     return CML_OK;
 }
 
@@ -465,7 +486,9 @@ cml_status cml_owned_world_create(const struct cml_scene *scene, const struct cm
     status = cml_set_sources(scene, surfaces, options->start_as ? options->start_as : surfaces, to, err);
     if (status == CML_OK) status = cml_set_detectors(scene, surfaces, to, err);
     const struct cml_grid grid = cml_engine_grid(scene, surfaces, options);
-    if (status == CML_OK) status = copy_rows(&grid, &options->rows, to, err);
+    if (status == CML_OK)
+        status =
+            grid.derivatives ? make_scores(scene, &grid, to, err) : copy_rows(&grid, &options->rows, to, err);
     if (status != CML_OK) cml_owned_world_free(to);
     return status;
 }

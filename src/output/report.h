@@ -83,6 +83,11 @@ void cml_report_detectors(FILE *stream, const char *prefix, const struct cml_sce
 /* Rsp, Rd, A, Tt with standard errors and, where there are any, exact values; weight balance, speed. */
 void cml_report_summary(FILE *stream, const struct cml_report *report);
 
+/* A line for each medium inside, up to 16 of them: derivatives of Rd and Tt. Nothing where the run has none.
+ * CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_report_print_derivatives(FILE *stream, const struct cml_report *report,
+                                                      struct cml_error *err);
+
 /* One line per rank: packets, and where its time went; and the shares of all together. */
 void cml_report_ranks(FILE *stream, const struct cml_timing *timing);
 

@@ -189,10 +189,12 @@ static cml_status set_results(json_t *object, const struct cml_report *report, s
     const struct cml_result *result = report->sums;
     struct cml_outcome o = {.photons = result->photons,
                             .num_layers = report->scene->num_layers,
+                            .num_bodies = report->scene->num_bodies,
                             .backed = report->scene->backing.kind != CML_NO_BACKING};
     cml_status status = cml_report_words(report, CML_READ_IN_MCO, &o, err);
     if (status == CML_OK) status = cml_outcome_name_detectors(&o, err);
     if (status == CML_OK) status = cml_outcome_take_numbers(&o, result, err);
+    if (status == CML_OK) status = cml_report_derivatives(report, false, &o, err);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "", o.value[i]);
     for (int i = 0; i < CML_TOTALS; i++) set_quantity(object, (enum cml_quantity)i, "_se", o.error[i]);
     set_integer(object, "lost", cml_result_lost(result));

@@ -129,7 +129,8 @@ static cml_status fill(const struct cml_report *report, struct cml_outcome *o, s
     CML_TRY(fill_heights(report->scene, o, err));
     CML_TRY(fill_control(report, o, err));
     CML_TRY(cml_report_body_fluxes(report, o, err));
-    return cml_outcome_take(o, report->sums, err);
+    CML_TRY(cml_outcome_take(o, report->sums, err));
+    return cml_report_derivatives(report, true, o, err);
 }
 
 cml_status cml_report_outcome(const struct cml_report *report, struct cml_outcome *o, struct cml_error *err)

@@ -23,6 +23,11 @@ CML_NODISCARD cml_status cml_report_body_faces(const struct cml_report *report, 
                                                struct cml_error *err);
 void cml_report_body_faces_free(struct cml_body_faces *drawn);
 
+/* Derivatives, where the run has scores; `all`: by bins, too, else those without other axes. The sizes of *o
+ * are set. CML_E_INPUT when memory runs out. */
+CML_NODISCARD cml_status cml_report_derivatives(const struct cml_report *report, bool all,
+                                                struct cml_outcome *o, struct cml_error *err);
+
 /* "pencil", "parallel" ... */
 const char *cml_beam_word(enum cml_beam_kind kind);
 const char *cml_light_word(enum cml_light_kind kind);

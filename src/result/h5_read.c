@@ -27,7 +27,7 @@ struct reader {
 /* Errors may be unknown, of one packet, and means be those of nothing: NaN. */
 static cml_status read_values(const struct cml_hdf5_dataset *dataset, double *out, struct cml_error *err)
 {
-    const bool may_be_none = cml_quantity_is_errors(dataset->name) || cml_outcome_is_mean(dataset->name);
+    const bool may_be_none = cml_quantity_is_errors(dataset->name) || cml_outcome_may_be_none(dataset->name);
     CML_TRY(cml_hdf5_values(dataset, 0, dataset->size, out, err));
     for (size_t i = 0; i < dataset->size; i++)
         if (!isfinite(out[i]) && !(may_be_none && isnan(out[i])))

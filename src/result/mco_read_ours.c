@@ -147,7 +147,7 @@ struct section {
  * next key. true: there are `count` of them, and only then out[count] is what they are. */
 static bool read_numbers(struct section *s, size_t count, bool more, double *out)
 {
-    const bool errors = begins(s->key, "se_") || cml_outcome_is_mean(s->key);
+    const bool errors = begins(s->key, "se_") || cml_outcome_may_be_none(s->key);
     size_t found = 0;
     double beyond;
     while (s->line && found < count && leading_number(s->line, errors, &out[found])) {

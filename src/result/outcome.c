@@ -21,6 +21,7 @@ int cml_outcome_places(const struct cml_outcome *o, enum cml_axis_kind axis)
                                       [CML_AXIS_gate] = o->num_gates,
                                       [CML_AXIS_detector] = o->num_detectors,
                                       [CML_AXIS_medium] = o->num_layers + 2 + o->num_bodies,
+                                      [CML_AXIS_inside] = o->num_layers + o->num_bodies,
                                       [CML_AXIS_theta] = o->nt,
                                       [CML_AXIS_phi] = o->np,
                                       [CML_AXIS_side] = 4};
@@ -119,13 +120,17 @@ bool cml_outcome_find(const struct cml_outcome *o, const char *key, enum cml_qua
     return false;
 }
 
-bool cml_outcome_is_mean(const char *key)
+bool cml_outcome_may_be_none(const char *key)
 {
     const size_t size = strlen(key);
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
-        const size_t end = cml_quantity_may_be_none(quantity) ? strlen(ending_of(quantity)) : size + 1;
-        if (size > end && strcmp(key + size - end, ending_of(quantity)) == 0) return true;
+        const bool ends = cml_quantity_is_of_detector(quantity);
+        const char *name = ends ? ending_of(quantity) : cml_quantities[i].name;
+        const size_t end = strlen(name);
+        if (cml_quantity_may_be_none(quantity) && (ends ? size > end : size == end) &&
+            strcmp(key + size - end, name) == 0)
+            return true;
     }
     return false;
 }

@@ -88,8 +88,9 @@ int cml_outcome_find_detector(const struct cml_outcome *outcome, const char *nam
 bool cml_outcome_find(const struct cml_outcome *outcome, const char *key, enum cml_quantity *quantity,
                       int *part);
 
-/* Whether a name is that of a mean of some detector, by its ending. */
-bool cml_outcome_is_mean(const char *key);
+/* Whether a name is that of a mean of some detector, by its ending, or of a derivative: numbers of it may be
+ * NaN. */
+bool cml_outcome_may_be_none(const char *key);
 
 /* Names and number of detectors, of their words: a line "detector NAME: ..." each. */
 CML_NODISCARD cml_status cml_outcome_name_detectors(struct cml_outcome *outcome, struct cml_error *err);

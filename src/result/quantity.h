@@ -23,6 +23,9 @@ enum cml_estimator {
     CML_FROM_MEANS,    /* of moments of detectors over what these have seen, with errors: a member; NaN of
                           nothing */
     CML_FROM_EXPECTED, /* what is expected of flat layers below all shapes, with errors */
+    CML_FROM_MUA,      /* derivative by mua of each medium inside, of scores (P17), with errors; NaN where it
+                          is not known: enum cml_quantity, of what */
+    CML_FROM_MUS,      /* by mus */
     CML_FROM_INPUT,    /* a number of the scene */
     CML_FROM_TWIN,     /* a total with the flat twin as control variate, with an error */
     CML_FROM_FACETS,   /* sums over facets; who knows the surfaces fills them in */
@@ -42,6 +45,7 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(alpha, "angle from the outward vertical, middle of the bin", "rad")                                    \
     X(detector, "detector, in the order of the file: each has numbers of its own", "1")                      \
     X(medium, "medium: 0 above, layers from 1, below, then bodies", "1")                                     \
+    X(inside, "medium inside: layers from 1, then bodies", "1")                                              \
     X(gate, "time, middle of the gate", "ps")                                                                \
     X(theta, "angle of flight from the outward vertical, middle of the bin", "rad")                          \
     X(phi, "azimuth of flight, from x towards y, middle of the bin", "rad")                                  \
@@ -54,6 +58,21 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     X(side, "arrives outside, inside, leaves outside, inside", "1")
 
 /* clang-format off */
+/* Derivatives by mua or mus. */
+#define CML_DERIVATIVES(Q, x, by)                                                                                    \
+    Q(dRd_d##x, "cm", by, CML_QUANTITY_Rd, OVER1(inside), MCO | H5 | JSON, "derivative of Rd by " #x, NULL)          \
+    Q(dA_d##x, "cm", by, CML_QUANTITY_A, OVER1(inside), MCO | H5 | JSON, "derivative of A by " #x, NULL)             \
+    Q(dTt_d##x, "cm", by, CML_QUANTITY_Tt, OVER1(inside), MCO | H5 | JSON, "derivative of Tt by " #x, NULL)          \
+    Q(dA_backing_d##x, "cm", by, CML_QUANTITY_A_backing, OVER1(inside), MCO | H5 | JSON,                             \
+      "derivative of A_backing by " #x, NULL)                                                                        \
+    Q(dA_l_d##x, "cm", by, CML_QUANTITY_A_l, OVER2(layer, inside), MCO | H5, "derivative of A_l by " #x, NULL)       \
+    Q(dA_body_d##x, "cm", by, CML_QUANTITY_A_body, OVER2(body, inside), MCO | H5, "derivative of A_body by " #x,     \
+      NULL)                                                                                                          \
+    Q(dRd_r_d##x, "1/cm", by, CML_QUANTITY_Rd_r, OVER2(r, inside), MCO | H5, "derivative of Rd_r by " #x, NULL)      \
+    Q(dRd_a_d##x, "cm/sr", by, CML_QUANTITY_Rd_a, OVER2(alpha, inside), MCO | H5, "derivative of Rd_a by " #x, NULL) \
+    Q(dTt_r_d##x, "1/cm", by, CML_QUANTITY_Tt_r, OVER2(r, inside), MCO | H5, "derivative of Tt_r by " #x, NULL)      \
+    Q(dTt_a_d##x, "cm/sr", by, CML_QUANTITY_Tt_a, OVER2(alpha, inside), MCO | H5, "derivative of Tt_a by " #x, NULL)
+
 /* name, units, estimator, of which sums, axes (slowest first), where it is written, what it is, and the comment of its
  * section in an .mco where that says more (NULL: what it is, and its units) */
 #define CML_QUANTITIES(Q)                                                                                            \
@@ -126,6 +145,8 @@ enum { CML_IN_MCO = 1, CML_IN_H5 = 2, CML_IN_JSON = 4 };
     Q(Tt_expected, "1", EXPECTED, 0, NUMBER, MCO | H5 | JSON, "transmittance, by what flat layers let through", NULL) \
     Q(A_l_expected, "1", EXPECTED, 0, OVER1(layer), MCO | H5 | JSON, \
       "absorption by layer, by what flat layers absorb; above them as counted", NULL) \
+    CML_DERIVATIVES(Q, mua, MUA)                                                                                     \
+    CML_DERIVATIVES(Q, mus, MUS)                                                                                     \
     Q(flux_body, "1", FACETS, 0, OVER2(body, side), MCO,                                                             \
       "weight at each body's surface: arrives outside, inside, leaves outside, inside", NULL)                        \
     Q(Rd_xy, "1/cm2", FIELD, 0, OVER2(y, x), 0, "diffuse reflectance", NULL)                                         \
@@ -196,10 +217,17 @@ static inline bool cml_quantity_is_of_detector(enum cml_quantity quantity)
     return cml_quantities[quantity].axis[0] == CML_AXIS_detector;
 }
 
-/* Mean over what was detected: there is none where that is nothing. */
+static inline bool cml_quantity_is_derivative(enum cml_quantity quantity)
+{
+    const enum cml_estimator estimator = cml_quantities[quantity].estimator;
+    return estimator == CML_FROM_MUA || estimator == CML_FROM_MUS;
+}
+
+/* Mean over what was detected: there is none where that is nothing; or a derivative, which may not be known.
+ */
 static inline bool cml_quantity_may_be_none(enum cml_quantity quantity)
 {
-    return cml_quantities[quantity].estimator == CML_FROM_MEANS;
+    return cml_quantities[quantity].estimator == CML_FROM_MEANS || cml_quantity_is_derivative(quantity);
 }
 
 /* Of enum cml_total; the last of them is what a backing keeps. */

@@ -278,7 +278,15 @@ static void add_fluence(struct cml_result *result, const uint64_t *phi)
 }
 
 /* Of a large map, or of rows, few cells are hit in one range: reading zeros is cheaper than adding them to
- * 128 bits. */
+ * 128 bits. Rows that are scores may be negative. */
+static void add_rows(cml_u128 *to, const uint64_t *from, size_t cells)
+{
+    for (size_t i = 0; i < cells; i++) {
+        if (from[i]) to[i] += from[i];
+        if (from[i] >> 63) to[i] -= (cml_u128)1 << 64;
+    }
+}
+
 static void add_sparse(cml_u128 *to, const uint64_t *from, size_t cells)
 {
     for (size_t i = 0; i < cells; i++)
@@ -292,7 +300,7 @@ void cml_result_add(struct cml_result *result, const struct cml_tally *tally)
     if (tally->grid.absorption) add_absorption(result, tally->A_rz);
     if (tally->grid.marks > 0) add_fluence(result, tally->phi);
     add_sparse(result_maps(result), cml_tally_maps(tally), cml_cells_maps(&tally->grid));
-    add_sparse(result->rows, tally->rows, tally->grid.row_cells);
+    add_rows(result->rows, tally->rows, tally->grid.row_cells);
     for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++) result->summary.balance[i] += tally->balance[i];
     for (int i = 0; i < CML_NUM_COUNTS; i++) result->summary.count[i] += tally->count[i];
     cml_lost_list_merge(&result->summary.lost, &tally->lost);
@@ -390,9 +398,16 @@ double cml_result_imbalance(const struct cml_result *result)
 
 /* ---- means and their errors ---- */
 
+/* Sums are far below 2^127, but those of scores may be negative (P17). */
+static double as_number(cml_u128 sum)
+{
+    return (double)(cml_i128)sum;
+}
+
 double cml_result_share(const struct cml_result *result, enum cml_balance_term term)
 {
-    return (double)result->summary.balance[term] / (double)result->summary.balance[CML_BALANCE_LAUNCHED];
+    return as_number(result->summary.balance[term]) /
+           as_number(result->summary.balance[CML_BALANCE_LAUNCHED]);
 }
 
 /* Standard error of a mean over n packets: sqrt((sum x^2 - (sum x)^2 / n) / (n - 1) / n), in the unit of x.
@@ -452,7 +467,7 @@ double cml_result_bin_sum(const cml_u128 *profile, int n, int i)
 {
     cml_u128 sum = 0;
     for (int b = 0; b < CML_NUM_BATCHES; b++) sum += profile[(size_t)b * (size_t)n + (size_t)i];
-    return (double)sum;
+    return as_number(sum);
 }
 
 /* The batch means x_b over n_b packets scatter about the mean x of all N with the variance of one packet over
@@ -462,12 +477,12 @@ double cml_result_bin_error(const struct cml_result *result, const cml_u128 *pro
 {
     double sum = 0, squares = 0, batches = 0;
     const double photons = (double)result->photons;
-    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += (double)profile[(size_t)b * (size_t)n + (size_t)i];
+    for (int b = 0; b < CML_NUM_BATCHES; b++) sum += as_number(profile[(size_t)b * (size_t)n + (size_t)i]);
     const double mean = sum / photons;
     for (int b = 0; b < CML_NUM_BATCHES; b++) {
         const double size = (double)cml_batch_size(result->photons, b);
         if (!(size > 0)) continue;
-        const double deviation = (double)profile[(size_t)b * (size_t)n + (size_t)i] / size - mean;
+        const double deviation = as_number(profile[(size_t)b * (size_t)n + (size_t)i]) / size - mean;
         squares += size * deviation * deviation;
         batches += 1;
     }

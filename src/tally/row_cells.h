@@ -1,11 +1,14 @@
 /* The cells of rows of a sweep that come of one flight (kernels/README.md, P16), in a tally and in a result:
  * for each of the 64 batches bins of sums, each of them for all rows side by side, since all rows are summed
- * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, likewise.
+ * together; behind them Rd_ra and Tt_ra of all batches, [nr + 1][na] each, likewise. Scores for derivatives
+ * (P17) have the same cells but for these, two for each medium inside, layers first: by mua and by mus.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_ROW_CELLS_H
 #define CML_ROW_CELLS_H
 
 #include "tally/tally.h"
+
+#include <math.h>
 
 /* Rows that are summed together, in vectors, are rounded up to whole ones. */
 #define CML_ROW_GROUP 16
@@ -16,9 +19,22 @@ static inline size_t cml_row_stride(const struct cml_grid *grid)
     return ((size_t)grid->rows + CML_ROW_GROUP - 1) / CML_ROW_GROUP * CML_ROW_GROUP;
 }
 
+/* The medium of a pair of scores, layers from 0, then bodies. */
+static inline int cml_medium_inside(int num_layers, int k)
+{
+    return k < num_layers ? k + 1 : k + 2;
+}
+
+/* By which a length is multiplied to be a score, 1/cm: a power of two near the medium's mut, so that scores
+ * are as many as interactions. */
+static inline double cml_score_unit(double mut)
+{
+    return mut > 0 ? exp2(floor(log2(mut))) : 1;
+}
+
 /* Where bins of a batch begin: first terms of the balance, [CML_NUM_BALANCE_TERMS], of which specular
  * and absorbed are 0: the first is that of the flight, the second the sum of A_l; launched has one cell for
- * all rows. Units of weight are 2^-30 of a packet. */
+ * all rows. Units of weight are 2^-30 of a packet, of weight times score 2^-20, in two's complement. */
 struct cml_row_bins {
     size_t Rd_r, Tt_r; /* [nr + 1] */
     size_t Rd_a, Tt_a; /* [na] */
@@ -46,7 +62,7 @@ static inline size_t cml_row_batch(const struct cml_grid *grid, int batch)
 
 static inline size_t cml_row_cells_ra(const struct cml_grid *grid)
 {
-    return ((size_t)grid->nr + 1) * (size_t)grid->na * cml_row_stride(grid);
+    return grid->derivatives ? 0 : ((size_t)grid->nr + 1) * (size_t)grid->na * cml_row_stride(grid);
 }
 
 /* All cells; 0 where there are no rows. */

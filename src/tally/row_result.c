@@ -8,13 +8,25 @@ struct row {
     const struct cml_result *flight;
     struct cml_row_bins at;
     size_t stride, row;
+    cml_u128 unit; /* of its cells, in units of weight */
     struct cml_result *to;
 };
+
+static struct row row_of(const struct cml_result *flight, int number, struct cml_result *to)
+{
+    const struct cml_grid *grid = &flight->grid;
+    return (struct row){.flight = flight,
+                        .at = cml_row_bins(grid),
+                        .stride = cml_row_stride(grid),
+                        .row = (size_t)number,
+                        .unit = grid->derivatives ? 1 << 11 : 2,
+                        .to = to};
+}
 
 /* Cell of a bin, counted from the first of batch 0, in units of weight. */
 static cml_u128 cell(const struct row *row, size_t bin)
 {
-    return 2 * row->flight->rows[bin * row->stride + row->row];
+    return row->unit * row->flight->rows[bin * row->stride + row->row];
 }
 
 /* Bins of a batch into its profile of n; those beyond it go into the last. */
@@ -56,7 +68,7 @@ static void take_launch(const struct row *row)
 {
     cml_u128 *balance = row->to->summary.balance, inside = 0;
     const cml_u128 exact = balance[CML_BALANCE_LAUNCHED] - balance[CML_BALANCE_SPECULAR];
-    const struct row first = {row->flight, row->at, row->stride, 0, row->to};
+    const struct row first = row_of(row->flight, 0, row->to);
     for (size_t b = 0; b < CML_NUM_BATCHES; b++)
         inside += cell(&first, b * row->at.all + CML_BALANCE_LAUNCHED);
     if (exact > inside)
@@ -78,23 +90,41 @@ static void take_exits(const struct row *row, size_t first, cml_u128 *to)
         }
 }
 
+/* What of a row is summed by batch. */
+static cml_status take_batches(const struct row *row, struct cml_error *err)
+{
+    const struct cml_grid *flown = &row->flight->grid;
+    const struct cml_grid grid = {.nr = flown->nr,
+                                  .nz = flown->nz,
+                                  .na = flown->na,
+                                  .num_layers = flown->num_layers,
+                                  .num_bodies = flown->num_bodies};
+    struct cml_result *to = row->to;
+    CML_TRY(cml_result_create(&grid, row->flight->photons, to, err));
+    to->summary = row->flight->summary;
+    for (int t = 0; t < CML_NUM_BALANCE_TERMS; t++)
+        if (t != CML_BALANCE_LAUNCHED && t != CML_BALANCE_SPECULAR) to->summary.balance[t] = 0;
+    for (size_t b = 0; b < CML_NUM_BATCHES; b++) take_batch(row, b);
+    return CML_OK;
+}
+
 cml_status cml_row_result(const struct cml_result *flight, int number, struct cml_result *to,
                           struct cml_error *err)
 {
-    struct cml_grid grid = flight->grid;
-    const struct row row = {flight, cml_row_bins(&grid), cml_row_stride(&grid), (size_t)number, to};
-    const size_t exits = CML_NUM_BATCHES * row.at.all, ra = cml_row_cells_ra(&grid) / row.stride;
-    grid.rows = 0;
-    grid.row_cells = 0;
-    CML_TRY(cml_result_create(&grid, flight->photons, to, err));
-    to->summary = flight->summary;
-    for (int t = 0; t < CML_NUM_BALANCE_TERMS; t++)
-        if (t != CML_BALANCE_LAUNCHED && t != CML_BALANCE_SPECULAR) to->summary.balance[t] = 0;
-    for (size_t b = 0; b < CML_NUM_BATCHES; b++) take_batch(&row, b);
+    const struct row row = row_of(flight, number, to);
+    const size_t exits = CML_NUM_BATCHES * row.at.all, ra = cml_row_cells_ra(&flight->grid) / row.stride;
+    CML_TRY(take_batches(&row, err));
     take_launch(&row);
     take_exits(&row, exits, to->Rd_ra);
     take_exits(&row, exits + ra, to->Tt_ra);
     return CML_OK;
+}
+
+cml_status cml_score_result(const struct cml_result *flight, int score, struct cml_result *to,
+                            struct cml_error *err)
+{
+    const struct row row = row_of(flight, score, to);
+    return take_batches(&row, err);
 }
 
 double cml_effective_packets(const struct cml_result *result, enum cml_total total)

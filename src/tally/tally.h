@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 __extension__ typedef unsigned __int128 cml_u128;
+__extension__ typedef __int128 cml_i128;
 
 #define CML_TALLY_MAX_PHOTONS ((uint64_t)1 << 30)
 #define CML_WEIGHT_UNIT 4.656612873077393e-10 /* one unit of weight as a share of a packet: 2^-31 */
@@ -37,7 +38,8 @@ struct cml_grid {
     double path_top;        /* depth from which depths count, cm */
     size_t detector_pixels; /* of all of them that are maps */
     size_t facets;          /* of all boundaries and bodies */
-    int rows;               /* of a sweep, that come of one flight */
+    int rows;               /* of a sweep, that come of one flight; or scores */
+    bool derivatives;       /* they are scores */
     size_t row_cells;       /* of all of them together (row_cells.h) */
     bool backed;            /* some of them lie on a backing, which keeps what does not leave them */
     int scores;             /* of expected values below the last shape (P15); 0: they do not exist */

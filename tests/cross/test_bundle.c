@@ -2,6 +2,7 @@
  * A tally holds every deposit, term of the balance, count and square, so one packet that goes another way
  * shows. SPDX-License-Identifier: MIT */
 #include "flight.h"
+#include "same_tally.h"
 
 #include "body_files.h"
 #include "lib/dice.h"
@@ -14,17 +15,6 @@
 #include "surface/mesh/mesh_surface.h"
 
 #include <glob.h>
-
-static void expect_same_tally(const struct cml_tally *a, const struct cml_tally *b, const char *name)
-{
-    const size_t cells = cml_tally_cells(&a->grid);
-    for (size_t i = 0; i < cells; i++)
-        if (a->A_l[i] != b->A_l[i]) fail_msg("%s: cell %zu differs", name, i);
-    for (int i = 0; i < CML_NUM_BALANCE_TERMS; i++)
-        if (a->balance[i] != b->balance[i]) fail_msg("%s: term %d of the balance differs", name, i);
-    for (int i = 0; i < CML_NUM_COUNTS; i++)
-        if (i != CML_COUNT_QUERIES && a->count[i] != b->count[i]) fail_msg("%s: count %d differs", name, i);
-}
 
 /* The level under test; run() sets it. */
 static struct cml_cpu_level level;
@@ -85,7 +75,8 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
     const struct cml_grid grid = cml_engine_grid(scene, &surfaces, &options);
     require_ok(cml_tally_create(&grid, &scalar, &err), &err);
     require_ok(cml_owned_world_create(scene, &surfaces, &options, &world, &err), &err);
-    float factor[2 * CML_ROW_GROUP]; /* scratch */
+    float *factor = calloc(cml_row_stride(&grid) + 1, sizeof *factor); /* scratch */
+    assert_non_null(factor);
     for (uint64_t place = 1000, end = 1000 + photons; place < end;) {
         const struct cml_piece piece = cml_piece_at(1000, end, place);
         struct cml_patience patience = {0};
@@ -94,6 +85,8 @@ static void compare_with(const struct cml_scene *scene, enum cml_surface_kind ki
     }
     struct cml_tally bundles = fly_bundles(scene, &surfaces, &options, &grid, photons);
     expect_same_tally(&scalar, &bundles, scene->output);
+    if (grid.derivatives) expect_balanced_scores(&bundles);
+    free(factor);
     for (int s = 0; s < tail.scores; s++) entered += bundles.expected[s] > 0;
     cml_owned_world_free(&world);
     cml_tally_free(&scalar);
@@ -134,6 +127,13 @@ static void compare_rows(const struct cml_scene *scene, enum cml_surface_kind ki
     free(more);
 }
 
+static void compare_scores(const struct cml_scene *scene, enum cml_surface_kind kind, uint64_t photons)
+{
+    const struct cml_engine_options options = {
+        .seed = 7, .reentry = true, .roulette = {0.01, 0.03}, .absorption = true, .derivatives = true};
+    compare_with(scene, kind, photons, &options, false);
+}
+
 /* Of all shapes on both sides, in a plane that cuts most reliefs, and with an axis. */
 static struct cml_detector_def detectors[] = {
     {.kind = CML_DETECTOR_RING, .size = {0, 0.1}, .nx = 1, .ny = 1},
@@ -166,6 +166,7 @@ static void compare_file(const char *path, enum cml_surface_kind kind, uint64_t 
     require_ok(cml_mci_read(full, NULL, &list, &err), &err);
     for (int i = 0; i < list.count; i++) {
         compare_rows(&list.scenes[i], kind, photons / 4);
+        if (list.scenes[i].time.gates == 0) compare_scores(&list.scenes[i], kind, photons / 16);
         list.scenes[i].time = (struct cml_time_def){.gates = 50, .end = 20};
         set_detectors(&list.scenes[i], true);
         compare(&list.scenes[i], kind, photons, true, false);
@@ -213,6 +214,7 @@ static void compare_text(const char *text, uint64_t photons)
     compare(&list.scenes[0], CML_SURFACE_AUTO, photons, true, false);
     compare(&list.scenes[0], CML_SURFACE_AUTO, photons / 4, true, true);
     compare_rows(&list.scenes[0], CML_SURFACE_AUTO, photons / 4 + 1);
+    compare_scores(&list.scenes[0], CML_SURFACE_AUTO, photons / 16 + 1);
     cml_scene_list_clear(&list);
 }
 

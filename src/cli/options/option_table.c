@@ -50,6 +50,10 @@ const struct cml_option cml_option_table[] = {
      "with --sweep: rows that differ in nothing but mua, of layers and bodies, come of one flight, each as "
      "exact as a flight of its own; without A_rz",
      FLAG(reweight)},
+    {"derivatives", 0, NULL, RUN, NULL,
+     "of totals, profiles over r and angle, and what layers and bodies absorb, by mua and mus of every "
+     "medium",
+     FLAG(engine_options.derivatives)},
     {"seed", 0, "N", FLYING, NULL, "default 1; the same seed gives the same bits on any number of threads",
      .read = cml_read_seed, .member = MEMBER(engine_options.seed), .least = 0, .most = 0x1p53},
     {"run", 0, "K", TRACE | CHECK, NULL,

@@ -103,6 +103,30 @@ static cml_status check_folder(const char *name, struct cml_error *err)
     return cml_fail(err, CML_E_INPUT, "run: -o %.200s (expected a folder; --output names the result)", name);
 }
 
+/* What scores are not made for. */
+static cml_status check_derivatives(const struct cml_options *options, struct cml_error *err)
+{
+    const char *beside = options->reweight             ? "--reweight"
+                         : options->control            ? "--control"
+                         : !options->engine->reweights ? "--engine opencl"
+                                                       : NULL;
+    if (!options->engine_options.derivatives || !beside) return CML_OK;
+    return cml_fail(err, CML_E_INPUT, "--derivatives (expected no %s beside it)", beside);
+}
+
+static cml_status check_differentiated(const struct cml_options *options, const struct cml_scene_list *list,
+                                       struct cml_error *err)
+{
+    for (int i = 0; options->engine_options.derivatives && i < list->count; i++) {
+        const struct cml_scene *scene = &list->scenes[i];
+        const char *has = scene->num_detectors > 0 ? "detectors" : scene->time.gates > 0 ? "time" : NULL;
+        if (has)
+            return cml_fail(err, CML_E_INPUT, "--derivatives: %.400s has %s (expected a scene without)",
+                            scene->output, has);
+    }
+    return CML_OK;
+}
+
 /* What cannot stand together. --more goes on from tallies, and leaves some. */
 static cml_status check_options(struct cml_options *options, struct cml_error *err)
 {
@@ -116,6 +140,7 @@ static cml_status check_options(struct cml_options *options, struct cml_error *e
                         options->more > 0 ? "more" : "keep");
     if (options->more > 0 && options->photons > 0)
         return cml_fail(err, CML_E_INPUT, "--more (expected no --photons beside it)");
+    CML_TRY(check_derivatives(options, err));
     return cml_sweep_check_options(options, err);
 }
 
@@ -182,8 +207,10 @@ cml_status cml_command_run(const struct cml_options *options, struct cml_error *
     mine.engine_options.threads = cml_choose_threads(options);
     mine.engine_options.local_rank = cml_cluster_local_rank();
     CML_TRY(cml_load_shared_scenes(options, &session.list, &inputs, err));
-    const cml_status status =
-        options->sweep ? cml_sweep(&mine, &session.list, &inputs, err) : run_file(&session, &inputs, err);
+    cml_status status = check_differentiated(&mine, &session.list, err);
+    if (status == CML_OK)
+        status =
+            options->sweep ? cml_sweep(&mine, &session.list, &inputs, err) : run_file(&session, &inputs, err);
     cml_inputs_clear(&inputs);
     cml_scene_list_clear(&session.list);
     return status;

@@ -63,7 +63,7 @@ struct cml_flight {
     uint64_t live, ended;     /* masks: lanes that hold packets; those of them whose packet has ended */
     uint64_t past_bodies;     /* mask: lanes that meet no body any more before they interact in this pass */
     struct cml_row_sums rows; /* P16 */
-    real *factors;            /* [CML_LANES][rows.count] of the lanes' packets; NULL without rows */
+    real *factors;            /* [CML_LANES][cml_row_factors] of the lanes' packets; NULL without rows */
     uint64_t absorbed[CML_LANES]; /* by the lane's packet, up to when its deposits were last booked */
     int wait_at_planes;           /* passes that lanes at planes have waited, summed over lanes */
     int wait_at_curved;           /* the same of lanes at curved boundaries */

@@ -49,7 +49,7 @@ static uint64_t cml_lane_index(const struct cml_bundle *b, int i)
 /* P16: factors of the rows of the lane's packet. */
 static real *cml_lane_factors(const struct cml_flight *f, int i)
 {
-    return f->factors + (size_t)i * (size_t)f->rows.count;
+    return f->factors + (size_t)i * cml_row_factors(&f->rows);
 }
 
 static struct cml_row_packet cml_lane_rows(const struct cml_flight *f, int i)
@@ -69,7 +69,7 @@ __attribute__((noinline)) static void cml_fly_lane_rows(struct cml_flight *f, in
 {
     struct cml_bundle *b = f->b;
     const struct cml_row_packet rows = cml_lane_rows(f, i);
-    cml_rows_fly(f->world, &rows, b->medium[i], b->path[i], b->w[i] + deposited, b->w[i]);
+    cml_rows_fly(f->world, &rows, b->medium[i], b->path[i], b->interactions[i], b->w[i] + deposited, b->w[i]);
     b->path[i] = 0;
 }
 

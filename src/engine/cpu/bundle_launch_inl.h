@@ -203,7 +203,7 @@ static void cml_move_lane(struct cml_flight *f, int from, int to)
     }
     if (f->b->trail_length) cml_move_trail(f->b, from, to);
     if (f->factors)
-        memcpy(cml_lane_factors(f, to), cml_lane_factors(f, from), (size_t)f->rows.count * sizeof(real));
+        memcpy(cml_lane_factors(f, to), cml_lane_factors(f, from), cml_row_factors(&f->rows) * sizeof(real));
     f->absorbed[to] = f->absorbed[from];
     f->late_profiles[to] = f->late_profiles[from];
     f->late |= (f->late >> from & 1u) << to;

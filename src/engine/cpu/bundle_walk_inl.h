@@ -165,7 +165,9 @@ static void cml_lane_roulette(struct cml_flight *f, int i)
         cml_draw(f->world->setup.stream, cml_lane_index(b, i), CML_PURPOSE_INTERACTION, b->interactions[i]);
     cml_roulette(f->world->setup.roulette, &packet);
     cml_tally_events(&packet, f->tally);
+    b->interactions[i]++; /* which the next pass counts */
     cml_flush_deposits(f, i);
+    b->interactions[i]--;
     if (f->factors) {
         const struct cml_row_packet rows = cml_lane_rows(f, i);
         cml_rows_roulette(&rows, b->w[i], packet.w);

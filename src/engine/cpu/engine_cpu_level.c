@@ -19,7 +19,7 @@ struct cpu_engine {
     struct cml_lane_medium *media; /* [num_layers + 2 + num_bodies] */
     struct cml_tally *tallies;     /* [num_tallies], zero between calls of run; the first has all that threads
                                     * share */
-    real *factors; /* [threads][CML_LANES][rows], of packets under way (P16); NULL without rows */
+    real *factors; /* [threads][CML_LANES][cml_row_factors], of packets under way (P16); NULL without rows */
     int threads, num_tallies;
     uint64_t chunk;
 };
@@ -70,7 +70,8 @@ static cml_status create_lane_media(struct cpu_engine *cpu, struct cml_error *er
 /* Of the rows of one thread. */
 static size_t num_factors(const struct cpu_engine *cpu)
 {
-    return (size_t)CML_LANES * (size_t)cpu->owned.world.rows.count;
+    const struct cml_row_sums rows = {.count = cpu->owned.world.rows.count};
+    return rows.count ? (size_t)CML_LANES * cml_row_factors(&rows) : 0;
 }
 
 static cml_status create_factors(struct cpu_engine *cpu, struct cml_error *err)

@@ -93,7 +93,7 @@ static cml_status merge_quantities(const struct cml_merge_input *inputs, int cou
 {
     for (int i = 0; i < CML_NUM_QUANTITIES; i++) {
         const enum cml_quantity quantity = (enum cml_quantity)i;
-        if (cml_quantity_may_be_none(quantity)) {
+        if (cml_quantities[i].estimator == CML_FROM_MEANS) {
             if (all_have(inputs, count, quantity, false) && all_have(inputs, count, quantity, true) &&
                 all_have(inputs, count, CML_QUANTITY_detector, false))
                 CML_TRY(merge_means(inputs, count, quantity, merged, err));
@@ -113,7 +113,7 @@ static cml_status merge_quantities(const struct cml_merge_input *inputs, int cou
 static cml_status check_numbers(const struct cml_merge_input *input, const char *name, const double *numbers,
                                 size_t count, size_t place, double least, struct cml_error *err)
 {
-    const bool mean = cml_outcome_is_mean(name),
+    const bool mean = cml_outcome_may_be_none(name),
                unknown = (strncmp(name, "se_", 3) == 0 && input->outcome->photons == 1) || mean;
     const double most = CML_MERGE_MOST;
     for (size_t i = 0; i < count; i++)
@@ -132,7 +132,8 @@ static cml_status check_quantity(const struct cml_merge_input *input, enum cml_q
     const bool total = quantity <= CML_QUANTITY_Tt, book = info->estimator == CML_FROM_BALANCE;
     const bool negative =
         info->estimator == CML_FROM_RESIDUE ||
-        (!errors && (info->estimator == CML_FROM_TWIN || quantity == CML_QUANTITY_detector_deepest));
+        (!errors && (info->estimator == CML_FROM_TWIN || cml_quantity_is_derivative(quantity) ||
+                     quantity == CML_QUANTITY_detector_deepest));
     char name[64];
     if (!numbers || info->estimator == CML_FROM_INPUT) return CML_OK;
     snprintf(name, sizeof name, "%s%s", errors ? "se_" : "", total ? "RAT" : book ? "books" : info->name);

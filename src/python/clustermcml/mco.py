@@ -49,6 +49,10 @@ for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), 
     QUANTITIES[_name + "_t_later"] = ((), "1", _meaning + " later than all gates")
 for _name, _meaning in (("Rd", "diffuse reflectance"), ("Tt", "transmittance"), ("Rsp", "specular reflectance")):
     QUANTITIES[_name + "_dir"] = (("theta", "phi"), "1/sr", _meaning + " by direction")
+for _by in ("mua", "mus"):
+    for _name in ("Rd", "A", "Tt", "A_backing", "A_l", "A_body", "Rd_r", "Rd_a", "Tt_r", "Tt_a"):
+        QUANTITIES[f"d{_name}_d{_by}"] = ((*QUANTITIES[_name][0], "inside"), {"1/cm2": "1/cm", "sr-1": "cm/sr"}.get(QUANTITIES[_name][1], "cm"),
+                                          f"derivative of {_name} by {_by}")
 # of every detector, behind detector_NAME
 OF_DETECTORS = {
     "": ((), "1", "detected"),
@@ -76,6 +80,7 @@ AXES = {
     "layer": ("1", "layer, from 1"),
     "body": ("1", "body, from 1, in the order of the file"),
     "medium": ("1", "medium: 0 above, layers from 1, below, then bodies"),
+    "inside": ("1", "medium inside: layers from 1, then bodies"),
     "gate": ("ps", "time, middle of the gate"),
     "theta": ("rad", "angle of flight from the outward vertical, middle of the bin"),
     "phi": ("rad", "azimuth of flight, from x towards y, middle of the bin"),
@@ -199,6 +204,8 @@ def _dataset(text: str, sections: dict[str, list[str]]) -> xr.Dataset:
     axes, media, above, below = _grid(words, len(text) // 2)
     if "A_body" in sections:
         axes["body"] = np.arange(1.0, len(sections["A_body"]) + 1)
+    if "dRd_dmua" in sections:
+        axes["inside"] = np.arange(1.0, len(sections["dRd_dmua"]) + 1)
     if "time" in sections:
         gates = _count("number of gates", sections["time"][1], len(text) // 2)
         axes["gate"] = _middles(gates, float(sections["time"][0]) / gates)

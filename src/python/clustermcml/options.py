@@ -93,6 +93,7 @@ class RunOptions(PlanOptions, total=False):
     no_clobber: bool
     keep: bool
     more: float
+    derivatives: bool
 
 
 class SweepOptions(RunOptions, total=False):

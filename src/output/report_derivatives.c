@@ -1,0 +1,97 @@
+/* What a run's scores say (kernels/README.md, P17): derivatives by mua and mus of every medium inside. A
+ * score is the sum of w times a length, in a unit of its medium, or of w times interactions less those
+ * expected. SPDX-License-Identifier: MIT */
+#include "output/report_parts.h"
+
+#include "tally/row_cells.h"
+#include "tally/row_result.h"
+
+#include <math.h>
+
+/* By what sums of score number 2 k + by_mus are multiplied; NaN where they know nothing: of mus where there
+ * is none, and of mua of a clear first layer, below which beams start (P1). */
+static double scale_of(const struct cml_scene *scene, int k, bool by_mus)
+{
+    const struct cml_medium_def *medium = &scene->media[cml_medium_inside(scene->num_layers, k)];
+    const double mut = cml_medium_mut(medium);
+    if (by_mus) return medium->mus > 0 ? 1 / medium->mus : NAN;
+    return k > 0 || mut > 0 ? -1 / cml_score_unit(mut) : NAN;
+}
+
+/* Column k of a derivative. */
+static cml_status take_column(const struct cml_outcome *sums, enum cml_quantity quantity, int k, double scale,
+                              struct cml_outcome *o, struct cml_error *err)
+{
+    const enum cml_quantity of = (enum cml_quantity)cml_quantities[quantity].sums;
+    const size_t columns = (size_t)cml_outcome_places(o, CML_AXIS_inside);
+    if (!sums->value[of] || cml_outcome_size(sums, of) == 0) return CML_OK;
+    CML_TRY(cml_outcome_add(o, quantity, false, err));
+    CML_TRY(cml_outcome_add(o, quantity, true, err));
+    for (size_t i = 0; i < cml_outcome_size(sums, of); i++) {
+        o->value[quantity][i * columns + (size_t)k] = scale * sums->value[of][i];
+        o->error[quantity][i * columns + (size_t)k] = fabs(scale) * sums->error[of][i];
+    }
+    return CML_OK;
+}
+
+static cml_status take_score(const struct cml_report *report, int k, bool by_mus, bool all,
+                             struct cml_outcome *o, struct cml_error *err)
+{
+    const double scale = scale_of(report->scene, k, by_mus);
+    struct cml_result result;
+    struct cml_outcome sums = {.photons = o->photons,
+                               .dz = o->dz,
+                               .dr = o->dr,
+                               .nz = o->nz,
+                               .nr = o->nr,
+                               .na = o->na,
+                               .num_layers = o->num_layers,
+                               .num_bodies = o->num_bodies,
+                               .backed = o->backed};
+    CML_TRY(cml_score_result(report->sums, 2 * k + by_mus, &result, err));
+    cml_status status =
+        all ? cml_outcome_take(&sums, &result, err) : cml_outcome_take_numbers(&sums, &result, err);
+    for (int i = 0; status == CML_OK && i < CML_NUM_QUANTITIES; i++) {
+        const enum cml_quantity quantity = (enum cml_quantity)i;
+        const bool numbers = cml_quantities[i].axis[1] == CML_AXIS_NONE;
+        if (cml_quantities[i].estimator == (by_mus ? CML_FROM_MUS : CML_FROM_MUA) && (all || numbers))
+            status = take_column(&sums, quantity, k, scale, o, err);
+    }
+    cml_outcome_clear(&sums);
+    cml_result_free(&result);
+    return status;
+}
+
+cml_status cml_report_derivatives(const struct cml_report *report, bool all, struct cml_outcome *o,
+                                  struct cml_error *err)
+{
+    for (int score = 0; report->sums->grid.derivatives && score < report->sums->grid.rows; score++)
+        CML_TRY(take_score(report, score / 2, score % 2 == 1, all, o, err));
+    return CML_OK;
+}
+
+/* "  layer 2: dRd_dmua -0.1 +- 0.002, dTt_dmua ..." */
+static void print_medium(FILE *stream, const struct cml_outcome *o, int k)
+{
+    static const enum cml_quantity shown[] = {CML_QUANTITY_dRd_dmua, CML_QUANTITY_dTt_dmua,
+                                              CML_QUANTITY_dRd_dmus, CML_QUANTITY_dTt_dmus};
+    const bool body = k >= o->num_layers;
+    fprintf(stream, "  %s %d:", body ? "body" : "layer", body ? k - o->num_layers + 1 : k + 1);
+    for (size_t i = 0; i < sizeof shown / sizeof *shown; i++)
+        fprintf(stream, "%s %s %.4g +- %.2g", i > 0 ? "," : "", cml_quantities[shown[i]].name,
+                o->value[shown[i]][k], o->error[shown[i]][k]);
+    fputs(" cm\n", stream);
+}
+
+cml_status cml_report_print_derivatives(FILE *stream, const struct cml_report *report, struct cml_error *err)
+{
+    enum { MOST = 16 }; /* the files have them all */
+    struct cml_outcome o = {.photons = report->sums->photons,
+                            .num_layers = report->scene->num_layers,
+                            .num_bodies = report->scene->num_bodies};
+    const int media = report->sums->grid.derivatives ? o.num_layers + o.num_bodies : 0;
+    const cml_status status = cml_report_derivatives(report, false, &o, err);
+    for (int k = 0; status == CML_OK && k < media && k < MOST; k++) print_medium(stream, &o, k);
+    cml_outcome_clear(&o);
+    return status;
+}

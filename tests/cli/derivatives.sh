@@ -1,0 +1,80 @@
+#!/bin/sh
+# --derivatives: nothing else changes by a bit; same bytes on any number of threads, after a stop and with --more; merge adds them, engines
+# agree within rounding; what they are not made for is refused by name. stat.derivatives judges the numbers.
+# SPDX-License-Identifier: MIT
+. tests/lib/cli.sh
+bare() { sed -e '/^# User time/d' "$1"; }
+same() { # FILE FILE WHAT
+    bare "$1" >"$work/a"
+    bare "$2" >"$work/b"
+    cmp -s "$work/a" "$work/b" || complain "$3: $(diff "$work/a" "$work/b" | head -5)"
+}
+# The sections of an .mco that are not of derivatives.
+rest() { bare "$1" | awk '/^(se_)?d(Rd|Tt|A)/ { of = 1 } !of; /^$/ { of = 0 }'; }
+scene() { printf '1.0\n1\n%s A\n%s\n%s\n0.02 0.02\n20 20 5\n2\n1\n1.37 0.5 50 0.8 0.05\nb 3 0.01 0.1 -0.01 0.1 0 0\n1.4 0.2 30 0.9 0.3\ni sphere 0 0 0.2 0.05 1.5 1 9 0.5\n1\n' "$@"; }
+mkdir "$work/one" "$work/three" "$work/without" "$work/stopped" "$work/grown" "$work/reference"
+
+scene two.mco 20000 "map 5 5 0.1 0.1 angles volume
+facets
+fluence
+directions 6 6" >"$work/two.mci"
+expect_code 0 "$work/two.mci" -o "$work/without" --quiet
+expect_code 0 "$work/two.mci" --derivatives -o "$work/one" --threads 1
+rest "$work/without/two.mco" >"$work/a"
+rest "$work/one/two.mco" >"$work/b"
+cmp -s "$work/a" "$work/b" || complain "the rest differs: $(diff "$work/a" "$work/b" | head -5)"
+for file in "$work/without"/*.vt?; do
+    cmp -s "$file" "$work/one/$(basename "$file")" || complain "$(basename "$file") differs"
+done
+grep -q '^  body 1: dRd_dmua -[0-9.]* +- [0-9.]*, dTt_dmua .* cm$' "$work/out" || complain "summary: $(cat "$work/out")"
+expect_code 0 "$work/two.mci" --derivatives -o "$work/three" --threads 3 --chunk 77 --quiet
+same "$work/one/two.mco" "$work/three/two.mco" threads
+
+# The double precision of `reference` rounds otherwise, and not much.
+scene two.mco 5000 >"$work/two.mci"
+expect_code 0 "$work/two.mci" --derivatives -o "$work/three" --quiet
+expect_code 0 "$work/two.mci" --derivatives --engine reference -o "$work/reference" --json
+python3 - "$work/out" "$work/three/two.mco" <<'END' || complain "reference"
+import json, sys
+record = json.load(open(sys.argv[1]))
+sections = open(sys.argv[2]).read()
+for name in ("dRd_dmua", "dTt_dmus"):
+    words = sections.split("\n" + name + " #")[1].split("\n")[1:4]
+    for a, b in zip(record[name], map(float, words)):
+        assert abs(a - b) < 0.02 * abs(b), (name, a, b)
+END
+
+# Stopped, resumed, and with more photons: as one run.
+scene whole.mco 200000 >"$work/whole.mci"
+expect_code 0 "$work/whole.mci" --derivatives -o "$work/one" --quiet
+"$program" "$work/whole.mci" --derivatives -o "$work/stopped" --quiet 2>"$work/err" &
+sleep 0.2
+kill -TERM $!
+wait $! && echo "the run was faster than the signal"
+expect_code 0 "$work/whole.mci" --derivatives -o "$work/stopped" --quiet --resume
+same "$work/one/whole.mco" "$work/stopped/whole.mco" resumed
+expect_code 0 "$work/whole.mci" --derivatives -o "$work/grown" --quiet --photons 50000 --keep
+expect_code 0 "$work/whole.mci" --derivatives -o "$work/grown" --quiet --more 150000
+same "$work/one/whole.mco" "$work/grown/whole.mco" "--more"
+
+# merge: the mean of two runs.
+expect_code 0 "$work/two.mci" --derivatives --seed 2 -o "$work/stopped" --quiet
+expect_code 0 merge "$work/three/two.mco" "$work/stopped/two.mco" --output "$work/merged.mco"
+first() { awk -v key="$2" '$1 == key { getline; print $1; exit }' "$1"; }
+awk -v a="$(first "$work/three/two.mco" dTt_dmua)" -v b="$(first "$work/stopped/two.mco" dTt_dmua)" -v m="$(first "$work/merged.mco" dTt_dmua)" \
+    'BEGIN { exit !(m < 0 && (m - (a + b) / 2) ^ 2 < 1e-14) }' || complain "merge: $(first "$work/merged.mco" dTt_dmua)"
+
+# Refused.
+printf 'layer1.mua\n1\n' >"$work/t.csv"
+for option in "--control flat" "--engine opencl" "--reweight --sweep $work/t.csv"; do
+    case $option in
+        --engine*) name=$option ;;
+        *) name=${option%% *} ;;
+    esac
+    expect_error 2 "--derivatives (expected no $name beside it)" "$work/two.mci" --derivatives $option
+done
+for line in "time 5 1000:time" "detector ring 0 0.1:detectors"; do
+    scene two.mco 9 "${line%:*}" >"$work/more.mci"
+    expect_error 2 "--derivatives: two.mco has ${line#*:} (expected a scene without)" "$work/more.mci" --derivatives
+done
+finish

@@ -13,6 +13,12 @@
 
 static const char blanks[] = " \t\v\f\r";
 
+static cml_status fail_reading(const char *path, const char *reason, const char *expected,
+                               struct cml_error *err)
+{
+    return cml_fail(err, CML_E_INPUT, "%s: cannot be read: %s (expected %s)", path, reason, expected);
+}
+
 /* In growing pieces: standard input has no length to ask for. One byte stays free for the final NUL. */
 static cml_status read_stream(FILE *stream, const char *path, char **data, size_t *size,
                               struct cml_error *err)
@@ -34,7 +40,7 @@ static cml_status read_stream(FILE *stream, const char *path, char **data, size_
     const int reason = errno;
     free(*data);
     *data = NULL;
-    return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", cml_text_name(path), strerror(reason));
+    return fail_reading(cml_text_name(path), strerror(reason), "a file", err);
 }
 
 const char *cml_text_name(const char *path)
@@ -60,10 +66,10 @@ cml_status cml_text_read_file(const char *path, char **data, size_t *size, struc
     *data = NULL;
     const bool standard = strcmp(path, "-") == 0;
     FILE *stream = standard ? stdin : fopen(path, "rb");
-    if (!stream) return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
+    if (!stream) return fail_reading(path, strerror(errno), "a file", err);
     if (!standard && is_device(fileno(stream))) {
         fclose(stream);
-        return cml_fail(err, CML_E_INPUT, "%s: cannot be read (a device)", path);
+        return fail_reading(path, "it is a device", "a file", err);
     }
     const cml_status status = read_stream(stream, path, data, size, err);
     if (!standard) fclose(stream);
@@ -85,14 +91,22 @@ cml_status cml_text_read(const struct cml_text_source *source, const char *path,
                          struct cml_error *err)
 {
     CML_TRY(cml_text_read_bytes(source, path, text, err));
+    /* Editors on Windows write a byte order mark; before a comment it would make that line a number. */
+    if (strncmp(text->data, "\xEF\xBB\xBF", 3) == 0) {
+        text->size -= 3;
+        memmove(text->data, text->data + 3, text->size + 1);
+    }
     if (strlen(text->data) == text->size) return CML_OK;
     const bool utf16 = memcmp(text->data, "\xFF\xFE", 2) == 0 || memcmp(text->data, "\xFE\xFF", 2) == 0;
     const bool hdf5 = strncmp(text->data, "\x89HDF", 4) == 0;
-    const cml_status status =
-        cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", text->path,
-                 utf16  ? "it is UTF-16; save it as UTF-8"
-                 : hdf5 ? "it is HDF5, not text; results are for plot, compare and merge"
-                        : "it holds a NUL byte, so it is not a text file");
+    const cml_status status = fail_reading(text->path,
+                                           utf16  ? "it is UTF-16"
+                                           : hdf5 ? "it is HDF5"
+                                                  : "it holds a NUL byte",
+                                           utf16  ? "a text file in UTF-8"
+                                           : hdf5 ? "a text file; results are for plot, compare and merge"
+                                                  : "a text file",
+                                           err);
     cml_text_clear(text);
     return status;
 }

@@ -28,8 +28,8 @@ struct cml_text_source {
 };
 
 /* Reads `path` ("-" is standard input) from `source`, NULL: the file system. CML_E_INPUT when it cannot be
- * opened or read, holds a NUL byte, or is a directory: "PATH: cannot be read (REASON)". On failure *text is
- * cleared. */
+ * opened or read, holds a NUL byte, or is a directory: "PATH: cannot be read: REASON (expected ...)". On
+ * failure *text is cleared. */
 CML_NODISCARD cml_status cml_text_read(const struct cml_text_source *source, const char *path,
                                        struct cml_text *text, struct cml_error *err);
 

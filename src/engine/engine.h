@@ -65,7 +65,7 @@ struct cml_fate_record {
 struct cml_trace_event {
     const char *what; /* "launch", "interact", "reflect", "transmit", "end"; or "detect", after all others */
     int detector;     /* number of that which saw it, from 0; of "detect", which has a weight and no more */
-    int medium;       /* 0..L+1 */
+    int medium;       /* 0..L+1, L+2 and up: bodies */
     double position[3]; /* of the scene, cm */
     double direction[3];
     double weight; /* share of a packet */

@@ -12,10 +12,7 @@ cml_status cml_mci_open(const char *path, const struct cml_input_options *option
                         struct cml_mci_reader *reader, struct cml_error *err)
 {
     *reader = (struct cml_mci_reader){.options = options, .err = err};
-    CML_TRY(cml_text_read(options->source, path, &reader->text, err));
-    /* Editors on Windows write a byte order mark; before a comment it would make that line the version. */
-    if (strncmp(reader->text.data, "\xEF\xBB\xBF", 3) == 0) reader->text.cursor = 3;
-    return CML_OK;
+    return cml_text_read(options->source, path, &reader->text, err);
 }
 
 void cml_mci_close(struct cml_mci_reader *reader)

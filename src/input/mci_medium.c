@@ -147,7 +147,7 @@ static cml_status read_table(struct cml_mci_reader *reader, const char *owner, s
     const char *name = cml_text_word(&reader->cursor);
     char field[64];
     snprintf(field, sizeof field, "%s: file", owner);
-    if (!name || name[0] == '"')
+    if (!name || name[0] == '"' || name[0] == '\0')
         return cml_mci_fail(reader, field, name, "the name of a file of angles and densities");
     CML_TRY(cml_path_beside(reader->text.path, name, &phase->file, reader->err));
     cml_status status = cml_text_read(reader->options->source, phase->file, &file, reader->err);

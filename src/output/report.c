@@ -15,6 +15,12 @@ static void print_estimate(FILE *stream, double value, double error)
         fprintf(stream, small ? "+- %.1e" : "+- %.6f", error);
 }
 
+/* A limit of underflow (CML_LEAST_THROUGH) is none beside all that is printed. */
+static double shown_limit(double error)
+{
+    return error < 1e-99 ? 0 : error;
+}
+
 /* The letters are MCML's; the error is that of one standard deviation, but that of what is exact is a limit.
  */
 static void print_total(FILE *stream, const struct cml_report *report, enum cml_total total)
@@ -25,7 +31,8 @@ static void print_total(FILE *stream, const struct cml_report *report, enum cml_
         fprintf(stream, "   control %.7f +- %.7f", report->control[total].value,
                 report->control[total].error);
     if (report->exact)
-        fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[total], report->exact->error[total]);
+        fprintf(stream, "   exact %.7f +- %.1g", report->exact->value[total],
+                shown_limit(report->exact->error[total]));
     fputc('\n', stream);
 }
 
@@ -50,6 +57,25 @@ static void print_absorbed(FILE *stream, const struct cml_report *report)
     }
 }
 
+/* What each detector has seen. */
+static void print_detected(FILE *stream, const struct cml_report *report)
+{
+    const struct cml_result *result = report->sums;
+    const int detectors = report->scene->num_detectors;
+    for (int k = 0; k < detectors; k++) {
+        if (k == MOST_MEDIA) {
+            fprintf(stream, "  %d more detectors: in the result\n", detectors - k);
+            return;
+        }
+        fprintf(stream, "  detector %s", report->scene->detectors[k].name);
+        print_estimate(stream,
+                       cml_result_bin_sum(result->detector, detectors, k) * CML_WEIGHT_UNIT /
+                           (double)result->photons,
+                       cml_result_bin_error(result, result->detector, detectors, k));
+        fputc('\n', stream);
+    }
+}
+
 /* Boundaries that are given a shape have a line in the file. */
 static void print_flattened(FILE *stream, const struct cml_scene *scene)
 {
@@ -69,7 +95,7 @@ void cml_report_exact(FILE *stream, const struct cml_scene *scene, const struct 
         else
             fprintf(stream, "  A of layer %d", i - CML_EXACT_LAYERS + 1);
         fprintf(stream, exact->value[i] > 0 && exact->value[i] < 1e-3 ? " %.8e +- %.1g\n" : " %.9f +- %.1g\n",
-                exact->value[i], exact->error[i]);
+                exact->value[i], shown_limit(exact->error[i]));
     }
     if (!exact->converged)
         fprintf(stream, "  errors are above the aim at the highest order that was tried\n");
@@ -158,14 +184,16 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
     const int totals = cml_num_totals(report->scene->backing.kind != CML_NO_BACKING);
     for (int i = 0; i < totals; i++) print_total(stream, report, (enum cml_total)i);
     print_absorbed(stream, report);
+    print_detected(stream, report);
     print_expected(stream, report);
     fprintf(stream, "  books: residue %.17g, roulette +%.3g -%.3g, lost %llu\n", cml_result_imbalance(result),
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));
     print_rarities(stream, result, report->provenance->value[CML_DECIDES_run]);
-    fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps, %.3g ns/step on %d thread%s\n", seconds,
-            (double)result->photons / seconds, steps, 1e9 * seconds / steps, report->timing->threads,
-            report->timing->threads == 1 ? "" : "s");
+    fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps", seconds, (double)result->photons / seconds,
+            steps);
+    if (steps > 0) fprintf(stream, ", %.3g ns/step", 1e9 * seconds / steps);
+    fprintf(stream, " on %d thread%s\n", report->timing->threads, report->timing->threads == 1 ? "" : "s");
     print_seconds_to(stream, report);
     if (!isnan(report->flat_below) && !report->exact)
         fprintf(stream, "  all is flat below z = %.4g cm: --aim Tt would give Tt a smaller error\n",

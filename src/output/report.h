@@ -56,6 +56,9 @@ enum cml_report_reader { CML_READ_BY_PEOPLE, CML_READ_IN_MCO, CML_READ_IN_H5 };
 void cml_report_shapes(FILE *stream, const char *prefix, const struct cml_scene *scene,
                        const struct cml_surface_set *surfaces, enum cml_report_reader reader);
 
+/* "disk", "ring", "rectangle" or "map"; a ring from 0 on is a disk. */
+const char *cml_detector_word(const struct cml_detector_def *detector);
+
 /* "above", "layer 1", "below" or "body 1". */
 enum { CML_MEDIUM_NAME = 24 };
 void cml_medium_name(const struct cml_scene *scene, int medium, char name[CML_MEDIUM_NAME]);

@@ -373,13 +373,12 @@ static json_t *map_json(const struct cml_map_def *map)
 /* Sizes as behind the word: radii, lengths, or those of a pixel. */
 static json_t *detector_json(const struct subject *subject, int k)
 {
-    static const char *const names[] = {"ring", "rectangle", "map"};
     const struct cml_detector_def *d = &subject->scene->detectors[k];
     const double degrees = 180 / acos(-1.0);
     json_t *object =
         json_pack("{s:s, s:s, s:[f,f], s:i, s:i, s:f, s:f, s:f, s:s, s:f, s:f, s:b}", "name", d->name,
-                  "shape", names[d->kind], "size", d->size[0], d->size[1], "nx", d->nx, "ny", d->ny, "x",
-                  d->x, "y", d->y, "z", d->z, "side", d->below ? "bottom" : "top", "angle",
+                  "shape", cml_detector_word(d), "size", d->size[0], d->size[1], "nx", d->nx, "ny", d->ny,
+                  "x", d->x, "y", d->y, "z", d->z, "side", d->below ? "bottom" : "top", "angle",
                   d->angle * degrees, "azimuth", d->azimuth * degrees, "diffuse", d->diffuse);
     json_object_set_new(object, "na", d->aimed ? json_real(d->na) : json_null());
     return object;

@@ -226,15 +226,21 @@ void cml_report_beams(FILE *stream, const char *prefix, const struct cml_scene *
         if (scene->beams[k].given) cml_report_beam(stream, prefix, scene, k, starts);
 }
 
+const char *cml_detector_word(const struct cml_detector_def *detector)
+{
+    static const char *const words[] = {"ring", "rectangle", "map"};
+    return detector->kind == CML_DETECTOR_RING && detector->size[0] == 0 ? "disk" : words[detector->kind];
+}
+
 static void report_detector(FILE *stream, const char *prefix, const struct cml_detector_def *detector)
 {
-    static const char *const names[] = {"ring of radii", "rectangle of", "map of"};
     const double degrees = 180 / acos(-1.0), *size = detector->size;
-    fprintf(stream, "%sdetector %s: %s ", prefix, detector->name, names[detector->kind]);
+    const bool ring = detector->kind == CML_DETECTOR_RING, disk = ring && size[0] == 0;
+    fprintf(stream, "%sdetector %s: %s of ", prefix, detector->name, cml_detector_word(detector));
     if (detector->kind == CML_DETECTOR_MAP) fprintf(stream, "%d x %d pixels of ", detector->nx, detector->ny);
-    fprintf(stream, "%.15g %s %.15g cm at (%.15g %.15g %.15g) cm, %s", size[0],
-            detector->kind == CML_DETECTOR_RING ? "and" : "x", size[1], detector->x, detector->y, detector->z,
-            detector->below ? "bottom" : "top");
+    if (!disk) fprintf(stream, ring ? "radii %.15g and " : "%.15g x ", size[0]);
+    fprintf(stream, "%s%.15g cm at (%.15g %.15g %.15g) cm, %s", disk ? "radius " : "", size[1], detector->x,
+            detector->y, detector->z, detector->below ? "bottom" : "top");
     if (detector->aimed)
         fprintf(stream, ", na %.15g, angle %.15g, azimuth %.15g degrees", detector->na,
                 detector->angle * degrees, detector->azimuth * degrees);

@@ -70,6 +70,27 @@ awk '{ v[NR] = $1 } END { exit !(NR == 3 && v[1] != v[2] && (v[3] - (v[1] + v[2]
 expect_code 0 merge "$work/1/b.mco" "$work/2/b.mco" -o "$work/m.mco"
 grep -Eq '^  A_backing 0\.[0-9]{6} \+- 0\.[0-9]{6}$' "$work/out" || complain "merge: $(cat "$work/out")"
 
+# What people read: no Tt and no limit of it, what each detector has seen, and rows of a sweep with all totals.
+scene seen.mco "backing 0.5"
+sed -i '4s/$/\ndetector disk 0.1\ndetector ring 0.1 0.3 name=far/' "$work/seen.mci"
+sed -e '/^b /d' -e '/^detector/d' "$work/seen.mci" >"$work/plain.mci"
+expect_code 0 exact "$work/plain.mci"
+grep -qx '  Tt   0.000000000 +- 0' "$work/out" || complain "exact: $(cat "$work/out")"
+expect_code 0 "$work/seen.mci" -o "$work"
+cp "$work/out" "$work/summary"
+expect_code 0 "$work/seen.mci" --json -o "$work"
+for name in 1 far; do
+    seen=$(printf '  detector %s %.6f +- %.6f' $name "$(value detector_$name "$work/out")" "$(value detector_${name}_se "$work/out")")
+    grep -qxF "$seen" "$work/summary" || complain "no line $seen: $(cat "$work/summary")"
+done
+expect_code 0 check "$work/seen.mci"
+grep -q '^  detector 1: disk of radius 0.1 cm at (0 0 0) cm, top$' "$work/out" && grep -q '^  detector far: ring of radii 0.1 and 0.3 cm' "$work/out" ||
+    complain "detectors of check: $(cat "$work/out")"
+printf 'layer1.mua\n0.5\n' >"$work/one.csv"
+expect_code 0 "$work/plain.mci" --sweep "$work/one.csv" -o "$work"
+grep -Eq 'layer1.mua=0.5  Rsp 0\.[0-9]+ \+- 0\.[0-9]+, Rd 0\.[0-9]+ \+- .*, Tt 0.000000 \+- 0.000000, A_backing 0\.[0-9]+ \+- 0\.[0-9]+$' "$work/out" ||
+    complain "the row: $(cat "$work/out")"
+
 # plan: nothing is transmitted, and what it says of the rest holds to a factor of 1.5.
 expect_code 0 plan "$work/b.mci" --photons 4096 --target-error 0.003 --json
 grep -q '"Tt":{"photons":null,"seconds":null}' "$work/out" || complain "plan: $(cat "$work/out")"

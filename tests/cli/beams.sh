@@ -25,6 +25,11 @@ done
 grep -qx '# beam pencil at (0.25 -0.5 0.05) cm, angle 0, azimuth 0 degrees, light isotropic, r about its place' "$work/aside.mco" ||
     complain "the .mco of radial=beam: $(grep beam "$work/aside.mco")"
 
+# Nothing has happened: no time per step.
+scene away "beam pencil z=-0.1 angle=180"
+expect_code 0 "$work/away.mci" --engine reference -o "$work"
+grep -Eq '^  .* photons/s, 0 steps on 1 thread$' "$work/out" || complain "no steps: $(cat "$work/out")"
+
 # Several: the results name all of them; the JSON line stays one object of one line, with what was set.
 scene three "beam pencil" "beam disk 0.1 at=0.5,0 z=0.05 angle=180 share=3" "#@ beam ring 0.1 0.2 light=na:0.5 share=0.5"
 expect_code 0 "$work/three.mci" --json --set beam2.angle=170 --set beam3.na=0.6 -o "$work"

@@ -43,7 +43,7 @@ for bench in "bench_busy" "bench_queries" "bench_curved" "bench_asked"; do
     code=0
     "$build/$bench" "$work/none.mci" mesh >"$work/out" 2>"$work/err" || code=$?
     test $code -eq 2 || complain "$bench none.mci: exit $code, not 2"
-    test "$(cat "$work/err")" = "$bench: $work/none.mci: cannot be read (No such file or directory)" ||
+    test "$(cat "$work/err")" = "$bench: $work/none.mci: cannot be read: No such file or directory (expected a file)" ||
         complain "$bench none.mci: $(cat "$work/err")"
 done
 finish

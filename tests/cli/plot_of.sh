@@ -263,9 +263,9 @@ if test $h5 = 1; then
     done
     expect_error 2 "$work/scene.h5: no map Rd_z (expected a data set over y and x)" plot "$work/scene.h5" --of Rd_z -o "$work/none.svg"
     cp "$a" "$work/false.h5"
-    expect_error 2 "$work/false.h5: cannot be read as an HDF5 file" plot "$work/false.h5" -o "$work/none.svg"
-    expect_error 2 "$work/none.h5: cannot be read (No such file or directory)" plot "$work/none.h5" -o "$work/none.svg"
-    expect_error 2 "$work/false.h5: cannot be read as an HDF5 file" compare "$a" "$work/false.h5"
+    expect_error 2 "$work/false.h5: cannot be read as an HDF5 file (expected the .h5 file of a run)" plot "$work/false.h5" -o "$work/none.svg"
+    expect_error 2 "$work/none.h5: cannot be read: No such file or directory (expected an .h5 file)" plot "$work/none.h5" -o "$work/none.svg"
+    expect_error 2 "$work/false.h5: cannot be read as an HDF5 file (expected the .h5 file of a run)" compare "$a" "$work/false.h5"
 else
     touch "$work/any.h5"
     expect_error 2 "$work/any.h5: this program was built without HDF5" plot "$work/any.h5" -o "$work/none.svg"

@@ -26,7 +26,7 @@ for streams in '<&-' '>&-' '2>&-' '<&- >&- 2>&-'; do
 done
 
 # a device without end as input; a name that is not UTF-8
-expect_error 2 '/dev/zero: cannot be read (a device)' /dev/zero
+expect_error 2 '/dev/zero: cannot be read: it is a device (expected a file)' /dev/zero
 name=$(printf 'caf\351.mci')
 sed 's/hihill.mco/caf.mco/' $scene >"$work/$name"
 expect_code 0 "$work/$name" --photons 100 --json -o "$work"

@@ -135,7 +135,7 @@ for option in photons seed; do
         "$work/ridges.mci" --sweep "$work/two.csv" --$option 5 -o "$work"
 done
 expect_error 2 "--sweep $work/one.csv (expected a file with one run; samples/two_runs.mci has 2)" samples/two_runs.mci --sweep "$work/one.csv"
-expect_error 2 "$work/missing.csv: cannot be read (No such file or directory)" "$work/ridges.mci" --sweep "$work/missing.csv"
+expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"
 grep -q "it would overwrite the input $work/ridges.sweep.csv" "$work/err" || complain "the table would be overwritten: $(cat "$work/err")"

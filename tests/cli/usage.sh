@@ -19,7 +19,7 @@ expect_error 2 "check takes one scene, not a.mci and b.mci $one" check a.mci b.m
 expect_error 2 "unknown command chek (did you mean check?)" chek a.mci
 expect_error 2 "unknown command cross (did you mean crosscheck?)" cross a.mci
 expect_error 2 "unknown command devcies (did you mean devices?)" devcies
-expect_error 2 "plann.mci: cannot be read (No such file or directory)" plann.mci
+expect_error 2 "plann.mci: cannot be read: No such file or directory (expected a file)" plann.mci
 
 # Names are written out; what was probably meant is said.
 expect_error 2 "unknown option --fotons (did you mean --photons?)" $sample --fotons 3
@@ -81,7 +81,7 @@ expect_code 2 "$work"
 expect_code 5 $sample --photons 10 -o "$work/missing"
 
 printf '\377\3761\0.\0000\0\n\0' >"$work/utf16.mci"
-expect_error 2 "$work/utf16.mci: cannot be read (it is UTF-16; save it as UTF-8)" "$work/utf16.mci"
+expect_error 2 "$work/utf16.mci: cannot be read: it is UTF-16 (expected a text file in UTF-8)" "$work/utf16.mci"
 expect_error 2 "run: -o $work/none.mco (expected a folder; --output names the result)" $sample -o "$work/none.mco"
 
 # Nothing is written, and nothing said on standard output, when the input is wrong.

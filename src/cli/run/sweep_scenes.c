@@ -90,10 +90,14 @@ void cml_sweep_print_row(const struct cml_sweep_run *sweep, int row, const struc
     printf("  row %d of %d:", row + 1, table->num_rows);
     for (int c = 0; c < table->num_columns; c++)
         printf(" %s=%s", table->name[c], table->cell[(size_t)row * (size_t)table->num_columns + (size_t)c]);
-    printf("  Rd %.6f +- %.6f, A %.6f +- %.6f, Tt %.6f +- %.6f\n", record->value[CML_TOTAL_REFLECTED],
-           record->error[CML_TOTAL_REFLECTED], record->value[CML_TOTAL_ABSORBED],
-           record->error[CML_TOTAL_ABSORBED], record->value[CML_TOTAL_TRANSMITTED],
-           record->error[CML_TOTAL_TRANSMITTED]);
+    const char *before = "  ";
+    for (int t = 0; t < cml_num_totals(sweep->base->scenes[0].backing.kind != CML_NO_BACKING); t++) {
+        if (t == CML_TOTAL_SPECULAR && !(record->value[t] > 0)) continue;
+        printf("%s%s %.6f +- %.6f", before, cml_quantities[cml_quantity_of_total(t)].name, record->value[t],
+               record->error[t]);
+        before = ", ";
+    }
+    putchar('\n');
     fflush(stdout);
 }
 

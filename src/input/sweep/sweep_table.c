@@ -173,7 +173,6 @@ static cml_status read_row(struct cml_sweep_table *table, char *line, struct cml
 
 static cml_status read_table(struct cml_sweep_table *table, struct cml_error *err)
 {
-    if (strncmp(table->text.data, "\xEF\xBB\xBF", 3) == 0) table->text.cursor = 3; /* of editors on Windows */
     CML_TRY(read_header(table, err));
     for (char *line; (line = next_line(&table->text));) CML_TRY(read_row(table, line, err));
     if (table->num_rows > 0) return CML_OK;

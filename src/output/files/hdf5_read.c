@@ -45,14 +45,16 @@ cml_status cml_hdf5_open(const char *path, struct cml_hdf5 *file, struct cml_err
     (void)H5PLset_loading_state(0);
     *file = (struct cml_hdf5){.path = path, .descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
     if (file->descriptor < 0)
-        return cml_fail(err, CML_E_INPUT, "%s: cannot be read (%s)", path, strerror(errno));
+        return cml_fail(err, CML_E_INPUT, "%s: cannot be read: %s (expected an .h5 file)", path,
+                        strerror(errno));
     const bool regular = fstat(file->descriptor, &status) == 0 && S_ISREG(status.st_mode);
     file->id = regular ? H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT) : -1;
     file->bytes = regular ? (size_t)status.st_size : 0;
     if (file->id >= 0) return CML_OK;
     (void)close(file->descriptor);
     if (!regular) return cml_fail(err, CML_E_INPUT, "%s: is no regular file (expected an .h5 file)", path);
-    return cml_fail(err, CML_E_INPUT, "%s: cannot be read as an HDF5 file", path);
+    return cml_fail(err, CML_E_INPUT, "%s: cannot be read as an HDF5 file (expected the .h5 file of a run)",
+                    path);
 }
 
 void cml_hdf5_close(struct cml_hdf5 *file)

@@ -65,21 +65,38 @@ static void files_of_any_size_are_read_whole(void **state)
     case_remove(state, "in");
 }
 
+static void a_byte_order_mark_is_no_text(void **state)
+{
+    struct cml_error err;
+    struct cml_text text;
+    case_write_bytes(state, "in",
+                     "\xEF\xBB\xBF"
+                     "0 1\n",
+                     7);
+    assert_int_equal(cml_text_read(NULL, case_in_directory(state, "in"), &text, &err), CML_OK);
+    assert_int_equal(text.size, 4);
+    assert_string_equal(cml_text_next(&text), "0 1");
+    cml_text_clear(&text);
+    case_remove(state, "in");
+}
+
 static void unreadable_files_are_refused(void **state)
 {
     struct cml_error err;
     struct cml_text text;
     assert_int_equal(cml_text_read(NULL, case_in_directory(state, "none"), &text, &err), CML_E_INPUT);
-    case_assert_fails_for(state, &err, CML_E_INPUT, "none", "cannot be read (No such file or directory)");
+    case_assert_fails_for(state, &err, CML_E_INPUT, "none",
+                          "cannot be read: No such file or directory (expected a file)");
     assert_int_equal(mkdir(case_in_directory(state, "folder"), 0700), 0);
     assert_int_equal(cml_text_read(NULL, case_in_directory(state, "folder"), &text, &err), CML_E_INPUT);
-    case_assert_fails_for(state, &err, CML_E_INPUT, "folder", "cannot be read (Is a directory)");
+    case_assert_fails_for(state, &err, CML_E_INPUT, "folder",
+                          "cannot be read: Is a directory (expected a file)");
     assert_null(text.data);
     rmdir(case_in_directory(state, "folder"));
     case_write_bytes(state, "nul", "1\0002\n", 4);
     assert_int_equal(cml_text_read(NULL, case_in_directory(state, "nul"), &text, &err), CML_E_INPUT);
     case_assert_fails_for(state, &err, CML_E_INPUT, "nul",
-                          "cannot be read (it holds a NUL byte, so it is not a text file)");
+                          "cannot be read: it holds a NUL byte (expected a text file)");
     assert_null(text.path);
     case_remove(state, "nul");
 }
@@ -217,6 +234,7 @@ int main(void)
         cmocka_unit_test(lines_lose_lf_and_crlf),
         cmocka_unit_test(empty_and_unended_files),
         cmocka_unit_test(files_of_any_size_are_read_whole),
+        cmocka_unit_test(a_byte_order_mark_is_no_text),
         cmocka_unit_test(unreadable_files_are_refused),
         cmocka_unit_test(words_are_cut_at_blanks_and_quotes),
         cmocka_unit_test(doubles_are_whole_words),

@@ -202,7 +202,7 @@ static void heightfields_that_are_none(void **state)
         {ONE "b \"heights.txt\" in mm\n",
          "x.mci:9: boundary 0: text after the file name = in (expected the end of the line or a # comment)"},
         {ONE "b \"nowhere.txt\"\n",
-         "x.mci:9: boundary 0: nowhere.txt: cannot be read (No such file or directory)"},
+         "x.mci:9: boundary 0: nowhere.txt: cannot be read: No such file or directory (expected a file)"},
     };
     CHECK_ALL(state, table);
 }
@@ -243,8 +243,10 @@ static void meshes_that_cannot_be_read(void **state)
         {ONE "m \"skin.obj\n",
          "x.mci:9: boundary 0: file = \"skin.obj (expected a file name in a pair of quotes)"},
         {ONE "m \"skin.gsf\" up=y\n", "x.mci:9: boundary 0: up = y (expected z or -z for a heightmap)"},
-        {ONE "m \"skin.gsf\"\n", "x.mci:9: boundary 0: skin.gsf: cannot be read (No such file or directory)"},
-        {ONE "m \"skin.asc\"\n", "x.mci:9: boundary 0: skin.asc: cannot be read (No such file or directory)"},
+        {ONE "m \"skin.gsf\"\n",
+         "x.mci:9: boundary 0: skin.gsf: cannot be read: No such file or directory (expected a file)"},
+        {ONE "m \"skin.asc\"\n",
+         "x.mci:9: boundary 0: skin.asc: cannot be read: No such file or directory (expected a file)"},
         {ONE "m \"skin\"\n",
          "x.mci:9: boundary 0: file = skin (expected an .obj file, or a .gsf or .asc heightmap)"},
         {ONE "m \"a.obj\" units=inch\n", "x.mci:9: boundary 0: units = inch (expected cm, mm, um or m)"},
@@ -278,7 +280,7 @@ static void meshes_that_cannot_be_read(void **state)
         {ONE "m \"a.obj\" normals=smooth\n",
          "x.mci:9: boundary 0: normals = smooth (expected face or vertex)"},
         {ONE "m \"nowhere.obj\"\n",
-         "x.mci:9: boundary 0: nowhere.obj: cannot be read (No such file or directory)"},
+         "x.mci:9: boundary 0: nowhere.obj: cannot be read: No such file or directory (expected a file)"},
     };
     CHECK_ALL(state, table);
 }
@@ -510,7 +512,7 @@ static void missing_input_file(void **state)
     case_path(state, "none.mci", path);
     assert_int_equal(cml_mci_read(path, NULL, &list, &err), CML_E_INPUT);
     case_normalise(state, err.text);
-    assert_string_equal(err.text, "none.mci: cannot be read (No such file or directory)");
+    assert_string_equal(err.text, "none.mci: cannot be read: No such file or directory (expected a file)");
     assert_null(list.scenes);
     assert_int_equal(list.count, 0);
 }

@@ -105,7 +105,7 @@ static void what_is_refused(void **state)
         {LAYER(0) "phase table\n1\n",
          "x.mci:10: " PHASE ": file is missing (expected the name of a file of angles and densities)"},
         {LAYER(0) "phase table \"none.txt\"\n1\n",
-         "x.mci:10: " PHASE ": none.txt: cannot be read (No such file or directory)"},
+         "x.mci:10: " PHASE ": none.txt: cannot be read: No such file or directory (expected a file)"},
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++) {
         struct cml_error err;

@@ -317,7 +317,7 @@ static void files_that_are_none(void **state)
     case_path(state, "none.mco", path);
     assert_int_equal(cml_mco_read(path, &mco, &err), CML_E_INPUT);
     case_normalise(state, err.text);
-    assert_string_equal(err.text, "none.mco: cannot be read (No such file or directory)");
+    assert_string_equal(err.text, "none.mco: cannot be read: No such file or directory (expected a file)");
     assert_int_equal(case_read(state, "A1\0", 3, &mco, &err), CML_E_INPUT);
     assert_null(mco.output);
 }

@@ -243,8 +243,8 @@ static void grids_that_are_refused(void **state)
     };
     for (size_t i = 0; i < sizeof table / sizeof *table; i++)
         assert_refused(state, "x.asc", table[i].text, strlen(table[i].text), &table[i]);
-    const struct refusal binary = {
-        "", "x.asc: cannot be read (it holds a NUL byte, so it is not a text file)", 1};
+    const struct refusal binary = {"", "x.asc: cannot be read: it holds a NUL byte (expected a text file)",
+                                   1};
     assert_refused(state, "x.asc", "ncols\0 3", 8, &binary);
 }
 

@@ -188,7 +188,8 @@ static void refuses_missing_file(void **state)
     struct cml_mesh mesh;
     struct cml_error err;
     assert_int_equal(cml_obj_read(NULL, "/nowhere/m.obj", &centimetres, &mesh, NULL, &err), CML_E_INPUT);
-    assert_string_equal(err.text, "/nowhere/m.obj: cannot be read (No such file or directory)");
+    assert_string_equal(err.text,
+                        "/nowhere/m.obj: cannot be read: No such file or directory (expected a file)");
 }
 
 /* Many ways to write the same pyramid. */

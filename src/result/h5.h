@@ -19,6 +19,11 @@ struct cml_h5_more {
 CML_NODISCARD cml_status cml_h5_write(const char *path, const struct cml_outcome *outcome,
                                       const struct cml_h5_more *more, struct cml_error *err);
 
+/* The attributes of a file of a run: what decided its bits, the scene in words. Returns their number. */
+#define CML_H5_MOST_ATTRIBUTES (CML_NUM_OPTIONS_OF_BITS + 13)
+int cml_h5_attributes(const struct cml_outcome *outcome, const struct cml_h5_more *more,
+                      struct cml_attribute *attributes);
+
 /* Quantities, provenance and the scene in words, of a run or merged. A_z and A_rz are 0 where absorption was
  * not tallied, n outside of all layers is 0. A program without HDF5 refuses every file. CML_E_INPUT with file
  * and data set; then *outcome is cleared. The caller clears it otherwise. */

@@ -68,8 +68,8 @@ static bool has_field(const struct fields *f, const char *name)
 }
 
 /* No times, and nothing of how the program was called: the same run gives the same bytes. */
-static int fill_attributes(const struct cml_outcome *o, const struct cml_h5_more *more,
-                           struct cml_attribute *attributes)
+int cml_h5_attributes(const struct cml_outcome *o, const struct cml_h5_more *more,
+                      struct cml_attribute *attributes)
 {
     struct cml_attribute *a = attributes;
     *a++ = (struct cml_attribute){"title", o->output, 0};
@@ -117,8 +117,8 @@ static char *describe_streams(const struct cml_outcome *o)
 static cml_status write_fields(const char *path, const struct cml_outcome *o, const struct cml_h5_more *more,
                                const struct fields *f, struct cml_error *err)
 {
-    struct cml_attribute attributes[CML_NUM_OPTIONS_OF_BITS + 13];
-    int count = fill_attributes(o, more, attributes);
+    struct cml_attribute attributes[CML_H5_MOST_ATTRIBUTES];
+    int count = cml_h5_attributes(o, more, attributes);
     char *streams = o->merged ? describe_streams(o) : NULL;
     if (o->merged && !streams) return cml_fail_memory(err, 1, "a merged result");
     if (o->merged) attributes[count++] = (struct cml_attribute){"merged", streams, 0};

@@ -28,6 +28,7 @@ struct cml_field {
     int num_axes;       /* 0: one number */
     const struct cml_axis *axis[CML_FIELD_AXES]; /* slowest first */
     bool single;                                 /* written as 32-bit floats, else as 64-bit */
+    bool plain;                                  /* not deflated: its digits are those of chance */
     cml_field_values *values;
     const void *context;
     const bool

@@ -23,6 +23,7 @@ struct writer {
     hid_t file;
     bool failed;
     double *buffer;       /* [CHUNK] */
+    float *narrow;        /* [CHUNK] the same in single precision */
     unsigned char *image; /* the file's bytes, which stay when the library closes it */
     size_t size, room;    /* bytes of it; that there is memory for */
     size_t refused;       /* bytes that there was no memory for; 0: none */
@@ -70,6 +71,7 @@ static void choose_chunk(const struct cml_field *field, hsize_t *chunk)
     size_t room = CHUNK;
     for (int i = field->num_axes - 1; i >= 0; i--) {
         chunk[i] = field->axis[i]->n < room ? field->axis[i]->n : room;
+        if (chunk[i] == 0) chunk[i] = 1; /* an empty array has none */
         room = chunk[i] < field->axis[i]->n ? 1 : room / (size_t)chunk[i];
     }
 }
@@ -84,7 +86,8 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
         made(w, field->num_axes ? H5Screate_simple(field->num_axes, size, NULL) : H5Screate(H5S_SCALAR));
     const hid_t properties = made(w, H5Pcreate(H5P_DATASET_CREATE));
     check(w, H5Pset_obj_track_times(properties, false));
-    if (field->num_axes) {
+    if (field->plain) check(w, H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER)); /* all is written */
+    if (cml_field_size(field) > 0 && field->num_axes > 0 && !field->plain) {       /* chunks are not empty */
         check(w, H5Pset_chunk(properties, field->num_axes, chunk));
         check(w, H5Pset_shuffle(properties));
         check(w, H5Pset_deflate(properties, 1));
@@ -97,10 +100,19 @@ static hid_t create_dataset(struct writer *w, const struct cml_field *field, con
     return dataset;
 }
 
-static void get_values(struct writer *w, const struct cml_field *field, size_t begin, size_t count)
+/* Returns where they are: rounded here, which is quicker than the library. */
+static const void *get_values(struct writer *w, const struct cml_field *field, size_t begin, size_t count)
 {
     field->values(field->context, begin, count, w->buffer);
     if (field->broken && *field->broken) w->failed = true;
+    if (!field->single) return w->buffer;
+    for (size_t i = 0; i < count; i++) w->narrow[i] = (float)w->buffer[i];
+    return w->narrow;
+}
+
+static hid_t type_here(const struct cml_field *field)
+{
+    return field->single ? H5T_NATIVE_FLOAT : H5T_NATIVE_DOUBLE;
 }
 
 /* One chunk, cut off at the end of the array. Returns how many values that was. */
@@ -114,11 +126,11 @@ static size_t write_chunk(struct writer *w, hid_t dataset, const struct cml_fiel
         size[i] = left < chunk[i] ? left : chunk[i];
         count *= (size_t)size[i];
     }
-    get_values(w, field, begin, count);
+    const void *values = get_values(w, field, begin, count);
     const hid_t there = made(w, H5Dget_space(dataset));
     const hid_t here = made(w, H5Screate_simple(field->num_axes, size, NULL));
     check(w, H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, size, NULL));
-    check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT, w->buffer));
+    check(w, H5Dwrite(dataset, type_here(field), here, there, H5P_DEFAULT, values));
     check(w, H5Sclose(here));
     check(w, H5Sclose(there));
     return count;
@@ -159,8 +171,8 @@ static void describe(struct writer *w, hid_t dataset, const struct cml_field *fi
 /* Without axes there are no chunks. */
 static void write_scalar(struct writer *w, hid_t dataset, const struct cml_field *field)
 {
-    get_values(w, field, 0, 1);
-    check(w, H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, w->buffer));
+    const void *values = get_values(w, field, 0, 1);
+    check(w, H5Dwrite(dataset, type_here(field), H5S_ALL, H5S_ALL, H5P_DEFAULT, values));
 }
 
 /* After a failure the data set is returned all the same: the caller closes it. */
@@ -347,8 +359,10 @@ cml_status cml_hdf5_write(const char *path, const struct cml_attribute *attribut
                           const struct cml_hdf5_call *call, const struct cml_field *fields, int num_fields,
                           struct cml_error *err)
 {
-    struct writer w = {.buffer = malloc(CHUNK * sizeof *w.buffer)};
-    if (!w.buffer) return cml_fail_memory(err, CHUNK * sizeof *w.buffer, "an HDF5 file");
+    const size_t size = CHUNK * (sizeof(double) + sizeof(float));
+    struct writer w = {.buffer = malloc(size)};
+    if (!w.buffer) return cml_fail_memory(err, (double)size, "an HDF5 file");
+    w.narrow = (float *)(w.buffer + CHUNK);
     create_file(&w);
     write_all(&w, attributes, num_attributes, call, fields, num_fields);
     close_file(&w);

@@ -313,7 +313,7 @@ struct cml_setup {
     real r0_x, r0_y;      /* the same from where results count r */
     struct cml_map map;
     struct cml_gates gates;
-    int keeps_paths; /* gates, detectors or rows want them */
+    int keeps_paths; /* gates, detectors, saved packets or rows want them */
     struct cml_direction_bins directions;
     struct cml_marks marks;
     struct cml_facet_range outer_facets[2]; /* of boundaries 0 and num_layers, count 0 for planes */
@@ -324,7 +324,7 @@ struct cml_setup {
 };
 
 #ifndef __OPENCL_VERSION__
-/* What detectors want to know of a packet's way (P13). */
+/* What detectors and saved packets want to know of a packet's way (P13, P18). */
 struct cml_trail {
     double *length; /* cm, by medium, of all visits but the one under way; NULL: nobody wants it */
     cml_u32 *count; /* the same of interactions */

@@ -67,17 +67,18 @@ static inline uint64_t cml_square_in_pixel(const struct cml_world *world, const 
 
 /* Light into all detectors that see it. before: other light of the same packet, which has been scored, or
  * NULL. sums: where `detected` begins in a tally, or in profiles; pixels: whose maps are scored, too, or
- * NULL.
+ * NULL. Returns the number of the first detector that sees it, from 1; 0: none does.
  */
-static inline void cml_score_light(const struct cml_world *world, const struct cml_light_out *light,
-                                   const struct cml_light_out *before, uint64_t *sums,
-                                   const struct cml_tally *pixels)
+static inline int cml_score_light(const struct cml_world *world, const struct cml_light_out *light,
+                                  const struct cml_light_out *before, uint64_t *sums,
+                                  const struct cml_tally *pixels)
 {
     const struct cml_detection *detection = &world->detection;
     const struct cml_setup *setup = &world->setup;
     const size_t gates = (size_t)setup->gates.count;
     const size_t moments =
         CML_MOMENT_CELLS * (2 * ((size_t)setup->num_layers + 2 + (size_t)setup->num_bodies) + 1);
+    int seen = 0;
     uint64_t *const sums_t = sums + detection->num_detectors, *const means =
                                                                   sums_t +
                                                                   (gates ? (size_t)detection->num_detectors *
@@ -95,6 +96,7 @@ static inline void cml_score_light(const struct cml_world *world, const struct c
             const struct cml_detector *detector = &detection->detectors[k];
             cml_u64 pixel;
             if (!cml_detects(detector, &light->ray, x, y, &pixel)) continue;
+            seen = seen && seen <= k ? seen : k + 1;
             sums[k] += light->times * light->w;
             if (gates) sums_t[(size_t)k * (gates + 1) + (size_t)light->gate] += light->times * light->w;
             cml_add_moments(world, light, means + (size_t)k * moments);
@@ -106,6 +108,7 @@ static inline void cml_score_light(const struct cml_world *world, const struct c
                                cml_square_in_pixel(world, detector, level->z, pixel, light->w, before));
         }
     }
+    return seen;
 }
 
 /* What is split off packet `index` at its launch (P1); weight 0: nothing, or no detector would see it. */

@@ -54,7 +54,9 @@ struct cml_grid cml_engine_grid(const struct cml_scene *scene, const struct cml_
                             .path_top = path_top(scene, surfaces),
                             .rows = options->derivatives ? 2 * (scene->num_layers + scene->num_bodies)
                                                          : options->rows.count,
-                            .derivatives = options->derivatives};
+                            .derivatives = options->derivatives,
+                            .saved = {scene->saved.limit, scene->saved.detected,
+                                      (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies}};
     for (int k = 0; k < scene->num_detectors; k++) {
         const struct cml_detector_def *detector = &scene->detectors[k];
         if (detector->kind == CML_DETECTOR_MAP)

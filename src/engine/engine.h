@@ -39,8 +39,9 @@ struct cml_engine_options {
     const struct cml_flat_tail *tail; /* P15: its expected values are wanted; NULL: none. Borrowed */
     struct cml_engine_rows rows;      /* with a scene without time, fluence, maps, facets, directions and
                                        * detectors, and without A_rz; not of engine opencl */
-    bool derivatives; /* P17: scores in place of rows; with a scene without time and detectors,
-                       * not of engine opencl */
+    bool derivatives;             /* P17: scores in place of rows; with a scene without time and detectors,
+                                   * not of engine opencl */
+    struct cml_saved_taker saved; /* of packets that the scene wants saved */
     /* opencl */
     const char *device; /* "0", "0,2" or "all", numbers as listed by `devices`; NULL: cml_opencl_default */
     int local_rank;     /* for that: this process's number among those of its machine */

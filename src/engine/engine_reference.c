@@ -33,6 +33,7 @@ static cml_status reference_open(const struct cml_scene *scene, const struct cml
     if (!engine) return cml_fail_memory(err, sizeof *engine, "an engine");
     cml_status status = cml_owned_world_create(scene, surfaces, options, &engine->owned, err);
     if (status == CML_OK) status = cml_tally_create(&grid, &engine->tally, err);
+    if (engine->tally.saved) engine->tally.saved->to = options->saved;
     const size_t rows = cml_row_stride(&grid);
     engine->factor = calloc(rows + 1, sizeof *engine->factor);
     if (status == CML_OK && !engine->factor)
@@ -58,6 +59,7 @@ static cml_status reference_run(void *self, const struct cml_work *work, struct 
             return cml_engine_given_up(err);
     }
     if (batch >= 0) work->note(work->context, batch, &engine->tally);
+    cml_saved_hand_in(engine->tally.saved);
     work->add(work->context, &engine->tally);
     return CML_OK;
 }

@@ -80,7 +80,7 @@ static inline bool run_piece(const struct cml_world *world, const struct cml_wor
     for (uint64_t i = 0; i < piece->count; i++) {
         struct cml_packet packet;
         cml_begin_walk(world, &to, piece->first + CML_NUM_BATCHES * i, &packet);
-        if (tally->detected) cml_leave_trail(world, tally, &packet);
+        if (tally->trail_length) cml_leave_trail(world, tally, &packet);
         if (rows.sums.count) rows_begin(world, &rows, &packet);
         while (packet.fate == CML_FATE_ALIVE) {
             if (++steps % CML_STEPS_PER_LOOK == 0 && cml_engine_gives_up(work, patience)) return false;

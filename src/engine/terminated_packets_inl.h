@@ -26,7 +26,7 @@ struct cml_terminated {
     real exit_x[CML_TERMINATED], exit_y[CML_TERMINATED], uz[CML_TERMINATED];
     real ux[CML_TERMINATED], uy[CML_TERMINATED];                   /* P7, P13, where asked for */
     real path[CML_TERMINATED];                                     /* P11, where time is asked for */
-    real exit_z[CML_TERMINATED];                                   /* P13, where detectors are */
+    real exit_z[CML_TERMINATED];                                   /* P13, P18, where trails are */
     cml_u32 index_low[CML_TERMINATED], index_high[CML_TERMINATED]; /* the same */
     cml_u32 w[CML_TERMINATED], interactions[CML_TERMINATED], boundary_events[CML_TERMINATED];
     int fate[CML_TERMINATED];
@@ -167,7 +167,7 @@ struct cml_termination {
     cml_u32 w, interactions, boundary_events;
     real exit_x, exit_y, exit_z, ux, uy, uz, path; /* exit_z: frame of the medium */
     int primitive;                                 /* touched last; 0 on planes */
-    struct cml_trail trail;                        /* P13, where detectors are */
+    struct cml_trail trail;                        /* P13, P18, where somebody wants it */
 };
 
 /* Packet i of the collection, which has left, into its pixel. */
@@ -223,14 +223,19 @@ static inline cml_u64 cml_terminated_index(const struct cml_terminated *terminat
     return (cml_u64)terminated->index_high[i] << 32 | terminated->index_low[i];
 }
 
+static inline int cml_has_left(int fate)
+{
+    return fate == CML_FATE_REFLECTED || fate == CML_FATE_TRANSMITTED || fate == CML_FATE_SPECULAR;
+}
+
 /* P13: packet i of the collection, whatever its end. What was split off it has been scored, or will be.
- * sums, pixels: as in cml_score_light. */
-static inline void cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
-                                       int i, const struct cml_trail *trail, uint64_t *sums,
-                                       const struct cml_tally *pixels)
+ * sums, pixels, what is returned: as in cml_score_light. */
+static inline int cml_tally_detectors(const struct cml_world *world, const struct cml_terminated *terminated,
+                                      int i, const struct cml_trail *trail, uint64_t *sums,
+                                      const struct cml_tally *pixels)
 {
     const int fate = terminated->fate[i];
-    if (fate != CML_FATE_REFLECTED && fate != CML_FATE_TRANSMITTED && fate != CML_FATE_SPECULAR) return;
+    if (!cml_has_left(fate)) return 0;
     const struct cml_light_out split = cml_light_split_off(world, cml_terminated_index(terminated, i));
     const struct cml_light_out light = {
         .ray = {.p = {terminated->exit_x[i], terminated->exit_y[i], terminated->exit_z[i]},
@@ -241,31 +246,65 @@ static inline void cml_tally_detectors(const struct cml_world *world, const stru
         .times = 1,
         .gate = cml_gate(world->setup.gates, terminated->path[i]),
         .trail = trail};
-    cml_score_light(world, &light, split.w ? &split : NULL, sums, pixels);
+    return cml_score_light(world, &light, split.w ? &split : NULL, sums, pixels);
 }
 
-/* primitive: touched last; 0 on planes. trail: where detectors are. */
+/* P18: packet i of the collection, whatever its end. detector: the first that has seen it, from 1. */
+static inline void cml_save_packet(const struct cml_world *world, const struct cml_terminated *terminated,
+                                   int i, int detector, const struct cml_trail *trail,
+                                   struct cml_saved_part *part)
+{
+    const struct cml_setup *setup = &world->setup;
+    const int fate = terminated->fate[i], below = fate == CML_FATE_TRANSMITTED;
+    if (!cml_has_left(fate) || (part->detected && !detector)) return;
+    struct cml_saved_row *row = cml_saved_next(part);
+    float *const length = (float *)(row + 1);
+    uint32_t *const count = (uint32_t *)(length + part->media);
+    row->index = cml_terminated_index(terminated, i);
+    row->weight = terminated->w[i];
+    row->touches = terminated->boundary_events[i];
+    row->place[0] = (float)(terminated->exit_x[i] + setup->x0);
+    row->place[1] = (float)(terminated->exit_y[i] + setup->y0);
+    row->place[2] = (float)(terminated->exit_z[i] + world->media[below ? setup->num_layers + 1 : 0].depth);
+    row->direction[0] = (float)terminated->ux[i];
+    row->direction[1] = (float)terminated->uy[i];
+    row->direction[2] = (float)terminated->uz[i];
+    row->deepest = trail->deepest > -CML_INFINITY ? (float)trail->deepest : NAN;
+    row->detector = (uint32_t)detector;
+    row->side = fate == CML_FATE_SPECULAR ? CML_SAVED_FRESH : below ? CML_SAVED_BOTTOM : CML_SAVED_TOP;
+    double path = 0;
+    for (size_t m = 0; m < part->media; m++) {
+        path += (double)world->media[m].n * trail->length[m];
+        length[m] = (float)trail->length[m];
+        count[m] = trail->count[m];
+    }
+    row->optical = (float)path;
+}
+
+/* primitive: touched last; 0 on planes. trail: where somebody wants it. */
 static inline void cml_tally_places(const struct cml_world *world, const struct cml_terminated *terminated,
                                     int i, int primitive, const struct cml_trail *trail,
                                     const struct cml_tally *tally)
 {
     const struct cml_setup *setup = &world->setup;
+    int detector = 0;
     if (tally->detected) {
         if (world->detection.split == CML_SPLIT_APART)
             cml_score_split_off(world, cml_terminated_index(terminated, i), 1, tally->detected, tally);
-        cml_tally_detectors(world, terminated, i, trail, tally->detected, tally);
+        detector = cml_tally_detectors(world, terminated, i, trail, tally->detected, tally);
     }
+    if (tally->saved) cml_save_packet(world, terminated, i, detector, trail, tally->saved);
     if (tally->Rd_dir) cml_tally_direction(setup, terminated, i, tally);
     if (terminated->fate[i] != CML_FATE_REFLECTED && terminated->fate[i] != CML_FATE_TRANSMITTED) return;
     if (tally->Rd_xya) cml_tally_pixel(setup, terminated, i, tally);
     if (tally->facets) cml_tally_escape(setup, terminated, i, primitive, tally);
 }
 
-/* Whether maps, facets, directions or detectors are scored, for which every packet must be looked at by
- * itself. */
+/* Whether maps, facets, directions or detectors are scored, or packets saved, for which every packet must be
+ * looked at by itself. */
 static inline int cml_tallies_places(const struct cml_tally *tally)
 {
-    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detected;
+    return tally->Rd_xya || tally->facets || tally->Rd_dir || tally->detected || tally->saved;
 }
 
 /* P9: what is rare goes into the tally at once. */

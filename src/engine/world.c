@@ -413,7 +413,8 @@ static void set_up(const struct cml_scene *scene, const struct cml_engine_option
     set_gates(&scene->time, &setup->gates);
     set_directions(&scene->directions, &setup->directions);
     const struct cml_grid grid = cml_engine_grid(scene, NULL, options);
-    setup->keeps_paths = scene->time.gates > 0 || scene->num_detectors > 0 || grid.rows > 0;
+    setup->keeps_paths =
+        scene->time.gates > 0 || scene->num_detectors > 0 || grid.saved.limit > 0 || grid.rows > 0;
     set_marks(&grid, &setup->marks);
     setup->x0 = (real)scene->beams[0].x;
     setup->y0 = (real)scene->beams[0].y;

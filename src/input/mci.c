@@ -25,7 +25,7 @@
 /* Where the reader stands decides which of our own lines may come before the next data line. */
 enum stage {
     STAGE_NAME,  /* none, and a bare keyword is a name */
-    STAGE_RUN,   /* beam, map, facets, time, directions, fluence, detector */
+    STAGE_RUN,   /* beam, map, facets, time, directions, fluence, detector, photons */
     STAGE_ABOVE, /* none */
     STAGE_LAYERS /* b, m, behind the first layer i and phase, behind the last one backing */
 };
@@ -34,7 +34,8 @@ enum stage {
 static bool is_of_run(enum cml_mci_kind kind)
 {
     return kind == CML_MCI_BEAM || kind == CML_MCI_MAP || kind == CML_MCI_FACETS || kind == CML_MCI_TIME ||
-           kind == CML_MCI_DIRECTIONS || kind == CML_MCI_FLUENCE || kind == CML_MCI_DETECTOR;
+           kind == CML_MCI_DIRECTIONS || kind == CML_MCI_FLUENCE || kind == CML_MCI_DETECTOR ||
+           kind == CML_MCI_PHOTONS;
 }
 
 /* A line of ours where it cannot stand: says where it can. */
@@ -47,12 +48,13 @@ static cml_status fail_misplaced(const struct cml_mci_reader *reader, enum cml_m
                        : kind == CML_MCI_DIRECTIONS ? "directions"
                        : kind == CML_MCI_DETECTOR   ? "detector"
                        : kind == CML_MCI_FLUENCE    ? "fluence"
+                       : kind == CML_MCI_PHOTONS    ? "photons"
                                                     : "facets";
     char expected[200];
     if (kind == CML_MCI_UNKNOWN)
-        snprintf(
-            expected, sizeof expected,
-            "b, m, i, phase, backing, beam, map, facets, time, directions, fluence or detector behind #@");
+        snprintf(expected, sizeof expected,
+                 "b, m, i, phase, backing, beam, map, facets, time, directions, fluence, detector or photons "
+                 "behind #@");
     else if (is_of_run(kind))
         snprintf(expected, sizeof expected,
                  "%s; a %s line stands between a run's first line and its number of layers", instead, name);
@@ -90,6 +92,7 @@ static cml_status read_run_line(struct cml_mci_reader *reader, enum cml_mci_kind
     if (kind == CML_MCI_DIRECTIONS) return cml_mci_directions(reader, &scene->directions);
     if (kind == CML_MCI_FLUENCE) return cml_mci_fluence(reader, &scene->fluence);
     if (kind == CML_MCI_TIME) return cml_mci_time(reader, &scene->time);
+    if (kind == CML_MCI_PHOTONS) return cml_mci_photons(reader, &scene->saved);
     return kind == CML_MCI_MAP ? cml_mci_map(reader, &scene->map) : cml_mci_facets(reader, &scene->facets);
 }
 
@@ -119,26 +122,12 @@ static cml_status next_data_line(struct cml_mci_reader *reader, enum stage stage
     }
 }
 
-/* What a name was expected to be that is none; NULL: it is one. */
-static const char *why_no_name(const char *name)
-{
-    const char *slash = strrchr(name, '/');
-    const char *last = slash ? slash + 1 : name;
-    /* 250 bytes leave room for the endings of other outputs in a directory entry. */
-    if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0 || strlen(last) > 250 ||
-        *name == '"')
-        return "a file name of 1..250 bytes";
-    for (const char *c = name; *c; c++)
-        if ((unsigned char)*c < 0x20 || *c == 0x7f) return "a file name without control characters";
-    return NULL;
-}
-
 /* Names are refused now that could only fail when the result is written, hours later; and a second run of
  * that name, which would overwrite the first. */
 static cml_status check_output(const struct cml_mci_reader *reader, const struct cml_scene_list *list,
                                const char *name)
 {
-    const char *wrong = why_no_name(name);
+    const char *wrong = cml_mci_why_no_name(name);
     if (wrong) return cml_mci_fail(reader, "output name", name, wrong);
     for (int i = 0; i < list->count - 1; i++) {
         if (strcmp(list->scenes[i].output, name) != 0) continue;
@@ -160,7 +149,7 @@ static bool ends_in(const char *name, const char *ending)
 /* A name from outside, which also says which format it is meant to have. */
 static cml_status rename_output(const struct cml_mci_reader *reader, struct cml_scene *scene)
 {
-    const char *name = reader->options->output, *expected = why_no_name(name);
+    const char *name = reader->options->output, *expected = cml_mci_why_no_name(name);
     if (expected) return cml_fail(reader->err, CML_E_INPUT, "--output %.80s (expected %s)", name, expected);
     free(scene->output);
     scene->output = NULL;
@@ -332,6 +321,7 @@ static cml_status read_run(struct cml_mci_reader *reader, struct cml_scene_list 
     if (!reader->options->known) CML_TRY(cml_scene_place_bodies(scene, reader->err));
     CML_TRY(cml_mci_end_beams(reader, scene));
     CML_TRY(cml_mci_end_detectors(reader, scene));
+    CML_TRY(cml_mci_check_photons(reader, scene));
     CML_TRY(cml_mci_check_settings(reader, scene));
     if (reader->options->settings)
         CML_TRY(cml_settings_text(reader->options->settings, &scene->settings, reader->err));

@@ -85,7 +85,8 @@ static const struct {
                {"time", CML_MCI_TIME},
                {"directions", CML_MCI_DIRECTIONS},
                {"fluence", CML_MCI_FLUENCE},
-               {"detector", CML_MCI_DETECTOR}};
+               {"detector", CML_MCI_DETECTOR},
+               {"photons", CML_MCI_PHOTONS}};
 
 const char *cml_mci_meant_keyword(const struct cml_mci_reader *reader)
 {
@@ -129,6 +130,7 @@ static void hint_at_mark(const struct cml_mci_reader *reader)
     behind += strspn(behind, blanks);
     const bool number = *behind >= '0' && *behind <= '9', name = *behind == '"';
     const bool ours = (kind == CML_MCI_B && (number || name)) || (kind == CML_MCI_M && name) ||
+                      (kind == CML_MCI_PHOTONS && name) ||
                       (kind == CML_MCI_I && (name || begins_with(behind, shapes))) ||
                       (kind == CML_MCI_PHASE && begins_with(behind, phases)) ||
                       ((kind == CML_MCI_MAP || kind == CML_MCI_TIME || kind == CML_MCI_BACKING ||
@@ -245,4 +247,17 @@ cml_status cml_mci_numbers(struct cml_mci_reader *reader, const char *owner,
     snprintf(name, sizeof name, "%s%snumber after %s", owner ? owner : "", owner ? ": " : "",
              fields[count - 1].name);
     return cml_mci_fail(reader, name, word, "the end of the line or a comment");
+}
+
+const char *cml_mci_why_no_name(const char *name)
+{
+    const char *slash = strrchr(name, '/');
+    const char *last = slash ? slash + 1 : name;
+    /* 250 bytes leave room for the endings of other outputs in a directory entry. */
+    if (*last == '\0' || strcmp(last, ".") == 0 || strcmp(last, "..") == 0 || strlen(last) > 250 ||
+        *name == '"')
+        return "a file name of 1..250 bytes";
+    for (const char *c = name; *c; c++)
+        if ((unsigned char)*c < 0x20 || *c == 0x7f) return "a file name without control characters";
+    return NULL;
 }

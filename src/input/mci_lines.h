@@ -40,6 +40,7 @@ enum cml_mci_kind {
     CML_MCI_DIRECTIONS,
     CML_MCI_DETECTOR,
     CML_MCI_FLUENCE,
+    CML_MCI_PHOTONS,
     CML_MCI_UNKNOWN, /* "#@ " and then none of the above */
     CML_MCI_END,     /* of the file */
 };
@@ -59,8 +60,8 @@ CML_NODISCARD cml_status cml_mci_open(const char *path, const struct cml_input_o
 void cml_mci_close(struct cml_mci_reader *reader);
 
 /* Goes to the next line that is neither blank nor comment. `keywords`: b, m, i, phase, backing, beam, map,
- * facets, time, directions, fluence and detector also count without "#@ " before them (an output may be named
- * "b"). The cursor stands behind the keyword, or at the start of a data line. */
+ * facets, time, directions, fluence, detector and photons also count without "#@ " before them (an output may
+ * be named "b"). The cursor stands behind the keyword, or at the start of a data line. */
 CML_NODISCARD cml_status cml_mci_next(struct cml_mci_reader *reader, bool keywords, enum cml_mci_kind *kind);
 
 /* The keyword that the first word of a data line may have been meant for; NULL: none, or it is a number. */
@@ -103,5 +104,8 @@ CML_NODISCARD cml_status cml_mci_numbers(struct cml_mci_reader *reader, const ch
 CML_NODISCARD cml_status cml_mci_leading_numbers(struct cml_mci_reader *reader, const char *owner,
                                                  const struct cml_mci_field *fields, int count,
                                                  double *values);
+
+/* What the name of an output was expected to be that is none; NULL: it is one. */
+const char *cml_mci_why_no_name(const char *name);
 
 #endif

@@ -1,7 +1,8 @@
-/* Lines map, facets, time, directions and fluence. SPDX-License-Identifier: MIT */
+/* Lines map, facets, time, directions, fluence and photons. SPDX-License-Identifier: MIT */
 #include "input/mci_map.h"
 
 #include "boundary.h"
+#include "input/mci_options.h"
 
 #include <string.h>
 
@@ -122,6 +123,46 @@ cml_status cml_mci_directions(struct cml_mci_reader *reader, struct cml_directio
     directions->nt = (int)values[0];
     directions->np = (int)values[1];
     return CML_OK;
+}
+
+/* The name of a file, as that of a run's output is. */
+cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_saved_def *saved)
+{
+    static const struct cml_mci_field limit = {"limit", 1, 1e9, true, "a whole number of 1..1e9"};
+    struct cml_mci_line_options options = {.reader = reader,
+                                           .owner = "photons",
+                                           .keys = {"detected", "limit"},
+                                           .flag = "detected",
+                                           .list = "detected or limit="};
+    double most = 1e6;
+    if (saved->limit) return cml_mci_fail(reader, "line", cml_mci_raw(reader), "one photons line per run");
+    saved->line = reader->text.line;
+    cml_mci_cut_comment(reader->cursor);
+    const char *name = cml_text_word(&reader->cursor);
+    const char *wrong = name ? cml_mci_why_no_name(name) : "a file name in a pair of quotes";
+    if (wrong) return cml_mci_fail_option(&options, "file", name, wrong);
+    if (strchr(name, '/'))
+        return cml_mci_fail_option(&options, "file", name,
+                                   "a name without a folder: it lies beside the result");
+    CML_TRY(cml_text_copy(name, &saved->name, reader->err));
+    for (bool more = true; more;) {
+        CML_TRY(cml_mci_next_option(&options, &more));
+        if (!more) break;
+        if (options.key == 1 && !cml_mci_parse(&limit, options.value, &most))
+            return cml_mci_fail_value(&options, limit.expected);
+        if (options.key == 0 && !options.alone)
+            return cml_mci_fail_value(&options, "the word detected alone");
+    }
+    saved->detected = options.seen[0];
+    saved->limit = (uint64_t)most;
+    return CML_OK;
+}
+
+cml_status cml_mci_check_photons(const struct cml_mci_reader *reader, const struct cml_scene *scene)
+{
+    if (!scene->saved.detected || scene->num_detectors > 0) return CML_OK;
+    return cml_fail_field(reader->err, scene->file, scene->saved.line, "photons: detected", "no detector",
+                          "a detector line, too");
 }
 
 /* A map's cells are counted in double: their product may exceed 64 bits. Four per pixel: Rd and Tt, each with

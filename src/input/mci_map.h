@@ -1,5 +1,5 @@
 /* The lines of .mci files that ask for more than original MCML tallies: map, facets, time,
- * directions and fluence.
+ * directions, fluence and photons.
  * SPDX-License-Identifier: MIT */
 #ifndef CML_MCI_MAP_H
 #define CML_MCI_MAP_H
@@ -26,6 +26,13 @@ CML_NODISCARD cml_status cml_mci_check_fluence(const struct cml_mci_reader *read
 /* Reads the current line "directions NT NP", cursor behind the keyword. */
 CML_NODISCARD cml_status cml_mci_directions(struct cml_mci_reader *reader,
                                             struct cml_directions_def *directions);
+
+/* Reads the current line "photons NAME [detected] [limit=N]", cursor behind the keyword. */
+CML_NODISCARD cml_status cml_mci_photons(struct cml_mci_reader *reader, struct cml_saved_def *saved);
+
+/* When the run's detectors are known: refuses `detected` where there are none. */
+CML_NODISCARD cml_status cml_mci_check_photons(const struct cml_mci_reader *reader,
+                                               const struct cml_scene *scene);
 
 /* Once nz and na are known: refuses more cells in maps and volume than an array may have, in figures. */
 CML_NODISCARD cml_status cml_mci_check_map(const struct cml_mci_reader *reader,

@@ -175,6 +175,20 @@ static void print_expected(FILE *stream, const struct cml_report *report)
     }
 }
 
+/* Which of them are not in the file, too. */
+static void print_saved(FILE *stream, const struct cml_report *report)
+{
+    const struct cml_result *sums = report->sums;
+    if (!sums->saved) return;
+    const struct cml_saved_sums kept = cml_saved_sort(sums->saved);
+    fprintf(stream, "  saved: %.0f packets that %s", (double)kept.kept,
+            report->scene->saved.detected ? "were detected" : "left");
+    if (kept.found > kept.kept)
+        fprintf(stream, ", the first of %.0f (limit=): all of photons 0 to %.0f, none of later ones",
+                (double)kept.found, (double)cml_saved_covers(sums->saved, sums->photons) - 1);
+    fputc('\n', stream);
+}
+
 /* The words `books` and `residue` are those of the output files; the code says weight balance and
  * imbalance (kernels/balance.h). Steps are interactions and boundary events. */
 void cml_report_summary(FILE *stream, const struct cml_report *report)
@@ -190,6 +204,7 @@ void cml_report_summary(FILE *stream, const struct cml_report *report)
             cml_result_share(result, CML_BALANCE_GAINED), cml_result_share(result, CML_BALANCE_ROULETTE),
             (unsigned long long)cml_result_lost(result));
     print_rarities(stream, result, report->provenance->value[CML_DECIDES_run]);
+    print_saved(stream, report);
     fprintf(stream, "  %.3g s, %.3g photons/s, %.3g steps", seconds, (double)result->photons / seconds,
             steps);
     if (steps > 0) fprintf(stream, ", %.3g ns/step", 1e9 * seconds / steps);

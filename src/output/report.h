@@ -29,8 +29,9 @@ struct cml_report {
 
 /* Writes all results of a run: `path` (.mco), or the stem of `path` with ".h5" when the scene's format is B;
  * with maps or facets also STEM.h5, STEM.map.vti, STEM.volume.vti, STEM.detector_<name>.vti,
- * STEM.boundary<b>.vtp, STEM.bodies.vtp. Each file is the old or the complete new one at any moment.
- * report->files lists them. CML_E_IO when one could not be written; those before it are then there. */
+ * STEM.boundary<b>.vtp, STEM.bodies.vtp; and where packets are saved NAME.photons.h5. Each file is the old or
+ * the complete new one at any moment. report->files lists them. CML_E_IO when one could not be written; those
+ * before it are then there. */
 CML_NODISCARD cml_status cml_report_write(struct cml_report *report, const char *path, struct cml_error *err);
 
 void cml_report_clear(struct cml_report *report);
@@ -45,6 +46,12 @@ bool cml_report_wants_fields(const struct cml_scene *scene);
  * caller's to free; CML_E_INPUT when memory runs out. */
 CML_NODISCARD cml_status cml_report_path(const char *path, const char *suffix, char **result,
                                          struct cml_error *err);
+
+/* The file of saved packets beside the result `path`, and at most how many bytes of numbers it holds; *result
+ * is the caller's to free. */
+CML_NODISCARD cml_status cml_report_saved_path(const struct cml_scene *scene, const char *path, char **result,
+                                               struct cml_error *err);
+double cml_saved_file_bytes(const struct cml_saved_kind *kind);
 
 /* Whom a description of the scene is for. People see files by their path as they were opened, and at most 20
  * bodies. Results hold all bodies, and checksums of all shapes; an .h5 names files as the scene does, so that

@@ -48,14 +48,20 @@ void cml_report_clear(struct cml_report *report)
 }
 
 /* The name of the next file; it counts as written, for a run that fails says so anyway. */
-static cml_status next_file(struct cml_report *report, const char *path, const char *suffix,
-                            struct cml_error *err)
+static cml_status make_room(struct cml_report *report, struct cml_error *err)
 {
     char **larger = realloc(report->files, (size_t)(report->num_files + 1) * sizeof *larger);
     if (!larger) return cml_fail_memory(err, sizeof *larger, "a list of files");
     report->files = larger;
-    CML_TRY(suffix ? cml_report_path(path, suffix, &larger[report->num_files], err)
-                   : cml_text_copy(path, &larger[report->num_files], err));
+    return CML_OK;
+}
+
+static cml_status next_file(struct cml_report *report, const char *path, const char *suffix,
+                            struct cml_error *err)
+{
+    CML_TRY(make_room(report, err));
+    char **const name = &report->files[report->num_files];
+    CML_TRY(suffix ? cml_report_path(path, suffix, name, err) : cml_text_copy(path, name, err));
     report->num_files++;
     return CML_OK;
 }
@@ -216,6 +222,17 @@ static cml_status write_bodies(const struct cml_report *report, const char *path
     return status;
 }
 
+/* Beside the result, under a name of its own. */
+static cml_status write_saved(struct cml_report *report, const char *path, struct cml_outcome *outcome,
+                              struct cml_error *err)
+{
+    if (!report->sums->saved || !cml_hdf5_available()) return CML_OK;
+    CML_TRY(make_room(report, err));
+    CML_TRY(cml_report_saved_path(report->scene, path, &report->files[report->num_files], err));
+    report->num_files++;
+    return cml_report_write_saved(report, outcome, last_file(report), err);
+}
+
 /* With format B instead of A the .h5 takes the place of the .mco; with maps or facets there are both. A
  * program without HDF5 writes what it can; that was announced before the run. */
 static cml_status write_tables(struct cml_report *report, const char *path, struct cml_outcome *outcome,
@@ -238,7 +255,8 @@ cml_status cml_report_write(struct cml_report *report, const char *path, struct 
     const struct cml_grid *grid = &report->sums->grid;
     struct cml_outcome outcome;
     CML_TRY(cml_report_outcome(report, &outcome, err));
-    const cml_status status = write_tables(report, path, &outcome, err);
+    cml_status status = write_tables(report, path, &outcome, err);
+    if (status == CML_OK) status = write_saved(report, path, &outcome, err);
     cml_outcome_clear(&outcome);
     CML_TRY(status);
     if (grid->nx > 0) {
@@ -287,6 +305,7 @@ double cml_report_bytes(const struct cml_scene *scene, const struct cml_grid *gr
     const double text = 3 * (line_of_boundary * grid->num_layers + line_of_body * grid->num_bodies +
                              line_of_detector * grid->detectors);
     const bool image = cml_report_wants_fields(scene) && cml_hdf5_available();
+    const double rows = 1.01 * cml_saved_file_bytes(&grid->saved) + 8.0 * (double)grid->saved.limit;
     return (cells + asked) * sizeof(double) + text + 8.0 * 1048576 +
-           (image ? image_bytes(grid, cells + asked / 2) : 0);
+           fmax(image ? image_bytes(grid, cells + asked / 2) : 0, rows);
 }

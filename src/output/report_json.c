@@ -384,6 +384,16 @@ static json_t *detector_json(const struct subject *subject, int k)
     return object;
 }
 
+static json_t *saved_json(const struct cml_scene *scene)
+{
+    const struct cml_saved_def *saved = &scene->saved;
+    const struct cml_saved_kind kind = {.limit = saved->limit,
+                                        .media = (size_t)scene->num_layers + 2 + (size_t)scene->num_bodies};
+    return json_pack("{s:o, s:I, s:b, s:I}", "name", cml_json_name(saved->name), "limit",
+                     (json_int_t)saved->limit, "detected", saved->detected, "bytes",
+                     (json_int_t)cml_saved_file_bytes(&kind));
+}
+
 static json_t *flat_json(const struct cml_scene *scene, const struct cml_exact *flat)
 {
     if (!flat) return json_null();
@@ -421,6 +431,7 @@ cml_status cml_report_check_json(FILE *stream, const struct cml_scene *scene,
     json_object_set_new(object, "map", map_json(&scene->map));
     json_object_set_new(object, "facets", json_boolean(scene->facets));
     if (scene->fluence.line) json_object_set_new(object, "fluence", json_true());
+    if (scene->saved.limit) json_object_set_new(object, "saved", saved_json(scene));
     if (scene->directions.nt > 0)
         json_object_set_new(object, "directions",
                             json_pack("{s:i, s:i}", "nt", scene->directions.nt, "np", scene->directions.np));
@@ -471,6 +482,18 @@ static void set_option(json_t *object, const struct cml_provenance *provenance,
                                                              : json_real(value));
 }
 
+/* How many packets were saved, and of how many; and the run's first photons of which none is missing. */
+static void set_saved(json_t *object, const struct cml_report *report)
+{
+    const struct cml_result *sums = report->sums;
+    if (!sums->saved) return;
+    const struct cml_saved_sums kept = cml_saved_sort(sums->saved);
+    json_object_set_new(object, "saved",
+                        json_pack("{s:I, s:I, s:I}", "rows", (json_int_t)kept.kept, "found",
+                                  (json_int_t)kept.found, "covers",
+                                  (json_int_t)cml_saved_covers(sums->saved, sums->photons)));
+}
+
 /* One object on one line. */
 cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct cml_error *err)
 {
@@ -498,6 +521,7 @@ cml_status cml_report_json(FILE *stream, const struct cml_report *report, struct
     if (status == CML_OK) {
         set_exact_totals(object, report->scene, report->exact);
         set_control(object, report);
+        set_saved(object, report);
         set_speed(object, report);
         status = print_with_lists(stream, object, lists, sizeof lists / sizeof *lists, &subject, err);
     } else {

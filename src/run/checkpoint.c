@@ -14,11 +14,12 @@
 #include <zlib.h>
 
 /* A checkpoint is this head, the identity, the record, the ranges not flown, the summary of the result, its
- * cells, and the CRC-32 of all of that in 64 bits. Members of fixed sizes and no padding. */
+ * cells, saved packets, and the CRC-32 of all of that in 64 bits. Members of fixed sizes and no padding. */
 struct head {
     char magic[24];
     uint64_t order, version, finished;
     uint64_t identity_size, json_size, num_ranges, num_cells; /* no cells: no tallies */
+    uint64_t num_saved, found; /* saved packets, and how many there were to be saved */
     uint64_t begin, end;
     double seconds;
     uint64_t photons, lost; /* from here on those of the record */
@@ -30,7 +31,7 @@ struct head {
 };
 static const char magic[24] = "clustermcml checkpoint\n";
 #define ORDER 0x0102030405060708u /* reads otherwise on a machine of the other byte order */
-#define VERSION 7u                /* of this layout; a program refuses what it does not know */
+#define VERSION 8u                /* of this layout; a program refuses what it does not know */
 
 /* *name is the path with the suffix, the caller's to free. */
 static cml_status joined(const char *path, const char *suffix, char **name, struct cml_error *err)
@@ -79,9 +80,13 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     static const struct cml_summary none;
     size_t cells = 0;
     const cml_u128 *cell = result ? cml_result_cells(result, &cells) : NULL;
+    struct cml_saved *const saved = result ? result->saved : NULL;
+    const struct cml_saved_sums sums = saved ? cml_saved_sort(saved) : (struct cml_saved_sums){0};
     memcpy(head.magic, magic, sizeof magic);
     head.num_ranges = state->open.count;
     head.num_cells = cells;
+    head.num_saved = sums.kept;
+    head.found = sums.found;
     head.json_size = record->json ? strlen(record->json) : 0;
     head.photons = record->photons;
     head.lost = record->lost;
@@ -100,6 +105,8 @@ static void write_all(FILE *stream, const char *identity, const struct cml_run_s
     put(&sink, state->open.item, state->open.count * sizeof *state->open.item);
     put(&sink, result ? &result->summary : &none, sizeof none);
     put(&sink, cell, cells * sizeof *cell);
+    if (sums.kept)
+        put(&sink, cml_saved_row(saved, 0), sums.kept * cml_saved_row_bytes(cml_saved_media(saved)));
     const uint64_t sum = sink.sum;
     fwrite(&sum, sizeof sum, 1, stream);
 }
@@ -290,6 +297,30 @@ static cml_status read_ranges(struct source *source, struct cml_ranges *ranges, 
     return CML_OK;
 }
 
+/* In the order of their indices, of which each is there once; of what was found, as many as may stay. */
+static cml_status read_saved(struct source *source, struct cml_saved *saved, struct cml_error *err)
+{
+    const struct head *head = &source->head;
+    const size_t size = saved ? cml_saved_row_bytes(cml_saved_media(saved)) : 0;
+    if (head->found < head->num_saved || head->found > head->end || (head->found && !saved))
+        return fail_damaged(source, "its saved photons", err);
+    uint64_t *const row = malloc(size + 1);
+    if (!row) return cml_fail_memory(err, (double)size, "a saved photon");
+    uint64_t least = 0;
+    bool good = true;
+    if (saved) cml_saved_clear(saved);
+    for (uint64_t i = 0; good && i < head->num_saved; i++) {
+        good = get(source, row, 1, size) && *row >= least && *row < head->end;
+        if (!good) break;
+        least = *row + 1;
+        cml_saved_add(saved, row, 1);
+    }
+    free(row);
+    if (!good) return fail_damaged(source, "its saved photons", err);
+    if (saved) cml_saved_find(saved, head->found - head->num_saved);
+    return CML_OK;
+}
+
 /* The identity holds grid and photons, so another number of cells cannot come from a sound file of this
  * run. */
 static cml_status read_tallies(struct source *source, struct cml_run_state *state, struct cml_result *result,
@@ -305,8 +336,10 @@ static cml_status read_tallies(struct source *source, struct cml_run_state *stat
     state->seconds = head->seconds;
     CML_TRY(read_ranges(source, &state->open, err));
     if (head->num_cells != cells || !get(source, &result->summary, 1, sizeof result->summary) ||
-        !get(source, cell, cells, sizeof *cell) || source->left > 0)
+        !get(source, cell, cells, sizeof *cell))
         return fail_damaged(source, "its grid", err);
+    CML_TRY(read_saved(source, result->saved, err));
+    if (source->left > 0) return fail_damaged(source, "its grid", err);
     if (!are_lost(&result->summary.lost, head->end)) return fail_damaged(source, "its lost packets", err);
     return check_ranges(source, &state->open, &result->summary, err);
 }

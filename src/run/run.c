@@ -4,6 +4,7 @@
 #include "run/checkpoint.h"
 #include "base/clock.h"
 #include "run/cluster.h"
+#include "run/saved_ranks.h"
 #include "run/work_ranges.h"
 #include "run/stop.h"
 #include "tally/deal.h"
@@ -200,6 +201,15 @@ static void add_tally(void *context, struct cml_tally *tally)
     cml_tally_zero(tally);
 }
 
+/* For struct cml_saved_taker. */
+static void take_saved(void *context, const void *rows, size_t count)
+{
+    struct flight *flight = context;
+    pthread_mutex_lock(&flight->result_lock);
+    cml_saved_add(flight->out->result.saved, rows, count);
+    pthread_mutex_unlock(&flight->result_lock);
+}
+
 /* For struct cml_work. */
 static void note_fewer_threads(void *context, int threads)
 {
@@ -314,6 +324,7 @@ static cml_status synchronise(struct flight *flight, cml_status mine, enum next_
     CML_TRY(cml_work_return(&flight->work, hand->left, flown_of(hand), &stop, err));
     hand->range = hand->left = (struct cml_range){0};
     CML_TRY(cml_cluster_sum(&flight->out->result, err));
+    CML_TRY(cml_gather_saved(flight->out->result.saved, err));
     const bool decides = cml_cluster_rank() == 0;
     CML_TRY(cml_cluster_agree(decides ? decide(flight, stop, all_here, next, err) : CML_OK, err));
     CML_TRY(share_decision(flight, next, err));
@@ -430,7 +441,9 @@ static cml_status open_flight(struct flight *flight, const struct cml_grid *grid
     const struct cml_run_setup *setup = flight->setup;
     CML_TRY(cml_result_create(grid, setup->photons, &flight->out->result, err));
     CML_TRY(cml_deal_create(setup->scene->shares, setup->scene->num_beams, &flight->deal, err));
-    CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &setup->options, &flight->engine, err));
+    struct cml_engine_options options = setup->options;
+    options.saved = (struct cml_saved_taker){take_saved, flight};
+    CML_TRY(setup->engine->open(setup->scene, setup->surfaces, &options, &flight->engine, err));
     flight->out->timing.threads = setup->engine->threads(flight->engine);
     CML_TRY(cml_work_open(&flight->work, &flight->state.open, err));
     return cml_cluster_rank() == 0 ? begin_state(flight, err) : CML_OK;

@@ -26,6 +26,7 @@ void cml_scene_ask_nothing(struct cml_scene *scene)
     scene->time = (struct cml_time_def){0};
     scene->directions = (struct cml_directions_def){0};
     scene->fluence = (struct cml_fluence_def){0};
+    scene->saved = (struct cml_saved_def){0};
     scene->num_detectors = 0;
 }
 
@@ -59,6 +60,7 @@ void cml_scene_clear(struct cml_scene *scene)
     cml_phases_free(scene->phases);
     free(scene->file);
     free(scene->output);
+    free(scene->saved.name);
     free(scene->text);
     free(scene->settings);
     *scene = (struct cml_scene){0};

@@ -156,6 +156,14 @@ struct cml_fluence_def {
     int line; /* of the .mci; 0: no fluence line */
 };
 
+/* Packets that have left, one by one, in a file of their own. */
+struct cml_saved_def {
+    char *name;     /* NAME.photons.h5 */
+    uint64_t limit; /* of rows; 0: no photons line */
+    bool detected;  /* only what a detector sees */
+    int line;       /* of the .mci */
+};
+
 enum cml_detector_kind { CML_DETECTOR_RING, CML_DETECTOR_RECTANGLE, CML_DETECTOR_MAP };
 
 /* What sees light that leaves on one side, where the line of its last flight crosses a level plane, at any
@@ -202,6 +210,7 @@ struct cml_scene {
     int num_detectors;
     struct cml_detector_def *detectors; /* [num_detectors] */
     struct cml_fluence_def fluence;
+    struct cml_saved_def saved;
     bool facets;    /* irradiance and exitance of every facet of every boundary are wanted */
     char *text;     /* the data lines of the run as written, joined with line feeds: provenance */
     char *settings; /* what was set from outside the file, a "NAME = VALUE" a line; NULL: nothing */
@@ -240,8 +249,8 @@ struct cml_body_range cml_layer_bodies(const struct cml_scene *scene, int l);
 /* Whether any body lies in layer l; the media above and below, 0 and L + 1, have none. */
 bool cml_layer_has_bodies(const struct cml_scene *scene, int l);
 
-/* Leaves out what only some scenes ask for: map, volume, facets, time, directions, fluence, detectors. Of a
- * copy, which is not to be cleared. */
+/* Leaves out what only some scenes ask for: map, volume, facets, time, directions, fluence, detectors,
+ * photons. Of a copy, which is not to be cleared. */
 void cml_scene_ask_nothing(struct cml_scene *scene);
 
 /* For readers, of a scene that is not complete yet: frees the boundary's shape and leaves its nominal plane,

@@ -67,7 +67,8 @@ static cml_u128 *result_maps(const struct cml_result *result)
 
 double cml_result_bytes(const struct cml_grid *grid)
 {
-    return (double)(cells_unbatched(grid) + cells_batched(grid)) * sizeof(cml_u128);
+    return (double)(cells_unbatched(grid) + cells_batched(grid)) * sizeof(cml_u128) +
+           cml_saved_bytes(&grid->saved);
 }
 
 /* These come before expected values and fluence, which are last. */
@@ -129,12 +130,15 @@ cml_status cml_result_create(const struct cml_grid *grid, uint64_t photons, stru
         result->phi_rz = result->totals + cells_batched(grid) - CML_NUM_BATCHES * cells_phi(grid);
     if (grid->marks > 0)
         result->phi_z = result->phi_rz + CML_NUM_BATCHES * (size_t)grid->nr * (size_t)grid->nz;
-    return CML_OK;
+    const cml_status status = cml_saved_create(&grid->saved, &result->saved, err);
+    if (status != CML_OK) cml_result_free(result);
+    return status;
 }
 
 void cml_result_free(struct cml_result *result)
 {
     free(result->Rd_ra);
+    cml_saved_free(result->saved);
     *result = (struct cml_result){0};
 }
 

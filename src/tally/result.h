@@ -42,6 +42,7 @@ struct cml_result {
     cml_u128 *detector, *detector_t, *detector_t_later; /* [64][detectors], the second [64][detectors][gates],
                                                            or NULL */
     struct cml_summary summary;
+    struct cml_saved *saved; /* packets one by one, or NULL */
 };
 
 /* That of expected values, in one of weight: 2^-48, so that a Tt of 1e-15 has digits. As no expectation is

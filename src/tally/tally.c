@@ -76,7 +76,7 @@ static size_t tally_cells_detected(const struct cml_grid *grid)
 /* Media of all packets that a thread has in flight. */
 static size_t trail_cells(const struct cml_grid *grid)
 {
-    return grid->detectors ? CML_TRAILS * cml_grid_media(grid) : 0;
+    return grid->detectors || grid->saved.limit ? CML_TRAILS * cml_grid_media(grid) : 0;
 }
 
 /* Of the arrays that every tally has, whose cells are in the same order in all. */
@@ -114,12 +114,12 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     tally->summed = calloc(bins, sizeof *tally->summed);
     tally->brought = calloc(bins, sizeof *tally->brought);
     tally->late.rows = calloc(CML_NUM_BATCHES * bins, sizeof *tally->late.rows);
-    if (grid->detectors) {
+    if (trail_cells(grid)) {
         tally->trail_length = calloc(trail_cells(grid), sizeof *tally->trail_length);
         tally->trail_count = calloc(trail_cells(grid), sizeof *tally->trail_count);
     }
     if (!tally->A_l || !tally->summed || !tally->brought || !tally->late.rows ||
-        (grid->detectors && (!tally->trail_length || !tally->trail_count))) {
+        (trail_cells(grid) && (!tally->trail_length || !tally->trail_count))) {
         cml_tally_free(tally);
         return cml_fail_memory(err, cml_tally_bytes(grid), "a tally");
     }
@@ -138,7 +138,9 @@ cml_status cml_tally_create(const struct cml_grid *grid, struct cml_tally *tally
     if (grid->depths) tally->A_z = tally->A_l + cells_in_common(grid);
     if (grid->marks > 0) tally->phi = cml_tally_maps(tally) - tally_cells_phi(grid);
     CML_SET_MAPS(tally, cml_tally_maps(tally));
-    return CML_OK;
+    const cml_status status = cml_saved_part_create(&grid->saved, &tally->saved, err);
+    if (status != CML_OK) cml_tally_free(tally);
+    return status;
 }
 
 /* Only what a thread has none of itself; NULL stays NULL where the owner has none either. */
@@ -179,6 +181,7 @@ void cml_tally_free(struct cml_tally *tally)
     free(tally->late.rows);
     free(tally->trail_length);
     free(tally->trail_count);
+    free(tally->saved);
     *tally = (struct cml_tally){0};
 }
 

@@ -9,6 +9,7 @@
 #include "balance.h"
 #include "boundary.h"
 #include "base/status.h"
+#include "tally/saved.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -37,13 +38,14 @@ struct cml_grid {
     double path_unit;       /* of what is summed of lengths and depths, cm */
     double path_top;        /* depth from which depths count, cm */
     size_t detector_pixels; /* of all of them that are maps */
-    size_t facets;          /* of all boundaries and bodies */
-    int rows;               /* of a sweep, that come of one flight; or scores */
-    bool derivatives;       /* they are scores */
-    size_t row_cells;       /* of all of them together (row_cells.h) */
-    bool backed;            /* some of them lie on a backing, which keeps what does not leave them */
-    int scores;             /* of expected values below the last shape (P15); 0: they do not exist */
-    const int *exponent;    /* [scores]: in a tally they count in 2^-31 2^6 2^-exponent. Borrowed */
+    struct cml_saved_kind saved;
+    size_t facets;       /* of all boundaries and bodies */
+    int rows;            /* of a sweep, that come of one flight; or scores */
+    bool derivatives;    /* they are scores */
+    size_t row_cells;    /* of all of them together (row_cells.h) */
+    bool backed;         /* some of them lie on a backing, which keeps what does not leave them */
+    int scores;          /* of expected values below the last shape (P15); 0: they do not exist */
+    const int *exponent; /* [scores]: in a tally they count in 2^-31 2^6 2^-exponent. Borrowed */
 };
 
 /* Media of a grid: layers, the two outer ones, bodies. */
@@ -107,6 +109,7 @@ struct cml_tally {
     uint64_t *detected;    /* sums, gates and moments of detectors, as profiles have them; or NULL */
     double *trail_length;  /* [CML_TRAILS][cml_grid_media] scratch of walks (kernels/types.h); or NULL */
     uint32_t *trail_count; /* the same */
+    struct cml_saved_part *saved;           /* packets one by one; or NULL */
     uint64_t *detector_map, *detector_map2; /* [detector_pixels], and sums of squares as above; or NULL */
     uint64_t *facets;                       /* [facets][CML_FACET_SCORES] or NULL */
     uint64_t balance[CML_NUM_BALANCE_TERMS];

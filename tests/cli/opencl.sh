@@ -28,12 +28,12 @@ test "$(grep -v "^clustermcml: note: " "$work/err")" = "clustermcml: samples/rid
 test -z "$(ls "$work/results")" || complain "a refused mesh left files"
 
 # What only the other engines record.
-for line in "map 3 3 0.1 0.1" "map 3 3 0.1 0.1 volume" facets "time 10 5" "directions 3 4" fluence "detector disk 1"; do
+for line in "map 3 3 0.1 0.1" "map 3 3 0.1 0.1 volume" facets "time 10 5" "directions 3 4" fluence "detector disk 1" 'photons "exits"'; do
     sed "s/^\([0-9].*\)# nz, nr, na/\1\n$line #/" $sample >"$work/maps.mci"
     grep -q "^$line" "$work/maps.mci" || complain "$line was not inserted"
     expect_code 2 "$work/maps.mci" --engine opencl -o "$work/results" --quiet
     without="records no maps, volumes or facets"
-    case $line in time*) without="keeps no time" ;; directions* | fluence) without="scores none" ;; detector*) without="has none" ;; esac
+    case $line in time*) without="keeps no time" ;; directions* | fluence) without="scores none" ;; detector*) without="has none" ;; photons*) without="saves none" ;; esac
     grep -q "^clustermcml: $work/maps.mci:[0-9]*: a ${line%% *} line and --engine opencl, which $without (expected --engine cpu)$" "$work/err" ||
         complain "$line: $(cat "$work/err")"
     test "$(wc -l <"$work/err")" = 1 || complain "$line: more than one line"

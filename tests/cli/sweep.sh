@@ -135,6 +135,8 @@ for option in photons seed; do
         "$work/ridges.mci" --sweep "$work/two.csv" --$option 5 -o "$work"
 done
 expect_error 2 "--sweep $work/one.csv (expected a file with one run; samples/two_runs.mci has 2)" samples/two_runs.mci --sweep "$work/one.csv"
+sed '5a photons "exits"' "$work/ridges.mci" >"$work/saved.mci"
+expect_error 2 "$work/saved.mci:6: a photons line and --sweep, whose rows would write one file (expected no such line)" "$work/saved.mci" --sweep "$work/one.csv"
 expect_error 2 "$work/missing.csv: cannot be read: No such file or directory (expected a file)" "$work/ridges.mci" --sweep "$work/missing.csv"
 cp "$work/one.csv" "$work/ridges.sweep.csv"
 expect_code 2 "$work/ridges.mci" --sweep "$work/ridges.sweep.csv" -o "$work"

@@ -18,7 +18,8 @@ enum {
 }; /* where in the head these numbers are */
 
 /* That of the checkpoints which tests/fuzz/corpus.sh makes. */
-static const struct cml_grid grid = {.nr = 1, .nz = 1, .na = 1, .num_layers = 1, .absorption = true};
+static const struct cml_grid grid = {
+    .nr = 1, .nz = 1, .na = 1, .num_layers = 1, .absorption = true, .saved = {.limit = 3, .media = 3}};
 
 /* A checkpoint under repair. */
 struct file {

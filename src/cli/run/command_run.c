@@ -119,7 +119,10 @@ static cml_status check_differentiated(const struct cml_options *options, const 
 {
     for (int i = 0; options->engine_options.derivatives && i < list->count; i++) {
         const struct cml_scene *scene = &list->scenes[i];
-        const char *has = scene->num_detectors > 0 ? "detectors" : scene->time.gates > 0 ? "time" : NULL;
+        const char *has = scene->num_detectors > 0 ? "detectors"
+                          : scene->time.gates > 0  ? "time"
+                          : scene->saved.limit > 0 ? "a photons line"
+                                                   : NULL;
         if (has)
             return cml_fail(err, CML_E_INPUT, "--derivatives: %.400s has %s (expected a scene without)",
                             scene->output, has);

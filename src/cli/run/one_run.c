@@ -131,6 +131,8 @@ static void announce(const struct cml_options *options, const struct cml_run_set
     for (int b = 0; b <= scene->num_layers; b++) cml_print_mesh_repairs(scene, b);
     if (cml_report_wants_fields(scene) && !cml_hdf5_available())
         printf("  no .h5 file: this program was built without HDF5\n");
+    if (scene->saved.limit && !cml_hdf5_available())
+        printf("  no file of saved photons: this program was built without HDF5\n");
     cml_print_memory(options, scene, setup->surfaces);
     fflush(stdout);
 }

@@ -103,7 +103,12 @@ static cml_status add_run(struct cml_outputs *outputs, const struct cml_scene *s
     }
     if (scene->facets && scene->num_bodies > 0)
         CML_TRY(add_beside(outputs, path, ".bodies.vtp", run, false, err));
-    return CML_OK;
+    if (!scene->saved.limit) return CML_OK;
+    char *name = NULL;
+    CML_TRY(cml_report_saved_path(scene, path, &name, err));
+    const cml_status status = add(outputs, name, run, false, err);
+    free(name);
+    return status;
 }
 
 static cml_status add_checkpoint(struct cml_outputs *outputs, const char *path, int run,
@@ -202,7 +207,13 @@ static cml_status lock_run(const struct cml_options *options, const struct cml_s
 {
     char *path = NULL;
     CML_TRY(cml_output_path(options, scene->output, &path, err));
-    const cml_status status = lock_stem(path, outputs, err);
+    char *saved = NULL;
+    cml_status status = lock_stem(path, outputs, err);
+    if (status == CML_OK && scene->saved.limit && !cml_file_is_device(path)) {
+        status = cml_report_saved_path(scene, path, &saved, err);
+        if (status == CML_OK) status = lock_stem(saved, outputs, err);
+    }
+    free(saved);
     free(path);
     return status;
 }

@@ -111,6 +111,11 @@ static cml_status read_table(struct cml_sweep_run *sweep, struct cml_error *err)
     if (sweep->base->count != 1)
         return cml_fail(err, CML_E_INPUT, "--sweep %.80s (expected a file with one run; %.400s has %d)",
                         options->sweep, options->operands[0], sweep->base->count);
+    if (sweep->base->scenes[0].saved.limit)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: a photons line and --sweep, whose rows would write one file "
+                        "(expected no such line)",
+                        sweep->base->scenes[0].file, sweep->base->scenes[0].saved.line);
     CML_TRY(cml_sweep_table_read(&replay, options->sweep, &sweep->table, err));
     sweep->seed_column = -1;
     for (int c = 0; c < sweep->table.num_columns; c++)

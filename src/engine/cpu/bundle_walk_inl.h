@@ -115,11 +115,11 @@ static void cml_exit_group(struct cml_flight *f, int first, cml_u32 exits)
     cml_group_pack(b->x + first, exits, terminated->exit_x + at);
     cml_group_pack(b->y + first, exits, terminated->exit_y + at);
     cml_group_pack(b->uz + first, exits, terminated->uz + at);
-    if (f->tally->Rd_dir || f->tally->detected) {
+    if (f->tally->Rd_dir || b->trail_length) {
         cml_group_pack(b->ux + first, exits, terminated->ux + at);
         cml_group_pack(b->uy + first, exits, terminated->uy + at);
     }
-    if (f->tally->detected) {
+    if (b->trail_length) {
         cml_group_pack(b->index_low + first, exits, terminated->index_low + at);
         cml_group_pack(b->index_high + first, exits, terminated->index_high + at);
         memset(terminated->exit_z + at, 0, (size_t)__builtin_popcount(exits) * sizeof(real));

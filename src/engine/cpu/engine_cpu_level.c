@@ -54,6 +54,7 @@ static cml_status create_tallies(const struct cml_scene *scene, const struct cml
         CML_TRY(cml_tally_create(&grid, tally, err));
         cml_tally_borrow(tally, &cpu->tallies[0]);
     }
+    for (int i = 0; full.saved.limit && i < count; i++) cpu->tallies[i].saved->to = options->saved;
     return CML_OK;
 }
 
@@ -169,6 +170,7 @@ static void fly_and_add(void *context, int number)
     struct cpu_engine *cpu = flight->cpu;
     struct cml_tally *mine = &cpu->tallies[number + cpu->num_tallies - cpu->threads];
     if (!fly_thread(cpu, flight->work, number, mine)) atomic_store(&flight->given_up, true);
+    cml_saved_hand_in(mine->saved);
     if (mine != cpu->tallies) flight->work->add(flight->work->context, mine);
 }
 

@@ -78,6 +78,10 @@ static cml_status refuse_maps(const struct cml_scene *scene, struct cml_error *e
             err, CML_E_INPUT,
             "%s:%d: a fluence line and --engine opencl, which scores none (expected --engine cpu)",
             scene->file, scene->fluence.line);
+    if (scene->saved.limit)
+        return cml_fail(err, CML_E_INPUT,
+                        "%s:%d: a photons line and --engine opencl, which saves none (expected --engine cpu)",
+                        scene->file, scene->saved.line);
     const bool map = scene->map.nx > 0;
     if (!map && !scene->facets) return CML_OK;
     return cml_fail(

@@ -19,14 +19,15 @@ from .commands import check, compare, crosscheck, exact, furnace, merge, mesh, p
 from .detectors import Detector
 from .errors import ClustermcmlError, InputError
 from .phases import Phase
+from .photons import Saved, read_photons
 from .program import run
 from .results import read
 from .scene import Backing, Beam, Directions, Layer, Map, Scene, Time
 from .surfaces import Heightfield, Heightmap, Mesh
 from .sweep import sweep
 
-__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Scene",
-           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "furnace", "merge", "mesh", "plan", "read", "run", "sweep", "trace"]
+__all__ = ["Backing", "Beam", "Body", "ClustermcmlError", "Cylinder", "Detector", "Directions", "Heightfield", "Heightmap", "InputError", "Layer", "Map", "Mesh", "Phase", "Saved", "Scene",
+           "Sphere", "Time", "check", "compare", "crosscheck", "exact", "furnace", "merge", "mesh", "plan", "read", "read_photons", "run", "sweep", "trace"]
 
 
 def __getattr__(name: str) -> str:

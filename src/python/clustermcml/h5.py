@@ -19,7 +19,7 @@ import xarray as xr
 from . import errors
 
 
-WHOLE = ("photons", "seed", "run")  # attributes that are whole numbers; the file has floating-point ones
+WHOLE = ("photons", "seed", "run", "covers", "found", "limit")  # attributes that are whole numbers; the file has floating-point ones
 MOST_DEFLATED = 1032  # deflate makes at most so many bytes of one
 
 
@@ -104,9 +104,9 @@ class _File:
         return [(h5py.h5o.get_info(h5py.h5r.dereference(reference, self.file.id)).addr, int(dimension))
                 for reference, dimension in scale.attrs["REFERENCE_LIST"] if reference]
 
-    def dataset(self) -> xr.Dataset:
+    def dataset(self, needed: str) -> xr.Dataset:
         file, names = self.file, self.names(self.file)
-        _need("Rd" in names, "not a result", "the array Rd in it")
+        _need(needed in names, "another kind of file", f"the array {needed} in it")
         items = {name: item for name, item in ((name, file[name]) for name in names) if isinstance(item, h5py.Dataset)}
         scales = [name for name, item in items.items() if "CLASS" in item.attrs and self.attribute(item, "CLASS") == "DIMENSION_SCALE"]
         axes = {place: name for name in scales for place in self.scaled(items[name])}
@@ -123,10 +123,19 @@ class _File:
         return xr.Dataset(data, attrs=attributes)
 
 
-def read_h5(path: str) -> xr.Dataset:
-    """The Dataset of an `.h5` file: all its arrays, and as attributes those of the file and how the program was called."""
+def _read(path: str, needed: str, what: str) -> xr.Dataset:
     try:
         with h5py.File(path, "r") as file:
-            return _File(file, os.path.getsize(path)).dataset()
+            return _File(file, os.path.getsize(path)).dataset(needed)
     except Exception as error:  # the libraries have many of their own for bytes that are not what they should be
-        raise errors.unreadable(path, "an .h5 file of a result", error) from error
+        raise errors.unreadable(path, f"an .h5 file of {what}", error) from error
+
+
+def read_h5(path: str) -> xr.Dataset:
+    """The Dataset of an `.h5` file: all its arrays, and as attributes those of the file and how the program was called."""
+    return _read(path, "Rd", "a result")
+
+
+def read_saved(path: str) -> xr.Dataset:
+    """The same of a file of saved photons."""
+    return _read(path, "weight", "saved photons")

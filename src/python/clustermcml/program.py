@@ -245,7 +245,7 @@ def fly(scene: str, folder: str, options: list[str], show: Optional[bool], scrat
 def result_of(told: dict[str, Any]) -> xr.Dataset:
     """The Dataset of a run: of its .h5, which has more, else of its .mco, whatever the name of that. Whether it is that of this very run,
     its totals say, which the program has told to all digits."""
-    h5 = next((path for path in told["files"] if path.endswith(".h5")), None)
+    h5 = next((path for path in told["files"] if path.endswith(".h5") and not path.endswith(".photons.h5")), None)
     path = h5 or told["files"][0]
     if not os.path.isfile(path):
         raise errors.refuse("scene", path, "a scene whose result is a file")
@@ -269,6 +269,8 @@ def run(scene: Union[Scene, Path], *, output_dir: Optional[Path] = None, progres
     Raises InputError for what is refused, ClustermcmlError for what fails later; the text is the program's. Notes of the program are
     warnings. A KeyboardInterrupt stops the program cleanly: with output_dir its checkpoint stays, and resume=True continues.
     """
+    if isinstance(scene, Scene) and scene.saved and output_dir is None:
+        raise errors.refuse("output_dir", output_dir, "a folder: the file of saved photons stays there")
     with scratch_folder() as scratch:
         folder = errors.folder("output_dir", scratch if output_dir is None else output_dir)
         with scene_file(scene, folder) as path:

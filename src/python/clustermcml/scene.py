@@ -16,6 +16,7 @@ from typing import Optional, Sequence, Union
 from . import errors
 from .bodies import Body, Cylinder, Sphere
 from .detectors import Detector
+from .photons import Saved
 from .phases import Phase, check_phase
 from .surfaces import Surface, check_surface, shortest, vector
 
@@ -232,7 +233,7 @@ class Scene:
     lies under it and sends light back, n_below then has no effect.
     beam: a Beam, or a list of them. dr, dz: widths of the bins of r and z [cm]; nr, nz, na: their numbers, and that of the angle. facets: irradiance and
     exitance of every triangle. fluence: track length per volume over r and z. time: when light leaves or is absorbed. directions: where to it leaves. detectors: what sees it by place and
-    angle. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
+    angle. saved: packets one by one, in a file. format: "B" leaves an `.h5`, with all digits; "A" an `.mco`, with the five of original MCML.
 
     >>> slab = Scene([Layer(n=1.4, mua=1, mus=100, g=0.9, d=0.1)], photons=1000)
     >>> print(slab.text("slab.mco"))
@@ -268,6 +269,7 @@ class Scene:
     backing: Optional[Backing] = None
     detectors: Sequence[Detector] = ()
     fluence: bool = False
+    saved: Optional[Saved] = None
 
     def __post_init__(self) -> None:
         errors.choice("Scene.format", self.format, "A", "B")
@@ -294,6 +296,8 @@ class Scene:
             raise errors.refuse("Scene.time", self.time, "a Time")
         if not isinstance(self.directions, Directions) and self.directions is not None:
             raise errors.refuse("Scene.directions", self.directions, "Directions")
+        if not isinstance(self.saved, Saved) and self.saved is not None:
+            raise errors.refuse("Scene.saved", self.saved, "a Saved or None")
         if not isinstance(self.detectors, (list, tuple)) or not all(isinstance(detector, Detector) for detector in self.detectors):
             raise errors.refuse("Scene.detectors", self.detectors, "a list of Detector")
 
@@ -314,6 +318,7 @@ class Scene:
         lines += [self.time.line()] if self.time is not None else []
         lines += [self.directions.line()] if self.directions is not None else []
         lines += [detector.line() for detector in self.detectors]
+        lines += [self.saved.line()] if self.saved else []
         lines += [str(len(self.layers)), shortest(self.n_above)]
         for index, surface in enumerate([*(layer.top for layer in self.layers), self.bottom]):
             lines += [surface.line(directory, f"{stem}.surface{index}")] if surface else []

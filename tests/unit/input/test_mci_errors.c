@@ -496,10 +496,10 @@ static void lines_in_the_wrong_place(void **state)
                           "first line and its number of layers)"},
         {NAME "#@ baem disk 1\n",
          "x.mci:4: line = #@ baem disk 1 (expected b, m, i, phase, backing, beam, map, "
-         "facets, time, directions, fluence or detector behind #@)"},
+         "facets, time, directions, fluence, detector or photons behind #@)"},
         {NAME "#@baem disk 1\n",
          "x.mci:4: line = #@baem disk 1 (expected b, m, i, phase, backing, beam, map, facets, "
-         "time, directions, fluence or detector behind #@)"},
+         "time, directions, fluence, detector or photons behind #@)"},
     };
     CHECK_ALL(state, table);
 }

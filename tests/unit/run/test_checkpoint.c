@@ -8,7 +8,8 @@
 #include <unistd.h>
 #include <zlib.h>
 
-static const struct cml_grid grid = {.nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true};
+static const struct cml_grid grid = {
+    .nr = 3, .nz = 4, .na = 2, .num_layers = 2, .absorption = true, .saved = {.limit = 3, .media = 4}};
 static const char identity[] = "program x\nseed 1\ninput a.mci of 3 bytes, crc32 00000001\n";
 enum { BEGIN = 64, END = 128 }; /* of the round */
 static char path[64];
@@ -30,6 +31,11 @@ static struct cml_result new_result(uint32_t seed)
     for (int i = 0; seed && i < CML_NUM_COUNTS; i++) result.summary.count[i] = dice_word(&dice);
     result.summary.count[CML_COUNT_PHOTONS] = END - seed - 2; /* what save() does not leave open */
     if (seed) cml_lost_list_add(&result.summary.lost, seed);
+    for (uint64_t i = 0; seed && i < 5; i++) {
+        uint64_t row[12] = {seed + 90 - 20 * i, i};
+        assert_int_equal(cml_saved_row_bytes(4), 88);
+        cml_saved_add(result.saved, row, 1);
+    }
     return result;
 }
 
@@ -39,6 +45,10 @@ static void assert_same(struct cml_result *a, struct cml_result *b)
     const cml_u128 *cell = cml_result_cells(a, &cells);
     assert_memory_equal(cell, cml_result_cells(b, &cells), cells * sizeof *cell);
     assert_memory_equal(&a->summary, &b->summary, sizeof a->summary);
+    const struct cml_saved_sums one = cml_saved_sort(a->saved), other = cml_saved_sort(b->saved);
+    assert_int_equal(one.found, other.found);
+    assert_int_equal(one.kept, other.kept);
+    assert_memory_equal(cml_saved_row(a->saved, 0), cml_saved_row(b->saved, 0), one.kept * 88);
 }
 
 static void save(uint32_t seed)
@@ -173,10 +183,12 @@ enum {
     AT_JSON_SIZE = 56,
     AT_NUM_RANGES = 64,
     AT_NUM_CELLS = 72,
-    AT_BEGIN = 80,
-    AT_END = 88,
-    AT_SECONDS = 96,
-    AT_NUM_LAYERS = 120 + 16 * CML_NUM_TOTALS,
+    AT_NUM_SAVED = 80,
+    AT_FOUND = 88,
+    AT_BEGIN = 96,
+    AT_END = 104,
+    AT_SECONDS = 112,
+    AT_NUM_LAYERS = 136 + 16 * CML_NUM_TOTALS,
     AT_NUM_EXPECTED = AT_NUM_LAYERS + 8 + 16 * CML_RECORD_MEDIA,
     AT_RANGES = AT_NUM_EXPECTED + 8 + 16 * (1 + CML_RECORD_MEDIA) + sizeof identity - 1,
     AT_SUMMARY = AT_RANGES + 2 * sizeof(struct cml_range),
@@ -228,6 +240,11 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
         {AT_NUM_RANGES, UINT64_MAX, 8},
         {AT_NUM_CELLS, 0, 8},
         {AT_NUM_CELLS, UINT64_MAX, 8},
+        {AT_NUM_SAVED, 2, 8}, /* one is left */
+        {AT_NUM_SAVED, 4, 8},
+        {AT_NUM_SAVED, UINT64_MAX, 8},
+        {AT_FOUND, 2, 8}, /* fewer than are there */
+        {AT_FOUND, END + 1, 8},
         {AT_BEGIN, END, 8}, /* a round without photons */
         {AT_BEGIN, END + 1, 8},
         {AT_END, 0, 8},
@@ -251,6 +268,9 @@ static void forged_numbers_are_refused_though_the_checksum_is_right(void **state
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         assert_forged_is_refused(cases[i].place, cases[i].value, cases[i].size);
+    const long last = size_of(path) - 8 - 88;
+    assert_forged_is_refused(last, END, 8);     /* no index of this run */
+    assert_forged_is_refused(last, 90 - 65, 8); /* not above that of the row before */
 }
 
 /* Of another program, another machine or another version, though the checksum is right. */
@@ -264,8 +284,8 @@ static void what_cannot_be_understood_is_refused(void **state)
     } cases[] = {
         {0, 0x6c63207265746f6eu, ": is no checkpoint"},
         {AT_ORDER, 0x0807060504030201u,
-         ": the checkpoint has another format or byte order (expected format 7)"},
-        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 7)"},
+         ": the checkpoint has another format or byte order (expected format 8)"},
+        {AT_VERSION, 1, ": the checkpoint has another format or byte order (expected format 8)"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         enum cml_checkpoint_kind kind;

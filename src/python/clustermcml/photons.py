@@ -1,0 +1,62 @@
+"""Packets that have left, one by one: `photons` lines, and the files that they leave.
+
+SPDX-License-Identifier: MIT
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import Optional, Union
+
+import numpy as np
+import pandas as pd
+
+from . import errors
+from .h5 import read_saved
+
+
+@dataclass
+class Saved:
+    """Saves packets that leave to NAME.photons.h5 beside the result, which `read_photons` reads. detected: only those that a detector sees. limit: at most so
+    many, those with the smallest numbers; None: a million.
+
+    >>> Saved("exits", limit=1e5).line()
+    'photons "exits" limit=100000'
+    """
+
+    name: str
+    detected: bool = False
+    limit: Optional[int] = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name or any(sign in '/"' or ord(sign) < 32 for sign in self.name):
+            raise errors.refuse("Saved.name", self.name, "a name of a file, without a folder")
+        errors.flag("Saved.detected", self.detected)
+        if self.limit is not None:
+            errors.whole("Saved.limit", self.limit, 1, 1_000_000_000)
+
+    def line(self) -> str:
+        words = ["photons", f'"{self.name}"'] + (["detected"] if self.detected else [])
+        return " ".join(words + ([] if self.limit is None else [f"limit={int(self.limit)}"]))
+
+
+def read_photons(path: Union[str, os.PathLike[str]]) -> pd.DataFrame:
+    """The packets in a file NAME.photons.h5 as a table, with their numbers as its index, for `trace`.
+
+    Columns are weight x y z ux uy uz touches deepest time side, with detectors detector, and by medium path_0 path_1 ... and
+    interactions_0 ...: 0 above, layers from 1, below, then bodies. `attrs` has those of the file: of its first `covers` photons none is missing.
+    """
+    data = read_saved(errors.existing_file("path", path))
+    columns = {}
+    for name, values in data.data_vars.items():
+        if values.ndim == 1:
+            columns[str(name)] = values.values
+        else:
+            columns.update({f"{name}_{medium}": values.values[:, medium] for medium in range(values.shape[1])})
+    table = pd.DataFrame(columns, index=pd.Index(data["index"].values.astype(np.int64), name="index"))
+    for name in ("touches", "side", "detector", *(name for name in columns if name.startswith("interactions_"))):
+        if name in table:
+            table[name] = table[name].astype(np.int64)
+    table.attrs.update(data.attrs)
+    return table

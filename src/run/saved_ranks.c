@@ -1,0 +1,74 @@
+/* SPDX-License-Identifier: MIT */
+#include "run/saved_ranks.h"
+
+#include "run/cluster.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define BLOCK_BYTES ((size_t)1 << 18) /* of rows that a rank sends at a time, but one row at least */
+
+/* What a rank sends at a time: rows stand behind it. */
+struct block {
+    uint64_t count, left; /* rows here, and after these */
+    uint64_t unkept;      /* packets whose rows do not stay, with the first block */
+};
+
+/* Rows from `*sent` on into the block. */
+static void fill(struct cml_saved *saved, size_t kept, size_t most, size_t *sent, struct block *block)
+{
+    const size_t size = cml_saved_row_bytes(cml_saved_media(saved));
+    block->count = kept - *sent < most ? kept - *sent : most;
+    if (block->count) memcpy(block + 1, cml_saved_row(saved, *sent), block->count * size);
+    *sent += block->count;
+    block->left = kept - *sent;
+}
+
+/* On rank 0: the blocks of all others. Returns whether any rank has more. */
+static uint64_t take(struct cml_saved *saved, const char *blocks, size_t size)
+{
+    uint64_t left = 0;
+    for (int rank = 1; rank < cml_cluster_size(); rank++) {
+        const struct block *block = (const struct block *)(blocks + (size_t)rank * size);
+        cml_saved_add(saved, block + 1, block->count);
+        cml_saved_find(saved, block->unkept);
+        left |= block->left;
+    }
+    return left;
+}
+
+/* blocks: room for one of every rank on rank 0, and for one on the others. */
+static cml_status exchange(struct cml_saved *saved, size_t most, size_t size, char *blocks, char *mine,
+                           struct cml_error *err)
+{
+    const struct cml_saved_sums sums = cml_saved_sort(saved);
+    const bool first = cml_cluster_rank() == 0;
+    struct block *block = (struct block *)mine;
+    size_t sent = 0;
+    uint64_t left = 1;
+    block->unkept = sums.found - sums.kept;
+    while (left) {
+        if (!first) fill(saved, sums.kept, most, &sent, block);
+        CML_TRY(cml_cluster_gather(mine, size, blocks, err));
+        left = first ? take(saved, blocks, size) : 0;
+        CML_TRY(cml_cluster_share(&left, sizeof left, err));
+        block->unkept = 0;
+    }
+    if (!first) cml_saved_clear(saved);
+    return CML_OK;
+}
+
+cml_status cml_gather_saved(struct cml_saved *saved, struct cml_error *err)
+{
+    if (!saved || cml_cluster_size() == 1) return CML_OK;
+    const size_t row = cml_saved_row_bytes(cml_saved_media(saved)),
+                 most = row < BLOCK_BYTES ? BLOCK_BYTES / row : 1, size = sizeof(struct block) + most * row;
+    const size_t blocks = cml_cluster_rank() == 0 ? (size_t)cml_cluster_size() + 1 : 1;
+    char *room = calloc(blocks, size);
+    cml_status status =
+        room ? CML_OK : cml_fail_memory(err, (double)(blocks * size), "saved photons of all ranks");
+    status = cml_cluster_agree(status, err);
+    if (status == CML_OK) status = exchange(saved, most, size, room, room + (blocks - 1) * size, err);
+    free(room);
+    return status;
+}

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: MIT */
+#include "tally/saved.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Of a row: where it lies before rows are moved. */
+struct key {
+    uint64_t index, at;
+};
+
+struct cml_saved {
+    size_t media, words, limit, capacity, count;
+    uint64_t below, found; /* below: rows with such indices may still be wanted */
+    uint64_t *row;         /* [capacity + 1][words], the last one is spare */
+    struct key *key;       /* [capacity] */
+};
+
+#define PART_WORDS ((size_t)1 << 13) /* of a thread's buffer, but one row at least */
+
+/* A row begins on a word, and its length is one of whole words. */
+static size_t words_of(size_t media)
+{
+    return (sizeof(struct cml_saved_row) + media * (sizeof(float) + sizeof(uint32_t))) / sizeof(uint64_t);
+}
+
+size_t cml_saved_row_bytes(size_t media)
+{
+    return words_of(media) * sizeof(uint64_t);
+}
+
+/* More than the limit, so that rows are sorted out a quarter at a time. */
+static size_t capacity_of(const struct cml_saved_kind *kind)
+{
+    return kind->limit + kind->limit / 4 + 1024;
+}
+
+double cml_saved_bytes(const struct cml_saved_kind *kind)
+{
+    return kind->limit
+               ? (double)capacity_of(kind) * (double)(cml_saved_row_bytes(kind->media) + sizeof(struct key))
+               : 0;
+}
+
+cml_status cml_saved_create(const struct cml_saved_kind *kind, struct cml_saved **saved,
+                            struct cml_error *err)
+{
+    *saved = NULL;
+    if (!kind->limit) return CML_OK;
+    struct cml_saved *made = calloc(1, sizeof *made);
+    if (!made) return cml_fail_memory(err, sizeof *made, "saved photons");
+    *made = (struct cml_saved){.media = kind->media,
+                               .words = words_of(kind->media),
+                               .limit = kind->limit,
+                               .capacity = capacity_of(kind),
+                               .below = UINT64_MAX};
+    made->row = calloc(made->capacity + 1, made->words * sizeof *made->row);
+    made->key = calloc(made->capacity, sizeof *made->key);
+    if (!made->row || !made->key) {
+        free(made->row);
+        free(made->key);
+        free(made);
+        return cml_fail_memory(err, cml_saved_bytes(kind), "saved photons");
+    }
+    *saved = made;
+    return CML_OK;
+}
+
+void cml_saved_free(struct cml_saved *saved)
+{
+    if (!saved) return;
+    free(saved->row);
+    free(saved->key);
+    free(saved);
+}
+
+/* ---- order ---- */
+
+/* The first word of a row. */
+static uint64_t index_at(const struct cml_saved *saved, size_t i)
+{
+    return saved->row[i * saved->words];
+}
+
+static void swap_keys(struct key *one, struct key *other)
+{
+    const struct key key = *one;
+    *one = *other;
+    *other = key;
+}
+
+/* Keys begin to end - 1: those not above the pivot to the front. Returns where the others begin, behind the
+ * first key and not behind the last (Hoare). */
+static size_t part_keys(struct key *key, size_t begin, size_t end)
+{
+    const uint64_t pivot = key[begin + (end - begin - 1) / 2].index;
+    for (size_t i = begin, j = end - 1;; i++, j--) {
+        while (key[i].index < pivot) i++;
+        while (key[j].index > pivot) j--;
+        if (i >= j) return j + 1;
+        swap_keys(&key[i], &key[j]);
+    }
+}
+
+/* Quicksort, but only as far as the first `most`. The shorter part is left to a call of its own, so calls are
+ * few. */
+static void sort_keys(struct key *key, size_t begin, size_t end, size_t most)
+{
+    while (end - begin > 1 && begin < most) {
+        const size_t middle = part_keys(key, begin, end);
+        const bool first_is_short = middle - begin < end - middle;
+        sort_keys(key, first_is_short ? begin : middle, first_is_short ? middle : end, most);
+        if (first_is_short)
+            begin = middle;
+        else
+            end = middle;
+    }
+}
+
+/* Row key[i].at to place i, for all i, round after round of places that take each other's. */
+static void move_rows(struct cml_saved *saved)
+{
+    const size_t size = saved->words * sizeof *saved->row;
+    uint64_t *const spare = saved->row + saved->capacity * saved->words;
+    for (size_t begin = 0; begin < saved->count; begin++) {
+        size_t to = begin;
+        if (saved->key[begin].at == begin) continue;
+        memcpy(spare, saved->row + begin * saved->words, size);
+        for (size_t from; (from = saved->key[to].at) != begin; to = from) {
+            memcpy(saved->row + to * saved->words, saved->row + from * saved->words, size);
+            saved->key[to].at = to;
+        }
+        memcpy(saved->row + to * saved->words, spare, size);
+        saved->key[to].at = to;
+    }
+}
+
+/* Of all rows. Returns whether they are in order as they are. */
+static bool make_keys(struct cml_saved *saved)
+{
+    uint64_t before = 0;
+    bool sorted = true;
+    for (size_t i = 0; i < saved->count; i++) {
+        saved->key[i] = (struct key){index_at(saved, i), i};
+        sorted &= saved->key[i].index >= before;
+        before = saved->key[i].index;
+    }
+    return sorted;
+}
+
+struct cml_saved_sums cml_saved_sort(struct cml_saved *saved)
+{
+    if (!make_keys(saved)) {
+        sort_keys(saved->key, 0, saved->count, saved->limit);
+        move_rows(saved);
+    }
+    if (saved->count >= saved->limit) {
+        saved->count = saved->limit;
+        saved->below = index_at(saved, saved->limit - 1);
+    }
+    return (struct cml_saved_sums){saved->found, saved->count};
+}
+
+/* ---- adding ---- */
+
+void cml_saved_add(struct cml_saved *saved, const void *rows, size_t count)
+{
+    const uint64_t *from = rows;
+    saved->found += count;
+    for (size_t i = 0; i < count; i++, from += saved->words) {
+        if (*from >= saved->below) continue;
+        if (saved->count == saved->capacity) cml_saved_sort(saved);
+        memcpy(saved->row + saved->count++ * saved->words, from, saved->words * sizeof *from);
+    }
+}
+
+const struct cml_saved_row *cml_saved_row(const struct cml_saved *saved, size_t i)
+{
+    return (const struct cml_saved_row *)(saved->row + i * saved->words);
+}
+
+size_t cml_saved_media(const struct cml_saved *saved)
+{
+    return saved->media;
+}
+
+uint64_t cml_saved_covers(const struct cml_saved *saved, uint64_t photons)
+{
+    return saved->found > saved->count ? index_at(saved, saved->count - 1) + 1 : photons;
+}
+
+void cml_saved_clear(struct cml_saved *saved)
+{
+    saved->count = 0;
+    saved->found = 0;
+    saved->below = UINT64_MAX;
+}
+
+void cml_saved_find(struct cml_saved *saved, uint64_t more)
+{
+    saved->found += more;
+}
+
+/* ---- a thread's ---- */
+
+cml_status cml_saved_part_create(const struct cml_saved_kind *kind, struct cml_saved_part **part,
+                                 struct cml_error *err)
+{
+    *part = NULL;
+    if (!kind->limit) return CML_OK;
+    const size_t words = words_of(kind->media), capacity = words < PART_WORDS ? PART_WORDS / words : 1;
+    const size_t size = sizeof **part + capacity * words * sizeof(uint64_t);
+    *part = calloc(1, size);
+    if (!*part) return cml_fail_memory(err, (double)size, "saved photons");
+    (*part)->detected = kind->detected;
+    (*part)->media = kind->media;
+    (*part)->words = words;
+    (*part)->capacity = capacity;
+    return CML_OK;
+}
+
+void cml_saved_hand_in(struct cml_saved_part *part)
+{
+    if (!part) return;
+    if (part->to.take) part->to.take(part->to.context, part->row, part->count);
+    part->count = 0;
+}
+
+struct cml_saved_row *cml_saved_next(struct cml_saved_part *part)
+{
+    if (part->count == part->capacity) cml_saved_hand_in(part);
+    return (struct cml_saved_row *)(part->row + part->count++ * part->words);
+}

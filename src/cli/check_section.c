@@ -75,17 +75,23 @@ static void find_depths(const struct cml_boundary *boundary, double z[2])
         take_in(z, boundary->z - boundary->radial.h[i], boundary->z - boundary->radial.h[i]);
 }
 
-/* Down to the last boundary, or to the last that lies no deeper than twice the picture's width: layers are
- * often given as thick as the sea. */
+/* Of all bodies, and down to the last boundary, or to the last that lies no deeper than twice the picture's
+ * width or the bodies: layers are often given as thick as the sea. */
 static void find_depth(const struct cml_scene *scene, const double x[2], double z[2])
 {
     const double width = x[1] - x[0];
     bool all = true;
     find_depths(&scene->boundaries[0], z);
+    for (int k = 0; k < scene->num_bodies; k++) {
+        double lower[3], upper[3];
+        cml_body_box(&scene->bodies[k], lower, upper);
+        take_in(z, lower[2], upper[2]);
+    }
+    const double reach = z[0] + 2 * fmax(width, z[1] - z[0]);
     for (int b = 1; b <= scene->num_layers; b++) {
         double depths[2];
         find_depths(&scene->boundaries[b], depths);
-        if (depths[1] - z[0] <= 2 * width)
+        if (depths[1] <= reach)
             take_in(z, depths[0], depths[1]);
         else
             all = false;
@@ -125,7 +131,8 @@ static void label_media(const struct cml_scene *scene, struct cml_section_label 
 static void describe_in_words(const struct cml_scene *scene, int k, char *text, size_t size)
 {
     static const char *const kinds[] = {"pencil", "disk", "Gaussian", "ring", "rectangle", "image"};
-    static const char *const lights[] = {"", ", na:", ", lambertian", ", isotropic", ", light of a table"};
+    static const char *const lights[] = {"", ", na:", ", lambertian", ", isotropic",
+                                         ", light of a table (rays: half its maximum)"};
     const struct cml_beam *beam = &scene->beams[k];
     const double degrees = 180 / acos(-1.0);
     FILE *out = fmemopen(text, size, "w");
@@ -146,28 +153,71 @@ static void describe_in_words(const struct cml_scene *scene, int k, char *text, 
     fclose(out);
 }
 
+/* Half of the largest intensity: tables end where hardly anything is left. */
+static double half_angle(const struct cml_light *light)
+{
+    const double *t = light->t, *intensity = light->intensity;
+    double half = 0;
+    int last = light->rows - 1;
+    for (int i = 0; i < light->rows; i++) half = fmax(half, intensity[i] / 2);
+    while (intensity[last] < half) last--;
+    if (last == light->rows - 1) return t[last];
+    return t[last] +
+           (t[last + 1] - t[last]) * (intensity[last] - half) / (intensity[last] - intensity[last + 1]);
+}
+
 /* medium: that its middle starts in. */
 static void describe_beam(const struct cml_scene *scene, int k, int medium, struct cml_section_beam *drawn)
 {
     const struct cml_beam *beam = &scene->beams[k];
     const double a = beam->angle, c = cos(beam->azimuth), half = half_size(beam);
-    *drawn = (struct cml_section_beam){.x = beam->x,
-                                       .slope = tan(a) * c,
-                                       .half_width = beam->inside ? half : half_width(beam),
-                                       .spread = cml_light_widest(&beam->light, scene->media[medium].n),
-                                       .inside = beam->inside,
-                                       .z = beam->z,
-                                       .axis = {sin(a) * c, cos(a)},
-                                       .side = {half * cos(a) * c, -half * sin(a)}};
+    const bool table = beam->light.kind == CML_LIGHT_OF_TABLE;
+    *drawn = (struct cml_section_beam){
+        .x = beam->x,
+        .slope = tan(a) * c,
+        .half_width = beam->inside ? half : half_width(beam),
+        .spread = table ? half_angle(&beam->light) : cml_light_widest(&beam->light, scene->media[medium].n),
+        .inside = beam->inside,
+        .z = beam->z,
+        .axis = {sin(a) * c, cos(a)},
+        .side = {half * cos(a) * c, -half * sin(a)}};
     describe_in_words(scene, k, drawn->text, sizeof drawn->text);
 }
 
+/* Pieces from `first` on are those of body k. */
+static void describe_body(const struct cml_scene *scene, int k, const struct cml_cut *cut, size_t first,
+                          struct cml_section_body *drawn)
+{
+    double x[2] = {INFINITY, -INFINITY}, z[2] = {INFINITY, -INFINITY};
+    for (size_t i = first; i < cut->count; i++) {
+        const double *piece = cut->piece[i];
+        take_in(x, fmin(piece[0], piece[2]), fmax(piece[0], piece[2]));
+        take_in(z, fmin(piece[1], piece[3]), fmax(piece[1], piece[3]));
+    }
+    *drawn = (struct cml_section_body){x[0], x[1], z[0], z[1], ""};
+    snprintf(drawn->text, sizeof drawn->text, "body %d, n = %g", k + 1,
+             scene->media[cml_body_medium(scene, k)].n);
+}
+
+/* Arrays of one element for each boundary and medium; behind the boundaries all bodies are one line. */
+struct drawing {
+    struct cml_cut *cuts;
+    struct cml_section_line *lines;
+    struct cml_section_label *labels;
+    struct cml_section_beam *beams;
+    const int *starts; /* media of the beams' middles */
+    struct cml_section_body bodies[CML_SECTION_BODIES];
+    int num_bodies;
+};
+
 /* Spheres and cylinders as meshes that look round. */
-static cml_status cut_bodies(const struct cml_scene *scene, struct cml_cut *cut, struct cml_error *err)
+static cml_status cut_bodies(const struct cml_scene *scene, struct cml_cut *cut, struct drawing *drawing,
+                             struct cml_error *err)
 {
     const int sides = scene->num_bodies < 100 ? 64 : 16;
     for (int k = 0; k < scene->num_bodies; k++) {
         const struct cml_scene_body *body = &scene->bodies[k];
+        const size_t first = cut->count;
         struct cml_mesh mesh;
         double lower[3], upper[3];
         cml_body_box(body, lower, upper);
@@ -176,6 +226,8 @@ static cml_status cut_bodies(const struct cml_scene *scene, struct cml_cut *cut,
         const cml_status status = cml_section_add_body(&mesh, cut, err);
         cml_mesh_clear(&mesh);
         CML_TRY(status);
+        if (cut->count > first && drawing->num_bodies < CML_SECTION_BODIES)
+            describe_body(scene, k, cut, first, &drawing->bodies[drawing->num_bodies++]);
     }
     return CML_OK;
 }
@@ -196,15 +248,6 @@ static void describe_boundaries(const struct cml_scene *scene, char *text, size_
     }
 }
 
-/* Arrays of one element for each boundary and medium; behind the boundaries all bodies are one line. */
-struct drawing {
-    struct cml_cut *cuts;
-    struct cml_section_line *lines;
-    struct cml_section_label *labels;
-    struct cml_section_beam *beams;
-    const int *starts; /* media of the beams' middles */
-};
-
 static cml_status cut_all(const struct cml_scene *scene, struct drawing *drawing, const double x[2],
                           struct cml_error *err)
 {
@@ -214,7 +257,7 @@ static cml_status cut_all(const struct cml_scene *scene, struct drawing *drawing
         drawing->lines[b].piece = (const double(*)[4])drawing->cuts[b].piece;
     }
     const int bodies = scene->num_layers + 1;
-    CML_TRY(cut_bodies(scene, &drawing->cuts[bodies], err));
+    CML_TRY(cut_bodies(scene, &drawing->cuts[bodies], drawing, err));
     drawing->lines[bodies].count = drawing->cuts[bodies].count;
     drawing->lines[bodies].piece = (const double(*)[4])drawing->cuts[bodies].piece;
     return CML_OK;
@@ -245,6 +288,8 @@ static cml_status draw_with(const struct cml_scene *scene, enum cml_picture pict
                                   .title = title,
                                   .caption = caption,
                                   .picture = picture};
+    section.num_bodies = drawing->num_bodies;
+    section.body = drawing->bodies;
     section.num_beams = scene->num_beams;
     section.beam = drawing->beams;
     for (int k = 0; k < scene->num_beams; k++)

@@ -3,6 +3,7 @@
  *     above.n  below.n  layerL.n  layerL.mua  layerL.mus  layerL.g  layerL.d     layers from 1
  *     bodyK.n  bodyK.mua  bodyK.mus  bodyK.g                                     bodies from 1
  *     layerL.phase.g1 .g2 .w .g .a  bodyK.phase...       the numbers of a phase line
+ *     backing.r, or of a metal backing.n  backing.k
  *     boundaryB.scale  boundaryB.height       boundaries from 0; of those that have a shape in the file
  *     beam.x  .y  .z  .angle  .azimuth  .na  .share and, by shape, .radius, .r1  .r2  or  .w  .h     of what
  * the line has; cm, degrees. Of several beams beam1.x ...

@@ -4,6 +4,7 @@
 #include "plot/plot_parts.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Points of the SVG; letters are 13 high. */
 enum { WIDTH = 900, HEIGHT = 560, LEFT = 104, RIGHT = 710, TOP = 44, BOTTOM = 78, LINE = 18 };
@@ -17,11 +18,19 @@ static const double map_bar = 0.965, map_text = 0.925, beam_tail = 0.835, beam_t
 static const char *const colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"};
 enum { COLOURS = sizeof colours / sizeof *colours };
 
+/* Points of the picture that a text takes. */
+struct box {
+    double left, right, low, high;
+};
+enum { MOST_BOXES = 256 };
+
 struct frame {
     const struct cml_section *section;
     struct cml_page page;
-    int low;       /* points: the frame's lower edge */
-    int num_texts; /* written */
+    int low;                    /* points: the frame's lower edge */
+    int num_texts;              /* written */
+    struct box box[MOST_BOXES]; /* of the first of them, and of beams that start inside */
+    int num_boxes;
     double z0, z1; /* depths at the frame's upper and lower edge */
 };
 
@@ -36,6 +45,16 @@ static double frame_points(const struct frame *f)
     return f->page.height - TOP - f->low;
 }
 
+static double page_x(const struct frame *f, double x)
+{
+    return LEFT + (x - f->section->x_low) / (f->section->x_high - f->section->x_low) * (RIGHT - LEFT);
+}
+
+static double page_y(const struct frame *f, double z)
+{
+    return f->low + (f->z1 - z) / (f->z1 - f->z0) * frame_points(f);
+}
+
 /* How many times longer a length in z is drawn than the same in x. */
 static double stretch_of(const struct frame *f)
 {
@@ -43,10 +62,37 @@ static double stretch_of(const struct frame *f)
     return frame_points(f) / (f->z1 - f->z0) * (s->x_high - s->x_low) / (RIGHT - LEFT);
 }
 
+/* Letters are 0.6 of their size wide at most, in the mean. */
+static struct box box_of(double x, double y, enum cml_align align, int size, const char *text)
+{
+    const double width = 0.6 * size * (double)strlen(text), left = align == CML_ALIGN_LEFT    ? x
+                                                                   : align == CML_ALIGN_RIGHT ? x - width
+                                                                                              : x - width / 2;
+    return (struct box){left, left + width, y - 0.6 * size, y + 0.6 * size};
+}
+
+static void take_room(struct frame *f, struct box box)
+{
+    if (f->num_boxes < MOST_BOXES) f->box[f->num_boxes++] = box;
+}
+
+/* Where not all boxes are known nothing is. */
+static bool is_free(const struct frame *f, const struct box *box)
+{
+    for (int i = 0; i < f->num_boxes; i++) {
+        const struct box *other = &f->box[i];
+        if (box->left < other->right && other->left < box->right && box->low < other->high &&
+            other->low < box->high)
+            return false;
+    }
+    return f->num_boxes < MOST_BOXES;
+}
+
 /* Labels have numbers in gnuplot: ours from 1 on, those of the caption above all of them. */
 static void write_text(struct frame *f, double x, double y, enum cml_align align, int size, const char *text)
 {
     const struct cml_page_text what = {x, y, align, size, text};
+    take_room(f, box_of(x, y, align, size, text));
     cml_page_write(&f->page, ++f->num_texts, &what);
 }
 
@@ -134,16 +180,19 @@ static void write_beam_inside(struct frame *f, const struct cml_section_beam *be
 {
     const double angle = atan2(beam->axis[0], beam->axis[1]), turn = acos(-1.0) / 4;
     const bool all = beam->spread > 3;
+    const double x = page_x(f, beam->x), y = page_y(f, beam->z), arrow = 0.06 * frame_points(f);
+    take_room(f, (struct box){x - arrow, x + arrow, y - arrow, y + arrow});
     write_arrow(f, beam->x - beam->side[0], beam->z - beam->side[1], beam->x + beam->side[0],
                 beam->z + beam->side[1], false);
     for (int k = 0; k < (all ? 8 : 1); k++) {
-        const double x = sin(k * turn) * (f->section->x_high - f->section->x_low),
-                     z = cos(k * turn) * (f->z1 - f->z0);
-        write_ray(f, beam, all ? atan2(x, z) : angle, all ? 0.06 : 0.1, true);
+        const double across = sin(k * turn) * (f->section->x_high - f->section->x_low),
+                     down = cos(k * turn) * (f->z1 - f->z0);
+        write_ray(f, beam, all ? atan2(across, down) : angle, all ? 0.06 : 0.1, true);
     }
     for (int side = -1; side <= 1 && !all && beam->spread > 0; side += 2)
         write_ray(f, beam, angle + side * beam->spread, 0.1, false);
-    write_text_over(f, beam->text, beam->x, (f->z1 - beam->z) / (f->z1 - f->z0) + 0.08);
+    const double above = !all && beam->axis[1] < 0 ? 0.13 : 0.08; /* of an arrow that points up, its tip */
+    write_text_over(f, beam->text, beam->x, (f->z1 - beam->z) / (f->z1 - f->z0) + above);
 }
 
 static void write_beams(struct frame *f)
@@ -200,6 +249,45 @@ static void write_labels(struct frame *f)
     }
 }
 
+/* ---- bodies ---- */
+
+/* Where there is room and neither text nor body: in the middle, below or above it, where another body may lie
+ * inside, beside the body, below or above it. */
+static void write_body(struct frame *f, const struct cml_section_body *body)
+{
+    const double left = page_x(f, body->x_low), right = page_x(f, body->x_high), top = page_y(f, body->z_top),
+                 bottom = page_y(f, body->z_bottom), width = right - left, height = top - bottom,
+                 x = (left + right) / 2, y = (top + bottom) / 2;
+    const struct {
+        bool inside;
+        enum cml_align align;
+        double x, y;
+    } places[] = {{true, CML_ALIGN_CENTER, x, y},
+                  {true, CML_ALIGN_CENTER, x, bottom + 0.2 * height},
+                  {true, CML_ALIGN_CENTER, x, top - 0.2 * height},
+                  {false, CML_ALIGN_LEFT, right + 6, y},
+                  {false, CML_ALIGN_RIGHT, left - 6, y},
+                  {false, CML_ALIGN_CENTER, x, bottom - CML_PAGE_SMALL},
+                  {false, CML_ALIGN_CENTER, x, top + CML_PAGE_SMALL}};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        const struct box box = box_of(places[i].x, places[i].y, places[i].align, CML_PAGE_SMALL, body->text);
+        const bool fits = places[i].inside
+                              ? box.right - box.left < 0.95 * width && height > 2 * CML_PAGE_SMALL
+                              : box.left > LEFT && box.right < RIGHT;
+        if (!fits || !is_free(f, &box)) continue;
+        write_text(f, places[i].x, places[i].y, places[i].align, CML_PAGE_SMALL, body->text);
+        break;
+    }
+    take_room(
+        f, (struct box){left + 0.1 * width, right - 0.1 * width, bottom + 0.1 * height, top - 0.1 * height});
+}
+
+/* The last first: a body in another stands behind it in most files. */
+static void write_bodies(struct frame *f)
+{
+    for (int k = f->section->num_bodies - 1; k >= 0; k--) write_body(f, &f->section->body[k]);
+}
+
 /* ---- the boundaries ---- */
 
 /* A name for each colour, as gnuplot looks for a name among all, and the data of all lines that have it; an
@@ -242,6 +330,7 @@ cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err
     write_map(&f);
     write_beams(&f);
     write_labels(&f);
+    write_bodies(&f);
     write_lines(&f);
     return CML_OK;
 }

@@ -21,13 +21,19 @@ struct cml_section_label {
     char text[64];
 };
 
-/* A beam of no width has one line, others have one at either side, too; light that spreads has its widest
- * rays. One that starts inside has an arrow from its middle, or arrows to all sides. */
+/* A body's part of the section, and what is written into or beside it where no other text is. */
+struct cml_section_body {
+    double x_low, x_high, z_top, z_bottom; /* cm */
+    char text[48];
+};
+
+/* A beam of no width has one line, others have one at either side, too; light that spreads has rays at
+ * its sides. One that starts inside has an arrow from its middle, or arrows to all sides. */
 struct cml_section_beam {
     double x;          /* cm: where its axis meets z = 0, or its middle */
     double slope;      /* dx / dz */
     double half_width; /* cm, along x; 0: none */
-    double spread;     /* rad: between the axis and the widest rays */
+    double spread;     /* rad: between the axis and the rays at its sides */
     bool inside;
     double z; /* cm: of the middle, of one inside */
     double axis[2],
@@ -41,6 +47,8 @@ struct cml_section {
     int num_lines, num_labels; /* from above */
     const struct cml_section_line *lines;
     const struct cml_section_label *labels;
+    int num_bodies; /* with texts */
+    const struct cml_section_body *body;
     int num_beams;
     const struct cml_section_beam *beam; /* [num_beams] */
     double map_low, map_high;            /* cm: its ends along x; equal: no map */
@@ -51,6 +59,9 @@ struct cml_section {
 
 /* How many labels have room; more are never drawn, but every second, third, ... one. */
 #define CML_SECTION_LABELS 20
+
+/* How many bodies may have texts. */
+#define CML_SECTION_BODIES 100
 
 /* For cml_gnuplot_draw: writes the script that draws the const struct cml_section `what`. */
 CML_NODISCARD cml_status cml_section_script(FILE *out, const void *what, struct cml_error *err);

@@ -51,6 +51,22 @@ for n in 1.0 1.4; do
 done
 test "$(wc -l <"$work/rays1.0")" -gt 5 && cmp -s "$work/rays1.0" "$work/rays1.4" || complain "the medium above decides how wide an aperture inside is"
 
+# So are those of a table at half its maximum, however far its tail reaches.
+for tail in '46.66666666666667 0' '40 0.2\n90 0'; do
+    printf '0 1\n20 0.8\n%b\n' "$tail" >"$work/lamp.txt"
+    printf '1.0\n1\nlamp.mco A\n1000\nbeam pencil light="lamp.txt" z=-0.2\n0.01 0.02\n20 50 10\n1\n1.0\n1.4 1 10 0.8 0.1\n1.0\n' >"$work/lamp.mci"
+    draw lamp "$work/lamp.mci" 'light of a table (rays: half its maximum)<'
+    grep '<path' "$work/lamp.svg" >"$work/rays"
+    test ! -e "$work/rays.before" || cmp -s "$work/rays" "$work/rays.before" || complain "the tail of a table is drawn"
+    mv "$work/rays" "$work/rays.before"
+done
+
+# Bodies: all of them are in the picture, each with its name, in it or beside it.
+printf '1.0\n1\nbodies.mco A\n1000\n0.02 0.02\n20 20 5\n1\n1.0\n1.4 1 50 0.8 1e9\ni sphere 0.1 0 0.3 0.2 1.5 2 10 0.5\n' >"$work/bodies.mci"
+printf 'i cylinder -0.4 -1 2.5 -0.4 1 2.5 0.02 1.6 2 10 0.5\ni sphere 0.1 0 0.3 0.1 1.3 2 10 0.5\n1.0\n' >>"$work/bodies.mci"
+draw bodies "$work/bodies.mci" '>body 1, n = 1.5<' '>body 2, n = 1.6<' '>body 3, n = 1.3<' ' 2.5<'
+draw glow samples/glow.mci '>body 1, n = 1.37<'
+
 # One run of a file with several.
 draw first samples/two_runs.mci "$(awk 'NR > 3 && / A/ { print $1; exit }' samples/two_runs.mci), seen along y"
 expect_code 0 check samples/two_runs.mci --run 2 -o "$work/second.svg" --quiet

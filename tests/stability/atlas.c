@@ -1,9 +1,8 @@
-/* atlas SCENE.mci METHOD AIM CROSSINGS [SECONDS [FLIGHTS]]: flies the scene's first run by a method, packets
- * aimed as asked (face, edge, vertex, drop, along, or an angle in rad), until CROSSINGS boundaries are
- * crossed, FLIGHTS (20) are flown for each of them, or SECONDS (0: any number) are over. Prints:
- *     crossings,lost,wrong,missed,spurious,nan,trapped,flights,cause
- * Ends with 2 and a message when the program refuses the scene or the method cannot represent it.
- * SPDX-License-Identifier: MIT */
+/* atlas SCENE.mci METHOD AIM[,AIM...] CROSSINGS [SECONDS [FLIGHTS]]: flies the scene's first run by a method,
+ * packets aimed as asked (face, edge, vertex, drop, along, or an angle in rad), until CROSSINGS boundaries
+ * are crossed, FLIGHTS (20) are flown for each of them, or SECONDS (0: any number) are over. Prints for each
+ * aim: crossings,lost,wrong,missed,spurious,nan,trapped,flights,cause Ends with 2 and a message when the
+ * program refuses the scene or the method cannot represent it. SPDX-License-Identifier: MIT */
 #include "atlas.h"
 #include "engine/cpu/engine_cpu.h"
 #include "input/mci.h"
@@ -56,7 +55,32 @@ static atlas_fly *find_walk(bool in_double)
     return in_double ? atlas_fly_double_base : atlas_fly_float_base;
 }
 
-static cml_status fly(const struct method *method, struct atlas_flight *flight, struct atlas_count *count,
+static void print_count(const struct atlas_count *count)
+{
+    printf("%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%s\n", (unsigned long long)count->crossings,
+           (unsigned long long)count->lost, (unsigned long long)count->wrong,
+           (unsigned long long)count->missed, (unsigned long long)count->spurious,
+           (unsigned long long)count->nan, (unsigned long long)count->trapped,
+           (unsigned long long)count->steps, count->lost ? cml_lost_cause_name(count->lost_cause) : "");
+}
+
+/* One line of counts for each of the aims, which commas separate. */
+static cml_status fly_aims(const struct method *method, char *names, struct atlas_flight *flight,
+                           struct cml_error *err)
+{
+    struct atlas_count count;
+    for (char *name = strtok(names, ","); name; name = strtok(NULL, ",")) {
+        if (!find_aim(name, flight))
+            return cml_fail(err, CML_E_INPUT,
+                            "%s is no aim (expected face, edge, vertex, drop, along or an angle in rad)",
+                            name);
+        CML_TRY(find_walk(method->in_double)(flight, &count, err));
+        print_count(&count);
+    }
+    return CML_OK;
+}
+
+static cml_status fly(const struct method *method, char *aims_flown, struct atlas_flight *flight,
                       struct cml_error *err)
 {
     const struct cml_surface_options options = {
@@ -71,7 +95,7 @@ static cml_status fly(const struct method *method, struct atlas_flight *flight, 
     flight->surfaces = &surfaces;
     flight->oracle = oracle;
     flight->bodies = &bodies;
-    const cml_status status = find_walk(method->in_double)(flight, count, err);
+    const cml_status status = fly_aims(method, aims_flown, flight, err);
     oracle_bodies_free(&bodies);
     for (int b = 0; b < surfaces.count; b++) oracle_free(&oracle[b]);
     free(oracle);
@@ -79,15 +103,15 @@ static cml_status fly(const struct method *method, struct atlas_flight *flight, 
     return status;
 }
 
-static cml_status fly_file(const char *path, const struct method *method, struct atlas_flight *flight,
-                           struct atlas_count *count, struct cml_error *err)
+static cml_status fly_file(const char *path, const struct method *method, char *aims_flown,
+                           struct atlas_flight *flight, struct cml_error *err)
 {
     struct cml_scene_list list;
     const struct cml_input_options options = {.flat = method->force == CML_SURFACE_PLANE};
     CML_TRY(cml_mci_read(path, &options, &list, err));
     flight->scene = &list.scenes[0];
     cml_status status = cml_scene_check_shapes(&list.scenes[0], err);
-    if (status == CML_OK) status = fly(method, flight, count, err);
+    if (status == CML_OK) status = fly(method, aims_flown, flight, err);
     cml_scene_list_clear(&list);
     return status;
 }
@@ -95,25 +119,19 @@ static cml_status fly_file(const char *path, const struct method *method, struct
 int main(int argc, char **argv)
 {
     struct atlas_flight flight = {.seed = 20261121};
-    struct atlas_count count;
     struct cml_error err = {CML_OK, ""};
     const struct method *method = argc >= 5 ? find_method(argv[2]) : NULL;
-    if (!method || !find_aim(argv[3], &flight)) {
-        fprintf(stderr, "usage: atlas SCENE.mci METHOD face|edge|vertex|drop|along|ANGLE CROSSINGS [SECONDS "
-                        "[FLIGHTS]]\n");
+    if (!method) {
+        fprintf(stderr, "usage: atlas SCENE.mci METHOD AIM[,AIM...] CROSSINGS [SECONDS [FLIGHTS]]\n"
+                        "AIM: face, edge, vertex, drop, along or an angle in rad\n");
         return 2;
     }
     flight.crossings = (uint64_t)atof(argv[4]);
     flight.max_steps = (uint64_t)(argc > 6 ? atof(argv[6]) : 20) * flight.crossings;
     flight.max_seconds = argc > 5 ? atof(argv[5]) : 0;
-    if (fly_file(argv[1], method, &flight, &count, &err) != CML_OK) {
+    if (fly_file(argv[1], method, argv[3], &flight, &err) != CML_OK) {
         fprintf(stderr, "%s\n", err.text);
         return 2;
     }
-    printf("%llu,%llu,%llu,%llu,%llu,%llu,%llu,%llu,%s\n", (unsigned long long)count.crossings,
-           (unsigned long long)count.lost, (unsigned long long)count.wrong, (unsigned long long)count.missed,
-           (unsigned long long)count.spurious, (unsigned long long)count.nan,
-           (unsigned long long)count.trapped, (unsigned long long)count.steps,
-           count.lost ? cml_lost_cause_name(count.lost_cause) : "");
     return 0;
 }

@@ -55,18 +55,20 @@ def run(command, limit=None):
         return None
 
 
-def fly_cell(arguments, situation, path, method, aim, crossings):
-    cell = {"situation": situation.name, "method": method, "aim": aim, "status": "flown", "note": ""}
-    limit = patience(situation) + 2 * arguments.seconds if arguments.seconds else None
+def fly_cell(arguments, situation, path, method, aims, crossings):
+    """A cell for each aim, from one process: it makes the surfaces once."""
+    empty = [{"situation": situation.name, "method": method, "aim": aim, "status": "flown", "note": ""} for aim in aims]
+    limit = patience(situation) + 2 * len(aims) * arguments.seconds if arguments.seconds else None
     flights = NATURAL_FLIGHTS if arguments.natural else FLIGHTS
-    done = run([arguments.walker, path, method, aim, repr(crossings), repr(arguments.seconds), str(flights)], limit)
+    done = run([arguments.walker, path, method, ",".join(aims), repr(crossings), repr(arguments.seconds), str(flights)], limit)
     if done is None:
-        return cell | {"status": "too slow", "note": f"not ready after {limit:g} s"}
+        return [cell | {"status": "too slow", "note": f"not ready after {limit:g} s"} for cell in empty]
     if done.returncode != 0:
-        return cell | {"status": "refused" if done.returncode == 2 else "failed",
-                       "note": short(done.stderr) or f"ended with {done.returncode}"}
-    values = done.stdout.strip().split(",")
-    return cell | dict(zip(COUNTS, map(int, values))) | {"note": values[len(COUNTS)]}
+        return [cell | {"status": "refused" if done.returncode == 2 else "failed",
+                        "note": short(done.stderr) or f"ended with {done.returncode}"} for cell in empty]
+    lines = [line.split(",") for line in done.stdout.splitlines()]
+    return [cell | dict(zip(COUNTS, map(int, values))) | {"note": values[len(COUNTS)]}
+            for cell, values in zip(empty, lines, strict=True)]
 
 
 def run_program(arguments, situation, path, directory):
@@ -101,7 +103,7 @@ def check_refused(arguments, situation, path):
 def share_out(arguments, pool, cells):
     """Natural flights: the crossings of every cell. The same on any machine: flights are counted, not timed."""
     equal = arguments.crossings / len(cells)
-    pilots = list(pool.map(lambda cell: fly_cell(arguments, *cell, min(PILOT, equal)), cells))
+    pilots = list(pool.map(lambda cell: fly_cell(arguments, *cell, min(PILOT, equal))[0], cells))
     ease = [pilot.get("crossings", 0) / max(1, pilot.get("flights", 0)) for pilot in pilots]
     return [math.ceil(FLOOR * equal + (1 - FLOOR) * arguments.crossings * x / sum(ease)) for x in ease]
 
@@ -125,13 +127,12 @@ def all_cells(arguments, directory):
                 if not arguments.natural:
                     others.append((check_refused, arguments, situation, path))
                 continue
-            cells += [(situation, path, method, aim)
+            cells += [(situation, path, method, ("face",) if arguments.natural else situation.aims)
                       for method in methods_of(situation)
-                      for aim in (("face",) if arguments.natural else situation.aims)
                       if not (situation.name in situations.NO_MESH and method in MESHES)]
             others.append((run_program, arguments, situation, path, directory))
-        jobs = fly_cells(arguments, pool, cells) + [pool.submit(*job) for job in others]
-        return [job.result() for job in jobs]
+        flown, jobs = fly_cells(arguments, pool, cells), [pool.submit(*job) for job in others]
+        return [cell for job in flown for cell in job.result()] + [job.result() for job in jobs]
 
 
 def must_not(cell, refused):

@@ -1,8 +1,8 @@
 #!/bin/bash
 # Everything that must hold before a change is good: installs what is missing, builds with warnings as errors, runs
-# all tests but the long ones; then the program without MPI, the unit tests and all samples again under clang with the
-# address and undefined behaviour sanitizers, the engines' threads under the thread sanitizer, and each fuzzer for some
-# five seconds. 20 to 25 minutes on two cores.
+# all tests but the long ones; then the unit tests and all samples again under clang with the address and undefined
+# behaviour sanitizers, the engines' threads under the thread sanitizer, each fuzzer for some five seconds, and the program
+# without MPI. 20 to 25 minutes on two cores.
 #
 #     sh tests/run.sh          all of that
 #     sh tests/run.sh NAME     builds, and runs the tests of one label (unit, cli, stat ...) or one test (unit.mci)
@@ -22,10 +22,6 @@ fi
 cmake --build build --parallel 2 --target benches
 ctest --test-dir build -LE long --output-on-failure -j2
 
-cmake -S . -B build-alone -DCMAKE_BUILD_TYPE=Release -DCLUSTERMCML_WERROR=ON -DCLUSTERMCML_MPI=OFF -DCLUSTERMCML_TESTS=OFF >/dev/null
-cmake --build build-alone --parallel 2
-CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-alone/clustermcml sh tests/cluster/alone.sh
-
 CC=clang CXX=clang++ cmake --preset asan -DCLUSTERMCML_TESTS=ON >/dev/null
 cmake --build build-asan --parallel 2
 export LSAN_OPTIONS=suppressions=$root/tests/lsan.supp:print_suppressions=0
@@ -37,3 +33,6 @@ sh tests/sanitize/threads.sh
 bash tests/fuzz/run.sh runs=8000 fly mco
 bash tests/fuzz/run.sh runs=100000 mci obj heightmap vti csv options checkpoint merge sweep
 bash tests/fuzz/run.sh runs=2000 h5
+
+# The fuzzers' program is built without MPI.
+CLUSTERMCML=$root/build/clustermcml CLUSTERMCML_ALONE=$root/build-fuzz/clustermcml sh tests/cluster/alone.sh

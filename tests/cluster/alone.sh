@@ -1,19 +1,20 @@
 #!/bin/sh
-# A build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE): the same bits, checkpoints and resume; refused where
+# A build without MPI (-DCLUSTERMCML_MPI=OFF, in CLUSTERMCML_ALONE; run.sh gives the fuzzers' build, by another compiler
+# with sanitizers, which is slow: few packets): the same bits, checkpoints and resume; refused where
 # several copies were started, which would all write the same files.
 # SPDX-License-Identifier: MIT
 . tests/lib/cluster.sh
 alone=${CLUSTERMCML_ALONE:?names no program}
 scene=samples/shapes/hinoise.mci
 
-expect_code 0 $scene --photons 2e4 --quiet -o "$work"
+expect_code 0 $scene --photons 5e3 --quiet -o "$work"
 mv "$work/hinoise.mco" "$work/expected"
 program=$alone
-expect_code 0 $scene --photons 2e4 --quiet -o "$work" --threads 2
+expect_code 0 $scene --photons 5e3 --quiet -o "$work" --threads 2
 sed '/^# clustermcml/d' "$work/hinoise.mco" >"$work/a"
 sed '/^# clustermcml/d' "$work/expected" >"$work/b"
 expect_bits "without MPI" "$work/a" "$work/b"
-ranks 1 $scene --photons 2e4 --quiet -o "$work" || complain "one copy under mpiexec"
+ranks 1 $scene --photons 5e3 --quiet -o "$work" || complain "one copy under mpiexec"
 # every copy says so, unless mpiexec ends it first; into a file each, because mpiexec may mix what two say
 code=0
 mpiexec -n 2 $mpi_options sh -c 'exec "$0" "$1" 2>"$2/copy.$$"' "$program" $scene "$work" >"$work/out" 2>&1 </dev/null || code=$?
@@ -23,15 +24,15 @@ test "$said" = "clustermcml: OMPI_COMM_WORLD_SIZE = 2 processes were started, bu
     complain "two copies without MPI said: $said"
 
 rm -f "$work"/thick*
-expect_code 0 samples/thick.mci --photons 2e6 --quiet -o "$work"
+expect_code 0 samples/thick.mci --photons 1e5 --quiet -o "$work"
 mv "$work/thick.mco" "$work/expected"
-"$program" samples/thick.mci --photons 2e6 -o "$work" >"$work/out" 2>&1 &
+"$program" samples/thick.mci --photons 1e5 -o "$work" >"$work/out" 2>&1 &
 run=$!
 until grep -qs '^  boundary 1' "$work/out" || ! kill -0 $run; do sleep 0.02; done
 kill -TERM $run
 code=0
 wait $run || code=$?
 test $code -eq 75 || complain "stopped without MPI: exit $code"
-expect_code 0 samples/thick.mci --photons 2e6 --quiet --resume -o "$work"
+expect_code 0 samples/thick.mci --photons 1e5 --quiet --resume -o "$work"
 expect_bits "resumed without MPI" "$work/thick.mco" "$work/expected"
 finish
